@@ -1,0 +1,26 @@
+# Sourced by the other scripts: the shell environment of the workspace. Never rely on what the caller's shell holds.
+workspace=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+# ROS belongs to Debian's own Python: another interpreter that comes first in PATH must not take its place.
+export PATH=/usr/bin:/usr/sbin:/bin:/sbin:$PATH
+unset PYTHONHOME
+export PYTHONNOUSERSITE=1
+# Everything listens and talks on the loopback.
+export ROS_HOSTNAME=localhost
+export ROS_MASTER_URI=${ROS_MASTER_URI:-http://localhost:11311}
+export ROS_LOG_DIR=${ROS_LOG_DIR:-$workspace/log/ros}
+mkdir -p "$ROS_LOG_DIR"
+
+# Debian's setup.sh files read variables that may not be set.
+source_workspace() {
+  local options=$-
+  set +u
+  # shellcheck disable=SC1091
+  . "$workspace/install/setup.sh"
+  [[ $options == *u* ]] && set -u
+  return 0
+}
+
+# A TCP port of the loopback nobody listens on: so that a run never talks to a roscore that is not its own.
+free_port() {
+  /usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'
+}
