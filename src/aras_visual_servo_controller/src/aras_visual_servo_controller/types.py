@@ -1,0 +1,171 @@
+"""Data that flows between camera, servo and robot. Plain containers, no ROS.
+
+Their fields carry the names and units of the messages of aras_visual_servo_msgs, so that a converter is a list of
+assignments. Twists are stacked [v; w], in the camera optical frame C. Joints are matched by name.
+"""
+
+from dataclasses import dataclass, field
+from enum import IntEnum
+from math import nan
+from typing import Any, Dict, Mapping, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from .errors import ParameterError
+
+#: The features servoed on, in the order of every s, e, gain and threshold: xn, yn, an [m], alpha [rad].
+FEATURE_NAMES = ("xn", "yn", "an", "alpha")
+
+
+class Status(IntEnum):
+    """Codes of aras_visual_servo_msgs/ServoState."""
+
+    IDLE = 0
+    SERVOING = 1
+    CONVERGED = 2
+    TARGET_LOST = 3
+    STALE_INPUT = 4
+    JOINT_LIMIT = 5
+    NEAR_SINGULARITY = 6
+    TIMED_OUT = 7
+    STOPPED = 8
+    FAULT = 9
+
+
+@dataclass
+class Features:
+    """Image moments of the target in one image: the fields of aras_visual_servo_msgs/MomentFeatures.
+
+    A quantity that does not exist in this image is NaN. The servo only reads attributes, so the extractor's object
+    and the ROS message serve as they are; this class is for tests and for objects that must outlive their source.
+    """
+
+    target_visible: bool = False
+    touches_border: bool = False
+    symmetric: bool = False
+    has_reference: bool = False
+    valid: bool = False
+    components: int = 0
+    area: float = nan
+    xg: float = nan
+    yg: float = nan
+    alpha: float = nan
+    xn: float = nan
+    yn: float = nan
+    an: float = nan
+    z_star_m: float = nan
+    area_star: float = nan
+    orientation_condition: float = nan
+    asymmetry: float = nan
+    moment_names: Sequence[str] = ()
+    m: Sequence[float] = ()
+    mu: Sequence[float] = ()
+    age_s: float = nan
+
+    @classmethod
+    def from_object(cls, source: Any) -> "Features":
+        """Copy of any object with these attributes (`age_s` may be missing)."""
+        names = [name for name in cls.__dataclass_fields__ if name != "age_s"]
+        copy = cls(**{name: getattr(source, name) for name in names}, age_s=getattr(source, "age_s", nan))
+        copy.moment_names, copy.m, copy.mu = tuple(copy.moment_names), tuple(copy.m), tuple(copy.mu)
+        return copy
+
+    def raw_moments(self) -> Dict[str, float]:
+        """m_ij by name "ij"."""
+        return dict(zip(self.moment_names, self.m))
+
+    def centred_moments(self) -> Dict[str, float]:
+        """mu_ij by name "ij"."""
+        return dict(zip(self.moment_names, self.mu))
+
+
+@dataclass
+class Observation:
+    """What is known at one image.
+
+    Attributes:
+        stamp_ns: time of the state the image shows [ns].
+        features: `Features`, or any object with its attributes; None when there is no image.
+        q: joint positions at stamp_ns [m or rad]: by name, or an array in the order of `Kinematics.joint_names`
+            (sorted by name).
+        frame: index of the image.
+    """
+
+    stamp_ns: int
+    features: Optional[Any]
+    q: Union[Mapping[str, float], np.ndarray]
+    frame: int = -1
+
+
+@dataclass
+class Command:
+    """Answer to one observation, for any subset of the joints, by name.
+
+    `position` sets set-points at once [m or rad]; `velocity` [m/s or rad/s] is integrated into the set-point until the
+    next command. A joint in neither keeps its set-point and stops integrating.
+    """
+
+    stamp_ns: int
+    position: Dict[str, float] = field(default_factory=dict)
+    velocity: Dict[str, float] = field(default_factory=dict)
+
+
+@dataclass
+class ServoRecord:
+    """What the servo saw and did at one image: the fields of aras_visual_servo_msgs/ServoState."""
+
+    stamp_ns: int
+    status: Status
+    status_text: str = ""
+    phase: str = "idle"
+    converged: bool = False
+    feature_names: Tuple[str, ...] = FEATURE_NAMES
+    s: np.ndarray = field(default_factory=lambda: np.full(4, nan))
+    s_star: np.ndarray = field(default_factory=lambda: np.full(4, nan))
+    e: np.ndarray = field(default_factory=lambda: np.full(4, nan))
+    twist: np.ndarray = field(default_factory=lambda: np.zeros(6))
+    joint_names: Tuple[str, ...] = ()
+    q: np.ndarray = field(default_factory=lambda: np.empty(0))
+    q_dot: np.ndarray = field(default_factory=lambda: np.empty(0))
+    set_point: np.ndarray = field(default_factory=lambda: np.empty(0))
+    manipulability: float = nan
+    cond_l: float = nan
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The goal as taught: features and attitude of the camera.
+
+    Attributes:
+        s_star: (4,) wanted xn, yn, an [m], alpha [rad].
+        optical_axis_B: (3,) unit vector, optical axis in the robot base frame; None: tilt is not held.
+    """
+
+    s_star: np.ndarray
+    optical_axis_B: Optional[np.ndarray] = None
+
+    def to_dict(self) -> Dict[str, Any]:
+        """Plain lists, for a parameter server or a file."""
+        axis = None if self.optical_axis_B is None else [float(a) for a in self.optical_axis_B]
+        return {"s_star": [float(s) for s in self.s_star], "optical_axis_B": axis}
+
+    @classmethod
+    def from_dict(cls, source: Mapping[str, Any]) -> "Reference":
+        """Inverse of `to_dict`. Raises ParameterError on wrong keys, lengths or non-finite numbers."""
+        faults = [f"reference/{key}: unknown key" for key in source if key not in ("s_star", "optical_axis_B")]
+        s_star, axis = _vector(source, "s_star", 4, faults), None
+        if source.get("optical_axis_B") is not None:
+            axis = _vector(source, "optical_axis_B", 3, faults)
+        if faults:
+            raise ParameterError(faults)
+        return cls(s_star, axis)
+
+
+def _vector(source, key, size, faults):
+    try:
+        vector = np.array(source[key], dtype=float)
+    except (KeyError, TypeError, ValueError):
+        vector = np.full(size, nan)
+    if vector.shape != (size,) or not np.isfinite(vector).all():
+        faults.append(f"reference/{key}: found {source.get(key)}, allowed {size} finite numbers")
+    return vector
