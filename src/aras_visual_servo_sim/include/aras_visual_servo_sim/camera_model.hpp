@@ -1,0 +1,108 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "aras_visual_servo_sim/image.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** A camera as a scenario or a URDF describes it; CameraModel checks it. Units are in the names; px = pixel. */
+struct CameraConfig {
+  std::string name = "camera";
+  std::string frame;  ///< link that carries the optical frame C: x right, y down, z forward
+  int width = 0;      ///< [px], 1 .. 16384
+  int height = 0;     ///< [px], 1 .. 16384
+  /** Either the horizontal field of view, in (0, pi), or fx_px and fy_px, > 0. The field is that of the lens without
+   *  distortion: fx = fy = (width / 2) / tan(field / 2), for the equidistant lens (width / 2) / (field / 2). */
+  std::optional<double> horizontal_fov_rad;
+  std::optional<double> fx_px;
+  std::optional<double> fy_px;
+  std::optional<double> cx_px;  ///< principal point; default (width - 1) / 2
+  std::optional<double> cy_px;  ///< principal point; default (height - 1) / 2
+  /** "none"; "plumb_bob" (k1 k2 p1 p2 k3); "rational_polynomial" (k1 k2 p1 p2 k3 k4 k5 k6); "equidistant"
+   *  (k1 k2 k3 k4). Coefficients as in sensor_msgs/CameraInfo; empty = all zero. */
+  std::string distortion_model = "none";
+  std::vector<double> distortion;
+  double rate_hz = 30.0;              ///< > 0
+  std::string encoding = "rgb8";      ///< "rgb8", "bgr8" or "mono8"
+  double near_m = 0.02;               ///< > 0; nothing nearer is seen
+  double far_m = 5.0;                 ///< > near_m; solids farther away are not drawn
+  std::string sampling = "coverage";  ///< "coverage": pixel = mean over its square; "center": value at its centre
+  double noise_stddev = 0.0;          ///< [grey levels], >= 0
+};
+
+/** Geometry of a camera: pinhole with any principal point, and a lens.
+ *
+ *  Pixel (u, v) covers [u - 1/2, u + 1/2] x [v - 1/2, v + 1/2]; u grows to the right, v downwards, (0, 0) is the centre
+ *  of the top left pixel. A point p_C = (X, Y, Z) with Z > 0 has normalised coordinates x = X/Z, y = Y/Z, the lens maps
+ *  them to (xd, yd), and u = fx xd + cx, v = fy yd + cy. Lens formulas: OpenCV calib3d and its fisheye namespace. */
+class CameraModel {
+ public:
+  enum class Lens { kNone, kPlumbBob, kRational, kEquidistant };
+  enum class Sampling { kCoverage, kCenter };
+
+  /** @throws ParameterError listing every fault of config, among them a lens that folds over inside the image */
+  explicit CameraModel(const CameraConfig& config);
+
+  const CameraConfig& config() const { return config_; }
+  int width() const { return config_.width; }
+  int height() const { return config_.height; }
+  double fx() const { return fx_; }
+  double fy() const { return fy_; }
+  double cx() const { return cx_; }
+  double cy() const { return cy_; }
+  double nearM() const { return config_.near_m; }
+  double farM() const { return config_.far_m; }
+  Lens lens() const { return lens_; }
+  Sampling sampling() const { return sampling_; }
+  Encoding encoding() const { return encoding_; }
+
+  /** Pixel coordinates (u, v) of p_C [m]; nothing where Z <= 0 or beyond the radius at which the lens folds over.
+   *  The image border does not matter: coordinates may lie outside. */
+  std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& p_C) const;
+
+  /** Ray (x, y, 1) through pixel coordinates (u, v): project(unproject(u, v)) is (u, v) to 1e-12 of the image size.
+   *  @throws NotFiniteError for NaN or infinity; ParameterError where no ray reaches (outside the lens's range) */
+  Eigen::Vector3d unproject(double u, double v) const;
+
+  /** Lens only: normalised (x, y) to distorted normalised (xd, yd), with no check of the range. */
+  Eigen::Vector2d distort(double x, double y) const;
+
+  /** As distort, in pixels, with no check: the inner loop of the renderer. */
+  Eigen::Vector2d toPixel(double x, double y) const {
+    if (lens_ == Lens::kNone) return {fx_ * x + cx_, fy_ * y + cy_};
+    const Eigen::Vector2d d = distort(x, y);
+    return {fx_ * d.x() + cx_, fy_ * d.y() + cy_};
+  }
+
+  /** Normalised radius sqrt(x^2 + y^2) below which the lens is one to one; infinity for no lens. */
+  double lensRadius() const { return lens_radius_; }
+  /** Largest normalised radius of the image's border, pixel edges included. */
+  double imageRadius() const { return image_radius_; }
+
+  /** Intrinsics as sensor_msgs/CameraInfo wants them: K 3 x 3, D (5, 8 or 4 numbers), R = I, P = [K 0]. */
+  Eigen::Matrix3d K() const;
+  const std::vector<double>& D() const { return distortion_; }
+  Eigen::Matrix3d R() const { return Eigen::Matrix3d::Identity(); }
+  Eigen::Matrix<double, 3, 4> P() const;
+  /** "plumb_bob", "rational_polynomial" or "equidistant"; "plumb_bob" with five zeros for no lens. */
+  std::string distortionModel() const;
+
+ private:
+  double radialDerivative(double r) const;
+  bool undistort(double xd, double yd, double& x, double& y) const;
+  void findRanges();
+
+  CameraConfig config_;
+  Lens lens_ = Lens::kNone;
+  Sampling sampling_ = Sampling::kCoverage;
+  Encoding encoding_ = Encoding::kRgb8;
+  std::vector<double> distortion_;
+  double fx_ = 0.0, fy_ = 0.0, cx_ = 0.0, cy_ = 0.0;
+  double lens_radius_ = 0.0, image_radius_ = 0.0;
+};
+
+}  // namespace aras_visual_servo_sim

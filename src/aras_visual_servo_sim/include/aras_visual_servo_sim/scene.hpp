@@ -1,0 +1,89 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "aras_visual_servo_sim/image.hpp"
+#include "aras_visual_servo_sim/mesh_loader.hpp"
+#include "aras_visual_servo_sim/types.hpp"
+
+namespace aras_visual_servo_sim {
+
+using Polygon = std::vector<Eigen::Vector2d>;  ///< corners [m] in the plane z = 0 of a model frame
+
+/** Flat polygons of one colour, drawn unlit: the pixel values are exactly these colours.
+ *
+ *  Model frame M: z = 0 is the plane, +z the face meant to be seen, outlines counter-clockwise seen from +z. The board,
+ *  if there is one, is a rectangle behind the outlines centred at the origin. Both faces are drawn; from behind the
+ *  board hides the outlines. The shape never changes, the pose may. */
+class PlanarModel {
+ public:
+  struct Board {
+    Eigen::Vector2d size_m{0.0, 0.0};
+    Rgb color;
+  };
+
+  /** @param outlines  simple polygons that do not overlap each other; clockwise ones are turned round
+   *  @throws ModelError naming the model: no outline and no board, fewer than three corners, a corner that is not
+   *          finite, no area, edges that cross each other, board not > 0 */
+  PlanarModel(std::string name, std::vector<Polygon> outlines, Rgb color, std::optional<Board> board = std::nullopt);
+
+  const std::string& name() const { return name_; }
+  const std::vector<Polygon>& outlines() const { return outlines_; }
+  Rgb color() const { return color_; }
+  const std::optional<Board>& board() const { return board_; }
+  /** Triangles of outline k, as indices of its corners, counter-clockwise. */
+  const std::vector<std::array<std::uint32_t, 3>>& triangles(std::size_t k) const { return triangles_[k]; }
+  /** Radius about the origin of M that holds everything [m]. */
+  double radius() const { return radius_; }
+  /** Corners of the board, counter-clockwise seen from +z. @pre board() */
+  Polygon boardCorners() const;
+
+  Pose X_WM;  ///< pose of the model in the world
+  bool visible = true;
+
+ private:
+  std::string name_;
+  std::vector<Polygon> outlines_;
+  Rgb color_;
+  std::optional<Board> board_;
+  std::vector<std::vector<std::array<std::uint32_t, 3>>> triangles_;
+  double radius_ = 0.0;
+};
+
+/** A mesh on a body. */
+struct Shape {
+  Pose X_BS;     ///< pose of the mesh in the body
+  MeshPtr mesh;  ///< never null
+  Rgb color;     ///< for meshes without colours of their own
+};
+
+/** Something solid that moves as one: a robot link or a fixed object. Lit, seen from outside only (back faces are
+ *  culled), so a camera inside its own housing sees out. */
+struct Body {
+  std::string name;
+  std::vector<Shape> shapes;
+  Pose X_WB;  ///< set by whoever moves it, before each frame
+  bool visible = true;
+};
+
+/** What cameras see. Plain data: the caller moves models and bodies between frames. */
+struct Scene {
+  Rgb background{230, 230, 230};
+  std::vector<PlanarModel> models;
+  std::vector<Body> bodies;
+  Eigen::Vector3d light_direction_W{-0.4, -0.3, -1.0};  ///< where the light travels, any length but zero
+
+  /** @throws ModelError naming what exists */
+  PlanarModel& model(const std::string& name);
+  const PlanarModel& model(const std::string& name) const;
+  Body& body(const std::string& name);
+  /** Index into bodies, or nothing. */
+  std::optional<std::size_t> findBody(const std::string& name) const;
+};
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <string>
+#include <vector>
+
+#include "aras_visual_servo_sim/camera_model.hpp"
+#include "aras_visual_servo_sim/mesh_loader.hpp"
+#include "aras_visual_servo_sim/robot_model.hpp"
+#include "aras_visual_servo_sim/scene.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** Reads a target file: {name, color_rgb, outlines_m: [[[x, y], ...], ...], board: {size_m, color_rgb} (optional)}.
+ *  @throws ModelError if the file is missing or not YAML, ParameterError listing the faults of its contents */
+PlanarModel loadPlanarModel(const std::string& path);
+/** The same from a node. @param source_name  for messages */
+PlanarModel planarModelFromYaml(const YAML::Node& node, const std::string& source_name);
+
+/** Reads the `scene:` section of a scenario:
+ *  {background_rgb, light_direction, models: [{name, file | outlines_m + color_rgb + board, position_m, rpy_rad}],
+ *   solids: [{name, box_m | cylinder_m | sphere_m | mesh, color_rgb, position_m, rpy_rad}]}
+ *  box_m: [x, y, z]; cylinder_m: [radius, length]; sphere_m: radius; mesh: file.
+ *  A null node gives an empty scene. @throws ParameterError, ModelError */
+Scene loadScene(const YAML::Node& node, const PackagePaths& packages);
+
+/** Adds one body for each link of the robot that has visuals, named as the link. @throws ModelError */
+void addRobotBodies(const RobotModel& robot, const PackagePaths& packages, Scene& scene);
+
+/** Reads one entry of `cameras:`; keys are the members of CameraConfig. @throws ParameterError listing all faults */
+CameraConfig cameraConfigFromYaml(const YAML::Node& node);
+
+}  // namespace aras_visual_servo_sim
