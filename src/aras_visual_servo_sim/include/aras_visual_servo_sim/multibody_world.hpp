@@ -1,0 +1,114 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "aras_visual_servo_sim/joint_controller.hpp"
+#include "aras_visual_servo_sim/robot_model.hpp"
+#include "aras_visual_servo_sim/types.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** When the joint controllers are evaluated. */
+enum class Drive {
+  kImplicit,  ///< on the state at the end of the step they act in: stable at any gain
+  kExplicit   ///< on the state at its beginning, as a sampled digital controller
+};
+
+struct WorldConfig {
+  double period_s = 0.001;
+  Eigen::Vector3d gravity_m_s2{0.0, 0.0, -9.81};
+  Drive drive = Drive::kImplicit;
+  double command_timeout_s = 0.0;             ///< a velocity command older than this (simulated) counts as 0; 0: never
+  std::vector<ControllerConfig> controllers;  ///< joints without one are passive
+};
+
+/** Commands by joint name; a joint may be absent from any map. */
+struct JointCommand {
+  std::map<std::string, double> position;  ///< set-point [m or rad]
+  std::map<std::string, double> velocity;  ///< [m/s or rad/s]; position controllers integrate it into their set-point
+  std::map<std::string, double> effort;    ///< [N or N m]
+
+  bool empty() const { return position.empty() && velocity.empty() && effort.empty(); }
+};
+
+/** The robot as an articulated body under gravity, its joint controllers, friction and limits.
+ *
+ *  Fixed base at the root link, whose frame is the world frame W. One step takes the state at t to t + period_s:
+ *  velocities first, then positions with the new velocities (semi-implicit Euler, first order).
+ *  Vectors of joints are in RobotModel::joint_names order, shape (n,).
+ */
+class MultibodyWorld {
+ public:
+  /** State: q = 0 (clamped to the limits), at rest. @throws ParameterError if the configuration is out of range. */
+  MultibodyWorld(const RobotModel& model, const WorldConfig& config);
+  ~MultibodyWorld();
+  MultibodyWorld(const MultibodyWorld&) = delete;
+  MultibodyWorld& operator=(const MultibodyWorld&) = delete;
+
+  const RobotModel& model() const;
+  const WorldConfig& config() const;
+
+  /** Back to tick 0: given positions, at rest, set-points there, controllers without memory, gains as configured.
+   *  @throws ShapeError, NotFiniteError, ParameterError (outside the position limits); nothing changes then. */
+  void reset(const Eigen::VectorXd& q);
+
+  /** Positions by joint name, at rest, set-points there; other joints keep theirs and their velocity. The clock goes on.
+   *  @throws UnknownNameError, NotFiniteError, ParameterError; nothing changes then. */
+  void setJointPositions(const std::map<std::string, double>& positions);
+
+  /** As reset(q) for velocities, positions untouched; for experiments and tests. */
+  void setJointVelocities(const Eigen::VectorXd& v);
+
+  /** n periods. */
+  void step(int n = 1);
+
+  std::int64_t ticks() const;
+
+  const Eigen::VectorXd& jointPositions() const;
+  const Eigen::VectorXd& jointVelocities() const;
+  /** What the actuators really applied in the last step, [N or N m]. */
+  const Eigen::VectorXd& jointEfforts() const;
+
+  /** @throws UnknownNameError, NotFiniteError, ParameterError (joint takes no such command); nothing changes then. */
+  void setCommand(const JointCommand& command);
+  void setPosition(const std::string& joint, double set_point);
+  void setVelocity(const std::string& joint, double velocity);
+  void setEffort(const std::string& joint, double effort);
+
+  /** As a Float64 on the controller's command topic: position, velocity or effort as its type has it; no timeout. */
+  void setControllerCommand(const std::string& controller, double value);
+
+  std::vector<std::string> controllerNames() const;
+  const ControllerConfig& controllerConfig(const std::string& controller) const;
+  ControllerState controllerState(const std::string& controller) const;
+  /** Changes gains while running; the integral is kept. @throws UnknownNameError, ParameterError */
+  void setGains(const std::string& controller, const PidGains& gains);
+
+  /** X_WL of any link, fixed ones included. */
+  Pose linkPose(int link) const;
+  Pose linkPose(const std::string& link) const;
+  /** V_WL_L: twist of L in W, expressed in L, [v; w]. */
+  Twist linkTwist(int link) const;
+  Twist linkTwist(const std::string& link) const;
+
+  /** Joint-space inertia matrix, (n, n). */
+  Eigen::MatrixXd massMatrix() const;
+  /** Kinetic plus potential energy (zero where every centre of mass is at the world origin) [J]. */
+  double energy() const;
+
+  /** Everything that decides the future, gains included, as bytes. */
+  std::string saveState() const;
+  /** @throws StateError if the bytes do not come from a world of this model and these controllers. */
+  void restoreState(const std::string& state);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace aras_visual_servo_sim
