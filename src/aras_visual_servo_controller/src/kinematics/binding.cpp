@@ -1,0 +1,45 @@
+#include <pybind11/eigen.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "chain_kinematics.hpp"
+
+namespace py = pybind11;
+using aras_visual_servo_controller::ChainKinematics;
+using aras_visual_servo_controller::ModelError;
+using aras_visual_servo_controller::NotFiniteError;
+using aras_visual_servo_controller::ShapeError;
+
+namespace {
+
+/** Raises the class of that name of the package's errors.py. */
+void raise(const char* name, const std::exception& error) {
+  const py::object errors = py::module_::import("aras_visual_servo_controller.errors");
+  PyErr_SetString(py::object(errors.attr(name)).ptr(), error.what());
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_kinematics, module) {
+  module.doc() = "Kinematics of a URDF chain through KDL.";
+  py::register_exception_translator([](std::exception_ptr pointer) {
+    try {
+      if (pointer) std::rethrow_exception(pointer);
+    } catch (const ModelError& error) {
+      raise("ModelError", error);
+    } catch (const ShapeError& error) {
+      raise("ShapeError", error);
+    } catch (const NotFiniteError& error) {
+      raise("NotFiniteError", error);
+    }
+  });
+  py::class_<ChainKinematics>(module, "ChainKinematics")
+      .def(py::init<const std::string&, const std::string&, const std::string&>(), py::arg("urdf_xml"),
+           py::arg("base_link"), py::arg("tip_link"))
+      .def_property_readonly("joint_names", &ChainKinematics::jointNames)
+      .def_property_readonly("lower", [](const ChainKinematics& self) { return Eigen::VectorXd(self.lower()); })
+      .def_property_readonly("upper", [](const ChainKinematics& self) { return Eigen::VectorXd(self.upper()); })
+      .def_property_readonly("velocity", [](const ChainKinematics& self) { return Eigen::VectorXd(self.velocity()); })
+      .def("pose", &ChainKinematics::pose, py::arg("q"))
+      .def("jacobian", &ChainKinematics::jacobian, py::arg("q"));
+}

@@ -1,0 +1,145 @@
+#include "chain_kinematics.hpp"
+
+#include <console_bridge/console.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <algorithm>
+#include <cmath>
+#include <kdl/frames.hpp>
+#include <kdl/tree.hpp>
+#include <kdl_parser/kdl_parser.hpp>
+#include <limits>
+
+namespace aras_visual_servo_controller {
+namespace {
+
+/** Collects what urdfdom and kdl_parser would print, so that it becomes the cause in a ModelError. */
+class LogCapture : public console_bridge::OutputHandler {
+ public:
+  LogCapture() { console_bridge::useOutputHandler(this); }
+  ~LogCapture() override { console_bridge::restorePreviousOutputHandler(); }
+  void log(const std::string& text, console_bridge::LogLevel level, const char* /*file*/, int /*line*/) override {
+    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR) text_ += (text_.empty() ? "" : "; ") + text;
+  }
+  std::string cause(const std::string& otherwise) const { return text_.empty() ? otherwise : text_; }
+
+ private:
+  std::string text_;
+};
+
+urdf::ModelInterfaceSharedPtr parse(const std::string& urdf_xml) {
+  LogCapture log;
+  urdf::ModelInterfaceSharedPtr model;
+  try {
+    model = urdf::parseURDF(urdf_xml);
+  } catch (const std::exception& error) {
+    throw ModelError(std::string("URDF: ") + error.what());
+  }
+  if (!model) throw ModelError("URDF: " + log.cause("cannot be parsed"));
+  return model;
+}
+
+void requireLink(const urdf::ModelInterface& model, const std::string& name) {
+  if (model.getLink(name)) return;
+  std::string known;
+  for (const auto& link : model.links_) known += (known.empty() ? "" : ", ") + link.first;
+  throw ModelError("robot '" + model.getName() + "': no link '" + name + "', it has: " + known);
+}
+
+/** @return whether the joint moves. @throws ModelError when it moves in a way the chain cannot represent */
+bool isMoving(const urdf::Joint& joint) {
+  if (joint.type == urdf::Joint::FIXED) return false;
+  if (joint.type != urdf::Joint::REVOLUTE && joint.type != urdf::Joint::CONTINUOUS &&
+      joint.type != urdf::Joint::PRISMATIC)
+    throw ModelError("joint '" + joint.name + "': type must be revolute, continuous, prismatic or fixed");
+  if (joint.mimic) throw ModelError("joint '" + joint.name + "': <mimic> is not supported");
+  return true;
+}
+
+}  // namespace
+
+ChainKinematics::ChainKinematics(const std::string& urdf_xml, const std::string& base_link,
+                                 const std::string& tip_link) {
+  const urdf::ModelInterfaceSharedPtr model = parse(urdf_xml);
+  requireLink(*model, base_link);
+  requireLink(*model, tip_link);
+
+  KDL::Tree tree;
+  {
+    const LogCapture log;
+    if (!kdl_parser::treeFromUrdfModel(*model, tree))
+      throw ModelError("robot '" + model->getName() + "': " + log.cause("no kinematic tree"));
+  }
+  // KDL would also walk upwards, against the joints: the base has to be an ancestor of the tip.
+  std::vector<urdf::JointConstSharedPtr> moving;
+  for (auto link = model->getLink(tip_link); link->name != base_link;
+       link = model->getLink(link->parent_joint->parent_link_name)) {
+    if (!link->parent_joint) throw ModelError("link '" + tip_link + "' is not below link '" + base_link + "'");
+    if (isMoving(*link->parent_joint)) moving.insert(moving.begin(), link->parent_joint);
+  }
+  if (moving.empty()) throw ModelError("no moving joint between '" + base_link + "' and '" + tip_link + "'");
+  if (!tree.getChain(base_link, tip_link, chain_))
+    throw ModelError("no kinematic chain from '" + base_link + "' to '" + tip_link + "'");
+
+  for (const auto& joint : moving) joint_names_.push_back(joint->name);
+  std::sort(joint_names_.begin(), joint_names_.end());
+  const auto n = static_cast<Eigen::Index>(moving.size());
+  const double infinity = std::numeric_limits<double>::infinity();
+  lower_ = Eigen::VectorXd::Constant(n, -infinity);
+  upper_ = velocity_ = Eigen::VectorXd::Constant(n, infinity);
+  for (const auto& joint : moving) {
+    const auto place = std::lower_bound(joint_names_.begin(), joint_names_.end(), joint->name);
+    const int i = static_cast<int>(place - joint_names_.begin());
+    index_.push_back(i);
+    if (!joint->limits) continue;
+    if (joint->type != urdf::Joint::CONTINUOUS) {
+      lower_[i] = joint->limits->lower;
+      upper_[i] = joint->limits->upper;
+    }
+    if (joint->limits->velocity > 0.0) velocity_[i] = joint->limits->velocity;
+    if (!(lower_[i] < upper_[i])) throw ModelError("joint '" + joint->name + "': limits, lower must be below upper");
+  }
+}
+
+void ChainKinematics::check(const Eigen::VectorXd& q) const {
+  if (q.size() != static_cast<Eigen::Index>(joint_names_.size()))
+    throw ShapeError("q: " + std::to_string(q.size()) + " values, expected " + std::to_string(joint_names_.size()));
+  if (!q.allFinite()) throw NotFiniteError("q: a joint position is not finite");
+}
+
+ChainKinematics::Matrix4 ChainKinematics::pose(const Eigen::VectorXd& q) const {
+  check(q);
+  KDL::Frame X_BC = KDL::Frame::Identity();
+  std::size_t moving = 0;
+  for (const KDL::Segment& segment : chain_.segments) {
+    const bool fixed = segment.getJoint().getType() == KDL::Joint::None;
+    X_BC = X_BC * segment.pose(fixed ? 0.0 : q[index_[moving++]]);
+  }
+  Matrix4 pose;
+  X_BC.Make4x4(pose.data());
+  return pose;
+}
+
+ChainKinematics::Jacobian ChainKinematics::jacobian(const Eigen::VectorXd& q) const {
+  check(q);
+  Jacobian columns = Jacobian::Zero(6, q.size());
+  // From the tip backwards, X_LC: pose of C in the frame L that the segment's joint moves.
+  KDL::Frame X_LC = KDL::Frame::Identity();
+  std::size_t moving = index_.size();
+  for (auto segment = chain_.segments.rbegin(); segment != chain_.segments.rend(); ++segment) {
+    if (segment->getJoint().getType() == KDL::Joint::None) {
+      X_LC = segment->pose(0.0) * X_LC;
+      continue;
+    }
+    const int i = index_[--moving];
+    // Unit twist of the segment's tip, at its origin, expressed in the segment's root frame; then moved to C.
+    const KDL::Frame X_RL = segment->pose(q[i]);
+    const KDL::Twist V_R = segment->twist(q[i], 1.0).RefPoint(X_RL.M * X_LC.p);
+    X_LC = X_RL * X_LC;
+    const KDL::Twist V_C = X_LC.M.Inverse(V_R);
+    for (int row = 0; row < 6; ++row) columns(row, i) = V_C(row);
+  }
+  return columns;
+}
+
+}  // namespace aras_visual_servo_controller

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <kdl/chain.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace aras_visual_servo_controller {
+
+struct ModelError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+struct ShapeError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+struct NotFiniteError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/** Kinematics of the chain base -> tip of a URDF. Constant after construction.
+ *
+ *  Joint vectors hold the moving joints of the chain SORTED BY NAME, in m or rad. B is the frame of the base link, C
+ *  that of the tip link (the camera optical frame). Twists are stacked [v; w]. */
+class ChainKinematics {
+ public:
+  using Matrix4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
+  using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
+
+  /** @throws ModelError  bad XML, unknown link, tip not below base, no moving joint between them, or a joint that is
+   *                      neither revolute, continuous, prismatic nor fixed, or mimics another one */
+  ChainKinematics(const std::string& urdf_xml, const std::string& base_link, const std::string& tip_link);
+
+  const std::vector<std::string>& jointNames() const { return joint_names_; }
+  /** Limits [m or rad; m/s or rad/s]; infinite where the URDF has none (continuous joints). */
+  const Eigen::VectorXd& lower() const { return lower_; }
+  const Eigen::VectorXd& upper() const { return upper_; }
+  const Eigen::VectorXd& velocity() const { return velocity_; }
+
+  /** X_BC, 4 x 4 homogeneous. @throws ShapeError, NotFiniteError */
+  Matrix4 pose(const Eigen::VectorXd& q) const;
+
+  /** J_BC_C, 6 x n: V_BC_C = J_BC_C q_dot, the twist of C in B, taken at the origin of C and expressed in C.
+   *  @throws ShapeError, NotFiniteError */
+  Jacobian jacobian(const Eigen::VectorXd& q) const;
+
+ private:
+  void check(const Eigen::VectorXd& q) const;
+
+  KDL::Chain chain_;
+  std::vector<std::string> joint_names_;
+  std::vector<int> index_;  ///< chain position of a moving joint -> index in joint_names_
+  Eigen::VectorXd lower_, upper_, velocity_;
+};
+
+}  // namespace aras_visual_servo_controller
