@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "aras_visual_servo_camera/camera_intrinsics.hpp"
+#include "aras_visual_servo_camera/image_view.hpp"
+#include "aras_visual_servo_camera/moment_features.hpp"
+#include "aras_visual_servo_camera/segmentation.hpp"
+
+namespace aras_visual_servo_camera {
+
+/** The image with the object's contour (green), centroid (red) and axis (yellow: alpha, arrow head where it is resolved).
+ *  @return rgb8, row-major, 3 * width * height bytes */
+std::vector<std::uint8_t> drawOverlay(const ImageView& image, const ObjectMask& mask, const MomentFeatures& features,
+                                      const CameraIntrinsics& intrinsics);
+
+/** The image as rgb8. @param out  3 * width * height bytes */
+void toRgb(const ImageView& image, std::uint8_t* out);
+
+}  // namespace aras_visual_servo_camera

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "aras_visual_servo_camera/image_view.hpp"
+#include "aras_visual_servo_camera/vision_config.hpp"
+
+namespace aras_visual_servo_camera {
+
+/** Pixels u_begin <= u < u_end of row v that lie wholly in the object (weight 1). */
+struct Span {
+  int v, u_begin, u_end;
+};
+
+/** A pixel of the object's edge and the part of it that the object covers, 0 to 1. */
+struct EdgePixel {
+  int v, u;
+  double weight;
+};
+
+/** What one image shows of the object: the weight of each pixel, zero where nothing is listed. Sorted by row. */
+struct ObjectMask {
+  int width_px = 0, height_px = 0;
+  bool visible = false;         ///< an object of at least min_area_px is in view
+  bool touches_border = false;  ///< ... and lies on the first or last row or column
+  bool soft_edges = false;      ///< weights are area coverage, else every weight is 1
+  int components = 0;           ///< objects that pass the area filter
+  int area_px = 0;              ///< pixels of the chosen one (coverage of one half or more)
+  double u_px = 0.0, v_px = 0.0;  ///< mean position of those pixels
+  std::vector<Span> spans;
+  std::vector<EdgePixel> edge;
+
+  /** Weights as grey levels, 255 for weight 1. @param out  height_px rows of width_px bytes, overwritten */
+  void render(std::uint8_t* out) const;
+};
+
+/** Finds the object in an image.
+ *
+ *  One scan classifies pixels as runs, a union of touching runs (8 neighbours) gives the components. With coverage
+ *  weighting, pixels further than two from the edge weigh 1, pixels within two of it weigh
+ *  (background - grey) / (background - object) clipped to [0, 1], all others and those of other objects weigh 0.
+ *  Deterministic: integer arithmetic up to the weights, no threads. Buffers are kept between calls. */
+class Segmentation {
+ public:
+  explicit Segmentation(const VisionConfig& config);
+  ~Segmentation();
+  Segmentation(Segmentation&&) noexcept;
+  Segmentation& operator=(Segmentation&&) noexcept;
+
+  /** @return the object; valid until the next call. @throws ShapeError if the view has no pixels */
+  const ObjectMask& process(const ImageView& image);
+
+  /** The next `nearest_to_previous` takes the largest component. */
+  void forgetPrevious();
+
+ private:
+  struct Work;
+  std::unique_ptr<Work> work_;
+};
+
+/** Grey levels of object and background, estimated from a histogram. */
+struct GreyLevels {
+  double object, background;
+};
+
+/** The two levels of an image of one object before one background, whatever their share of the image.
+ *
+ *  The robust extremes (leaving out min_area_px / 2 pixels at each end) start a two-class split at their middle; the
+ *  level of a class is the mean around its most frequent value, the split is repeated until it stands still.
+ *  @return nothing if the levels are closer than min_contrast or the classes are one noisy level */
+std::optional<GreyLevels> estimateGreyLevels(const std::array<int, 256>& histogram, ObjectShade object, int min_area_px,
+                                             double min_contrast);
+
+/** Otsu's threshold: pixels <= the result are the dark class. @return nothing for an image of one level */
+std::optional<int> otsuThreshold(const std::array<int, 256>& histogram);
+
+}  // namespace aras_visual_servo_camera

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <optional>
+
+namespace YAML {
+class Node;
+}
+
+namespace aras_visual_servo_camera {
+
+enum class ObjectShade { kDark, kBright };
+enum class SegmentationMethod { kFixed, kOtsu, kAdaptive, kCoverage };
+enum class ComponentChoice { kLargest, kNearestToPrevious };
+
+/** The `vision` section of a scenario. Greys and thresholds are 8-bit levels, 0 to 255. */
+struct VisionConfig {
+  ObjectShade object = ObjectShade::kDark;
+  SegmentationMethod segmentation = SegmentationMethod::kCoverage;
+  /** kFixed: a dark object is grey < threshold, a bright one grey > threshold. */
+  double threshold = 128.0;
+  /** kCoverage: the levels of a pixel inside and outside the object; estimated from each image when not given. */
+  std::optional<double> object_grey;
+  std::optional<double> background_grey;
+  /** kOtsu, and kCoverage with an estimated level: less contrast than this is an image without an object. */
+  double min_contrast = 25.0;
+  /** kAdaptive: side of the (odd) square whose mean is the local background, larger than the object, and how many
+   *  levels the object must differ from that mean. */
+  int adaptive_block_px = 101;
+  double adaptive_offset = 20.0;
+  ComponentChoice component = ComponentChoice::kLargest;
+  /** Components of fewer pixels are specks: not counted, not chosen. */
+  int min_area_px = 50;
+  /** Highest order i + j of the moments. */
+  int order = 3;
+  /** Below this MomentFeatures::asymmetry the orientation is known modulo pi only. */
+  double asymmetry_threshold = 0.02;
+  /** Below this MomentFeatures::orientation_condition the object counts as round: alpha is NaN. */
+  double orientation_threshold = 0.01;
+};
+
+/** @param node  mapping with keys `object` and `segmentation` (required), `threshold` (required by `fixed`), and the
+ *      other members of VisionConfig by name
+ *  @throws ParameterError listing every unknown, missing, mistyped or out-of-range key */
+VisionConfig readVisionConfig(const YAML::Node& node);
+
+}  // namespace aras_visual_servo_camera
