@@ -10,14 +10,17 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from .errors import ShapeError
+from .types import FEATURE_NAMES, Status
 
-FEATURE_NAMES = ("xn", "yn", "an", "alpha")
 FEATURE_UNITS = {"xn": "m", "yn": "m", "an": "m", "alpha": "rad"}
 TWIST_NAMES = ("vx", "vy", "vz", "wx", "wy", "wz")
 RAW_NAMES = ("area", "xg", "yg", "alpha")
 
 # Steps of an experiment, in order (ServoState.phase); "idle" before it starts.
 PHASES = ("idle", "to_goal", "settle_goal", "teach", "to_start", "settle_start", "servo", "done")
+
+# Status of the image that ended the servo phase.
+TERMINAL = (Status.CONVERGED, Status.TIMED_OUT, Status.STOPPED, Status.FAULT)
 
 
 @dataclass(frozen=True)
@@ -86,15 +89,18 @@ class RunRecord:
 
     @property
     def servo_rows(self):
-        """Indices of the images answered by the servo law, the one that ended it included: (j,) int.
+        """Indices of the images of the servo phase, the one that ended it included: (j,) int.
 
-        The row after the last servo row belongs to it when it is the `done` row of the same run: the controller
-        reports the end of the servo phase there.
+        The end may be reported by the last `servo` row (its status is in TERMINAL) or by the `done` row after it.
         """
         rows = self.rows("servo")
-        if len(rows) and rows[-1] + 1 < len(self) and self.phase[rows[-1] + 1] == "done":
-            return np.append(rows, rows[-1] + 1)
-        return rows
+        if not len(rows):
+            return rows
+        ended = np.flatnonzero(np.isin(self.status[rows], TERMINAL))
+        if len(ended):
+            return rows[:ended[0] + 1]
+        follows = rows[-1] + 1
+        return np.append(rows, follows) if follows < len(self) and self.phase[follows] == "done" else rows
 
 
 class RecordBuilder:
@@ -103,8 +109,7 @@ class RecordBuilder:
     In-process use, once per image::
 
         builder = RecordBuilder(scenario.name, sim.joint_names, settings=scenario.as_dict())
-        builder.add_row(stamp_ns, phase="servo", status=1, s=s, s_star=s_star, e=e, twist=V_C, q=q,
-                        set_point=set_point, X_WC=sim.camera_pose("camera"), raw=(area, xg, yg, alpha), image=image)
+        builder.add_answer(servo_record, X_WC=sim.camera_pose("camera"), features=features, image=image)
         record = builder.finish(run_hash=sim.run_hash, wall_s=wall_s, camera_info=..., X_WT=...)
     """
 
@@ -139,6 +144,24 @@ class RecordBuilder:
             _vector("set_point", set_point, m), _vector("raw", raw, len(RAW_NAMES)), _pose(X_WC)))
         if image is not None:
             self.keep_image(phase, image)
+
+    def add_answer(self, answer, X_WC=None, features=None, image=None):
+        """Append the row of one answered image.
+
+        Args:
+            answer: `types.ServoRecord` (or an object with its fields), joints by name in any order.
+            X_WC: (4, 4) true camera pose at the image.  features: `Features` of the image, or None.
+            image: uint8 (h, w) or (h, w, 3), or None.
+        """
+        names = tuple(answer.joint_names)
+        by_name = [names.index(name) if name in names else None for name in self.joint_names]
+
+        def joints(values):
+            return [np.nan if i is None or i >= len(values) else values[i] for i in by_name]
+
+        raw = None if features is None else [getattr(features, name) for name in RAW_NAMES]
+        self.add_row(answer.stamp_ns, answer.phase, answer.status, answer.status_text, answer.s, answer.s_star,
+                     answer.e, answer.twist, joints(answer.q), joints(answer.set_point), X_WC, raw, image)
 
     def keep_image(self, phase, image):
         """Keep the image of the row just added if it is the taught view, or the first or last one of `servo`."""

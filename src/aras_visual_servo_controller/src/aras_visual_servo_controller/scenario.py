@@ -112,7 +112,7 @@ def scenario_from_dict(document, source="scenario", base=None, path=None):
             except ParameterError as error:
                 faults.append(str(error))
     if faults:
-        raise ParameterError(f"{source}: {len(faults)} fault(s)\n" + "\n".join(f"  {fault}" for fault in faults))
+        raise ParameterError([f"{source}: {fault}" for fault in faults])
     sections = {section: copy.deepcopy(document.get(section, {})) for section in SECTIONS}
     return Scenario(name=document["name"], description=document.get("description", ""), path=path, _base=base,
                     **sections)

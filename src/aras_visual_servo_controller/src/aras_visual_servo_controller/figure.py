@@ -1,0 +1,182 @@
+"""The six panels of the paper's figure, drawn from a RunRecord with matplotlib, without pyplot and a display.
+
+(a) desired image  (b) initial image  (c) their difference  (d) moment errors  (e) camera velocity
+(f) path of the camera in the world, circle at the start, star at the goal.
+"""
+
+import io
+
+import matplotlib
+import mpl_toolkits.mplot3d  # noqa: F401  registers the projection "3d"
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+# Okabe and Ito's palette: told apart by colour-blind readers too. x, y, z, rotation keep their colour in all panels.
+BLUE, VERMILION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#AA4499"
+GREY = "#8c8c8c"
+
+FEATURE_LABELS = {"xn": "$x_n$ [m]", "yn": "$y_n$ [m]", "an": "$a_n$ [m]", "alpha": r"$\alpha$ [rad]"}
+FEATURE_COLORS = {"xn": BLUE, "yn": VERMILION, "an": GREEN, "alpha": PURPLE}
+TWIST_LABELS = ("$v_x$", "$v_y$", "$v_z$", r"$\omega_x$", r"$\omega_y$", r"$\omega_z$")
+TWIST_STYLES = tuple((color, style) for style in ("-", (0, (4, 1.5))) for color in (BLUE, VERMILION, GREEN))
+
+PANELS = ("desired", "initial", "difference", "errors", "velocity", "path")
+TITLES = {"desired": "desired image", "initial": "initial image", "difference": "difference, initial $-$ desired",
+          "errors": "moment errors", "velocity": "camera velocity", "path": "path of the camera",
+          "final": "difference at the end, final $-$ desired"}
+
+STYLE = {
+    "font.family": "DejaVu Sans", "mathtext.fontset": "dejavusans", "font.size": 9.0, "axes.titlesize": 9.5,
+    "axes.labelsize": 9.0, "legend.fontsize": 8.5, "xtick.labelsize": 8.5, "ytick.labelsize": 8.5,
+    "axes.spines.top": False, "axes.spines.right": False, "axes.edgecolor": "#444444", "axes.linewidth": 0.8,
+    "axes.grid": True, "grid.color": "#e4e4e4", "grid.linewidth": 0.7, "axes.axisbelow": True,
+    "lines.linewidth": 1.5, "legend.frameon": False, "pdf.fonttype": 42, "svg.hashsalt": "aras_visual_servo",
+}
+
+
+def save_figure(record, png_path, pdf_path=None, dpi=160):
+    """Write the six panels as one picture, 3 x 2.
+
+    Args:
+        record: RunRecord.  png_path, pdf_path: files to write; pdf_path None writes no PDF.
+    """
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(11.0, 6.4))
+        grid = figure.add_gridspec(2, 3, height_ratios=(1.0, 1.08), left=0.07, right=0.98, top=0.95, bottom=0.075,
+                                   wspace=0.27, hspace=0.2)
+        for index, panel in enumerate(PANELS):
+            axes = figure.add_subplot(grid[divmod(index, 3)], projection="3d" if panel == "path" else None)
+            draw_panel(record, panel, axes, letter="abcdef"[index])
+        # No creation date: the same run gives the same bytes.
+        figure.savefig(png_path, dpi=dpi, metadata={"Software": None})
+        if pdf_path is not None:
+            figure.savefig(pdf_path, metadata={"CreationDate": None})
+
+
+def panel_png(record, panel, size_in=(4.6, 3.5), dpi=150):
+    """One panel as the bytes of a PNG file, for the report: readable on a phone, one below the other."""
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=size_in, constrained_layout=panel != "path")
+        axes = figure.add_subplot(projection="3d" if panel == "path" else None)
+        draw_panel(record, panel, axes, title=False)
+        if panel == "path":
+            figure.subplots_adjust(left=0.0, right=0.9, bottom=0.08, top=1.0)
+        stream = io.BytesIO()
+        figure.savefig(stream, format="png", dpi=dpi, metadata={"Software": None})
+    return stream.getvalue()
+
+
+def draw_panel(record, panel, axes, letter="", title=True):
+    """Draw one of PANELS (or "final") on matplotlib axes; "path" needs a 3-D projection."""
+    if title:
+        axes.set_title((f"({letter}) " if letter else "") + TITLES[panel], pad=5.0)
+    if panel in ("desired", "initial", "difference", "final"):
+        _draw_image(axes, image_of(record, panel))
+    elif panel == "errors":
+        _draw_errors(record, axes)
+    elif panel == "velocity":
+        _draw_velocity(record, axes)
+    elif panel == "path":
+        _draw_path(record, axes)
+    else:
+        raise ValueError(f"panel '{panel}': allowed are {', '.join(PANELS)}, final")
+
+
+def image_of(record, panel):
+    """The uint8 image (h, w) or (h, w, 3) of an image panel, or None; differences: mid grey where equal."""
+    if panel == "desired":
+        return record.desired_image
+    if panel == "initial":
+        return record.initial_image
+    other = record.initial_image if panel == "difference" else record.final_image
+    if other is None or record.desired_image is None or other.shape != record.desired_image.shape:
+        return None
+    difference = _grey(other) - _grey(record.desired_image)
+    return np.clip(np.rint(127.5 + 0.5 * difference), 0, 255).astype(np.uint8)
+
+
+def _draw_image(axes, image):
+    axes.grid(False)
+    axes.set_xticks([])
+    axes.set_yticks([])
+    for spine in axes.spines.values():
+        spine.set_visible(True)
+    if image is None:
+        axes.text(0.5, 0.5, "no image in this record", ha="center", va="center", color=GREY, transform=axes.transAxes)
+        return
+    axes.imshow(image, cmap="gray", vmin=0, vmax=255, interpolation="nearest")
+    height, width = image.shape[:2]
+    # The principal axes of the image, faint: where the object is against the centre can be read off.
+    axes.axhline((height - 1) / 2, color="#ffffff", alpha=0.45, linewidth=0.6, linestyle=(0, (6, 4)))
+    axes.axvline((width - 1) / 2, color="#ffffff", alpha=0.45, linewidth=0.6, linestyle=(0, (6, 4)))
+    axes.axhline((height - 1) / 2, color="#000000", alpha=0.25, linewidth=0.6, linestyle=(5, (6, 4)))
+    axes.axvline((width - 1) / 2, color="#000000", alpha=0.25, linewidth=0.6, linestyle=(5, (6, 4)))
+
+
+def _draw_errors(record, axes):
+    rows = record.servo_rows
+    t_s = _servo_time(record, rows)
+    axes.axhline(0.0, color=GREY, linewidth=0.8)
+    for column, name in enumerate(record.feature_names):
+        axes.plot(t_s, record.e[rows, column], color=FEATURE_COLORS.get(name), label=FEATURE_LABELS.get(name, name))
+    _finish_time_axes(axes, t_s, r"$\mathbf{e} = \mathbf{s} - \mathbf{s}^*$", columns=2)
+
+
+def _draw_velocity(record, axes):
+    rows = record.servo_rows
+    t_s = _servo_time(record, rows)
+    axes.axhline(0.0, color=GREY, linewidth=0.8)
+    for column, (label, (color, style)) in enumerate(zip(TWIST_LABELS, TWIST_STYLES)):
+        axes.plot(t_s, record.twist[rows, column], color=color, linestyle=style, label=label)
+    _finish_time_axes(axes, t_s, r"$\mathbf{v}$ [m/s], $\mathbf{\omega}$ [rad/s]", columns=2)
+
+
+def _draw_path(record, axes):
+    rows = record.servo_rows
+    p = record.X_WC[rows, :3, 3]
+    p = p[np.all(np.isfinite(p), axis=1)]
+    taught = record.rows("teach")
+    goal = record.X_WC[taught[-1], :3, 3] if len(taught) else np.full(3, np.nan)
+    if len(p):
+        axes.plot(*p.T, color=BLUE)
+        axes.plot(*p[:1].T, linestyle="", marker="o", markersize=7, markerfacecolor="none", markeredgewidth=1.6,
+                  color=VERMILION, label="start")
+    if np.all(np.isfinite(goal)):
+        axes.plot(*goal[:, None], linestyle="", marker="*", markersize=11, color=GREEN, label="goal (taught)")
+    points = np.vstack([p, goal[None]])
+    points = points[np.all(np.isfinite(points), axis=1)]
+    if len(points):
+        centre = (points.max(axis=0) + points.min(axis=0)) / 2
+        half = max((points.max(axis=0) - points.min(axis=0)).max() / 2 * 1.08, 1e-3)
+        for set_limits, middle in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), centre):
+            set_limits(middle - half, middle + half)
+    axes.set_box_aspect((1, 1, 1), zoom=0.92)
+    axes.view_init(elev=22, azim=-57)
+    for axis, name in zip((axes.xaxis, axes.yaxis, axes.zaxis), "xyz"):
+        axis.set_major_locator(MaxNLocator(4))
+        axis.set_pane_color((0.97, 0.97, 0.97, 1.0))
+        axis.set_tick_params(pad=1.0 if name == "z" else -1.0)
+        axis.set_label_text(f"${name}_W$ [m]")
+        axis.labelpad = 3.0 if name == "z" else 1.0
+    if len(points):
+        axes.legend(loc="upper left", handletextpad=0.2, borderaxespad=0.0)
+
+
+def _servo_time(record, rows):
+    return (record.stamp_ns[rows] - record.stamp_ns[rows[0]]) * 1e-9 if len(rows) else np.empty(0)
+
+
+def _finish_time_axes(axes, t_s, label, columns):
+    axes.set_xlabel("time since the servo started [s]")
+    axes.set_ylabel(label)
+    if len(t_s) > 1:
+        axes.set_xlim(0.0, t_s[-1])
+        axes.legend(loc="best", ncol=columns, handlelength=1.6, columnspacing=1.2)
+    else:
+        axes.text(0.5, 0.5, "no servo phase in this record", ha="center", va="center", color=GREY,
+                  transform=axes.transAxes)
+
+
+def _grey(image):
+    return image.astype(float) if image.ndim == 2 else image.astype(float).mean(axis=2)

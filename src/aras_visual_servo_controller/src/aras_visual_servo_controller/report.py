@@ -1,0 +1,310 @@
+"""Result folder of a run: summary.json, trace.csv, figure.{png,pdf}, report.html. Reads a RunRecord, writes files.
+
+    folder = create_result_folder("results", scenario.name)      # before the run: a full or read-only disk shows now
+    summary = save_results(record, folder)
+    print(format_summary(summary))
+
+Everything but `real_time_factor`, `wall_s` and `versions` is a function of the record: the same run gives the same
+bytes. No wall-clock date is written into any file; the folder's name carries it.
+"""
+
+import base64
+import csv
+import io
+import json
+import math
+import os
+import time
+from pathlib import Path
+
+import numpy as np
+
+from .errors import ArasError
+from .experiment import judge
+from .record import FEATURE_UNITS, TWIST_NAMES
+from .scenario import share_dir
+from .versions import installed_versions
+
+# The results published with the two experiments: where the real arm ended.
+PUBLISHED = {
+    "experiment_1": {"label": "paper, real arm, experiment 1", "x_mm": 2.0, "y_mm": 4.7, "z_mm": 2.6, "angle_deg": 0.003},
+    "experiment_2": {"label": "paper, real arm, experiment 2", "x_mm": 4.0, "y_mm": 8.9, "z_mm": 7.2, "angle_deg": 0.03},
+}
+ERROR_KEYS = ("x_mm", "y_mm", "z_mm", "angle_deg")
+FEATURE_SYMBOLS = {"xn": "x_n", "yn": "y_n", "an": "a_n", "alpha": "alpha"}
+
+
+class ResultFolderError(ArasError):
+    """The folder for the results cannot be made or written."""
+
+
+def create_result_folder(output, scenario_name, stamp=None):
+    """Make the empty folder OUTPUT/SCENARIO/STAMP and prove that it can be written.
+
+    Args:
+        output: root folder of all results.  scenario_name: name of the scenario.
+        stamp: name of the folder; None: local wall time, e.g. 20260131-142501, with -2, -3 ... when taken.
+    Returns:
+        Path of the new folder.
+    Raises:
+        ResultFolderError: it cannot be made or written, with the system's reason.
+    """
+    parent = Path(os.path.expanduser(str(output))) / scenario_name
+    name = stamp or time.strftime("%Y%m%d-%H%M%S")
+    try:
+        parent.mkdir(parents=True, exist_ok=True)
+        folder, number = parent / name, 1
+        while True:
+            try:
+                folder.mkdir(exist_ok=stamp is not None)
+                break
+            except FileExistsError:
+                number += 1
+                folder = parent / f"{name}-{number}"
+        probe = folder / ".writable"
+        probe.write_text("")
+        probe.unlink()
+    except OSError as error:
+        raise ResultFolderError(f"results folder '{parent}': cannot be written: {error.strerror} "
+                                f"({error.filename}); choose another with --output") from error
+    return folder
+
+
+def save_results(record, folder, command=None):
+    """Judge a run and write its result folder, the numbers before the pictures.
+
+    Args:
+        record: RunRecord.  folder: existing folder.  command: how to repeat the run, for the report.
+    Returns:
+        The summary, as written to summary.json (see `summarise`), with `report`, the path of report.html (str).
+    Raises:
+        ResultFolderError: a file cannot be written.  ParameterError: nothing to judge (trace.csv is there already).
+    """
+    from . import figure  # matplotlib takes most of a second to import
+    folder = Path(folder)
+    _write(folder / "trace.csv", trace_csv(record))
+    summary = summarise(record)
+    _write(folder / "summary.json", json.dumps(_json_safe(summary), indent=2) + "\n")
+    try:
+        figure.save_figure(record, folder / "figure.png", folder / "figure.pdf")
+    except OSError as error:
+        raise ResultFolderError(f"{folder}: the figure cannot be written: {error}") from error
+    _write(folder / "report.html", report_html(record, summary, command))
+    return dict(summary, report=str(folder / "report.html"))
+
+
+def summarise(record):
+    """Summary of a run as a JSON-able dict; judged by `experiment.judge`, keys in the order they are read."""
+    result = judge(record)
+    servo = record.settings.get("servo", {})
+    base = published_name(record.scenario)
+    return {
+        "scenario": record.scenario,
+        "converged": result.converged,
+        "reason": result.reason,
+        "passed": result.passed,
+        "faults": list(result.faults),
+        "duration_s": result.duration_s,
+        "images": result.images,
+        "final_error": result.final_error,
+        "initial_error": result.initial_error,
+        "judge": result.limits,
+        "published": PUBLISHED.get(base),
+        "final_feature_error": result.final_feature_error,
+        "thresholds": dict(servo.get("thresholds", {})),
+        "gains_per_s": dict(servo.get("gains_per_s", {})),
+        "promised_decay_per_s": result.gains_per_s,
+        "measured_decay_per_s": result.decay_per_s,
+        "law": servo.get("law"),
+        "mode": servo.get("mode"),
+        "seed": record.settings.get("sim", {}).get("seed"),
+        "run_hash": record.run_hash,
+        "notes": list(record.notes),
+        "real_time_factor": record.real_time_factor,
+        "wall_s": record.wall_s,
+        "versions": record.versions or installed_versions(),
+    }
+
+
+def published_name(scenario):
+    """The published experiment a scenario is a variant of ("experiment_1_binary" -> "experiment_1"), or ""."""
+    return next((name for name in PUBLISHED if scenario == name or scenario.startswith(name + "_")), "")
+
+
+def trace_csv(record):
+    """The record as CSV text: one row per image. Empty cells are values that did not exist at that image.
+
+    Columns: t_s, phase, status, e_<feature>, V_<vx..wz>, q_<joint>, p_WC_{x,y,z}_m and q_WC_{x,y,z,w} (true pose of
+    the camera in the world, unit quaternion with w >= 0).
+    """
+    header = (["t_s", "phase", "status"] + [f"e_{name}_{FEATURE_UNITS.get(name, '')}".rstrip("_")
+                                             for name in record.feature_names]
+              + [f"V_{name}_{'m_s' if name[0] == 'v' else 'rad_s'}" for name in TWIST_NAMES]
+              + [f"q_{name}" for name in record.joint_names]
+              + [f"p_WC_{axis}_m" for axis in "xyz"] + [f"q_WC_{axis}" for axis in "xyzw"])
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(header)
+    for i in range(len(record)):
+        numbers = np.concatenate([record.e[i], record.twist[i], record.q[i], record.X_WC[i, :3, 3],
+                                  quaternion_xyzw(record.X_WC[i, :3, :3])])
+        writer.writerow([f"{record.stamp_ns[i] // 10**9}.{record.stamp_ns[i] % 10**9:09d}", record.phase[i],
+                         int(record.status[i])] + [f"{x:.9g}" if math.isfinite(x) else "" for x in numbers])
+    return stream.getvalue()
+
+
+def quaternion_xyzw(R):
+    """Unit quaternion (x, y, z, w), w >= 0, of a rotation matrix, shape (4,); NaN for a matrix with NaN."""
+    if not np.all(np.isfinite(R)):
+        return np.full(4, np.nan)
+    # Eigenvector of the largest eigenvalue (Bar-Itzhack 2000): no case distinctions, well conditioned everywhere.
+    K = np.array([[R[0, 0] - R[1, 1] - R[2, 2], R[0, 1] + R[1, 0], R[0, 2] + R[2, 0], R[2, 1] - R[1, 2]],
+                  [0.0, R[1, 1] - R[0, 0] - R[2, 2], R[1, 2] + R[2, 1], R[0, 2] - R[2, 0]],
+                  [0.0, 0.0, R[2, 2] - R[0, 0] - R[1, 1], R[1, 0] - R[0, 1]],
+                  [0.0, 0.0, 0.0, R[0, 0] + R[1, 1] + R[2, 2]]]) / 3.0
+    q = np.linalg.eigh(np.triu(K) + np.triu(K, 1).T)[1][:, -1]
+    return q if q[3] >= 0.0 else -q
+
+
+def report_html(record, summary, command=None):
+    """The report as one self-contained HTML page (pictures inside, no script, no network), str."""
+    import jinja2
+
+    from . import figure
+    template = (share_dir() / "config" / "report.html.j2").read_text(encoding="utf-8")
+    environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True,
+                                     undefined=jinja2.StrictUndefined)
+    pictures = []
+    for letter, panel in zip("abcdef", figure.PANELS):
+        pictures.append({"letter": letter, "title": figure.TITLES[panel].replace("$-$", "−"),
+                         "src": _data_uri(_picture(record, panel)), "pixels": panel in figure.PANELS[:3]})
+    final = figure.image_of(record, "final")
+    return environment.from_string(template).render(
+        summary=summary, pictures=pictures,
+        final_src=None if final is None else _data_uri(_picture(record, "final")),
+        rows=_comparison_rows(summary), features=_feature_rows(summary), settings=_setting_rows(record),
+        command=command or f"rosrun aras_visual_servo_controller run {summary['scenario']} --in-process")
+
+
+def format_summary(summary):
+    """The summary as a table for the terminal, ASCII, at most 79 columns wide, str."""
+    lines = [f"{summary['scenario']}: {'PASSED' if summary['passed'] else 'FAILED'} ({summary['reason']})", ""]
+    lines.append(f"{'final camera pose error':<31}{'x [mm]':>10}{'y [mm]':>10}{'z [mm]':>10}{'angle [deg]':>14}")
+    for row in _comparison_rows(summary):
+        lines.append(f"{row['label']:<31}" + "".join(f"{cell:>{width}}" for cell, width in
+                                                    zip(row["cells"], (10, 10, 10, 14))))
+    lines += ["", f"{'time to converge' if summary['converged'] else 'servo time':<20}{summary['duration_s']:.2f} s "
+                  f"simulated, {summary['images']} images"]
+    rates = {name: rate for name, rate in summary["measured_decay_per_s"].items() if _is_number(rate)}
+    if rates and summary["promised_decay_per_s"]:
+        text = ", ".join(f"{FEATURE_SYMBOLS.get(name, name)} {rate:.2f} (asked {summary['promised_decay_per_s'][name]:g})"
+                         for name, rate in rates.items() if name in summary["promised_decay_per_s"])
+        lines.append(f"{'decay [1/s]':<20}{text}")
+    if _is_number(summary["real_time_factor"]):
+        lines.append(f"{'real-time factor':<20}{summary['real_time_factor']:.1f}")
+    if summary["run_hash"]:
+        lines.append(f"{'run hash':<20}{summary['run_hash']}")
+    lines += [f"{'!':<20}{fault}" for fault in summary["faults"]]
+    lines += [f"{'note':<20}{note}" for note in summary["notes"]]
+    if summary.get("report"):
+        lines.append(f"{'report':<20}{summary['report']}")
+    return "\n".join(lines)
+
+
+def _comparison_rows(summary):
+    rows = [{"label": "this run", "cells": [_signed(summary["final_error"], key) for key in ERROR_KEYS], "kind": "ours"}]
+    if summary["judge"]:
+        rows.append({"label": "allowed (experiment.judge)", "kind": "limit",
+                     "cells": [f"{summary['judge'][key]:g}" for key in ERROR_KEYS]})
+    if summary["published"]:
+        rows.append({"label": summary["published"]["label"], "kind": "paper",
+                     "cells": [f"{summary['published'][key]:g}" for key in ERROR_KEYS]})
+    rows.append({"label": "at the start of the servo", "kind": "start",
+                 "cells": [_signed(summary["initial_error"], key) for key in ERROR_KEYS]})
+    return rows
+
+
+def _signed(error, key):
+    value = error[key]
+    if not _is_number(value):
+        return "unknown"
+    if key == "angle_deg":
+        return f"{value:.4f}" if value < 1.0 else f"{value:.2f}"
+    return f"{value:+.3f}" if abs(value) < 10.0 else f"{value:+.1f}"
+
+
+def _feature_rows(summary):
+    names = {"xn": "x<sub>n</sub>", "yn": "y<sub>n</sub>", "an": "a<sub>n</sub>", "alpha": "α"}
+    rows = []
+    for name, value in summary["final_feature_error"].items():
+        scale, unit = (1e3, "mm") if FEATURE_UNITS.get(name) == "m" else (180.0 / math.pi, "deg")
+        threshold = summary["thresholds"].get(name)
+        rate, asked = summary["measured_decay_per_s"].get(name), summary["promised_decay_per_s"].get(name)
+        rows.append({"name": names.get(name, name), "unit": unit,
+                     "value": f"{value * scale:+.4f}" if _is_number(value) else "unknown",
+                     "threshold": f"{threshold * scale:.4g}" if threshold is not None else "",
+                     "gain": f"{asked:g}" if asked is not None else "",
+                     "rate": f"{rate:.2f}" if _is_number(rate) else ""})
+    return rows
+
+
+def _setting_rows(record):
+    """(key, value) of every setting of the scenario that shapes the result, flat."""
+    rows = []
+    for section in ("robot", "sim", "vision", "servo", "experiment"):
+        rows += _flatten(section, record.settings.get(section, {}))
+    return rows
+
+
+def _flatten(prefix, value):
+    if isinstance(value, dict) and any(isinstance(v, (dict, list)) for v in value.values()):
+        return [row for key, item in value.items() for row in _flatten(f"{prefix}.{key}", item)]
+    if isinstance(value, dict) and len(prefix.split(".")) < 2:
+        return [row for key, item in value.items() for row in _flatten(f"{prefix}.{key}", item)]
+    if isinstance(value, list) and any(isinstance(v, dict) for v in value):
+        return [row for i, item in enumerate(value) for row in _flatten(f"{prefix}[{i}]", item)]
+    if isinstance(value, dict):
+        return [(prefix, ", ".join(f"{key} {item}" for key, item in value.items()))] if value else []
+    return [(prefix, ", ".join(map(str, value)) if isinstance(value, list) else str(value))]
+
+
+def _picture(record, panel):
+    """PNG bytes: the camera's own pixels for an image panel, a drawing for the others."""
+    from . import figure
+    if panel in ("errors", "velocity", "path"):
+        return figure.panel_png(record, panel)
+    image = figure.image_of(record, panel)
+    if image is None:
+        return figure.panel_png(record, panel)
+    from matplotlib.image import imsave
+    stream = io.BytesIO()
+    imsave(stream, np.repeat(image[..., None], 3, axis=2) if image.ndim == 2 else image, format="png",
+           metadata={"Software": None})
+    return stream.getvalue()
+
+
+def _data_uri(png):
+    return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
+
+
+def _is_number(value):
+    return value is not None and math.isfinite(value)
+
+
+def _json_safe(value):
+    """NaN and infinity as null: JSON has neither."""
+    if isinstance(value, dict):
+        return {key: _json_safe(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_json_safe(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _write(path, text):
+    """Write a whole file or none: a run that is cut leaves no half of a file."""
+    partial = path.with_name(path.name + ".part")
+    try:
+        partial.write_text(text, encoding="utf-8")
+        partial.replace(path)
+    except OSError as error:
+        raise ResultFolderError(f"{path}: cannot be written: {error.strerror}") from error
