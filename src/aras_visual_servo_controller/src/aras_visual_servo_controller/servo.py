@@ -6,42 +6,296 @@
     command, record = servo.step(Observation(stamp_ns, features, q), dt_s)
     ... until servo.finished
 
-Skeleton: interface fixed, bodies follow.
+Four image features say nothing about tilt, and 0.006 degrees of it look like 0.05 mm at 0.5 m. So the optical axis is
+held at its taught direction from the measured joint positions: w_xy turns it there at tilt_gain_per_s.
+
+Nothing moves on data that is missing, not valid, late or not finite: zero velocity, and a status that says why.
 """
 
-from typing import Mapping, Optional, Sequence, Tuple
+from math import asin, expm1, inf, isfinite, nan
+from typing import Mapping, Optional, Tuple
 
-from .types import Command, Observation, Reference, ServoRecord, Status
+import numpy as np
+
+from .errors import NotFiniteError, ParameterError
+from .interaction import parallel_condition
+from .laws import make_law
+from .limits import position_factor, velocity_factor
+from .redundancy import Centring, TwistInverse
+from .servo_config import ServoConfig
+from .trajectory import JointTrajectory
+from .types import FEATURE_NAMES, Command, Observation, Reference, ServoRecord, Status
+
+_FINAL = (Status.CONVERGED, Status.TIMED_OUT, Status.STOPPED, Status.FAULT)
+_MOVING_STATUSES = (Status.SERVOING, Status.JOINT_LIMIT, Status.NEAR_SINGULARITY)
+#: NEAR_SINGULARITY is reported when this part of the twist cannot be achieved, and it is above noise [rad/s].
+LOST_PART, LOST_FLOOR = 0.1, 1e-3
+#: A joint may use up its room to the limit within this many periods at the soonest.
+LIMIT_HORIZON = 2.0
+#: look_then_move: a look's displacement is followed in this many steps (the arm's Jacobian turns on the way), and this
+#: part of the tilt is corrected by each look.
+LOOK_STEPS, LOOK_TILT = 20, 0.9
 
 
 class Servo:
-    """Drives the camera to the taught view."""
+    """Drives the camera to the taught view.
+
+    Attributes:
+        config: `ServoConfig` in use.  reference: `Reference` or None.  status: `Status` of the last step.
+        finished: only start() moves again (CONVERGED, TIMED_OUT, STOPPED or FAULT).
+    """
 
     def __init__(self, kinematics, config: Mapping):
         """Args: kinematics: `Kinematics`. config: the scenario's section `servo` (dict). Raises ParameterError."""
+        names = kinematics.joint_names
+        self._kinematics = kinematics
+        self._scenario_config = self.config = ServoConfig.from_dict(config, names)
+        setup = self.config
+        weights = [setup.joint_weights.get(name, 1.0) for name in names]
+        self._inverse = TwistInverse(weights, setup.length_m, setup.singular_value_threshold, setup.damping)
+        lower, upper = kinematics.lower, kinematics.upper
+        self._centring = Centring(lower, upper, setup.joint_limit_gain_per_s, setup.max_speed)
+        self._lower, self._upper = lower + setup.joint_limit_margin, upper - setup.joint_limit_margin
+        self._law = make_law(setup.law, setup.gains_per_s)
+        self._no_velocity = dict.fromkeys(names, 0.0)
+        self._zeros, self._nans = np.zeros(len(names)), np.full(len(names), nan)
+        self._s_star = np.full(len(FEATURE_NAMES), nan)
+        self.reference: Optional[Reference] = None
+        self.status = Status.IDLE
+        self._clear(0, None)
 
-    reference: Optional[Reference]
-    status: Status
-    finished: bool  # CONVERGED, TIMED_OUT, STOPPED or FAULT: only start() moves again
+    @property
+    def finished(self) -> bool:
+        """True when only start() moves again."""
+        return self.status in _FINAL
 
-    def configure(self, law: str = "", gains_per_s: Sequence[float] = (), thresholds: Sequence[float] = (),
-                  time_limit_s: float = 0.0) -> None:
-        """Override the scenario's values for the next start; empty or 0 keeps (goal of VisualServo.action)."""
+    def configure(self, law="", gains_per_s=(), thresholds=(), time_limit_s=0.0) -> None:
+        """Override the scenario's values from the next start on; empty or 0 takes the scenario's. ParameterError."""
+        self.config = self._scenario_config.with_overrides(law, gains_per_s, thresholds, time_limit_s)
 
     def teach(self, features, q) -> Reference:
-        """This view is the goal. Raises ParameterError when the features are not fit to servo on."""
+        """This view, seen at joint positions q, is the goal. ParameterError when the features are not fit for it."""
+        fit = features is not None and features.target_visible and features.valid and features.has_reference
+        s_star = np.array([features.xn, features.yn, features.an, features.alpha]) if fit else self._nans[:1]
+        q = self._kinematics.vector(q)
+        if not (np.isfinite(s_star).all() and np.isfinite(q).all()):
+            raise ParameterError("teach: the view has no valid, normalised features of the target")
+        self.set_reference(Reference(s_star, self._kinematics.pose(q)[:3, 2].copy()))
+        return self.reference
 
     def set_reference(self, reference: Reference) -> None:
-        """Use a reference taught before (respawned controller)."""
+        """Use a reference taught before."""
+        self._law.reset(reference)
+        self._s_star = np.array(reference.s_star, dtype=float)
+        self.reference = reference
 
     def start(self, stamp_ns: int, set_point=None) -> None:
-        """Begin servoing; needs a reference."""
+        """Begin servoing.
+
+        Args: stamp_ns: start of the time limit. set_point: joint set-points last commanded, by name or as an array
+        (look_then_move moves them; default: the positions measured at the first step).
+        Raises: ParameterError without a reference.
+        """
+        if self.reference is None:
+            raise ParameterError("servo: no reference, teach one first")
+        self._law = make_law(self.config.law, self.config.gains_per_s)
+        self._law.reset(self.reference)
+        self._clear(stamp_ns, None if set_point is None else self._kinematics.vector(set_point))
+        self.status = Status.SERVOING
 
     def stop(self, stamp_ns: int, reason: str = "stopped") -> Tuple[Command, ServoRecord]:
         """End servoing: zero velocity, STOPPED."""
-
-    def step(self, observation: Observation, dt_s: float) -> Tuple[Command, ServoRecord]:
-        """Answer to one image; dt_s: time to the next one (the image period) [s]."""
+        return self._rest(stamp_ns, Status.STOPPED, reason)
 
     def stale(self, stamp_ns: int, reason: str) -> Tuple[Command, ServoRecord]:
-        """Watchdog: no input for input_timeout_s. Zero velocity, STALE_INPUT; servoing resumes with the next step."""
+        """Watchdog: input is late. Zero velocity, STALE_INPUT; servoing goes on with the next step."""
+        if self.status == Status.IDLE or self.finished:
+            return self._rest(stamp_ns, self.status, self._text)
+        return self._rest(stamp_ns, Status.STALE_INPUT, reason)
+
+    def step(self, observation: Observation, dt_s: float) -> Tuple[Command, ServoRecord]:
+        """Answer to one image.
+
+        Args: observation: at this image. dt_s: time to the next image, through which the command holds [s].
+        """
+        stamp_ns, features = observation.stamp_ns, observation.features
+        if self.status == Status.IDLE:
+            return Command(stamp_ns), self._record(stamp_ns, "not started", self._zeros, self._nans)
+        if self.finished:
+            return self._rest(stamp_ns, self.status, self._text)
+        q, self._q = self._kinematics.vector(observation.q), self._nans
+        if q.shape != self._zeros.shape or not isfinite(float(q.sum())):
+            return self._rest(stamp_ns, Status.FAULT, f"joint positions {q} are not {len(self._zeros)} finite numbers")
+        self._q = q
+        gap_s = nan if self._last_ns is None else 1e-9 * (stamp_ns - self._last_ns)
+        if gap_s <= 0.0 or not 0.0 < dt_s < inf:
+            return self._rest(stamp_ns, Status.STALE_INPUT, f"stamp advanced by {gap_s} s, period {dt_s} s: must be > 0")
+        self._last_ns = stamp_ns
+        if stamp_ns - self._start_ns >= 1e9 * self.config.time_limit_s:
+            return self._rest(stamp_ns, Status.TIMED_OUT, f"not converged after {self.config.time_limit_s} s")
+        if gap_s > self.config.input_timeout_s or features is None:
+            text = "no image" if features is None else f"no image for {gap_s:.3f} s"
+            return self._rest(stamp_ns, Status.STALE_INPUT, text)
+        if self._move is not None and self._moving(stamp_ns, q, gap_s):
+            return self._follow(stamp_ns, dt_s)
+        if not (features.target_visible and features.valid):
+            text = "target not in view" if not features.target_visible else "target cut by the border or not orientable"
+            return self._rest(stamp_ns, Status.TARGET_LOST, text)
+        return self._servo(stamp_ns, features, q, dt_s)
+
+    def _servo(self, stamp_ns, features, q, dt_s):
+        """One look at valid features."""
+        look = self.config.mode == "look_then_move"
+        try:
+            twist = self._law.step(features, 0.0 if look else dt_s)
+        except NotFiniteError as error:
+            return self._rest(stamp_ns, Status.FAULT, f"not finite: {error}")
+        if not isfinite(float(twist.sum())):
+            return self._rest(stamp_ns, Status.FAULT, f"law '{self._law.name}' gave a twist that is not finite")
+        self._s, self._e = self._law.s, self._law.e
+        self._cond_l = parallel_condition(features.xn, features.yn)
+        below = all(abs(e) < threshold for e, threshold in zip(self._e, self.config.thresholds))
+        if not below:
+            self._below_ns = None
+        elif self._below_ns is None:
+            self._below_ns = stamp_ns
+        if below and stamp_ns - self._below_ns >= 1e9 * self.config.hold_s:
+            return self._rest(stamp_ns, Status.CONVERGED, "every |e| below its threshold")
+        self.status, self._text = Status.SERVOING, "servoing"
+        if look:
+            return self._rest_until_held(stamp_ns) if below else self._look(stamp_ns, q, twist, dt_s)
+        gain = self.config.tilt_gain_per_s
+        if gain > 0.0:
+            self._add_tilt(twist, q, -expm1(-gain * dt_s) / dt_s, (features.xn, features.yn, features.an))
+        self._twist = twist
+        q_dot = self._joint_velocity(q, twist, dt_s)
+        velocity = self._kinematics.by_name(q_dot)
+        return Command(stamp_ns, {}, velocity), self._record(stamp_ns, self._text, q_dot, self._nans)
+
+    def _add_tilt(self, twist, q, gain, target_C=None):
+        """Turn the optical axis towards the taught one. target_C: point (x, y, z) that must not move in the image."""
+        axis_B = self.reference.optical_axis_B
+        if axis_B is None:
+            return
+        a, b, _ = (axis_B @ self._kinematics.pose(q)[:3, :3]).tolist()  # the taught axis in C
+        sine = (a * a + b * b) ** 0.5
+        if sine > 0.0:
+            gain *= asin(min(1.0, sine)) / sine
+        wx, wy = -gain * b, gain * a
+        twist[3] += wx
+        twist[4] += wy
+        if target_C is not None:  # v = -w x P keeps P = (x, y, z) where it is
+            x, y, z = target_C
+            twist[0] -= wy * z
+            twist[1] += wx * z
+            twist[2] -= wx * y - wy * x
+
+    def _joint_velocity(self, q, twist, dt_s):
+        """Joint velocities of the twist, within all limits; sets status and manipulability."""
+        inverse = self._inverse.solve(self._kinematics.jacobian(q), twist, self._centring(q))
+        self._manipulability = inverse.manipulability
+        q_dot = inverse.q_dot + inverse.null
+        factor = velocity_factor(q_dot, self._kinematics.velocity)
+        if factor < 1.0:
+            q_dot = q_dot * factor
+        room, joint = position_factor(q, q_dot, self._lower, self._upper, LIMIT_HORIZON * dt_s)
+        if joint is not None:
+            q_dot = q_dot * room
+            self.status = Status.JOINT_LIMIT
+            self._text = f"joint '{self._kinematics.joint_names[joint]}' at its limit, speed times {room:.2f}"
+        elif inverse.lost > LOST_FLOOR and inverse.lost > LOST_PART * float(np.linalg.norm(twist)):
+            self.status, self._text = Status.NEAR_SINGULARITY, "part of the twist cannot be achieved here"
+        if factor < 1.0 or joint is not None:
+            self._twist = twist * (factor * room)
+        return q_dot
+
+    # --- look then move -----------------------------------------------------------------------------------------
+
+    def _look(self, stamp_ns, q, twist, dt_s):
+        """Plan the move that one look asks for, and begin it."""
+        motion = twist * self.config.sample_time_s
+        if self.config.tilt_gain_per_s > 0.0:
+            self._add_tilt(motion, q, LOOK_TILT)
+        self._twist = twist
+        ahead = q
+        for _ in range(LOOK_STEPS):
+            step = self._inverse.solve(self._kinematics.jacobian(ahead), motion / LOOK_STEPS, self._zeros)
+            ahead = ahead + step.q_dot
+            self._manipulability = step.manipulability
+        if self._set_point is None:
+            self._set_point = q.copy()
+        wanted = self._set_point + (ahead - q)
+        target = np.clip(wanted, self._lower, self._upper)
+        if (target != wanted).any():  # shorten, so that the direction is kept
+            room, joint = position_factor(self._set_point, wanted - self._set_point, self._lower, self._upper, 1.0)
+            target = self._set_point + room * (wanted - self._set_point)
+            self.status = Status.JOINT_LIMIT
+            self._text = f"joint '{self._kinematics.joint_names[joint]}' at its limit"
+        self._move = JointTrajectory(self._set_point, target, self._kinematics.velocity, self.config.acceleration)
+        self._move_ns = stamp_ns
+        return self._follow(stamp_ns, dt_s)
+
+    def _moving(self, stamp_ns, q, gap_s):
+        """Whether the last move is still under way or settling."""
+        speed = inf if self._last_q is None else float(np.abs(q - self._last_q).max()) / gap_s
+        self._last_q = q.copy()
+        waited_s = 1e-9 * (stamp_ns - self._move_ns) - self._move.duration_s
+        if waited_s < 0.0:
+            return True
+        near = float(np.abs(q - self._set_point).max()) < self.config.settle_tolerance
+        if (near and speed < self.config.settle_speed) or waited_s > self.config.settle_limit_s:
+            self._move = self._last_q = None
+            return False
+        return True
+
+    def _follow(self, stamp_ns, dt_s):
+        """Command of the move under way."""
+        t_s = 1e-9 * (stamp_ns - self._move_ns)
+        self._followed_s = t_s + dt_s
+        self._set_point, q_dot = self._move.position(t_s), self._move.velocity(t_s, dt_s)
+        by_name = self._kinematics.by_name
+        if self.status not in _MOVING_STATUSES:
+            self.status, self._text = Status.SERVOING, "moving"
+        record = self._record(stamp_ns, self._text, q_dot, self._set_point)
+        return Command(stamp_ns, by_name(self._set_point), by_name(q_dot)), record
+
+    def _rest_until_held(self, stamp_ns):
+        self._twist = np.zeros(6)
+        return Command(stamp_ns, {}, dict(self._no_velocity)), self._record(stamp_ns, "holding", self._zeros, self._nans)
+
+    # --- common -------------------------------------------------------------------------------------------------
+
+    def _clear(self, stamp_ns, set_point):
+        self._text = ""
+        self._start_ns, self._last_ns, self._below_ns = stamp_ns, None, None
+        self._move, self._move_ns, self._followed_s = None, 0, 0.0
+        self._last_q, self._set_point = None, set_point
+        self._forget()
+        self._q = self._nans
+
+    def _forget(self):
+        self._s = self._e = (nan,) * len(FEATURE_NAMES)
+        self._twist, self._manipulability, self._cond_l = np.zeros(6), nan, nan
+
+    def _rest(self, stamp_ns, status, text):
+        """Zero velocity. The record of CONVERGED keeps s and e; every other one has nothing to show."""
+        if status not in _FINAL:
+            self._below_ns = None
+            self._forget()
+        self._twist = np.zeros(6)
+        self.status, self._text = status, text
+        if self._move is None:
+            return Command(stamp_ns, {}, dict(self._no_velocity)), self._record(stamp_ns, text, self._zeros, self._nans)
+        # A move is broken off where the integrated set-point now is; the next look starts from there.
+        t_s = min(1e-9 * (stamp_ns - self._move_ns), self._followed_s)
+        self._set_point = self._move.position(t_s)
+        self._move = self._last_q = None
+        record = self._record(stamp_ns, text, self._zeros, self._set_point)
+        return Command(stamp_ns, self._kinematics.by_name(self._set_point), dict(self._no_velocity)), record
+
+    def _record(self, stamp_ns, text, q_dot, set_point):
+        return ServoRecord(
+            stamp_ns, self.status, text, "servo", self.status == Status.CONVERGED, FEATURE_NAMES, np.array(self._s),
+            self._s_star, np.array(self._e), self._twist, self._kinematics.joint_names, self._q, q_dot, set_point,
+            self._manipulability, self._cond_l,
+        )  # fmt: skip

@@ -1,0 +1,97 @@
+"""Settings of the servo: the scenario's section `servo`, checked as a whole."""
+
+from dataclasses import dataclass, replace
+from typing import Dict, Tuple
+
+from .config_reader import ConfigReader
+from .errors import ParameterError
+from .laws import known_laws, make_law
+from .types import FEATURE_NAMES
+
+MODES = ("continuous", "look_then_move")
+
+
+@dataclass(frozen=True)
+class ServoConfig:
+    """Keys of the section, with their defaults. Tuples of four are in the order of FEATURE_NAMES."""
+
+    law: str
+    mode: str
+    gains_per_s: Tuple[float, ...]  # > 0 [1/s]
+    thresholds: Tuple[float, ...]  # of |e|, > 0 [m, m, m, rad]
+    time_limit_s: float  # of simulated time
+    hold_s: float = 0.2  # converged when |e| is below all thresholds for this long
+    input_timeout_s: float = 0.2  # a longer gap between images stops the arm
+    tilt_gain_per_s: float = 3.0  # 0: tilt is not held
+    sample_time_s: float = 0.01  # look_then_move: a look moves the set-point by gain * sample_time_s of the error
+    settle_speed: float = 0.002  # look_then_move: joints slower than this have settled [m/s, rad/s] ...
+    settle_tolerance: float = 0.002  # ... and are this close to their set-points [m, rad] ...
+    settle_limit_s: float = 1.0  # ... or have had this long
+    acceleration: float = 2.0  # look_then_move: of the moves [m/s^2, rad/s^2]
+    length_m: float = 0.05  # section inverse, see redundancy.py
+    singular_value_threshold: float = 0.02
+    damping: float = 0.02
+    joint_weights: Dict[str, float] = None  # section inverse/joint_weights: cost of moving a joint, default 1
+    joint_limit_gain_per_s: float = 0.5  # section null_space: rate of centring the joints with limits; 0: none
+    max_speed: float = 0.2  # section null_space: of any joint [m/s, rad/s]
+    joint_limit_margin: float = 0.01  # kept to every joint limit [m, rad]
+
+    @classmethod
+    def from_dict(cls, source, joint_names=()):
+        """Read the section. Raises ParameterError listing every fault."""
+        reader = ConfigReader(source, "servo")
+        values = {"law": reader.choice("law", known_laws()), "mode": reader.choice("mode", MODES)}
+        values["gains_per_s"] = tuple(reader.section("gains_per_s", True).numbers(FEATURE_NAMES, above=0.0))
+        values["thresholds"] = tuple(reader.section("thresholds", True).numbers(FEATURE_NAMES, above=0.0))
+        values["time_limit_s"] = reader.number("time_limit_s", above=0.0)
+        for key in ("hold_s", "tilt_gain_per_s", "joint_limit_margin"):
+            values[key] = reader.number(key, getattr(cls, key), at_least=0.0)
+        for key in ("input_timeout_s", "sample_time_s", "settle_speed", "settle_tolerance", "settle_limit_s", "acceleration"):
+            values[key] = reader.number(key, getattr(cls, key), above=0.0)
+
+        inverse = reader.section("inverse")
+        inverse.choice("method", ("damped",), "damped")
+        for key in ("length_m", "singular_value_threshold", "damping"):
+            values[key] = inverse.number(key, getattr(cls, key), above=0.0)
+        weights = inverse.section("joint_weights")
+        names = weights.keys()
+        values["joint_weights"] = dict(zip(names, weights.numbers(names, above=0.0)))
+        for name in names:
+            if joint_names and name not in joint_names:
+                inverse.fault(f"joint_weights/{name}: no such joint, allowed {', '.join(joint_names)}")
+        inverse.close()
+
+        null_space = reader.section("null_space")
+        gain = "joint_limit_gain_per_s"
+        values[gain] = null_space.number(gain, getattr(cls, gain), at_least=0.0)
+        values["max_speed"] = null_space.number("max_speed", cls.max_speed, above=0.0)
+        null_space.close()
+        if values["mode"] == "look_then_move" and None not in (*values["gains_per_s"], values["sample_time_s"]):
+            for name, value in zip(FEATURE_NAMES, values["gains_per_s"]):
+                if value * values["sample_time_s"] >= 2.0:
+                    reader.fault(f"gains_per_s/{name}: found {value}, allowed < 2 / sample_time_s (it would diverge)")
+        reader.finish()
+        return cls(**values)
+
+    def with_overrides(self, law="", gains_per_s=(), thresholds=(), time_limit_s=0.0):
+        """Copy with the values of a goal of VisualServo.action; empty or 0 keeps. Raises ParameterError."""
+        faults, changes = [], {}
+        for key, values in (("gains_per_s", gains_per_s), ("thresholds", thresholds)):
+            values = tuple(float(value) for value in values)
+            if values and (len(values) != len(FEATURE_NAMES) or not all(0.0 < value < float("inf") for value in values)):
+                faults.append(f"{key}: found {values}, allowed {len(FEATURE_NAMES)} numbers > 0")
+            elif values:
+                changes[key] = values
+        if not 0.0 <= time_limit_s < float("inf"):
+            faults.append(f"time_limit_s: found {time_limit_s}, allowed >= 0")
+        elif time_limit_s:
+            changes["time_limit_s"] = float(time_limit_s)
+        if law:
+            changes["law"] = law
+        try:
+            make_law(law or self.law, self.gains_per_s)
+        except ParameterError as error:
+            faults += error.faults
+        if faults:
+            raise ParameterError(faults)
+        return replace(self, **changes)
