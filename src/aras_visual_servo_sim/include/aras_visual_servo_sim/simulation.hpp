@@ -1,0 +1,143 @@
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "aras_visual_servo_sim/frame_schedule.hpp"
+#include "aras_visual_servo_sim/mesh_loader.hpp"
+#include "aras_visual_servo_sim/multibody_world.hpp"
+#include "aras_visual_servo_sim/renderer.hpp"
+#include "aras_visual_servo_sim/robot_model.hpp"
+#include "aras_visual_servo_sim/run_hash.hpp"
+#include "aras_visual_servo_sim/scene.hpp"
+#include "aras_visual_servo_sim/simulation_config.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** Robot, scene and cameras under one clock of integer nanoseconds.
+ *
+ *  One tick: controllers and physics take the state from t to t + period. Frame k of a camera belongs to the first tick
+ *  at or after k / rate, frame 0 to tick 0. A frame is *taken* by takeFrame or stepToImage, or missed by stepping past
+ *  it; either way its joint state enters the run hash, and so does its image if it is rendered at that tick after it
+ *  was taken. Same construction, same calls: same bytes. Frames: W world (the robot's root link), C camera optical
+ *  (x right, y down, z forward), M model. Not thread-safe.
+ */
+class Simulation {
+ public:
+  /** @param controllers  ros_control's layout, see parseControllers
+   *  @throws ParameterError, ModelError listing what is wrong */
+  Simulation(RobotModel model, SimulationConfig config, const YAML::Node& controllers,
+             const PackagePaths& packages = PackagePaths());
+  ~Simulation();
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  const RobotModel& model() const { return model_; }
+  const SimulationConfig& config() const { return config_; }
+  const MultibodyWorld& world() const { return *world_; }
+  const Scene& scene() const { return scene_; }
+
+  // --- time
+  std::int64_t ticks() const { return world_->ticks(); }
+  std::int64_t periodNs() const { return period_ns_; }
+  std::int64_t timeNs() const { return ticks() * period_ns_; }
+  double timeS() const { return 1e-9 * static_cast<double>(timeNs()); }
+  /** Advances n >= 0 periods. Frames not taken before are missed. @throws ParameterError if n < 0 */
+  void step(std::int64_t n = 1);
+  /** Advances to the next frame of a camera that was neither taken nor missed, and takes it.
+   *  @return its stamp [ns] @throws UnknownNameError */
+  std::int64_t stepToImage(const std::string& camera);
+
+  // --- cameras, by index in cameraNames()
+  const std::vector<std::string>& cameraNames() const { return camera_names_; }
+  /** @throws UnknownNameError naming the cameras there are */
+  int cameraIndex(const std::string& camera) const;
+  const CameraModel& camera(int index) const { return cameras_[index].model; }
+  /** True if a frame belongs to the present tick and was not taken yet. */
+  bool frameDue(int camera) const;
+  /** Tick of the next frame that was neither taken nor missed. */
+  std::int64_t nextFrameTick(int camera) const;
+  /** Takes the frame of the present tick. @return its index @throws ParameterError if none is due */
+  std::int64_t takeFrame(int camera);
+  /** What the camera sees now. The reference stays valid; its content until the next render of this camera.
+   *  @throws RenderError */
+  const Image& render(int camera);
+  Pose cameraPose(int camera) const;   ///< X_WC
+  Twist cameraTwist(int camera) const; ///< V_WC_C, [v; w]
+
+  // --- commands
+  /** Applies a command whole, or refuses it whole: then it is counted, every commanded velocity becomes 0 (the arm
+   *  holds) and the reason is thrown.
+   *  @param stamp_ns  time of the state it answers: neither in the future nor, unless the command is empty, older than
+   *                   command_timeout_s; nothing = now
+   *  @throws NotFiniteError, UnknownNameError, ParameterError */
+  void setCommand(const JointCommand& command, std::optional<std::int64_t> stamp_ns = std::nullopt);
+  /** As a Float64 on a controller's command topic; refused in the same way. */
+  void setControllerCommand(const std::string& controller, double value);
+  /** Counts a command that could not even be read, and makes the arm hold. */
+  void refuse(const std::string& reason);
+  std::uint64_t refusedCommands() const { return refused_commands_; }
+  const std::string& lastRefusal() const { return last_refusal_; }
+  void setGains(const std::string& controller, const PidGains& gains) { world_->setGains(controller, gains); }
+
+  // --- placing things; at rest
+  /** @throws as MultibodyWorld::setJointPositions */
+  void setJointPositions(const std::map<std::string, double>& positions) { world_->setJointPositions(positions); }
+  /** @throws ModelError naming the models there are, NotFiniteError */
+  void setModelPose(const std::string& model, const Pose& X_WM);
+  Pose modelPose(const std::string& model) const { return scene_.model(model).X_WM; }
+
+  // --- whole state
+  /** Joints and models back to where they started, at rest; time, frames and counters go on. */
+  void resetWorld();
+  /** Back to tick 0: everything as constructed, gains, models and counters included. */
+  void reset();
+  /** Everything that decides the future and the run hash, as bytes. */
+  std::string saveState() const;
+  /** @throws StateError if the bytes are not from a simulation of this construction; nothing changes then. */
+  void restoreState(const std::string& state);
+  /** Of the joint positions and velocities at every frame, and every image rendered for one, since the reset. */
+  std::string runHash() const { return run_hash_.hex(); }
+
+ private:
+  struct Camera {
+    CameraModel model;
+    FrameSchedule schedule;
+    int link;
+    std::int64_t next_frame = 0;     ///< smallest index neither taken nor missed
+    std::int64_t unhashed_frame = -1; ///< taken, image not hashed yet
+    Image image;
+  };
+
+  void addCamera(const CameraConfig& config, std::vector<std::string>& faults);
+  void makeWorld();
+  void passFrame(Camera& camera);
+  void holdStill();
+  template <typename Action>
+  void acceptOrRefuse(const Action& action);
+
+  RobotModel model_;
+  SimulationConfig config_;
+  std::int64_t period_ns_;
+  std::unique_ptr<MultibodyWorld> world_;
+  Eigen::VectorXd initial_q_;
+  Scene scene_;
+  std::vector<Pose> initial_model_poses_;
+  std::vector<int> body_links_;  ///< link of each body of the scene, -1 for fixed ones
+  std::vector<std::string> camera_names_;
+  std::vector<Camera> cameras_;
+  std::unique_ptr<Renderer> renderer_;
+  RunHash run_hash_;
+  std::uint64_t refused_commands_ = 0;
+  std::string last_refusal_;
+};
+
+/** Cameras described by <gazebo> sensor tags of a URDF, for simulations whose configuration has none. */
+std::vector<CameraConfig> camerasFromTags(const RobotModel& model);
+
+}  // namespace aras_visual_servo_sim

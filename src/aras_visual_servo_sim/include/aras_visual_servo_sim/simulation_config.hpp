@@ -1,0 +1,44 @@
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "aras_visual_servo_sim/camera_model.hpp"
+#include "aras_visual_servo_sim/multibody_world.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** The `sim:` section of a scenario. config/sim.yaml lists every key with its unit and default. */
+struct SimulationConfig {
+  WorldConfig world;                                ///< period_s, gravity_m_s2, drive
+  std::uint64_t seed = 0;                           ///< of the image noise
+  std::map<std::string, double> initial_positions;  ///< by joint name [m or rad]; joints not named start at 0
+  double command_timeout_s = 0.1;  ///< simulated age at which a velocity command stops acting, >= 0; 0 = never
+  std::vector<CameraConfig> cameras;
+  YAML::Node scene;  ///< read by loadScene
+
+  /** @param node  the section; null gives the defaults
+   *  @throws ParameterError listing every fault (unknown key, wrong type, out of range), all at once */
+  static SimulationConfig fromYaml(const YAML::Node& node);
+};
+
+/** The `time:` section: how the node paces itself. The in-process simulation has no use for it. */
+struct TimeConfig {
+  double real_time_factor = 1.0;    ///< simulated over wall time, >= 0; 0 = as fast as possible
+  bool lockstep = false;            ///< hold after each image until it was answered
+  double lockstep_timeout_s = 5.0;  ///< wall time after which a hold is reported, > 0
+  bool continue_on_timeout = false;  ///< `on_lockstep_timeout`: "hold" (false) or "continue" (true)
+  bool start_paused = false;
+  double clock_rate_hz = 100.0;        ///< simulated, > 0
+  double joint_state_rate_hz = 100.0;  ///< simulated, > 0
+  bool render_always = false;          ///< `render`: "always" or "subscribed"; default "always" in lockstep
+
+  /** @throws ParameterError listing every fault */
+  static TimeConfig fromYaml(const YAML::Node& node);
+};
+
+}  // namespace aras_visual_servo_sim

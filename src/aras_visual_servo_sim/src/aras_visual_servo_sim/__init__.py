@@ -1,0 +1,34 @@
+"""Simulator of a jointed robot with cameras, in process: no ROS needed.
+
+>>> sim = Simulation("arm.urdf", config, controllers, package_paths={"aras_description": "/path"})
+>>> stamp_ns = sim.step_to_image("camera")
+>>> image = sim.render("camera")
+
+Everything is in SI units; twists are stacked [v; w]; joints are named, vectors are in the order of
+``sim.joint_names`` (sorted by name). Errors derive from :class:`ArasError`, a ``RuntimeError``.
+"""
+from ._sim import (
+    ArasError,
+    ModelError,
+    NotFiniteError,
+    ParameterError,
+    RenderError,
+    ShapeError,
+    Simulation,
+    StateError,
+    UnknownNameError,
+)
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "ArasError",
+    "ModelError",
+    "NotFiniteError",
+    "ParameterError",
+    "RenderError",
+    "ShapeError",
+    "Simulation",
+    "StateError",
+    "UnknownNameError",
+]

@@ -1,0 +1,213 @@
+#include "bind_simulation.hpp"
+
+#include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "aras_visual_servo_sim/errors.hpp"
+#include "aras_visual_servo_sim/simulation.hpp"
+#include "aras_visual_servo_sim/urdf_loader.hpp"
+#include "yaml_from_python.hpp"
+
+namespace py = pybind11;
+
+namespace aras_visual_servo_sim {
+namespace {
+
+using Values = std::map<std::string, double>;
+using PackageMap = std::map<std::string, std::string>;
+using ReleaseGil = py::call_guard<py::gil_scoped_release>;
+
+std::unique_ptr<Simulation> makeSimulation(const std::string& urdf, const py::object& config,
+                                           const py::object& controllers, const std::optional<PackageMap>& packages) {
+  const YAML::Node config_node = yamlFromPython(config, "config");
+  const YAML::Node controllers_node = yamlFromPython(controllers, "controllers");
+  const PackagePaths paths(packages ? std::vector<std::pair<std::string, std::string>>(packages->begin(), packages->end())
+                                    : std::vector<std::pair<std::string, std::string>>());
+  const bool is_document = urdf.find('<') != std::string::npos;
+  const py::gil_scoped_release release;
+  RobotModel model = is_document ? loadRobotModel(urdf, "URDF string") : loadRobotModelFile(paths.resolve(urdf));
+  return std::make_unique<Simulation>(std::move(model), SimulationConfig::fromYaml(config_node), controllers_node,
+                                      paths);
+}
+
+/** Read-only array over the camera's own image; keeps the simulation alive. */
+py::array renderView(const py::object& self, const std::string& camera) {
+  auto& simulation = self.cast<Simulation&>();
+  const Image* image = nullptr;
+  {
+    const py::gil_scoped_release release;
+    image = &simulation.render(simulation.cameraIndex(camera));
+  }
+  std::vector<py::ssize_t> shape = {image->height, image->width};
+  if (image->channels() > 1) shape.push_back(image->channels());
+  py::array_t<std::uint8_t> view(shape, image->data.data(), self);
+  py::detail::array_proxy(view.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return std::move(view);
+}
+
+void setCommand(Simulation& simulation, std::optional<Values> position, std::optional<Values> velocity,
+                std::optional<Values> effort, std::optional<std::int64_t> stamp_ns) {
+  JointCommand command;
+  if (position) command.position = std::move(*position);
+  if (velocity) command.velocity = std::move(*velocity);
+  if (effort) command.effort = std::move(*effort);
+  simulation.setCommand(command, stamp_ns);
+}
+
+py::dict cameraInfo(const Simulation& simulation, const std::string& camera) {
+  const CameraModel& model = simulation.camera(simulation.cameraIndex(camera));
+  const auto rows = [](const auto& matrix) {
+    std::vector<double> numbers;
+    for (int i = 0; i < matrix.rows(); ++i) {
+      for (int j = 0; j < matrix.cols(); ++j) numbers.push_back(matrix(i, j));
+    }
+    return numbers;
+  };
+  py::dict info;
+  info["width"] = model.width();
+  info["height"] = model.height();
+  info["frame_id"] = model.config().frame;
+  info["distortion_model"] = model.distortionModel();
+  info["D"] = model.D();
+  info["K"] = rows(model.K());
+  info["R"] = rows(model.R());
+  info["P"] = rows(model.P());
+  return info;
+}
+
+py::dict controllerState(const Simulation& simulation, const std::string& controller) {
+  const ControllerState state = simulation.world().controllerState(controller);
+  py::dict result;
+  result["set_point"] = state.set_point;
+  result["process_value"] = state.process_value;
+  result["process_value_dot"] = state.process_value_dot;
+  result["error"] = state.error;
+  result["command"] = state.command;
+  result["p"] = state.gains.p;
+  result["i"] = state.gains.i;
+  result["d"] = state.gains.d;
+  result["i_clamp"] = state.gains.i_max;
+  result["antiwindup"] = state.gains.antiwindup;
+  return result;
+}
+
+void setModelPose(Simulation& simulation, const std::string& name, const Eigen::Vector3d& p,
+                  const Eigen::Vector4d& q_xyzw) {
+  if (!(q_xyzw.norm() > 0.5)) throw ParameterError("model '" + name + "': q_xyzw is not a unit quaternion");
+  simulation.setModelPose(name, Pose{p, Eigen::Quaterniond(q_xyzw[3], q_xyzw[0], q_xyzw[1], q_xyzw[2])});
+}
+
+void bindTimeAndCameras(py::class_<Simulation>& type) {
+  type.def_property_readonly("time_s", &Simulation::timeS, "Simulated time [s].")
+      .def_property_readonly("time_ns", &Simulation::timeNs, "Simulated time, exact [ns].")
+      .def_property_readonly("ticks", &Simulation::ticks, "Physics periods since the last reset.")
+      .def_property_readonly("period_ns", &Simulation::periodNs, "Physics period [ns].")
+      .def("step", &Simulation::step, py::arg("n") = 1, ReleaseGil(),
+           "Advances n physics periods (default 1). Frames due on the way and not taken are missed.")
+      .def("step_to_image", &Simulation::stepToImage, py::arg("camera") = "camera", ReleaseGil(),
+           "Advances to the next frame of a camera (frame k at the first tick >= k / rate, frame 0 at tick 0).\n\n"
+           "Returns:\n    its stamp, int [ns].\nRaises:\n    UnknownNameError: no such camera.")
+      .def_property_readonly("camera_names", &Simulation::cameraNames, "Names of the cameras, as configured.")
+      .def("render", &renderView, py::arg("camera") = "camera",
+           "What the camera sees now.\n\nReturns:\n    uint8 array (h, w, 3), or (h, w) for mono8, top row first; a\n"
+           "    read-only view without a copy, its content valid until the next render of this camera.\n"
+           "Raises:\n    UnknownNameError, RenderError.")
+      .def("camera_pose",
+           [](const Simulation& self, const std::string& camera) {
+             return self.cameraPose(self.cameraIndex(camera)).matrix();
+           },
+           py::arg("camera") = "camera", "X_WC, (4, 4): pose of the optical frame C (x right, y down, z forward) in W.")
+      .def("camera_twist",
+           [](const Simulation& self, const std::string& camera) -> Twist {
+             return self.cameraTwist(self.cameraIndex(camera));
+           },
+           py::arg("camera") = "camera", "V_WC_C, (6,): twist of C in W expressed in C, [v; w] [m/s; rad/s].")
+      .def("camera_info", &cameraInfo, py::arg("camera") = "camera",
+           "Intrinsics as sensor_msgs/CameraInfo: dict of width, height, K (9), D, distortion_model, R (9), P (12),\n"
+           "frame_id. Matrices row by row; pixel (u, v) covers [u - 1/2, u + 1/2] x [v - 1/2, v + 1/2].");
+}
+
+void bindRobot(py::class_<Simulation>& type) {
+  type.def_property_readonly("joint_names", [](const Simulation& self) { return self.model().joint_names; },
+                             "Moving joints sorted by name: the order of every joint vector.")
+      .def_property_readonly("joint_positions",
+                             [](const Simulation& self) -> Eigen::VectorXd { return self.world().jointPositions(); },
+                             "(n,) float64 copy [m or rad].")
+      .def_property_readonly("joint_velocities",
+                             [](const Simulation& self) -> Eigen::VectorXd { return self.world().jointVelocities(); },
+                             "(n,) float64 copy [m/s or rad/s].")
+      .def_property_readonly("joint_efforts",
+                             [](const Simulation& self) -> Eigen::VectorXd { return self.world().jointEfforts(); },
+                             "(n,) float64 copy, what the actuators applied in the last period [N or N m].")
+      .def("set_command", &setCommand, py::arg("position") = py::none(), py::arg("velocity") = py::none(),
+           py::arg("effort") = py::none(), py::arg("stamp_ns") = py::none(),
+           "Commands joints by name; whole or not at all.\n\nArgs:\n"
+           "    position: dict of set-points [m or rad], at once.\n"
+           "    velocity: dict [m/s or rad/s], integrated into the set-point until the joint's next command, or until\n"
+           "        command_timeout_s of simulated time has passed.\n"
+           "    effort: dict [N or N m], for effort controllers.\n"
+           "    stamp_ns: simulated time of the state this answers [ns]; None: now.\n"
+           "Raises:\n    NotFiniteError, UnknownNameError, ParameterError: the command was refused and counted, and all\n"
+           "    commanded velocities are zero: the arm holds.")
+      .def_property_readonly("refused_commands", &Simulation::refusedCommands, "Commands refused since the last reset.")
+      .def("controller_names", [](const Simulation& self) { return self.world().controllerNames(); },
+           "Names of the joint controllers.")
+      .def("controller_state", &controllerState, py::arg("controller"),
+           "dict of set_point, process_value, process_value_dot, error, command and the gains.")
+      .def("link_pose", [](const Simulation& self, const std::string& link) { return self.world().linkPose(link).matrix(); },
+           py::arg("link"), "X_WL, (4, 4): pose of a link's frame in W.")
+      .def("set_joint_positions", &Simulation::setJointPositions, py::arg("positions"),
+           "Places joints, dict name -> [m or rad], at rest with their set-points there.\n\n"
+           "Raises:\n    UnknownNameError, NotFiniteError, ParameterError (outside the limits); nothing changes then.");
+}
+
+void bindScene(py::class_<Simulation>& type) {
+  type.def("set_model_pose", &setModelPose, py::arg("name"), py::arg("p"), py::arg("q_xyzw"),
+           "Places a model of the scene: p (3,) [m], q_xyzw (4,) unit quaternion, of X_WM.")
+      .def("model_pose", [](const Simulation& self, const std::string& name) { return self.modelPose(name).matrix(); },
+           py::arg("name") = "target", "X_WM, (4, 4): pose of a model of the scene in W.");
+}
+
+void bindState(py::class_<Simulation>& type) {
+  type.def("reset", &Simulation::reset, ReleaseGil(), "Back to tick 0, everything as constructed.")
+      .def("save_state", [](const Simulation& self) { return py::bytes(self.saveState()); },
+           "bytes: everything that decides the future and the run hash.")
+      .def("restore_state", [](Simulation& self, const py::bytes& state) { self.restoreState(state); },
+           py::arg("state"), "Takes back what save_state gave.\n\nRaises:\n    StateError: bytes of another simulation.")
+      .def_property_readonly("run_hash", &Simulation::runHash,
+                             "16 hexadecimal digits, of joint positions and velocities at every frame and of every image\n"
+                             "rendered for a frame since the last reset: equal for equal runs.")
+      .def_property_readonly("warnings", [](const Simulation& self) { return self.model().warnings; },
+                             "What was ignored in the URDF, a line each.");
+}
+
+}  // namespace
+
+void bindSimulation(py::module_& module) {
+  py::class_<Simulation> type(module, "Simulation",
+                              "Robot, scene and cameras under one clock of integer nanoseconds.\n\n"
+                              "Frames: W world, C camera optical. SI units. Not thread-safe; the GIL is released while\n"
+                              "it steps and renders.");
+  type.def(py::init(&makeSimulation), py::arg("urdf"), py::arg("config") = py::dict(),
+           py::arg("controllers") = py::dict(), py::arg("package_paths") = py::none(),
+           "Args:\n    urdf: a URDF document, or the path or package:// name of one.\n"
+           "    config: dict, the `sim:` section of a scenario (see config/sim.yaml).\n"
+           "    controllers: dict in ros_control's layout, name -> {type, joint, pid}.\n"
+           "    package_paths: dict package name -> folder; others are looked up in ROS_PACKAGE_PATH and\n"
+           "        CMAKE_PREFIX_PATH.\n"
+           "Raises:\n    ModelError, ParameterError: every fault found, a line each.");
+  bindTimeAndCameras(type);
+  bindRobot(type);
+  bindScene(type);
+  bindState(type);
+}
+
+}  // namespace aras_visual_servo_sim

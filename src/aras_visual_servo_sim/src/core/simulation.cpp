@@ -1,0 +1,252 @@
+#include "aras_visual_servo_sim/simulation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "aras_visual_servo_sim/errors.hpp"
+#include "aras_visual_servo_sim/osmesa_renderer.hpp"
+#include "aras_visual_servo_sim/scene_loader.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+constexpr std::int64_t kNanosecondsPerSecond = 1000000000;
+constexpr double kWholeNanosecond = 1e-3;         // rounding of period_s * 1e9, far below one nanosecond
+constexpr std::uint64_t kSeedStride = 1000003;    // keeps the noise of several cameras apart
+
+std::int64_t wholeNanoseconds(double period_s) {
+  const double period_ns = period_s * static_cast<double>(kNanosecondsPerSecond);
+  const std::int64_t rounded = std::llround(period_ns);
+  if (rounded < 1 || std::abs(period_ns - static_cast<double>(rounded)) > kWholeNanosecond) {
+    throw ParameterError("sim/period_s: found " + std::to_string(period_s) + ", allowed a whole number of nanoseconds");
+  }
+  return rounded;
+}
+
+std::string joined(const std::vector<std::string>& words, const char* separator) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace
+
+Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::Node& controllers,
+                       const PackagePaths& packages)
+    : model_(std::move(model)),
+      config_(std::move(config)),
+      period_ns_(wholeNanoseconds(config_.world.period_s)),
+      renderer_(std::make_unique<OsmesaRenderer>()) {
+  std::vector<std::string> faults;
+  const auto collect = [&faults](const auto& action) {
+    try {
+      action();
+    } catch (const ArasError& error) {
+      faults.emplace_back(error.what());
+    }
+  };
+  collect([&] { config_.world.controllers = parseControllers(controllers, model_); });
+  collect([&] { scene_ = loadScene(config_.scene, packages); });
+  for (std::size_t k = 0; k < scene_.bodies.size(); ++k) body_links_.push_back(-1);
+  collect([&] { addRobotBodies(model_, packages, scene_); });
+  for (std::size_t k = body_links_.size(); k < scene_.bodies.size(); ++k) {
+    body_links_.push_back(model_.linkIndex(scene_.bodies[k].name));
+  }
+  for (const PlanarModel& planar : scene_.models) initial_model_poses_.push_back(planar.X_WM);
+
+  initial_q_ = Eigen::VectorXd::Zero(model_.dofs());
+  for (const auto& [joint, position] : config_.initial_positions) {
+    collect([&, &joint = joint, &position = position] { initial_q_[model_.jointIndex(joint)] = position; });
+  }
+  if (config_.cameras.empty()) collect([&] { config_.cameras = camerasFromTags(model_); });
+  for (const CameraConfig& camera : config_.cameras) addCamera(camera, faults);
+  if (faults.empty()) collect([&] { makeWorld(); });
+  if (!faults.empty()) throw ParameterError(joined(faults, "\n"));
+}
+
+Simulation::~Simulation() = default;
+
+void Simulation::addCamera(const CameraConfig& config, std::vector<std::string>& faults) {
+  const std::string where = "sim/cameras '" + config.name + "': ";
+  if (std::find(camera_names_.begin(), camera_names_.end(), config.name) != camera_names_.end()) {
+    faults.push_back(where + "found twice, allowed once");
+  }
+  try {
+    Camera camera{CameraModel(config), FrameSchedule(config.rate_hz, period_ns_), model_.linkIndex(config.frame), 0, -1,
+                  Image()};
+    camera_names_.push_back(config.name);
+    cameras_.push_back(std::move(camera));
+  } catch (const ArasError& error) {
+    faults.push_back(where + error.what());
+  }
+}
+
+void Simulation::makeWorld() {
+  auto world = std::make_unique<MultibodyWorld>(model_, config_.world);
+  // Joints whose limits exclude 0 start at the nearer limit unless the configuration names them.
+  for (int i = 0; i < model_.dofs(); ++i) {
+    if (config_.initial_positions.count(model_.joint_names[i]) == 0) {
+      initial_q_[i] = clampPosition(model_.movingJoint(i).limits, initial_q_[i]);
+    }
+  }
+  world->reset(initial_q_);
+  world_ = std::move(world);
+}
+
+// --- time -----------------------------------------------------------------------------------------------------------
+
+void Simulation::passFrame(Camera& camera) {
+  const std::int64_t stamp_ns = timeNs();
+  run_hash_.add(&stamp_ns, sizeof(stamp_ns));
+  const Eigen::VectorXd& q = world_->jointPositions();
+  const Eigen::VectorXd& v = world_->jointVelocities();
+  run_hash_.add(q.data(), sizeof(double) * q.size());
+  run_hash_.add(v.data(), sizeof(double) * v.size());
+  ++camera.next_frame;
+}
+
+void Simulation::step(std::int64_t n) {
+  if (n < 0) throw ParameterError("step: found " + std::to_string(n) + " periods, allowed >= 0");
+  const std::int64_t end = ticks() + n;
+  while (ticks() < end) {
+    std::int64_t next = end;
+    for (std::size_t k = 0; k < cameras_.size(); ++k) {
+      if (frameDue(static_cast<int>(k))) passFrame(cameras_[k]);
+      cameras_[k].unhashed_frame = -1;
+      next = std::min(next, nextFrameTick(static_cast<int>(k)));
+    }
+    world_->step(static_cast<int>(next - ticks()));
+  }
+}
+
+std::int64_t Simulation::stepToImage(const std::string& camera) {
+  const int index = cameraIndex(camera);
+  step(nextFrameTick(index) - ticks());
+  takeFrame(index);
+  return timeNs();
+}
+
+// --- cameras --------------------------------------------------------------------------------------------------------
+
+int Simulation::cameraIndex(const std::string& camera) const {
+  const auto found = std::find(camera_names_.begin(), camera_names_.end(), camera);
+  if (found == camera_names_.end()) {
+    throw UnknownNameError("camera '" + camera + "': not found, cameras are: " + joined(camera_names_, ", "));
+  }
+  return static_cast<int>(found - camera_names_.begin());
+}
+
+bool Simulation::frameDue(int camera) const { return nextFrameTick(camera) == ticks(); }
+
+std::int64_t Simulation::nextFrameTick(int camera) const {
+  return cameras_[camera].schedule.tickOf(cameras_[camera].next_frame);
+}
+
+std::int64_t Simulation::takeFrame(int camera) {
+  if (!frameDue(camera)) {
+    throw ParameterError("camera '" + camera_names_[camera] + "': no frame is due at tick " + std::to_string(ticks()));
+  }
+  const std::int64_t frame = cameras_[camera].next_frame;
+  passFrame(cameras_[camera]);
+  cameras_[camera].unhashed_frame = frame;
+  return frame;
+}
+
+const Image& Simulation::render(int index) {
+  Camera& camera = cameras_[index];
+  for (std::size_t k = 0; k < body_links_.size(); ++k) {
+    if (body_links_[k] >= 0) scene_.bodies[k].X_WB = world_->linkPose(body_links_[k]);
+  }
+  renderer_->render(camera.model, cameraPose(index), scene_, camera.image);
+  const double stddev = camera.model.config().noise_stddev;
+  if (stddev > 0.0) {
+    addGaussianNoise(camera.image, stddev, config_.seed + kSeedStride * static_cast<std::uint64_t>(index),
+                     static_cast<std::uint64_t>(camera.schedule.firstIndexFrom(ticks())));
+  }
+  if (camera.unhashed_frame >= 0) {
+    run_hash_.add(camera.image.data.data(), camera.image.data.size());
+    camera.unhashed_frame = -1;
+  }
+  return camera.image;
+}
+
+Pose Simulation::cameraPose(int camera) const { return world_->linkPose(cameras_[camera].link); }
+
+Twist Simulation::cameraTwist(int camera) const { return world_->linkTwist(cameras_[camera].link); }
+
+// --- commands -------------------------------------------------------------------------------------------------------
+
+void Simulation::holdStill() {
+  for (const ControllerConfig& controller : config_.world.controllers) {
+    if (controller.type != ControllerType::kEffort) world_->setVelocity(controller.joint, 0.0);
+  }
+}
+
+void Simulation::refuse(const std::string& reason) {
+  ++refused_commands_;
+  last_refusal_ = reason;
+  holdStill();
+}
+
+template <typename Action>
+void Simulation::acceptOrRefuse(const Action& action) {
+  try {
+    action();
+  } catch (const ArasError& error) {
+    refuse(error.what());
+    throw;
+  }
+}
+
+void Simulation::setCommand(const JointCommand& command, std::optional<std::int64_t> stamp_ns) {
+  acceptOrRefuse([&] {
+    const double age_s = 1e-9 * static_cast<double>(timeNs() - stamp_ns.value_or(timeNs()));
+    if (age_s < 0.0) {
+      throw ParameterError("command: stamp is " + std::to_string(-age_s) + " s in the future, now is " +
+                           std::to_string(timeS()) + " s of simulated time");
+    }
+    if (!command.empty() && config_.command_timeout_s > 0.0 && age_s > config_.command_timeout_s) {
+      throw ParameterError("command: stamp is " + std::to_string(age_s) + " s old, allowed <= " +
+                           std::to_string(config_.command_timeout_s) + " s (sim/command_timeout_s)");
+    }
+    world_->setCommand(command);
+  });
+}
+
+void Simulation::setControllerCommand(const std::string& controller, double value) {
+  acceptOrRefuse([&] { world_->setControllerCommand(controller, value); });
+}
+
+// --- placing things -------------------------------------------------------------------------------------------------
+
+void Simulation::setModelPose(const std::string& model, const Pose& X_WM) {
+  if (!X_WM.p.allFinite() || !X_WM.q.coeffs().allFinite()) {
+    throw NotFiniteError("model '" + model + "': pose is not finite");
+  }
+  PlanarModel& planar = scene_.model(model);
+  planar.X_WM = X_WM;
+  planar.X_WM.q.normalize();
+}
+
+void Simulation::resetWorld() {
+  std::map<std::string, double> positions;
+  for (int i = 0; i < model_.dofs(); ++i) positions[model_.joint_names[i]] = initial_q_[i];
+  world_->setJointPositions(positions);
+  for (std::size_t k = 0; k < scene_.models.size(); ++k) scene_.models[k].X_WM = initial_model_poses_[k];
+}
+
+void Simulation::reset() {
+  makeWorld();
+  resetWorld();
+  for (Camera& camera : cameras_) {
+    camera.next_frame = 0;
+    camera.unhashed_frame = -1;
+  }
+  run_hash_.reset();
+  refused_commands_ = 0;
+  last_refusal_.clear();
+}
+
+}  // namespace aras_visual_servo_sim

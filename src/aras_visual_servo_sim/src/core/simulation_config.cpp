@@ -1,0 +1,83 @@
+#include "aras_visual_servo_sim/simulation_config.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "aras_visual_servo_sim/errors.hpp"
+#include "aras_visual_servo_sim/scene_loader.hpp"
+#include "aras_visual_servo_sim/yaml_reader.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+constexpr double kShortestPeriodS = 1e-6;
+constexpr double kLongestPeriodS = 0.1;
+constexpr double kLargestRateHz = 1e6;
+
+void appendFaults(const std::string& more, std::string& faults) {
+  if (!faults.empty()) faults += "\n";
+  faults += more;
+}
+
+void readCameras(const YAML::Node& list, std::vector<CameraConfig>& cameras, std::string& faults) {
+  if (!list || list.IsNull()) return;
+  if (!list.IsSequence()) return appendFaults("sim/cameras: found no list, allowed a list of cameras", faults);
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    try {
+      cameras.push_back(cameraConfigFromYaml(list[k]));
+    } catch (const ParameterError& error) {
+      appendFaults("sim/cameras[" + std::to_string(k) + "]: " + error.what(), faults);
+    }
+  }
+}
+
+}  // namespace
+
+SimulationConfig SimulationConfig::fromYaml(const YAML::Node& node) {
+  SimulationConfig config;
+  std::string faults;
+  YamlReader reader(node, "sim");
+  config.world.period_s = reader.optional<double>("period_s", config.world.period_s,
+                                                  Range::between(kShortestPeriodS, kLongestPeriodS));
+  config.world.gravity_m_s2 = reader.optional<Eigen::Vector3d>("gravity_m_s2", config.world.gravity_m_s2);
+  config.world.drive = reader.optionalChoice("drive", "implicit", {"implicit", "explicit"}) == "explicit"
+                           ? Drive::kExplicit
+                           : Drive::kImplicit;
+  config.seed = static_cast<std::uint64_t>(reader.optional<std::int64_t>("seed", 0, Range::nonNegative()));
+  config.command_timeout_s = reader.optional<double>("command_timeout_s", 0.1, Range::nonNegative());
+  config.world.command_timeout_s = config.command_timeout_s;
+  YamlReader positions = reader.section("initial_positions");
+  for (const std::string& joint : positions.keys()) {
+    config.initial_positions[joint] = positions.required<double>(joint);
+  }
+  readCameras(reader.raw("cameras"), config.cameras, faults);
+  config.scene = reader.raw("scene");
+  try {
+    reader.finish();
+  } catch (const ParameterError& error) {
+    appendFaults(error.what(), faults);
+  }
+  if (!faults.empty()) throw ParameterError(faults);
+  return config;
+}
+
+TimeConfig TimeConfig::fromYaml(const YAML::Node& node) {
+  TimeConfig config;
+  YamlReader reader(node, "time");
+  const Range rate = {0.0, kLargestRateHz, true};
+  config.real_time_factor = reader.optional<double>("real_time_factor", config.real_time_factor, Range::nonNegative());
+  config.lockstep = reader.optional<bool>("lockstep", config.lockstep);
+  config.lockstep_timeout_s =
+      reader.optional<double>("lockstep_timeout_s", config.lockstep_timeout_s, Range::positive());
+  config.continue_on_timeout =
+      reader.optionalChoice("on_lockstep_timeout", "hold", {"hold", "continue"}) == "continue";
+  config.start_paused = reader.optional<bool>("start_paused", config.start_paused);
+  config.clock_rate_hz = reader.optional<double>("clock_rate_hz", config.clock_rate_hz, rate);
+  config.joint_state_rate_hz = reader.optional<double>("joint_state_rate_hz", config.joint_state_rate_hz, rate);
+  config.render_always = reader.optionalChoice("render", config.lockstep ? "always" : "subscribed",
+                                               {"always", "subscribed"}) == "always";
+  reader.finish();
+  return config;
+}
+
+}  // namespace aras_visual_servo_sim

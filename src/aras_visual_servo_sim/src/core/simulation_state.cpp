@@ -1,0 +1,110 @@
+// Saving and restoring a Simulation: a flat record in the byte order of this machine, one magic word first.
+#include <cstring>
+#include <type_traits>
+
+#include "aras_visual_servo_sim/errors.hpp"
+#include "aras_visual_servo_sim/simulation.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+constexpr std::uint64_t kMagic = 0x31304d4953415241ULL;  // "ARASIM01"
+
+class Writer {
+ public:
+  template <typename T>
+  void put(const T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    bytes_.append(reinterpret_cast<const char*>(&value), sizeof(T));
+  }
+  void putText(const std::string& text) {
+    put<std::uint64_t>(text.size());
+    bytes_ += text;
+  }
+  std::string take() { return std::move(bytes_); }
+
+ private:
+  std::string bytes_;
+};
+
+class Reader {
+ public:
+  explicit Reader(const std::string& bytes) : bytes_(bytes) {}
+  template <typename T>
+  T get() {
+    static_assert(std::is_trivially_copyable_v<T>);
+    T value;
+    std::memcpy(&value, take(sizeof(T)), sizeof(T));
+    return value;
+  }
+  std::string getText() {
+    const auto size = get<std::uint64_t>();
+    const char* data = take(size);
+    return std::string(data, size);
+  }
+  bool atEnd() const { return at_ == bytes_.size(); }
+
+ private:
+  const char* take(std::uint64_t size) {
+    if (size > bytes_.size() - at_) throw StateError("saved state: " + std::to_string(bytes_.size()) + " bytes, cut short");
+    const char* data = bytes_.data() + at_;
+    at_ += size;
+    return data;
+  }
+  const std::string& bytes_;
+  std::size_t at_ = 0;
+};
+
+struct FrameCounters {
+  std::int64_t next_frame, unhashed_frame;
+};
+
+}  // namespace
+
+std::string Simulation::saveState() const {
+  Writer out;
+  out.put(kMagic);
+  out.putText(world_->saveState());
+  out.put(run_hash_.state());
+  out.put(refused_commands_);
+  out.putText(last_refusal_);
+  out.put<std::uint64_t>(cameras_.size());
+  for (const Camera& camera : cameras_) out.put(FrameCounters{camera.next_frame, camera.unhashed_frame});
+  out.put<std::uint64_t>(scene_.models.size());
+  for (const PlanarModel& model : scene_.models) {
+    for (int k = 0; k < 3; ++k) out.put(model.X_WM.p[k]);
+    for (int k = 0; k < 4; ++k) out.put(model.X_WM.q.coeffs()[k]);
+  }
+  return out.take();
+}
+
+void Simulation::restoreState(const std::string& state) {
+  Reader in(state);
+  if (in.get<std::uint64_t>() != kMagic) throw StateError("saved state: not written by this version");
+  const std::string world = in.getText();
+  const auto hash = in.get<std::uint64_t>();
+  const auto refused = in.get<std::uint64_t>();
+  const std::string refusal = in.getText();
+  if (in.get<std::uint64_t>() != cameras_.size()) throw StateError("saved state: other number of cameras");
+  std::vector<FrameCounters> frames;
+  for (std::size_t k = 0; k < cameras_.size(); ++k) frames.push_back(in.get<FrameCounters>());
+  if (in.get<std::uint64_t>() != scene_.models.size()) throw StateError("saved state: other number of models");
+  std::vector<Pose> poses(scene_.models.size());
+  for (Pose& pose : poses) {
+    for (int k = 0; k < 3; ++k) pose.p[k] = in.get<double>();
+    for (int k = 0; k < 4; ++k) pose.q.coeffs()[k] = in.get<double>();
+  }
+  if (!in.atEnd()) throw StateError("saved state: bytes left over");
+
+  world_->restoreState(world);  // throws before anything else changed
+  run_hash_.setState(hash);
+  refused_commands_ = refused;
+  last_refusal_ = refusal;
+  for (std::size_t k = 0; k < cameras_.size(); ++k) {
+    cameras_[k].next_frame = frames[k].next_frame;
+    cameras_[k].unhashed_frame = frames[k].unhashed_frame;
+  }
+  for (std::size_t k = 0; k < poses.size(); ++k) scene_.models[k].X_WM = poses[k];
+}
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,92 @@
+#include "parameters.hpp"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "aras_visual_servo_sim/errors.hpp"
+#include "aras_visual_servo_sim/urdf_loader.hpp"
+#include "conversions.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+const std::vector<std::string> kPrivateKeys = {"gazebo_names", "scenario", "sim", "time"};
+const std::string kControllerSuffix = "Controller";
+
+bool endsWith(const std::string& text, const std::string& suffix) {
+  return text.size() >= suffix.size() && text.compare(text.size() - suffix.size(), suffix.size(), suffix) == 0;
+}
+
+YAML::Node section(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const std::string& name) {
+  XmlRpc::XmlRpcValue value;
+  if (private_node.getParam(name, value) || private_node.getParam("scenario/" + name, value) ||
+      node.getParam("scenario/" + name, value)) {
+    return toYaml(value);
+  }
+  return YAML::Node();
+}
+
+YAML::Node findControllers(const ros::NodeHandle& node) {
+  YAML::Node controllers(YAML::NodeType::Map);
+  XmlRpc::XmlRpcValue tree;
+  if (!node.getParam(node.getNamespace(), tree) || tree.getType() != XmlRpc::XmlRpcValue::TypeStruct) {
+    return controllers;
+  }
+  for (auto& [name, value] : tree) {
+    if (value.getType() != XmlRpc::XmlRpcValue::TypeStruct || !value.hasMember("type")) continue;
+    XmlRpc::XmlRpcValue& type = value["type"];
+    if (type.getType() == XmlRpc::XmlRpcValue::TypeString && endsWith(type, kControllerSuffix)) {
+      controllers[name] = toYaml(value);
+    }
+  }
+  return controllers;
+}
+
+void refuseUnknownKeys(const ros::NodeHandle& private_node, std::vector<std::string>& faults) {
+  XmlRpc::XmlRpcValue tree;
+  if (!private_node.getParam(private_node.getNamespace(), tree)) return;
+  if (tree.getType() != XmlRpc::XmlRpcValue::TypeStruct) return;
+  for (auto& member : tree) {
+    if (std::find(kPrivateKeys.begin(), kPrivateKeys.end(), member.first) == kPrivateKeys.end()) {
+      faults.push_back("~" + member.first + ": unknown key, allowed gazebo_names, scenario, sim, time");
+    }
+  }
+}
+
+}  // namespace
+
+NodeParameters loadParameters(const ros::NodeHandle& node, const ros::NodeHandle& private_node) {
+  NodeParameters parameters;
+  std::vector<std::string> faults;
+  const auto collect = [&faults](const auto& action) {
+    try {
+      action();
+    } catch (const ArasError& error) {
+      faults.emplace_back(error.what());
+    }
+  };
+  refuseUnknownKeys(private_node, faults);
+  private_node.param("gazebo_names", parameters.gazebo_names, false);
+  collect([&] { parameters.simulation = SimulationConfig::fromYaml(section(node, private_node, "sim")); });
+  collect([&] { parameters.time = TimeConfig::fromYaml(section(node, private_node, "time")); });
+  parameters.controllers = findControllers(node);
+
+  std::string urdf, key;
+  if (!node.searchParam("robot_description", key) || !node.getParam(key, urdf)) {
+    faults.push_back("robot_description: not found in " + node.getNamespace() + " or above, must be a URDF document");
+  } else {
+    collect([&] {
+      parameters.robot = loadRobotModel(urdf, key);
+      parseControllers(parameters.controllers, parameters.robot);
+    });
+  }
+  if (!faults.empty()) {
+    std::string text;
+    for (const std::string& fault : faults) text += (text.empty() ? "" : "\n") + fault;
+    throw ParameterError(text);
+  }
+  return parameters;
+}
+
+}  // namespace aras_visual_servo_sim

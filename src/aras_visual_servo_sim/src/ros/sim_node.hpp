@@ -1,0 +1,80 @@
+#pragma once
+
+#include <aras_visual_servo_msgs/SetJointPositions.h>
+#include <aras_visual_servo_msgs/SetTargetPose.h>
+#include <aras_visual_servo_msgs/SimStatus.h>
+#include <aras_visual_servo_msgs/Step.h>
+#include <ros/callback_queue.h>
+#include <ros/node_handle.h>
+#include <std_srvs/Empty.h>
+
+#include <string>
+#include <vector>
+
+#include "aras_visual_servo_sim/lockstep_gate.hpp"
+#include "aras_visual_servo_sim/simulation.hpp"
+#include "command_inputs.hpp"
+#include "pacer.hpp"
+#include "parameters.hpp"
+#include "pid_servers.hpp"
+#include "scene_markers.hpp"
+#include "state_publisher.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** The simulator on the wire: one thread that steps, publishes, and answers what comes in.
+ *
+ *  Callbacks run between steps only, so they may touch the simulation. While it waits (paused, holding, or ahead of its
+ *  pace) the thread sleeps on the callback queue and a message wakes it at once. */
+class SimNode {
+ public:
+  /** @param queue  the callback queue `node` delivers to @throws ArasError */
+  SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, const NodeParameters& parameters);
+
+  /** Returns when ROS shuts down. */
+  void run();
+
+ private:
+  using Empty = std_srvs::Empty;
+  using Step = aras_visual_servo_msgs::Step;
+  using SetJointPositions = aras_visual_servo_msgs::SetJointPositions;
+  using SetTargetPose = aras_visual_servo_msgs::SetTargetPose;
+
+  void advertiseServices(bool gazebo_names);
+  bool onPause(Empty::Request&, Empty::Response&);
+  bool onUnpause(Empty::Request&, Empty::Response&);
+  bool onReset(Empty::Request&, Empty::Response&);
+  bool onResetWorld(Empty::Request&, Empty::Response&);
+  bool onStep(Step::Request& request, Step::Response& response);
+  bool onSetJointPositions(SetJointPositions::Request& request, SetJointPositions::Response& response);
+  bool onSetTargetPose(SetTargetPose::Request& request, SetTargetPose::Response& response);
+
+  void wait(double limit_s);
+  void sample();
+  void advance(std::int64_t limit_ticks);
+  void checkHold();
+  void beat();
+  void publishStatus();
+
+  ros::NodeHandle node_;
+  ros::CallbackQueue& queue_;
+  TimeConfig time_;
+  Simulation simulation_;
+  LockstepGate gate_;
+  Pacer pacer_;
+  RateMeter meter_;
+  StatePublisher states_;
+  CommandInputs commands_;
+  PidServers pids_;
+  SceneMarkers markers_;
+  ros::Publisher status_;
+  std::vector<ros::ServiceServer> services_;
+  bool paused_;
+  double real_time_factor_ = 0.0;    ///< reached
+  std::uint64_t unanswered_ = 0;     ///< images the lockstep went on without an answer to
+  std::string held_by_;
+  std::uint64_t clock_beats_at_ = 0; ///< ticks when the clock was last repeated
+  ros::WallTime next_beat_, hold_report_;
+};
+
+}  // namespace aras_visual_servo_sim

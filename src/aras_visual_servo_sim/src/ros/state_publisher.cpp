@@ -1,0 +1,225 @@
+#include "state_publisher.hpp"
+
+#include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/TwistStamped.h>
+#include <ros/console.h>
+#include <rosgraph_msgs/Clock.h>
+
+#include <algorithm>
+
+#include "aras_visual_servo_sim/errors.hpp"
+#include "conversions.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+constexpr std::uint32_t kSmallQueue = 1000;      // messages: a recorder that hesitates for seconds loses nothing
+constexpr std::uint32_t kImageQueue = 200;       // images: the same, at 30 Hz, within 50 MB
+constexpr std::size_t kLongestPath = 2000;       // poses kept for display
+constexpr double kPathPeriodS = 0.5;             // wall
+constexpr double kErrorPeriodS = 5.0;            // wall, between two reports of the same failure
+const std::string kTargetModel = "target";
+
+struct CameraTopics {
+  std::string image, info;
+};
+
+std::string withoutSlashes(std::string name) {
+  name.erase(0, name.find_first_not_of('/'));
+  return name;
+}
+
+/** Names of the URDF's camera plugin where it describes this camera, else image_raw and camera_info. */
+CameraTopics topicsOf(const RobotModel& robot, const std::string& camera) {
+  CameraTopics topics{"image_raw", "camera_info"};
+  for (const CameraTag& tag : robot.cameras) {
+    if (withoutSlashes(tag.camera_name) != camera) continue;
+    if (!tag.image_topic.empty()) topics.image = withoutSlashes(tag.image_topic);
+    if (!tag.camera_info_topic.empty()) topics.info = withoutSlashes(tag.camera_info_topic);
+  }
+  return {camera + "/" + topics.image, camera + "/" + topics.info};
+}
+
+const PlanarModel* targetOf(const Scene& scene) {
+  for (const PlanarModel& model : scene.models) {
+    if (model.name() == kTargetModel) return &model;
+  }
+  return scene.models.empty() ? nullptr : &scene.models.front();
+}
+
+void assign(std::vector<double>& to, const Eigen::VectorXd& from) { to.assign(from.data(), from.data() + from.size()); }
+
+}  // namespace
+
+StatePublisher::StatePublisher(const ros::NodeHandle& node, Simulation& simulation, const TimeConfig& time)
+    : node_(node),
+      transport_(node_),
+      simulation_(simulation),
+      render_always_(time.render_always),
+      world_frame_(simulation.model().links.front().name),
+      clock_schedule_(std::min(time.clock_rate_hz, 1e9 / simulation.periodNs()), simulation.periodNs()),
+      joint_schedule_(std::min(time.joint_state_rate_hz, 1e9 / simulation.periodNs()), simulation.periodNs()) {
+  clock_ = node_.advertise<rosgraph_msgs::Clock>("/clock", kSmallQueue);
+  joints_ = node_.advertise<sensor_msgs::JointState>("joint_states", kSmallQueue);
+  target_pose_ = node_.advertise<geometry_msgs::PoseStamped>("ground_truth/target_pose", kSmallQueue);
+  path_ = node_.advertise<nav_msgs::Path>("camera_path", 1);
+  path_message_.header.frame_id = world_frame_;
+  joint_message_.name = simulation.model().joint_names;
+  for (std::size_t k = 0; k < simulation.cameraNames().size(); ++k) advertiseCamera(static_cast<int>(k));
+  for (const ControllerConfig& controller : simulation.config().world.controllers) {
+    controllers_.push_back({controller.name, controller.publish_state,
+                            node_.advertise<aras_visual_servo_msgs::JointControllerState>(controller.name + "/state",
+                                                                                          kSmallQueue)});
+  }
+}
+
+void StatePublisher::advertiseCamera(int camera) {
+  const std::string& name = simulation_.cameraNames()[camera];
+  const CameraModel& model = simulation_.camera(camera);
+  const CameraTopics topics = topicsOf(simulation_.model(), name);
+  const std::string truth = camera == 0 ? "ground_truth/" : "ground_truth/" + name + "/";
+  CameraOutput output;
+  output.image = transport_.advertise(topics.image, kImageQueue);
+  output.info = node_.advertise<sensor_msgs::CameraInfo>(topics.info, kSmallQueue);
+  output.pose = node_.advertise<geometry_msgs::PoseStamped>(truth + "camera_pose", kSmallQueue);
+  output.twist = node_.advertise<geometry_msgs::TwistStamped>(truth + "camera_twist", kSmallQueue);
+  output.info_message = toMessage(model);
+  output.image_message.header.frame_id = model.config().frame;
+  output.image_message.width = static_cast<std::uint32_t>(model.width());
+  output.image_message.height = static_cast<std::uint32_t>(model.height());
+  output.image_message.encoding = encodingName(model.encoding());
+  output.image_message.step = static_cast<std::uint32_t>(model.width() * channelsOf(model.encoding()));
+  cameras_.push_back(output);
+}
+
+std::int64_t StatePublisher::nextTick() const {
+  std::int64_t next = std::min(clock_schedule_.tickOf(next_clock_), joint_schedule_.tickOf(next_joints_));
+  for (std::size_t k = 0; k < cameras_.size(); ++k) {
+    next = std::min(next, simulation_.nextFrameTick(static_cast<int>(k)));
+  }
+  return next;
+}
+
+bool StatePublisher::publishDue() {
+  const std::int64_t tick = simulation_.ticks();
+  if (sampled_tick_ == tick) return false;
+  sampled_tick_ = tick;
+  const bool clock_due = clock_schedule_.tickOf(next_clock_) <= tick;
+  const bool joints_due = joint_schedule_.tickOf(next_joints_) <= tick;
+  bool image_due = false;
+  for (std::size_t k = 0; k < cameras_.size(); ++k) image_due |= simulation_.frameDue(static_cast<int>(k));
+
+  next_clock_ = clock_schedule_.firstIndexFrom(tick + 1);
+  next_joints_ = joint_schedule_.firstIndexFrom(tick + 1);
+  const ros::Time stamp = toRosTime(simulation_.timeNs());
+  if (clock_due || image_due) publishClock();
+  if (joints_due || image_due) publishJoints(stamp);
+  if (joints_due) publishControllers(stamp);
+  if (!image_due) return false;
+
+  publishTarget(stamp);
+  for (std::size_t k = 0; k < cameras_.size(); ++k) {
+    if (simulation_.frameDue(static_cast<int>(k))) publishFrame(static_cast<int>(k), stamp);
+  }
+  return true;
+}
+
+void StatePublisher::publishClock() {
+  rosgraph_msgs::Clock clock;
+  clock.clock = toRosTime(simulation_.timeNs());
+  clock_.publish(clock);
+}
+
+void StatePublisher::reset() {
+  next_clock_ = next_joints_ = 0;
+  sampled_tick_ = -1;
+  frames_ = dropped_frames_ = 0;
+  path_message_.poses.clear();
+}
+
+void StatePublisher::publishJoints(const ros::Time& stamp) {
+  joint_message_.header.stamp = stamp;
+  assign(joint_message_.position, simulation_.world().jointPositions());
+  assign(joint_message_.velocity, simulation_.world().jointVelocities());
+  assign(joint_message_.effort, simulation_.world().jointEfforts());
+  joints_.publish(joint_message_);
+}
+
+void StatePublisher::publishControllers(const ros::Time& stamp) {
+  for (const ControllerOutput& output : controllers_) {
+    if (!output.always && output.state.getNumSubscribers() == 0) continue;
+    const ControllerState state = simulation_.world().controllerState(output.name);
+    aras_visual_servo_msgs::JointControllerState message;
+    message.header.stamp = stamp;
+    message.set_point = state.set_point;
+    message.process_value = state.process_value;
+    message.process_value_dot = state.process_value_dot;
+    message.error = state.error;
+    message.time_step = state.time_step_s;
+    message.command = state.command;
+    message.p = state.gains.p;
+    message.i = state.gains.i;
+    message.d = state.gains.d;
+    message.i_clamp = state.gains.i_max;
+    message.antiwindup = state.gains.antiwindup;
+    output.state.publish(message);
+  }
+}
+
+void StatePublisher::publishTarget(const ros::Time& stamp) {
+  const PlanarModel* target = targetOf(simulation_.scene());
+  if (target == nullptr) return;
+  geometry_msgs::PoseStamped message;
+  message.header.stamp = stamp;
+  message.header.frame_id = world_frame_;
+  message.pose = toMessage(target->X_WM);
+  target_pose_.publish(message);
+}
+
+void StatePublisher::publishFrame(int camera, const ros::Time& stamp) {
+  CameraOutput& output = cameras_[camera];
+  simulation_.takeFrame(camera);
+  ++frames_;
+
+  geometry_msgs::PoseStamped pose;
+  pose.header.stamp = stamp;
+  pose.header.frame_id = world_frame_;
+  pose.pose = toMessage(simulation_.cameraPose(camera));
+  output.pose.publish(pose);
+  geometry_msgs::TwistStamped twist;
+  twist.header.stamp = stamp;
+  twist.header.frame_id = output.info_message.header.frame_id;
+  twist.twist = toMessage(simulation_.cameraTwist(camera));
+  output.twist.publish(twist);
+  if (camera == 0) publishPath(stamp, pose.pose);
+
+  output.info_message.header.stamp = stamp;
+  output.info.publish(output.info_message);
+  if (!render_always_ && output.image.getNumSubscribers() == 0) return;
+  try {
+    const Image& image = simulation_.render(camera);
+    output.image_message.header.stamp = stamp;
+    output.image_message.data = image.data;
+    output.image.publish(output.image_message);
+  } catch (const ArasError& error) {
+    ++dropped_frames_;
+    ROS_ERROR_THROTTLE(kErrorPeriodS, "no image: %s", error.what());
+  }
+}
+
+void StatePublisher::publishPath(const ros::Time& stamp, const geometry_msgs::Pose& pose) {
+  if (path_.getNumSubscribers() == 0) return;
+  if (path_message_.poses.size() >= kLongestPath) path_message_.poses.erase(path_message_.poses.begin());
+  geometry_msgs::PoseStamped entry;
+  entry.header.stamp = stamp;
+  entry.header.frame_id = world_frame_;
+  entry.pose = pose;
+  path_message_.poses.push_back(entry);
+  const ros::WallTime now = ros::WallTime::now();
+  if ((now - path_sent_).toSec() < kPathPeriodS) return;
+  path_sent_ = now;
+  path_message_.header.stamp = stamp;
+  path_.publish(path_message_);
+}
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <aras_visual_servo_msgs/JointControllerState.h>
+#include <image_transport/image_transport.h>
+#include <nav_msgs/Path.h>
+#include <ros/node_handle.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Image.h>
+#include <sensor_msgs/JointState.h>
+
+#include <string>
+#include <vector>
+
+#include "aras_visual_servo_sim/frame_schedule.hpp"
+#include "aras_visual_servo_sim/simulation.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** Puts on the wire what is due at a tick, each message with the stamp of the state it describes.
+ *
+ *  Order at an image: clock, joint_states, ground truth, camera_info, image. */
+class StatePublisher {
+ public:
+  StatePublisher(const ros::NodeHandle& node, Simulation& simulation, const TimeConfig& time);
+
+  /** Tick of the next sample after the present one. */
+  std::int64_t nextTick() const;
+
+  /** Publishes what is due at the present tick and was not published yet.
+   *  @return true if an image instant of some camera was among it */
+  bool publishDue();
+
+  void publishClock();
+  /** Forgets the samples taken: after a reset of the simulation. */
+  void reset();
+
+  std::uint64_t frames() const { return frames_; }
+  /** Frames that could not be rendered. */
+  std::uint64_t droppedFrames() const { return dropped_frames_; }
+
+ private:
+  struct CameraOutput {
+    image_transport::Publisher image;
+    ros::Publisher info, pose, twist;
+    sensor_msgs::CameraInfo info_message;
+    sensor_msgs::Image image_message;
+  };
+  struct ControllerOutput {
+    std::string name;
+    bool always;
+    ros::Publisher state;
+  };
+
+  void advertiseCamera(int camera);
+  void publishJoints(const ros::Time& stamp);
+  void publishControllers(const ros::Time& stamp);
+  void publishTarget(const ros::Time& stamp);
+  void publishFrame(int camera, const ros::Time& stamp);
+  void publishPath(const ros::Time& stamp, const geometry_msgs::Pose& pose);
+
+  ros::NodeHandle node_;
+  image_transport::ImageTransport transport_;
+  Simulation& simulation_;
+  bool render_always_;
+  std::string world_frame_;
+  FrameSchedule clock_schedule_, joint_schedule_;
+  std::int64_t next_clock_ = 0, next_joints_ = 0;  ///< indices into the schedules
+  std::int64_t sampled_tick_ = -1;
+  std::uint64_t frames_ = 0, dropped_frames_ = 0;
+  ros::Publisher clock_, joints_, target_pose_, path_;
+  std::vector<CameraOutput> cameras_;
+  std::vector<ControllerOutput> controllers_;
+  sensor_msgs::JointState joint_message_;
+  nav_msgs::Path path_message_;
+  ros::WallTime path_sent_;
+};
+
+}  // namespace aras_visual_servo_sim
