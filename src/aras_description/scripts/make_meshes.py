@@ -81,11 +81,9 @@ def link1():
     return [block, mirrored_pair(cheek), motor]
 
 
-def link1_caps():
-    """Seam ring of J1 and the round covers of J2."""
-    ring = lathe(((0.060, -0.006), (0.060, 0.008)))
-    cap = moved(along_y(lathe(((0.042, 0.074), (0.042, 0.079), (0.038, 0.082), (0.012, 0.083)), 32)), z=0.132)
-    return [ring, mirrored_pair(cap)]
+def link1_seam():
+    """Seam ring of J1."""
+    return [lathe(((0.060, -0.006), (0.060, 0.008)))]
 
 
 def link2():
@@ -97,6 +95,11 @@ def link2():
         rounded_rectangle(0.076, 0.072, 0.020, 0.130), rounded_rectangle(0.066, 0.060, 0.018, 0.205),
         rounded_rectangle(0.062, 0.054, 0.016, 0.235)])
     return [shoulder, elbow, beam]
+
+
+def link2_shaft():
+    """Ends of the shoulder shaft: round covers outside the fork, which turn with the upper arm."""
+    return [mirrored_pair(along_y(lathe(((0.042, 0.074), (0.042, 0.080), (0.038, 0.083), (0.012, 0.084)), 32)))]
 
 
 def link2_covers():
@@ -152,8 +155,8 @@ def camera_lens():
     return [barrel]
 
 
-PARTS = (rail, rail_guides, slider, slider_drive, link0, link0_connectors, link1, link1_caps, link2, link2_covers,
-         link3, link3_caps, link5, link6, camera, camera_lens)
+PARTS = (rail, rail_guides, slider, slider_drive, link0, link0_connectors, link1, link1_seam, link2, link2_shaft,
+         link2_covers, link3, link3_caps, link5, link6, camera, camera_lens)
 
 
 def meshes():

@@ -35,8 +35,8 @@ def centred(outline):
 def blob():
     """Smooth, elongated, clearly asymmetric closed curve: radius = 1 + sum a cos(k angle - phase), stretched in x."""
     angle = 2.0 * np.pi * np.arange(SMOOTH_VERTICES) / SMOOTH_VERTICES
-    radius = 0.070 * (1.0 + 0.10 * np.cos(angle - 0.4) + 0.22 * np.cos(2.0 * angle - 0.3)
-                      + 0.15 * np.cos(3.0 * angle - 1.1) + 0.05 * np.cos(4.0 * angle - 2.0))
+    radius = 0.070 * (1.0 + 0.10 * np.cos(angle - 0.5) + 0.18 * np.cos(2.0 * angle - 0.3)
+                      + 0.17 * np.cos(3.0 * angle - 3.6) + 0.04 * np.cos(4.0 * angle - 4.0))
     return np.stack([1.18 * radius * np.cos(angle), 0.92 * radius * np.sin(angle)], axis=1)
 
 

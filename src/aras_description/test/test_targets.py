@@ -1,0 +1,134 @@
+"""The planar targets: format, simple polygons, centroid, size in the image, asymmetry."""
+
+import importlib
+import sys
+
+import numpy as np
+import pytest
+import yaml
+
+from urdf_model import PACKAGE
+
+NAMES = ["blob", "ellipse", "l_shape", "rectangle"]
+FOCAL_PX, GOAL_DEPTH_M = 195.0, 0.59
+ROUNDING_M = 5e-7  # coordinates are written to the micrometre; a centroid moves by less than one of them
+SYMMETRIC = 1e-3  # third-order moments of a symmetric outline are rounding errors, orders of magnitude below this
+ASYMMETRIC = 0.01  # an image-based test of asymmetry needs a share of this size to stand out of the pixels
+
+
+@pytest.fixture(params=NAMES)
+def target(request):
+    return yaml.safe_load((PACKAGE / "targets" / f"{request.param}.yaml").read_text())
+
+
+def load_outline(name):
+    return np.array(yaml.safe_load((PACKAGE / "targets" / f"{name}.yaml").read_text())["outlines_m"][0])
+
+
+def moments(outline):
+    """Dictionary m[i, j] to order 3, area integrals by Green's theorem and Gauss-Legendre quadrature (exact)."""
+    nodes, weights = np.polynomial.legendre.leggauss(4)
+    following = np.roll(outline, -1, axis=0)
+    m = {}
+    for i in range(4):
+        for j in range(4 - i):
+            total = 0.0
+            for node, weight in zip((nodes + 1.0) / 2.0, weights / 2.0):
+                point = outline + node * (following - outline)
+                total += weight * np.sum(point[:, 0]**(i + 1) * point[:, 1]**j * (following - outline)[:, 1])
+            m[i, j] = total / (i + 1)
+    return m
+
+
+def asymmetry(outline):
+    """Norm of the third-order moments about the centroid over area^2.5: no unit, no scale."""
+    m = moments(outline)
+    return np.linalg.norm([m[3, 0], m[2, 1], m[1, 2], m[0, 3]]) / m[0, 0]**2.5
+
+
+def crosses(a, b, c, d):
+    """Whether the segments a-b and c-d have a point in common."""
+
+    def side(p, q, r):
+        return np.sign((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]))
+
+    return side(a, b, c) != side(a, b, d) and side(c, d, a) != side(c, d, b)
+
+
+def is_simple(outline):
+    """Whether no two edges that are not neighbours meet."""
+    n = len(outline)
+    return not any(crosses(outline[i], outline[(i + 1) % n], outline[k], outline[(k + 1) % n])
+                   for i in range(n) for k in range(i + 2, n) if (k + 1) % n != i)
+
+
+def test_all_four_targets_are_there():
+    assert sorted(path.stem for path in (PACKAGE / "targets").iterdir()) == NAMES
+
+
+def test_file_has_the_agreed_keys_and_its_own_name(target):
+    assert sorted(target) == ["color_rgb", "name", "outlines_m"]
+    assert target["name"] in NAMES
+    assert len(target["outlines_m"]) == 1
+
+
+def test_target_is_dark(target):
+    assert len(target["color_rgb"]) == 3 and max(target["color_rgb"]) < 64
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_outline_is_a_simple_counter_clockwise_polygon(name):
+    outline = load_outline(name)
+    assert is_simple(outline)
+    assert moments(outline)[0, 0] > 0.0
+
+
+def test_crossed_outline_is_recognised_as_not_simple():
+    assert not is_simple(np.array([[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]]))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_centroid_is_the_origin(name):
+    m = moments(load_outline(name))
+    assert np.hypot(m[1, 0], m[0, 1]) / m[0, 0] < ROUNDING_M
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_width_in_the_goal_image_is_50_to_85_pixels(name):
+    width_px = np.ptp(load_outline(name), axis=0)[0] * FOCAL_PX / GOAL_DEPTH_M
+    assert 50.0 <= width_px <= 85.0
+
+
+@pytest.mark.parametrize("name", ["blob", "ellipse"])
+def test_smooth_targets_have_many_vertices_and_no_corner(name):
+    outline = load_outline(name)
+    edges = np.roll(outline, -1, axis=0) - outline
+    heading = np.arctan2(edges[:, 1], edges[:, 0])
+    turn = (np.roll(heading, -1) - heading + np.pi) % (2.0 * np.pi) - np.pi
+    assert len(outline) >= 200
+    assert np.abs(turn).max() < np.radians(6.0)
+
+
+@pytest.mark.parametrize("name", ["blob", "l_shape"])
+def test_asymmetric_targets_have_third_order_moments(name):
+    assert asymmetry(load_outline(name)) > ASYMMETRIC
+
+
+@pytest.mark.parametrize("name", ["ellipse", "rectangle"])
+def test_symmetric_targets_have_none(name):
+    assert asymmetry(load_outline(name)) < SYMMETRIC
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_orientation_is_well_defined(name):
+    m = moments(load_outline(name))
+    elongation = np.hypot(m[2, 0] - m[0, 2], 2.0 * m[1, 1]) / (m[2, 0] + m[0, 2])
+    assert elongation > 0.2  # 0 for a disc or a square, 1 for a line
+
+
+def test_script_makes_the_same_targets(monkeypatch):
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    monkeypatch.syspath_prepend(str(PACKAGE / "scripts"))
+    made = importlib.import_module("make_targets").targets()
+    assert sorted(made) == sorted(path.name for path in (PACKAGE / "targets").iterdir())
+    assert [name for name, text in made.items() if (PACKAGE / "targets" / name).read_text() != text] == []

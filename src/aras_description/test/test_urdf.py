@@ -1,0 +1,202 @@
+"""The robot model: tree, limits, masses, frames, meshes, forward kinematics."""
+
+import importlib
+import re
+import sys
+
+import numpy as np
+import pytest
+import yaml
+
+from urdf_model import PACKAGE, UrdfModel, stl_triangles
+
+URDF = PACKAGE / "urdf" / "aras_arm.urdf"
+CHAIN = [("gantry", "prismatic", "world", "slider"), ("J0", "fixed", "slider", "link0"),
+         ("J1", "revolute", "link0", "link1"), ("J2", "revolute", "link1", "link2"), ("J3", "revolute", "link2", "link3"),
+         ("J5", "revolute", "link3", "link5"), ("J6", "continuous", "link5", "link6"),
+         ("camera_joint", "fixed", "link6", "camera_link"),
+         ("camera_optical_joint", "fixed", "camera_link", "camera_optical_frame")]
+MOVING = ["J1", "J2", "J3", "J5", "J6", "gantry"]
+MASSES_KG = {"slider": 1.5957, "link0": 5.272, "link1": 2.2792, "link2": 3.6544, "link3": 1.6841, "link5": 1.32285,
+             "link6": 0.3641, "camera_link": 0.1}
+GOAL = {"gantry": 0.05, "J2": -0.09, "J3": 0.045, "J5": 0.045}
+START = {"gantry": -0.1, "J2": np.radians(20.0), "J3": np.radians(-15.0), "J5": np.radians(-5.0), "J6": np.radians(10.0)}
+ROUNDING = 64 * np.finfo(float).eps  # a chain of ten products of numbers near 1
+MESH_MAX_BYTES, MESHES_MAX_BYTES = 150_000, 600_000
+
+
+@pytest.fixture(scope="module")
+def arm():
+    return UrdfModel(URDF)
+
+
+def camera_position(q):
+    """Closed form of the optical centre in the world for J1 = 0 (README.md, forward kinematics) [m]."""
+    a, b, c = q["J2"], q["J2"] + q["J3"], q["J2"] + q["J3"] + q["J5"]
+    reach = 0.25 * np.sin(a) + 0.16 * np.sin(b) + (0.0718 + 0.0334) * np.sin(c)
+    drop = 0.02888 + 0.168 + 0.132 + 0.25 * np.cos(a) + 0.16 * np.cos(b) + (0.0718 + 0.0334) * np.cos(c)
+    return np.array([-reach, q["gantry"], 1.6263 - drop])
+
+
+@pytest.mark.parametrize("name, kind, parent, child", CHAIN)
+def test_joint_connects_its_parent_and_child(arm, name, kind, parent, child):
+    joint = arm.joints[name]
+    assert (joint.get("type"), joint.find("parent").get("link"), joint.find("child").get("link")) == (kind, parent, child)
+
+
+def test_world_is_the_only_root(arm):
+    assert set(arm.links) - set(arm.parent_joint) == {"world"}
+    assert len(arm.joints) == len(arm.links) - 1
+
+
+def test_moving_joints_are_the_six_of_the_published_arm(arm):
+    assert sorted(name for name, joint in arm.joints.items() if joint.get("type") != "fixed") == MOVING
+
+
+def test_limits_and_dynamics_equal_the_documented_ones(arm):
+    documented = yaml.safe_load((PACKAGE / "config" / "joint_limits.yaml").read_text())["joint_limits"]
+    assert sorted(documented) == MOVING
+    for name, entry in documented.items():
+        unit = "m" if name == "gantry" else "rad"
+        limit, dynamics = arm.limit(name), arm.joints[name].find("dynamics")
+        assert limit["effort"] == entry["max_effort_n" if name == "gantry" else "max_effort_n_m"]
+        assert limit["velocity"] == entry[f"max_velocity_{unit}_s"]
+        assert ("lower" in limit) == entry["has_position_limits"]
+        if entry["has_position_limits"]:
+            assert [limit["lower"], limit["upper"]] == [entry[f"min_position_{unit}"], entry[f"max_position_{unit}"]]
+        assert float(dynamics.get("damping")) == entry["damping"]
+        assert float(dynamics.get("friction")) == entry["friction"]
+        assert entry["source"]
+
+
+@pytest.mark.parametrize("name", MOVING)
+def test_limits_are_finite_and_positive(arm, name):
+    limit = arm.limit(name)
+    assert np.all(np.isfinite(list(limit.values())))
+    assert limit["effort"] > 0.0 and limit["velocity"] > 0.0
+    assert limit.get("lower", -1.0) < limit.get("upper", 1.0)
+
+
+def test_masses_are_the_published_ones(arm):
+    assert {name: arm.inertial(name)[0] for name in arm.links if arm.inertial(name)} == MASSES_KG
+
+
+@pytest.mark.parametrize("link", MASSES_KG)
+def test_inertia_is_that_of_a_body(arm, link):
+    principal = np.linalg.eigvalsh(arm.inertial(link)[2])
+    assert principal[0] > 0.0
+    assert principal[0] + principal[1] >= principal[2]
+
+
+@pytest.mark.parametrize("link", MASSES_KG)
+def test_mass_fits_inside_the_visual_shape(arm, link):
+    """Centre of mass in the meshes' box, and along each axis a radius of gyration that the box allows."""
+    mass, com, inertia = arm.inertial(link)
+    points = np.concatenate([stl_triangles(PACKAGE / name.split("/", 3)[3]).reshape(-1, 3)
+                             for name in arm.mesh_files(link)])
+    low, high = points.min(axis=0), points.max(axis=0)
+    assert np.all(low <= com) and np.all(com <= high)
+    gyration = np.sqrt((np.trace(inertia) / 2.0 - np.diag(inertia)) / mass)
+    assert np.all(gyration <= np.maximum(high - com, com - low))
+
+
+def test_every_moving_joint_has_an_effort_transmission(arm):
+    interfaces = {tag.find("joint").get("name"): tag.find("joint/hardwareInterface").text
+                  for tag in arm.root.findall("transmission")}
+    assert sorted(interfaces) == MOVING
+    assert set(interfaces.values()) == {"hardware_interface/EffortJointInterface"}
+
+
+def test_every_link_with_mass_has_collision_geometry_of_primitives(arm):
+    for link in MASSES_KG:
+        shapes = arm.links[link].findall("collision/geometry/*")
+        assert shapes and {shape.tag for shape in shapes} <= {"box", "cylinder", "sphere"}
+
+
+def test_optical_frame_is_right_down_forward_of_the_camera_body(arm):
+    R = np.linalg.inv(arm.link_pose("camera_link", START))[:3, :3] @ arm.link_pose("camera_optical_frame", START)[:3, :3]
+    right_down_forward = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]]).T
+    np.testing.assert_allclose(R, right_down_forward, atol=ROUNDING)
+
+
+def test_image_right_is_along_the_gantry_and_down_is_along_world_x(arm):
+    X_WC = arm.link_pose("camera_optical_frame", {})
+    np.testing.assert_allclose(X_WC[:3, :3], [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]], atol=ROUNDING)
+    np.testing.assert_allclose(X_WC[:3, 3], [0.0, 0.0, 0.78222], atol=ROUNDING)
+
+
+@pytest.mark.parametrize("q", [GOAL, START], ids=["goal", "start"])
+def test_camera_looks_straight_down_from_where_the_closed_form_says(arm, q):
+    X_WC = arm.link_pose("camera_optical_frame", q)
+    np.testing.assert_allclose(X_WC[:3, 3], camera_position(q), atol=ROUNDING)
+    np.testing.assert_allclose(X_WC[:3, 2], [0.0, 0.0, -1.0], atol=ROUNDING)
+
+
+def test_goal_is_0_59_m_above_the_plane_at_0_1934_m(arm):
+    half_a_micrometre = 5e-7  # the README gives micrometres
+    np.testing.assert_allclose(arm.link_pose("camera_optical_frame", GOAL)[:3, 3], [0.029667, 0.05, 0.783394],
+                               atol=half_a_micrometre)
+
+
+def test_start_turns_the_image_by_10_degrees(arm):
+    R = arm.link_pose("camera_optical_frame", GOAL)[:3, :3].T @ arm.link_pose("camera_optical_frame", START)[:3, :3]
+    assert np.arctan2(R[1, 0], R[0, 0]) == pytest.approx(np.radians(10.0), abs=ROUNDING)
+
+
+def test_positive_j1_turns_the_arm_about_the_downward_axis(arm):
+    R = arm.link_pose("link1", {"J1": 0.3})[:3, :3]
+    assert np.arctan2(R[0, 1], R[1, 1]) == pytest.approx(0.3, abs=ROUNDING)
+
+
+def test_camera_tag_has_the_published_camera(arm):
+    sensor = arm.root.find("gazebo[@reference='camera_link']/sensor")
+    plugin = sensor.find("plugin")
+    assert [sensor.find(path).text for path in (
+        "update_rate", "camera/horizontal_fov", "camera/image/width", "camera/image/height")] == [
+            "30.0", "1.41", "320", "240"]
+    assert plugin.get("filename") == "libgazebo_ros_camera.so"
+    assert [plugin.find(key).text for key in ("cameraName", "imageTopicName", "cameraInfoTopicName", "frameName")] == [
+        "camera", "image_raw", "camera_info", "camera_optical_frame"]
+
+
+def test_meshes_exist_and_each_is_used(arm):
+    used = {name.rsplit("/", 1)[1] for name in arm.mesh_files()}
+    assert all(name.startswith("package://aras_description/meshes/visual/") for name in arm.mesh_files())
+    assert used == {path.name for path in (PACKAGE / "meshes" / "visual").iterdir()}
+
+
+@pytest.mark.parametrize("path", sorted((PACKAGE / "meshes" / "visual").iterdir()), ids=lambda path: path.stem)
+def test_mesh_is_closed_and_faces_outwards(path):
+    triangles = stl_triangles(path)
+    corners = np.round(triangles * 1e5).astype(int)  # the grid that the vertices were rounded to
+    edges = np.concatenate([corners[:, [i, (i + 1) % 3]] for i in range(3)]).reshape(-1, 6)
+    forward, backward = np.sort(edges.view("i8,i8,i8,i8,i8,i8").ravel()), edges[:, [3, 4, 5, 0, 1, 2]].copy()
+    assert np.array_equal(forward, np.sort(backward.view("i8,i8,i8,i8,i8,i8").ravel()))
+    assert np.einsum("ij,ij->", triangles[:, 0], np.cross(triangles[:, 1], triangles[:, 2])) > 0.0
+
+
+def test_mesh_files_are_small():
+    sizes = [path.stat().st_size for path in (PACKAGE / "meshes" / "visual").iterdir()]
+    assert max(sizes) < MESH_MAX_BYTES and sum(sizes) < MESHES_MAX_BYTES
+
+
+def test_materials_are_defined(arm):
+    defined = {material.get("name") for material in arm.root.findall("material")}
+    assert {material.get("name") for material in arm.root.findall("link/visual/material")} <= defined
+
+
+def test_no_file_names_an_absolute_path():
+    for folder in ("config", "launch", "rviz", "urdf", "targets", "scripts"):
+        for path in (PACKAGE / folder).iterdir():
+            if path.is_file():
+                assert not re.search(r"(?:^|[\s\"'=])/(?:home|root|usr|opt|var|tmp)/", path.read_text().replace(
+                    "#!/usr/bin/env", "")), path.name
+
+
+def test_script_makes_the_same_meshes(monkeypatch):
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    monkeypatch.syspath_prepend(str(PACKAGE / "scripts"))
+    made = importlib.import_module("make_meshes").meshes()
+    folder = PACKAGE / "meshes" / "visual"
+    assert sorted(made) == sorted(path.name for path in folder.iterdir())
+    assert [name for name, content in made.items() if (folder / name).read_bytes() != content] == []
