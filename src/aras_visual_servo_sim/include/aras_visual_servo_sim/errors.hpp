@@ -46,10 +46,4 @@ class StateError : public ArasError {
   using ArasError::ArasError;
 };
 
-/** The renderer could not be started or could not read what it was asked to draw. */
-class RenderError : public ArasError {
- public:
-  using ArasError::ArasError;
-};
-
 }  // namespace aras_visual_servo_sim

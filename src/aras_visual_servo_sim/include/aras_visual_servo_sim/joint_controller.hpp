@@ -23,7 +23,7 @@ struct ControllerConfig {
   std::string name;
   ControllerType type = ControllerType::kEffortPosition;
   std::string joint;
-  PidGains gains;              ///< used by the two kinds with a PID
+  PidGains gains;  ///< used by the two kinds with a PID
   bool publish_state = false;
 };
 

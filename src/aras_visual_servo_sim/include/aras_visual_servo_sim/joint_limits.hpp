@@ -19,8 +19,8 @@ double clampPosition(const JointLimits& limits, double position);
 /** Velocity clamped to the limits. */
 double clampVelocity(const JointLimits& limits, double velocity);
 
-/** Bounds of the effort at a state, as joint_limits_interface::EffortJointSaturationHandle has them: +-effort limit, and
- *  none of it in the direction that leaves the position limits further or exceeds the velocity limit. */
+/** Bounds of the effort at a state, as joint_limits_interface::EffortJointSaturationHandle has them: +-effort limit,
+ * and none of it in the direction that leaves the position limits further or exceeds the velocity limit. */
 EffortBounds effortBounds(const JointLimits& limits, double position, double velocity);
 
 }  // namespace aras_visual_servo_sim

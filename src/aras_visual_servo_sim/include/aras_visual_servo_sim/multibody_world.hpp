@@ -57,7 +57,8 @@ class MultibodyWorld {
    *  @throws ShapeError, NotFiniteError, ParameterError (outside the position limits); nothing changes then. */
   void reset(const Eigen::VectorXd& q);
 
-  /** Positions by joint name, at rest, set-points there; other joints keep theirs and their velocity. The clock goes on.
+  /** Positions by joint name, at rest, set-points there; other joints keep theirs and their velocity. The clock goes
+   * on.
    *  @throws UnknownNameError, NotFiniteError, ParameterError; nothing changes then. */
   void setJointPositions(const std::map<std::string, double>& positions);
 

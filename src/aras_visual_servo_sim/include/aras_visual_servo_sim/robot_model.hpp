@@ -36,13 +36,13 @@ struct Joint {
   JointType type = JointType::kFixed;
   int parent_link = -1;  ///< index into RobotModel::links
   int child_link = -1;
-  Pose X_PJ;                                         ///< child link's frame in the parent link's, at q = 0
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();   ///< unit, in the child link's frame
+  Pose X_PJ;                                        ///< child link's frame in the parent link's, at q = 0
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  ///< unit, in the child link's frame
   JointLimits limits;
-  double damping = 0.0;                              ///< [N s/m] or [N m s/rad]
-  double friction = 0.0;                             ///< Coulomb, [N] or [N m]
-  std::vector<std::string> hardware_interfaces;      ///< from <transmission>, without "hardware_interface/"
-  int index = -1;                                    ///< into RobotModel::joint_names, -1 for fixed joints
+  double damping = 0.0;                          ///< [N s/m] or [N m s/rad]
+  double friction = 0.0;                         ///< Coulomb, [N] or [N m]
+  std::vector<std::string> hardware_interfaces;  ///< from <transmission>, without "hardware_interface/"
+  int index = -1;                                ///< into RobotModel::joint_names, -1 for fixed joints
 
   bool moves() const { return type != JointType::kFixed; }
 };
@@ -51,12 +51,13 @@ struct Link {
   std::string name;
   int parent_joint = -1;  ///< index into RobotModel::joints, -1 for the root
   double mass_kg = 0.0;
-  Eigen::Vector3d com_m = Eigen::Vector3d::Zero();            ///< in the link frame
-  Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();    ///< about the centre of mass, axes of the link frame
+  Eigen::Vector3d com_m = Eigen::Vector3d::Zero();          ///< in the link frame
+  Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  ///< about the centre of mass, axes of the link frame
   std::vector<Visual> visuals;
 };
 
-/** A <gazebo reference="link"><sensor type="camera"> with its plugin's names; zero or empty where the tag was absent. */
+/** A <gazebo reference="link"><sensor type="camera"> with its plugin's names; zero or empty where the tag was absent.
+ */
 struct CameraTag {
   std::string link, sensor_name, camera_name, image_topic, camera_info_topic, frame, format;
   double update_rate_hz = 0.0, horizontal_fov_rad = 0.0, near_m = 0.0, far_m = 0.0;
@@ -73,7 +74,7 @@ struct RobotModel {
   std::vector<std::string> joint_names;  ///< moving joints sorted by name: the order of every joint vector
   std::vector<int> moving_joints;        ///< joint_names[i] is joints[moving_joints[i]].name
   std::vector<CameraTag> cameras;
-  std::vector<std::string> warnings;     ///< what was ignored, one line each
+  std::vector<std::string> warnings;  ///< what was ignored, one line each
 
   int dofs() const { return static_cast<int>(joint_names.size()); }
   /** @return index into joint_names. @throws UnknownNameError */

@@ -1,0 +1,28 @@
+# Robot model, joint controllers and articulated-body dynamics: no ROS, no graphics.
+find_package(Eigen3 REQUIRED)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(SIM_PHYSICS REQUIRED bullet-float64 urdfdom yaml-cpp console_bridge tinyxml2)
+
+add_library(sim_physics OBJECT
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/articulated_body.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_controller.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_drive.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_graph.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_limits.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_solver.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/multibody_world.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/pid.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/robot_model.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/urdf_check.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/urdf_extensions.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/urdf_loader.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/yaml_reader.cpp)
+set_target_properties(sim_physics PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_STANDARD 17 CXX_STANDARD_REQUIRED ON
+                                             CXX_EXTENSIONS OFF)
+target_include_directories(sim_physics PUBLIC ${CMAKE_CURRENT_LIST_DIR}/../include)
+target_include_directories(sim_physics SYSTEM PUBLIC ${EIGEN3_INCLUDE_DIRS} ${SIM_PHYSICS_INCLUDE_DIRS})
+# BT_USE_DOUBLE_PRECISION must be the same wherever a Bullet header is seen: here only.
+target_compile_options(sim_physics PRIVATE ${SIM_PHYSICS_CFLAGS_OTHER} -Wall -Wextra -Werror)
+# The same bytes on every run and every x86-64: no contraction into fused multiply-add.
+target_compile_options(sim_physics PRIVATE -ffp-contract=off)
+target_link_libraries(sim_physics PUBLIC ${SIM_PHYSICS_LINK_LIBRARIES})

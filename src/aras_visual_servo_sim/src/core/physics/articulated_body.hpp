@@ -1,0 +1,80 @@
+#pragma once
+
+#include <BulletDynamics/Featherstone/btMultiBody.h>
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "aras_visual_servo_sim/robot_model.hpp"
+#include "aras_visual_servo_sim/types.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** The tree of moving bodies of a robot: fixed links merged into what carries them, motion without any joint effort
+ * from Bullet's articulated-body algorithm, inertia matrix from the composite bodies. Vectors of joints: joint_names
+ * order. */
+class ArticulatedBody {
+ public:
+  /** @throws ModelError naming a joint that moves no inertia. */
+  ArticulatedBody(const RobotModel& model, const Eigen::Vector3d& gravity_m_s2);
+
+  int dofs() const { return static_cast<int>(bodies_.size()); }
+
+  /** Frames of all bodies at q; everything below refers to the last q given here. */
+  void setPositions(const Eigen::VectorXd& q);
+
+  /** Velocities dt_s later under gravity and the velocity-dependent forces alone, from velocities v. */
+  void freeVelocities(const Eigen::VectorXd& v, double dt_s, Eigen::VectorXd& v_free);
+
+  /** Joint-space inertia matrix, row-major (n, n), both triangles. */
+  void massMatrix(std::vector<double>& M) const;
+
+  /** Accelerations that joint efforts alone would cause, by Bullet; valid after freeVelocities(). */
+  void accelerations(const Eigen::VectorXd& efforts, Eigen::VectorXd& a);
+
+  Pose linkPose(int link) const;
+  Twist linkTwist(int link, const Eigen::VectorXd& v) const;
+  double potentialEnergy() const;
+
+ private:
+  struct Body {
+    int parent = -1;  // of bodies_, -1: the world
+    int index = 0;    // into joint_names
+    bool prismatic = false;
+    Eigen::Vector3d p_PJ, axis;
+    Eigen::Matrix3d R_PJ;
+    double mass_kg = 0.0;
+    Eigen::Vector3d com_m = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();
+  };
+  struct Frame {  // of a body in the world, and of its joint
+    Eigen::Matrix3d R;
+    Eigen::Vector3d p, axis, com;
+  };
+  struct Composite {  // inertia of a body and all it carries, about the world origin
+    double mass;
+    Eigen::Vector3d first;
+    Eigen::Matrix3d second;
+  };
+
+  void addBodies(const RobotModel& model);
+  void mergeInertia(const Link& link, Body& body, const Pose& X_body_link);
+  void buildBullet(const Eigen::Vector3d& gravity_m_s2);
+  void checkInertia(const RobotModel& model);
+
+  std::vector<Body> bodies_;  // parents first
+  std::vector<Frame> frames_;
+  mutable std::vector<Composite> composites_;
+  std::vector<int> link_body_;
+  std::vector<Pose> X_body_link_;
+  Eigen::Vector3d gravity_m_s2_;
+
+  std::unique_ptr<btMultiBody> bullet_;
+  btAlignedObjectArray<btScalar> scratch_r_;
+  btAlignedObjectArray<btVector3> scratch_v_;
+  btAlignedObjectArray<btMatrix3x3> scratch_m_;
+  std::vector<btScalar> bullet_in_, bullet_out_;
+};
+
+}  // namespace aras_visual_servo_sim
