@@ -92,9 +92,12 @@ class CameraModel {
   std::string distortionModel() const;
 
  private:
-  double radialDerivative(double r) const;
-  bool undistort(double xd, double yd, double& x, double& y) const;
-  void findRanges();
+  void readLens(std::vector<std::string>& faults);
+  double radial(double r) const;
+  std::optional<double> inverseRadial(double rd) const;
+  std::optional<Eigen::Vector2d> undistort(const Eigen::Vector2d& distorted) const;
+  void findLensRadius();
+  bool findImageRadius();
 
   CameraConfig config_;
   Lens lens_ = Lens::kNone;

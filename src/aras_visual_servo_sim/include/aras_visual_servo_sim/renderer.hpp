@@ -1,17 +1,11 @@
 #pragma once
 
 #include "aras_visual_servo_sim/camera_model.hpp"
-#include "aras_visual_servo_sim/errors.hpp"
 #include "aras_visual_servo_sim/image.hpp"
 #include "aras_visual_servo_sim/scene.hpp"
 #include "aras_visual_servo_sim/types.hpp"
 
 namespace aras_visual_servo_sim {
-
-/** The renderer itself failed: no OSMesa context, out of memory. */
-class RenderError : public ArasError {
-  using ArasError::ArasError;
-};
 
 /** Makes the image a camera sees. Same arguments, same bytes: nothing of earlier frames survives. */
 class Renderer {

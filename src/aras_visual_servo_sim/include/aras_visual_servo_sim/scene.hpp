@@ -78,7 +78,7 @@ struct Scene {
   std::vector<Body> bodies;
   Eigen::Vector3d light_direction_W{-0.4, -0.3, -1.0};  ///< where the light travels, any length but zero
 
-  /** @throws ModelError naming what exists */
+  /** @throws UnknownNameError naming what exists */
   PlanarModel& model(const std::string& name);
   const PlanarModel& model(const std::string& name) const;
   Body& body(const std::string& name);

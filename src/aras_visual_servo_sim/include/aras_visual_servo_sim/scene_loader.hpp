@@ -9,6 +9,7 @@
 #include "aras_visual_servo_sim/mesh_loader.hpp"
 #include "aras_visual_servo_sim/robot_model.hpp"
 #include "aras_visual_servo_sim/scene.hpp"
+#include "aras_visual_servo_sim/yaml_reader.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -30,5 +31,7 @@ void addRobotBodies(const RobotModel& robot, const PackagePaths& packages, Scene
 
 /** Reads one entry of `cameras:`; keys are the members of CameraConfig. @throws ParameterError listing all faults */
 CameraConfig cameraConfigFromYaml(const YAML::Node& node);
+/** The same as part of a larger reading: faults go to reader, whose owner calls finish(). */
+CameraConfig readCameraConfig(YamlReader& reader);
 
 }  // namespace aras_visual_servo_sim

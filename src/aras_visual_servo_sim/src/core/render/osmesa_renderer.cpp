@@ -1,0 +1,54 @@
+#include "aras_visual_servo_sim/osmesa_renderer.hpp"
+
+#include <cstring>
+
+#include "aras_visual_servo_sim/coverage_rasterizer.hpp"
+#include "pixel_color.hpp"
+#include "planar_layer.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+void fill(const std::array<std::uint8_t, 3>& pixel, Image& image) {
+  if (image.channels() == 1 || (pixel[0] == pixel[1] && pixel[1] == pixel[2])) {
+    std::memset(image.data.data(), pixel[0], image.data.size());
+    return;
+  }
+  for (int u = 0; u < image.width; ++u) std::memcpy(image.pixel(u, 0), pixel.data(), 3);
+  for (int v = 1; v < image.height; ++v) std::memcpy(image.pixel(0, v), image.pixel(0, 0), image.stride());
+}
+
+}  // namespace
+
+class OsmesaRenderer::Implementation {
+ public:
+  explicit Implementation(Path path) : path_(path) {}
+
+  void render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
+    statistics_ = {};
+    const ViewVolume volume(camera);
+    planar_.project(camera, volume, X_WC.inverse(), scene);
+    fill(pixelOf(scene.background, out.encoding), out);
+    planar_.paint(camera, rasterizer_, out);
+  }
+
+  Statistics statistics_;
+
+ private:
+  Path path_;
+  PlanarLayer planar_;
+  CoverageRasterizer rasterizer_;
+};
+
+OsmesaRenderer::OsmesaRenderer(Path path) : implementation_(std::make_unique<Implementation>(path)) {}
+OsmesaRenderer::~OsmesaRenderer() = default;
+OsmesaRenderer::OsmesaRenderer(OsmesaRenderer&&) noexcept = default;
+OsmesaRenderer& OsmesaRenderer::operator=(OsmesaRenderer&&) noexcept = default;
+
+const OsmesaRenderer::Statistics& OsmesaRenderer::statistics() const { return implementation_->statistics_; }
+
+void OsmesaRenderer::doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
+  implementation_->render(camera, X_WC, scene, out);
+}
+
+}  // namespace aras_visual_servo_sim

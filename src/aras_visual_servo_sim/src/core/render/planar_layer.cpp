@@ -1,0 +1,175 @@
+#include "planar_layer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pixel_color.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+constexpr double kChord = 1e-3;     // [px] a curve may stray from its chord; its area by two thirds of that
+constexpr double kCoplanar = 1e-9;  // [m] rounding of points that lie in a plane, k eps times metres
+
+PixelBox intersection(const PixelBox& a, const PixelBox& b) {
+  return {std::max(a.u0, b.u0), std::max(a.v0, b.v0), std::min(a.u1, b.u1), std::min(a.v1, b.v1)};
+}
+
+PixelBox boxOf(const std::vector<Eigen::Vector2d>& points, std::size_t begin, const CameraModel& camera) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  Eigen::Vector2d low(infinity, infinity), high(-infinity, -infinity);
+  for (std::size_t i = begin; i < points.size(); ++i) {
+    low = low.cwiseMin(points[i]);
+    high = high.cwiseMax(points[i]);
+  }
+  const auto pixel = [](double x, int size) { return static_cast<int>(std::clamp(std::floor(x), 0.0, double(size))); };
+  if (begin == points.size()) return {};
+  return {pixel(low.x() + 0.5, camera.width()), pixel(low.y() + 0.5, camera.height()),
+          pixel(high.x() + 1.5, camera.width()), pixel(high.y() + 1.5, camera.height())};
+}
+
+}  // namespace
+
+void PlanarLayer::project(const CameraModel& camera, const ViewVolume& volume, const Pose& X_CW, const Scene& scene) {
+  views_.clear();
+  faces_.clear();
+  conflicts_.clear();
+  points_.clear();
+  for (const PlanarModel& model : scene.models) {
+    if (model.visible) addModel(camera, volume, X_CW * model.X_WM, model);
+  }
+  sort();
+  for (const std::size_t index : order_) {
+    for (const Part& part : views_[index].parts) faces_.push_back(part.face);
+  }
+}
+
+bool PlanarLayer::addModel(const CameraModel& camera, const ViewVolume& volume, const Pose& X_CM,
+                           const PlanarModel& model) {
+  if (volume.excludes(X_CM.p, model.radius())) return false;
+  const bool inside = volume.contains(X_CM.p, model.radius());
+  const std::size_t begin = points_.size();
+  View view;
+  view.normal_C = X_CM.q * Eigen::Vector3d::UnitZ();
+  view.offset = view.normal_C.dot(X_CM.p);
+  const bool from_front = view.offset < 0.0;
+  if (!from_front) {
+    view.normal_C = -view.normal_C;
+    view.offset = -view.offset;
+  }
+  if (!model.outlines().empty()) {
+    Part part{{&model, false, model.color()}, {}};
+    for (const Polygon& outline : model.outlines()) addLoop(camera, volume, X_CM, inside, outline, view, part);
+    if (!part.loops.empty()) view.parts.push_back(std::move(part));
+  }
+  if (model.board()) {
+    Part part{{&model, true, model.board()->color}, {}};
+    addLoop(camera, volume, X_CM, inside, model.boardCorners(), view, part);
+    if (!part.loops.empty()) view.parts.push_back(std::move(part));
+    if (from_front && view.parts.size() == 2) std::swap(view.parts[0], view.parts[1]);
+  }
+  view.box = boxOf(points_, begin, camera);
+  if (view.box.empty()) return false;
+  views_.push_back(std::move(view));
+  return true;
+}
+
+void PlanarLayer::addLoop(const CameraModel& camera, const ViewVolume& volume, const Pose& X_CM, bool inside,
+                          const Polygon& outline, View& view, Part& part) {
+  polygon_.clear();
+  const Eigen::Matrix3d R = X_CM.q.toRotationMatrix();
+  for (const Eigen::Vector2d& corner : outline) {
+    polygon_.push_back(X_CM.p + R.col(0) * corner.x() + R.col(1) * corner.y());
+  }
+  if (!inside) volume.clip(polygon_);
+  if (polygon_.size() < 3) return;
+  view.corners_C.insert(view.corners_C.end(), polygon_.begin(), polygon_.end());
+  const std::size_t begin = points_.size();
+  Eigen::Vector2d before = polygon_.back().head<2>() / polygon_.back().z();
+  Eigen::Vector2d before_px = camera.toPixel(before.x(), before.y());
+  for (const Eigen::Vector3d& corner : polygon_) {
+    const Eigen::Vector2d xy = corner.head<2>() / corner.z();
+    const Eigen::Vector2d px = camera.toPixel(xy.x(), xy.y());
+    if (camera.lens() != CameraModel::Lens::kNone) addCurve(camera, before, xy, before_px, px, 0);
+    points_.push_back(px);
+    before = xy;
+    before_px = px;
+  }
+  part.loops.push_back({begin, points_.size()});
+}
+
+/** Halves a straight line of the scene until its image through the lens is straight, ends excluded. */
+void PlanarLayer::addCurve(const CameraModel& camera, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                           const Eigen::Vector2d& from_px, const Eigen::Vector2d& to_px, int depth) {
+  constexpr int kAlways = 1, kDeepest = 10;  // halve once whatever the middle says: it may lie on an inflexion
+  const Eigen::Vector2d middle = 0.5 * (from + to);
+  const Eigen::Vector2d middle_px = camera.toPixel(middle.x(), middle.y());
+  const Eigen::Vector2d chord = to_px - from_px, bow = middle_px - from_px;
+  const bool straight = std::abs(chord.x() * bow.y() - chord.y() * bow.x()) < kChord * chord.norm();
+  if (depth >= kDeepest || (depth >= kAlways && straight)) return;
+  addCurve(camera, from, middle, from_px, middle_px, depth + 1);
+  points_.push_back(middle_px);
+  addCurve(camera, middle, to, middle_px, to_px, depth + 1);
+}
+
+/** Puts views back to front by trying planes: a is behind b if a lies wholly on the far side of b's plane, or b wholly
+ *  on the near side of a's. Only views that overlap in the image matter. */
+void PlanarLayer::sort() {
+  const auto isBehind = [](const View& a, const View& b) {
+    return std::all_of(a.corners_C.begin(), a.corners_C.end(),
+                       [&](const Eigen::Vector3d& p) { return b.normal_C.dot(p) <= b.offset + kCoplanar; }) ||
+           std::all_of(b.corners_C.begin(), b.corners_C.end(),
+                       [&](const Eigen::Vector3d& p) { return a.normal_C.dot(p) >= a.offset - kCoplanar; });
+  };
+  const std::size_t n = views_.size();
+  std::vector<char> must_precede(n * n, 0);  // [i * n + j]: i is painted before j
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = i + 1; j < n; ++j) {
+      if (!views_[i].box.overlaps(views_[j].box)) continue;
+      if (isBehind(views_[i], views_[j])) {  // also when coplanar: later ones lie on top
+        must_precede[i * n + j] = 1;
+      } else if (isBehind(views_[j], views_[i])) {
+        must_precede[j * n + i] = 1;
+      } else {
+        conflicts_.push_back(intersection(views_[i].box, views_[j].box));
+      }
+    }
+  }
+  order_.clear();
+  std::vector<char> done(n, 0);
+  while (order_.size() < n) {
+    std::size_t next = n, any = n;
+    for (std::size_t j = 0; j < n && next == n; ++j) {
+      if (done[j]) continue;
+      if (any == n) any = j;
+      bool free = true;
+      for (std::size_t i = 0; i < n; ++i) free = free && (done[i] || !must_precede[i * n + j]);
+      if (free) next = j;
+    }
+    if (next == n) {  // a ring of three or more: no order is right
+      next = any;
+      conflicts_.push_back(views_[any].box);
+    }
+    done[next] = 1;
+    order_.push_back(next);
+  }
+}
+
+void PlanarLayer::paint(const CameraModel& camera, CoverageRasterizer& rasterizer, Image& image) const {
+  const auto rule = camera.sampling() == CameraModel::Sampling::kCenter ? CoverageRasterizer::Rule::kCenter
+                                                                        : CoverageRasterizer::Rule::kCoverage;
+  for (const std::size_t index : order_) {
+    for (const Part& part : views_[index].parts) {
+      rasterizer.begin(image.width, image.height, rule);
+      for (const Loop& loop : part.loops) {
+        for (std::size_t i = loop.begin, j = loop.end - 1; i < loop.end; j = i++) {
+          rasterizer.addEdge(points_[j], points_[i]);
+        }
+      }
+      rasterizer.blend(pixelOf(part.face.color, image.encoding), image);
+    }
+  }
+}
+
+}  // namespace aras_visual_servo_sim

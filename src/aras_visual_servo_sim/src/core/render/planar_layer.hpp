@@ -1,0 +1,65 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "aras_visual_servo_sim/coverage_rasterizer.hpp"
+#include "aras_visual_servo_sim/scene.hpp"
+#include "view_volume.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** The planar models of a scene as one camera sees them, back to front. */
+class PlanarLayer {
+ public:
+  /** Projects what is in view and puts it in order.
+   *  @param X_CW  pose of the world in the camera's frame */
+  void project(const CameraModel& camera, const ViewVolume& volume, const Pose& X_CW, const Scene& scene);
+
+  /** Paints everything over image by exact coverage. */
+  void paint(const CameraModel& camera, CoverageRasterizer& rasterizer, Image& image) const;
+
+  /** Outlines or board of one model. */
+  struct Face {
+    const PlanarModel* model;
+    bool is_board;
+    Rgb color;
+  };
+  /** Faces in view in the order of painting, farthest first. */
+  const std::vector<Face>& faces() const { return faces_; }
+
+  /** Where two models overlap and neither is wholly behind the other: painting is not right there. */
+  const std::vector<PixelBox>& conflicts() const { return conflicts_; }
+
+ private:
+  /** One loop of pixel coordinates: points_[begin .. end). */
+  struct Loop {
+    std::size_t begin, end;
+  };
+  struct Part {
+    Face face;
+    std::vector<Loop> loops;
+  };
+  struct View {
+    std::vector<Part> parts;  // in the order of painting
+    std::vector<Eigen::Vector3d> corners_C;
+    Eigen::Vector3d normal_C;  // of the side that faces the camera
+    double offset = 0.0;       // normal_C . p for points p of the plane
+    PixelBox box;
+  };
+  bool addModel(const CameraModel& camera, const ViewVolume& volume, const Pose& X_CM, const PlanarModel& model);
+  void addLoop(const CameraModel& camera, const ViewVolume& volume, const Pose& X_CM, bool inside,
+               const Polygon& outline, View& view, Part& part);
+  void addCurve(const CameraModel& camera, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                const Eigen::Vector2d& from_px, const Eigen::Vector2d& to_px, int depth);
+  void sort();
+
+  std::vector<View> views_;
+  std::vector<std::size_t> order_;
+  std::vector<Face> faces_;
+  std::vector<PixelBox> conflicts_;
+  std::vector<Eigen::Vector2d> points_;   // pixel coordinates of all loops
+  std::vector<Eigen::Vector3d> polygon_;  // scratch
+};
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,24 @@
+#include "aras_visual_servo_sim/renderer.hpp"
+
+#include "aras_visual_servo_sim/errors.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+void requireFinite(const Pose& pose, const char* kind, const std::string& name) {
+  if (!pose.p.allFinite() || !pose.q.coeffs().allFinite()) {
+    throw NotFiniteError(std::string("render: pose of ") + kind + " '" + name + "' is not finite");
+  }
+}
+
+}  // namespace
+
+void Renderer::render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
+  requireFinite(X_WC, "camera", camera.config().name);
+  for (const PlanarModel& model : scene.models) requireFinite(model.X_WM, "model", model.name());
+  for (const Body& body : scene.bodies) requireFinite(body.X_WB, "body", body.name);
+  out.resize(camera.width(), camera.height(), camera.encoding());
+  doRender(camera, X_WC, scene, out);
+}
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,77 @@
+#include "aras_visual_servo_sim/scene.hpp"
+
+#include <algorithm>
+
+#include "aras_visual_servo_sim/errors.hpp"
+#include "polygon.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+template <typename Container, typename Name>
+std::string listOf(const Container& items, const Name& name) {
+  std::string text;
+  for (const auto& item : items) text += (text.empty() ? "" : ", ") + name(item);
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace
+
+PlanarModel::PlanarModel(std::string name, std::vector<Polygon> outlines, Rgb color, std::optional<Board> board)
+    : name_(std::move(name)), outlines_(std::move(outlines)), color_(color), board_(std::move(board)) {
+  const auto fail = [this](const std::string& what) { throw ModelError("model '" + name_ + "': " + what); };
+  if (outlines_.empty() && !board_) fail("found neither outlines nor a board, needs one of them");
+  for (std::size_t k = 0; k < outlines_.size(); ++k) {
+    Polygon& outline = outlines_[k];
+    const std::string which = "outline " + std::to_string(k) + ": ";
+    if (outline.size() < 3) fail(which + "found " + std::to_string(outline.size()) + " corners, allowed 3 or more");
+    for (const Eigen::Vector2d& corner : outline) {
+      if (!corner.allFinite()) fail(which + "a corner is not finite");
+      radius_ = std::max(radius_, corner.norm());
+    }
+    if (crossesItself(outline)) fail(which + "edges cross or touch, allowed simple polygons");
+    const double area = signedArea(outline);
+    if (area == 0.0) fail(which + "covers no area");
+    if (area < 0.0) std::reverse(outline.begin(), outline.end());
+    triangles_.push_back(triangulate(outline));
+  }
+  if (!board_) return;
+  if (!board_->size_m.allFinite() || !(board_->size_m.minCoeff() > 0.0)) {
+    fail("board: found size " + std::to_string(board_->size_m.x()) + " x " + std::to_string(board_->size_m.y()) +
+         " m, allowed > 0");
+  }
+  radius_ = std::max(radius_, 0.5 * board_->size_m.norm());
+}
+
+Polygon PlanarModel::boardCorners() const {
+  const Eigen::Vector2d half = 0.5 * board_->size_m;
+  return {{-half.x(), -half.y()}, {half.x(), -half.y()}, {half.x(), half.y()}, {-half.x(), half.y()}};
+}
+
+PlanarModel& Scene::model(const std::string& name) {
+  return const_cast<PlanarModel&>(static_cast<const Scene*>(this)->model(name));
+}
+
+const PlanarModel& Scene::model(const std::string& name) const {
+  const auto found =
+      std::find_if(models.begin(), models.end(), [&](const PlanarModel& model) { return model.name() == name; });
+  if (found != models.end()) return *found;
+  throw UnknownNameError("model '" + name + "' does not exist; models: " + listOf(models, [](const PlanarModel& model) {
+                           return model.name();
+                         }));
+}
+
+Body& Scene::body(const std::string& name) {
+  if (const auto index = findBody(name)) return bodies[*index];
+  throw UnknownNameError("body '" + name +
+                         "' does not exist; bodies: " + listOf(bodies, [](const Body& body) { return body.name; }));
+}
+
+std::optional<std::size_t> Scene::findBody(const std::string& name) const {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (bodies[i].name == name) return i;
+  }
+  return std::nullopt;
+}
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,307 @@
+#include "aras_visual_servo_sim/scene_loader.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include "aras_visual_servo_sim/errors.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+Rgb readColor(YamlReader& reader, const std::string& key, const Rgb& default_color) {
+  const std::vector<double> fallback{double(default_color.r), double(default_color.g), double(default_color.b)};
+  const std::vector<double> c = reader.optional<std::vector<double>>(key, fallback, Range::between(0.0, 255.0));
+  if (c.size() != 3) {
+    reader.fault(key, std::to_string(c.size()) + " numbers", "three, red green blue, 0 .. 255");
+    return default_color;
+  }
+  const auto byte = [](double value) { return static_cast<std::uint8_t>(std::lround(value)); };
+  return {byte(c[0]), byte(c[1]), byte(c[2])};
+}
+
+Pose readPose(YamlReader& reader) {
+  Pose pose;
+  pose.p = reader.optional<Eigen::Vector3d>("position_m", Eigen::Vector3d::Zero());
+  pose.q = quaternionFromRpy(reader.optional<Eigen::Vector3d>("rpy_rad", Eigen::Vector3d::Zero()));
+  return pose;
+}
+
+/** Outlines as a list of lists of [x, y]; a fault of any depth is one fault of the key. */
+std::vector<Polygon> readOutlines(YamlReader& reader) {
+  std::vector<Polygon> outlines;
+  if (!reader.has("outlines_m")) return outlines;
+  try {
+    const YAML::Node node = reader.raw("outlines_m");
+    for (const auto& points : node.as<std::vector<std::vector<std::vector<double>>>>()) {
+      Polygon outline;
+      for (const auto& point : points) {
+        if (point.size() != 2) throw YAML::Exception(YAML::Mark::null_mark(), "a corner is not [x, y]");
+        outline.emplace_back(point[0], point[1]);
+      }
+      outlines.push_back(std::move(outline));
+    }
+  } catch (const YAML::Exception& error) {
+    reader.fault("outlines_m", error.what(), "a list of outlines, each a list of corners [x, y] in metres");
+  }
+  return outlines;
+}
+
+std::optional<PlanarModel::Board> readBoard(YamlReader& reader) {
+  if (!reader.has("board")) return std::nullopt;
+  YamlReader section = reader.section("board");
+  PlanarModel::Board board;
+  const auto size = section.required<std::vector<double>>("size_m", Range::positive());
+  if (size.size() == 2) {
+    board.size_m = {size[0], size[1]};
+  } else {
+    section.fault("size_m", std::to_string(size.size()) + " numbers", "two, width and height");
+  }
+  board.color = readColor(section, "color_rgb", {255, 255, 255});
+  return board;
+}
+
+/** The shape keys of a planar model; the model is made later, when all faults are known. */
+struct PlanarShape {
+  std::vector<Polygon> outlines;
+  Rgb color;
+  std::optional<PlanarModel::Board> board;
+};
+
+PlanarShape readPlanarShape(YamlReader& reader) {
+  PlanarShape shape;
+  shape.color = readColor(reader, "color_rgb", {20, 20, 20});
+  shape.outlines = readOutlines(reader);
+  shape.board = readBoard(reader);
+  return shape;
+}
+
+YAML::Node readFile(const std::string& path) {
+  try {
+    return YAML::LoadFile(path);
+  } catch (const YAML::Exception& error) {
+    throw ModelError("file '" + path + "': " + error.what());
+  }
+}
+
+/** Loads each mesh file once, however many shapes use it. */
+class MeshCache {
+ public:
+  explicit MeshCache(const PackagePaths& packages) : packages_(packages) {}
+
+  MeshPtr load(const std::string& uri, const Eigen::Vector3d& scale) {
+    const std::string path = packages_.resolve(uri);
+    MeshPtr& mesh = meshes_[path + ' ' + std::to_string(scale.x()) + ' ' + std::to_string(scale.y()) + ' ' +
+                            std::to_string(scale.z())];
+    if (!mesh) mesh = loadMesh(path, scale);
+    return mesh;
+  }
+
+ private:
+  const PackagePaths& packages_;
+  std::map<std::string, MeshPtr> meshes_;
+};
+
+MeshPtr meshOf(const Geometry& geometry, MeshCache& meshes) {
+  switch (geometry.type) {
+    case Geometry::Type::kBox:
+      return makeBox(geometry.size_m);
+    case Geometry::Type::kCylinder:
+      return makeCylinder(geometry.radius_m, geometry.length_m);
+    case Geometry::Type::kSphere:
+      return makeSphere(geometry.radius_m);
+    default:
+      return meshes.load(geometry.filename, geometry.scale);
+  }
+}
+
+Geometry readGeometry(YamlReader& reader) {
+  Geometry geometry;
+  int kinds = 0;
+  if (reader.has("box_m")) {
+    geometry.type = Geometry::Type::kBox;
+    geometry.size_m = reader.required<Eigen::Vector3d>("box_m", Range::positive());
+    ++kinds;
+  }
+  if (reader.has("cylinder_m")) {
+    geometry.type = Geometry::Type::kCylinder;
+    const auto size = reader.required<std::vector<double>>("cylinder_m", Range::positive());
+    if (size.size() == 2) {
+      geometry.radius_m = size[0];
+      geometry.length_m = size[1];
+    } else {
+      reader.fault("cylinder_m", std::to_string(size.size()) + " numbers", "two, radius and length");
+    }
+    ++kinds;
+  }
+  if (reader.has("sphere_m")) {
+    geometry.type = Geometry::Type::kSphere;
+    geometry.radius_m = reader.required<double>("sphere_m", Range::positive());
+    ++kinds;
+  }
+  if (reader.has("mesh")) {
+    geometry.type = Geometry::Type::kMesh;
+    geometry.filename = reader.required<std::string>("mesh");
+    geometry.scale = reader.optional<Eigen::Vector3d>("scale", Eigen::Vector3d::Ones());
+    ++kinds;
+  }
+  if (kinds != 1) {
+    reader.fault("shape", std::to_string(kinds) + " of them", "one of box_m, cylinder_m, sphere_m, mesh");
+  }
+  return geometry;
+}
+
+struct ModelEntry {
+  std::string name, file;
+  PlanarShape shape;
+  Pose X_WM;
+  bool visible = true;
+};
+
+struct SolidEntry {
+  std::string name;
+  Geometry geometry;
+  Rgb color;
+  Pose X_WB;
+};
+
+ModelEntry readModel(YamlReader& reader) {
+  ModelEntry entry;
+  entry.name = reader.required<std::string>("name");
+  entry.file = reader.optional<std::string>("file", "");
+  entry.X_WM = readPose(reader);
+  entry.visible = reader.optional<bool>("visible", true);
+  if (entry.file.empty()) entry.shape = readPlanarShape(reader);
+  return entry;
+}
+
+SolidEntry readSolid(YamlReader& reader) {
+  SolidEntry entry;
+  entry.name = reader.required<std::string>("name");
+  entry.color = readColor(reader, "color_rgb", {128, 128, 128});
+  entry.X_WB = readPose(reader);
+  entry.geometry = readGeometry(reader);
+  return entry;
+}
+
+template <typename Entry>
+void requireDistinct(const std::vector<Entry>& entries, const char* key, YamlReader& reader) {
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (entries[i].name == entries[j].name)
+        reader.fault(key, "two named '" + entries[i].name + "'", "distinct names");
+    }
+  }
+}
+
+}  // namespace
+
+PlanarModel planarModelFromYaml(const YAML::Node& node, const std::string& source_name) {
+  YamlReader reader(node, source_name);
+  const auto name = reader.required<std::string>("name");
+  PlanarShape shape = readPlanarShape(reader);
+  reader.finish();
+  return {name, std::move(shape.outlines), shape.color, shape.board};
+}
+
+PlanarModel loadPlanarModel(const std::string& path) { return planarModelFromYaml(readFile(path), path); }
+
+Scene loadScene(const YAML::Node& node, const PackagePaths& packages) {
+  Scene scene;
+  YamlReader reader(node, "scene");
+  scene.background = readColor(reader, "background_rgb", scene.background);
+  scene.light_direction_W = reader.optional<Eigen::Vector3d>("light_direction", scene.light_direction_W);
+  if (scene.light_direction_W.norm() == 0.0) reader.fault("light_direction", "zero", "any other direction");
+  std::vector<ModelEntry> models;
+  std::vector<SolidEntry> solids;
+  for (YamlReader& entry : reader.list("models")) models.push_back(readModel(entry));
+  for (YamlReader& entry : reader.list("solids")) solids.push_back(readSolid(entry));
+  requireDistinct(models, "models", reader);
+  requireDistinct(solids, "solids", reader);
+  reader.finish();
+
+  for (ModelEntry& entry : models) {
+    if (!entry.file.empty()) {
+      const PlanarModel loaded = loadPlanarModel(packages.resolve(entry.file));
+      entry.shape = {loaded.outlines(), loaded.color(), loaded.board()};
+    }
+    scene.models.emplace_back(entry.name, std::move(entry.shape.outlines), entry.shape.color, entry.shape.board);
+    scene.models.back().X_WM = entry.X_WM;
+    scene.models.back().visible = entry.visible;
+  }
+  MeshCache meshes(packages);
+  for (const SolidEntry& entry : solids) {
+    Body body;
+    body.name = entry.name;
+    body.X_WB = entry.X_WB;
+    body.shapes.push_back({Pose{}, meshOf(entry.geometry, meshes), entry.color});
+    scene.bodies.push_back(std::move(body));
+  }
+  return scene;
+}
+
+void addRobotBodies(const RobotModel& robot, const PackagePaths& packages, Scene& scene) {
+  MeshCache meshes(packages);
+  const auto byte = [](double value) {
+    return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 1.0) * 255));
+  };
+  for (const Link& link : robot.links) {
+    if (link.visuals.empty()) continue;
+    if (scene.findBody(link.name)) {
+      throw ModelError("link '" + link.name + "': a solid of the scene has the same name (" + robot.source_name + ")");
+    }
+    Body body;
+    body.name = link.name;
+    for (const Visual& visual : link.visuals) {
+      try {
+        MeshPtr mesh = meshOf(visual.geometry, meshes);
+        if (visual.has_color && !mesh->colors.empty()) {  // the URDF's material wins over the mesh file's
+          auto plain = std::make_shared<TriangleMesh>(*mesh);
+          plain->colors.clear();
+          mesh = plain;
+        }
+        body.shapes.push_back(
+            {visual.X_link_visual, mesh, {byte(visual.color.r), byte(visual.color.g), byte(visual.color.b)}});
+      } catch (const ModelError& error) {
+        throw ModelError("link '" + link.name + "': <visual>: " + error.what() + " (" + robot.source_name + ")");
+      }
+    }
+    scene.bodies.push_back(std::move(body));
+  }
+}
+
+CameraConfig readCameraConfig(YamlReader& reader) {
+  CameraConfig camera;
+  const auto number = [&reader](const char* key, std::optional<double>& value) {
+    if (reader.has(key)) value = reader.required<double>(key);
+  };
+  camera.name = reader.required<std::string>("name");
+  camera.frame = reader.required<std::string>("frame");
+  camera.width = reader.required<int>("width");
+  camera.height = reader.required<int>("height");
+  number("horizontal_fov_rad", camera.horizontal_fov_rad);
+  number("fx_px", camera.fx_px);
+  number("fy_px", camera.fy_px);
+  number("cx_px", camera.cx_px);
+  number("cy_px", camera.cy_px);
+  camera.distortion_model = reader.optional<std::string>("distortion_model", camera.distortion_model);
+  camera.distortion = reader.optional<std::vector<double>>("distortion", {});
+  camera.rate_hz = reader.optional<double>("rate_hz", camera.rate_hz);
+  camera.encoding = reader.optional<std::string>("encoding", camera.encoding);
+  camera.near_m = reader.optional<double>("near_m", camera.near_m);
+  camera.far_m = reader.optional<double>("far_m", camera.far_m);
+  camera.sampling = reader.optional<std::string>("sampling", camera.sampling);
+  camera.noise_stddev = reader.optional<double>("noise_stddev", camera.noise_stddev);
+  return camera;
+}
+
+CameraConfig cameraConfigFromYaml(const YAML::Node& node) {
+  YamlReader reader(node);
+  const CameraConfig camera = readCameraConfig(reader);
+  reader.finish();
+  CameraModel{camera};  // its ranges
+  return camera;
+}
+
+}  // namespace aras_visual_servo_sim
