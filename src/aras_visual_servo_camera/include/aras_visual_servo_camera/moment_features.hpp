@@ -49,7 +49,9 @@ struct Reference {
   double alpha_star;  ///< [rad]
   /** Third-order centred moments in the axes of alpha_star, divided by their norm. Without them the first asymmetric
    *  view within 90 degrees of alpha_star supplies them. */
-  std::optional<ThirdMoments> mu3_direction;
+  std::optional<ThirdMoments> mu3_direction = std::nullopt;
+  /** The reference view itself is symmetric: no view can be resolved against it. */
+  bool symmetric = false;
 };
 
 /** Makes features of raw moments, relative to a reference once there is one.
@@ -84,7 +86,8 @@ class FeatureBuilder {
   void forgetPrevious() { previous_alpha_.reset(); }
 
  private:
-  double resolveAlpha(double alpha, const ThirdMoments& mu3, bool symmetric);
+  /** @param symmetric  in: too little asymmetry; out: also set where the reference cannot tell the branch */
+  double resolveAlpha(double alpha, const ThirdMoments& mu3, bool* symmetric);
 
   struct VispMoments;
   std::unique_ptr<VispMoments> visp_;

@@ -27,6 +27,8 @@ class MomentAccumulator {
   const std::vector<double>& process(const ObjectMask& mask);
 
   int order() const { return order_; }
+  /** The last object covers pixels that no ray of the lens model reaches: it is cut off there. */
+  bool leftTheLens() const { return left_the_lens_; }
 
  private:
   void sumSeparable(const ObjectMask& mask);
@@ -36,12 +38,10 @@ class MomentAccumulator {
 
   const PixelMap& map_;
   int order_;
+  bool left_the_lens_ = false;
   std::vector<double> prefix_;  // separable: prefix_[u (order + 1) + i] = sum of x^i over the pixels left of u
-  std::vector<double> rows_;    // separable: rows_[v (order + 1) + i] = sum over row v of w x^i
-  std::vector<double> m_;
+  std::vector<double> row_;     // separable: row_[i] = sum over one row of w x^i
+  std::vector<double> m_;       // what process() returns
 };
-
-/** Moments about (xg, yg) from raw ones, by the binomial theorem. Same sequence and length. */
-std::vector<double> centredMoments(const std::vector<double>& m, int order);
 
 }  // namespace aras_visual_servo_camera

@@ -1,0 +1,59 @@
+#include "aras_visual_servo_camera/moment_extractor.hpp"
+
+#include "aras_visual_servo_camera/errors.hpp"
+
+namespace aras_visual_servo_camera {
+
+MomentExtractor::MomentExtractor(const CameraIntrinsics& intrinsics, const VisionConfig& config)
+    : config_(config),
+      segmentation_(config),
+      builder_(config.order, config.asymmetry_threshold, config.orientation_threshold),
+      mask_(&nothing_) {
+  setIntrinsics(intrinsics);
+}
+
+MomentExtractor::~MomentExtractor() = default;
+
+void MomentExtractor::setIntrinsics(const CameraIntrinsics& intrinsics) {
+  map_ = std::make_unique<PixelMap>(intrinsics);
+  accumulator_ = std::make_unique<MomentAccumulator>(*map_, config_.order);
+  forgetPrevious();
+  mask_ = &nothing_;
+  nothing_.width_px = intrinsics.width();
+  nothing_.height_px = intrinsics.height();
+  features_ = builder_.build({false, false, 0}, {});
+}
+
+const MomentFeatures& MomentExtractor::process(const ImageView& image) {
+  if (image.width_px != map_->width() || image.height_px != map_->height())
+    throw ShapeError("image: found " + std::to_string(image.width_px) + " x " + std::to_string(image.height_px) +
+                     ", allowed " + std::to_string(map_->width()) + " x " + std::to_string(map_->height()) +
+                     ", the size in camera_info");
+  mask_ = &segmentation_.process(image);
+  const std::vector<double>& m = accumulator_->process(*mask_);
+  features_ = builder_.build(
+      {mask_->visible, mask_->touches_border || accumulator_->leftTheLens(), mask_->components}, m);
+  return features_;
+}
+
+MomentFeatures MomentExtractor::rebuildFeatures() {
+  features_ = builder_.build({features_.target_visible, features_.touches_border, features_.components}, features_.m);
+  return features_;
+}
+
+void MomentExtractor::setReference(double z_star_m, const MomentFeatures& features) {
+  builder_.setReference(z_star_m, features);
+}
+
+void MomentExtractor::setReference(double z_star_m, double area_star, double alpha_star) {
+  builder_.setReference({z_star_m, area_star, alpha_star});
+}
+
+void MomentExtractor::clearReference() { builder_.clearReference(); }
+
+void MomentExtractor::forgetPrevious() {
+  segmentation_.forgetPrevious();
+  builder_.forgetPrevious();
+}
+
+}  // namespace aras_visual_servo_camera

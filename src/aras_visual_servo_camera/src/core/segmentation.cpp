@@ -1,0 +1,219 @@
+#include "aras_visual_servo_camera/segmentation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "aras_visual_servo_camera/errors.hpp"
+#include "components.hpp"
+#include "edge_weights.hpp"
+
+namespace aras_visual_servo_camera {
+namespace {
+
+// An edge pixel of the first or last row or column that is covered more than this says that the object goes on beyond.
+constexpr double kBorderWeight = 0.1;
+
+std::array<int, 256> histogramOf(const cv::Mat& grey) {
+  std::array<std::array<int, 256>, 4> parts{};  // four, so that equal neighbours do not wait for each other
+  for (int v = 0; v < grey.rows; ++v) {
+    const std::uint8_t* row = grey.ptr(v);
+    int u = 0;
+    for (; u + 4 <= grey.cols; u += 4)
+      for (int k = 0; k < 4; ++k) ++parts[k][row[u + k]];
+    for (; u < grey.cols; ++u) ++parts[0][row[u]];
+  }
+  std::array<int, 256> sum{};
+  for (int g = 0; g < 256; ++g) sum[g] = parts[0][g] + parts[1][g] + parts[2][g] + parts[3][g];
+  return sum;
+}
+
+/** Pixels with (grey ^ flip) <= level are in the object. */
+struct Threshold {
+  std::uint8_t flip, level;
+};
+
+// Dark: grey < threshold; bright: grey > threshold.
+std::optional<Threshold> strictThreshold(ObjectShade object, double threshold) {
+  const bool dark = object == ObjectShade::kDark;
+  const double level = dark ? std::ceil(threshold) - 1.0 : 254.0 - std::floor(threshold);
+  if (level < 0.0) return std::nullopt;
+  return Threshold{static_cast<std::uint8_t>(dark ? 0 : 255), static_cast<std::uint8_t>(std::min(level, 255.0))};
+}
+
+}  // namespace
+
+void ObjectMask::render(std::uint8_t* out) const {
+  std::memset(out, 0, static_cast<std::size_t>(width_px) * height_px);
+  for (const Span& s : spans)
+    std::memset(out + static_cast<std::size_t>(s.v) * width_px + s.u_begin, 255, s.u_end - s.u_begin);
+  for (const EdgePixel& e : edge)
+    out[static_cast<std::size_t>(e.v) * width_px + e.u] = static_cast<std::uint8_t>(std::lround(255.0 * e.weight));
+}
+
+struct Segmentation::Work {
+  VisionConfig config;
+  cv::Mat grey_buffer, mean, binary;
+  ComponentFinder finder;
+  EdgeWeights edge_weights;
+  ObjectMask mask;
+  bool has_previous = false;
+  double previous_u = 0.0, previous_v = 0.0;
+
+  cv::Mat greyOf(const ImageView& image);
+  std::optional<GreyLevels> levelsOf(const cv::Mat& grey) const;
+  std::optional<Threshold> thresholdOf(const cv::Mat& grey) const;
+  void makeAdaptiveBinary(const cv::Mat& grey);
+  int choose() const;
+  void takeRuns(int chosen);
+  void describe(int chosen);
+};
+
+Segmentation::Segmentation(const VisionConfig& config) : work_(std::make_unique<Work>()) { work_->config = config; }
+Segmentation::~Segmentation() = default;
+Segmentation::Segmentation(Segmentation&&) noexcept = default;
+Segmentation& Segmentation::operator=(Segmentation&&) noexcept = default;
+
+void Segmentation::forgetPrevious() { work_->has_previous = false; }
+
+cv::Mat Segmentation::Work::greyOf(const ImageView& image) {
+  const int n = channels(image.format);
+  if (image.data == nullptr || image.width_px < 1 || image.height_px < 1 ||
+      image.step_bytes < static_cast<std::size_t>(image.width_px) * n)
+    throw ShapeError("image: found " + std::to_string(image.width_px) + " x " + std::to_string(image.height_px) +
+                     " pixels, " + std::to_string(image.step_bytes) + " bytes a row, allowed at least 1 x 1 and " +
+                     std::to_string(n) + " bytes a pixel");
+  const cv::Mat view(image.height_px, image.width_px, CV_8UC(n), const_cast<std::uint8_t*>(image.data),
+                     image.step_bytes);
+  if (image.format == PixelFormat::kMono8) return view;
+  const int code = image.format == PixelFormat::kRgb8   ? cv::COLOR_RGB2GRAY
+                   : image.format == PixelFormat::kBgr8 ? cv::COLOR_BGR2GRAY
+                                                        : cv::COLOR_RGBA2GRAY;
+  cv::cvtColor(view, grey_buffer, code);
+  return grey_buffer;
+}
+
+std::optional<GreyLevels> Segmentation::Work::levelsOf(const cv::Mat& grey) const {
+  if (config.object_grey && config.background_grey) return GreyLevels{*config.object_grey, *config.background_grey};
+  std::optional<GreyLevels> levels =
+      estimateGreyLevels(histogramOf(grey), config.object, config.min_area_px, config.min_contrast);
+  if (!levels) return std::nullopt;
+  if (config.object_grey) levels->object = *config.object_grey;
+  if (config.background_grey) levels->background = *config.background_grey;
+  const double contrast = levels->background - levels->object;
+  if ((config.object == ObjectShade::kDark ? contrast : -contrast) < config.min_contrast) return std::nullopt;
+  return levels;
+}
+
+std::optional<Threshold> Segmentation::Work::thresholdOf(const cv::Mat& grey) const {
+  if (config.segmentation == SegmentationMethod::kFixed) return strictThreshold(config.object, config.threshold);
+  const std::array<int, 256> histogram = histogramOf(grey);
+  const std::optional<int> split = otsuThreshold(histogram);
+  if (!split) return std::nullopt;
+  double n[2] = {0.0, 0.0}, sum[2] = {0.0, 0.0};
+  for (int g = 0; g < 256; ++g) {
+    n[g > *split] += histogram[g];
+    sum[g > *split] += static_cast<double>(histogram[g]) * g;
+  }
+  if (sum[1] / n[1] - sum[0] / n[0] < config.min_contrast) return std::nullopt;
+  return strictThreshold(config.object, *split + 0.5);
+}
+
+void Segmentation::Work::makeAdaptiveBinary(const cv::Mat& grey) {
+  cv::boxFilter(grey, mean, CV_32F, cv::Size(config.adaptive_block_px, config.adaptive_block_px), cv::Point(-1, -1), true,
+                cv::BORDER_REPLICATE);
+  binary.create(grey.rows, grey.cols, CV_8UC1);
+  const float sign = config.object == ObjectShade::kDark ? -1.0f : 1.0f;
+  const float offset = static_cast<float>(config.adaptive_offset);
+  for (int v = 0; v < grey.rows; ++v) {
+    const std::uint8_t* g = grey.ptr(v);
+    const float* local = mean.ptr<float>(v);
+    std::uint8_t* out = binary.ptr(v);
+    for (int u = 0; u < grey.cols; ++u) out[u] = sign * (static_cast<float>(g[u]) - local[u]) > offset ? 0 : 255;
+  }
+}
+
+// Ties go to the component that comes first from the top left.
+int Segmentation::Work::choose() const {
+  const bool nearest = config.component == ComponentChoice::kNearestToPrevious && has_previous;
+  int best = -1;
+  double best_score = 0.0;
+  const std::vector<Component>& all = finder.components();
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const Component& c = all[k];
+    if (c.area_px < config.min_area_px) continue;
+    const double n = static_cast<double>(c.area_px);
+    const double score = nearest ? -std::hypot(c.sum_u / n - previous_u, c.sum_v / n - previous_v) : n;
+    if (best < 0 || score > best_score) {
+      best = static_cast<int>(k);
+      best_score = score;
+    }
+  }
+  return best;
+}
+
+void Segmentation::Work::takeRuns(int chosen) {
+  for (const Run& run : finder.runs())
+    if (run.component == chosen) mask.spans.push_back({run.v, run.u_begin, run.u_end});
+}
+
+void Segmentation::Work::describe(int chosen) {
+  const Component& c = finder.components()[chosen];
+  const int u_last = mask.width_px - 1, v_last = mask.height_px - 1;
+  mask.visible = true;
+  mask.area_px = static_cast<int>(c.area_px);
+  mask.u_px = static_cast<double>(c.sum_u) / static_cast<double>(c.area_px);
+  mask.v_px = static_cast<double>(c.sum_v) / static_cast<double>(c.area_px);
+  mask.touches_border = c.u_min == 0 || c.v_min == 0 || c.u_max == u_last || c.v_max == v_last;
+  for (const EdgePixel& e : mask.edge)
+    if (e.weight > kBorderWeight && (e.u == 0 || e.v == 0 || e.u == u_last || e.v == v_last)) mask.touches_border = true;
+  has_previous = true;
+  previous_u = mask.u_px;
+  previous_v = mask.v_px;
+}
+
+const ObjectMask& Segmentation::process(const ImageView& image) {
+  Work& w = *work_;
+  const cv::Mat grey = w.greyOf(image);
+  const bool soft = w.config.segmentation == SegmentationMethod::kCoverage;
+  ObjectMask empty;
+  empty.width_px = image.width_px;
+  empty.height_px = image.height_px;
+  empty.soft_edges = soft;
+  empty.spans.swap(w.mask.spans);
+  empty.edge.swap(w.mask.edge);
+  empty.spans.clear();
+  empty.edge.clear();
+  w.mask = std::move(empty);
+
+  cv::Mat scanned = grey;
+  std::optional<GreyLevels> levels;
+  std::optional<Threshold> threshold;
+  if (w.config.segmentation == SegmentationMethod::kAdaptive) {
+    w.makeAdaptiveBinary(grey);
+    scanned = w.binary;
+    threshold = Threshold{0, 0};
+  } else if (soft) {
+    levels = w.levelsOf(grey);
+    if (levels) threshold = strictThreshold(w.config.object, 0.5 * (levels->object + levels->background));
+  } else {
+    threshold = w.thresholdOf(grey);
+  }
+  if (!threshold) return w.mask;
+
+  w.finder.process(scanned.ptr(), scanned.step, scanned.cols, scanned.rows, threshold->flip, threshold->level);
+  for (const Component& c : w.finder.components()) w.mask.components += c.area_px >= w.config.min_area_px;
+  const int chosen = w.choose();
+  if (chosen < 0) return w.mask;
+  if (soft) {
+    w.edge_weights.process(grey.ptr(), grey.step, grey.cols, grey.rows, w.finder, chosen, *levels, &w.mask);
+  } else {
+    w.takeRuns(chosen);
+  }
+  w.describe(chosen);
+  return w.mask;
+}
+
+}  // namespace aras_visual_servo_camera

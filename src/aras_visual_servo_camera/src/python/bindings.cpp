@@ -1,0 +1,141 @@
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <cmath>
+
+#include "aras_visual_servo_camera/errors.hpp"
+#include "aras_visual_servo_camera/moment_extractor.hpp"
+#include "conversions.hpp"
+
+namespace py = pybind11;
+using namespace aras_visual_servo_camera;  // NOLINT: this file is the module
+
+namespace {
+
+std::string repr(const MomentFeatures& f) {
+  const auto number = [](double x) { return std::string(py::repr(py::float_(x))); };
+  return "MomentFeatures(valid=" + std::string(f.valid ? "True" : "False") + ", area=" + number(f.area) +
+         ", xg=" + number(f.xg) + ", yg=" + number(f.yg) + ", alpha=" + number(f.alpha) + ", xn=" + number(f.xn) +
+         ", yn=" + number(f.yn) + ", an=" + number(f.an) + ")";
+}
+
+void bindErrors(py::module_& module) {
+  static py::exception<ArasError> base(module, "ArasError", PyExc_RuntimeError);
+  // The last one registered is tried first: leaves after the base.
+  py::register_exception_translator([](std::exception_ptr p) {
+    try {
+      if (p) std::rethrow_exception(p);
+    } catch (const ArasError& e) {
+      base(e.what());
+    }
+  });
+  py::register_exception<ParameterError>(module, "ParameterError", base.ptr());
+  py::register_exception<ShapeError>(module, "ShapeError", base.ptr());
+  py::register_exception<NotFiniteError>(module, "NotFiniteError", base.ptr());
+  py::register_exception<DegenerateFeature>(module, "DegenerateFeature", base.ptr());
+}
+
+void bindFeatures(py::module_& module) {
+  py::class_<MomentFeatures>(module, "MomentFeatures",
+                             "Features of one image; the fields are those of aras_visual_servo_msgs/MomentFeatures.")
+      .def(py::init<>(), "Nothing in view: every flag false, every number NaN, the lists empty.")
+      .def_readwrite("target_visible", &MomentFeatures::target_visible)
+      .def_readwrite("touches_border", &MomentFeatures::touches_border)
+      .def_readwrite("symmetric", &MomentFeatures::symmetric)
+      .def_readwrite("has_reference", &MomentFeatures::has_reference)
+      .def_readwrite("valid", &MomentFeatures::valid)
+      .def_readwrite("components", &MomentFeatures::components)
+      .def_readwrite("area", &MomentFeatures::area)
+      .def_readwrite("xg", &MomentFeatures::xg)
+      .def_readwrite("yg", &MomentFeatures::yg)
+      .def_readwrite("alpha", &MomentFeatures::alpha)
+      .def_readwrite("xn", &MomentFeatures::xn)
+      .def_readwrite("yn", &MomentFeatures::yn)
+      .def_readwrite("an", &MomentFeatures::an)
+      .def_readwrite("z_star_m", &MomentFeatures::z_star_m)
+      .def_readwrite("area_star", &MomentFeatures::area_star)
+      .def_readwrite("orientation_condition", &MomentFeatures::orientation_condition)
+      .def_readwrite("asymmetry", &MomentFeatures::asymmetry)
+      .def_readwrite("moment_names", &MomentFeatures::moment_names)
+      .def_readwrite("m", &MomentFeatures::m)
+      .def_readwrite("mu", &MomentFeatures::mu)
+      .def("__repr__", &repr);
+}
+
+py::array_t<std::uint8_t> convertedImage(const MomentExtractor& extractor) {
+  const ObjectMask& mask = extractor.mask();
+  py::array_t<std::uint8_t> out({mask.height_px, mask.width_px});
+  mask.render(out.mutable_data());
+  return out;
+}
+
+void bindExtractor(py::module_& module) {
+  py::class_<MomentExtractor>(module, "MomentExtractor", "Image in, moment features out. Same images, same bits.")
+      .def(py::init([](const py::dict& camera_info, const py::dict& vision) {
+             std::string faults;
+             const auto read = [&faults](const auto& reader, const py::dict& dict) {
+               try {
+                 return std::optional(reader(toYaml(dict)));
+               } catch (const ParameterError& e) {
+                 faults += (faults.empty() ? "" : "\n") + std::string(e.what());
+                 return decltype(std::optional(reader(YAML::Node()))){};
+               }
+             };
+             const auto intrinsics = read(readCameraInfo, camera_info);
+             const auto config = read(readVisionConfig, vision);
+             if (!faults.empty()) throw ParameterError(faults);
+             return std::make_unique<MomentExtractor>(*intrinsics, *config);
+           }),
+           py::arg("camera_info"), py::arg("config"),
+           R"(Args:
+    camera_info: dict with width, height, K (9), D, distortion_model, as sensor_msgs/CameraInfo.
+    config: the `vision` section of a scenario, see config/camera.yaml of this package.
+Raises:
+    ParameterError: every fault of both, one per line.)")
+      .def(
+          "process",
+          [](MomentExtractor& self, const py::array& image) { return self.process(viewOf(image)); }, py::arg("image"),
+          R"(Features of one image.
+
+Args:
+    image: uint8, shape (h, w) grey, (h, w, 3) rgb or (h, w, 4) rgba, rows contiguous.
+Returns:
+    MomentFeatures; an empty view is a value (target_visible False), not an error.
+Raises:
+    ShapeError: another type, shape or size than camera_info.)")
+      .def(
+          "set_reference",
+          [](MomentExtractor& self, double z_star_m, double area_star, double alpha_star) {
+            self.setReference(z_star_m, area_star, alpha_star);
+          },
+          py::arg("z_star_m"), py::arg("area_star"), py::arg("alpha_star"),
+          R"(The reference by its numbers: depth [m], m00 [-], orientation [rad].
+
+Third-order moments are then learnt from the first asymmetric view, taken to lie within 90 degrees of alpha_star.
+Raises ParameterError unless z_star_m and area_star are > 0 and all are finite.)")
+      .def(
+          "set_reference",
+          [](MomentExtractor& self, double z_star_m, const py::object& features) {
+            self.setReference(z_star_m, toFeatures(features));
+          },
+          py::arg("z_star_m"), py::arg("features"),
+          R"(Make a view the reference, seen from depth z_star_m [m].
+
+features: MomentFeatures or the ROS message. Raises DegenerateFeature if it is not valid.)")
+      .def("clear_reference", &MomentExtractor::clearReference)
+      .def("forget_previous", &MomentExtractor::forgetPrevious,
+           "Use nothing of earlier images (after a reset of time); the reference stays.")
+      .def_property_readonly("converted_image", &convertedImage,
+                             "What the moments saw of the last image: (h, w) uint8, weights 0..255; a copy.")
+      .def_property_readonly("features", &MomentExtractor::features, py::return_value_policy::copy,
+                             "Of the last image.");
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_camera, module) {
+  module.doc() = "C++ core of aras_visual_servo_camera.";
+  bindErrors(module);
+  bindFeatures(module);
+  bindExtractor(module);
+}

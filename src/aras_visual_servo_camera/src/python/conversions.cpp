@@ -1,0 +1,77 @@
+#include "conversions.hpp"
+
+#include <pybind11/stl.h>
+
+#include <cstdio>
+#include <string>
+
+#include "aras_visual_servo_camera/errors.hpp"
+
+namespace py = pybind11;
+
+namespace aras_visual_servo_camera {
+
+YAML::Node toYaml(const py::handle& value) {
+  if (value.is_none()) return YAML::Node(YAML::NodeType::Null);
+  if (py::hasattr(value, "tolist")) return toYaml(value.attr("tolist")());
+  if (py::isinstance<py::bool_>(value)) return YAML::Node(value.cast<bool>() ? "true" : "false");
+  if (py::isinstance<py::int_>(value)) return YAML::Node(std::string(py::str(value)));
+  if (py::isinstance<py::float_>(value)) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.17g", value.cast<double>());
+    return YAML::Node(std::string(text));
+  }
+  if (py::isinstance<py::str>(value)) {
+    YAML::Node node(value.cast<std::string>());
+    node.SetTag("!");  // as quoted text: never taken for a number
+    return node;
+  }
+  if (py::isinstance<py::dict>(value)) {
+    YAML::Node node(YAML::NodeType::Map);
+    for (const auto& item : py::reinterpret_borrow<py::dict>(value))
+      node.force_insert(std::string(py::str(item.first)), toYaml(item.second));
+    return node;
+  }
+  if (py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value)) {
+    YAML::Node node(YAML::NodeType::Sequence);
+    for (const py::handle& item : value) node.push_back(toYaml(item));
+    return node;
+  }
+  throw ShapeError("configuration: found " + std::string(py::str(py::type::of(value))) +
+                   ", allowed numbers, text, lists and dicts");
+}
+
+ImageView viewOf(const py::array& image) {
+  const bool grey = image.ndim() == 2;
+  const bool colour = image.ndim() == 3 && (image.shape(2) == 3 || image.shape(2) == 4);
+  if (!py::isinstance<py::array_t<std::uint8_t>>(image) || !(grey || colour))
+    throw ShapeError("image: found " + std::string(py::str(image.attr("dtype"))) + " of shape " +
+                     std::string(py::str(image.attr("shape"))) + ", allowed uint8 of shape (h, w), (h, w, 3) or (h, w, 4)");
+  const py::ssize_t depth = grey ? 1 : image.shape(2);
+  const bool rows_contiguous = image.shape(1) <= 1 || image.strides(1) == depth;
+  if (!rows_contiguous || (colour && image.strides(2) != 1) || image.strides(0) < image.shape(1) * depth)
+    throw ShapeError("image: found strides " + std::string(py::str(image.attr("strides"))) +
+                     ", allowed contiguous rows (numpy.ascontiguousarray)");
+  ImageView view;
+  view.data = static_cast<const std::uint8_t*>(image.data());
+  view.width_px = static_cast<int>(image.shape(1));
+  view.height_px = static_cast<int>(image.shape(0));
+  view.step_bytes = static_cast<std::size_t>(image.strides(0));
+  view.format = grey ? PixelFormat::kMono8 : (depth == 3 ? PixelFormat::kRgb8 : PixelFormat::kRgba8);
+  return view;
+}
+
+MomentFeatures toFeatures(const py::object& object) {
+  if (py::isinstance<MomentFeatures>(object)) return object.cast<MomentFeatures>();
+  MomentFeatures f;
+  f.target_visible = object.attr("target_visible").cast<bool>();
+  f.touches_border = object.attr("touches_border").cast<bool>();
+  f.symmetric = object.attr("symmetric").cast<bool>();
+  f.valid = object.attr("valid").cast<bool>();
+  f.area = object.attr("area").cast<double>();
+  f.alpha = object.attr("alpha").cast<double>();
+  f.mu = object.attr("mu").cast<std::vector<double>>();
+  return f;
+}
+
+}  // namespace aras_visual_servo_camera

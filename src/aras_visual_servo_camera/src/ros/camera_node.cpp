@@ -1,0 +1,125 @@
+#include "camera_node.hpp"
+
+#include <sensor_msgs/image_encodings.h>
+
+#include "aras_visual_servo_camera/errors.hpp"
+#include "aras_visual_servo_camera/overlay.hpp"
+#include "conversions.hpp"
+#include "parameters.hpp"
+
+namespace aras_visual_servo_camera {
+namespace {
+
+constexpr int kQueue = 100;                            // images that may wait: none is dropped in normal running
+constexpr std::chrono::seconds kThrottlePeriod{10};
+constexpr double kReportPeriod_s = 2.0;                // wall time without a pair after which the cause is reported
+
+sensor_msgs::Image emptyImage(const std_msgs::Header& header, const ImageView& view, const std::string& encoding,
+                              int bytes_per_pixel) {
+  sensor_msgs::Image image;
+  image.header = header;
+  image.width = static_cast<std::uint32_t>(view.width_px);
+  image.height = static_cast<std::uint32_t>(view.height_px);
+  image.encoding = encoding;
+  image.step = image.width * static_cast<std::uint32_t>(bytes_per_pixel);
+  return image;
+}
+
+}  // namespace
+
+void Throttle::error(const std::string& text) {
+  const auto now = std::chrono::steady_clock::now();
+  if (text == last_text_ && now - last_ < kThrottlePeriod) return;
+  last_text_ = text;
+  last_ = now;
+  ROS_ERROR_STREAM("camera_node: " << text);
+}
+
+CameraNode::CameraNode(ros::NodeHandle node, const ros::NodeHandle& private_node)
+    : config_(readParameters(node, private_node)), synchronizer_(kQueue) {
+  features_pub_ = node.advertise<aras_visual_servo_msgs::MomentFeatures>("camera/features", kQueue);
+  converted_pub_ = node.advertise<Image>("camera/converted_image", kQueue);
+  overlay_pub_ = node.advertise<Image>("camera/overlay", kQueue);
+  reference_service_ = node.advertiseService("camera/set_reference", &CameraNode::onSetReference, this);
+  const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
+  info_sub_.subscribe(node, "camera/camera_info", kQueue, hints);
+  image_sub_.subscribe(node, "camera/image_raw", kQueue, hints);
+  synchronizer_.connectInput(image_sub_, info_sub_);
+  synchronizer_.registerCallback(&CameraNode::onPair, this);
+  image_sub_.registerCallback([this](const sensor_msgs::ImageConstPtr&) { ++images_since_report_; });
+  info_sub_.registerCallback([this](const sensor_msgs::CameraInfoConstPtr&) { ++infos_since_report_; });
+  timer_ = node.createWallTimer(ros::WallDuration(kReportPeriod_s), &CameraNode::reportUnpaired, this);
+}
+
+void CameraNode::reportUnpaired(const ros::WallTimerEvent&) {
+  if (images_since_report_ > 0 && pairs_since_report_ == 0) {
+    throttle_.error(infos_since_report_ == 0
+                        ? "no features: images arrive on " + image_sub_.getTopic() + ", but no intrinsics on " +
+                              info_sub_.getTopic()
+                        : "no features: no camera_info carries the stamp of an image (both must be equal)");
+  }
+  images_since_report_ = infos_since_report_ = pairs_since_report_ = 0;
+}
+
+void CameraNode::useIntrinsics(const CameraInfo& info) {
+  const CameraIntrinsics intrinsics = toIntrinsics(info);
+  if (!extractor_) {
+    extractor_ = std::make_unique<MomentExtractor>(intrinsics, config_);
+  } else if (!(extractor_->intrinsics() == intrinsics)) {
+    extractor_->setIntrinsics(intrinsics);
+  }
+}
+
+void CameraNode::onPair(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info) {
+  ++pairs_since_report_;
+  try {
+    useIntrinsics(*info);
+    if (image->header.stamp < last_stamp_) extractor_->forgetPrevious();  // the simulator was reset
+    const ImageView view = toView(*image);
+    extractor_->process(view);
+    last_header_ = image->header;
+    last_stamp_ = image->header.stamp;
+    publish(*image, view);
+  } catch (const ArasError& error) {
+    throttle_.error(std::string("no features: ") + error.what());
+  }
+}
+
+void CameraNode::publish(const Image& image, const ImageView& view) {
+  aras_visual_servo_msgs::MomentFeatures features = toMessage(extractor_->features());
+  features.header = image.header;
+  features.age_s = (ros::Time::now() - image.header.stamp).toSec();
+  features_pub_.publish(features);
+  if (converted_pub_.getNumSubscribers() > 0) {
+    Image converted = emptyImage(image.header, view, sensor_msgs::image_encodings::MONO8, 1);
+    converted.data.resize(static_cast<std::size_t>(converted.step) * converted.height);
+    extractor_->mask().render(converted.data.data());
+    converted_pub_.publish(converted);
+  }
+  if (overlay_pub_.getNumSubscribers() > 0) {
+    Image overlay = emptyImage(image.header, view, sensor_msgs::image_encodings::RGB8, 3);
+    overlay.data = drawOverlay(view, extractor_->mask(), extractor_->features(), extractor_->intrinsics());
+    overlay_pub_.publish(overlay);
+  }
+}
+
+bool CameraNode::onSetReference(aras_visual_servo_msgs::SetReference::Request& request,
+                                aras_visual_servo_msgs::SetReference::Response& response) {
+  try {
+    if (!extractor_) throw DegenerateFeature("reference: found no image with valid intrinsics yet, allowed after one");
+    if (request.from_current_view) {
+      extractor_->setReference(request.z_star_m, extractor_->features());
+    } else {
+      extractor_->setReference(request.z_star_m, request.area_star, request.alpha_star);
+    }
+    response.reference = toMessage(extractor_->rebuildFeatures());
+    response.reference.header = last_header_;
+    response.success = true;
+  } catch (const ArasError& error) {
+    response.success = false;
+    response.message = error.what();
+  }
+  return true;
+}
+
+}  // namespace aras_visual_servo_camera

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <aras_visual_servo_msgs/SetReference.h>
+#include <message_filters/subscriber.h>
+#include <message_filters/time_synchronizer.h>
+#include <ros/ros.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Image.h>
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "aras_visual_servo_camera/moment_extractor.hpp"
+
+namespace aras_visual_servo_camera {
+
+/** Says the same thing at most once per period of wall time (simulated time may stand still). */
+class Throttle {
+ public:
+  void error(const std::string& text);
+
+ private:
+  std::string last_text_;
+  std::chrono::steady_clock::time_point last_{};
+};
+
+/** camera/image_raw and camera/camera_info of the same stamp in; camera/features out, one per pair, in order.
+ *
+ *  Also camera/converted_image (what the moments saw) and camera/overlay, made only when somebody listens, and the
+ *  service camera/set_reference. Without valid intrinsics nothing is published and the reason is logged. All callbacks
+ *  run on the queue of the node handle, one at a time. */
+class CameraNode {
+ public:
+  /** @throws ParameterError listing all faults of the parameters */
+  CameraNode(ros::NodeHandle node, const ros::NodeHandle& private_node);
+
+ private:
+  using Image = sensor_msgs::Image;
+  using CameraInfo = sensor_msgs::CameraInfo;
+
+  void onPair(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info);
+  void useIntrinsics(const CameraInfo& info);
+  void publish(const Image& image, const ImageView& view);
+  void reportUnpaired(const ros::WallTimerEvent& event);
+  bool onSetReference(aras_visual_servo_msgs::SetReference::Request& request,
+                      aras_visual_servo_msgs::SetReference::Response& response);
+
+  VisionConfig config_;
+  std::unique_ptr<MomentExtractor> extractor_;
+  std_msgs::Header last_header_;
+  ros::Time last_stamp_;
+  unsigned images_since_report_ = 0, infos_since_report_ = 0, pairs_since_report_ = 0;
+  Throttle throttle_;
+
+  ros::Publisher features_pub_, converted_pub_, overlay_pub_;
+  ros::ServiceServer reference_service_;
+  message_filters::Subscriber<Image> image_sub_;
+  message_filters::Subscriber<CameraInfo> info_sub_;
+  message_filters::TimeSynchronizer<Image, CameraInfo> synchronizer_;
+  ros::WallTimer timer_;
+};
+
+}  // namespace aras_visual_servo_camera

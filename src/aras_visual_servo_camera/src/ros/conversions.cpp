@@ -1,0 +1,75 @@
+#include "conversions.hpp"
+
+#include <sensor_msgs/image_encodings.h>
+
+#include <algorithm>
+#include <array>
+
+#include "aras_visual_servo_camera/errors.hpp"
+
+namespace aras_visual_servo_camera {
+
+CameraIntrinsics toIntrinsics(const sensor_msgs::CameraInfo& info) {
+  if (info.binning_x > 1 || info.binning_y > 1)
+    throw ParameterError("camera_info/binning: found " + std::to_string(info.binning_x) + " x " +
+                         std::to_string(info.binning_y) + ", allowed 0 or 1");
+  const auto& roi = info.roi;
+  const bool whole = (roi.width == 0 || roi.width == info.width) && (roi.height == 0 || roi.height == info.height);
+  if (roi.x_offset != 0 || roi.y_offset != 0 || !whole)
+    throw ParameterError("camera_info/roi: found a part of the image, allowed the whole image");
+  std::array<double, 9> K;
+  std::copy(info.K.begin(), info.K.end(), K.begin());
+  return CameraIntrinsics(static_cast<int>(info.width), static_cast<int>(info.height), K, info.distortion_model, info.D);
+}
+
+ImageView toView(const sensor_msgs::Image& image) {
+  namespace enc = sensor_msgs::image_encodings;
+  ImageView view;
+  if (image.encoding == enc::MONO8) {
+    view.format = PixelFormat::kMono8;
+  } else if (image.encoding == enc::RGB8) {
+    view.format = PixelFormat::kRgb8;
+  } else if (image.encoding == enc::BGR8) {
+    view.format = PixelFormat::kBgr8;
+  } else if (image.encoding == enc::RGBA8) {
+    view.format = PixelFormat::kRgba8;
+  } else {
+    throw ShapeError("image encoding: found '" + image.encoding + "', allowed rgb8, bgr8, mono8, rgba8");
+  }
+  const std::size_t row = static_cast<std::size_t>(image.width) * channels(view.format);
+  if (image.step < row || image.data.size() < static_cast<std::size_t>(image.step) * image.height)
+    throw ShapeError("image: found " + std::to_string(image.data.size()) + " bytes in rows of " +
+                     std::to_string(image.step) + ", allowed at least " + std::to_string(row * image.height));
+  view.data = image.data.data();
+  view.width_px = static_cast<int>(image.width);
+  view.height_px = static_cast<int>(image.height);
+  view.step_bytes = image.step;
+  return view;
+}
+
+aras_visual_servo_msgs::MomentFeatures toMessage(const MomentFeatures& f) {
+  aras_visual_servo_msgs::MomentFeatures msg;
+  msg.target_visible = f.target_visible;
+  msg.touches_border = f.touches_border;
+  msg.symmetric = f.symmetric;
+  msg.has_reference = f.has_reference;
+  msg.valid = f.valid;
+  msg.components = f.components;
+  msg.area = f.area;
+  msg.xg = f.xg;
+  msg.yg = f.yg;
+  msg.alpha = f.alpha;
+  msg.xn = f.xn;
+  msg.yn = f.yn;
+  msg.an = f.an;
+  msg.z_star_m = f.z_star_m;
+  msg.area_star = f.area_star;
+  msg.orientation_condition = f.orientation_condition;
+  msg.asymmetry = f.asymmetry;
+  msg.moment_names = f.moment_names;
+  msg.m = f.m;
+  msg.mu = f.mu;
+  return msg;
+}
+
+}  // namespace aras_visual_servo_camera

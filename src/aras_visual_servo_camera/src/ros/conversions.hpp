@@ -1,0 +1,22 @@
+#pragma once
+
+#include <aras_visual_servo_msgs/MomentFeatures.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Image.h>
+
+#include "aras_visual_servo_camera/camera_intrinsics.hpp"
+#include "aras_visual_servo_camera/image_view.hpp"
+#include "aras_visual_servo_camera/moment_features.hpp"
+
+namespace aras_visual_servo_camera {
+
+/** @throws ParameterError if the camera is not calibrated, binned or cropped */
+CameraIntrinsics toIntrinsics(const sensor_msgs::CameraInfo& info);
+
+/** A view into the message. @throws ShapeError for an encoding other than rgb8, bgr8, mono8, rgba8, or too few bytes */
+ImageView toView(const sensor_msgs::Image& image);
+
+/** Everything but header and age_s. */
+aras_visual_servo_msgs::MomentFeatures toMessage(const MomentFeatures& features);
+
+}  // namespace aras_visual_servo_camera
