@@ -46,4 +46,10 @@ class StateError : public ArasError {
   using ArasError::ArasError;
 };
 
+/** The renderer could not be started or could not draw. */
+class RenderError : public ArasError {
+ public:
+  using ArasError::ArasError;
+};
+
 }  // namespace aras_visual_servo_sim
