@@ -93,7 +93,7 @@ def image_of(record, panel):
     if other is None or record.desired_image is None or other.shape != record.desired_image.shape:
         return None
     difference = _grey(other) - _grey(record.desired_image)
-    return np.clip(np.rint(127.5 + 0.5 * difference), 0, 255).astype(np.uint8)
+    return np.clip(np.rint(128.0 + 0.5 * difference), 0, 255).astype(np.uint8)
 
 
 def _draw_image(axes, image):

@@ -164,17 +164,19 @@ class RecordBuilder:
                      answer.e, answer.twist, joints(answer.q), joints(answer.set_point), X_WC, raw, image)
 
     def keep_image(self, phase, image):
-        """Keep the image of the row just added if it is the taught view, or the first or last one of `servo`."""
+        """Keep the image of the row just added if it is the taught view, or the first or last one of the servo.
+
+        The `done` row's image is the last one only if no servo row before it reported the end (see `servo_rows`).
+        """
         if phase == "teach":
             self._images["desired"] = np.array(image, dtype=np.uint8)
-        elif phase in ("servo", "done"):
-            if phase == "servo" and "initial" not in self._images:
-                self._images["initial"] = np.array(image, dtype=np.uint8)
-            if phase == "servo" or not self._ended():
+        elif phase == "servo":
+            self._images.setdefault("initial", np.array(image, dtype=np.uint8))
+            self._images["final"] = np.array(image, dtype=np.uint8)
+        elif phase == "done" and len(self._rows) > 1:
+            _, before, status = self._rows[-2][:3]
+            if before == "servo" and status not in TERMINAL:
                 self._images["final"] = np.array(image, dtype=np.uint8)
-
-    def _ended(self):
-        return len(self._rows) > 1 and self._rows[-2][1] == "done"
 
     def set_image(self, which, image):
         """Set the "desired", "initial" or "final" image."""

@@ -7,6 +7,7 @@ other file. Everything is checked against config/scenario.schema.json first; eve
 import copy
 import functools
 import json
+import math
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -136,7 +137,8 @@ def find_scenario(name_or_path):
     folder = share_dir() / "config" / "scenarios"
     path = folder / f"{text}.yaml"
     if not path.is_file():
-        raise ParameterError(f"scenario '{text}': not found, known are {', '.join(scenario_names()) or 'none'} (or give a path)")
+        known = ", ".join(scenario_names()) or "none"
+        raise ParameterError(f"scenario '{text}': not found, known are {known} (or give a path)")
     return path
 
 
@@ -168,7 +170,8 @@ def resolve_uri(uri, base=None, key="file"):
         name, _, rest = text[len("package://"):].partition("/")
         folder = package_path(name)
         if folder is None:
-            raise ParameterError(f"{key}: found '{text}', package '{name}' is neither beside this one nor in ROS_PACKAGE_PATH")
+            raise ParameterError(f"{key}: found '{text}', package '{name}' is neither beside this one nor in "
+                                 "ROS_PACKAGE_PATH")
         path = folder / rest
     else:
         path = Path(text[len("file://"):] if text.startswith("file://") else os.path.expanduser(text))
@@ -220,7 +223,11 @@ def _validator():
     with open(share_dir() / "config" / "scenario.schema.json", encoding="utf-8") as stream:
         schema = json.load(stream)
     jsonschema.Draft7Validator.check_schema(schema)
-    return jsonschema.Draft7Validator(schema)
+    # YAML knows .nan and .inf, JSON does not: a number is a finite one.
+    is_number = jsonschema.Draft7Validator.TYPE_CHECKER.is_type
+    checker = jsonschema.Draft7Validator.TYPE_CHECKER.redefine(
+        "number", lambda _, value: is_number(value, "number") and math.isfinite(value))
+    return jsonschema.validators.extend(jsonschema.Draft7Validator, type_checker=checker)(schema)
 
 
 def _describe(error):
@@ -235,7 +242,7 @@ def _describe(error):
         missing = [key for key in error.validator_value if key not in error.instance]
         return [f"{_dotted(list(error.absolute_path) + [key])}: missing" for key in missing]
     allowed = {
-        "type": lambda v: v if isinstance(v, str) else " or ".join(v),
+        "type": lambda v: "a finite number" if v == "number" else v,
         "enum": lambda v: " | ".join(map(str, v)),
         "minimum": lambda v: f">= {v}", "maximum": lambda v: f"<= {v}",
         "exclusiveMinimum": lambda v: f"> {v}", "exclusiveMaximum": lambda v: f"< {v}",

@@ -1,0 +1,124 @@
+"""Command lines: `run SCENARIO` and `report BAG`. Exit codes: 0 passed, 1 not passed, 2 bad input, 3 could not run."""
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+import yaml
+
+from .errors import ArasError, ParameterError
+
+EXIT_PASSED, EXIT_FAILED, EXIT_PARAMETERS, EXIT_BROKEN = range(4)
+
+
+def run_main(argv=None):
+    """`run SCENARIO`: over ROS through roslaunch, or without ROS with --in-process. Returns the exit code."""
+    parser = argparse.ArgumentParser(prog="run", description="Run a scenario and write its result folder.")
+    parser.add_argument("scenario", nargs="?", help="name of a scenario of this package, or path of a YAML file")
+    parser.add_argument("--in-process", action="store_true", help="no ROS: simulator, camera and controller in this process")
+    parser.add_argument("--output", default="results", metavar="DIR", help="root of the result folders (default: results)")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
+                        help="replace a value of the scenario, e.g. --set servo.gains_per_s.xn=2.0 (only --in-process)")
+    parser.add_argument("--list", action="store_true", help="list the scenarios that come with the package")
+    arguments = parser.parse_args(argv)
+    from .scenario import load_scenario, scenario_names
+    if arguments.list:
+        for name in scenario_names():
+            print(f"{name:<28} {load_scenario(name).description}")
+        return EXIT_PASSED
+    if not arguments.scenario:
+        parser.error("SCENARIO is missing; --list shows the known ones")
+    if arguments.overrides and not arguments.in_process:
+        parser.error("--set needs --in-process; over ROS change the scenario file")
+
+    def work():
+        scenario = load_scenario(arguments.scenario, parse_overrides(arguments.overrides))
+        return _run_in_process(scenario, arguments) if arguments.in_process else _run_over_ros(scenario, arguments)
+
+    return _guarded(work)
+
+
+def report_main(argv=None):
+    """`report BAG`: rebuild summary, trace, figure and report from a rosbag. Returns the exit code."""
+    parser = argparse.ArgumentParser(prog="report", description="Rebuild summary.json, trace.csv, figure.{png,pdf} "
+                                                                "and report.html of a run from its bag.")
+    parser.add_argument("bag", help="a rosbag of a run, under any namespace")
+    parser.add_argument("--output", metavar="DIR", help="folder to write to (default: the folder of the bag; files of an "
+                                                        "earlier report there are replaced)")
+    parser.add_argument("--scenario", help="name or path of the scenario that ran, if the bag does not say")
+    parser.add_argument("--namespace", help="namespace of the run, if the bag holds several")
+    arguments = parser.parse_args(argv)
+
+    def work():
+        from .bag import read_bag
+        from .report import ResultFolderError, format_summary, save_results
+        from .scenario import load_scenario
+        folder = Path(arguments.output or os.path.dirname(os.path.abspath(arguments.bag)))
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise ResultFolderError(f"results folder '{folder}': cannot be made: {error.strerror}") from error
+        scenario = load_scenario(arguments.scenario) if arguments.scenario else None
+        summary = save_results(read_bag(arguments.bag, arguments.namespace, scenario), folder)
+        print(format_summary(summary))
+        return EXIT_PASSED if summary["passed"] else EXIT_FAILED
+
+    return _guarded(work)
+
+
+def parse_overrides(texts):
+    """Dict of dotted path -> value of texts `key=value`, the value in YAML. Raises ParameterError listing the bad ones."""
+    overrides, faults = {}, []
+    for text in texts:
+        key, equals, value = text.partition("=")
+        try:
+            if not equals or not key:
+                raise ValueError
+            overrides[key] = yaml.safe_load(value)
+        except (ValueError, yaml.YAMLError):
+            faults.append(f"--set {text}: allowed is KEY=VALUE, e.g. sim.seed=3")
+    if faults:
+        raise ParameterError(faults)
+    return overrides
+
+
+def _run_in_process(scenario, arguments):
+    from .experiment import run_in_process
+    from .report import create_result_folder, format_summary, save_results
+    folder = create_result_folder(arguments.output, scenario.name)
+    record = run_in_process(scenario, progress=_progress() if sys.stderr.isatty() else None)
+    words = [f"--set {text}" for text in arguments.overrides]
+    command = " ".join(["rosrun aras_visual_servo_controller run", arguments.scenario, "--in-process"] + words)
+    summary = save_results(record, folder, command)
+    print(format_summary(summary))
+    return EXIT_PASSED if summary["passed"] else EXIT_FAILED
+
+
+def _run_over_ros(scenario, arguments):
+    """Replace this process by roslaunch, whose experiment node ends with our exit codes."""
+    command = ["roslaunch", "aras_visual_servo_controller", "servo.launch", f"scenario:={scenario.path}",
+               f"results_dir:={os.path.abspath(os.path.expanduser(arguments.output))}"]
+    try:
+        os.execvp(command[0], command)
+    except OSError as error:
+        raise ArasError(f"roslaunch: {error.strerror}; source the workspace, or run with --in-process") from error
+
+
+def _progress():
+    def show(t_s, phase):
+        print(f"\r{t_s:7.2f} s  {phase:<14}", end="" if phase != "done" else "\n", file=sys.stderr, flush=True)
+    return show
+
+
+def _guarded(work):
+    try:
+        return work()
+    except ParameterError as error:
+        print(f"bad input:\n{error}", file=sys.stderr)
+        return EXIT_PARAMETERS
+    except (ArasError, RuntimeError, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return EXIT_BROKEN
+    except KeyboardInterrupt:
+        return 130

@@ -1,0 +1,189 @@
+"""RunRecord from a rosbag written here: topics found under any namespace, rows paired by stamp."""
+
+import numpy as np
+import pytest
+import yaml
+from synthetic import SETTINGS, blob, make_record
+
+rosbag = pytest.importorskip("rosbag")
+rospy = pytest.importorskip("rospy")
+from aras_visual_servo_msgs.msg import MomentFeatures, ServoState, SimStatus  # noqa: E402
+from geometry_msgs.msg import PoseStamped  # noqa: E402
+from sensor_msgs.msg import CameraInfo, Image  # noqa: E402
+from std_msgs.msg import String  # noqa: E402
+
+from aras_visual_servo_controller.bag import BagError, read_bag  # noqa: E402
+from aras_visual_servo_controller.cli import report_main  # noqa: E402
+from aras_visual_servo_controller.experiment import judge  # noqa: E402
+from aras_visual_servo_controller.report import quaternion_xyzw  # noqa: E402
+
+NAMESPACE = "/somewhere/aras"
+SERVO_IMAGES = 30
+# Through a unit quaternion and back: a few eps.
+POSE_TOLERANCE = 1e-14
+
+
+def pose_message(X, stamp):
+    message = PoseStamped()
+    message.header.stamp = stamp
+    p, q = message.pose.position, message.pose.orientation
+    p.x, p.y, p.z = X[:3, 3]
+    q.x, q.y, q.z, q.w = quaternion_xyzw(X[:3, :3])
+    return message
+
+
+def image_message(image, stamp, encoding="rgb8", padding=0):
+    rows = image.reshape(image.shape[0], -1)
+    rows = np.pad(rows, ((0, 0), (0, padding)))
+    message = Image(height=image.shape[0], width=image.shape[1], encoding=encoding, step=rows.shape[1],
+                    data=rows.tobytes())
+    message.header.stamp = stamp
+    return message
+
+
+def state_message(record, i, stamp):
+    message = ServoState(status=int(record.status[i]), status_text=str(record.status_text[i]), phase=str(record.phase[i]))
+    message.header.stamp = stamp
+    # Another order than ours on purpose: features and joints travel by name.
+    message.feature_names = ["alpha", "an", "yn", "xn"]
+    message.s, message.s_star, message.e = record.s[i][::-1], record.s_star[i][::-1], record.e[i][::-1]
+    v = message.twist
+    v.linear.x, v.linear.y, v.linear.z, v.angular.x, v.angular.y, v.angular.z = record.twist[i]
+    message.joint_names = list(record.joint_names[::-1])
+    message.q, message.set_point = record.q[i][::-1], record.set_point[i][::-1]
+    return message
+
+
+def messages_of(record, skip=(), encoding="rgb8", padding=0, scenario=True):
+    """(topic, message, stamp) of a record, as the nodes would publish them."""
+    if scenario:
+        yield "scenario", String(yaml.safe_dump(dict(SETTINGS, name="experiment_1"))), rospy.Time(0, 1)
+    info = CameraInfo(width=64, height=48, K=[100, 0, 31.5, 0, 100, 23.5, 0, 0, 1])
+    yield "camera/camera_info", info, rospy.Time(0, 1)
+    for i in range(len(record)):
+        stamp = rospy.Time(0, int(record.stamp_ns[i]) + 1) if record.stamp_ns[i] == 0 else rospy.Time(
+            int(record.stamp_ns[i]) // 10**9, int(record.stamp_ns[i]) % 10**9)
+        servo = i in record.servo_rows
+        image = blob(8 - min(8, i - record.servo_rows[0])) if servo else blob(0)
+        image = image[..., 0] if encoding == "mono8" else image
+        features = MomentFeatures(area=0.05, xg=0.0, yg=0.0, alpha=0.3)
+        features.header.stamp = stamp
+        yield "camera/image_raw", image_message(image, stamp, encoding, padding), stamp
+        if i not in skip:
+            yield "ground_truth/camera_pose", pose_message(record.X_WC[i], stamp), stamp
+        yield "camera/features", features, stamp
+        yield "servo_state", state_message(record, i, stamp), stamp
+    status = SimStatus(real_time_factor=12.5, run_hash="feed")
+    yield "sim/status", status, stamp
+
+
+def write(path, messages, namespace=NAMESPACE, without=()):
+    with rosbag.Bag(str(path), "w") as bag:
+        for topic, message, stamp in messages:
+            if topic not in without:
+                bag.write(f"{namespace}/{topic}", message, stamp)
+    return path
+
+
+@pytest.fixture(scope="module")
+def original():
+    return make_record(servo_images=SERVO_IMAGES)
+
+
+def test_a_bag_gives_back_the_record_it_was_written_from(tmp_path, original):
+    record = read_bag(write(tmp_path / "run.bag", messages_of(original)))
+    assert record.scenario == "experiment_1" and record.joint_names == original.joint_names
+    assert record.stamp_ns[1:].tolist() == original.stamp_ns[1:].tolist()
+    assert record.phase.tolist() == original.phase.tolist()
+    for name in ("s", "s_star", "e", "twist", "q", "set_point"):
+        np.testing.assert_array_equal(getattr(record, name), getattr(original, name), err_msg=name)
+    np.testing.assert_allclose(record.X_WC, original.X_WC, rtol=0, atol=POSE_TOLERANCE)
+    assert (record.run_hash, record.real_time_factor) == ("feed", 12.5)
+    assert record.camera_info["K"][0] == 100 and record.notes == ()
+
+
+def test_the_judgement_from_the_bag_is_that_of_the_run(tmp_path, original):
+    from_bag, direct = judge(read_bag(write(tmp_path / "run.bag", messages_of(original)))), judge(original)
+    assert from_bag.passed == direct.passed and from_bag.duration_s == direct.duration_s
+    assert from_bag.final_error == pytest.approx(direct.final_error, abs=1e-9)
+
+
+@pytest.mark.parametrize("encoding, padding", [("rgb8", 0), ("rgb8", 5), ("bgr8", 0), ("mono8", 3)])
+def test_images_are_decoded_whatever_their_encoding_and_row_padding(tmp_path, original, encoding, padding):
+    record = read_bag(write(tmp_path / "run.bag", messages_of(original, encoding=encoding, padding=padding)))
+    pick = (lambda image: image[..., 0]) if encoding == "mono8" else (lambda image: image)
+    assert np.array_equal(record.desired_image, pick(blob(0)))
+    assert np.array_equal(record.initial_image, pick(blob(8)))
+
+
+@pytest.mark.parametrize("namespace", ["", "/a", "/a/b/c"])
+def test_topics_are_found_under_any_namespace(tmp_path, original, namespace):
+    assert len(read_bag(write(tmp_path / "run.bag", messages_of(original), namespace))) == len(original)
+
+
+def test_all_missing_topics_are_listed(tmp_path, original):
+    path = write(tmp_path / "run.bag", messages_of(original), without=("servo_state", "ground_truth/camera_pose"))
+    with pytest.raises(BagError, match="topics missing: .*servo_state, .*ground_truth/camera_pose; found: "):
+        read_bag(path)
+
+
+def test_two_runs_in_a_bag_need_a_choice(tmp_path, original):
+    path = tmp_path / "run.bag"
+    with rosbag.Bag(str(path), "w") as bag:
+        for topic, message, stamp in messages_of(original):
+            bag.write(f"/left/{topic}", message, stamp)
+            bag.write(f"/right/{topic}", message, stamp)
+    with pytest.raises(BagError, match="/left, /right"):
+        read_bag(path)
+    assert len(read_bag(path, namespace="/right")) == len(original)
+
+
+def test_rows_without_a_true_pose_are_kept_and_noted(tmp_path, original):
+    record = read_bag(write(tmp_path / "run.bag", messages_of(original, skip=(6, 7))))
+    assert np.isnan(record.X_WC[[6, 7]]).all() and len(record) == len(original)
+    assert any("2 of 36 images" in note for note in record.notes)
+
+
+def test_a_bag_that_does_not_name_its_scenario_is_read_and_noted(tmp_path, original):
+    record = read_bag(write(tmp_path / "run.bag", messages_of(original, scenario=False)))
+    assert record.settings == {} and any("which scenario" in note for note in record.notes)
+
+
+def test_a_bag_that_was_cut_is_read_as_far_as_it_goes(tmp_path, original):
+    path = tmp_path / "run.bag.active"
+    with rosbag.Bag(str(path), "w", chunk_threshold=20000) as bag:
+        for topic, message, stamp in messages_of(original):
+            bag.write(f"{NAMESPACE}/{topic}", message, stamp)
+    whole = path.read_bytes()
+    # What a killed recorder leaves: no index (its position in the header is still 0), the last chunk cut.
+    index_pos = whole.index(b"index_pos=") + len(b"index_pos=")
+    path.write_bytes(whole[:index_pos] + bytes(8) + whole[index_pos + 8:int(len(whole) * 0.6)])
+    record = read_bag(path)
+    assert 5 < len(record) < len(original) and any("not closed" in note for note in record.notes)
+
+
+@pytest.mark.parametrize("content", [b"", b"not a bag at all\n"])
+def test_a_file_that_is_no_bag_is_an_error_with_its_name(tmp_path, content):
+    path = tmp_path / "wrong.bag"
+    path.write_bytes(content)
+    with pytest.raises(BagError, match="wrong.bag"):
+        read_bag(path)
+
+
+def test_a_missing_file_is_an_error_with_its_name():
+    with pytest.raises(BagError, match="no_such.bag': no such file"):
+        read_bag("no_such.bag")
+
+
+def test_the_report_command_rebuilds_every_file_beside_the_bag(tmp_path, original, capsys):
+    write(tmp_path / "run.bag", messages_of(original))
+    assert report_main([str(tmp_path / "run.bag")]) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"run.bag", "summary.json", "trace.csv", "figure.png",
+                                                          "figure.pdf", "report.html"}
+    assert "PASSED" in capsys.readouterr().out
+
+
+def test_the_report_command_names_what_is_missing(tmp_path, original, capsys):
+    path = write(tmp_path / "run.bag", messages_of(original), without=("camera/image_raw",))
+    assert report_main([str(path)]) == 3
+    assert "topics missing: /somewhere/aras/camera/image_raw" in capsys.readouterr().err
