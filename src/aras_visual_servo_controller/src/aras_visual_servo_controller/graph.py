@@ -1,0 +1,102 @@
+"""What the experiment node must know of the ROS graph: who is up, and who is really connected to whom.
+
+The master only knows who *wants* to talk; a message published before the connection stands is lost. Publishers are
+asked for their connections (slave API `getBusInfo`), so that a run starts when nothing can be lost any more.
+"""
+
+import socket
+import xmlrpc.client
+
+import rosgraph
+
+
+class _TimeoutTransport(xmlrpc.client.Transport):
+    def make_connection(self, host):
+        connection = super().make_connection(host)
+        connection.timeout = 5.0  # [s] wall; a node that hangs must not hang us
+        return connection
+
+
+def _server(uri):
+    return xmlrpc.client.ServerProxy(uri, transport=_TimeoutTransport(), allow_none=True)
+
+
+class Graph:
+    """Snapshot reader of the ROS graph.
+
+    Args:
+        caller_id: name of this node.  master_uri: as in ROS_MASTER_URI.
+    """
+
+    def __init__(self, caller_id, master_uri):
+        self._caller_id = caller_id
+        self._master = _server(master_uri)
+
+    def master_answers(self):
+        """True if there is a master."""
+        try:
+            return self._master.getPid(self._caller_id)[0] == 1
+        except _FAILURES:
+            return False
+
+    def _state(self):
+        """(publishers, subscribers, services), each a list of [name, nodes]; empty without a master."""
+        try:
+            code, _, state = self._master.getSystemState(self._caller_id)
+        except _FAILURES:
+            return [], [], []
+        return state if code == 1 else ([], [], [])
+
+    def node_uri(self, node):
+        """XML-RPC URI of a node, None if the master does not know it. It changes when a node is started again."""
+        try:
+            code, _, uri = self._master.lookupNode(self._caller_id, node)
+        except _FAILURES:
+            return None
+        return uri if code == 1 else None
+
+    def topics(self, namespace=None):
+        """Sorted names of the published topics, those under `namespace` only if given."""
+        publishers, _, _ = self._state()
+        prefix = None if namespace is None else namespace.rstrip("/") + "/"
+        return sorted(topic for topic, nodes in publishers if nodes and (prefix is None or topic.startswith(prefix)))
+
+    def services(self):
+        """Set of the names of the services offered."""
+        return {name for name, nodes in self._state()[2] if nodes}
+
+    def missing_connections(self, nodes):
+        """Connections that should stand between `nodes` and do not: sorted list of (topic, publisher, subscriber)."""
+        publishers, subscribers, _ = self._state()
+        subscribers = {topic: set(names) & set(nodes) for topic, names in subscribers}
+        wanted = {}
+        for topic, names in publishers:
+            if topic == "/rosout":
+                continue
+            for publisher in set(names) & set(nodes):
+                for subscriber in subscribers.get(topic, ()):
+                    wanted.setdefault(publisher, set()).add((topic, subscriber))
+        missing = []
+        for publisher, pairs in wanted.items():
+            standing = self._outgoing(publisher)
+            missing.extend((topic, publisher, subscriber) for topic, subscriber in pairs - standing)
+        return sorted(missing)
+
+    def subscribed_not(self, node, topics):
+        """The topics of the list that `node` has not registered for."""
+        _, subscribers, _ = self._state()
+        mine = {topic for topic, names in subscribers if node in names}
+        return sorted(set(topics) - mine)
+
+    def _outgoing(self, node):
+        """Set of (topic, subscriber) that the node is connected to."""
+        uri = self.node_uri(node)
+        if uri is None:
+            return set()
+        try:
+            code, _, connections = _server(uri).getBusInfo(self._caller_id)
+        except _FAILURES:
+            return set()
+        if code != 1:
+            return set()
+        return {(entry[4], entry[1]) for entry in connections if entry[2] == "o" and (len(entry) < 6 or entry[5])}

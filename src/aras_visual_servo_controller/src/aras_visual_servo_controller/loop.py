@@ -1,0 +1,120 @@
+"""The whole servo loop in one process: simulator, moments, sequence. No ROS, no wall time in what it computes.
+
+The nodes do the same in the same order with the same objects; in lockstep they give the same bytes (tests/ros).
+"""
+
+import time
+
+import numpy as np
+
+from .errors import ParameterError
+from .kinematics import Kinematics
+from .record import RecordBuilder
+from .scenario import package_paths
+from .sequence import ExperimentSequence
+from .servo import Servo
+from .types import Observation
+
+#: Simulated time after which `run` gives up on an experiment that does not end by itself [s].
+DEFAULT_LIMIT_S = 300.0
+PROGRESS_ROWS = 30
+
+
+class ServoLoop:
+    """Simulator, moment extractor and experiment in one process.
+
+    >>> loop = ServoLoop(load_scenario("experiment_1"))
+    >>> record = loop.run()
+
+    One step: the simulator advances to the next image and takes it; the extractor makes features of it; the sequence
+    answers; the answer goes back to the simulator, which applies it from that very state on.
+
+    Args:
+        scenario: a `Scenario`.
+        camera: name of the camera; None: the first of the scenario.
+    Raises:
+        ParameterError, ModelError and the errors of simulator and extractor: what is wrong with the scenario.
+
+    Attributes:
+        sim, extractor, kinematics, servo, sequence: the parts.
+        frame: index of the image answered last, -1 before the first.
+    """
+
+    def __init__(self, scenario, camera=None):
+        from aras_visual_servo_camera import MomentExtractor  # C++ modules: not needed to import this one
+        from aras_visual_servo_sim import Simulation
+
+        self.scenario = scenario
+        urdf = scenario.urdf_xml()
+        cameras = scenario.sim.get("cameras") or [{"name": "camera"}]
+        self.camera = camera or cameras[0]["name"]
+        self.sim = Simulation(urdf, scenario.sim, scenario.controllers(), package_paths())
+        self.camera_info = self.sim.camera_info(self.camera)
+        self.extractor = MomentExtractor(self.camera_info, scenario.vision)
+        self.kinematics = Kinematics(urdf, scenario.robot["base_link"], scenario.robot["tip_link"])
+        self.servo = Servo(self.kinematics, scenario.servo)
+        self.sequence = ExperimentSequence(self.kinematics, self.servo, scenario.experiment, self._set_reference)
+        self.frame = -1
+        self._image = None
+        names = list(self.sim.joint_names)
+        missing = [name for name in self.kinematics.joint_names if name not in names]
+        if missing:
+            raise ParameterError(f"robot: the simulator has no joint {', '.join(missing)}, it has {', '.join(names)}")
+        order = [names.index(name) for name in self.kinematics.joint_names]
+        self._order = None if order == list(range(len(names))) else order
+
+    def _set_reference(self, z_star_m, features):
+        """Make this view the reference; returns its features, normalised by it."""
+        self.extractor.set_reference(z_star_m, features)
+        return self.extractor.process(self._image)
+
+    def start(self, servo_only=False):
+        """Begin the experiment with the next image; servo_only: servo to the reference taught last."""
+        self.sequence.start(servo_only=servo_only)
+
+    def step(self):
+        """One image.
+
+        Returns:
+            (record, features, image): ServoRecord, the extractor's features, and the image, a view that the next step
+            overwrites.
+        """
+        sim = self.sim
+        stamp_ns = sim.step_to_image(self.camera)
+        image = self._image = sim.render(self.camera)
+        features = self.extractor.process(image)
+        self.frame += 1
+        q = sim.joint_positions
+        command, record = self.sequence.step(
+            Observation(stamp_ns, features, q if self._order is None else q[self._order], self.frame))
+        sim.set_command(position=command.position, velocity=command.velocity, stamp_ns=command.stamp_ns)
+        return record, features, image
+
+    def run(self, progress=None, limit_s=DEFAULT_LIMIT_S):
+        """Run the experiment from here to its end.
+
+        Args:
+            progress: called about once a simulated second with (t_s, phase), or None.
+            limit_s: simulated time after which to give up [s].
+        Returns:
+            RunRecord, one row per image.
+        """
+        builder = RecordBuilder(self.scenario.name, self.kinematics.joint_names, settings=self.scenario.as_dict())
+        started_s = time.perf_counter()
+        self.start()
+        while not self.sequence.done:
+            record, features, image = self.step()
+            builder.add_answer(record, self.sim.camera_pose(self.camera), features, image)
+            if progress is not None and self.frame % PROGRESS_ROWS == 0:
+                progress(record.stamp_ns * 1e-9, record.phase)
+            if record.stamp_ns > limit_s * 1e9:
+                builder.note(f"given up after {limit_s:g} s of simulated time in phase {record.phase}")
+                break
+        wall_s = time.perf_counter() - started_s
+        return builder.finish(run_hash=self.sim.run_hash, wall_s=wall_s, camera_info=self.camera_info,
+                              X_WT=self._target_pose())
+
+    def _target_pose(self):
+        """X_WT, (4, 4), of the scene's first model; None without one."""
+        models = self.scenario.sim.get("scene", {}).get("models", [])
+        return np.asarray(self.sim.model_pose(models[0]["name"])) if models else None

@@ -1,0 +1,72 @@
+"""rosbag record as a child process that is stopped properly."""
+
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+from .errors import ArasError
+
+
+class RecorderError(ArasError):
+    """The recorder could not start, died, or left no bag."""
+
+
+class Recorder:
+    """Records topics to a bag, lz4 compressed, without a limit on the buffer: a run is recorded whole or not at all.
+
+    Args:
+        bag: path of the bag, must not exist.  topics: resolved names.  node: absolute name for the recorder's node.
+    """
+
+    def __init__(self, bag, topics, node):
+        self.bag, self.node, self.topics = Path(bag), node, list(topics)
+        namespace, _, name = node.rpartition("/")
+        command = ["rosbag", "record", "--buffsize", "0", "--lz4", "--tcpnodelay", "-q", "-O", str(self.bag)]
+        command += self.topics + [f"__name:={name}"]
+        # A group of its own: Ctrl-C in the terminal must not close the bag before the run has ended.
+        self._process = subprocess.Popen(command, env=dict(os.environ, ROS_NAMESPACE=namespace or "/"),
+                                         start_new_session=True)
+
+    def check(self):
+        """Raises RecorderError if the recorder has ended."""
+        code = self._process.poll()
+        if code is not None:
+            raise RecorderError(f"rosbag record ended by itself with exit code {code}")
+
+    def written_bytes(self):
+        """Size of the bag so far [B]."""
+        for path in (self.bag.with_suffix(".bag.active"), self.bag):
+            if path.exists():
+                return path.stat().st_size
+        return 0
+
+    def stop(self, timeout_s=60.0):
+        """End the recording and wait until the bag is closed; harmless when it has ended already.
+
+        Args:
+            timeout_s: of wall time, until it is killed [s].
+        Raises:
+            RecorderError: the bag was not closed.
+        """
+        if self._process.poll() is None:
+            # `rosbag record` may be a wrapper that waits for the real recorder: both are in the group.
+            _signal_group(self._process.pid, signal.SIGINT)
+            try:
+                self._process.wait(timeout_s)
+            except subprocess.TimeoutExpired:
+                _signal_group(self._process.pid, signal.SIGKILL)
+                self._process.wait()
+        deadline = time.monotonic() + 5.0  # the wrapper may end a moment before the recorder renames the file
+        while not self.bag.exists():
+            if time.monotonic() > deadline:
+                raise RecorderError(f"{self.bag}: the recorder did not close the bag")
+            time.sleep(0.02)
+
+
+def _signal_group(pid, number):
+    try:
+        os.killpg(pid, number)
+    except ProcessLookupError:
+        pass
