@@ -33,7 +33,7 @@ struct VisionConfig {
   /** Highest order i + j of the moments. */
   int order = 3;
   /** Below this MomentFeatures::asymmetry the orientation is known modulo pi only. */
-  double asymmetry_threshold = 0.02;
+  double asymmetry_threshold = 0.03;
   /** Below this MomentFeatures::orientation_condition the object counts as round: alpha is NaN. */
   double orientation_threshold = 0.01;
 };
