@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .errors import ParameterError
+from .errors import ArasError
 from .types import FEATURE_NAMES, Status
 
 # A decay is fitted while the error is above this share of its largest value ...
@@ -16,6 +16,10 @@ FIT_FLOOR_SHARE = 0.05
 # ... and above this many times its stop threshold: below, the pixels and not the law shape it.
 FIT_FLOOR_THRESHOLDS = 3.0
 FIT_MIN_ROWS = 8
+
+
+class NothingToJudge(ArasError):
+    """The run has no taught view or no servo phase; the text says how it ended."""
 
 
 @dataclass(frozen=True)
@@ -70,12 +74,13 @@ def judge(record):
     Returns:
         Judgement.
     Raises:
-        ParameterError: the record has no taught view or no servo row: there is nothing to judge.
+        NothingToJudge: the record has no taught view or no servo row.
     """
     rows = record.servo_rows
     if not len(rows) or not len(record.rows("teach")):
         have = ", ".join(dict.fromkeys(record.phase.tolist())) or "none"
-        raise ParameterError(f"run '{record.scenario}': no taught view or no servo image, phases found: {have}")
+        end = f"; it ended with: {record.status_text[-1] or Status(record.status[-1]).name}" if len(record) else ""
+        raise NothingToJudge(f"run '{record.scenario}': no taught view or no servo image, phases found: {have}{end}")
     first, last = rows[0], rows[-1]
     X_WCg = taught_pose(record)
     converged = bool(record.status[last] == Status.CONVERGED)

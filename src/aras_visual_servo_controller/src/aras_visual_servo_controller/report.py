@@ -78,7 +78,7 @@ def save_results(record, folder, command=None):
     Returns:
         The summary, as written to summary.json (see `summarise`), with `report`, the path of report.html (str).
     Raises:
-        ResultFolderError: a file cannot be written.  ParameterError: nothing to judge (trace.csv is there already).
+        ResultFolderError: a file cannot be written.  NothingToJudge (trace.csv is there already).
     """
     from . import figure  # matplotlib takes most of a second to import
     folder = Path(folder)

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from synthetic import RATE_PER_S, SETTINGS, X_WCG, make_record, pose_CgC
 
-from aras_visual_servo_controller.errors import ParameterError
-from aras_visual_servo_controller.experiment import fit_decay, judge, pose_error
+from aras_visual_servo_controller.experiment import NothingToJudge, fit_decay, judge, pose_error
 from aras_visual_servo_controller.record import RecordBuilder
 from aras_visual_servo_controller.types import Status
 
@@ -93,8 +92,9 @@ def test_only_the_continuous_decoupled_law_promises_rates():
     assert judge(make_record(settings=paper)).gains_per_s == {}
 
 
-def test_a_record_without_servo_says_which_phases_it_has():
+def test_a_record_without_servo_says_which_phases_it_has_and_how_it_ended():
     builder = RecordBuilder("cut", ("J1",))
     builder.add_row(0, "to_goal")
-    with pytest.raises(ParameterError, match="phases found: to_goal"):
+    builder.add_row(1, "done", Status.TARGET_LOST, "target not in view at the goal")
+    with pytest.raises(NothingToJudge, match="phases found: to_goal, done; it ended with: target not in view"):
         judge(builder.finish())
