@@ -10,8 +10,9 @@ and only the first may be given up. Rule:
 2. Each singular value below `threshold` is inverted as sigma / (sigma^2 + lambda^2) with
    lambda^2 = (1 - (sigma / threshold)^2) damping^2; the others exactly. A lost direction (sigma -> 0) gets no motion,
    a weak but needed one above the threshold is not slowed at all, and nothing jumps in between.
-3. Spare motion: directions with sigma far below the threshold are free. Joints with limits are drawn to the middle of
-   their range there, as far as the free directions allow.
+3. Spare motion: directions with sigma far below the threshold are free. There the arm returns to the posture it was
+   taught in (gantry, J1 and J6 keep their shares; and with a goal that is not quite straight down, the lost tilt is
+   right only there), and joints are pushed away from their limits.
 
 References:
     Y. Nakamura and H. Hanafusa, ASME J. Dyn. Syst. Meas. Control 108(3), 1986 (variable damping).
@@ -20,7 +21,7 @@ References:
     A. Liegeois, IEEE Trans. SMC 7(12), 1977 (gradient projection).
 """
 
-from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 
@@ -29,24 +30,54 @@ import numpy as np
 FREE = 0.05
 
 
-@dataclass
 class Inverse:
-    """Result of `TwistInverse.solve`.
+    """Damped inverse of one Jacobian, made by `TwistInverse`.
 
     Attributes:
-        q_dot: (n,) joint velocities of the task.  null: (n,) free motion, to be added.
-        lost: norm of the part of the twist that q_dot does not achieve, linear part divided by length_m [rad/s].
-        manipulability: smallest singular value, a tilt direction below the threshold left out.
+        manipulability: smallest singular value of the scaled Jacobian; a tilt direction below the threshold left out.
     """
 
-    q_dot: np.ndarray
-    null: np.ndarray
-    lost: float
-    manipulability: float
+    def __init__(self, scale, rows, ease, threshold, damping2, jacobian):
+        """Args: see `TwistInverse`."""
+        self._rows, self._ease = rows, ease
+        U, sigmas, self._Vt = np.linalg.svd(jacobian * scale)
+        gains, kept, free = [0.0] * len(self._Vt), [0.0] * 6, [1.0] * len(self._Vt)
+        free_below = FREE * threshold
+        self.manipulability = inf
+        for i, sigma in enumerate(sigmas.tolist()):
+            if sigma >= threshold:
+                gains[i], kept[i], free[i] = 1.0 / sigma, 1.0, 0.0
+                self.manipulability = sigma
+                continue
+            gains[i] = sigma / (sigma * sigma + (1.0 - (sigma / threshold) ** 2) * damping2)
+            kept[i] = gains[i] * sigma
+            free[i] = 0.0 if sigma >= free_below else (1.0 - (sigma / free_below) ** 2) ** 2
+            if U[3, i] ** 2 + U[4, i] ** 2 < 0.5:
+                self.manipulability = min(self.manipulability, sigma)
+        self._U, self._kept, self._free = U, np.array(kept), np.array(free)
+        m = len(sigmas)
+        self._gains, self._U_used, self._Vt_used = np.array(gains[:m]), U[:, :m], self._Vt[:m]
+
+    def joint_velocity(self, twist):
+        """(n,) joint velocities of a twist V_C, (6,), [v; w]."""
+        return self._ease * ((self._gains * ((self._rows * twist) @ self._U_used)) @ self._Vt_used)
+
+    def achieved(self, twist):
+        """(6,) the part of the twist that `joint_velocity` achieves."""
+        return (self._U @ (self._kept * ((self._rows * twist) @ self._U))) / self._rows
+
+    def lost(self, twist):
+        """Norm of the part it does not achieve, linear part divided by length_m [rad/s]."""
+        missed = (1.0 - self._kept) * ((self._rows * twist) @ self._U)
+        return float(missed @ missed) ** 0.5
+
+    def free(self, wish):
+        """(n,) the part of the joint velocities `wish` that does not move the camera."""
+        return self._ease * ((self._free * (self._Vt @ (wish / self._ease))) @ self._Vt)
 
 
 class TwistInverse:
-    """Inverse of the camera Jacobian."""
+    """Makes the inverses: `inverse = twist_inverse(kinematics.jacobian(q))`."""
 
     def __init__(self, weights, length_m=0.05, threshold=0.02, damping=0.02):
         """Set up.
@@ -55,57 +86,38 @@ class TwistInverse:
             weights: (n,) cost of moving each joint, > 0.  length_m: > 0.
             threshold: singular values below are damped, > 0.  damping: of a vanishing one, > 0.
         """
-        self._ease = 1.0 / np.asarray(weights, dtype=float)
+        ease = 1.0 / np.asarray(weights, dtype=float)
         rows = np.array([1.0 / length_m] * 3 + [1.0] * 3)
-        self._scale = np.outer(rows, self._ease)
-        self._rows = rows
-        self._threshold = threshold
-        self._damping2 = damping * damping
+        self._setup = (np.outer(rows, ease), rows, ease, threshold, damping * damping)
 
-    def solve(self, jacobian, twist, wish):
-        """Invert.
+    def __call__(self, jacobian):
+        """`Inverse` of J_BC_C, (6, n)."""
+        return Inverse(*self._setup, jacobian)
+
+
+class Wish:
+    """Joint velocities wanted where the twist leaves a choice: back to a posture, and away from joint limits."""
+
+    def __init__(self, lower, upper, posture_gain_per_s, joint_limit_gain_per_s, max_speed):
+        """Set up.
 
         Args:
-            jacobian: J_BC_C, (6, n).  twist: V_C, (6,), [v; w].
-            wish: (n,) joint velocities wanted where the twist leaves a choice.
+            lower, upper: (n,) limits, may be infinite.
+            posture_gain_per_s: rate of return to the posture, >= 0.
+            joint_limit_gain_per_s: rate at a limit, falling with the cube of the distance from the middle, >= 0.
+            max_speed: of any joint, > 0 [m/s, rad/s].
         """
-        U, sigmas, Vt = np.linalg.svd(jacobian * self._scale)
-        wanted = self._rows * twist
-        parts = wanted @ U
-        x_parts = [0.0] * len(Vt)
-        free = [1.0] * len(Vt)
-        lost2 = float(wanted @ wanted) if len(sigmas) < 6 else 0.0
-        manipulability = np.inf
-        threshold, free_below = self._threshold, FREE * self._threshold
-        for i, (sigma, part) in enumerate(zip(sigmas.tolist(), parts.tolist())):
-            free[i] = 0.0 if sigma >= free_below else (1.0 - (sigma / free_below) ** 2) ** 2
-            if sigma >= threshold:
-                gain = 1.0 / sigma
-                manipulability = sigma
-            else:
-                gain = sigma / (sigma * sigma + (1.0 - (sigma / threshold) ** 2) * self._damping2)
-                if U[3, i] ** 2 + U[4, i] ** 2 < 0.5:
-                    manipulability = min(manipulability, sigma)
-            x_parts[i] = gain * part
-            missed = (1.0 - gain * sigma) * part
-            lost2 += missed * missed - (part * part if len(sigmas) < 6 else 0.0)
-        q_dot = self._ease * (x_parts @ Vt)
-        null = self._ease * ((free * (Vt @ (wish / self._ease))) @ Vt)
-        return Inverse(q_dot, null, max(0.0, lost2) ** 0.5, manipulability)
-
-
-class Centring:
-    """Wish of the null space: joints with limits go to the middle of their range, the others rest."""
-
-    def __init__(self, lower, upper, gain_per_s, max_speed):
-        """Args: lower, upper: (n,), may be infinite.  gain_per_s: >= 0.  max_speed: of any joint, > 0 [m/s, rad/s]."""
         limited = np.isfinite(lower) & np.isfinite(upper)
         self._middle = np.where(limited, 0.5 * (np.where(limited, lower, 0.0) + np.where(limited, upper, 0.0)), 0.0)
-        self._gain = np.where(limited, gain_per_s, 0.0)
-        self._max_speed = max_speed
+        half = np.where(limited, 0.5 * (upper - lower), 1.0)
+        self._limit_gain = np.where(limited, joint_limit_gain_per_s / (half * half), 0.0)
+        self._posture_gain, self._max_speed = posture_gain_per_s, max_speed
 
-    def __call__(self, q):
-        """Wanted joint velocities, (n,)."""
-        wish = self._gain * (self._middle - q)
+    def __call__(self, q, posture=None):
+        """(n,) at joint positions q; posture: (n,) or None."""
+        off = q - self._middle
+        wish = -self._limit_gain * (off * off * off)
+        if posture is not None:
+            wish += self._posture_gain * (posture - q)
         fastest = float(np.abs(wish).max())
         return wish if fastest <= self._max_speed else wish * (self._max_speed / fastest)

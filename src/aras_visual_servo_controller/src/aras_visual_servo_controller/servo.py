@@ -21,7 +21,7 @@ from .errors import NotFiniteError, ParameterError
 from .interaction import parallel_condition
 from .laws import make_law
 from .limits import position_factor, velocity_factor
-from .redundancy import Centring, TwistInverse
+from .redundancy import TwistInverse, Wish
 from .servo_config import ServoConfig
 from .trajectory import JointTrajectory
 from .types import FEATURE_NAMES, Command, Observation, Reference, ServoRecord, Status
@@ -34,7 +34,9 @@ LOST_PART, LOST_FLOOR = 0.1, 1e-3
 LIMIT_HORIZON = 2.0
 #: look_then_move: a look's displacement is followed in this many steps (the arm's Jacobian turns on the way), and this
 #: part of the tilt is corrected by each look.
-LOOK_STEPS, LOOK_TILT = 20, 0.9
+LOOK_STEPS, LOOK_TILT = 10, 0.9
+#: Largest part of the joint velocity that the correction for a turning Jacobian may add.
+TURNING_PART = 0.25
 
 
 class Servo:
@@ -52,14 +54,14 @@ class Servo:
         self._scenario_config = self.config = ServoConfig.from_dict(config, names)
         setup = self.config
         weights = [setup.joint_weights.get(name, 1.0) for name in names]
-        self._inverse = TwistInverse(weights, setup.length_m, setup.singular_value_threshold, setup.damping)
+        self._invert = TwistInverse(weights, setup.length_m, setup.singular_value_threshold, setup.damping)
         lower, upper = kinematics.lower, kinematics.upper
-        self._centring = Centring(lower, upper, setup.joint_limit_gain_per_s, setup.max_speed)
+        self._wish = Wish(lower, upper, setup.posture_gain_per_s, setup.joint_limit_gain_per_s, setup.max_speed)
         self._lower, self._upper = lower + setup.joint_limit_margin, upper - setup.joint_limit_margin
         self._law = make_law(setup.law, setup.gains_per_s)
         self._no_velocity = dict.fromkeys(names, 0.0)
         self._zeros, self._nans = np.zeros(len(names)), np.full(len(names), nan)
-        self._s_star = np.full(len(FEATURE_NAMES), nan)
+        self._s_star, self._posture = np.full(len(FEATURE_NAMES), nan), None
         self.reference: Optional[Reference] = None
         self.status = Status.IDLE
         self._clear(0, None)
@@ -80,13 +82,14 @@ class Servo:
         q = self._kinematics.vector(q)
         if not (np.isfinite(s_star).all() and np.isfinite(q).all()):
             raise ParameterError("teach: the view has no valid, normalised features of the target")
-        self.set_reference(Reference(s_star, self._kinematics.pose(q)[:3, 2].copy()))
+        self.set_reference(Reference(s_star, self._kinematics.pose(q)[:3, 2].copy(), self._kinematics.by_name(q)))
         return self.reference
 
     def set_reference(self, reference: Reference) -> None:
         """Use a reference taught before."""
         self._law.reset(reference)
         self._s_star = np.array(reference.s_star, dtype=float)
+        self._posture = None if reference.posture is None else self._kinematics.vector(reference.posture)
         self.reference = reference
 
     def start(self, stamp_ns: int, set_point=None) -> None:
@@ -163,17 +166,18 @@ class Servo:
             return self._rest(stamp_ns, Status.CONVERGED, "every |e| below its threshold")
         self.status, self._text = Status.SERVOING, "servoing"
         if look:
-            return self._rest_until_held(stamp_ns) if below else self._look(stamp_ns, q, twist, dt_s)
+            return self._rest_until_held(stamp_ns) if below else self._look(stamp_ns, features, q, twist, dt_s)
+        jacobian = self._kinematics.jacobian(q)
+        inverse = self._invert(jacobian)
         gain = self.config.tilt_gain_per_s
         if gain > 0.0:
-            self._add_tilt(twist, q, -expm1(-gain * dt_s) / dt_s, (features.xn, features.yn, features.an))
-        self._twist = twist
-        q_dot = self._joint_velocity(q, twist, dt_s)
+            self._add_tilt(twist, q, inverse, -expm1(-gain * dt_s) / dt_s, (features.xn, features.yn, features.an))
+        q_dot = self._joint_velocity(q, twist, jacobian, inverse, dt_s)
         velocity = self._kinematics.by_name(q_dot)
         return Command(stamp_ns, {}, velocity), self._record(stamp_ns, self._text, q_dot, self._nans)
 
-    def _add_tilt(self, twist, q, gain, target_C=None):
-        """Turn the optical axis towards the taught one. target_C: point (x, y, z) that must not move in the image."""
+    def _add_tilt(self, twist, q, inverse, gain, target_C):
+        """Turn the optical axis towards the taught one, as far as the arm can; target_C, (x, y, z), keeps its place."""
         axis_B = self.reference.optical_axis_B
         if axis_B is None:
             return
@@ -181,47 +185,58 @@ class Servo:
         sine = (a * a + b * b) ** 0.5
         if sine > 0.0:
             gain *= asin(min(1.0, sine)) / sine
-        wx, wy = -gain * b, gain * a
-        twist[3] += wx
-        twist[4] += wy
-        if target_C is not None:  # v = -w x P keeps P = (x, y, z) where it is
-            x, y, z = target_C
-            twist[0] -= wy * z
-            twist[1] += wx * z
-            twist[2] -= wx * y - wy * x
+        _, _, _, wx, wy, _ = inverse.achieved(np.array([0.0, 0.0, 0.0, -gain * b, gain * a, 0.0])).tolist()
+        x, y, z = target_C  # v = -w x P keeps the point P where it is
+        twist += np.array([-wy * z, wx * z, wy * x - wx * y, wx, wy, 0.0])
 
-    def _joint_velocity(self, q, twist, dt_s):
-        """Joint velocities of the twist, within all limits; sets status and manipulability."""
-        inverse = self._inverse.solve(self._kinematics.jacobian(q), twist, self._centring(q))
-        self._manipulability = inverse.manipulability
-        q_dot = inverse.q_dot + inverse.null
+    def _joint_velocity(self, q, twist, jacobian, inverse, dt_s):
+        """Joint velocities of the twist, within all limits; sets status, twist as scaled and manipulability."""
+        q_dot = inverse.joint_velocity(twist) + inverse.free(self._wish(q, self._posture))
         factor = velocity_factor(q_dot, self._kinematics.velocity)
         if factor < 1.0:
             q_dot = q_dot * factor
+        q_dot = q_dot + self._turning(q, q_dot, jacobian, inverse, dt_s)
+        again = velocity_factor(q_dot, self._kinematics.velocity)
         room, joint = position_factor(q, q_dot, self._lower, self._upper, LIMIT_HORIZON * dt_s)
+        scale = min(again, room)
+        if scale < 1.0:
+            q_dot = q_dot * scale
         if joint is not None:
-            q_dot = q_dot * room
             self.status = Status.JOINT_LIMIT
             self._text = f"joint '{self._kinematics.joint_names[joint]}' at its limit, speed times {room:.2f}"
-        elif inverse.lost > LOST_FLOOR and inverse.lost > LOST_PART * float(np.linalg.norm(twist)):
-            self.status, self._text = Status.NEAR_SINGULARITY, "part of the twist cannot be achieved here"
-        if factor < 1.0 or joint is not None:
-            self._twist = twist * (factor * room)
+        else:
+            lost = inverse.lost(twist)
+            if lost > LOST_FLOOR and lost > LOST_PART * float(twist @ twist) ** 0.5:
+                self.status, self._text = Status.NEAR_SINGULARITY, "part of the twist cannot be achieved here"
+        self._twist = twist * (factor * scale) if factor * scale < 1.0 else twist
+        self._manipulability = inverse.manipulability
         return q_dot
+
+    def _turning(self, q, q_dot, jacobian, inverse, dt_s):
+        """Correction of q_dot for the Jacobian turning while it is held: makes the twist right half-way.
+
+        Next to the stretched elbow the Jacobian turns fast. At most TURNING_PART of q_dot.
+        """
+        half_way = self._kinematics.jacobian(q + (0.5 * dt_s) * q_dot)
+        correction = inverse.joint_velocity((jacobian - half_way) @ q_dot)
+        most, size = TURNING_PART * float(q_dot @ q_dot) ** 0.5, float(correction @ correction) ** 0.5
+        return correction if size <= most else correction * (most / size)
 
     # --- look then move -----------------------------------------------------------------------------------------
 
-    def _look(self, stamp_ns, q, twist, dt_s):
+    def _look(self, stamp_ns, features, q, twist, dt_s):
         """Plan the move that one look asks for, and begin it."""
-        motion = twist * self.config.sample_time_s
-        if self.config.tilt_gain_per_s > 0.0:
-            self._add_tilt(motion, q, LOOK_TILT)
-        self._twist = twist
-        ahead = q
-        for _ in range(LOOK_STEPS):
-            step = self._inverse.solve(self._kinematics.jacobian(ahead), motion / LOOK_STEPS, self._zeros)
-            ahead = ahead + step.q_dot
-            self._manipulability = step.manipulability
+        motion, ahead = twist * self.config.sample_time_s, q
+        for step in range(LOOK_STEPS):
+            jacobian = self._kinematics.jacobian(ahead)
+            inverse = self._invert(jacobian)
+            if step == 0:
+                self._manipulability = inverse.manipulability
+                if self.config.tilt_gain_per_s > 0.0:
+                    self._add_tilt(motion, q, inverse, LOOK_TILT, (features.xn, features.yn, features.an))
+                self._twist = motion / self.config.sample_time_s
+            q_dot = inverse.joint_velocity(motion) + inverse.free(self._wish(ahead, self._posture))
+            ahead = ahead + (q_dot + self._turning(ahead, q_dot, jacobian, inverse, 1.0 / LOOK_STEPS)) / LOOK_STEPS
         if self._set_point is None:
             self._set_point = q.copy()
         wanted = self._set_point + (ahead - q)

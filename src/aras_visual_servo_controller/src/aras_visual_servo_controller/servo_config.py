@@ -32,7 +32,8 @@ class ServoConfig:
     singular_value_threshold: float = 0.02
     damping: float = 0.02
     joint_weights: Dict[str, float] = None  # section inverse/joint_weights: cost of moving a joint, default 1
-    joint_limit_gain_per_s: float = 0.5  # section null_space: rate of centring the joints with limits; 0: none
+    posture_gain_per_s: float = 2.0  # section null_space: return to the taught posture
+    joint_limit_gain_per_s: float = 1.0  # section null_space: away from joint limits
     max_speed: float = 0.2  # section null_space: of any joint [m/s, rad/s]
     joint_limit_margin: float = 0.01  # kept to every joint limit [m, rad]
 
@@ -62,8 +63,8 @@ class ServoConfig:
         inverse.close()
 
         null_space = reader.section("null_space")
-        gain = "joint_limit_gain_per_s"
-        values[gain] = null_space.number(gain, getattr(cls, gain), at_least=0.0)
+        for key in ("posture_gain_per_s", "joint_limit_gain_per_s"):
+            values[key] = null_space.number(key, getattr(cls, key), at_least=0.0)
         values["max_speed"] = null_space.number("max_speed", cls.max_speed, above=0.0)
         null_space.close()
         if values["mode"] == "look_then_move" and None not in (*values["gains_per_s"], values["sample_time_s"]):

@@ -139,26 +139,35 @@ class Reference:
     Attributes:
         s_star: (4,) wanted xn, yn, an [m], alpha [rad].
         optical_axis_B: (3,) unit vector, optical axis in the robot base frame; None: tilt is not held.
+        posture: joint positions by name; None: the spare motion has no posture to return to.
     """
 
     s_star: np.ndarray
     optical_axis_B: Optional[np.ndarray] = None
+    posture: Optional[Dict[str, float]] = None
 
     def to_dict(self) -> Dict[str, Any]:
         """Plain lists, for a parameter server or a file."""
         axis = None if self.optical_axis_B is None else [float(a) for a in self.optical_axis_B]
-        return {"s_star": [float(s) for s in self.s_star], "optical_axis_B": axis}
+        posture = None if self.posture is None else {name: float(q) for name, q in self.posture.items()}
+        return {"s_star": [float(s) for s in self.s_star], "optical_axis_B": axis, "posture": posture}
 
     @classmethod
     def from_dict(cls, source: Mapping[str, Any]) -> "Reference":
         """Inverse of `to_dict`. Raises ParameterError on wrong keys, lengths or non-finite numbers."""
-        faults = [f"reference/{key}: unknown key" for key in source if key not in ("s_star", "optical_axis_B")]
-        s_star, axis = _vector(source, "s_star", 4, faults), None
+        faults = [f"reference/{key}: unknown key" for key in source if key not in cls.__dataclass_fields__]
+        s_star, axis, posture = _vector(source, "s_star", 4, faults), None, source.get("posture")
         if source.get("optical_axis_B") is not None:
             axis = _vector(source, "optical_axis_B", 3, faults)
+        if posture is not None:
+            named = isinstance(posture, Mapping)
+            values = _vector({"posture": list(posture.values())}, "posture", len(posture), faults) if named else ()
+            posture = dict(zip(posture, map(float, values)))
+            if not named:
+                faults.append(f"reference/posture: found {source['posture']}, allowed joint positions by name")
         if faults:
             raise ParameterError(faults)
-        return cls(s_star, axis)
+        return cls(s_star, axis, posture)
 
 
 def _vector(source, key, size, faults):
