@@ -119,5 +119,5 @@ class Wish:
         wish = -self._limit_gain * (off * off * off)
         if posture is not None:
             wish += self._posture_gain * (posture - q)
-        fastest = float(np.abs(wish).max())
+        fastest = max(map(abs, wish.tolist()))
         return wish if fastest <= self._max_speed else wish * (self._max_speed / fastest)

@@ -157,7 +157,8 @@ class Servo:
             return self._rest(stamp_ns, Status.FAULT, f"law '{self._law.name}' gave a twist that is not finite")
         self._s, self._e = self._law.s, self._law.e
         self._cond_l = parallel_condition(features.xn, features.yn)
-        below = all(abs(e) < threshold for e, threshold in zip(self._e, self.config.thresholds))
+        e, most = self._e, self.config.thresholds
+        below = abs(e[0]) < most[0] and abs(e[1]) < most[1] and abs(e[2]) < most[2] and abs(e[3]) < most[3]
         if not below:
             self._below_ns = None
         elif self._below_ns is None:

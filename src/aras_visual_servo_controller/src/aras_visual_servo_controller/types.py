@@ -159,12 +159,11 @@ class Reference:
         s_star, axis, posture = _vector(source, "s_star", 4, faults), None, source.get("posture")
         if source.get("optical_axis_B") is not None:
             axis = _vector(source, "optical_axis_B", 3, faults)
-        if posture is not None:
-            named = isinstance(posture, Mapping)
-            values = _vector({"posture": list(posture.values())}, "posture", len(posture), faults) if named else ()
-            posture = dict(zip(posture, map(float, values)))
-            if not named:
-                faults.append(f"reference/posture: found {source['posture']}, allowed joint positions by name")
+        if isinstance(posture, Mapping):
+            values = _vector({"posture": list(posture.values())}, "posture", len(posture), faults)
+            posture = dict(zip(posture, values.tolist()))
+        elif posture is not None:
+            faults.append(f"reference/posture: found {posture}, allowed joint positions by name")
         if faults:
             raise ParameterError(faults)
         return cls(s_star, axis, posture)
