@@ -34,9 +34,9 @@ def pose_CgC(p_m, angle_rad):
 
 
 def blob(shift_px):
-    """A grey image with a dark bar, (48, 64, 3)."""
+    """A grey image with a dark, slightly blue bar, (48, 64, 3) rgb."""
     image = np.full((48, 64, 3), 230, dtype=np.uint8)
-    image[16:34, 20 + shift_px:36 + shift_px] = 20
+    image[16:34, 20 + shift_px:36 + shift_px] = (20, 40, 60)
     return image
 
 

@@ -60,6 +60,13 @@ def test_servo_rows_end_at_the_row_that_reports_the_end():
     assert record.phase[record.servo_rows].tolist() == ["servo"] * 20
 
 
+def test_servo_rows_after_the_reported_end_do_not_count():
+    b = builder()
+    for status in (Status.SERVOING, Status.CONVERGED, Status.SERVOING):
+        b.add_row(len(b), "servo", status)
+    assert b.finish().servo_rows.tolist() == [0, 1]
+
+
 def test_the_done_row_ends_the_servo_phase_when_no_servo_row_does():
     record = make_record(servo_images=20, status=Status.SERVOING)
     assert record.phase[record.servo_rows[-1]] == "done" and len(record.servo_rows) == 21
