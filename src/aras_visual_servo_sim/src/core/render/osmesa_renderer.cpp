@@ -5,6 +5,8 @@
 #include "aras_visual_servo_sim/coverage_rasterizer.hpp"
 #include "pixel_color.hpp"
 #include "planar_layer.hpp"
+#include "tile_painter.hpp"
+#include "triangle_list.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -29,7 +31,23 @@ class OsmesaRenderer::Implementation {
     const ViewVolume volume(camera);
     planar_.project(camera, volume, X_WC.inverse(), scene);
     fill(pixelOf(scene.background, out.encoding), out);
-    planar_.paint(camera, rasterizer_, out);
+    const bool everything = path_ == Path::kGl;
+    if (!everything) planar_.paint(camera, rasterizer_, out);
+    triangles_.begin(camera, volume);
+    const bool bodies_in_view = triangles_.addBodies(scene, X_WC.inverse());
+    if (!everything && !bodies_in_view && planar_.conflicts().empty()) return;
+
+    tiles_.begin(out.width, out.height);
+    if (everything) {
+      tiles_.markAll();
+    } else {
+      tiles_.mark(triangles_.vertices());
+      for (const PixelBox& box : planar_.conflicts()) tiles_.mark(box);
+    }
+    triangles_.addPlanar(planar_, X_WC.inverse());
+    tiles_.paint(triangles_.vertices(), scene.background, camera.sampling() == CameraModel::Sampling::kCoverage, out);
+    statistics_ = {true, static_cast<int>(triangles_.vertices().size() / 3), tiles_.markedTiles(),
+                   tiles_.supersampledTiles()};
   }
 
   Statistics statistics_;
@@ -38,6 +56,8 @@ class OsmesaRenderer::Implementation {
   Path path_;
   PlanarLayer planar_;
   CoverageRasterizer rasterizer_;
+  TriangleList triangles_;
+  TilePainter tiles_;
 };
 
 OsmesaRenderer::OsmesaRenderer(Path path) : implementation_(std::make_unique<Implementation>(path)) {}

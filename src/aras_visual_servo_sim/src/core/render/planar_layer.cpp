@@ -106,7 +106,7 @@ void PlanarLayer::addCurve(const CameraModel& camera, const Eigen::Vector2d& fro
   const Eigen::Vector2d middle = 0.5 * (from + to);
   const Eigen::Vector2d middle_px = camera.toPixel(middle.x(), middle.y());
   const Eigen::Vector2d chord = to_px - from_px, bow = middle_px - from_px;
-  const bool straight = std::abs(chord.x() * bow.y() - chord.y() * bow.x()) < kChord * chord.norm();
+  const bool straight = std::abs(chord.x() * bow.y() - chord.y() * bow.x()) <= kChord * chord.norm();
   if (depth >= kDeepest || (depth >= kAlways && straight)) return;
   addCurve(camera, from, middle, from_px, middle_px, depth + 1);
   points_.push_back(middle_px);

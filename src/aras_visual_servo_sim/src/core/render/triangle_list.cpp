@@ -1,0 +1,185 @@
+#include "triangle_list.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace aras_visual_servo_sim {
+namespace {
+
+constexpr double kChord = 5e-3;  // [px] an edge seen through the lens may stray from straight
+constexpr double kBias =
+    1e-6;  // in units of Vertex::z, 16 steps of the depth buffer: 17 um at 0.6 m, near plane 0.02 m
+
+/** Objects are told apart by numbers of one byte; 0 is the background. */
+std::uint8_t numberOf(std::size_t index) { return static_cast<std::uint8_t>(1 + index % 255); }
+
+Eigen::Vector3f colorOf(const Rgb& color) { return {float(color.r), float(color.g), float(color.b)}; }
+
+/** Lambert's law for a light from afar and a weak one at the camera, over an ambient term. */
+float shade(const Eigen::Vector3d& normal_C, const Eigen::Vector3d& light_C, const Eigen::Vector3d& p_C) {
+  constexpr double kAmbient = 0.38, kLight = 0.50, kHeadlight = 0.22;
+  const double lit = std::max(0.0, -normal_C.dot(light_C));
+  const double head = std::max(0.0, -normal_C.dot(p_C) / (p_C.norm() + 1e-12));
+  return static_cast<float>(std::min(1.0, kAmbient + kLight * lit + kHeadlight * head));
+}
+
+/** How far the image of the middle of an edge lies beside its chord [px]. */
+double bow(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Eigen::Vector2d& middle) {
+  const Eigen::Vector2d chord = to - from, off = middle - from;
+  const double length = chord.norm();
+  return length > 0.0 ? std::abs(chord.x() * off.y() - chord.y() * off.x()) / length : 0.0;
+}
+
+}  // namespace
+
+void TriangleList::begin(const CameraModel& camera, const ViewVolume& volume) {
+  camera_ = &camera;
+  volume_ = &volume;
+  vertices_.clear();
+}
+
+bool TriangleList::addBodies(const Scene& scene, const Pose& X_CW) {
+  const Eigen::Vector3d light_C = X_CW.q * scene.light_direction_W.normalized();
+  std::size_t index = 128;  // planar models count from 0
+  for (const Body& body : scene.bodies) {
+    if (!body.visible) continue;
+    const Pose X_CB = X_CW * body.X_WB;
+    for (const Shape& shape : body.shapes) addShape(shape, X_CB * shape.X_BS, light_C, numberOf(index++));
+  }
+  return !vertices_.empty();
+}
+
+void TriangleList::addShape(const Shape& shape, const Pose& X_CS, const Eigen::Vector3d& light_C, std::uint8_t number) {
+  const TriangleMesh& mesh = *shape.mesh;
+  const Eigen::Vector3d center = X_CS * (0.5f * (mesh.box_min + mesh.box_max)).cast<double>().eval();
+  const double radius = 0.5 * (mesh.box_max - mesh.box_min).cast<double>().norm();
+  if (volume_->excludes(center, radius) || center.z() - radius > camera_->farM()) return;
+  const Eigen::Matrix3d R = X_CS.q.toRotationMatrix();
+  std::array<Eigen::Vector3d, 8> box;
+  for (int k = 0; k < 8; ++k) {
+    const Eigen::Vector3f corner(k & 1 ? mesh.box_max.x() : mesh.box_min.x(),
+                                 k & 2 ? mesh.box_max.y() : mesh.box_min.y(),
+                                 k & 4 ? mesh.box_max.z() : mesh.box_min.z());
+    box[k] = X_CS.p + R * corner.cast<double>();
+  }
+  if (volume_->excludes(box.data(), box.size())) return;
+  const bool inside = volume_->contains(center, radius);
+  points_.clear();
+  colors_.clear();
+  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+    points_.push_back(X_CS.p + R * mesh.points[i].cast<double>());
+    const float light = shade(R * mesh.normals[i].cast<double>(), light_C, points_.back());
+    colors_.push_back(light * colorOf(mesh.colors.empty() ? shape.color : mesh.colors[i]));
+  }
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const Points points{points_[i], points_[j], points_[k]};
+    const bool faces_away = (points[1] - points[0]).cross(points[2] - points[0]).dot(points[0]) >= 0.0;
+    if (faces_away || std::min({points[0].z(), points[1].z(), points[2].z()}) > camera_->farM()) continue;
+    if (!inside && volume_->excludes(points.data(), points.size())) continue;
+    addTriangle(points, {colors_[i], colors_[j], colors_[k]}, inside, number, 0.0);
+  }
+}
+
+void TriangleList::addPlanar(const PlanarLayer& planar, const Pose& X_CW) {
+  std::size_t index = 0;
+  for (const PlanarLayer::Face& face : planar.faces()) {
+    const Pose X_CM = X_CW * face.model->X_WM;
+    const double bias = kBias * static_cast<double>(index + 1);
+    const std::uint8_t number = numberOf(index++ % 128);
+    const Eigen::Vector3f rgb = colorOf(face.color);
+    const bool inside = volume_->contains(X_CM.p, face.model->radius());
+    const auto add = [&](const Polygon& polygon, const std::array<std::uint32_t, 3>& triangle) {
+      Points points;
+      for (int k = 0; k < 3; ++k) {
+        const Eigen::Vector2d& p = polygon[triangle[k]];
+        points[k] = X_CM * Eigen::Vector3d(p.x(), p.y(), 0.0);
+      }
+      if (inside || !volume_->excludes(points.data(), points.size())) {
+        addTriangle(points, {rgb, rgb, rgb}, inside, number, bias);
+      }
+    };
+    if (face.is_board) {
+      const Polygon corners = face.model->boardCorners();
+      add(corners, {0, 1, 2});
+      add(corners, {0, 2, 3});
+      continue;
+    }
+    for (std::size_t k = 0; k < face.model->outlines().size(); ++k) {
+      for (const auto& triangle : face.model->triangles(k)) add(face.model->outlines()[k], triangle);
+    }
+  }
+}
+
+void TriangleList::addTriangle(const Points& points_C, const Colors& colors, bool inside, std::uint8_t number,
+                               double bias) {
+  if (inside) {
+    cut(corner(points_C[0], colors[0]), corner(points_C[1], colors[1]), corner(points_C[2], colors[2]), number, bias,
+        0);
+    return;
+  }
+  polygon_.assign(points_C.begin(), points_C.end());
+  volume_->clip(polygon_);
+  if (polygon_.size() < 3) return;
+  // Colours of the new corners from their areal coordinates in the triangle.
+  const Eigen::Vector3d e1 = points_C[1] - points_C[0], e2 = points_C[2] - points_C[0], normal = e1.cross(e2);
+  const double scale = 1.0 / std::max(normal.squaredNorm(), 1e-300);
+  std::vector<Corner> corners;
+  for (const Eigen::Vector3d& p : polygon_) {
+    const Eigen::Vector3d d = p - points_C[0];
+    const float b = static_cast<float>(d.cross(e2).dot(normal) * scale);
+    const float c = static_cast<float>(e1.cross(d).dot(normal) * scale);
+    const Eigen::Vector3f rgb = colors[0] + b * (colors[1] - colors[0]) + c * (colors[2] - colors[0]);
+    corners.push_back(corner(p, rgb.cwiseMax(0.0f).cwiseMin(255.0f)));
+  }
+  for (std::size_t i = 2; i < corners.size(); ++i) cut(corners[0], corners[i - 1], corners[i], number, bias, 0);
+}
+
+TriangleList::Corner TriangleList::corner(const Eigen::Vector3d& p_C, const Eigen::Vector3f& rgb) const {
+  Corner corner;
+  corner.inverse_z = 1.0 / p_C.z();
+  corner.xy = p_C.head<2>() * corner.inverse_z;
+  corner.rgb = rgb;
+  corner.px = camera_->toPixel(corner.xy.x(), corner.xy.y());
+  return corner;
+}
+
+/** Halves the most bent edge until none is bent. Each decision depends on that edge alone, so the triangles on both
+ *  sides of an edge are cut alike and leave no gap. */
+void TriangleList::cut(const Corner& a, const Corner& b, const Corner& c, std::uint8_t number, double bias, int depth) {
+  constexpr int kDeepest = 16;
+  if (camera_->lens() != CameraModel::Lens::kNone && depth < kDeepest) {
+    const std::array<const Corner*, 3> corners{&a, &b, &c};
+    double worst = kChord;
+    int split = -1;
+    Corner middle;
+    for (int k = 0; k < 3; ++k) {
+      const Corner &from = *corners[k], &to = *corners[(k + 1) % 3];
+      const Eigen::Vector2d xy = 0.5 * (from.xy + to.xy);
+      const Eigen::Vector2d px = camera_->toPixel(xy.x(), xy.y());
+      const double bent = bow(from.px, to.px, px);
+      if (bent <= worst) continue;
+      worst = bent;
+      split = k;
+      middle = {xy, 0.5 * (from.inverse_z + to.inverse_z), 0.5f * (from.rgb + to.rgb), px};
+    }
+    if (split >= 0) {
+      const Corner &from = *corners[split], &to = *corners[(split + 1) % 3], &apex = *corners[(split + 2) % 3];
+      cut(from, middle, apex, number, bias, depth + 1);
+      cut(middle, to, apex, number, bias, depth + 1);
+      return;
+    }
+  }
+  for (const Corner* corner : {&a, &b, &c}) vertices_.push_back(vertex(*corner, number, bias));
+}
+
+Vertex TriangleList::vertex(const Corner& corner, std::uint8_t number, double bias) const {
+  const auto byte = [](float value) { return static_cast<std::uint8_t>(value + 0.5f); };
+  // At most 1: rounding must not push what was clipped at the near plane out of the depth range.
+  const double z = std::min(1.0, camera_->nearM() * corner.inverse_z + bias);
+  return {static_cast<float>(corner.px.x() + 0.5),
+          static_cast<float>(corner.px.y() + 0.5),
+          static_cast<float>(z),
+          {byte(corner.rgb.x()), byte(corner.rgb.y()), byte(corner.rgb.z()), number}};
+}
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "aras_visual_servo_sim/scene.hpp"
+#include "osmesa_canvas.hpp"
+#include "planar_layer.hpp"
+#include "view_volume.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** Projects bodies and planar models to triangles in pixels: culled, clipped, lit, cut small enough for the lens. */
+class TriangleList {
+ public:
+  void begin(const CameraModel& camera, const ViewVolume& volume);
+  /** Adds what is in view of the bodies. @return false if nothing is */
+  bool addBodies(const Scene& scene, const Pose& X_CW);
+  /** Adds the planar models, each face a hair nearer than what it is painted over. */
+  void addPlanar(const PlanarLayer& planar, const Pose& X_CW);
+
+  /** Three for each triangle. */
+  const std::vector<Vertex>& vertices() const { return vertices_; }
+
+ private:
+  /** Corner on its way through lens and cutting: normalised coordinates, inverse depth, colour, pixel. */
+  struct Corner {
+    Eigen::Vector2d xy;
+    double inverse_z;
+    Eigen::Vector3f rgb;
+    Eigen::Vector2d px;
+  };
+  using Points = std::array<Eigen::Vector3d, 3>;
+  using Colors = std::array<Eigen::Vector3f, 3>;
+
+  void addShape(const Shape& shape, const Pose& X_CS, const Eigen::Vector3d& light_C, std::uint8_t number);
+  void addTriangle(const Points& points_C, const Colors& colors, bool inside, std::uint8_t number, double bias);
+  Corner corner(const Eigen::Vector3d& p_C, const Eigen::Vector3f& rgb) const;
+  void cut(const Corner& a, const Corner& b, const Corner& c, std::uint8_t number, double bias, int depth);
+  Vertex vertex(const Corner& corner, std::uint8_t number, double bias) const;
+
+  const CameraModel* camera_ = nullptr;
+  const ViewVolume* volume_ = nullptr;
+  std::vector<Vertex> vertices_;
+  std::vector<Eigen::Vector3d> points_, polygon_;  // scratch
+  std::vector<Eigen::Vector3f> colors_;            // scratch
+};
+
+}  // namespace aras_visual_servo_sim
