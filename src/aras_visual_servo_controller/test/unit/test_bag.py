@@ -65,7 +65,7 @@ def messages_of(record, skip=(), encoding="rgb8", padding=0, scenario=True):
             int(record.stamp_ns[i]) // 10**9, int(record.stamp_ns[i]) % 10**9)
         servo = i in record.servo_rows
         image = blob(8 - min(8, i - record.servo_rows[0])) if servo else blob(0)
-        image = image[..., 0] if encoding == "mono8" else image
+        image = {"mono8": image[..., 0], "bgr8": image[..., ::-1]}.get(encoding, image)
         features = MomentFeatures(area=0.05, xg=0.0, yg=0.0, alpha=0.3)
         features.header.stamp = stamp
         yield "camera/image_raw", image_message(image, stamp, encoding, padding), stamp
