@@ -299,7 +299,7 @@ def test_look_then_move_takes_the_next_look_only_when_joints_rest():
         if not looks or not np.array_equal(record.e, looks[-1]):
             looks.append(record.e)
             if len(looks) > 1:
-                np.testing.assert_allclose(before, last, atol=0.002)  # the settle tolerance
+                np.testing.assert_allclose(before, last, atol=0.002 * DT_S)  # the settle speed
         last = before
     ratios = looks[1] / looks[0]
     np.testing.assert_allclose(ratios[2:], 0.5, rtol=0.002)  # the path is followed in ten steps, of second order
