@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <limits>
 
 #include "aras_visual_servo_sim/errors.hpp"
 
@@ -115,7 +116,7 @@ void ArticulatedBody::buildBullet(const Vector3d& gravity_m_s2) {
   bullet_->finalizeMultiDof();
   bullet_->setLinearDamping(0.0);
   bullet_->setAngularDamping(0.0);
-  bullet_->setMaxCoordinateVelocity(BT_LARGE_FLOAT);
+  bullet_->setMaxCoordinateVelocity(std::numeric_limits<double>::max());  // no hidden clamp
   bullet_->setCanSleep(false);
   bullet_->clearForcesAndTorques();
   for (int i = 0; i < n; ++i) bullet_->addLinkForce(i, toBullet(gravity_m_s2) * bodies_[i].mass_kg);

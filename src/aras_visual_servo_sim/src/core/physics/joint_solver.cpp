@@ -41,65 +41,70 @@ void solveCholesky(int n, double* A, double* b) {
 
 }  // namespace
 
-JointSolver::JointSolver(int n) : n_(n), pieces_(n), A_(n * n), b_(n), M_v_free_(n) {}
+JointSolver::JointSolver(int n) : n_(n), pieces_(n), A_(n * n), b_(n), lines_(n) {}
 
 void JointSolver::solve(const std::vector<double>& M, const Eigen::VectorXd& v_free,
                         const std::vector<JointGraph>& graphs, double dt_s, Eigen::VectorXd& v,
                         Eigen::VectorXd& effort) {
-  for (int i = 0; i < n_; ++i) {
-    pieces_[i].k = graphs[i].locate(v[i], pieces_[i].vertical);
-    double sum = 0.0;
-    for (int j = 0; j < n_; ++j) sum += M[i * n_ + j] * v_free[j];
-    M_v_free_[i] = sum;
-  }
+  for (int i = 0; i < n_; ++i) pieces_[i].k = graphs[i].locate(v[i], pieces_[i].vertical);
   for (int move = 0; move < kMaxMoves; ++move) {
     solvePieces(M, v_free, graphs, dt_s, v, effort);
-    if (!movePieces(graphs, v, effort)) return;
+    if (!movePieces(graphs, v, effort)) return keepInPieces(graphs, v);
   }
   ++fallbacks_;
   for (int i = 0; i < n_; ++i) v[i] = v_free[i];
   sweep(M, v_free, graphs, dt_s, v);
   solvePieces(M, v_free, graphs, dt_s, v, effort);
+  keepInPieces(graphs, v);
 }
 
-/** The linear system of the current pieces; joints on a vertical part have their velocity given. */
+/** Takes back what rounding carried over the end of a piece. */
+void JointSolver::keepInPieces(const std::vector<JointGraph>& graphs, Eigen::VectorXd& v) const {
+  for (int i = 0; i < n_; ++i) {
+    if (pieces_[i].vertical) continue;
+    const int k = pieces_[i].k;
+    if (k > 0) v[i] = std::max(v[i], graphs[i].point(k - 1));
+    if (k < graphs[i].points()) v[i] = std::min(v[i], graphs[i].point(k));
+  }
+}
+
+/** The linear system of the current pieces, in the difference from v_free so that nothing is rounded where nothing
+ * acts; joints on a vertical part have their velocity given. */
 void JointSolver::solvePieces(const std::vector<double>& M, const Eigen::VectorXd& v_free,
                               const std::vector<JointGraph>& graphs, double dt_s, Eigen::VectorXd& v,
                               Eigen::VectorXd& effort) {
   ++iterations_;
   for (int i = 0; i < n_; ++i) {
-    if (pieces_[i].vertical) v[i] = graphs[i].point(pieces_[i].k);
+    if (!pieces_[i].vertical) continue;
+    v[i] = graphs[i].point(pieces_[i].k);
+    b_[i] = v[i] - v_free[i];
+    for (int j = 0; j < i; ++j) A_[i * n_ + j] = 0.0;
+    A_[i * n_ + i] = 1.0;
   }
   for (int i = 0; i < n_; ++i) {
-    if (pieces_[i].vertical) {
-      for (int j = 0; j < i; ++j) A_[i * n_ + j] = 0.0;
-      A_[i * n_ + i] = 1.0;
-      b_[i] = v[i];
-      continue;
-    }
+    if (pieces_[i].vertical) continue;
     const JointGraph::Line line = graphs[i].line(pieces_[i].k);
-    double rhs = M_v_free_[i] + dt_s * line.c;
+    double rhs = dt_s * (line.c - line.g * v_free[i]);
     for (int j = 0; j < n_; ++j) {
       const bool given = pieces_[j].vertical;
-      if (given) rhs -= M[i * n_ + j] * v[j];
+      if (given) rhs -= M[i * n_ + j] * (v[j] - v_free[j]);
       if (j < i) A_[i * n_ + j] = given ? 0.0 : M[i * n_ + j];
     }
     A_[i * n_ + i] = M[i * n_ + i] + dt_s * line.g;
     b_[i] = rhs;
-    effort[i] = line.c;  // completed below
+    lines_[i] = line;
   }
   solveCholesky(n_, A_.data(), b_.data());
   for (int i = 0; i < n_; ++i) {
-    if (!pieces_[i].vertical) v[i] = b_[i];
+    if (pieces_[i].vertical) continue;
+    v[i] = v_free[i] + b_[i];
+    effort[i] = lines_[i].c - lines_[i].g * v[i];
   }
   for (int i = 0; i < n_; ++i) {
-    if (pieces_[i].vertical) {
-      double sum = 0.0;
-      for (int j = 0; j < n_; ++j) sum += M[i * n_ + j] * (v[j] - v_free[j]);
-      effort[i] = sum / dt_s;
-    } else {
-      effort[i] -= graphs[i].line(pieces_[i].k).g * v[i];
-    }
+    if (!pieces_[i].vertical) continue;
+    double sum = 0.0;
+    for (int j = 0; j < n_; ++j) sum += M[i * n_ + j] * (v[j] - v_free[j]);
+    effort[i] = sum / dt_s;
   }
 }
 

@@ -37,13 +37,15 @@ class JointSolver {
 
   void solvePieces(const std::vector<double>& M, const Eigen::VectorXd& v_free, const std::vector<JointGraph>& graphs,
                    double dt_s, Eigen::VectorXd& v, Eigen::VectorXd& effort);
+  void keepInPieces(const std::vector<JointGraph>& graphs, Eigen::VectorXd& v) const;
   bool movePieces(const std::vector<JointGraph>& graphs, const Eigen::VectorXd& v, const Eigen::VectorXd& effort);
   void sweep(const std::vector<double>& M, const Eigen::VectorXd& v_free, const std::vector<JointGraph>& graphs,
              double dt_s, Eigen::VectorXd& v);
 
   int n_;
   std::vector<Piece> pieces_;
-  std::vector<double> A_, b_, M_v_free_;
+  std::vector<double> A_, b_;
+  std::vector<JointGraph::Line> lines_;
   long iterations_ = 0, fallbacks_ = 0;
 };
 

@@ -23,8 +23,9 @@ double Pid::compute(double error, double error_dot, double dt_s) {
 
   state_.integral += dt_s * error;
   if (gains_.antiwindup && gains_.i != 0.0) {
-    const auto bounds = std::minmax(gains_.i_min / gains_.i, gains_.i_max / gains_.i);
-    state_.integral = std::clamp(state_.integral, bounds.first, bounds.second);
+    const double one = gains_.i_min / gains_.i;
+    const double other = gains_.i_max / gains_.i;
+    state_.integral = std::clamp(state_.integral, std::min(one, other), std::max(one, other));
   }
   double integral_term = gains_.i * state_.integral;
   if (!gains_.antiwindup) integral_term = std::clamp(integral_term, gains_.i_min, gains_.i_max);
