@@ -1,1 +1,99 @@
+#include "aras_visual_servo_camera/vision_config.hpp"
+
 #include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
+
+#include "aras_visual_servo_camera/errors.hpp"
+
+namespace aras_visual_servo_camera {
+namespace {
+
+std::string faultsOf(const std::string& yaml) {
+  try {
+    readVisionConfig(YAML::Load(yaml));
+  } catch (const ParameterError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(VisionConfig, ReadsEveryKey) {
+  const VisionConfig c = readVisionConfig(YAML::Load(
+      "{object: bright, segmentation: fixed, threshold: 100, object_grey: 200, background_grey: 30, min_contrast: 12, "
+      "adaptive_block_px: 51, adaptive_offset: 7, component: nearest_to_previous, min_area_px: 9, order: 5, "
+      "asymmetry_threshold: 0.1, orientation_threshold: 0.2}"));
+  EXPECT_EQ(c.object, ObjectShade::kBright);
+  EXPECT_EQ(c.segmentation, SegmentationMethod::kFixed);
+  EXPECT_EQ(c.threshold, 100.0);
+  EXPECT_EQ(c.object_grey.value(), 200.0);
+  EXPECT_EQ(c.background_grey.value(), 30.0);
+  EXPECT_EQ(c.min_contrast, 12.0);
+  EXPECT_EQ(c.adaptive_block_px, 51);
+  EXPECT_EQ(c.adaptive_offset, 7.0);
+  EXPECT_EQ(c.component, ComponentChoice::kNearestToPrevious);
+  EXPECT_EQ(c.min_area_px, 9);
+  EXPECT_EQ(c.order, 5);
+  EXPECT_EQ(c.asymmetry_threshold, 0.1);
+  EXPECT_EQ(c.orientation_threshold, 0.2);
+}
+
+TEST(VisionConfig, GreysAreEstimatedUnlessGiven) {
+  const VisionConfig c = readVisionConfig(YAML::Load("{object: dark, segmentation: coverage}"));
+  EXPECT_FALSE(c.object_grey.has_value());
+  EXPECT_FALSE(c.background_grey.has_value());
+}
+
+TEST(VisionConfig, ObjectAndSegmentationAreRequired) {
+  const std::string faults = faultsOf("{order: 3}");
+  EXPECT_NE(faults.find("vision/object: found nothing"), std::string::npos) << faults;
+  EXPECT_NE(faults.find("vision/segmentation: found nothing"), std::string::npos) << faults;
+}
+
+TEST(VisionConfig, FixedSegmentationRequiresAThreshold) {
+  EXPECT_NE(faultsOf("{object: dark, segmentation: fixed}").find("vision/threshold"), std::string::npos);
+}
+
+TEST(VisionConfig, SomethingOtherThanAMappingIsRefused) {
+  EXPECT_NE(faultsOf("[1, 2]").find("allowed a mapping"), std::string::npos);
+  EXPECT_NE(faultsOf("").find("allowed a mapping"), std::string::npos);
+}
+
+TEST(VisionConfig, AllFaultsAreListedAtOnce) {
+  const std::string faults = faultsOf("{object: green, segmentation: coverage, order: 2, min_area: 3}");
+  for (const char* part : {"vision/object: found 'green', allowed one of dark, bright", "vision/order: found '2'",
+                           "vision/min_area: found an unknown key"})
+    EXPECT_NE(faults.find(part), std::string::npos) << faults;
+}
+
+class BadValue : public ::testing::TestWithParam<std::pair<const char*, const char*>> {};
+
+TEST_P(BadValue, IsRefusedByName) {
+  const auto [key, value] = GetParam();
+  const std::string object = std::string(key) == "object" ? "" : "object: dark, ";
+  const std::string method = std::string(key) == "segmentation" ? "" : "segmentation: coverage, ";
+  const std::string faults = faultsOf("{" + object + method + key + ": " + value + "}");
+  EXPECT_NE(faults.find(std::string("vision/") + key + ": found"), std::string::npos) << faults;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    EachKey, BadValue,
+    ::testing::Values(std::pair("object", "grey"), std::pair("object", "[dark]"), std::pair("segmentation", "soft"),
+                      std::pair("threshold", "-1"), std::pair("threshold", "256"), std::pair("threshold", "'128'"),
+                      std::pair("object_grey", ".nan"), std::pair("object_grey", "300"),
+                      std::pair("background_grey", "dark"), std::pair("min_contrast", "0"),
+                      std::pair("adaptive_block_px", "50"), std::pair("adaptive_block_px", "1"),
+                      std::pair("adaptive_offset", "-3"), std::pair("component", "biggest"),
+                      std::pair("min_area_px", "0"), std::pair("min_area_px", "2.5"), std::pair("order", "2"),
+                      std::pair("order", "9"), std::pair("order", "null"), std::pair("asymmetry_threshold", "-0.1"),
+                      std::pair("orientation_threshold", "1.5")));
+
+TEST(VisionConfig, GreysInTheWrongOrderForTheShadeAreRefused) {
+  EXPECT_NE(faultsOf("{object: dark, segmentation: coverage, object_grey: 200, background_grey: 20}").find("object_grey"),
+            std::string::npos);
+  EXPECT_NE(
+      faultsOf("{object: bright, segmentation: coverage, object_grey: 20, background_grey: 200}").find("object_grey"),
+      std::string::npos);
+}
+
+}  // namespace
+}  // namespace aras_visual_servo_camera

@@ -1,0 +1,192 @@
+"""Python binding: shapes, errors and names; the numbers are judged by the C++ tests."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+import aras_visual_servo_camera as camera
+
+INFO = {
+    "width": 320,
+    "height": 240,
+    "K": [195.05, 0.0, 159.5, 0.0, 195.05, 119.5, 0.0, 0.0, 1.0],
+    "D": [0.0] * 5,
+    "distortion_model": "plumb_bob",
+    "P": [0.0] * 12,
+    "R": [1.0, 0, 0, 0, 1, 0, 0, 0, 1],
+    "frame_id": "camera_optical_frame",
+}
+VISION = {"object": "dark", "segmentation": "coverage"}
+ROUNDING = 1e-12  # sums of some thousand terms of order 1e-5
+
+
+def image_with_wedge(shape=(240, 320), u0=100, v0=80):
+    """A right-angled staircase, 60 x 30 pixels: asymmetric."""
+    image = np.full(shape, 230, np.uint8)
+    for row in range(30):
+        image[v0 + row, u0 : u0 + 2 * (row + 1)] = 20
+    return image
+
+
+def test_features_are_those_of_the_pixels():
+    features = camera.MomentExtractor(INFO, VISION).process(image_with_wedge())
+    v, u = np.nonzero(image_with_wedge() == 20)
+    assert features.target_visible and features.valid and not features.touches_border
+    assert features.components == 1
+    assert features.area == pytest.approx(len(u) / 195.05**2, rel=ROUNDING)
+    assert features.xg == pytest.approx((u.mean() - 159.5) / 195.05, abs=ROUNDING)
+    assert features.yg == pytest.approx((v.mean() - 119.5) / 195.05, abs=ROUNDING)
+    assert features.moment_names == ["00", "10", "01", "20", "11", "02", "30", "21", "12", "03"]
+    assert len(features.m) == len(features.mu) == 10
+
+
+def test_attributes_are_the_fields_of_the_message():
+    genmsg = pytest.importorskip("aras_visual_servo_msgs.msg")
+    fields = set(genmsg.MomentFeatures.__slots__) - {"header", "age_s"}
+    attributes = {name for name in dir(camera.MomentFeatures) if not name.startswith("_")}
+    assert attributes == fields
+
+
+def test_colour_and_grey_images_agree():
+    grey = image_with_wedge()
+    rgb = np.repeat(grey[:, :, None], 3, axis=2)
+    a = camera.MomentExtractor(INFO, VISION).process(grey)
+    b = camera.MomentExtractor(INFO, VISION).process(rgb)
+    assert a.m == b.m and a.mu == b.mu and a.alpha == b.alpha
+
+
+def test_first_channel_is_red():
+    rgb = np.zeros((240, 320, 3), np.uint8)
+    rgb[..., 0] = 255  # grey 76
+    config = {"object": "dark", "segmentation": "fixed", "threshold": 50}
+    assert not camera.MomentExtractor(INFO, config).process(rgb).target_visible
+    assert camera.MomentExtractor(INFO, config).process(rgb[..., ::-1].copy()).target_visible
+
+
+def test_read_only_and_row_sliced_images_are_accepted():
+    image = np.full((480, 400), 230, np.uint8)
+    image[::2, :320] = image_with_wedge()
+    view = image[::2, :320]
+    view.flags.writeable = False
+    a = camera.MomentExtractor(INFO, VISION).process(view)
+    assert a.m == camera.MomentExtractor(INFO, VISION).process(image_with_wedge()).m
+
+
+@pytest.mark.parametrize(
+    "image",
+    [
+        np.zeros((240, 320)),
+        np.zeros((240, 320), np.int32),
+        np.zeros((240, 320, 2), np.uint8),
+        np.zeros(320, np.uint8),
+        np.zeros((120, 160), np.uint8),
+        np.zeros((240, 640), np.uint8)[:, ::2],
+        np.zeros((0, 320), np.uint8),
+    ],
+)
+def test_other_images_are_shape_errors(image):
+    with pytest.raises(camera.ShapeError):
+        camera.MomentExtractor(INFO, VISION).process(image)
+
+
+def test_empty_view_is_a_value():
+    features = camera.MomentExtractor(INFO, VISION).process(np.full((240, 320), 230, np.uint8))
+    assert not features.target_visible and not features.valid
+    assert math.isnan(features.area) and math.isnan(features.alpha)
+    assert features.m == []
+
+
+def test_converted_image_is_what_the_moments_saw():
+    extractor = camera.MomentExtractor(INFO, VISION)
+    assert extractor.converted_image.sum() == 0
+    features = extractor.process(image_with_wedge())
+    seen = extractor.converted_image
+    assert seen.shape == (240, 320) and seen.dtype == np.uint8
+    assert seen.sum() / 255.0 / 195.05**2 == pytest.approx(features.area, rel=1e-3)  # weights in 255 steps
+
+
+def test_reference_from_a_view_gives_depth():
+    extractor = camera.MomentExtractor(INFO, VISION)
+    features = extractor.process(image_with_wedge())
+    extractor.set_reference(0.59, features)
+    again = extractor.process(image_with_wedge())
+    assert again.has_reference
+    assert again.an == pytest.approx(0.59, rel=ROUNDING)
+    assert again.xn == pytest.approx(0.59 * again.xg, rel=ROUNDING)
+    assert again.z_star_m == 0.59 and again.area_star == features.area
+    extractor.clear_reference()
+    assert math.isnan(extractor.process(image_with_wedge()).an)
+
+
+def test_view_turned_by_half_a_turn_is_told_apart():
+    extractor = camera.MomentExtractor(INFO, VISION)
+    extractor.set_reference(0.5, extractor.process(image_with_wedge()))
+    upright = extractor.process(image_with_wedge()).alpha
+    turned = extractor.process(np.ascontiguousarray(image_with_wedge()[::-1, ::-1])).alpha
+    assert abs(math.remainder(turned - upright - math.pi, 2 * math.pi)) < 1e-9  # the same pixels, summed in another order
+
+
+def test_reference_by_numbers_and_from_a_message_like_object():
+    extractor = camera.MomentExtractor(INFO, VISION)
+    features = extractor.process(image_with_wedge())
+    extractor.set_reference(0.5, 4 * features.area, features.alpha)
+    assert extractor.process(image_with_wedge()).an == pytest.approx(1.0, rel=ROUNDING)
+
+    class Message:
+        pass
+
+    message = Message()
+    for name in ("target_visible", "touches_border", "symmetric", "valid", "area", "alpha", "mu"):
+        setattr(message, name, getattr(features, name))
+    message.mu = tuple(message.mu)
+    extractor.set_reference(0.5, message)
+    assert extractor.process(image_with_wedge()).an == pytest.approx(0.5, rel=ROUNDING)
+
+
+def test_bad_references_are_refused():
+    extractor = camera.MomentExtractor(INFO, VISION)
+    with pytest.raises(camera.DegenerateFeature, match="no target"):
+        extractor.set_reference(0.5, extractor.process(np.full((240, 320), 230, np.uint8)))
+    with pytest.raises(camera.ParameterError, match="z_star_m"):
+        extractor.set_reference(-0.5, 0.1, 0.0)
+    with pytest.raises(camera.ParameterError, match="area_star"):
+        extractor.set_reference(0.5, math.nan, 0.0)
+    assert not extractor.process(image_with_wedge()).has_reference
+
+
+def test_faults_of_both_dicts_are_listed_at_once():
+    info = dict(INFO, K=[0.0] * 9)
+    with pytest.raises(camera.ParameterError) as error:
+        camera.MomentExtractor(info, {"object": "grey", "order": "3", "colour": 1})
+    text = str(error.value)
+    for part in ("camera_info/K[0]", "vision/object", "vision/segmentation", "vision/order: found '3'", "vision/colour"):
+        assert part in text
+    assert all(re.match(r"^(camera_info|vision)/.+: found .+, allowed .+$", line) for line in text.splitlines())
+
+
+def test_numpy_values_are_accepted_in_dicts():
+    info = dict(INFO, K=np.array(INFO["K"]), D=np.zeros(5), width=np.int64(320))
+    vision = dict(VISION, min_area_px=np.int32(10), object_grey=np.float64(20.0), background_grey=230)
+    assert camera.MomentExtractor(info, vision).process(image_with_wedge()).valid
+
+
+def test_missing_keys_of_camera_info_are_named():
+    for key in ("width", "height", "K", "D", "distortion_model"):
+        with pytest.raises(camera.ParameterError, match="camera_info/" + key):
+            camera.MomentExtractor({k: v for k, v in INFO.items() if k != key}, VISION)
+
+
+def test_errors_share_a_base_that_is_a_runtime_error():
+    for leaf in (camera.ParameterError, camera.ShapeError, camera.NotFiniteError, camera.DegenerateFeature):
+        assert issubclass(leaf, camera.ArasError)
+    assert issubclass(camera.ArasError, RuntimeError)
+
+
+def test_features_are_a_copy():
+    extractor = camera.MomentExtractor(INFO, VISION)
+    first = extractor.process(image_with_wedge())
+    xg = first.xg
+    extractor.process(image_with_wedge(u0=150))
+    assert first.xg == xg != extractor.features.xg
