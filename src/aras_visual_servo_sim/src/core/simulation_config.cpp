@@ -51,7 +51,7 @@ SimulationConfig SimulationConfig::fromYaml(const YAML::Node& node) {
     config.initial_positions[joint] = positions.required<double>(joint);
   }
   readCameras(reader.raw("cameras"), config.cameras, faults);
-  config.scene = reader.raw("scene");
+  if (const YAML::Node scene = reader.raw("scene")) config.scene = scene;
   try {
     reader.finish();
   } catch (const ParameterError& error) {
