@@ -176,6 +176,8 @@ class ExperimentNode:
         return now_s - started_s
 
     def _taken(self, lockstep):
+        if self._result is not None:
+            raise RunError(f"the controller refused the goal: {self._result.reason}")
         return self._accepted and (not lockstep or self._status.lockstep_armed)
 
     def _send_goal(self, reference):
