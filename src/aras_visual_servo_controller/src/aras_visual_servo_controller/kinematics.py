@@ -28,12 +28,12 @@ class Kinematics:
         self.jacobian = self._chain.jacobian
 
     def vector(self, q):
-        """Joint vector from an array in the order of joint_names (passed through) or a mapping by name.
+        """Joint vector, never shared with the caller, from an array in the order of joint_names or a mapping by name.
 
         A mapping may hold more joints than the chain has. Raises ParameterError when one is missing.
         """
         if not isinstance(q, Mapping):
-            return np.asarray(q, dtype=float)
+            return np.array(q, dtype=float)
         try:
             return np.array([q[name] for name in self.joint_names], dtype=float)
         except KeyError:

@@ -129,7 +129,7 @@ class ExperimentSequence:
                 raise ParameterError(f"joint positions {q} are not {self._n} finite numbers")
             if self._last_q is not None:
                 self._speed = float(np.abs(q - self._last_q).max()) / self._dt_s
-            self._last_ns, self._last_q = stamp_ns, q.copy()
+            self._last_ns, self._last_q = stamp_ns, q
             return self._advance(observation, q)
         except ArasError as error:
             return self._end(stamp_ns, Status.FAULT, f"{self.phase}: {error}")
@@ -165,7 +165,7 @@ class ExperimentSequence:
         return self._servo_step(observation)
 
     def _plan(self, stamp_ns, q, joints):
-        begin = q.copy() if self._set_point is None else self._set_point
+        begin = q if self._set_point is None else self._set_point
         end = self._kinematics.vector({**self._kinematics.by_name(begin), **joints})
         velocity = self.config.speed_part * self._kinematics.velocity
         self._trajectory = JointTrajectory(begin, end, velocity, self.config.acceleration)

@@ -239,7 +239,7 @@ class Servo:
             q_dot = inverse.joint_velocity(motion) + inverse.free(self._wish(ahead, self._posture))
             ahead = ahead + (q_dot + self._turning(ahead, q_dot, jacobian, inverse, 1.0 / LOOK_STEPS)) / LOOK_STEPS
         if self._set_point is None:
-            self._set_point = q.copy()
+            self._set_point = q
         wanted = self._set_point + (ahead - q)
         target = np.clip(wanted, self._lower, self._upper)
         if (target != wanted).any():  # shorten, so that the direction is kept
@@ -254,7 +254,7 @@ class Servo:
     def _moving(self, stamp_ns, q, gap_s):
         """Whether the last move is still under way or settling."""
         speed = inf if self._last_q is None else float(np.abs(q - self._last_q).max()) / gap_s
-        self._last_q = q.copy()
+        self._last_q = q
         waited_s = 1e-9 * (stamp_ns - self._move_ns) - self._move.duration_s
         if waited_s < 0.0:
             return True

@@ -128,3 +128,10 @@ def test_tip_must_be_below_the_base():
 def test_chain_without_moving_joint_is_refused():
     with pytest.raises(ModelError, match="no moving joint"):
         Kinematics(URDF, "slider", "link0")
+
+
+def test_vector_is_not_shared_with_the_caller():
+    kinematics, q = arm(), np.zeros(6)
+    vector = kinematics.vector(q)
+    q[0] = 1.0
+    assert vector[0] == 0.0
