@@ -9,6 +9,7 @@ import functools
 import json
 import math
 import os
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -249,7 +250,15 @@ def _describe(error):
         "minItems": lambda v: f"at least {v} entries", "maxItems": lambda v: f"at most {v} entries",
         "minProperties": lambda v: f"at least {v} key(s)", "pattern": lambda v: f"text like {v}",
     }.get(error.validator, lambda v: f"{error.validator} {v}")(error.validator_value)
-    return [f"{where}: found {_short(error.instance)}, allowed {allowed}"]
+    return [f"{where}: found {_short(error.instance)}, allowed {allowed}{_number_hint(error.instance)}"]
+
+
+def _number_hint(value):
+    """YAML 1.1 takes 5e-5 for text: say how to write it."""
+    if isinstance(value, str) and re.fullmatch(r"[+-]?\d+[eE][+-]?\d+", value):
+        mantissa, exponent = re.split("[eE]", value)
+        return f"; to YAML this is text, write {mantissa}.0e{int(exponent):+d}"
+    return ""
 
 
 def _dotted(path):

@@ -93,6 +93,11 @@ def test_a_number_that_is_not_finite_is_a_fault(document, value):
     assert len(check(document)) == 1 and "servo.time_limit_s: found" in check(document)[0]
 
 
+def test_a_number_that_yaml_takes_for_text_is_explained():
+    with pytest.raises(ParameterError, match=r"found '5e-5', allowed a finite number; .* write 5\.0e-5"):
+        load_scenario("experiment_1", {"servo.thresholds.xn": yaml.safe_load("5e-5")})
+
+
 def test_missing_files_are_all_named(document):
     document["robot"]["urdf"] = "package://aras_description/urdf/none.urdf"
     document["robot"]["controllers"] = "package://no_such_package/x.yaml"
