@@ -47,7 +47,7 @@ class ControllerNode:
 
     def __init__(self):
         self._lock = threading.RLock()
-        self._work = queue.SimpleQueue()
+        self._work = queue.Queue()  # not SimpleQueue: interrupted by a slow signal handler, its get waits forever
         self._read_parameters()
         self._pairer = StampPairer()
         self._joints = convert.JointReader(self._kinematics.joint_names)
