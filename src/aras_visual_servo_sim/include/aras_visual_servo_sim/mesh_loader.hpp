@@ -33,8 +33,9 @@ MeshPtr makeCylinder(double radius_m, double length_m, int segments = 48);
 /** Sphere centred at the origin. @throws ModelError unless radius_m > 0 */
 MeshPtr makeSphere(double radius_m, int segments = 48);
 
-/** Reads a mesh file (STL, DAE, OBJ, whatever assimp reads). Scene graph transforms are applied, DAE units and up axis
- *  too; materials' diffuse colours are kept where the file has them (STL has none).
+/** Reads a mesh file (STL, DAE, OBJ, whatever assimp reads). Scene graph transforms are applied and DAE units;
+ *  axes stay as in the file whatever its up axis, as in RViz. Materials' diffuse colours are kept where the file has
+ * them (STL has none).
  *  @param path     file on disk
  *  @param scale    factor along each axis, not zero
  *  @throws ModelError naming the file and assimp's reason: missing, unreadable, no triangles */

@@ -89,6 +89,7 @@ MeshPtr loadMesh(const std::string& path, const Eigen::Vector3d& scale) {
   Assimp::Importer importer;
   importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, 40.0f);  // sharper edges stay edges
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_LINE | aiPrimitiveType_POINT);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // axes as in the file, as RViz does
   const std::string extension = path.size() > 4 ? path.substr(path.size() - 4) : "";
   const bool stl = extension == ".stl" || extension == ".STL";
   // STL carries a normal for each face only: drop them and smooth anew where faces meet at a blunt angle.

@@ -1,0 +1,102 @@
+// Cost of one frame at 320 x 240. Run: render_bench [--benchmark_filter=...]
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+
+#include "aras_visual_servo_sim/osmesa_renderer.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+CameraModel camera(const char* encoding, bool lens) {
+  CameraConfig config;
+  config.width = 320;
+  config.height = 240;
+  config.horizontal_fov_rad = 1.41;
+  config.encoding = encoding;
+  if (lens) {
+    config.distortion_model = "plumb_bob";
+    config.distortion = {-0.3306, 0.117, 0.0, 0.0, 0.0};
+  }
+  return CameraModel(config);
+}
+
+/** A 20-cornered blob, about 75 px wide from 0.5 m. */
+Scene blobScene() {
+  Polygon outline;
+  for (int i = 0; i < 20; ++i) {
+    const double angle = 2.0 * M_PI * i / 20, radius = 0.08 + 0.02 * std::cos(angle) + 0.01 * std::cos(3.0 * angle);
+    outline.emplace_back(radius * std::cos(angle), 0.8 * radius * std::sin(angle));
+  }
+  Scene scene;
+  scene.models.emplace_back("blob", std::vector<Polygon>{outline}, Rgb{20, 20, 20});
+  return scene;
+}
+
+/** Robot-like parts: ten cylinders and boxes beside and over the blob. */
+Scene occludedScene() {
+  Scene scene = blobScene();
+  for (int i = 0; i < 10; ++i) {
+    Body body;
+    body.name = std::to_string(i);
+    const MeshPtr mesh = i % 2 == 0 ? makeCylinder(0.012, 0.1) : makeBox({0.03, 0.02, 0.06});
+    body.shapes.push_back({Pose{}, mesh, {200, 120, 40}});
+    body.X_WB.p = Eigen::Vector3d(0.06 * (i % 5) - 0.12, 0.08 * (i / 5), 0.1 + 0.01 * i);
+    body.X_WB.q = Eigen::AngleAxisd(0.4 * i, Eigen::Vector3d(1, 1, 0).normalized());
+    scene.bodies.push_back(body);
+  }
+  return scene;
+}
+
+Pose poseOf(std::int64_t frame) {
+  const Eigen::Quaterniond down(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()));
+  return {{0.01 + 1e-5 * double(frame % 1000), 0.02, 0.5},
+          down * Eigen::AngleAxisd(0.3, Eigen::Vector3d(0.2, 0.1, 1.0).normalized())};
+}
+
+void run(benchmark::State& state, const CameraModel& model, const Scene& scene,
+         OsmesaRenderer::Path path = OsmesaRenderer::Path::kAutomatic) {
+  OsmesaRenderer renderer(path);
+  Image image;
+  std::int64_t frame = 0;
+  for (auto _ : state) {
+    renderer.render(model, poseOf(frame++), scene, image);
+    benchmark::DoNotOptimize(image.data.data());
+  }
+  state.counters["tiles64"] = renderer.statistics().supersampled_tiles;
+  state.counters["triangles"] = renderer.statistics().triangles;
+}
+
+void coverageRgb(benchmark::State& state) { run(state, camera("rgb8", false), blobScene()); }
+void coverageMono(benchmark::State& state) { run(state, camera("mono8", false), blobScene()); }
+void coverageLens(benchmark::State& state) { run(state, camera("rgb8", true), blobScene()); }
+void coverageBoard(benchmark::State& state) {
+  Scene scene = blobScene();
+  const PlanarModel blob = scene.models[0];
+  scene.models[0] = PlanarModel("blob", blob.outlines(), blob.color(), PlanarModel::Board{{2.0, 2.0}, {250, 250, 245}});
+  run(state, camera("rgb8", false), scene);
+}
+void glBlobOnly(benchmark::State& state) { run(state, camera("rgb8", false), blobScene(), OsmesaRenderer::Path::kGl); }
+void occluded(benchmark::State& state) { run(state, camera("rgb8", false), occludedScene()); }
+void occludedLens(benchmark::State& state) { run(state, camera("rgb8", true), occludedScene()); }
+void noise(benchmark::State& state) {
+  OsmesaRenderer renderer;
+  Image image;
+  renderer.render(camera("rgb8", false), poseOf(0), blobScene(), image);
+  std::uint64_t frame = 0;
+  for (auto _ : state) addGaussianNoise(image, 2.0, 1, frame++);
+}
+
+BENCHMARK(coverageRgb)->Unit(benchmark::kMicrosecond);
+BENCHMARK(coverageMono)->Unit(benchmark::kMicrosecond);
+BENCHMARK(coverageLens)->Unit(benchmark::kMicrosecond);
+BENCHMARK(coverageBoard)->Unit(benchmark::kMicrosecond);
+BENCHMARK(glBlobOnly)->Unit(benchmark::kMicrosecond);
+BENCHMARK(occluded)->Unit(benchmark::kMicrosecond);
+BENCHMARK(occludedLens)->Unit(benchmark::kMicrosecond);
+BENCHMARK(noise)->Unit(benchmark::kMicrosecond);
+
+}  // namespace
+}  // namespace aras_visual_servo_sim
+
+BENCHMARK_MAIN();

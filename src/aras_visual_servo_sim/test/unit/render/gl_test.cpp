@@ -1,0 +1,156 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "aras_visual_servo_sim/errors.hpp"
+#include "render_test_tools.hpp"
+
+namespace aras_visual_servo_sim::testing {
+namespace {
+
+Body boxAt(const char* name, const Eigen::Vector3d& p_W, const Eigen::Vector3d& size_m, Rgb color) {
+  Body body;
+  body.name = name;
+  body.shapes.push_back({Pose{}, makeBox(size_m), color});
+  body.X_WB.p = p_W;
+  return body;
+}
+
+TEST(OpenGl, AgreesWithExactCoverageWithinItsSampling) {
+  // A regular 8 x 8 grid misjudges the coverage of a pixel by one straight edge by at most 1/16; plus corners (two
+  // edges), rounding, and OpenGL's snapping of corners to 1/256 of a sample.
+  constexpr double kSampling = 2.0 / 16.0 * 210.0 + 1.0;
+  // Over a whole outline at an angle these errors cancel: random, 1/16/sqrt(3) each on some 400 edge pixels.
+  constexpr double kArea = 4.0 * 0.036 * 20.0;
+  for (const CameraConfig& config : {cameraConfig(), distortedConfig()}) {
+    const CameraModel camera(config);
+    const Scene scene = sceneWith(lShape());
+    const Pose X_WC = lookingDown({0.05, -0.06, 0.4}, 0.2, 0.1, 0.4);
+    const Image exact = render(camera, X_WC, scene);
+    const Image sampled = render(camera, X_WC, scene, OsmesaRenderer::Path::kGl);
+    int worst = 0;
+    for (std::size_t i = 0; i < exact.data.size(); ++i) {
+      worst = std::max(worst, std::abs(int(exact.data[i]) - int(sampled.data[i])));
+    }
+    EXPECT_LE(worst, kSampling);
+    EXPECT_NEAR(blobOf(exact).area, blobOf(sampled).area, kArea);
+    constexpr double kSampledCentroid = 0.02;  // [px] what the sampled path must reach
+    EXPECT_LE((blobOf(exact).centroid - blobOf(sampled).centroid).norm(), kSampledCentroid);
+  }
+}
+
+TEST(OpenGl, IsNotTouchedWhileNoBodyIsInView) {
+  const CameraModel camera(cameraConfig());
+  Scene scene = sceneWith(lShape());
+  scene.bodies.push_back(boxAt("behind", {0, 0, 1.0}, {0.1, 0.1, 0.1}, {255, 0, 0}));
+  scene.bodies.push_back(boxAt("beside", {2.0, 0, 0.0}, {0.1, 0.1, 0.1}, {255, 0, 0}));
+  scene.bodies.push_back(boxAt("housing", {0, 0, 0.4}, {0.1, 0.1, 0.1}, {255, 0, 0}));  // the camera is inside
+  scene.bodies.push_back(boxAt("far", {0, 0, -9.0}, {0.1, 0.1, 0.1}, {255, 0, 0}));
+  OsmesaRenderer renderer;
+  Image image;
+  renderer.render(camera, lookingDown({0, 0, 0.4}), scene, image);
+  EXPECT_FALSE(renderer.statistics().used_gl);
+  EXPECT_EQ(image.data, render(camera, lookingDown({0, 0, 0.4}), sceneWith(lShape())).data);
+}
+
+TEST(OpenGl, BodiesHideWhatIsBehindThemAndNothingElse) {
+  const CameraModel camera(cameraConfig());
+  const Polygon square{{-0.05, -0.05}, {0.05, -0.05}, {0.05, 0.05}, {-0.05, 0.05}};
+  for (const double z : {0.1, -0.1}) {
+    Scene scene = sceneWith(square);
+    scene.bodies.push_back(boxAt("box", {0.03, 0.03, z}, {0.02, 0.02, 0.02}, {120, 120, 120}));
+    OsmesaRenderer renderer;
+    Image image;
+    renderer.render(camera, lookingDown({0, 0, 0.4}), scene, image);
+    const Eigen::Vector2d box = *camera.project({0.03, -0.03, 0.4 - z - 0.01});
+    const int value = *image.pixel(static_cast<int>(box.x()), static_cast<int>(box.y()));
+    if (z > 0) {
+      EXPECT_TRUE(value > 30 && value <= 120) << value;  // lit
+    } else {
+      EXPECT_EQ(value, 20);  // unlit target in front
+    }
+    EXPECT_EQ(*image.pixel(145, 130), 20);
+    EXPECT_EQ(*image.pixel(10, 10), 230);
+  }
+}
+
+TEST(OpenGl, TilesAwayFromBodiesKeepTheExactCoverage) {
+  const CameraModel camera(cameraConfig());
+  Scene scene = sceneWith(lShape());
+  const Pose X_WC = lookingDown({0.0, 0.0, 0.4}, 0.1, 0.2, 0.3);
+  const Image exact = render(camera, X_WC, scene);
+  scene.bodies.push_back(boxAt("box", {-0.2, 0.1, 0.0}, {0.02, 0.02, 0.02}, {120, 120, 120}));
+  const Image image = render(camera, X_WC, scene);
+  int differing = 0;
+  for (std::size_t i = 0; i < image.data.size(); ++i) differing += image.data[i] != exact.data[i];
+  EXPECT_GT(differing, 50);    // the box is there
+  EXPECT_LT(differing, 1000);  // and nothing else changed
+}
+
+TEST(OpenGl, SphereCoversTheAreaOfItsOutline) {
+  const CameraModel camera(cameraConfig());
+  Scene scene;
+  scene.background = {0, 0, 0};
+  Body ball;
+  ball.name = "ball";
+  ball.shapes.push_back({Pose{}, makeSphere(0.05, 96), {255, 255, 255}});
+  scene.bodies.push_back(ball);
+  const Image image = render(camera, lookingDown({0, 0, 0.5}), scene);
+  const auto lit = std::count_if(image.data.begin(), image.data.end(), [](std::uint8_t x) { return x > 40; });
+  const double radius_px = camera.fx() * std::tan(std::asin(0.05 / 0.5));
+  constexpr double kRing = 0.03;  // [-] partly covered pixels around the rim, and 96 corners instead of a circle
+  EXPECT_NEAR(lit, M_PI * radius_px * radius_px, kRing * M_PI * radius_px * radius_px);
+}
+
+TEST(OpenGl, SameFrameSameBytesWhateverWasDrawnBefore) {
+  const CameraModel camera(distortedConfig());
+  Scene scene = sceneWith(lShape());
+  scene.bodies.push_back(boxAt("box", {0.02, 0.02, 0.05}, {0.03, 0.02, 0.04}, {120, 60, 10}));
+  OsmesaRenderer renderer;
+  Image first, other, again;
+  renderer.render(camera, lookingDown({0, 0, 0.4}), scene, first);
+  renderer.render(camera, lookingDown({0.1, 0, 0.2}, 0.5, 0.2), scene, other);
+  renderer.render(camera, lookingDown({0, 0, 0.4}), scene, again);
+  EXPECT_TRUE(renderer.statistics().used_gl);
+  EXPECT_EQ(first.data, again.data);
+  EXPECT_EQ(first.data, render(camera, lookingDown({0, 0, 0.4}), scene).data);
+}
+
+TEST(OpenGl, TwoRenderersDoNotDisturbEachOther) {
+  const CameraModel small(cameraConfig());
+  CameraConfig config = cameraConfig();
+  config.width = 100;
+  config.height = 77;
+  config.encoding = "rgb8";
+  const CameraModel odd(config);
+  Scene scene = sceneWith(lShape());
+  scene.bodies.push_back(boxAt("box", {0.02, 0.02, 0.05}, {0.03, 0.02, 0.04}, {120, 60, 10}));
+  OsmesaRenderer a, b;
+  Image image_a, image_b, again;
+  a.render(small, lookingDown({0, 0, 0.4}), scene, image_a);
+  b.render(odd, lookingDown({0, 0, 0.4}), scene, image_b);
+  a.render(small, lookingDown({0, 0, 0.4}), scene, again);
+  EXPECT_EQ(image_a.data, again.data);
+  EXPECT_EQ(image_b.data.size(), 3u * 100 * 77);
+}
+
+TEST(OpenGl, BodyCutByTheNearPlaneAndTheBordersIsDrawn) {
+  const CameraModel camera(distortedConfig());
+  Scene scene;
+  scene.bodies.push_back(boxAt("floor", {0, 0, -0.5}, {4, 4, 1}, {100, 100, 100}));
+  const Image image = render(camera, lookingDown({0, 0, 0.3}, 0.6), scene);  // the horizon is out of view
+  EXPECT_TRUE(std::all_of(image.data.begin() + 120 * 320, image.data.end(), [](std::uint8_t x) { return x <= 110; }));
+}
+
+TEST(Renderer, RejectsPosesThatAreNotFinite) {
+  const CameraModel camera(cameraConfig());
+  Scene scene = sceneWith(lShape());
+  Pose bad;
+  bad.p.x() = std::nan("");
+  EXPECT_THROW(render(camera, bad, scene), NotFiniteError);
+  scene.models[0].X_WM.q.w() = std::nan("");
+  EXPECT_THROW(render(camera, Pose{}, scene), NotFiniteError);
+}
+
+}  // namespace
+}  // namespace aras_visual_servo_sim::testing
