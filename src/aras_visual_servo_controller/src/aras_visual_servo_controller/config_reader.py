@@ -33,8 +33,9 @@ class ConfigReader:
 
     def number(self, key, default=_REQUIRED, above=None, at_least=None, at_most=None):
         """Finite number within the bounds; None after a fault."""
-        bounds = [f"{sign} {bound}" for sign, bound in ((">", above), (">=", at_least), ("<=", at_most)) if bound is not None]
-        allowed = "a finite number " + " and ".join(bounds)
+        signs = ((">", above), (">=", at_least), ("<=", at_most))
+        bounds = [f"{sign} {bound}" for sign, bound in signs if bound is not None]
+        allowed = ("a finite number " + " and ".join(bounds)).strip()
         value = self._get(key, default, allowed)
         if value is _REQUIRED or value is default:
             return None if value is _REQUIRED else value
@@ -45,7 +46,7 @@ class ConfigReader:
             or (at_least is not None and value < at_least)
             or (at_most is not None and value > at_most)
         ):
-            self._fault(key, value, allowed.strip())
+            self._fault(key, value, allowed)
             return None
         return float(value)
 

@@ -1,8 +1,8 @@
 """Interaction matrices of image moments of a planar target: s_dot = L V_C, V_C = [v; w] of the camera, target at rest.
 
-Moments are of normalised image coordinates, given as a mapping by name "ij" (`Features.raw_moments()`,
-`Features.centred_moments()`). `plane` is (A, B, C) of 1/Z = A x + B y + C in the camera frame [1/m] (docs/theory.md T5).
-Rows have shape (6,), columns [vx vy vz wx wy wz]. All are checked against central differences of exact polygon moments.
+Moments are of normalised image coordinates, as a mapping by name "ij" (`Features.raw_moments()`,
+`Features.centred_moments()`). `plane` is (A, B, C) of 1/Z = A x + B y + C in the camera frame [1/m]
+(docs/theory.md T5). Rows have shape (6,), columns [vx vy vz wx wy wz]. All are checked against central differences of exact polygon moments.
 """
 
 import numpy as np

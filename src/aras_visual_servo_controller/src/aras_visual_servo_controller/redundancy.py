@@ -1,8 +1,8 @@
 """From a camera twist to joint velocities: damped inverse of all six rows, and what the spare motion is used for.
 
-An arm whose camera looks straight down has lost one twist (tilt about the horizontal axis in the arm's plane), and the
-published goal is nearly stretched, so that 1 mm of height asks for 0.1 rad of the elbow. Both are small singular values,
-and only the first may be given up. Rule:
+An arm whose camera looks straight down has lost one twist (tilt about the horizontal axis in the arm's plane), and
+the published goal is nearly stretched, so that 1 mm of height asks for 0.2 rad of the elbow. Both are small singular
+values, and only the first may be given up. Rule:
 
 1. Rows are made comparable by a characteristic length: linear rows are divided by `length_m`, so that at the published
    goal height has sigma = 0.07 and the lost tilt sigma = 0 (order of the tilt [rad] when not quite straight down).
@@ -16,8 +16,8 @@ and only the first may be given up. Rule:
 
 References:
     Y. Nakamura and H. Hanafusa, ASME J. Dyn. Syst. Meas. Control 108(3), 1986 (variable damping).
-    S. Chiaverini, B. Siciliano, O. Egeland, IEEE Trans. Control Syst. Technol. 2(2), 1994 (damping by sigma / threshold,
-    applied to the weak singular vectors only).
+    S. Chiaverini, B. Siciliano, O. Egeland, IEEE Trans. Control Syst. Technol. 2(2), 1994 (damping by
+    sigma / threshold, applied to the weak singular vectors only).
     A. Liegeois, IEEE Trans. SMC 7(12), 1977 (gradient projection).
 """
 

@@ -3,9 +3,9 @@
     idle -> to_goal -> settle_goal -> teach -> to_start -> settle_start -> servo -> done      start()
     idle -> servo -> done                                                                     start(servo_only=True)
 
-to_goal, to_start: quintic joint trajectories. settle_*: at least settle_s, then until the joints rest. teach: one image,
-whose view becomes the reference. servo: `Servo` decides, until it has finished. An image whose phase ends is answered in
-the next phase already. A pure function of the observations: in process and over ROS give the same bytes.
+to_goal, to_start: quintic joint trajectories. settle_*: at least settle_s, then until the joints rest. teach: one
+image, whose view becomes the reference. servo: `Servo` decides, until it has finished. An image that ends a phase is
+answered in the next phase already. A pure function of the observations: in process and over ROS give the same bytes.
 """
 
 from dataclasses import dataclass, replace
@@ -225,6 +225,6 @@ class ExperimentSequence:
         q = nans if self._last_q is None else self._last_q
         set_point = nans if self._set_point is None else self._set_point
         return ServoRecord(
-            stamp_ns, status, text, self.phase, status == Status.CONVERGED, e=self._e, joint_names=self._kinematics.joint_names,
-            q=q, q_dot=q_dot, set_point=set_point,
+            stamp_ns, status, text, self.phase, status == Status.CONVERGED, e=self._e,
+            joint_names=self._kinematics.joint_names, q=q, q_dot=q_dot, set_point=set_point,
         )  # fmt: skip

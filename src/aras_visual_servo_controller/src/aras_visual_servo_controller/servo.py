@@ -132,7 +132,7 @@ class Servo:
         self._q = q
         gap_s = nan if self._last_ns is None else 1e-9 * (stamp_ns - self._last_ns)
         if gap_s <= 0.0 or not 0.0 < dt_s < inf:
-            return self._rest(stamp_ns, Status.STALE_INPUT, f"stamp advanced by {gap_s} s, period {dt_s} s: must be > 0")
+            return self._rest(stamp_ns, Status.STALE_INPUT, f"stamp advanced by {gap_s} s, period {dt_s} s")
         self._last_ns = stamp_ns
         if stamp_ns - self._start_ns >= 1e9 * self.config.time_limit_s:
             return self._rest(stamp_ns, Status.TIMED_OUT, f"not converged after {self.config.time_limit_s} s")
@@ -277,7 +277,8 @@ class Servo:
 
     def _rest_until_held(self, stamp_ns):
         self._twist = np.zeros(6)
-        return Command(stamp_ns, {}, dict(self._no_velocity)), self._record(stamp_ns, "holding", self._zeros, self._nans)
+        record = self._record(stamp_ns, "holding", self._zeros, self._nans)
+        return Command(stamp_ns, {}, dict(self._no_velocity)), record
 
     # --- common -------------------------------------------------------------------------------------------------
 

@@ -47,7 +47,8 @@ class ServoConfig:
         values["time_limit_s"] = reader.number("time_limit_s", above=0.0)
         for key in ("hold_s", "tilt_gain_per_s", "joint_limit_margin"):
             values[key] = reader.number(key, getattr(cls, key), at_least=0.0)
-        for key in ("input_timeout_s", "sample_time_s", "settle_speed", "settle_tolerance", "settle_limit_s", "acceleration"):
+        settling = ("settle_speed", "settle_tolerance", "settle_limit_s")
+        for key in ("input_timeout_s", "sample_time_s", "acceleration", *settling):
             values[key] = reader.number(key, getattr(cls, key), above=0.0)
 
         inverse = reader.section("inverse")
@@ -79,7 +80,8 @@ class ServoConfig:
         faults, changes = [], {}
         for key, values in (("gains_per_s", gains_per_s), ("thresholds", thresholds)):
             values = tuple(float(value) for value in values)
-            if values and (len(values) != len(FEATURE_NAMES) or not all(0.0 < value < float("inf") for value in values)):
+            fit = len(values) == len(FEATURE_NAMES) and all(0.0 < value < float("inf") for value in values)
+            if values and not fit:
                 faults.append(f"{key}: found {values}, allowed {len(FEATURE_NAMES)} numbers > 0")
             elif values:
                 changes[key] = values

@@ -115,8 +115,8 @@ def test_costly_joint_moves_less():
 def test_manipulability_leaves_the_lost_tilt_out_and_falls_with_the_elbow():
     kinematics = arm()
     values = [
-        inverse().solve(kinematics.jacobian(kinematics.vector({**GOAL, "J3": q3, "J5": 0.09 - q3})), REST, REST).manipulability
-        for q3 in (0.3, 0.045, 0.005)
+        inverse().solve(kinematics.jacobian(kinematics.vector(place)), REST, REST).manipulability
+        for place in ({**GOAL, "J3": q3, "J5": 0.09 - q3} for q3 in (0.3, 0.045, 0.005))
     ]
     assert values[0] > values[1] > values[2] > 0.0
     assert values[1] == pytest.approx(0.0698, abs=5e-5)  # as printed by numpy for the published goal
