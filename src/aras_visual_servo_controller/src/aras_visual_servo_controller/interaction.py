@@ -2,7 +2,8 @@
 
 Moments are of normalised image coordinates, as a mapping by name "ij" (`Features.raw_moments()`,
 `Features.centred_moments()`). `plane` is (A, B, C) of 1/Z = A x + B y + C in the camera frame [1/m]
-(docs/theory.md T5). Rows have shape (6,), columns [vx vy vz wx wy wz]. All are checked against central differences of exact polygon moments.
+(docs/theory.md T5). Rows have shape (6,), columns [vx vy vz wx wy wz]. All are checked against central differences of
+exact polygon moments.
 """
 
 import numpy as np

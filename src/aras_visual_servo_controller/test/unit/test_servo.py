@@ -304,7 +304,7 @@ def test_converged_only_after_the_hold_time():
 
 def test_look_then_move_takes_the_next_look_only_when_joints_rest():
     bench = Bench(mode="look_then_move", gains_per_s=dict.fromkeys(FEATURE_NAMES, 50.0))
-    looks = []
+    looks, last = [], None
     for _ in range(200):
         before = bench.q
         _, record = bench.step()
