@@ -29,9 +29,9 @@ using MeshPtr = std::shared_ptr<const TriangleMesh>;
 /** Box centred at the origin. @param size_m  edge lengths, > 0  @throws ModelError */
 MeshPtr makeBox(const Eigen::Vector3d& size_m);
 /** Cylinder along z, centred at the origin. @throws ModelError unless radius_m and length_m are > 0 */
-MeshPtr makeCylinder(double radius_m, double length_m, int segments = 48);
+MeshPtr makeCylinder(double radius_m, double length_m, int segments = 32);
 /** Sphere centred at the origin. @throws ModelError unless radius_m > 0 */
-MeshPtr makeSphere(double radius_m, int segments = 48);
+MeshPtr makeSphere(double radius_m, int segments = 32);
 
 /** Reads a mesh file (STL, DAE, OBJ, whatever assimp reads). Scene graph transforms are applied and DAE units;
  *  axes stay as in the file whatever its up axis, as in RViz. Materials' diffuse colours are kept where the file has

@@ -37,6 +37,8 @@ class TilePainter {
 
  private:
   PixelBox tilesOf(const Vertex* triangle) const;
+  template <typename Visit>
+  void forEachTile(const Vertex* triangle, const Visit& visit) const;
   bool showsEdge(const std::uint32_t* picture, int tile_u, int tile_v) const;
   void copyTile(const std::uint32_t* picture, int tile_u, int tile_v, Image& image) const;
   void sortIntoTiles(const std::vector<Vertex>& vertices, const std::vector<int>& tiles);
