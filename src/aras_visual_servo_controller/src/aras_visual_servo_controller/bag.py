@@ -86,13 +86,15 @@ def _find_topics(bag, path, namespace):
             raise BagError(f"bag '{path}': holds several runs, choose one namespace of "
                            + ", ".join(space.rstrip("/") or "/" for space in spaces))
         if not spaces:  # then judge by the topic that is there
-            spaces = sorted({topic[:-len(name)] for topic in present for name in REQUIRED if topic.endswith("/" + name)})
+            spaces = sorted({topic[:-len(name)] for topic in present for name in REQUIRED
+                             if topic.endswith("/" + name)})
         prefix = spaces[0] if spaces else "/"
     else:
         prefix = "/" + namespace.strip("/") + "/" if namespace.strip("/") else "/"
     missing = [prefix + name for name in REQUIRED if prefix + name not in present]
     if missing:
-        raise BagError(f"bag '{path}': topics missing: {', '.join(missing)}; found: {', '.join(sorted(present)) or 'none'}")
+        raise BagError(f"bag '{path}': topics missing: {', '.join(missing)}; "
+                       f"found: {', '.join(sorted(present)) or 'none'}")
     return {name: prefix + name for name in REQUIRED + OPTIONAL if prefix + name in present}
 
 
@@ -163,9 +165,16 @@ class _Answer:
 
 
 def _unique_rows(states):
-    """Sorted by stamp, the last one of each stamp: a respawned controller may answer an image again."""
-    rows = {state.header.stamp.to_nsec(): state for state in states if state.header.stamp.to_nsec() >= 0}
-    return [rows[stamp] for stamp in sorted(rows)]
+    """Sorted by stamp, the last one of each stamp: a respawned controller may answer an image again.
+
+    Of the `done` rows at the end the first is kept: how many images follow until the simulator is paused is a matter of
+    wall time, and the in-process run has none. So both give the same trace, byte for byte.
+    """
+    by_stamp = {state.header.stamp.to_nsec(): state for state in states}
+    rows = [by_stamp[stamp] for stamp in sorted(by_stamp)]
+    while len(rows) > 1 and rows[-1].phase == rows[-2].phase == "done":
+        rows.pop()
+    return rows
 
 
 def _stamps_to_keep(states):

@@ -16,8 +16,10 @@ def run_main(argv=None):
     """`run SCENARIO`: over ROS through roslaunch, or without ROS with --in-process. Returns the exit code."""
     parser = argparse.ArgumentParser(prog="run", description="Run a scenario and write its result folder.")
     parser.add_argument("scenario", nargs="?", help="name of a scenario of this package, or path of a YAML file")
-    parser.add_argument("--in-process", action="store_true", help="no ROS: simulator, camera and controller in this process")
-    parser.add_argument("--output", default="results", metavar="DIR", help="root of the result folders (default: results)")
+    parser.add_argument("--in-process", action="store_true",
+                        help="no ROS: simulator, camera and controller in this process")
+    parser.add_argument("--output", default="results", metavar="DIR",
+                        help="root of the result folders (default: results)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
                         help="replace a value of the scenario, e.g. --set servo.gains_per_s.xn=2.0 (only --in-process)")
     parser.add_argument("--list", action="store_true", help="list the scenarios that come with the package")
@@ -44,8 +46,8 @@ def report_main(argv=None):
     parser = argparse.ArgumentParser(prog="report", description="Rebuild summary.json, trace.csv, figure.{png,pdf} "
                                                                 "and report.html of a run from its bag.")
     parser.add_argument("bag", help="a rosbag of a run, under any namespace")
-    parser.add_argument("--output", metavar="DIR", help="folder to write to (default: the folder of the bag; files of an "
-                                                        "earlier report there are replaced)")
+    parser.add_argument("--output", metavar="DIR", help="folder to write to (default: the folder of the bag; files of "
+                                                        "an earlier report there are replaced)")
     parser.add_argument("--scenario", help="name or path of the scenario that ran, if the bag does not say")
     parser.add_argument("--namespace", help="namespace of the run, if the bag holds several")
     arguments = parser.parse_args(argv)
@@ -68,7 +70,7 @@ def report_main(argv=None):
 
 
 def parse_overrides(texts):
-    """Dict of dotted path -> value of texts `key=value`, the value in YAML. Raises ParameterError listing the bad ones."""
+    """Dict of dotted path -> value of texts `key=value`, values in YAML. Raises ParameterError listing the bad ones."""
     overrides, faults = {}, []
     for text in texts:
         key, equals, value = text.partition("=")

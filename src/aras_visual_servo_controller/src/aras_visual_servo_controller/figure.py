@@ -7,10 +7,10 @@
 import io
 
 import matplotlib
-import mpl_toolkits.mplot3d  # noqa: F401  registers the projection "3d"
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
+from mpl_toolkits.mplot3d import Axes3D
 
 # Okabe and Ito's palette: told apart by colour-blind readers too. x, y, z, rotation keep their colour in all panels.
 BLUE, VERMILION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#AA4499"
@@ -46,7 +46,7 @@ def save_figure(record, png_path, pdf_path=None, dpi=160):
         grid = figure.add_gridspec(2, 3, height_ratios=(1.0, 1.08), left=0.07, right=0.98, top=0.95, bottom=0.075,
                                    wspace=0.27, hspace=0.2)
         for index, panel in enumerate(PANELS):
-            axes = figure.add_subplot(grid[divmod(index, 3)], projection="3d" if panel == "path" else None)
+            axes = figure.add_subplot(grid[divmod(index, 3)], projection=Axes3D.name if panel == "path" else None)
             draw_panel(record, panel, axes, letter="abcdef"[index])
         # No creation date: the same run gives the same bytes.
         figure.savefig(png_path, dpi=dpi, metadata={"Software": None})
@@ -58,7 +58,7 @@ def panel_png(record, panel, size_in=(4.6, 3.5), dpi=150):
     """One panel as the bytes of a PNG file, for the report: readable on a phone, one below the other."""
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=size_in, constrained_layout=panel != "path")
-        axes = figure.add_subplot(projection="3d" if panel == "path" else None)
+        axes = figure.add_subplot(projection=Axes3D.name if panel == "path" else None)
         draw_panel(record, panel, axes, title=False)
         if panel == "path":
             figure.subplots_adjust(left=0.0, right=0.9, bottom=0.08, top=1.0)
@@ -70,7 +70,7 @@ def panel_png(record, panel, size_in=(4.6, 3.5), dpi=150):
 def draw_panel(record, panel, axes, letter="", title=True):
     """Draw one of PANELS (or "final") on matplotlib axes; "path" needs a 3-D projection."""
     if title:
-        axes.set_title((f"({letter}) " if letter else "") + TITLES[panel], pad=5.0)
+        axes.set_title((f"({letter}) " if letter else "") + panel_title(record, panel), pad=5.0)
     if panel in ("desired", "initial", "difference", "final"):
         _draw_image(axes, image_of(record, panel))
     elif panel == "errors":
@@ -81,6 +81,14 @@ def draw_panel(record, panel, axes, letter="", title=True):
         _draw_path(record, axes)
     else:
         raise ValueError(f"panel '{panel}': allowed are {', '.join(PANELS)}, final")
+
+
+def panel_title(record, panel):
+    """Title of a panel. A look-then-move velocity is the law's: each look moves by it times the sample time."""
+    servo = record.settings.get("servo", {})
+    if panel == "velocity" and servo.get("mode") == "look_then_move":
+        return f"velocity of the law, T = {servo.get('sample_time_s', 0.01):g} s per look"
+    return TITLES[panel]
 
 
 def image_of(record, panel):

@@ -10,6 +10,7 @@ bytes. No wall-clock date is written into any file; the folder's name carries it
 
 import base64
 import csv
+import hashlib
 import io
 import json
 import math
@@ -27,8 +28,10 @@ from .versions import installed_versions
 
 # The results published with the two experiments: where the real arm ended.
 PUBLISHED = {
-    "experiment_1": {"label": "paper, real arm, experiment 1", "x_mm": 2.0, "y_mm": 4.7, "z_mm": 2.6, "angle_deg": 0.003},
-    "experiment_2": {"label": "paper, real arm, experiment 2", "x_mm": 4.0, "y_mm": 8.9, "z_mm": 7.2, "angle_deg": 0.03},
+    "experiment_1": {"label": "paper, real arm, experiment 1",
+                     "x_mm": 2.0, "y_mm": 4.7, "z_mm": 2.6, "angle_deg": 0.003},
+    "experiment_2": {"label": "paper, real arm, experiment 2",
+                     "x_mm": 4.0, "y_mm": 8.9, "z_mm": 7.2, "angle_deg": 0.03},
 }
 ERROR_KEYS = ("x_mm", "y_mm", "z_mm", "angle_deg")
 FEATURE_SYMBOLS = {"xn": "x_n", "yn": "y_n", "an": "a_n", "alpha": "alpha"}
@@ -119,6 +122,7 @@ def summarise(record):
         "mode": servo.get("mode"),
         "seed": record.settings.get("sim", {}).get("seed"),
         "run_hash": record.run_hash,
+        "trace_sha256": hashlib.sha256(trace_csv(record).encode()).hexdigest(),
         "notes": list(record.notes),
         "real_time_factor": record.real_time_factor,
         "wall_s": record.wall_s,
@@ -176,7 +180,7 @@ def report_html(record, summary, command=None):
                                      undefined=jinja2.StrictUndefined)
     pictures = []
     for letter, panel in zip("abcdef", figure.PANELS):
-        pictures.append({"letter": letter, "title": figure.TITLES[panel].replace("$-$", "−"),
+        pictures.append({"letter": letter, "title": figure.panel_title(record, panel).replace("$-$", "−"),
                          "src": _data_uri(_picture(record, panel)), "pixels": panel in figure.PANELS[:3]})
     final = figure.image_of(record, "final")
     return environment.from_string(template).render(
@@ -197,8 +201,9 @@ def format_summary(summary):
                   f"simulated, {summary['images']} images"]
     rates = {name: rate for name, rate in summary["measured_decay_per_s"].items() if _is_number(rate)}
     if rates and summary["promised_decay_per_s"]:
-        text = ", ".join(f"{FEATURE_SYMBOLS.get(name, name)} {rate:.2f} (asked {summary['promised_decay_per_s'][name]:g})"
-                         for name, rate in rates.items() if name in summary["promised_decay_per_s"])
+        asked = summary["promised_decay_per_s"]
+        text = ", ".join(f"{FEATURE_SYMBOLS.get(name, name)} {rate:.2f} (asked {asked[name]:g})"
+                         for name, rate in rates.items() if name in asked)
         lines.append(f"{'decay [1/s]':<20}{text}")
     if _is_number(summary["real_time_factor"]):
         lines.append(f"{'real-time factor':<20}{summary['real_time_factor']:.1f}")
@@ -212,7 +217,8 @@ def format_summary(summary):
 
 
 def _comparison_rows(summary):
-    rows = [{"label": "this run", "cells": [_signed(summary["final_error"], key) for key in ERROR_KEYS], "kind": "ours"}]
+    rows = [{"label": "this run", "kind": "ours",
+             "cells": [_signed(summary["final_error"], key) for key in ERROR_KEYS]}]
     if summary["judge"]:
         rows.append({"label": "allowed (experiment.judge)", "kind": "limit",
                      "cells": [f"{summary['judge'][key]:g}" for key in ERROR_KEYS]})

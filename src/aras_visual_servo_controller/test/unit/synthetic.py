@@ -54,7 +54,8 @@ def make_record(final_p_m=(1e-4, -5e-5, 2e-4), final_angle_rad=1e-4, servo_image
         last = k == servo_images - 1
         X_CgC = pose_CgC(final_p_m, final_angle_rad) if last else pose_CgC(-e[:3] + [0, 0, 2 * e[2]], -e[3])
         builder.add_row(next(stamps), "servo", status if last else Status.SERVOING, status.name if last else "",
-                        s=s_star + e, s_star=s_star, e=e, twist=np.append(-RATE_PER_S * e, [0.0, 0.0])[[0, 1, 2, 4, 5, 3]],
+                        s=s_star + e, s_star=s_star, e=e,
+                        twist=np.append(-RATE_PER_S * e, [0.0, 0.0])[[0, 1, 2, 4, 5, 3]],
                         q=[0.1 * k / servo_images, -0.09, 0.05], set_point=[0.0, -0.09, 0.05], X_WC=X_WCG @ X_CgC,
                         raw=[0.05, 0.0, 0.0, 0.3], image=blob(8 - min(8, k)))
     builder.add_row(next(stamps), "done", status, X_WC=np.eye(4), image=blob(15))

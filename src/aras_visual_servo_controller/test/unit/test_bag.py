@@ -42,7 +42,8 @@ def image_message(image, stamp, encoding="rgb8", padding=0):
 
 
 def state_message(record, i, stamp):
-    message = ServoState(status=int(record.status[i]), status_text=str(record.status_text[i]), phase=str(record.phase[i]))
+    message = ServoState(status=int(record.status[i]), status_text=str(record.status_text[i]),
+                         phase=str(record.phase[i]))
     message.header.stamp = stamp
     # Another order than ours on purpose: features and joints travel by name.
     message.feature_names = ["alpha", "an", "yn", "xn"]
@@ -142,6 +143,17 @@ def test_rows_without_a_true_pose_are_kept_and_noted(tmp_path, original):
     record = read_bag(write(tmp_path / "run.bag", messages_of(original, skip=(6, 7))))
     assert np.isnan(record.X_WC[[6, 7]]).all() and len(record) == len(original)
     assert any("2 of 36 images" in note for note in record.notes)
+
+
+def test_images_after_the_end_do_not_change_the_trace(tmp_path, original):
+    from aras_visual_servo_controller.report import trace_csv
+    messages = list(messages_of(original))
+    topic, last, stamp = [entry for entry in messages if entry[0] == "servo_state"][-1]
+    late = rospy.Time(stamp.secs, stamp.nsecs + 1000)
+    again = state_message(original, len(original) - 1, late)
+    short = read_bag(write(tmp_path / "short.bag", messages))
+    long = read_bag(write(tmp_path / "long.bag", messages + [(topic, again, late)]))
+    assert last.phase == again.phase == "done" and trace_csv(long) == trace_csv(short)
 
 
 def test_a_bag_that_does_not_name_its_scenario_is_read_and_noted(tmp_path, original):

@@ -2,6 +2,7 @@
 
 import csv
 import dataclasses
+import hashlib
 import io
 import json
 import math
@@ -38,6 +39,11 @@ def test_the_summary_has_the_documented_keys(saved):
             "run_hash", "seed", "versions"} <= set(summary)
     assert set(summary["final_error"]) == {"x_mm", "y_mm", "z_mm", "angle_deg"}
     assert {"aras_visual_servo", "numpy", "python"} <= set(summary["versions"])
+
+
+def test_the_summary_carries_the_hash_of_the_trace(saved):
+    digest = hashlib.sha256((saved[1] / "trace.csv").read_bytes()).hexdigest()
+    assert json.loads((saved[1] / "summary.json").read_text())["trace_sha256"] == digest
 
 
 def test_what_is_not_a_number_is_null_in_the_summary(tmp_path):

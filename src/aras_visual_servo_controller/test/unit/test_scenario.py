@@ -1,6 +1,7 @@
 """Scenario files: found, resolved, checked; every fault named by its path."""
 
 import copy
+import json
 
 import pytest
 import yaml
@@ -8,7 +9,8 @@ import yaml
 from aras_visual_servo_controller import scenario as scenario_module
 from aras_visual_servo_controller.errors import ParameterError
 from aras_visual_servo_controller.scenario import (check, find_scenario, load_scenario, package_path, resolve_uri,
-                                                   scenario_from_dict, scenario_names)
+                                                   scenario_from_dict, scenario_names, share_dir)
+from aras_visual_servo_controller.servo_config import ServoConfig
 
 SHIPPED = scenario_names()
 
@@ -24,6 +26,18 @@ def test_every_shipped_scenario_is_valid_and_named_after_its_file(name):
     assert scenario.name == name
     assert scenario.description
     assert scenario.urdf_path.is_file()
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_the_servo_accepts_what_the_schema_accepts(name):
+    ServoConfig.from_dict(load_scenario(name).servo)  # raises on a key or value it does not know
+
+
+def test_the_schema_knows_every_key_of_the_servo():
+    schema = json.loads((share_dir() / "config" / "scenario.schema.json").read_text())
+    properties = schema["properties"]["servo"]["properties"]
+    nested = set(properties["inverse"]["properties"]) | set(properties["null_space"]["properties"]) - {"method"}
+    assert set(ServoConfig.__dataclass_fields__) <= set(properties) | nested
 
 
 def test_the_two_experiments_of_the_paper_are_shipped():
