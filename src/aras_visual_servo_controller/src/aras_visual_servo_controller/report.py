@@ -141,8 +141,8 @@ def trace_csv(record):
     Columns: t_s, phase, status, e_<feature>, V_<vx..wz>, q_<joint>, p_WC_{x,y,z}_m and q_WC_{x,y,z,w} (true pose of
     the camera in the world, unit quaternion with w >= 0).
     """
-    header = (["t_s", "phase", "status"] + [f"e_{name}_{FEATURE_UNITS.get(name, '')}".rstrip("_")
-                                             for name in record.feature_names]
+    header = (["t_s", "phase", "status"]
+              + [f"e_{name}_{FEATURE_UNITS.get(name, '')}".rstrip("_") for name in record.feature_names]
               + [f"V_{name}_{'m_s' if name[0] == 'v' else 'rad_s'}" for name in TWIST_NAMES]
               + [f"q_{name}" for name in record.joint_names]
               + [f"p_WC_{axis}_m" for axis in "xyz"] + [f"q_WC_{axis}" for axis in "xyzw"])
@@ -195,8 +195,8 @@ def format_summary(summary):
     lines = [f"{summary['scenario']}: {'PASSED' if summary['passed'] else 'FAILED'} ({summary['reason']})", ""]
     lines.append(f"{'final camera pose error':<31}{'x [mm]':>10}{'y [mm]':>10}{'z [mm]':>10}{'angle [deg]':>14}")
     for row in _comparison_rows(summary):
-        lines.append(f"{row['label']:<31}" + "".join(f"{cell:>{width}}" for cell, width in
-                                                    zip(row["cells"], (10, 10, 10, 14))))
+        cells = zip(row["cells"], (10, 10, 10, 14))
+        lines.append(f"{row['label']:<31}" + "".join(f"{cell:>{width}}" for cell, width in cells))
     lines += ["", f"{'time to converge' if summary['converged'] else 'servo time':<20}{summary['duration_s']:.2f} s "
                   f"simulated, {summary['images']} images"]
     rates = {name: rate for name, rate in summary["measured_decay_per_s"].items() if _is_number(rate)}
