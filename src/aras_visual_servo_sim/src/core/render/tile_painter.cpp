@@ -46,8 +46,11 @@ bool touches(const Vertex* t, float x0, float y0, float size) {
   return true;
 }
 
-void write(const std::array<std::uint8_t, 3>& pixel, Image& image, int u, int v) {
-  std::memcpy(image.pixel(u, v), pixel.data(), static_cast<std::size_t>(image.channels()));
+void write(const std::array<std::uint8_t, 3>& pixel, bool color, std::uint8_t* out) {
+  out[0] = pixel[0];
+  if (!color) return;
+  out[1] = pixel[1];
+  out[2] = pixel[2];
 }
 
 Vertex between(const Vertex& a, const Vertex& b, float t) {
@@ -167,10 +170,12 @@ bool TilePainter::showsEdge(const std::uint32_t* picture, int tile_u, int tile_v
 }
 
 void TilePainter::copyTile(const std::uint32_t* picture, int tile_u, int tile_v, Image& image) const {
+  const int channels = image.channels();
   for (int v = tile_v * kTile; v < std::min(height_, (tile_v + 1) * kTile); ++v) {
+    std::uint8_t* row = image.pixel(0, v);
     for (int u = tile_u * kTile; u < std::min(width_, (tile_u + 1) * kTile); ++u) {
       const Bytes bytes = bytesOf(picture[std::size_t(v) * width_ + u]);
-      write(pixelOf({bytes.r, bytes.g, bytes.b}, image.encoding), image, u, v);
+      write(pixelOf({bytes.r, bytes.g, bytes.b}, image.encoding), channels == 3, row + u * channels);
     }
   }
 }
@@ -260,7 +265,7 @@ void TilePainter::filterTile(const std::uint32_t* atlas, int slot, int tile, Ima
       if (image.encoding == Encoding::kMono8) {
         *image.pixel(u, v) = greyOf(r, g, b);
       } else {
-        write(pixelOf({byte(r), byte(g), byte(b)}, image.encoding), image, u, v);
+        write(pixelOf({byte(r), byte(g), byte(b)}, image.encoding), true, image.pixel(u, v));
       }
     }
   }
