@@ -67,8 +67,8 @@ class Simulation {
   /** What the camera sees now. The reference stays valid; its content until the next render of this camera.
    *  @throws RenderError */
   const Image& render(int camera);
-  Pose cameraPose(int camera) const;   ///< X_WC
-  Twist cameraTwist(int camera) const; ///< V_WC_C, [v; w]
+  Pose cameraPose(int camera) const;    ///< X_WC
+  Twist cameraTwist(int camera) const;  ///< V_WC_C, [v; w]
 
   // --- commands
   /** Applies a command whole, or refuses it whole: then it is counted, every commanded velocity becomes 0 (the arm
@@ -109,8 +109,8 @@ class Simulation {
     CameraModel model;
     FrameSchedule schedule;
     int link;
-    std::int64_t next_frame = 0;     ///< smallest index neither taken nor missed
-    std::int64_t unhashed_frame = -1; ///< taken, image not hashed yet
+    std::int64_t next_frame = 0;       ///< smallest index neither taken nor missed
+    std::int64_t unhashed_frame = -1;  ///< taken, image not hashed yet
     Image image;
   };
 

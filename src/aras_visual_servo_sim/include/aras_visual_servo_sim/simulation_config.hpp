@@ -28,9 +28,9 @@ struct SimulationConfig {
 
 /** The `time:` section: how the node paces itself. The in-process simulation has no use for it. */
 struct TimeConfig {
-  double real_time_factor = 1.0;    ///< simulated over wall time, >= 0; 0 = as fast as possible
-  bool lockstep = false;            ///< hold after each image until it was answered
-  double lockstep_timeout_s = 5.0;  ///< wall time after which a hold is reported, > 0
+  double real_time_factor = 1.0;     ///< simulated over wall time, >= 0; 0 = as fast as possible
+  bool lockstep = false;             ///< hold after each image until it was answered
+  double lockstep_timeout_s = 5.0;   ///< wall time after which a hold is reported, > 0
   bool continue_on_timeout = false;  ///< `on_lockstep_timeout`: "hold" (false) or "continue" (true)
   bool start_paused = false;
   double clock_rate_hz = 100.0;        ///< simulated, > 0

@@ -29,8 +29,9 @@ std::unique_ptr<Simulation> makeSimulation(const std::string& urdf, const py::ob
                                            const py::object& controllers, const std::optional<PackageMap>& packages) {
   const YAML::Node config_node = yamlFromPython(config, "config");
   const YAML::Node controllers_node = yamlFromPython(controllers, "controllers");
-  const PackagePaths paths(packages ? std::vector<std::pair<std::string, std::string>>(packages->begin(), packages->end())
-                                    : std::vector<std::pair<std::string, std::string>>());
+  const PackagePaths paths(packages
+                               ? std::vector<std::pair<std::string, std::string>>(packages->begin(), packages->end())
+                               : std::vector<std::pair<std::string, std::string>>());
   const bool is_document = urdf.find('<') != std::string::npos;
   const py::gil_scoped_release release;
   RobotModel model = is_document ? loadRobotModel(urdf, "URDF string") : loadRobotModelFile(paths.resolve(urdf));
@@ -120,33 +121,36 @@ void bindTimeAndCameras(py::class_<Simulation>& type) {
            "What the camera sees now.\n\nReturns:\n    uint8 array (h, w, 3), or (h, w) for mono8, top row first; a\n"
            "    read-only view without a copy, its content valid until the next render of this camera.\n"
            "Raises:\n    UnknownNameError, RenderError.")
-      .def("camera_pose",
-           [](const Simulation& self, const std::string& camera) {
-             return self.cameraPose(self.cameraIndex(camera)).matrix();
-           },
-           py::arg("camera") = "camera", "X_WC, (4, 4): pose of the optical frame C (x right, y down, z forward) in W.")
-      .def("camera_twist",
-           [](const Simulation& self, const std::string& camera) -> Twist {
-             return self.cameraTwist(self.cameraIndex(camera));
-           },
-           py::arg("camera") = "camera", "V_WC_C, (6,): twist of C in W expressed in C, [v; w] [m/s; rad/s].")
+      .def(
+          "camera_pose",
+          [](const Simulation& self, const std::string& camera) {
+            return self.cameraPose(self.cameraIndex(camera)).matrix();
+          },
+          py::arg("camera") = "camera", "X_WC, (4, 4): pose of the optical frame C (x right, y down, z forward) in W.")
+      .def(
+          "camera_twist",
+          [](const Simulation& self, const std::string& camera) -> Twist {
+            return self.cameraTwist(self.cameraIndex(camera));
+          },
+          py::arg("camera") = "camera", "V_WC_C, (6,): twist of C in W expressed in C, [v; w] [m/s; rad/s].")
       .def("camera_info", &cameraInfo, py::arg("camera") = "camera",
            "Intrinsics as sensor_msgs/CameraInfo: dict of width, height, K (9), D, distortion_model, R (9), P (12),\n"
            "frame_id. Matrices row by row; pixel (u, v) covers [u - 1/2, u + 1/2] x [v - 1/2, v + 1/2].");
 }
 
 void bindRobot(py::class_<Simulation>& type) {
-  type.def_property_readonly("joint_names", [](const Simulation& self) { return self.model().joint_names; },
-                             "Moving joints sorted by name: the order of every joint vector.")
-      .def_property_readonly("joint_positions",
-                             [](const Simulation& self) -> Eigen::VectorXd { return self.world().jointPositions(); },
-                             "(n,) float64 copy [m or rad].")
-      .def_property_readonly("joint_velocities",
-                             [](const Simulation& self) -> Eigen::VectorXd { return self.world().jointVelocities(); },
-                             "(n,) float64 copy [m/s or rad/s].")
-      .def_property_readonly("joint_efforts",
-                             [](const Simulation& self) -> Eigen::VectorXd { return self.world().jointEfforts(); },
-                             "(n,) float64 copy, what the actuators applied in the last period [N or N m].")
+  type.def_property_readonly(
+          "joint_names", [](const Simulation& self) { return self.model().joint_names; },
+          "Moving joints sorted by name: the order of every joint vector.")
+      .def_property_readonly(
+          "joint_positions", [](const Simulation& self) -> Eigen::VectorXd { return self.world().jointPositions(); },
+          "(n,) float64 copy [m or rad].")
+      .def_property_readonly(
+          "joint_velocities", [](const Simulation& self) -> Eigen::VectorXd { return self.world().jointVelocities(); },
+          "(n,) float64 copy [m/s or rad/s].")
+      .def_property_readonly(
+          "joint_efforts", [](const Simulation& self) -> Eigen::VectorXd { return self.world().jointEfforts(); },
+          "(n,) float64 copy, what the actuators applied in the last period [N or N m].")
       .def("set_command", &setCommand, py::arg("position") = py::none(), py::arg("velocity") = py::none(),
            py::arg("effort") = py::none(), py::arg("stamp_ns") = py::none(),
            "Commands joints by name; whole or not at all.\n\nArgs:\n"
@@ -155,15 +159,19 @@ void bindRobot(py::class_<Simulation>& type) {
            "        command_timeout_s of simulated time has passed.\n"
            "    effort: dict [N or N m], for effort controllers.\n"
            "    stamp_ns: simulated time of the state this answers [ns]; None: now.\n"
-           "Raises:\n    NotFiniteError, UnknownNameError, ParameterError: the command was refused and counted, and all\n"
+           "Raises:\n    NotFiniteError, UnknownNameError, ParameterError: the command was refused and counted, and "
+           "all\n"
            "    commanded velocities are zero: the arm holds.")
       .def_property_readonly("refused_commands", &Simulation::refusedCommands, "Commands refused since the last reset.")
-      .def("controller_names", [](const Simulation& self) { return self.world().controllerNames(); },
-           "Names of the joint controllers.")
+      .def(
+          "controller_names", [](const Simulation& self) { return self.world().controllerNames(); },
+          "Names of the joint controllers.")
       .def("controller_state", &controllerState, py::arg("controller"),
            "dict of set_point, process_value, process_value_dot, error, command and the gains.")
-      .def("link_pose", [](const Simulation& self, const std::string& link) { return self.world().linkPose(link).matrix(); },
-           py::arg("link"), "X_WL, (4, 4): pose of a link's frame in W.")
+      .def(
+          "link_pose",
+          [](const Simulation& self, const std::string& link) { return self.world().linkPose(link).matrix(); },
+          py::arg("link"), "X_WL, (4, 4): pose of a link's frame in W.")
       .def("set_joint_positions", &Simulation::setJointPositions, py::arg("positions"),
            "Places joints, dict name -> [m or rad], at rest with their set-points there.\n\n"
            "Raises:\n    UnknownNameError, NotFiniteError, ParameterError (outside the limits); nothing changes then.");
@@ -172,30 +180,36 @@ void bindRobot(py::class_<Simulation>& type) {
 void bindScene(py::class_<Simulation>& type) {
   type.def("set_model_pose", &setModelPose, py::arg("name"), py::arg("p"), py::arg("q_xyzw"),
            "Places a model of the scene: p (3,) [m], q_xyzw (4,) unit quaternion, of X_WM.")
-      .def("model_pose", [](const Simulation& self, const std::string& name) { return self.modelPose(name).matrix(); },
-           py::arg("name") = "target", "X_WM, (4, 4): pose of a model of the scene in W.");
+      .def(
+          "model_pose", [](const Simulation& self, const std::string& name) { return self.modelPose(name).matrix(); },
+          py::arg("name") = "target", "X_WM, (4, 4): pose of a model of the scene in W.");
 }
 
 void bindState(py::class_<Simulation>& type) {
   type.def("reset", &Simulation::reset, ReleaseGil(), "Back to tick 0, everything as constructed.")
-      .def("save_state", [](const Simulation& self) { return py::bytes(self.saveState()); },
-           "bytes: everything that decides the future and the run hash.")
-      .def("restore_state", [](Simulation& self, const py::bytes& state) { self.restoreState(state); },
-           py::arg("state"), "Takes back what save_state gave.\n\nRaises:\n    StateError: bytes of another simulation.")
-      .def_property_readonly("run_hash", &Simulation::runHash,
-                             "16 hexadecimal digits, of joint positions and velocities at every frame and of every image\n"
-                             "rendered for a frame since the last reset: equal for equal runs.")
-      .def_property_readonly("warnings", [](const Simulation& self) { return self.model().warnings; },
-                             "What was ignored in the URDF, a line each.");
+      .def(
+          "save_state", [](const Simulation& self) { return py::bytes(self.saveState()); },
+          "bytes: everything that decides the future and the run hash.")
+      .def(
+          "restore_state", [](Simulation& self, const py::bytes& state) { self.restoreState(state); }, py::arg("state"),
+          "Takes back what save_state gave.\n\nRaises:\n    StateError: bytes of another simulation.")
+      .def_property_readonly(
+          "run_hash", &Simulation::runHash,
+          "16 hexadecimal digits, of joint positions and velocities at every frame and of every image\n"
+          "rendered for a frame since the last reset: equal for equal runs.")
+      .def_property_readonly(
+          "warnings", [](const Simulation& self) { return self.model().warnings; },
+          "What was ignored in the URDF, a line each.");
 }
 
 }  // namespace
 
 void bindSimulation(py::module_& module) {
-  py::class_<Simulation> type(module, "Simulation",
-                              "Robot, scene and cameras under one clock of integer nanoseconds.\n\n"
-                              "Frames: W world, C camera optical. SI units. Not thread-safe; the GIL is released while\n"
-                              "it steps and renders.");
+  py::class_<Simulation> type(
+      module, "Simulation",
+      "Robot, scene and cameras under one clock of integer nanoseconds.\n\n"
+      "Frames: W world, C camera optical. SI units. Not thread-safe; the GIL is released while\n"
+      "it steps and renders.");
   type.def(py::init(&makeSimulation), py::arg("urdf"), py::arg("config") = py::dict(),
            py::arg("controllers") = py::dict(), py::arg("package_paths") = py::none(),
            "Args:\n    urdf: a URDF document, or the path or package:// name of one.\n"

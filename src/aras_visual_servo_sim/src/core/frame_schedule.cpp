@@ -8,7 +8,7 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-__extension__ using Wide = __int128;         // index * 10^15 outgrows 64 bits after two and a half hours at 1 Hz
+__extension__ using Wide = __int128;           // index * 10^15 outgrows 64 bits after two and a half hours at 1 Hz
 constexpr std::int64_t kMicroHertz = 1000000;  // in one hertz
 constexpr Wide kNanoPerMicroHertz = static_cast<Wide>(1000000000) * kMicroHertz;
 
@@ -19,8 +19,8 @@ FrameSchedule::FrameSchedule(double rate_hz, std::int64_t period_ns) : rate_uhz_
   const double fastest_hz = 1e9 / static_cast<double>(period_ns);
   // 1 + 1e-9: a rate equal to the tick rate survives the division above.
   if (!std::isfinite(rate_hz) || rate_hz * kMicroHertz < 1.0 || rate_hz > fastest_hz * (1.0 + 1e-9)) {
-    throw ParameterError("rate_hz: found " + std::to_string(rate_hz) + ", allowed 0 < rate_hz <= " +
-                         std::to_string(fastest_hz) + " (one per physics period)");
+    throw ParameterError("rate_hz: found " + std::to_string(rate_hz) +
+                         ", allowed 0 < rate_hz <= " + std::to_string(fastest_hz) + " (one per physics period)");
   }
   rate_uhz_ = std::llround(rate_hz * kMicroHertz);
 }

@@ -13,8 +13,8 @@ namespace aras_visual_servo_sim {
 namespace {
 
 constexpr std::int64_t kNanosecondsPerSecond = 1000000000;
-constexpr double kWholeNanosecond = 1e-3;         // rounding of period_s * 1e9, far below one nanosecond
-constexpr std::uint64_t kSeedStride = 1000003;    // keeps the noise of several cameras apart
+constexpr double kWholeNanosecond = 1e-3;       // rounding of period_s * 1e9, far below one nanosecond
+constexpr std::uint64_t kSeedStride = 1000003;  // keeps the noise of several cameras apart
 
 std::int64_t wholeNanoseconds(double period_s) {
   const double period_ns = period_s * static_cast<double>(kNanosecondsPerSecond);
@@ -74,8 +74,8 @@ void Simulation::addCamera(const CameraConfig& config, std::vector<std::string>&
     faults.push_back(where + "found twice, allowed once");
   }
   try {
-    Camera camera{CameraModel(config), FrameSchedule(config.rate_hz, period_ns_), model_.linkIndex(config.frame), 0, -1,
-                  Image()};
+    Camera camera{
+        CameraModel(config), FrameSchedule(config.rate_hz, period_ns_), model_.linkIndex(config.frame), 0, -1, Image()};
     camera_names_.push_back(config.name);
     cameras_.push_back(std::move(camera));
   } catch (const ArasError& error) {

@@ -37,8 +37,8 @@ SimulationConfig SimulationConfig::fromYaml(const YAML::Node& node) {
   SimulationConfig config;
   std::string faults;
   YamlReader reader(node, "sim");
-  config.world.period_s = reader.optional<double>("period_s", config.world.period_s,
-                                                  Range::between(kShortestPeriodS, kLongestPeriodS));
+  config.world.period_s =
+      reader.optional<double>("period_s", config.world.period_s, Range::between(kShortestPeriodS, kLongestPeriodS));
   config.world.gravity_m_s2 = reader.optional<Eigen::Vector3d>("gravity_m_s2", config.world.gravity_m_s2);
   config.world.drive = reader.optionalChoice("drive", "implicit", {"implicit", "explicit"}) == "explicit"
                            ? Drive::kExplicit
@@ -69,13 +69,12 @@ TimeConfig TimeConfig::fromYaml(const YAML::Node& node) {
   config.lockstep = reader.optional<bool>("lockstep", config.lockstep);
   config.lockstep_timeout_s =
       reader.optional<double>("lockstep_timeout_s", config.lockstep_timeout_s, Range::positive());
-  config.continue_on_timeout =
-      reader.optionalChoice("on_lockstep_timeout", "hold", {"hold", "continue"}) == "continue";
+  config.continue_on_timeout = reader.optionalChoice("on_lockstep_timeout", "hold", {"hold", "continue"}) == "continue";
   config.start_paused = reader.optional<bool>("start_paused", config.start_paused);
   config.clock_rate_hz = reader.optional<double>("clock_rate_hz", config.clock_rate_hz, rate);
   config.joint_state_rate_hz = reader.optional<double>("joint_state_rate_hz", config.joint_state_rate_hz, rate);
-  config.render_always = reader.optionalChoice("render", config.lockstep ? "always" : "subscribed",
-                                               {"always", "subscribed"}) == "always";
+  config.render_always =
+      reader.optionalChoice("render", config.lockstep ? "always" : "subscribed", {"always", "subscribed"}) == "always";
   reader.finish();
   return config;
 }

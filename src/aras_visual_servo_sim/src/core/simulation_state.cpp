@@ -46,7 +46,8 @@ class Reader {
 
  private:
   const char* take(std::uint64_t size) {
-    if (size > bytes_.size() - at_) throw StateError("saved state: " + std::to_string(bytes_.size()) + " bytes, cut short");
+    if (size > bytes_.size() - at_)
+      throw StateError("saved state: " + std::to_string(bytes_.size()) + " bytes, cut short");
     const char* data = bytes_.data() + at_;
     at_ += size;
     return data;

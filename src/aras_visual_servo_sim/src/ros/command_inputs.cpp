@@ -83,8 +83,7 @@ void CommandInputs::onControllerCommand(const std::string& controller, const std
   try {
     simulation_.setControllerCommand(controller, message->data);
   } catch (const ArasError& error) {
-    ROS_WARN_THROTTLE(kWarnPeriodS, "command refused, the arm holds: %s/command: %s", controller.c_str(),
-                      error.what());
+    ROS_WARN_THROTTLE(kWarnPeriodS, "command refused, the arm holds: %s/command: %s", controller.c_str(), error.what());
   }
 }
 

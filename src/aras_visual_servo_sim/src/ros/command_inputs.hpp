@@ -13,7 +13,8 @@
 
 namespace aras_visual_servo_sim {
 
-/** A stamped command as the core wants it. NaN entries are left out; a joint of which nothing finite remains is a fault.
+/** A stamped command as the core wants it. NaN entries are left out; a joint of which nothing finite remains is a
+ * fault.
  *  @throws ShapeError if an array is neither empty nor as long as `name`; NotFiniteError naming the joint */
 JointCommand commandFromMessage(const sensor_msgs::JointState& message);
 

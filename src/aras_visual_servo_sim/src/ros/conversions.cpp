@@ -52,8 +52,8 @@ geometry_msgs::Pose toMessage(const Pose& pose) {
 Pose fromMessage(const geometry_msgs::Pose& message) {
   Pose pose;
   pose.p = {message.position.x, message.position.y, message.position.z};
-  pose.q = Eigen::Quaterniond(message.orientation.w, message.orientation.x, message.orientation.y,
-                              message.orientation.z);
+  pose.q =
+      Eigen::Quaterniond(message.orientation.w, message.orientation.x, message.orientation.y, message.orientation.z);
   if (pose.q.coeffs().isZero(0.0)) pose.q.setIdentity();
   const double length = pose.q.norm();
   if (!pose.p.allFinite() || !std::isfinite(length)) throw NotFiniteError("pose: not finite");

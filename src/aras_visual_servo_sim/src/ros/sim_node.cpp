@@ -11,8 +11,8 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr double kBeatPeriodS = 0.1;          // wall: status, and /clock while time stands still
-constexpr std::int64_t kSliceNs = 1000000;    // simulated time between two looks at the messages when paced
+constexpr double kBeatPeriodS = 0.1;        // wall: status, and /clock while time stands still
+constexpr std::int64_t kSliceNs = 1000000;  // simulated time between two looks at the messages when paced
 
 }  // namespace
 

@@ -70,10 +70,10 @@ class SimNode {
   ros::Publisher status_;
   std::vector<ros::ServiceServer> services_;
   bool paused_;
-  double real_time_factor_ = 0.0;    ///< reached
-  std::uint64_t unanswered_ = 0;     ///< images the lockstep went on without an answer to
+  double real_time_factor_ = 0.0;  ///< reached
+  std::uint64_t unanswered_ = 0;   ///< images the lockstep went on without an answer to
   std::string held_by_;
-  std::uint64_t clock_beats_at_ = 0; ///< ticks when the clock was last repeated
+  std::uint64_t clock_beats_at_ = 0;  ///< ticks when the clock was last repeated
   ros::WallTime next_beat_, hold_report_;
 };
 

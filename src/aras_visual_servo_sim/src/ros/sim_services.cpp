@@ -90,8 +90,8 @@ bool SimNode::onStep(Step::Request& request, Step::Response& response) {
   answer(response, [&] {
     if (!paused_) throw ParameterError("step: the simulator runs; pause it first");
     if (request.steps > kMostSteps) {
-      throw ParameterError("step: found " + std::to_string(request.steps) + " steps, allowed <= " +
-                           std::to_string(kMostSteps));
+      throw ParameterError("step: found " + std::to_string(request.steps) +
+                           " steps, allowed <= " + std::to_string(kMostSteps));
     }
     const std::int64_t end = simulation_.ticks() + request.steps;
     while (ros::ok() && simulation_.ticks() < end) {

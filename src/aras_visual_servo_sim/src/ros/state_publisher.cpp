@@ -13,11 +13,11 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr std::uint32_t kSmallQueue = 1000;      // messages: a recorder that hesitates for seconds loses nothing
-constexpr std::uint32_t kImageQueue = 200;       // images: the same, at 30 Hz, within 50 MB
-constexpr std::size_t kLongestPath = 2000;       // poses kept for display
-constexpr double kPathPeriodS = 0.5;             // wall
-constexpr double kErrorPeriodS = 5.0;            // wall, between two reports of the same failure
+constexpr std::uint32_t kSmallQueue = 1000;  // messages: a recorder that hesitates for seconds loses nothing
+constexpr std::uint32_t kImageQueue = 200;   // images: the same, at 30 Hz, within 50 MB
+constexpr std::size_t kLongestPath = 2000;   // poses kept for display
+constexpr double kPathPeriodS = 0.5;         // wall
+constexpr double kErrorPeriodS = 5.0;        // wall, between two reports of the same failure
 const std::string kTargetModel = "target";
 
 struct CameraTopics {
@@ -67,9 +67,9 @@ StatePublisher::StatePublisher(const ros::NodeHandle& node, Simulation& simulati
   joint_message_.name = simulation.model().joint_names;
   for (std::size_t k = 0; k < simulation.cameraNames().size(); ++k) advertiseCamera(static_cast<int>(k));
   for (const ControllerConfig& controller : simulation.config().world.controllers) {
-    controllers_.push_back({controller.name, controller.publish_state,
-                            node_.advertise<aras_visual_servo_msgs::JointControllerState>(controller.name + "/state",
-                                                                                          kSmallQueue)});
+    controllers_.push_back(
+        {controller.name, controller.publish_state,
+         node_.advertise<aras_visual_servo_msgs::JointControllerState>(controller.name + "/state", kSmallQueue)});
   }
 }
 

@@ -1,0 +1,287 @@
+#!/usr/bin/env python3
+"""The simulator node on the wire; run by the .test files beside this one, each naming one class.
+
+Every wait is for a condition, with a limit of wall time.
+"""
+import os
+import subprocess
+import sys
+import time
+import unittest
+
+import dynamic_reconfigure.client
+import rospy
+import rostest
+from aras_visual_servo_msgs.msg import JointControllerState, SimStatus
+from aras_visual_servo_msgs.srv import SetJointPositions, SetTargetPose, Step
+from geometry_msgs.msg import PoseStamped
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import CameraInfo, Image, JointState
+from std_msgs.msg import Float64
+from std_srvs.srv import Empty
+
+LIMIT_S = 30.0  # wall time after which something that should happen has not
+NAN = float("nan")
+
+
+def until(condition, what):
+    """Value of condition() once it is true."""
+    end = time.monotonic() + LIMIT_S
+    while time.monotonic() < end:
+        value = condition()
+        if value:
+            return value
+        time.sleep(0.005)
+    raise AssertionError("never happened: " + what)
+
+
+class Listener:
+    """Keeps every message of a topic."""
+
+    def __init__(self, topic, kind):
+        self.messages = []
+        self.subscriber = rospy.Subscriber(topic, kind, self.messages.append, queue_size=1000, tcp_nodelay=True)
+
+    def wait(self, count=1):
+        until(lambda: len(self.messages) >= count, "%d messages on %s" % (count, self.subscriber.resolved_name))
+        return list(self.messages)
+
+    def newer(self, condition, what):
+        """A message that fulfils the condition and comes after this call."""
+        start = len(self.messages)
+        return until(lambda: next((m for m in self.messages[start:] if condition(m)), None), what)
+
+    def stamps(self):
+        return [message.header.stamp.to_nsec() for message in list(self.messages)]
+
+
+def service(name, kind):
+    rospy.wait_for_service(name, LIMIT_S)
+    return rospy.ServiceProxy(name, kind)
+
+
+def command_publisher(topic="joint_command", kind=JointState):
+    publisher = rospy.Publisher(topic, kind, queue_size=100, tcp_nodelay=True)
+    until(publisher.get_num_connections, "the simulator subscribes to " + topic)
+    return publisher
+
+
+def command(stamp, **velocities):
+    message = JointState(name=list(velocities), velocity=list(velocities.values()))
+    message.header.stamp = stamp
+    return message
+
+
+class Wiring(unittest.TestCase):
+    """A free-running simulator, a few times faster than real time."""
+
+    def test_every_topic_of_the_interface_is_there(self):
+        expected = ["joint_states", "camera/image_raw", "camera/camera_info", "ground_truth/camera_pose",
+                    "ground_truth/camera_twist", "ground_truth/target_pose", "sim/status", "pan_controller/state",
+                    "scene_markers", "camera_path"]
+        expected = {rospy.resolve_name(name) for name in expected} | {"/clock"}
+        until(lambda: expected <= {name for name, _ in rospy.get_published_topics()}, "topics " + str(expected))
+
+    def test_image_camera_info_joints_and_truth_carry_the_same_stamp(self):
+        others = [Listener("camera/camera_info", CameraInfo), Listener("joint_states", JointState),
+                  Listener("ground_truth/camera_pose", PoseStamped), Listener("ground_truth/target_pose", PoseStamped)]
+        for other in others:
+            other.wait()
+        images = Listener("camera/image_raw", Image)
+        images.wait(20)
+        for other in others:
+            until(lambda other=other: set(images.stamps()[:20]) <= set(other.stamps()), "stamps of every image")
+        self.assertEqual(images.messages[0].header.frame_id, "eye_optical_frame")
+        self.assertEqual(others[0].messages[0].header.frame_id, "eye_optical_frame")
+        self.assertEqual(others[1].messages[0].name, ["lift", "pan"])
+
+    def test_images_come_at_their_rate_in_simulated_time(self):
+        images = Listener("camera/image_raw", Image)
+        images.wait(40)
+        stamps_ms = [stamp // 1000000 for stamp in images.stamps()[:40]]
+        first = stamps_ms[0] * 30 // 1000
+        expected = [-(-(first + k) * 1000 // 30) for k in range(40)]  # k / 30 Hz, rounded up to a tick of 1 ms
+        self.assertEqual(stamps_ms, expected)
+
+    def test_clock_never_runs_backwards_and_is_never_behind_an_image(self):
+        clocks = Listener("/clock", Clock)
+        clocks.wait()
+        images = Listener("camera/image_raw", Image)
+        images.wait(20)
+        newest = images.stamps()[19]
+        until(lambda: clocks.messages[-1].clock.to_nsec() >= newest, "the clock reaches the image")
+        times = [message.clock.to_nsec() for message in clocks.messages]
+        self.assertEqual(times, sorted(times))
+        self.assertIn(newest, times)
+
+    def test_float64_command_moves_its_joint(self):
+        states = Listener("joint_states", JointState)
+        command_publisher("lift_controller/command", Float64).publish(0.1)
+        states.newer(lambda m: m.position[m.name.index("lift")] > 0.08, "the lift goes up")
+
+    def test_nan_command_is_refused_counted_and_the_arm_holds(self):
+        status = Listener("sim/status", SimStatus)
+        states = Listener("pan_controller/state", JointControllerState)
+        refused = status.wait()[-1].refused_commands
+        publisher = command_publisher()
+        stamp = rospy.Time(0)  # unstamped: as of its arrival
+        start = states.wait()[-1].set_point
+        publisher.publish(command(stamp, pan=0.1))
+        states.newer(lambda m: m.set_point > start + 0.001, "the velocity moves the set-point")
+        publisher.publish(command(stamp, pan=NAN))
+        last = status.newer(lambda m: m.refused_commands > refused, "the refusal is counted")
+        self.assertIn("pan", last.last_refusal)
+        held = [states.newer(lambda m: True, "a state").set_point for _ in range(20)]
+        self.assertEqual(len(set(held)), 1, held)
+
+    def test_gains_change_through_dynamic_reconfigure(self):
+        states = Listener("pan_controller/state", JointControllerState)
+        client = dynamic_reconfigure.client.Client("pan_controller/pid", timeout=LIMIT_S)
+        self.assertEqual(client.get_configuration()["p"], 20.0)
+        client.update_configuration({"p": 30.0})
+        state = states.newer(lambda m: m.p == 30.0, "the new gain is used")
+        self.assertEqual((state.i, state.d, state.i_clamp), (1.0, 0.5, 5.0))
+        client.update_configuration({"p": 20.0})
+
+    def test_target_can_be_placed_and_an_unknown_one_is_refused(self):
+        truth = Listener("ground_truth/target_pose", PoseStamped)
+        place = service("sim/set_target_pose", SetTargetPose)
+        pose = PoseStamped().pose
+        pose.position.x, pose.orientation.w = 0.02, 1.0
+        self.assertTrue(place(model="", pose=pose).success)
+        truth.newer(lambda m: m.pose.position.x == 0.02, "the target is where it was put")
+        answer = place(model="moon", pose=pose)
+        self.assertFalse(answer.success)
+        self.assertIn("target", answer.message)
+
+    def test_pause_stops_time_step_moves_it_and_reset_starts_again(self):
+        status = Listener("sim/status", SimStatus)
+        pause, unpause = service("sim/pause", Empty), service("sim/unpause", Empty)
+        step = service("sim/step", Step)
+        until(lambda: status.messages and status.messages[-1].ticks > 100, "time goes by")
+        self.assertFalse(step(steps=5).success, "stepping is for a paused simulator")
+        pause()
+        before = step(steps=0).stamp
+        self.assertEqual((step(steps=50).stamp - before).to_nsec(), 50000000)
+        ticks = status.newer(lambda m: m.paused, "a status of the paused simulator").ticks
+        self.assertEqual(status.newer(lambda m: m.paused, "another one").ticks, ticks)
+        place = service("sim/set_joint_positions", SetJointPositions)
+        self.assertTrue(place(name=["lift"], position=[-0.1]).success)
+        self.assertFalse(place(name=["lift"], position=[NAN]).success)
+        service("sim/reset", Empty)()
+        fresh = status.newer(lambda m: m.ticks == 0, "the reset")
+        self.assertEqual((fresh.frames, fresh.refused_commands, fresh.paused), (0, 0, True))
+        self.assertEqual(step(steps=0).stamp.to_nsec(), 0)
+        unpause()
+        status.newer(lambda m: m.ticks > 0, "time goes by again")
+
+
+class Lockstep(unittest.TestCase):
+    """A simulator that starts paused and waits for an answer to each image."""
+
+    def setUp(self):
+        self.status = Listener("sim/status", SimStatus)
+        self.images = Listener("camera/image_raw", Image)
+        self.publisher = command_publisher()
+        until(self.images.subscriber.get_num_connections, "the image subscription")
+        service("sim/pause", Empty)()
+        service("sim/reset", Empty)()
+        self.status.newer(lambda m: m.paused and m.ticks == 0 and not m.lockstep_armed, "a fresh start")
+        del self.images.messages[:]
+        self.publisher.publish(command(rospy.Time(0)))
+        self.status.newer(lambda m: m.lockstep_armed, "the first command arms the lockstep")
+
+    def run_images(self, count):
+        """Unpauses, answers `count` images, each with a velocity, and leaves the next one unanswered."""
+        service("sim/unpause", Empty)()
+        for k in range(count):
+            stamp = self.images.wait(k + 1)[k].header.stamp
+            self.publisher.publish(command(stamp, pan=0.1))
+        self.images.wait(count + 1)
+        return self.status.newer(lambda m: m.holding, "holding for the last one")
+
+    def test_first_image_is_at_time_zero_and_nothing_moves_until_it_is_answered(self):
+        status = self.run_images(0)
+        self.assertEqual((status.ticks, status.frames), (0, 1))
+        self.assertEqual(self.status.newer(lambda m: m.holding, "still holding").ticks, 0)
+        self.assertEqual(len(self.images.messages), 1)
+
+    def test_an_older_stamp_does_not_release_the_image_and_its_own_does(self):
+        self.run_images(1)
+        self.assertEqual(self.images.stamps(), [0, 34000000])
+        self.publisher.publish(command(rospy.Time(0, 33000000)))
+        self.assertEqual(self.status.newer(lambda m: m.holding, "still holding").ticks, 34)
+        self.publisher.publish(command(rospy.Time(0, 34000000)))
+        self.assertEqual(self.images.wait(3)[2].header.stamp.to_nsec(), 67000000)
+
+    def test_same_answers_give_the_same_hash(self):
+        first = self.run_images(10)
+        self.setUp()
+        second = self.run_images(10)
+        self.assertEqual(first.run_hash, second.run_hash)
+        self.assertEqual((first.ticks, first.frames), (second.ticks, second.frames))
+
+    def test_after_the_timeout_it_says_who_did_not_answer(self):
+        self.run_images(0)
+        status = self.status.newer(lambda m: "no answer" in m.held_by, "the report")
+        self.assertIn(rospy.get_name(), status.held_by)
+        self.assertTrue(status.holding)
+
+    def test_services_answer_and_the_clock_is_repeated_while_it_holds(self):
+        self.run_images(0)
+        clocks = Listener("/clock", Clock)
+        self.assertEqual(clocks.wait(3)[-1].clock.to_nsec(), 0)
+        self.assertTrue(service("sim/set_joint_positions", SetJointPositions)(name=["lift"], position=[0.05]).success)
+
+
+class Refusal(unittest.TestCase):
+    """What stops the start-up. Each node runs in its own namespace with one thing wrong."""
+
+    def refused(self, namespace):
+        process = subprocess.run(["rosrun", "aras_visual_servo_sim", "sim_node", "__ns:=" + namespace],
+                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=LIMIT_S, check=False,
+                                 env=dict(os.environ, ROSCONSOLE_STDOUT_LINE_BUFFERED="1"))
+        self.assertNotEqual(process.returncode, 0)
+        return process.stdout.decode()
+
+    def test_bad_urdf_names_joint_and_value(self):
+        rospy.set_param("/bad_urdf/robot_description",
+                        "<robot name='r'><link name='a'/><link name='b'/><joint name='elbow' type='revolute'>"
+                        "<parent link='a'/><child link='b'/><limit lower='1' upper='-1' effort='1' velocity='1'/>"
+                        "</joint></robot>")
+        self.assertIn("elbow", self.refused("bad_urdf"))
+
+    def test_missing_robot_is_said(self):
+        self.assertIn("robot_description", self.refused("no_robot"))
+
+    def test_all_bad_parameters_are_listed_at_once(self):
+        rospy.set_param("/bad_yaml/robot_description", rospy.get_param("robot_description"))
+        rospy.set_param("/bad_yaml/sim", {"sim": {"period_s": -1.0, "colour": "red"}, "time": {"lockstp": True},
+                                          "tim": {}})
+        rospy.set_param("/bad_yaml/odd", {"type": "effort_controllers/JointPositionController", "joint": "nose"})
+        message = self.refused("bad_yaml")
+        for fault in ("period_s", "colour", "lockstp", "~tim", "nose"):
+            self.assertIn(fault, message)
+
+
+class TwoNamespaces(unittest.TestCase):
+    """`left` runs, `right` starts paused; each has its own clock."""
+
+    def test_each_simulator_has_its_own_time_and_commands(self):
+        clocks = {side: Listener("/%s/clock" % side, Clock) for side in ("left", "right")}
+        joints = {side: Listener("/%s/joint_states" % side, JointState) for side in ("left", "right")}
+        command_publisher("/left/lift_controller/command", Float64).publish(0.1)
+        joints["left"].newer(lambda m: m.position[0] > 0.08, "the left lift goes up")
+        clocks["right"].wait(3)
+        self.assertEqual({message.clock.to_nsec() for message in clocks["right"].messages}, {0})
+        self.assertGreater(clocks["left"].messages[-1].clock.to_nsec(), 0)
+        service("/right/sim/unpause", Empty)()
+        height = joints["right"].newer(lambda m: m.header.stamp.to_sec() > 0.5, "the right one runs").position[0]
+        self.assertLess(height, 0.01, "the left one's command is not for it")
+        self.assertNotIn("/clock", [name for name, _ in rospy.get_published_topics()])
+
+
+if __name__ == "__main__":
+    case = {kind.__name__: kind for kind in (Wiring, Lockstep, Refusal, TwoNamespaces)}[sys.argv[1]]
+    rospy.init_node("tester", anonymous=True)
+    rostest.rosrun("aras_visual_servo_sim", case.__name__, case)

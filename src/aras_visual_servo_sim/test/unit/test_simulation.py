@@ -1,0 +1,152 @@
+"""The Python binding of the simulator: shapes, units, errors. What it computes is tested in C++."""
+import gc
+import pathlib
+import threading
+
+import numpy as np
+import pytest
+import yaml
+
+import aras_visual_servo_sim as sim_package
+from aras_visual_servo_sim import NotFiniteError, ParameterError, Simulation, StateError, UnknownNameError
+
+FOLDER = pathlib.Path(__file__).resolve().parent.parent / "ros"
+URDF = (FOLDER / "pan_lift.urdf").read_text()
+CONTROLLERS = yaml.safe_load((FOLDER / "controllers.yaml").read_text())
+ROUNDING = 1e-12  # a few operations on numbers of order one
+
+
+def make(**changes):
+    config = yaml.safe_load((FOLDER / "sim.yaml").read_text())["sim"]
+    config.update(changes)
+    return Simulation(URDF, config, CONTROLLERS)
+
+
+def test_joint_vectors_are_copies_in_the_order_of_joint_names():
+    sim = make(initial_positions={"pan": 0.25})
+    assert sim.joint_names == ["lift", "pan"]
+    positions = sim.joint_positions
+    assert positions.dtype == np.float64 and positions.shape == (2,)
+    np.testing.assert_array_equal(positions, [0.0, 0.25])
+    positions[:] = 7.0
+    np.testing.assert_array_equal(sim.joint_positions, [0.0, 0.25])
+
+
+def test_urdf_may_be_a_path_too():
+    assert Simulation(str(FOLDER / "pan_lift.urdf"), {}, CONTROLLERS).joint_names == ["lift", "pan"]
+
+
+def test_image_is_a_read_only_view_that_keeps_the_simulation_alive():
+    sim = make()
+    image = sim.render()
+    assert image.shape == (48, 64, 3) and image.dtype == np.uint8
+    assert not image.flags.writeable and not image.flags.owndata
+    again = sim.render()
+    assert again.ctypes.data == image.ctypes.data, "no copy is made"
+    expected = image.copy()
+    del sim, again
+    gc.collect()
+    np.testing.assert_array_equal(image, expected)
+
+
+def test_mono_image_has_two_dimensions():
+    camera = {"name": "camera", "frame": "eye_optical_frame", "width": 8, "height": 6, "horizontal_fov_rad": 1.0,
+              "encoding": "mono8"}
+    assert make(cameras=[camera]).render("camera").shape == (6, 8)
+
+
+def test_target_in_the_middle_is_seen_in_the_middle():
+    image = make().render()[:, :, 0].astype(float)
+    darkness = 230.0 - image
+    rows, columns = np.mgrid[0:48, 0:64]
+    half_grey_level = 0.5 * image.size / darkness.sum() * 64  # rounding of every pixel to 8 bits, all one way
+    assert abs((darkness * columns).sum() / darkness.sum() - 31.5) < half_grey_level
+    assert abs((darkness * rows).sum() / darkness.sum() - 23.5) < half_grey_level
+    assert image.min() == 20.0 and image.max() == 230.0
+
+
+def test_camera_pose_looks_down_and_twist_is_zero_at_rest():
+    sim = make()
+    X_WC = sim.camera_pose("camera")
+    np.testing.assert_allclose(X_WC, [[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 0.5], [0, 0, 0, 1]], atol=ROUNDING)
+    np.testing.assert_array_equal(sim.camera_twist("camera"), np.zeros(6))
+
+
+def test_camera_info_has_the_shapes_of_the_message():
+    info = make().camera_info("camera")
+    assert (info["width"], info["height"], info["frame_id"]) == (64, 48, "eye_optical_frame")
+    assert [len(info[key]) for key in ("K", "R", "P")] == [9, 9, 12]
+    assert info["K"][2] == 31.5 and info["K"][5] == 23.5
+    assert info["K"][0] == pytest.approx(32.0 / np.tan(0.5), abs=100 * ROUNDING)
+
+
+def test_command_with_nan_raises_and_is_counted():
+    sim = make()
+    with pytest.raises(NotFiniteError, match="pan"):
+        sim.set_command(velocity={"pan": float("nan")})
+    assert sim.refused_commands == 1
+
+
+def test_unknown_joint_raises_and_names_those_there_are():
+    with pytest.raises(UnknownNameError, match="lift"):
+        make().set_command(position={"elbow": 0.0})
+
+
+def test_every_error_derives_from_aras_error():
+    for name in sim_package.__all__:
+        if name.endswith("Error"):
+            assert issubclass(getattr(sim_package, name), sim_package.ArasError)
+    assert issubclass(sim_package.ArasError, RuntimeError)
+
+
+def test_faulty_configuration_lists_all_faults():
+    with pytest.raises(ParameterError) as caught:
+        make(period_s=0.0, colour="red", seed="many")
+    for key in ("period_s", "colour", "seed"):
+        assert key in str(caught.value)
+
+
+def test_numpy_values_are_accepted_in_configurations():
+    assert make(period_s=np.float64(0.002), gravity_m_s2=np.zeros(3)).period_ns == 2_000_000
+
+
+def test_model_pose_round_trip():
+    sim = make()
+    sim.set_model_pose("target", [0.1, 0.2, 0.3], [0.0, 0.0, np.sin(0.25), np.cos(0.25)])
+    expected = [[np.cos(0.5), -np.sin(0.5), 0, 0.1], [np.sin(0.5), np.cos(0.5), 0, 0.2], [0, 0, 1, 0.3], [0, 0, 0, 1]]
+    np.testing.assert_allclose(sim.model_pose("target"), expected, atol=ROUNDING)
+
+
+def test_saved_state_restores_the_run():
+    sim = make()
+    sim.set_command(position={"lift": 0.1})
+    sim.step(100)
+    state = sim.save_state()
+    sim.step(100)
+    later, hash_later = sim.joint_positions, sim.run_hash
+    sim.restore_state(state)
+    assert sim.ticks == 100
+    sim.step(100)
+    np.testing.assert_array_equal(sim.joint_positions, later)
+    assert sim.run_hash == hash_later
+    with pytest.raises(StateError):
+        sim.restore_state(b"not a state")
+
+
+def test_other_threads_run_while_it_steps():
+    sim = make()
+    seen = []
+    stop = threading.Event()
+
+    def watch():
+        while not stop.is_set():
+            seen.append(1)
+
+    thread = threading.Thread(target=watch)
+    thread.start()
+    before = len(seen)
+    sim.step(20000)
+    during = len(seen) - before
+    stop.set()
+    thread.join()
+    assert during > 0, "the GIL was held"
