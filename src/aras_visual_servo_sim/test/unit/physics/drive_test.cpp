@@ -116,8 +116,9 @@ TEST(ExplicitDrive, AppliesThePidOfTheStateAtTheBeginningOfTheStep) {
 TEST(ExplicitDrive, SaysSoWhenItDiverges) {
   WorldConfig config = weightless();
   config.drive = Drive::kExplicit;
+  // Each step multiplies the velocity by 1 - dt p / I, about -2e6.
   config.controllers = {
-      controllerOf("swing", ControllerType::kEffortPosition, PidGains{0.0, 0.0, 1e9, 0.0, 0.0, false})};
+      controllerOf("swing", ControllerType::kEffortVelocity, PidGains{1e9, 0.0, 0.0, 0.0, 0.0, false})};
   MultibodyWorld world(modelOf(readUrdf("pendulum.urdf")), config);
   world.setJointVelocities(vectorOf({1.0}));
   EXPECT_HAS(messageOf<NotFiniteError>([&] { world.step(1000); }), "joint 'swing': velocity is");

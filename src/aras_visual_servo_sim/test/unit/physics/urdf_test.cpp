@@ -59,7 +59,7 @@ TEST(UrdfLoader, ReadsTheCameraTag) {
 TEST(UrdfLoader, TurnsAnInertialFrameIntoTheLinkFrame) {
   const std::string urdf = broken("<origin xyz=\"0 0 -0.2\" rpy=\"0 0 0\"/>\n      <mass",
                                   "<origin xyz=\"0 0 -0.2\" rpy=\"0 0 1.5707963267948966\"/>\n      <mass");
-  const Link& upper = modelOf(urdf).links[1];
+  const Link upper = modelOf(urdf).links[1];
   ASSERT_EQ(upper.name, "upper");
   const double kRounding = 1e-16;  // cos of the nearest double to pi / 2, times the moments
   EXPECT_NEAR(upper.inertia_kg_m2(0, 0), 0.03, kRounding);
@@ -71,7 +71,8 @@ TEST(UrdfLoader, TurnsAnInertialFrameIntoTheLinkFrame) {
 TEST(UrdfLoader, WarnsOfWhatItIgnores) {
   const std::string urdf = broken("<link name=\"camera\"/>", "<link name=\"camera\"><odour/></link><mystery/>");
   std::string all;
-  for (const auto& warning : modelOf(urdf).warnings) all += warning + "\n";
+  const RobotModel model = modelOf(urdf);
+  for (const auto& warning : model.warnings) all += warning + "\n";
   EXPECT_HAS(all, "<odour>: link 'camera': ignored");
   EXPECT_HAS(all, "<mystery>: ignored");
   EXPECT_HAS(all, "<collision> shapes are ignored");
@@ -81,7 +82,8 @@ TEST(UrdfLoader, WarnsOfImpossiblePrincipalMoments) {
   const std::string urdf =
       broken("ixx=\"0.002\" iyy=\"0.003\" izz=\"0.004\"", "ixx=\"0.002\" iyy=\"0.003\" izz=\"0.04\"");
   std::string all;
-  for (const auto& warning : modelOf(urdf).warnings) all += warning + "\n";
+  const RobotModel model = modelOf(urdf);
+  for (const auto& warning : model.warnings) all += warning + "\n";
   EXPECT_HAS(all, "link 'lower': principal moments break the triangle inequality");
 }
 
