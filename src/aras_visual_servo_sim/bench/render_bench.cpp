@@ -33,10 +33,10 @@ Scene blobScene() {
   return scene;
 }
 
-/** Robot-like parts: ten cylinders and boxes beside and over the blob. */
-Scene occludedScene() {
+/** Robot-like parts: cylinders and boxes beside and over the blob. */
+Scene occludedScene(int parts) {
   Scene scene = blobScene();
-  for (int i = 0; i < 10; ++i) {
+  for (int i = 0; i < parts; ++i) {
     Body body;
     body.name = std::to_string(i);
     const MeshPtr mesh = i % 2 == 0 ? makeCylinder(0.012, 0.1) : makeBox({0.03, 0.02, 0.06});
@@ -77,8 +77,9 @@ void coverageBoard(benchmark::State& state) {
   run(state, camera("rgb8", false), scene);
 }
 void glBlobOnly(benchmark::State& state) { run(state, camera("rgb8", false), blobScene(), OsmesaRenderer::Path::kGl); }
-void occluded(benchmark::State& state) { run(state, camera("rgb8", false), occludedScene()); }
-void occludedLens(benchmark::State& state) { run(state, camera("rgb8", true), occludedScene()); }
+void occludedByTwo(benchmark::State& state) { run(state, camera("rgb8", false), occludedScene(2)); }
+void occluded(benchmark::State& state) { run(state, camera("rgb8", false), occludedScene(10)); }
+void occludedLens(benchmark::State& state) { run(state, camera("rgb8", true), occludedScene(10)); }
 void noise(benchmark::State& state) {
   OsmesaRenderer renderer;
   Image image;
@@ -92,6 +93,7 @@ BENCHMARK(coverageMono)->Unit(benchmark::kMicrosecond);
 BENCHMARK(coverageLens)->Unit(benchmark::kMicrosecond);
 BENCHMARK(coverageBoard)->Unit(benchmark::kMicrosecond);
 BENCHMARK(glBlobOnly)->Unit(benchmark::kMicrosecond);
+BENCHMARK(occludedByTwo)->Unit(benchmark::kMicrosecond);
 BENCHMARK(occluded)->Unit(benchmark::kMicrosecond);
 BENCHMARK(occludedLens)->Unit(benchmark::kMicrosecond);
 BENCHMARK(noise)->Unit(benchmark::kMicrosecond);

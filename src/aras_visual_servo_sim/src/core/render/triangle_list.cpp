@@ -6,7 +6,7 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr double kChord = 5e-3;  // [px] an edge seen through the lens may stray from straight
+constexpr double kChord = 1e-2;  // [px] an edge seen through the lens may stray from straight
 constexpr double kBias =
     1e-6;  // in units of Vertex::z, 16 steps of the depth buffer: 17 um at 0.6 m, near plane 0.02 m
 
