@@ -24,7 +24,8 @@ void run(benchmark::State& state, const VisionConfig& config, double size_m, boo
   if (noise > 0.0) addNoise(noise, &random, &image);
   const std::vector<std::uint8_t> rgb = toRgb(image);
   ImageView view = image.view();
-  if (!grey_input) view = {rgb.data(), image.width, image.height, static_cast<std::size_t>(3) * image.width, PixelFormat::kRgb8};
+  if (!grey_input)
+    view = {rgb.data(), image.width, image.height, static_cast<std::size_t>(3) * image.width, PixelFormat::kRgb8};
   MomentExtractor extractor(camera, config);
   extractor.setReference(0.5, extractor.process(view));
   for (auto _ : state) benchmark::DoNotOptimize(extractor.process(view).area);

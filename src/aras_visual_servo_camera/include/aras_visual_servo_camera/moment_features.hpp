@@ -58,8 +58,9 @@ struct Reference {
  *
  *  Basic, centred and normalised moments are ViSP's (vpMomentBasic, ...GravityCenter, ...Centered, ...AreaNormalized,
  *  ...GravityCenterNormalized). Orientation is our own: vpMomentAlpha decides symmetry by an absolute threshold.
- *  alpha = atan2(2 mu11, mu20 - mu02) / 2 is known modulo pi; the branch is the one whose third-order moments, turned by
- *  alpha, point the reference's way. A symmetric object takes the branch nearest to the last alpha, or the reference's. */
+ *  alpha = atan2(2 mu11, mu20 - mu02) / 2 is known modulo pi; the branch is the one whose third-order moments, turned
+ * by alpha, point the reference's way. A symmetric object takes the branch nearest to the last alpha, or the
+ * reference's. */
 class FeatureBuilder {
  public:
   FeatureBuilder(int order, double asymmetry_threshold, double orientation_threshold);

@@ -25,11 +25,11 @@ struct EdgePixel {
 /** What one image shows of the object: the weight of each pixel, zero where nothing is listed. Sorted by row. */
 struct ObjectMask {
   int width_px = 0, height_px = 0;
-  bool visible = false;         ///< an object of at least min_area_px is in view
-  bool touches_border = false;  ///< ... and lies on the first or last row or column
-  bool soft_edges = false;      ///< weights are area coverage, else every weight is 1
-  int components = 0;           ///< objects that pass the area filter
-  int area_px = 0;              ///< pixels of the chosen one (coverage of one half or more)
+  bool visible = false;           ///< an object of at least min_area_px is in view
+  bool touches_border = false;    ///< ... and lies on the first or last row or column
+  bool soft_edges = false;        ///< weights are area coverage, else every weight is 1
+  int components = 0;             ///< objects that pass the area filter
+  int area_px = 0;                ///< pixels of the chosen one (coverage of one half or more)
   double u_px = 0.0, v_px = 0.0;  ///< mean position of those pixels
   std::vector<Span> spans;
   std::vector<EdgePixel> edge;

@@ -79,8 +79,8 @@ bool CameraIntrinsics::operator==(const CameraIntrinsics& o) const {
          lens_ == o.lens_ && D_ == o.D_;
 }
 
-// x_d = x (1 + k1 r2 + k2 r4 + k3 r6) / (1 + k4 r2 + k5 r4 + k6 r6) + 2 p1 x y + p2 (r2 + 2 x2), and y likewise (REP 104,
-// OpenCV calib3d). J is its derivative.
+// x_d = x (1 + k1 r2 + k2 r4 + k3 r6) / (1 + k4 r2 + k5 r4 + k6 r6) + 2 p1 x y + p2 (r2 + 2 x2), and y likewise (REP
+// 104, OpenCV calib3d). J is its derivative.
 void CameraIntrinsics::distortPolynomial(double x, double y, double xd[2], double J[4]) const {
   const double k1 = D_[0], k2 = D_[1], p1 = D_[2], p2 = D_[3], k3 = D_[4], k4 = D_[5], k5 = D_[6], k6 = D_[7];
   const double r2 = x * x + y * y;
@@ -95,8 +95,8 @@ void CameraIntrinsics::distortPolynomial(double x, double y, double xd[2], doubl
   J[3] = radial + 2.0 * y * y * d_radial + 6.0 * p1 * y + 2.0 * p2 * x;
 }
 
-// theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8), theta = atan r, (x_d, y_d) = (x, y) theta_d / r
-// (Kannala and Brandt, IEEE PAMI 28(8), 2006, as OpenCV's fisheye model and REP 104's equidistant).
+// theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8), theta = atan r, (x_d, y_d) = (x, y) theta_d
+// / r (Kannala and Brandt, IEEE PAMI 28(8), 2006, as OpenCV's fisheye model and REP 104's equidistant).
 void CameraIntrinsics::distortEquidistant(double x, double y, double xd[2], double J[4]) const {
   constexpr double kSmall = 1e-8;  // below, theta_d / r = 1 to rounding
   const double r2 = x * x + y * y, r = std::sqrt(r2);

@@ -6,7 +6,7 @@
 namespace aras_visual_servo_camera {
 namespace {
 
-constexpr int kReach = 2;           // edge pixels lie within this distance of the contour
+constexpr int kReach = 2;            // edge pixels lie within this distance of the contour
 constexpr int kMargin = 2 * kReach;  // the box of edge pixels, and what their windows look at
 
 }  // namespace

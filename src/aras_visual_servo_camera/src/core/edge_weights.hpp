@@ -11,8 +11,8 @@ namespace aras_visual_servo_camera {
 
 /** Coverage weights of one component: which pixels lie wholly inside, and how much of each edge pixel it covers.
  *
- *  Edge pixels are those within two pixels (chessboard distance) of the half-coverage contour, on either side: enough for
- *  the corners of an anti-aliased polygon and for the blur of a lens; noise further away counts on neither side. */
+ *  Edge pixels are those within two pixels (chessboard distance) of the half-coverage contour, on either side: enough
+ * for the corners of an anti-aliased polygon and for the blur of a lens; noise further away counts on neither side. */
 class EdgeWeights {
  public:
   /** Appends to mask->spans and mask->edge, sorted by row. */

@@ -9,9 +9,9 @@ namespace {
 
 using Histogram = std::array<int, 256>;
 
-constexpr double kMadToSigma = 1.4826;   // of a normal distribution
-constexpr int kSmoothing = 4;            // half width of the triangle that smooths the histogram, levels
-constexpr double kMinHalfWidth = 2.0;    // of the window around a level: rounding and a little noise
+constexpr double kMadToSigma = 1.4826;  // of a normal distribution
+constexpr int kSmoothing = 4;           // half width of the triangle that smooths the histogram, levels
+constexpr double kMinHalfWidth = 2.0;   // of the window around a level: rounding and a little noise
 constexpr double kWindowSigmas = 2.0;
 constexpr int kMaxIterations = 20;
 

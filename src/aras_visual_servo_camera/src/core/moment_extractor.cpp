@@ -31,8 +31,8 @@ const MomentFeatures& MomentExtractor::process(const ImageView& image) {
                      ", the size in camera_info");
   mask_ = &segmentation_.process(image);
   const std::vector<double>& m = accumulator_->process(*mask_);
-  features_ = builder_.build(
-      {mask_->visible, mask_->touches_border || accumulator_->leftTheLens(), mask_->components}, m);
+  features_ =
+      builder_.build({mask_->visible, mask_->touches_border || accumulator_->leftTheLens(), mask_->components}, m);
   return features_;
 }
 

@@ -40,10 +40,11 @@ ThirdMoments scaled(ThirdMoments t, double factor) {
 ThirdMoments rotated(const ThirdMoments& t, double angle_rad) {
   const double c = std::cos(angle_rad), s = std::sin(angle_rad);
   // x' = c x + s y, y' = -s x + c y, expanded.
-  return {c * c * c * t[0] + 3 * c * c * s * t[1] + 3 * c * s * s * t[2] + s * s * s * t[3],
-          -c * c * s * t[0] + (c * c * c - 2 * c * s * s) * t[1] + (2 * c * c * s - s * s * s) * t[2] + c * s * s * t[3],
-          c * s * s * t[0] + (s * s * s - 2 * c * c * s) * t[1] + (c * c * c - 2 * c * s * s) * t[2] + c * c * s * t[3],
-          -s * s * s * t[0] + 3 * c * s * s * t[1] - 3 * c * c * s * t[2] + c * c * c * t[3]};
+  return {
+      c * c * c * t[0] + 3 * c * c * s * t[1] + 3 * c * s * s * t[2] + s * s * s * t[3],
+      -c * c * s * t[0] + (c * c * c - 2 * c * s * s) * t[1] + (2 * c * c * s - s * s * s) * t[2] + c * s * s * t[3],
+      c * s * s * t[0] + (s * s * s - 2 * c * c * s) * t[1] + (c * c * c - 2 * c * s * s) * t[2] + c * c * s * t[3],
+      -s * s * s * t[0] + 3 * c * s * s * t[1] - 3 * c * c * s * t[2] + c * c * c * t[3]};
 }
 
 double dot(const ThirdMoments& a, const ThirdMoments& b) {
@@ -130,8 +131,8 @@ void FeatureBuilder::setReference(const Reference& reference) {
   std::string faults;
   const auto require = [&faults](const char* name, double value, bool positive) {
     if (std::isfinite(value) && (!positive || value > 0.0)) return;
-    faults += (faults.empty() ? "reference/" : "\nreference/") + std::string(name) + ": found " + std::to_string(value) +
-              ", allowed " + (positive ? "a finite number > 0" : "a finite number");
+    faults += (faults.empty() ? "reference/" : "\nreference/") + std::string(name) + ": found " +
+              std::to_string(value) + ", allowed " + (positive ? "a finite number > 0" : "a finite number");
   };
   require("z_star_m", reference.z_star_m, true);
   require("area_star", reference.area_star, true);

@@ -55,7 +55,8 @@ void MomentAccumulator::addPixel(int u, int v, double weight) {
     return;
   }
   double* m = m_.data();
-  double x_power = weight * p.area;  // x^(n - j) y^j of order n from those of order n - 1: multiply all by x, last also by y
+  double x_power =
+      weight * p.area;  // x^(n - j) y^j of order n from those of order n - 1: multiply all by x, last also by y
   double terms[16] = {x_power};
   m[0] += x_power;
   for (int n = 1, k = 1; n <= order_; ++n) {
@@ -72,9 +73,9 @@ void MomentAccumulator::sumPixels(const ObjectMask& mask) {
 }
 
 // To second order in the size of a pixel, m_ij of the smeared object is larger by
-// (cxx i (i-1) m_{i-2,j} + 2 cxy i j m_{i-1,j-1} + cyy j (j-1) m_{i,j-2}) / 2, c the second moments of one pixel over its
-// area, (1/12) J J^T with J = d(x, y)/d(u, v). J is taken at the centroid: over the object it changes by less than the next
-// order. Lower moments must be undone first.
+// (cxx i (i-1) m_{i-2,j} + 2 cxy i j m_{i-1,j-1} + cyy j (j-1) m_{i,j-2}) / 2, c the second moments of one pixel over
+// its area, (1/12) J J^T with J = d(x, y)/d(u, v). J is taken at the centroid: over the object it changes by less than
+// the next order. Lower moments must be undone first.
 void MomentAccumulator::undoPixelExtent() {
   if (order_ < 2 || !(m_[0] > 0.0)) return;
   constexpr double kPixelVariance = 1.0 / 12.0;

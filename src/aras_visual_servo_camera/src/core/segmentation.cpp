@@ -122,8 +122,8 @@ std::optional<Threshold> Segmentation::Work::thresholdOf(const cv::Mat& grey) co
 }
 
 void Segmentation::Work::makeAdaptiveBinary(const cv::Mat& grey) {
-  cv::boxFilter(grey, mean, CV_32F, cv::Size(config.adaptive_block_px, config.adaptive_block_px), cv::Point(-1, -1), true,
-                cv::BORDER_REPLICATE);
+  cv::boxFilter(grey, mean, CV_32F, cv::Size(config.adaptive_block_px, config.adaptive_block_px), cv::Point(-1, -1),
+                true, cv::BORDER_REPLICATE);
   binary.create(grey.rows, grey.cols, CV_8UC1);
   const float sign = config.object == ObjectShade::kDark ? -1.0f : 1.0f;
   const float offset = static_cast<float>(config.adaptive_offset);
@@ -168,7 +168,8 @@ void Segmentation::Work::describe(int chosen) {
   mask.v_px = static_cast<double>(c.sum_v) / static_cast<double>(c.area_px);
   mask.touches_border = c.u_min == 0 || c.v_min == 0 || c.u_max == u_last || c.v_max == v_last;
   for (const EdgePixel& e : mask.edge)
-    if (e.weight > kBorderWeight && (e.u == 0 || e.v == 0 || e.u == u_last || e.v == v_last)) mask.touches_border = true;
+    if (e.weight > kBorderWeight && (e.u == 0 || e.v == 0 || e.u == u_last || e.v == v_last))
+      mask.touches_border = true;
   has_previous = true;
   previous_u = mask.u_px;
   previous_v = mask.v_px;

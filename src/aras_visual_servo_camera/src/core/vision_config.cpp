@@ -25,8 +25,8 @@ VisionConfig readVisionConfig(const YAML::Node& node) {
   YamlReader reader(node, "vision");
   VisionConfig c;
   c.object = static_cast<ObjectShade>(reader.requiredChoice("object", {"dark", "bright"}));
-  c.segmentation = static_cast<SegmentationMethod>(
-      reader.requiredChoice("segmentation", {"fixed", "otsu", "adaptive", "coverage"}));
+  c.segmentation =
+      static_cast<SegmentationMethod>(reader.requiredChoice("segmentation", {"fixed", "otsu", "adaptive", "coverage"}));
   c.threshold = c.segmentation == SegmentationMethod::kFixed
                     ? reader.requiredNumber("threshold", 0.0, kMaxGrey)
                     : reader.optionalNumber("threshold", 0.0, kMaxGrey, c.threshold);

@@ -93,8 +93,8 @@ void bindExtractor(py::module_& module) {
 Raises:
     ParameterError: every fault of both, one per line.)")
       .def(
-          "process",
-          [](MomentExtractor& self, const py::array& image) { return self.process(viewOf(image)); }, py::arg("image"),
+          "process", [](MomentExtractor& self, const py::array& image) { return self.process(viewOf(image)); },
+          py::arg("image"),
           R"(Features of one image.
 
 Args:

@@ -46,7 +46,8 @@ ImageView viewOf(const py::array& image) {
   const bool colour = image.ndim() == 3 && (image.shape(2) == 3 || image.shape(2) == 4);
   if (!py::isinstance<py::array_t<std::uint8_t>>(image) || !(grey || colour))
     throw ShapeError("image: found " + std::string(py::str(image.attr("dtype"))) + " of shape " +
-                     std::string(py::str(image.attr("shape"))) + ", allowed uint8 of shape (h, w), (h, w, 3) or (h, w, 4)");
+                     std::string(py::str(image.attr("shape"))) +
+                     ", allowed uint8 of shape (h, w), (h, w, 3) or (h, w, 4)");
   const py::ssize_t depth = grey ? 1 : image.shape(2);
   const bool rows_contiguous = image.shape(1) <= 1 || image.strides(1) == depth;
   if (!rows_contiguous || (colour && image.strides(2) != 1) || image.strides(0) < image.shape(1) * depth)

@@ -10,9 +10,9 @@
 namespace aras_visual_servo_camera {
 namespace {
 
-constexpr int kQueue = 100;                            // images that may wait: none is dropped in normal running
+constexpr int kQueue = 100;  // images that may wait: none is dropped in normal running
 constexpr std::chrono::seconds kThrottlePeriod{10};
-constexpr double kReportPeriod_s = 2.0;                // wall time without a pair after which the cause is reported
+constexpr double kReportPeriod_s = 2.0;  // wall time without a pair after which the cause is reported
 
 sensor_msgs::Image emptyImage(const std_msgs::Header& header, const ImageView& view, const std::string& encoding,
                               int bytes_per_pixel) {

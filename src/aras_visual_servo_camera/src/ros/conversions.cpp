@@ -19,7 +19,8 @@ CameraIntrinsics toIntrinsics(const sensor_msgs::CameraInfo& info) {
     throw ParameterError("camera_info/roi: found a part of the image, allowed the whole image");
   std::array<double, 9> K;
   std::copy(info.K.begin(), info.K.end(), K.begin());
-  return CameraIntrinsics(static_cast<int>(info.width), static_cast<int>(info.height), K, info.distortion_model, info.D);
+  return CameraIntrinsics(static_cast<int>(info.width), static_cast<int>(info.height), K, info.distortion_model,
+                          info.D);
 }
 
 ImageView toView(const sensor_msgs::Image& image) {

@@ -1,4 +1,5 @@
 #include <nodelet/nodelet.h>
+
 #include <pluginlib/class_list_macros.hpp>
 
 #include "camera_node.hpp"

@@ -17,9 +17,7 @@ struct GreyImage {
 
   GreyImage(int w, int h, std::uint8_t grey) : width(w), height(h), data(static_cast<std::size_t>(w) * h, grey) {}
   std::uint8_t& at(int u, int v) { return data[static_cast<std::size_t>(v) * width + u]; }
-  ImageView view() const {
-    return {data.data(), width, height, static_cast<std::size_t>(width), PixelFormat::kMono8};
-  }
+  ImageView view() const { return {data.data(), width, height, static_cast<std::size_t>(width), PixelFormat::kMono8}; }
 };
 
 constexpr std::uint8_t kObjectGrey = 20, kBackgroundGrey = 230;

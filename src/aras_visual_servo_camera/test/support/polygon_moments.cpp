@@ -58,8 +58,8 @@ Polygon project(const Polygon& outline_m, const View& w) {
                sx = std::sin(w.tilt_x_rad), cy = std::cos(w.tilt_y_rad), sy = std::sin(w.tilt_y_rad);
   Polygon image;
   for (const Point2& p : outline_m) {
-    const double x1 = cz * p.x - sz * p.y, y1 = sz * p.x + cz * p.y;      // about z
-    const double y2 = cx * y1, z2 = sx * y1;                              // about x
+    const double x1 = cz * p.x - sz * p.y, y1 = sz * p.x + cz * p.y;       // about z
+    const double y2 = cx * y1, z2 = sx * y1;                               // about x
     const double x3 = cy * x1 + sy * z2, z3 = -sy * x1 + cy * z2 + w.z_m;  // about y
     image.push_back({(x3 + w.x_m) / z3, (y2 + w.y_m) / z3});
   }

@@ -11,8 +11,8 @@ struct Point2 {
 using Polygon = std::vector<Point2>;
 
 /** Exact raw moments of a simple polygon, positive whatever its winding, in the sequence of moments.hpp; order <= 8.
- *  Green: m_ij = closed integral of x^(i+1) y^j / (i+1) dy; along an edge that is a polynomial, which Gauss and Legendre's
- *  8 points integrate exactly to degree 15. */
+ *  Green: m_ij = closed integral of x^(i+1) y^j / (i+1) dy; along an edge that is a polynomial, which Gauss and
+ * Legendre's 8 points integrate exactly to degree 15. */
 std::vector<double> polygonMoments(const Polygon& polygon, int order);
 
 /** The same about the polygon's centroid, computed there: no cancellation. */

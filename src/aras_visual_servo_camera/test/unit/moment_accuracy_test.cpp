@@ -20,13 +20,13 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kDepth_m = 0.5;
 constexpr int kPoses = 6;
 
-// Errors read as the motion they feign at 0.5 m: the reachable accuracy of 8-bit area coverage for objects of 50 to 85 px
-// (rms 0.004 mm, 0.01 mm, 0.01 degree); a single view of a slender shape may be twice the rms.
+// Errors read as the motion they feign at 0.5 m: the reachable accuracy of 8-bit area coverage for objects of 50 to 85
+// px (rms 0.004 mm, 0.01 mm, 0.01 degree); a single view of a slender shape may be twice the rms.
 constexpr double kCoverageXy_mm = 0.004, kCoverageZ_mm = 0.02, kCoverageAlpha_deg = 0.01;
 // Hard edges, general rotation: rms 0.14 mm, 0.75 mm, 0.44 degree; three times that for a single view.
 constexpr double kBinaryXy_mm = 0.42, kBinaryZ_mm = 2.3, kBinaryAlpha_deg = 1.3;
-// Mean error of the second moments, in units of those of a pixel, m00 w^2 / 12: an uncorrected coverage image is off by 1,
-// the area error above makes up to 0.4 in a single view, of either sign.
+// Mean error of the second moments, in units of those of a pixel, m00 w^2 / 12: an uncorrected coverage image is off by
+// 1, the area error above makes up to 0.4 in a single view, of either sign.
 constexpr double kSecondMomentResidue = 0.3;
 
 struct Errors {
@@ -42,7 +42,7 @@ Errors worstOf(const Polygon& outline, double max_tilt, bool distorted, Segmenta
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   Errors worst;
   for (int k = 0; k < kPoses; ++k) {
-    const View view{0.05 * unit(random), 0.05 * unit(random),   kDepth_m,
+    const View view{0.05 * unit(random), 0.05 * unit(random),     kDepth_m,
                     kPi * unit(random),  max_tilt * unit(random), max_tilt * unit(random)};
     const Polygon seen = testing::project(outline, view);
     const bool soft = method == SegmentationMethod::kCoverage;
@@ -90,7 +90,8 @@ TEST(MomentAccuracy, LensDistortionIsUndoneExactly) {
 }
 
 TEST(MomentAccuracy, HardEdgedViewsStayWithinTheQuantisationOfPixels) {
-  for (SegmentationMethod method : {SegmentationMethod::kFixed, SegmentationMethod::kOtsu, SegmentationMethod::kAdaptive}) {
+  for (SegmentationMethod method :
+       {SegmentationMethod::kFixed, SegmentationMethod::kOtsu, SegmentationMethod::kAdaptive}) {
     const Errors e = worstOf(testing::blob(0.17), kTilt_rad, false, method, 41);
     EXPECT_LT(e.xy_mm, kBinaryXy_mm);
     EXPECT_LT(e.z_mm, kBinaryZ_mm);
@@ -109,9 +110,9 @@ TEST(MomentAccuracy, CoverageWeightingIsTenTimesBetterThanAThreshold) {
 // An image-plane ellipse has closed forms: area pi a b, mu20 + mu02 = pi a b (a^2 + b^2) / 4, alpha its angle.
 TEST(MomentAccuracy, EllipseMatchesItsClosedForms) {
   constexpr double a = 0.17, b = 0.11, angle = 0.6;
-  constexpr int kCorners = 720;                   // inscribed polygon: area short by (2 pi / n)^2 / 6
-  constexpr double kRelative = 1e-4;              // 8-bit edges: 0.01 mm of 500 mm, twice
-  constexpr double kSecondRelative = 5e-4;        // one pixel's second moments are 6e-4 of these
+  constexpr int kCorners = 720;             // inscribed polygon: area short by (2 pi / n)^2 / 6
+  constexpr double kRelative = 1e-4;        // 8-bit edges: 0.01 mm of 500 mm, twice
+  constexpr double kSecondRelative = 5e-4;  // one pixel's second moments are 6e-4 of these
   const CameraIntrinsics camera = testCamera();
   MomentExtractor extractor(camera, VisionConfig());
   const Polygon p = testing::ellipse(a, b, angle, {0.12, -0.07}, kCorners);
@@ -125,8 +126,8 @@ TEST(MomentAccuracy, EllipseMatchesItsClosedForms) {
 }
 
 TEST(MomentAccuracy, NoiseMovesTheFeaturesByLittleAndWithoutBias) {
-  // sigma 4 of 210 levels on some 4 x 210 edge pixels: relative area error sqrt(840) 0.019 / 3000 px = 1.8e-4, in z half
-  // of it, 0.05 mm; the bias of clipped weights cancels between the two sides of the edge.
+  // sigma 4 of 210 levels on some 4 x 210 edge pixels: relative area error sqrt(840) 0.019 / 3000 px = 1.8e-4, in z
+  // half of it, 0.05 mm; the bias of clipped weights cancels between the two sides of the edge.
   constexpr double kSigma = 4.0, kSingle_mm = 0.3, kMean_mm = 0.08;
   constexpr int kImages = 12;
   const CameraIntrinsics camera = testCamera();

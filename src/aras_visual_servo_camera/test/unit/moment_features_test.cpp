@@ -115,7 +115,8 @@ TEST(MomentFeatures, ReferenceByNumbersLearnsTheBranchFromTheFirstView) {
     b.setReference({0.5, 0.07, alpha + offset});
     EXPECT_LT(std::abs(std::remainder(b.build(kSeen, at(0.5)).alpha - alpha - offset, 2 * 3.14159265358979)), 0.5);
     // two radians on the branch is still the one learnt
-    EXPECT_LT(std::abs(std::remainder(b.build(kSeen, at(2.9)).alpha - alpha - offset - 2.5, 2 * 3.14159265358979)), 0.5);
+    EXPECT_LT(std::abs(std::remainder(b.build(kSeen, at(2.9)).alpha - alpha - offset - 2.5, 2 * 3.14159265358979)),
+              0.5);
   }
 }
 
@@ -150,8 +151,7 @@ TEST(MomentExtractor, RepeatsAreBitIdentical) {
     runs.push_back(bits);
   }
   ASSERT_EQ(runs[0].size(), 63u);
-  for (int run : {1, 2})
-    EXPECT_EQ(std::memcmp(runs[0].data(), runs[run].data(), runs[0].size() * sizeof(double)), 0);
+  for (int run : {1, 2}) EXPECT_EQ(std::memcmp(runs[0].data(), runs[run].data(), runs[0].size() * sizeof(double)), 0);
 }
 
 TEST(MomentExtractor, OrderFiveGivesTwentyOneMoments) {

@@ -34,8 +34,8 @@ TEST(Moments, AreTheSumsOfTheirDefinition) {
     const CameraIntrinsics camera = testing::testCamera(distorted);
     const PixelMap map(camera);
     MomentAccumulator accumulator(map, 4);
-    const ObjectMask mask =
-        maskOf(camera, {{50, 100, 140}, {51, 90, 95}, {51, 97, 130}}, {{49, 101, 0.25}, {51, 95, 0.5}, {52, 99, 0.125}});
+    const ObjectMask mask = maskOf(camera, {{50, 100, 140}, {51, 90, 95}, {51, 97, 130}},
+                                   {{49, 101, 0.25}, {51, 95, 0.5}, {52, 99, 0.125}});
     std::vector<double> expected(momentCount(4), 0.0);
     const auto add = [&](int u, int v, double weight) {
       const auto ray = camera.undistort(u, v);
@@ -53,7 +53,8 @@ TEST(Moments, AreTheSumsOfTheirDefinition) {
 }
 
 TEST(Moments, AreaElementsAddUpToTheViewedArea) {
-  // Corners of the image undistorted by the same lens bound the view; its area by the midpoint rule, error of order w^2.
+  // Corners of the image undistorted by the same lens bound the view; its area by the midpoint rule, error of order
+  // w^2.
   constexpr double kMidpoint = 1e-5;
   const CameraIntrinsics camera = testing::testCamera(true);
   const PixelMap map(camera);

@@ -136,8 +136,8 @@ TEST(Orientation, WithoutReferenceAlphaLiesInAHalfTurn) {
 
 TEST(Orientation, DiscAndSquareHaveNone) {
   const CameraIntrinsics camera = testing::testCamera();
-  for (const Polygon& shape : {testing::ellipse(0.15, 0.15, 0.0, {0.05, 0.02}, 360),
-                               turned(testing::rectangle(0.1, 0.1), 0.4, 0.5)}) {
+  for (const Polygon& shape :
+       {testing::ellipse(0.15, 0.15, 0.0, {0.05, 0.02}, 360), turned(testing::rectangle(0.1, 0.1), 0.4, 0.5)}) {
     MomentExtractor extractor(camera, VisionConfig());
     const MomentFeatures f = extractor.process(testing::coverageImage(shape, camera).view());
     EXPECT_TRUE(f.target_visible);

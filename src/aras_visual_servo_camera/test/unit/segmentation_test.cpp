@@ -108,7 +108,8 @@ TEST_P(EveryMethod, TouchingPixelsAtCornersAreOneObject) {
 }
 
 TEST_P(EveryMethod, ObjectCutByEachBorderSaysSo) {
-  const std::vector<std::array<int, 4>> boxes{{0, 100, 30, 30}, {290, 100, 30, 30}, {100, 0, 30, 30}, {100, 210, 30, 30}};
+  const std::vector<std::array<int, 4>> boxes{
+      {0, 100, 30, 30}, {290, 100, 30, 30}, {100, 0, 30, 30}, {100, 210, 30, 30}};
   for (const auto& box : boxes) {
     GreyImage image(320, 240, kBackgroundGrey);
     fill(&image, box[0], box[1], box[2], box[3], kObjectGrey);
@@ -137,8 +138,8 @@ TEST_P(EveryMethod, OddSizedImagesAndRingsAreHandled) {
 }
 
 TEST_P(EveryMethod, RenderedWeightsAddUpToTheWeights) {
-  const GreyImage image =
-      testing::coverageImage(testing::project(testing::blob(0.15), {0.0, 0.0, 0.5, 0.3, 0.0, 0.0}), testing::testCamera());
+  const GreyImage image = testing::coverageImage(testing::project(testing::blob(0.15), {0.0, 0.0, 0.5, 0.3, 0.0, 0.0}),
+                                                 testing::testCamera());
   const ObjectMask mask = run(image);
   std::vector<std::uint8_t> rendered(320 * 240, 77);
   mask.render(rendered.data());
@@ -199,7 +200,8 @@ TEST(Segmentation, CoverageWeighsAnEdgePixelByItsGrey) {
   image.at(99, 105) = 178;   // about a quarter covered
   image.at(120, 105) = 230;  // not at all
   const ObjectMask mask = Segmentation(VisionConfig()).process(image.view());
-  EXPECT_NEAR(weightOf(mask), 400.0 + (230 - 178) * kGreyStep, 20 * kGreyStep * 0.01);  // levels within 0.01 of the truth
+  EXPECT_NEAR(weightOf(mask), 400.0 + (230 - 178) * kGreyStep,
+              20 * kGreyStep * 0.01);  // levels within 0.01 of the truth
 }
 
 TEST(Segmentation, SmallSpecksBesideTheObjectDoNotWeigh) {
@@ -230,7 +232,8 @@ TEST(Segmentation, AdaptiveThresholdCopesWithAGradientThatNoGlobalOneDoes) {
   for (int v = 0; v < 240; ++v)
     for (int u = 0; u < 320; ++u) image.at(u, v) = static_cast<std::uint8_t>(80 + u / 2);  // 80 to 239
   for (int v = 100; v < 130; ++v)
-    for (int u = 240; u < 270; ++u) image.at(u, v) = static_cast<std::uint8_t>(image.at(u, v) - 60);  // brighter than the left
+    for (int u = 240; u < 270; ++u)
+      image.at(u, v) = static_cast<std::uint8_t>(image.at(u, v) - 60);  // brighter than the left
   EXPECT_EQ(Segmentation(with(SegmentationMethod::kAdaptive)).process(image.view()).area_px, 900);
   EXPECT_NE(Segmentation(with(SegmentationMethod::kOtsu)).process(image.view()).area_px, 900);
 }
@@ -289,8 +292,8 @@ TEST(GreyLevels, AreFoundWhateverTheShareOfTheObject) {
 
 TEST(GreyLevels, AreExactInACleanImage) {
   constexpr double kEdgePixels = 0.05;  // levels: a few edge pixels fall into the window of 2 levels
-  const GreyImage image =
-      testing::coverageImage(testing::project(testing::blob(0.1), {0.0, 0.0, 0.5, 0.3, 0.0, 0.0}), testing::testCamera());
+  const GreyImage image = testing::coverageImage(testing::project(testing::blob(0.1), {0.0, 0.0, 0.5, 0.3, 0.0, 0.0}),
+                                                 testing::testCamera());
   const auto levels = estimateGreyLevels(histogramOf(image), ObjectShade::kDark, 50, 25.0);
   ASSERT_TRUE(levels.has_value());
   EXPECT_NEAR(levels->object, kObjectGrey, kEdgePixels);

@@ -75,21 +75,23 @@ TEST_P(BadValue, IsRefusedByName) {
   EXPECT_NE(faults.find(std::string("vision/") + key + ": found"), std::string::npos) << faults;
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    EachKey, BadValue,
-    ::testing::Values(std::pair("object", "grey"), std::pair("object", "[dark]"), std::pair("segmentation", "soft"),
-                      std::pair("threshold", "-1"), std::pair("threshold", "256"), std::pair("threshold", "'128'"),
-                      std::pair("object_grey", ".nan"), std::pair("object_grey", "300"),
-                      std::pair("background_grey", "dark"), std::pair("min_contrast", "0"),
-                      std::pair("adaptive_block_px", "50"), std::pair("adaptive_block_px", "1"),
-                      std::pair("adaptive_offset", "-3"), std::pair("component", "biggest"),
-                      std::pair("min_area_px", "0"), std::pair("min_area_px", "2.5"), std::pair("order", "2"),
-                      std::pair("order", "9"), std::pair("order", "null"), std::pair("asymmetry_threshold", "-0.1"),
-                      std::pair("orientation_threshold", "1.5")));
+INSTANTIATE_TEST_SUITE_P(EachKey, BadValue,
+                         ::testing::Values(std::pair("object", "grey"), std::pair("object", "[dark]"),
+                                           std::pair("segmentation", "soft"), std::pair("threshold", "-1"),
+                                           std::pair("threshold", "256"), std::pair("threshold", "'128'"),
+                                           std::pair("object_grey", ".nan"), std::pair("object_grey", "300"),
+                                           std::pair("background_grey", "dark"), std::pair("min_contrast", "0"),
+                                           std::pair("adaptive_block_px", "50"), std::pair("adaptive_block_px", "1"),
+                                           std::pair("adaptive_offset", "-3"), std::pair("component", "biggest"),
+                                           std::pair("min_area_px", "0"), std::pair("min_area_px", "2.5"),
+                                           std::pair("order", "2"), std::pair("order", "9"), std::pair("order", "null"),
+                                           std::pair("asymmetry_threshold", "-0.1"),
+                                           std::pair("orientation_threshold", "1.5")));
 
 TEST(VisionConfig, GreysInTheWrongOrderForTheShadeAreRefused) {
-  EXPECT_NE(faultsOf("{object: dark, segmentation: coverage, object_grey: 200, background_grey: 20}").find("object_grey"),
-            std::string::npos);
+  EXPECT_NE(
+      faultsOf("{object: dark, segmentation: coverage, object_grey: 200, background_grey: 20}").find("object_grey"),
+      std::string::npos);
   EXPECT_NE(
       faultsOf("{object: bright, segmentation: coverage, object_grey: 20, background_grey: 200}").find("object_grey"),
       std::string::npos);

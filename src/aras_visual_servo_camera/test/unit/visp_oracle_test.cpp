@@ -80,12 +80,15 @@ TEST(VispOracle, NormalisedFeaturesAndAlphaAgreeWithMomentCommon) {
 TEST(VispOracle, AlphaOfASmallObjectIsResolvedWhereVispIsSilentlyWrong) {
   // The reason for an alpha of our own: at 12 px ViSP calls an asymmetric triangle symmetric.
   constexpr double kPi = 3.14159265358979323846;
-  const auto seen = [](double yaw) { return testing::project(testing::triangle(0.03), {0.0, 0.0, 0.5, yaw, 0.0, 0.0}); };
+  const auto seen = [](double yaw) {
+    return testing::project(testing::triangle(0.03), {0.0, 0.0, 0.5, yaw, 0.0, 0.0});
+  };
   FeatureBuilder builder(3, 0.03, 0.01);
   builder.setReference(0.5, builder.build(kSeen, testing::polygonMoments(seen(0.0), 3)));
   const double alpha_star = builder.reference()->alpha_star;
   vpMomentObject goal = vispObject(seen(0.0));
-  vpMomentCommon common(vpMomentCommon::getSurface(goal), vpMomentCommon::getMu3(goal), vpMomentCommon::getAlpha(goal), 0.5);
+  vpMomentCommon common(vpMomentCommon::getSurface(goal), vpMomentCommon::getMu3(goal), vpMomentCommon::getAlpha(goal),
+                        0.5);
   vpMomentObject object = vispObject(seen(kPi));
   common.updateAll(object);
   bool found = false;
