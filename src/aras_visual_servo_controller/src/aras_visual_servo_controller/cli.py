@@ -98,13 +98,8 @@ def _run_in_process(scenario, arguments):
 
 
 def _run_over_ros(scenario, arguments):
-    """Replace this process by roslaunch, whose experiment node ends with our exit codes."""
-    command = ["roslaunch", "aras_visual_servo_controller", "servo.launch", f"scenario:={scenario.path}",
-               f"results_dir:={os.path.abspath(os.path.expanduser(arguments.output))}"]
-    try:
-        os.execvp(command[0], command)
-    except OSError as error:
-        raise ArasError(f"roslaunch: {error.strerror}; source the workspace, or run with --in-process") from error
+    from .launch import run_over_ros
+    return run_over_ros(scenario, os.path.expanduser(arguments.output))
 
 
 def _progress():

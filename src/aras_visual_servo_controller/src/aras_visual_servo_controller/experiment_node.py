@@ -35,6 +35,7 @@ NODES = ("sim", "camera_node", "controller")
 NOT_RECORDED = ("camera/overlay", "camera/depth/", "/parameter_descriptions", "/parameter_updates", "/compressed",
                 "/theora", "/state")
 ALWAYS_RECORDED = ("/clock", "/tf", "/tf_static")
+PRIVATE_PARAMETERS = ("results_dir", "record", "startup_timeout_s", "stall_timeout_s", "exit_code_file")
 POLL_S = 0.05             # wall time between looks
 GRAPH_POLL_S = 0.5        # wall time between looks at the master while running
 GOAL_PERIOD_S = 3.0       # wall time after which a goal that nobody took is sent again
@@ -54,7 +55,7 @@ class ExperimentNode:
         self._record = parameters.value("~record", True)
         self._startup_timeout_s = parameters.value("~startup_timeout_s", 60.0, minimum=1.0)
         self._stall_timeout_s = parameters.value("~stall_timeout_s", 60.0, minimum=1.0)
-        parameters.known(("results_dir", "record", "startup_timeout_s", "stall_timeout_s"))
+        parameters.known(PRIVATE_PARAMETERS)
         try:
             self._scenario = scenario_from_dict(rospy.get_param("scenario", {}), source="scenario")
         except ParameterError as error:
@@ -78,7 +79,8 @@ class ExperimentNode:
         self._wait("the nodes " + ", ".join(NODES), self._missing_parts, self._startup_timeout_s)
         try:
             if self._record:
-                self._recorder = Recorder(self.folder / "run.bag", self._topics(), rospy.get_name() + "_recorder")
+                self._recorder = Recorder(self.folder / "run.bag", self._topics(), rospy.get_name() + "_recorder",
+                                          rospy.resolve_name("/clock"))
             self._wait("all connections", self._missing_connections, self._startup_timeout_s)
             wall_s = self._drive()
         finally:
@@ -253,8 +255,19 @@ class ExperimentNode:
 
 
 def main():
-    """Entry of scripts/experiment. Returns the exit code."""
+    """Entry of scripts/experiment. Returns the exit code, and leaves it in the file ~exit_code_file if that is given.
+
+    roslaunch ends with 0 whatever its nodes ended with; the file is for who started roslaunch.
+    """
     rospy.init_node("experiment")
+    path = rospy.get_param("~exit_code_file", "")
+    code = _run()
+    if path:
+        Path(path).write_text(f"{code}\n", encoding="ascii")
+    return code
+
+
+def _run():
     try:
         return ExperimentNode().run()
     except ParameterError as error:

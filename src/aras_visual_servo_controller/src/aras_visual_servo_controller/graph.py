@@ -2,12 +2,13 @@
 
 The master only knows who *wants* to talk; a message published before the connection stands is lost. Publishers are
 asked for their connections (slave API `getBusInfo`), so that a run starts when nothing can be lost any more.
+Speaks XML-RPC with master and nodes itself: no ROS library is needed.
 """
 
-import socket
+import http.client
 import xmlrpc.client
 
-import rosgraph
+_FAILURES = (OSError, http.client.HTTPException, xmlrpc.client.Error)
 
 
 class _TimeoutTransport(xmlrpc.client.Transport):

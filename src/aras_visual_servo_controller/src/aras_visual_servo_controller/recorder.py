@@ -1,5 +1,6 @@
 """rosbag record as a child process that is stopped properly."""
 
+import ctypes
 import os
 import signal
 import subprocess
@@ -7,6 +8,9 @@ import time
 from pathlib import Path
 
 from .errors import ArasError
+
+
+PR_SET_PDEATHSIG = 1  # linux/prctl.h
 
 
 class RecorderError(ArasError):
@@ -18,16 +22,17 @@ class Recorder:
 
     Args:
         bag: path of the bag, must not exist.  topics: resolved names.  node: absolute name for the recorder's node.
+        clock: resolved name of /clock; the bag is in simulated time.
     """
 
-    def __init__(self, bag, topics, node):
+    def __init__(self, bag, topics, node, clock="/clock"):
         self.bag, self.node, self.topics = Path(bag), node, list(topics)
         namespace, _, name = node.rpartition("/")
         command = ["rosbag", "record", "--buffsize", "0", "--lz4", "--tcpnodelay", "-q", "-O", str(self.bag)]
-        command += self.topics + [f"__name:={name}"]
+        command += self.topics + [f"__name:={name}"] + ([f"/clock:={clock}"] if clock != "/clock" else [])
         # A group of its own: Ctrl-C in the terminal must not close the bag before the run has ended.
         self._process = subprocess.Popen(command, env=dict(os.environ, ROS_NAMESPACE=namespace or "/"),
-                                         start_new_session=True)
+                                         start_new_session=True, preexec_fn=_end_with_parent)
 
     def check(self):
         """Raises RecorderError if the recorder has ended."""
@@ -63,6 +68,11 @@ class Recorder:
             if time.monotonic() > deadline:
                 raise RecorderError(f"{self.bag}: the recorder did not close the bag")
             time.sleep(0.02)
+
+
+def _end_with_parent():
+    """In the child: be interrupted when the parent dies, however it dies, so that no recorder is left behind."""
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGINT)
 
 
 def _signal_group(pid, number):

@@ -1,9 +1,11 @@
 """The commands `run` and `report`: arguments, exit codes, what is said."""
 
+import pathlib
+
 import pytest
 from synthetic import make_record
 
-from aras_visual_servo_controller import cli, experiment
+from aras_visual_servo_controller import cli, experiment, launch
 from aras_visual_servo_controller.errors import ModelError, ParameterError
 
 
@@ -59,13 +61,23 @@ def test_an_error_of_the_run_exits_with_three(monkeypatch, tmp_path, capsys):
     assert "joint 'J9': unknown" in capsys.readouterr().err
 
 
-def test_a_run_over_ros_becomes_roslaunch_with_the_scenario_and_the_folder(monkeypatch, tmp_path):
+def test_a_run_over_ros_gives_the_exit_code_of_the_experiment_node(monkeypatch, tmp_path):
     commands = []
-    monkeypatch.setattr(cli.os, "execvp", lambda file, command: commands.append(command))
-    cli.run_main(["experiment_1", "--output", str(tmp_path)])
+
+    class Roslaunch:
+        def __init__(self, command, **_):
+            commands.append(command)
+            outcome = next(word for word in command if word.startswith("exit_code_file:="))
+            pathlib.Path(outcome.partition(":=")[2]).write_text("1\n")
+
+        def wait(self):
+            return 0  # what roslaunch ends with, whatever became of its nodes
+    monkeypatch.setattr(launch.subprocess, "Popen", Roslaunch)
+    monkeypatch.setenv("ROS_MASTER_URI", "http://localhost:1")
+    assert cli.run_main(["experiment_1", "--output", str(tmp_path)]) == cli.EXIT_FAILED
     assert commands[0][:3] == ["roslaunch", "aras_visual_servo_controller", "servo.launch"]
     assert commands[0][3].startswith("scenario:=/") and commands[0][3].endswith("experiment_1.yaml")
-    assert commands[0][4] == f"results_dir:={tmp_path}"
+    assert f"results_dir:={tmp_path}" in commands[0]
 
 
 def test_the_list_names_every_shipped_scenario(capsys):

@@ -1,0 +1,63 @@
+#!/usr/bin/env python3
+"""The command `run` over ROS: recording, judging and exit code, with the controller killed on the way."""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from aras_visual_servo_controller.launch import run_over_ros
+from aras_visual_servo_controller.scenario import load_scenario
+
+LIMIT_S = 120.0  # wall time
+FILES = ("run.bag", "summary.json", "trace.csv", "figure.png", "figure.pdf", "report.html")
+
+
+def kill_in_phase(phase, namespace):
+    """Python program that waits for that phase and kills the controller; run beside roslaunch."""
+    return f"""
+import os, signal, xmlrpc.client, rospy, rosgraph
+from aras_visual_servo_msgs.msg import ServoState
+rospy.init_node("killer", disable_signals=True)
+def look(message):
+    if message.phase == "{phase}":
+        uri = rosgraph.Master("/killer").lookupNode("{namespace}/controller")
+        os.kill(xmlrpc.client.ServerProxy(uri).getPid("/killer")[2], signal.SIGKILL)
+        os._exit(0)
+rospy.Subscriber("{namespace}/servo_state", ServoState, look)
+rospy.spin()
+"""
+
+
+class ExperimentNode(unittest.TestCase):
+    def run_scenario(self, *arguments):
+        """(exit code, result folder, summary) of experiment_1 over ROS."""
+        folder = tempfile.mkdtemp(prefix="aras_experiment_")
+        code = run_over_ros(load_scenario("experiment_1"), folder, arguments)
+        results = list(pathlib.Path(folder).glob("experiment_1/*"))
+        self.assertEqual(len(results), 1)
+        summary = json.loads((results[0] / "summary.json").read_text())
+        return code, results[0], summary
+
+    def test_run_records_judges_and_exits_with_0(self):
+        code, folder, summary = self.run_scenario("ns:=plain", "side_by_side:=true")
+        self.assertEqual(code, 0)
+        self.assertTrue(summary["converged"] and summary["passed"], summary["faults"])
+        self.assertEqual(sorted(path.name for path in folder.iterdir()), sorted(FILES))
+
+    def test_goes_on_when_the_controller_is_killed_while_servoing(self):
+        killer = subprocess.Popen([sys.executable, "-c", kill_in_phase("servo", "/killed")])
+        try:
+            code, _, summary = self.run_scenario("ns:=killed", "respawn:=true", "side_by_side:=true",
+                                                 "real_time_factor:=2")
+            self.assertEqual(killer.wait(LIMIT_S), 0)
+        finally:
+            killer.kill()
+        self.assertEqual(code, 0, summary["faults"])
+        self.assertTrue(summary["converged"])
+
+
+if __name__ == "__main__":
+    import rostest
+    rostest.rosrun("aras_visual_servo_controller", "experiment_node", ExperimentNode, sys.argv)
