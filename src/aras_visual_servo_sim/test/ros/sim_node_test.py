@@ -14,6 +14,7 @@ import rospy
 import rostest
 from aras_visual_servo_msgs.msg import JointControllerState, SimStatus
 from aras_visual_servo_msgs.srv import SetJointPositions, SetTargetPose, Step
+from aras_visual_servo_sim import Simulation
 from geometry_msgs.msg import PoseStamped
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, JointState
@@ -220,6 +221,16 @@ class Lockstep(unittest.TestCase):
         second = self.run_images(10)
         self.assertEqual(first.run_hash, second.run_hash)
         self.assertEqual((first.ticks, first.frames), (second.ticks, second.frames))
+
+    def test_hash_is_that_of_the_same_run_in_process(self):
+        controllers = {name: rospy.get_param(name) for name in ("lift_controller", "pan_controller")}
+        simulation = Simulation(rospy.get_param("robot_description"), rospy.get_param("sim/sim"), controllers)
+        for _ in range(11):
+            stamp_ns = simulation.step_to_image("camera")
+            simulation.render("camera")
+            expected = simulation.run_hash
+            simulation.set_command(velocity={"pan": 0.1}, stamp_ns=stamp_ns)
+        self.assertEqual(self.run_images(10).run_hash, expected)
 
     def test_after_the_timeout_it_says_who_did_not_answer(self):
         self.run_images(0)
