@@ -21,10 +21,12 @@ from std_srvs.srv import Empty
 
 from aras_visual_servo_msgs.msg import (ServoState, SimStatus, VisualServoActionGoal, VisualServoActionResult,
                                         VisualServoGoal)
+from aras_visual_servo_msgs.srv import Step
 
 from .bag import read_bag
 from .errors import ArasError, ParameterError
 from .graph import Graph
+from .loop import CLOSING_S
 from .parameters import Parameters
 from .recorder import Recorder
 from .report import create_result_folder, format_summary, save_results
@@ -65,6 +67,7 @@ class ExperimentNode:
         self._recorder = None
         self._changed = threading.Condition()
         self._status = self._state = self._result = None
+        self._done_ns = None
         self._accepted = set()
         self._goal_ids = []
         self.folder = None
@@ -97,6 +100,7 @@ class ExperimentNode:
         self._settings = rospy.Publisher("scenario", String, queue_size=1, latch=True)
         self._settings.publish(yaml.safe_dump(self._scenario.as_dict(), sort_keys=False))
         self._goals = rospy.Publisher("servo/goal", VisualServoActionGoal, queue_size=10, latch=False)
+        self._step = rospy.ServiceProxy("sim/step", Step)
         self._pause, self._unpause = (rospy.ServiceProxy(f"sim/{name}", Empty) for name in ("pause", "unpause"))
 
     def _missing_parts(self):
@@ -174,8 +178,11 @@ class ExperimentNode:
                 raise RunError(f"simulated time stands still at {stamp.to_sec():.3f} s, held by "
                                f"{self._status.held_by or 'nobody'}")
         self._pause()
+        wall_s = now_s - started_s
+        if lockstep:
+            self._close_run()
         self._settle_recording()
-        return now_s - started_s
+        return wall_s
 
     def _taken(self, lockstep):
         if self._result is not None:
@@ -206,6 +213,19 @@ class ExperimentNode:
         self._send_goal(reference)
         return now
 
+    def _close_run(self):
+        """Step the paused simulator to CLOSING_S after the end: where it was paused is chance, where it ends is not."""
+        self._wait("the last servo_state", lambda: [] if self._done_ns is not None else ["phase done"], 10.0)
+        self._wait("the pause", lambda: [] if self._status.paused else ["sim/status paused"], 10.0)
+        end_ns = self._done_ns + round(CLOSING_S * 1e9)
+        period_ns = round(self._scenario.sim.get("period_s", 0.001) * 1e9)
+        steps = (end_ns - self._status.header.stamp.to_nsec()) // period_ns
+        if steps < 0:
+            rospy.logwarn("paused late: the run hash is not that of other runs")
+            return
+        self._step(steps)
+        self._wait("the end", lambda: [] if self._status.header.stamp.to_nsec() >= end_ns else ["sim/status"], 10.0)
+
     def _settle_recording(self):
         """Let the last messages reach the recorder: wait until the bag has stopped growing."""
         if self._recorder is None:
@@ -221,6 +241,8 @@ class ExperimentNode:
             self._status = message
 
     def _on_state(self, message):
+        if message.phase == "done" and self._done_ns is None and self._state is not None:
+            self._done_ns = message.header.stamp.to_nsec()
         if message.phase not in ("idle", "done"):  # of a controller that was just started again: not where we were
             self._state = message
 
@@ -246,7 +268,7 @@ class ExperimentNode:
             rospy.logwarn("nothing was recorded (record:=false): not judged by the true pose")
             return EXIT_PASSED if result.converged else EXIT_FAILED
         record = read_bag(self._recorder.bag, rospy.get_namespace())
-        simulated_s = float(record.t_s[-1] - record.t_s[0])
+        simulated_s = float(record.t_s[-1]) if self._done_ns is None else self._done_ns * 1e-9
         record = dataclasses.replace(record, wall_s=wall_s, real_time_factor=simulated_s / wall_s)
         summary = save_results(record, self.folder, "roslaunch aras_visual_servo_controller servo.launch "
                                                     f"scenario:={self._scenario.path or self._scenario.name}")

@@ -3,7 +3,9 @@
 The nodes do the same in the same order with the same objects; in lockstep they give the same bytes (tests/ros).
 """
 
+import math
 import time
+from fractions import Fraction
 
 import numpy as np
 
@@ -15,6 +17,9 @@ from .sequence import ExperimentSequence
 from .servo import Servo
 from .types import Observation
 
+#: Simulated time that a run goes on after its end, arm at rest: over ROS the simulator cannot be paused at once, and
+#: both ways of running must end at the same tick to end with the same run hash [s].
+CLOSING_S = 2.0
 #: Simulated time after which `run` gives up on an experiment that does not end by itself [s].
 DEFAULT_LIMIT_S = 300.0
 PROGRESS_ROWS = 30
@@ -90,29 +95,42 @@ class ServoLoop:
         sim.set_command(position=command.position, velocity=command.velocity, stamp_ns=command.stamp_ns)
         return record, features, image
 
-    def run(self, progress=None, limit_s=DEFAULT_LIMIT_S):
+    def run(self, progress=None, limit_s=DEFAULT_LIMIT_S, closing_s=CLOSING_S):
         """Run the experiment from here to its end.
 
         Args:
             progress: called about once a simulated second with (t_s, phase), or None.
-            limit_s: simulated time after which to give up [s].
+            limit_s: simulated time after which to give up [s].  closing_s: simulated time to go on after the end [s].
         Returns:
             RunRecord, one row per image.
         """
         builder = RecordBuilder(self.scenario.name, self.kinematics.joint_names, settings=self.scenario.as_dict())
         started_s = time.perf_counter()
         self.start()
-        while not self.sequence.done:
-            record, features, image = self.step()
-            builder.add_answer(record, self.sim.camera_pose(self.camera), features, image)
-            if progress is not None and self.frame % PROGRESS_ROWS == 0:
-                progress(record.stamp_ns * 1e-9, record.phase)
-            if record.stamp_ns > limit_s * 1e9:
-                builder.note(f"given up after {limit_s:g} s of simulated time in phase {record.phase}")
-                break
+        record = self._row(builder, progress)
+        while not self.sequence.done and record.stamp_ns < limit_s * 1e9:
+            record = self._row(builder, progress)
+        if self.sequence.done:
+            last_frame = self._frames_until(record.stamp_ns + round(closing_s * 1e9))
+            while self.frame < last_frame:
+                self._row(builder, progress)
+        else:
+            builder.note(f"given up after {limit_s:g} s of simulated time in phase {record.phase}")
         wall_s = time.perf_counter() - started_s
         return builder.finish(run_hash=self.sim.run_hash, wall_s=wall_s, camera_info=self.camera_info,
                               X_WT=self._target_pose())
+
+    def _row(self, builder, progress):
+        record, features, image = self.step()
+        builder.add_answer(record, self.sim.camera_pose(self.camera), features, image)
+        if progress is not None and self.frame % PROGRESS_ROWS == 0:
+            progress(record.stamp_ns * 1e-9, record.phase)
+        return record
+
+    def _frames_until(self, stamp_ns):
+        """Index of the last frame not after a time that is a whole number of physics periods (frame k: >= k / rate)."""
+        cameras = {camera["name"]: camera for camera in self.scenario.sim["cameras"]}
+        return math.floor(Fraction(cameras[self.camera]["rate_hz"]).limit_denominator(1_000_000) * stamp_ns / 1_000_000_000)
 
     def _target_pose(self):
         """X_WT, (4, 4), of the scene's first model; None without one."""

@@ -8,6 +8,7 @@ import tempfile
 import unittest
 
 from aras_visual_servo_controller.launch import run_over_ros
+from aras_visual_servo_controller.loop import ServoLoop
 from aras_visual_servo_controller.scenario import load_scenario
 
 LIMIT_S = 120.0  # wall time
@@ -45,6 +46,8 @@ class ExperimentNode(unittest.TestCase):
         self.assertEqual(code, 0)
         self.assertTrue(summary["converged"] and summary["passed"], summary["faults"])
         self.assertEqual(sorted(path.name for path in folder.iterdir()), sorted(FILES))
+        # Recorded over ROS or run in process: the same bytes, up to the same tick.
+        self.assertEqual(summary["run_hash"], ServoLoop(load_scenario("experiment_1")).run().run_hash)
 
     def test_goes_on_when_the_controller_is_killed_while_servoing(self):
         killer = subprocess.Popen([sys.executable, "-c", kill_in_phase("servo", "/killed")])
