@@ -28,9 +28,9 @@ from .versions import installed_versions
 
 # The results published with the two experiments: where the real arm ended.
 PUBLISHED = {
-    "experiment_1": {"label": "paper, real arm, experiment 1",
+    "experiment_1": {"label": "paper, experiment 1",
                      "x_mm": 2.0, "y_mm": 4.7, "z_mm": 2.6, "angle_deg": 0.003},
-    "experiment_2": {"label": "paper, real arm, experiment 2",
+    "experiment_2": {"label": "paper, experiment 2",
                      "x_mm": 4.0, "y_mm": 8.9, "z_mm": 7.2, "angle_deg": 0.03},
 }
 ERROR_KEYS = ("x_mm", "y_mm", "z_mm", "angle_deg")
