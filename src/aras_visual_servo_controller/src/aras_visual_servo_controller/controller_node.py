@@ -25,11 +25,8 @@ from aras_visual_servo_msgs.srv import SetReference, SetReferenceRequest, Teach,
 from . import ros_conversions as convert
 from .errors import ArasError, ParameterError
 from .float_commands import SetPointIntegrator
-from .kinematics import Kinematics
 from .pairing import StampPairer
-from .parameters import Parameters
-from .sequence import ExperimentSequence
-from .servo import Servo
+from .parameters import ControllerSetup
 from .session import Session
 from .types import Reference, ServoRecord, Status
 
@@ -37,8 +34,6 @@ SERVICE_TIMEOUT_S = 5.0   # wall time; camera/set_reference
 WORKER_PERIOD_S = 0.05    # wall time; watchdog
 STATUS_PERIOD_S = 0.2     # wall time; actionlib's status topic
 HELD_S = 0.5              # wall time; a simulator that holds this long at start-up waits for an answer that is lost
-PRIVATE_PARAMETERS = ("command_interface", "feedback_rate_hz", "taught_reference", "scenario", "servo", "experiment",
-                      "robot", "actionlib_status_frequency")
 EXIT_STOPPED, EXIT_PARAMETERS = 0, 2
 
 
@@ -62,40 +57,16 @@ class ControllerNode:
     # --- set-up -------------------------------------------------------------------------------------------------
 
     def _read_parameters(self):
-        parameters = Parameters()
-        robot, servo = parameters.section("robot"), parameters.section("servo")
-        experiment = parameters.section("experiment")
-        urdf = parameters.searched("robot_description")
-        interface = parameters.choice("~command_interface", "joint_command", ("joint_command", "float64"))
-        self._feedback_period_s = 1.0 / parameters.value("~feedback_rate_hz", 10.0, minimum=0.1)
-        parameters.known(PRIVATE_PARAMETERS)
-        for key in ("base_link", "tip_link"):
-            if robot and not isinstance(robot.get(key), str):
-                parameters.faults.append(f"robot/{key}: missing or not text")
-        kinematics = servo_core = sequence = None
-        if not parameters.faults:
-            kinematics = parameters.build(Kinematics, urdf, robot["base_link"], robot["tip_link"])
-        if kinematics is not None:
-            servo_core = parameters.build(Servo, kinematics, servo)
-            sequence = parameters.build(ExperimentSequence, kinematics, servo_core, experiment, self._set_reference)
-            self._float_publishers = self._find_controllers(parameters, kinematics) if interface == "float64" else {}
-        parameters.check()
-        self._kinematics, self._servo, self._sequence = kinematics, servo_core, sequence
-        limits = servo_core.config
-        self._session = Session(kinematics, servo_core, sequence, limits.input_timeout_s, limits.time_limit_s)
-        self._integrator = SetPointIntegrator(kinematics.joint_names, kinematics.lower, kinematics.upper,
-                                              round(limits.input_timeout_s * 1e9))
-
-    def _find_controllers(self, parameters, kinematics):
-        """Publishers of `<controller>/command` by joint, from the ros_control parameters in our namespace."""
-        tree = rospy.get_param(rospy.get_namespace(), {})
-        found = {value["joint"]: name for name, value in sorted(tree.items())
-                 if isinstance(value, dict) and "joint" in value and str(value.get("type", "")).endswith("Controller")}
-        missing = [name for name in kinematics.joint_names if name not in found]
-        if missing:
-            parameters.faults.append(f"command_interface: float64 needs a controller for {', '.join(missing)}")
-        return {joint: rospy.Publisher(name + "/command", Float64, queue_size=10, tcp_nodelay=True)
-                for joint, name in found.items() if joint in kinematics.joint_names}
+        setup = ControllerSetup(self._set_reference)
+        self._kinematics, self._servo, self._sequence = setup.kinematics, setup.servo, setup.sequence
+        self._feedback_period_s = 1.0 / setup.feedback_rate_hz
+        self._float_publishers = {joint: rospy.Publisher(name + "/command", Float64, queue_size=10, tcp_nodelay=True)
+                                  for joint, name in setup.controllers.items()}
+        limits = setup.servo.config
+        self._session = Session(setup.kinematics, setup.servo, setup.sequence, limits.input_timeout_s,
+                                limits.time_limit_s)
+        self._integrator = SetPointIntegrator(setup.kinematics.joint_names, setup.kinematics.lower,
+                                              setup.kinematics.upper, round(limits.input_timeout_s * 1e9))
 
     def _restore_reference(self):
         """Take the reference that a predecessor of ours taught."""

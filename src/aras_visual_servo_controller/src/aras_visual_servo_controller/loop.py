@@ -130,7 +130,8 @@ class ServoLoop:
     def _frames_until(self, stamp_ns):
         """Index of the last frame not after a time that is a whole number of physics periods (frame k: >= k / rate)."""
         cameras = {camera["name"]: camera for camera in self.scenario.sim["cameras"]}
-        return math.floor(Fraction(cameras[self.camera]["rate_hz"]).limit_denominator(1_000_000) * stamp_ns / 1_000_000_000)
+        rate_hz = Fraction(cameras[self.camera]["rate_hz"]).limit_denominator(1_000_000)
+        return math.floor(rate_hz * stamp_ns / 1_000_000_000)
 
     def _target_pose(self):
         """X_WT, (4, 4), of the scene's first model; None without one."""

@@ -3,6 +3,12 @@
 import rospy
 
 from .errors import ArasError, ParameterError
+from .kinematics import Kinematics
+from .sequence import ExperimentSequence
+from .servo import Servo
+
+CONTROLLER_PARAMETERS = ("command_interface", "feedback_rate_hz", "taught_reference", "scenario", "servo", "experiment",
+                         "robot", "actionlib_status_frequency")
 
 _TYPES = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}
 
@@ -88,3 +94,50 @@ class Parameters:
         """Raises ParameterError with every fault found, if any."""
         if self.faults:
             raise ParameterError(self.faults)
+
+
+class ControllerSetup:
+    """The controller node's parameters, made into the objects of the core.
+
+    Args:
+        set_reference: as `ExperimentSequence` wants it.
+    Raises:
+        ParameterError: listing every fault.
+
+    Attributes:
+        kinematics, servo, sequence: the core.  feedback_rate_hz: of the action, wall time [1/s].
+        controllers: joint -> name of its ros_control controller, {} unless the command interface is float64.
+    """
+
+    def __init__(self, set_reference):
+        parameters = Parameters()
+        robot, servo = parameters.section("robot"), parameters.section("servo")
+        experiment = parameters.section("experiment")
+        urdf = parameters.searched("robot_description")
+        interface = parameters.choice("~command_interface", "joint_command", ("joint_command", "float64"))
+        self.feedback_rate_hz = parameters.value("~feedback_rate_hz", 10.0, minimum=0.1)
+        parameters.known(CONTROLLER_PARAMETERS)
+        for key in ("base_link", "tip_link"):
+            if robot and not isinstance(robot.get(key), str):
+                parameters.faults.append(f"robot/{key}: missing or not text")
+        self.kinematics = self.servo = self.sequence = None
+        self.controllers = {}
+        if not parameters.faults:
+            self.kinematics = parameters.build(Kinematics, urdf, robot["base_link"], robot["tip_link"])
+        if self.kinematics is not None:
+            self.servo = parameters.build(Servo, self.kinematics, servo)
+            self.sequence = parameters.build(ExperimentSequence, self.kinematics, self.servo, experiment, set_reference)
+            if interface == "float64":
+                self.controllers = _controllers(parameters, self.kinematics.joint_names)
+        parameters.check()
+
+
+def _controllers(parameters, joint_names):
+    """Joint -> controller of the ros_control parameters in our namespace; a joint without one is a fault."""
+    tree = rospy.get_param(rospy.get_namespace(), {})
+    found = {value["joint"]: name for name, value in sorted(tree.items())
+             if isinstance(value, dict) and "joint" in value and str(value.get("type", "")).endswith("Controller")}
+    missing = [name for name in joint_names if name not in found]
+    if missing:
+        parameters.faults.append(f"command_interface: float64 needs a controller for {', '.join(missing)}")
+    return {joint: found[joint] for joint in joint_names if joint in found}

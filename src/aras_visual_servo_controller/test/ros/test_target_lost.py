@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A target that is moved out of view: status TARGET_LOST, the arm comes to rest, and the goal ends by its time limit."""
+"""A target that is moved out of view: status TARGET_LOST, the arm comes to rest, the goal ends by its time limit."""
 import sys
 import unittest
 

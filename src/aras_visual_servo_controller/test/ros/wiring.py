@@ -1,5 +1,6 @@
 """Helpers of the wiring tests. Everything waits on a condition with a limit of wall time, never for a fixed time."""
 
+import os
 import threading
 import time
 
@@ -10,6 +11,8 @@ from actionlib_msgs.msg import GoalID
 from aras_visual_servo_msgs.msg import (MomentFeatures, ServoState, SimStatus, VisualServoActionFeedback,
                                         VisualServoActionGoal, VisualServoActionResult)
 from sensor_msgs.msg import JointState
+
+from aras_visual_servo_controller.graph import Graph
 
 LIMIT_S = 60.0  # wall time until a condition must hold; generous, the machine may be busy
 
@@ -77,12 +80,10 @@ class Watcher:
 
     def wait_connected(self):
         """Wait until the paused simulator, the camera and the controller are connected with each other."""
-        import os
-        from aras_visual_servo_controller.graph import Graph
         graph = Graph(rospy.get_name(), os.environ["ROS_MASTER_URI"])
         nodes = [rospy.resolve_name(name) for name in ("sim", "camera_node", "controller")] + [rospy.get_name()]
-        topics = {rospy.resolve_name(name) for name in ("camera/features", "joint_states", "joint_command", "servo_state",
-                                                        "servo/result")}
+        names = ("camera/features", "joint_states", "joint_command", "servo_state", "servo/result")
+        topics = {rospy.resolve_name(name) for name in names}
         wait_until(lambda: topics <= set(graph.topics()), "the topics of the graph")
         wait_until(lambda: not graph.missing_connections(nodes), "the connections of the graph")
         wait_until(lambda: self.sim is not None, "sim/status")
