@@ -26,7 +26,7 @@ from .record import FEATURE_UNITS, TWIST_NAMES
 from .scenario import share_dir
 from .versions import installed_versions
 
-# The results published with the two experiments: where the real arm ended.
+# The results published with the two experiments.
 PUBLISHED = {
     "experiment_1": {"label": "paper, experiment 1",
                      "x_mm": 2.0, "y_mm": 4.7, "z_mm": 2.6, "angle_deg": 0.003},
