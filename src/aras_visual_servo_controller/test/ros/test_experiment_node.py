@@ -2,6 +2,7 @@
 """The command `run` over ROS: recording, judging and exit code, with the controller killed on the way."""
 import json
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -35,6 +36,7 @@ class ExperimentNode(unittest.TestCase):
     def run_scenario(self, *arguments):
         """(exit code, result folder, summary) of experiment_1 over ROS."""
         folder = tempfile.mkdtemp(prefix="aras_experiment_")
+        self.addCleanup(shutil.rmtree, folder, ignore_errors=True)
         code = run_over_ros(load_scenario("experiment_1"), folder, arguments)
         results = list(pathlib.Path(folder).glob("experiment_1/*"))
         self.assertEqual(len(results), 1)
