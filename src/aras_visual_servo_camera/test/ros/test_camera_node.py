@@ -58,7 +58,12 @@ class CameraNodeTest(unittest.TestCase):
     def setUp(self):
         self.received = []
         self.subscriber = rospy.Subscriber("camera/features", MomentFeatures, self.received.append, queue_size=200)
-        self.assertTrue(wait_until(lambda: self.subscriber.get_num_connections() > 0))
+        # rospy counts a connection before it stands, and an earlier test may have answers under way: a pair that is
+        # seen to come back proves the one and, as order is kept, ends the other.
+        marks = []
+        self.assertTrue(wait_until(lambda: marks.append(self.publish_pair()) or time.sleep(0.02) or self.received))
+        self.assertTrue(wait_until(lambda: self.received[-1].header.stamp == marks[-1]))
+        self.received.clear()
 
     def tearDown(self):
         self.subscriber.unregister()
