@@ -10,7 +10,7 @@ from aras_visual_servo_controller.experiment import judge
 from aras_visual_servo_controller.types import Status
 
 COVERAGE_MM_DEG = {"x_mm": 0.2, "y_mm": 0.2, "z_mm": 0.5, "angle_deg": 0.05}
-# The published rule stops at 1, 3, 5 mm and 0.057 deg of *feature* error; the last image before it is met is what counts.
+# The published rule stops at 1, 3, 5 mm and 0.057 deg of *feature* error; where it stops is judged.
 PAPER_RULE_MM_DEG = {"x_mm": 0.4, "y_mm": 0.4, "z_mm": 1.0, "angle_deg": 0.06}
 BINARY_MM_DEG = {"x_mm": 0.5, "y_mm": 0.5, "z_mm": 1.0, "angle_deg": 0.1}
 DECAY_SHARE = 0.1   # fitted decay against lambda

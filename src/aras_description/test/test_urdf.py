@@ -12,7 +12,8 @@ from urdf_model import PACKAGE, UrdfModel, stl_triangles
 
 URDF = PACKAGE / "urdf" / "aras_arm.urdf"
 CHAIN = [("gantry", "prismatic", "world", "slider"), ("J0", "fixed", "slider", "link0"),
-         ("J1", "revolute", "link0", "link1"), ("J2", "revolute", "link1", "link2"), ("J3", "revolute", "link2", "link3"),
+         ("J1", "revolute", "link0", "link1"), ("J2", "revolute", "link1", "link2"),
+         ("J3", "revolute", "link2", "link3"),
          ("J5", "revolute", "link3", "link5"), ("J6", "continuous", "link5", "link6"),
          ("camera_joint", "fixed", "link6", "camera_link"),
          ("camera_optical_joint", "fixed", "camera_link", "camera_optical_frame")]
@@ -20,7 +21,8 @@ MOVING = ["J1", "J2", "J3", "J5", "J6", "gantry"]
 MASSES_KG = {"slider": 1.5957, "link0": 5.272, "link1": 2.2792, "link2": 3.6544, "link3": 1.6841, "link5": 1.32285,
              "link6": 0.3641, "camera_link": 0.1}
 GOAL = {"gantry": 0.05, "J2": -0.09, "J3": 0.045, "J5": 0.045}
-START = {"gantry": -0.1, "J2": np.radians(20.0), "J3": np.radians(-15.0), "J5": np.radians(-5.0), "J6": np.radians(10.0)}
+START = {"gantry": -0.1, "J2": np.radians(20.0), "J3": np.radians(-15.0), "J5": np.radians(-5.0),
+         "J6": np.radians(10.0)}
 ROUNDING = 64 * np.finfo(float).eps  # a chain of ten products of numbers near 1
 MESH_MAX_BYTES, MESHES_MAX_BYTES = 150_000, 600_000
 
@@ -41,7 +43,8 @@ def camera_position(q):
 @pytest.mark.parametrize("name, kind, parent, child", CHAIN)
 def test_joint_connects_its_parent_and_child(arm, name, kind, parent, child):
     joint = arm.joints[name]
-    assert (joint.get("type"), joint.find("parent").get("link"), joint.find("child").get("link")) == (kind, parent, child)
+    found = joint.get("type"), joint.find("parent").get("link"), joint.find("child").get("link")
+    assert found == (kind, parent, child)
 
 
 def test_world_is_the_only_root(arm):
@@ -114,7 +117,8 @@ def test_every_link_with_mass_has_collision_geometry_of_primitives(arm):
 
 
 def test_optical_frame_is_right_down_forward_of_the_camera_body(arm):
-    R = np.linalg.inv(arm.link_pose("camera_link", START))[:3, :3] @ arm.link_pose("camera_optical_frame", START)[:3, :3]
+    R_WL, R_WC = (arm.link_pose(link, START)[:3, :3] for link in ("camera_link", "camera_optical_frame"))
+    R = R_WL.T @ R_WC
     right_down_forward = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]]).T
     np.testing.assert_allclose(R, right_down_forward, atol=ROUNDING)
 

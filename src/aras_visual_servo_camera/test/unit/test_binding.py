@@ -125,7 +125,8 @@ def test_view_turned_by_half_a_turn_is_told_apart():
     extractor.set_reference(0.5, extractor.process(image_with_wedge()))
     upright = extractor.process(image_with_wedge()).alpha
     turned = extractor.process(np.ascontiguousarray(image_with_wedge()[::-1, ::-1])).alpha
-    assert abs(math.remainder(turned - upright - math.pi, 2 * math.pi)) < 1e-9  # the same pixels, summed in another order
+    # the same pixels, summed in another order
+    assert abs(math.remainder(turned - upright - math.pi, 2 * math.pi)) < 1e-9
 
 
 def test_reference_by_numbers_and_from_a_message_like_object():
@@ -161,7 +162,8 @@ def test_faults_of_both_dicts_are_listed_at_once():
     with pytest.raises(camera.ParameterError) as error:
         camera.MomentExtractor(info, {"object": "grey", "order": "3", "colour": 1})
     text = str(error.value)
-    for part in ("camera_info/K[0]", "vision/object", "vision/segmentation", "vision/order: found '3'", "vision/colour"):
+    for part in ("camera_info/K[0]", "vision/object", "vision/segmentation", "vision/order: found '3'",
+                 "vision/colour"):
         assert part in text
     assert all(re.match(r"^(camera_info|vision)/.+: found .+, allowed .+$", line) for line in text.splitlines())
 

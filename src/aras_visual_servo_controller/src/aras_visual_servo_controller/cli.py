@@ -22,6 +22,7 @@ def run_main(argv=None):
                         help="root of the result folders (default: results)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
                         help="replace a value of the scenario, e.g. --set servo.gains_per_s.xn=2.0 (only --in-process)")
+    parser.add_argument("--verbose", action="store_true", help="show what the nodes say (only over ROS)")
     parser.add_argument("--list", action="store_true", help="list the scenarios that come with the package")
     arguments = parser.parse_args(argv)
     from .scenario import load_scenario, scenario_names
@@ -99,7 +100,7 @@ def _run_in_process(scenario, arguments):
 
 def _run_over_ros(scenario, arguments):
     from .launch import run_over_ros
-    return run_over_ros(scenario, os.path.expanduser(arguments.output))
+    return run_over_ros(scenario, os.path.expanduser(arguments.output), verbose=arguments.verbose)
 
 
 def _progress():

@@ -1,27 +1,34 @@
 """Runs a scenario over ROS from the command line: roslaunch as a child, and the experiment node's exit code as ours."""
 
+import json
 import os
+import shutil
 import signal
 import socket
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 from urllib.parse import urlparse
 
 from .errors import ArasError
 from .graph import Graph
+from .report import format_summary
 
 LAUNCH_FILE = ("aras_visual_servo_controller", "servo.launch")
 STOP_TIMEOUT_S = 60.0  # wall time that roslaunch gets to end its nodes after an interrupt
 EXIT_BROKEN = 3        # the run ended without an outcome
+TAIL_LINES = 40        # of the log, shown when there is no outcome
 
 
-def run_over_ros(scenario, results_dir, arguments=()):
+def run_over_ros(scenario, results_dir, arguments=(), verbose=False):
     """Run servo.launch and wait for its end.
 
     Args:
         scenario: `Scenario` with a path.  results_dir: root of the result folders.
         arguments: more arguments of servo.launch, `name:=value` each.
+        verbose: show what the nodes say; else it is kept in roslaunch.log of the result folder, and only the outcome
+            is printed.
     Returns:
         exit code of the experiment node: 0 passed, 1 not passed, 2 bad parameters, 3 could not run.
     Raises:
@@ -29,17 +36,42 @@ def run_over_ros(scenario, results_dir, arguments=()):
     """
     environment = dict(os.environ)
     environment["ROS_MASTER_URI"] = _master_uri(environment.get("ROS_MASTER_URI", ""))
+    before = _folders(Path(results_dir) / scenario.name)
     with tempfile.TemporaryDirectory(prefix="aras_run_") as folder:
         outcome = Path(folder) / "exit_code"
         command = ["roslaunch", *LAUNCH_FILE, f"scenario:={scenario.path}", f"model:={scenario.urdf_path}",
                    f"controllers:={scenario.controllers_path}", f"results_dir:={os.path.abspath(results_dir)}",
                    f"exit_code_file:={outcome}", *arguments]
-        try:
-            process = subprocess.Popen(command, env=environment, start_new_session=True)
-        except OSError as error:
-            raise ArasError(f"roslaunch: {error.strerror}; source the workspace, or run with --in-process") from error
-        _wait(process)
-        return int(outcome.read_text()) if outcome.exists() else EXIT_BROKEN
+        log = Path(folder) / "roslaunch.log"
+        with open(log, "wb") as stream:
+            try:
+                process = subprocess.Popen(command, env=environment, start_new_session=True,
+                                           **({} if verbose else {"stdout": stream, "stderr": subprocess.STDOUT}))
+            except OSError as error:
+                raise ArasError(f"roslaunch: {error.strerror}; source the workspace, or use --in-process") from error
+            _wait(process)
+        code = int(outcome.read_text()) if outcome.exists() else EXIT_BROKEN
+        if not verbose:
+            _tell(Path(results_dir) / scenario.name, before, log, code)
+        return code
+
+
+def _folders(parent):
+    return set(parent.iterdir()) if parent.is_dir() else set()
+
+
+def _tell(parent, before, log, code):
+    """Print the outcome of the run that made a folder in `parent`; without one, what the nodes said last."""
+    made = sorted(_folders(parent) - before)
+    for folder in made[-1:]:
+        shutil.copyfile(log, folder / "roslaunch.log")
+    if made and (made[-1] / "summary.json").is_file():
+        summary = json.loads((made[-1] / "summary.json").read_text(encoding="utf-8"))
+        print(format_summary({**summary, "report": str(made[-1] / "report.html")}))
+    else:
+        lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
+        print("\n".join(lines[-TAIL_LINES:]), file=sys.stderr)
+        print(f"the run ended with exit code {code}, without a result", file=sys.stderr)
 
 
 def _master_uri(uri):

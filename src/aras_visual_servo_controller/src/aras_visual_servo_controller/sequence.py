@@ -120,7 +120,8 @@ class ExperimentSequence:
         """Answer to one image. Idle and done: an empty command (pure acknowledgement, set-points hold)."""
         stamp_ns = observation.stamp_ns
         if self.phase in ("idle", "done"):
-            return Command(stamp_ns), self._record(stamp_ns, np.full(self._n, nan), self.phase)
+            text = self.phase if self.result is None else self.result.reason
+            return Command(stamp_ns), self._record(stamp_ns, np.full(self._n, nan), text)
         if self._last_ns is not None and stamp_ns > self._last_ns:
             self._dt_s = 1e-9 * (stamp_ns - self._last_ns)
         try:
