@@ -15,7 +15,7 @@ from .record import RecordBuilder
 from .scenario import package_paths
 from .sequence import ExperimentSequence
 from .servo import Servo
-from .types import Observation
+from .types import Observation, ServoRecord, Status
 
 #: Simulated time that a run goes on after its end, arm at rest: over ROS the simulator cannot be paused at once, and
 #: both ways of running must end at the same tick to end with the same run hash [s].
@@ -37,6 +37,8 @@ class ServoLoop:
     Args:
         scenario: a `Scenario`.
         camera: name of the camera; None: the first of the scenario.
+        sim: a Simulation made of the same robot, controllers and `sim` section, to be reset and used again (making one
+            takes as long as a second of simulated time); None: a new one. Either way the bytes are the same.
     Raises:
         ParameterError, ModelError and the errors of simulator and extractor: what is wrong with the scenario.
 
@@ -45,7 +47,7 @@ class ServoLoop:
         frame: index of the image answered last, -1 before the first.
     """
 
-    def __init__(self, scenario, camera=None):
+    def __init__(self, scenario, camera=None, sim=None):
         from aras_visual_servo_camera import MomentExtractor  # C++ modules: not needed to import this one
         from aras_visual_servo_sim import Simulation
 
@@ -53,7 +55,11 @@ class ServoLoop:
         urdf = scenario.urdf_xml()
         cameras = scenario.sim.get("cameras") or [{"name": "camera"}]
         self.camera = camera or cameras[0]["name"]
-        self.sim = Simulation(urdf, scenario.sim, scenario.controllers(), package_paths())
+        if sim is None:
+            sim = Simulation(urdf, scenario.sim, scenario.controllers(), package_paths())
+        else:
+            sim.reset()
+        self.sim = sim
         self.camera_info = self.sim.camera_info(self.camera)
         self.extractor = MomentExtractor(self.camera_info, scenario.vision)
         self.kinematics = Kinematics(urdf, scenario.robot["base_link"], scenario.robot["tip_link"])
@@ -72,6 +78,40 @@ class ServoLoop:
         """Make this view the reference; returns its features, normalised by it."""
         self.extractor.set_reference(z_star_m, features)
         return self.extractor.process(self._image)
+
+    def place(self, joints, settle_s=0.0):
+        """Put the arm down somewhere instead of driving it there.
+
+        Args:
+            joints: dict of joint name -> position [m, rad]; the others stay.
+            settle_s: simulated time to let it come to rest against gravity and friction, its set-points there [s].
+        """
+        self.sim.set_joint_positions(joints)
+        self.sim.step(round(settle_s * 1e9 / self.sim.period_ns))
+
+    def teach(self, z_star_m):
+        """Make the next image the reference, without an experiment around it.
+
+        Args:
+            z_star_m: depth of the target in this view [m].
+        Returns:
+            (record, features, image) as `step`, of phase "teach".
+        Raises:
+            ParameterError: the target is not fit for a reference in this view.
+        """
+        stamp_ns = self.sim.step_to_image(self.camera)
+        image = self._image = self.sim.render(self.camera)
+        features = self.extractor.process(image)
+        self.frame += 1
+        if not (features.target_visible and features.valid):
+            raise ParameterError("target not in view at the goal")
+        q = self.sim.joint_positions
+        q = q if self._order is None else q[self._order]
+        features = self._set_reference(z_star_m, features)
+        self.servo.teach(features, q)
+        record = ServoRecord(stamp_ns, Status.IDLE, "taught", "teach", joint_names=self.kinematics.joint_names, q=q,
+                             set_point=np.full(len(q), np.nan))
+        return record, features, image
 
     def start(self, servo_only=False):
         """Begin the experiment with the next image; servo_only: servo to the reference taught last."""

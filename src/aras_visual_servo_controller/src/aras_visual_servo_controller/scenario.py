@@ -19,6 +19,7 @@ from .errors import ParameterError
 
 PACKAGE = "aras_visual_servo_controller"
 SECTIONS = ("robot", "sim", "time", "vision", "servo", "experiment")
+OPTIONAL_SECTIONS = ("sweep",)
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,7 @@ class Scenario:
         robot: urdf, controllers (resolvable URIs or paths), base_link, tip_link.
         sim: section of the simulator.  time: of its node only.  vision: of the moment extractor.
         servo: law, gains, stop rule, redundancy.  experiment: goal, start, reference depth, judge thresholds.
+        sweep: what a sweep varies, see docs/sweeps.md; {} if the file has none.
     """
 
     name: str
@@ -40,6 +42,7 @@ class Scenario:
     vision: dict
     servo: dict
     experiment: dict
+    sweep: dict = field(default_factory=dict)
     path: Path = None
     _base: Path = field(default=None, repr=False)
 
@@ -65,6 +68,8 @@ class Scenario:
         """Nested dict, as in the file; a deep copy."""
         result = {"name": self.name, "description": self.description}
         result.update({section: copy.deepcopy(getattr(self, section)) for section in SECTIONS})
+        result.update({section: copy.deepcopy(getattr(self, section))
+                       for section in OPTIONAL_SECTIONS if getattr(self, section)})
         return result
 
     def with_overrides(self, overrides):
@@ -115,7 +120,7 @@ def scenario_from_dict(document, source="scenario", base=None, path=None):
                 faults.append(str(error))
     if faults:
         raise ParameterError([f"{source}: {fault}" for fault in faults])
-    sections = {section: copy.deepcopy(document.get(section, {})) for section in SECTIONS}
+    sections = {section: copy.deepcopy(document.get(section, {})) for section in SECTIONS + OPTIONAL_SECTIONS}
     return Scenario(name=document["name"], description=document.get("description", ""), path=path, _base=base,
                     **sections)
 

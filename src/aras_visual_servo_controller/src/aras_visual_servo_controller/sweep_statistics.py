@@ -1,0 +1,117 @@
+"""Statistics of sweeps: pure functions of rows, checked against published tables in the tests."""
+
+import math
+
+import numpy as np
+
+#: Two-sided 95 % of the normal distribution.
+Z_95 = 1.959963984540054
+
+
+def wilson(successes, count, z=Z_95):
+    """Wilson's score interval of a proportion.
+
+    Args:
+        successes, count: whole numbers, 0 <= successes <= count.  z: quantile, default 95 % two-sided.
+    Returns:
+        (low, high) in [0, 1]; (0, 1) for count 0.
+    Reference: Wilson, JASA 22(158), 1927, 209-212.
+    """
+    if count == 0:
+        return 0.0, 1.0
+    p, square = successes / count, z * z / count
+    middle = (p + square / 2.0) / (1.0 + square)
+    half = z / (1.0 + square) * math.sqrt(p * (1.0 - p) / count + square / (4.0 * count))
+    # At the ends the bound is exact; rounding would leave 1e-17.
+    return (0.0 if successes == 0 else middle - half), (1.0 if successes == count else middle + half)
+
+
+def mcnemar(only_a, only_b):
+    """Exact two-sided p-value that two methods succeed equally often on the same starts.
+
+    Args:
+        only_a, only_b: number of pairs where only A, only B succeeded.
+    Returns:
+        p in [0, 1]; 1 without such pairs.
+    Reference: McNemar, Psychometrika 12(2), 1947; the exact form is a sign test.
+    """
+    from scipy.stats import binomtest
+    total = only_a + only_b
+    return float(binomtest(only_a, total, 0.5).pvalue) if total else 1.0
+
+
+def signed_rank(a, b):
+    """Wilcoxon's signed-rank test of paired values, two-sided.
+
+    Args:
+        a, b: (n,) paired values.
+    Returns:
+        p in [0, 1]; 1 if every pair is equal, NaN without pairs.
+    """
+    from scipy.stats import wilcoxon
+    difference = np.asarray(a, dtype=float) - np.asarray(b, dtype=float)
+    if not len(difference):
+        return math.nan
+    return 1.0 if not np.any(difference) else float(wilcoxon(difference).pvalue)
+
+
+def success_curve(distances, successes, bins=8):
+    """Success rate against distance, in bins of equal width.
+
+    Args:
+        distances: (n,).  successes: (n,) 0 or 1.
+    Returns:
+        list of dict low, high, middle, count, rate, ci_low, ci_high; empty bins are left out.
+    """
+    distances, successes = np.asarray(distances, dtype=float), np.asarray(successes, dtype=float)
+    if not len(distances):
+        return []
+    edges = np.linspace(distances.min(), distances.max(), bins + 1)
+    which = np.clip(np.searchsorted(edges, distances, side="right") - 1, 0, bins - 1)
+    curve = []
+    for i in range(bins):
+        inside = which == i
+        count, wins = int(inside.sum()), int(successes[inside].sum())
+        if count:
+            low, high = wilson(wins, count)
+            curve.append({"low": float(edges[i]), "high": float(edges[i + 1]), "count": count, "rate": wins / count,
+                          "middle": float(distances[inside].mean()), "ci_low": low, "ci_high": high})
+    return curve
+
+
+def aggregate(rows):
+    """Numbers of a sweep by name; infeasible starts count in `runs` and `infeasible` only.
+
+    Returns:
+        dict name -> number; rates are of the feasible runs, times and errors of those that succeeded. NaN where there
+        is nothing to take it from.
+    """
+    feasible = [row for row in rows if row["outcome"] != "infeasible"]
+    won = [row for row in feasible if row["success"]]
+    total = len(feasible)
+    numbers = {
+        "runs": len(rows), "feasible": total, "infeasible": len(rows) - total,
+        "errors": sum(row["outcome"] == "error" for row in rows),
+        "failures": sum(row["outcome"] == "failure" for row in rows),
+    }
+    for name in ("success", "success_strict", "converged"):
+        count = sum(bool(row[name]) for row in feasible)
+        numbers[name] = count / total if total else math.nan
+        low, high = wilson(count, total)
+        numbers[f"{name}_low"], numbers[f"{name}_high"] = low, high
+    for name, column in (("time", "duration_s"), ("error", "error_mm"), ("angle", "angle_deg")):
+        values = np.array([row[column] for row in won], dtype=float)
+        unit = column.rpartition("_")[2]
+        for part, value in (("median", 50), ("p95", 95), ("max", 100)):
+            numbers[f"{name}_{part}_{unit}"] = float(np.percentile(values, value)) if len(values) else math.nan
+    return numbers
+
+
+def reasons(rows):
+    """(outcome, reason, count), most frequent first, of every run that did not succeed."""
+    counts = {}
+    for row in rows:
+        if row["outcome"] != "success":
+            key = (row["outcome"], row["reason"])
+            counts[key] = counts.get(key, 0) + 1
+    return [(*key, count) for key, count in sorted(counts.items(), key=lambda item: (-item[1], item[0]))]
