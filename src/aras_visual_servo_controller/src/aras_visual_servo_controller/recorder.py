@@ -1,4 +1,4 @@
-"""rosbag record as a child process that is stopped properly."""
+"""The recorder node (src/ros/recorder.cpp) as a child process that is stopped properly."""
 
 import ctypes
 import os
@@ -28,7 +28,7 @@ class Recorder:
     def __init__(self, bag, topics, node, clock="/clock"):
         self.bag, self.node, self.topics = Path(bag), node, list(topics)
         namespace, _, name = node.rpartition("/")
-        command = ["rosbag", "record", "--buffsize", "0", "--lz4", "--tcpnodelay", "-q", "-O", str(self.bag)]
+        command = ["rosrun", "aras_visual_servo_controller", "recorder", "--lz4", "-O", str(self.bag)]
         command += self.topics + [f"__name:={name}"] + ([f"/clock:={clock}"] if clock != "/clock" else [])
         # A group of its own: Ctrl-C in the terminal must not close the bag before the run has ended.
         self._process = subprocess.Popen(command, env=dict(os.environ, ROS_NAMESPACE=namespace or "/"),
@@ -38,7 +38,7 @@ class Recorder:
         """Raises RecorderError if the recorder has ended."""
         code = self._process.poll()
         if code is not None:
-            raise RecorderError(f"rosbag record ended by itself with exit code {code}")
+            raise RecorderError(f"the recorder ended by itself with exit code {code}")
 
     def written_bytes(self):
         """Size of the bag so far [B]."""
@@ -56,7 +56,7 @@ class Recorder:
             RecorderError: the bag was not closed.
         """
         if self._process.poll() is None:
-            # `rosbag record` may be a wrapper that waits for the real recorder: both are in the group.
+            # rosrun may be a wrapper that waits for the real recorder: both are in the group.
             _signal_group(self._process.pid, signal.SIGINT)
             try:
                 self._process.wait(timeout_s)

@@ -148,34 +148,36 @@ def _collect(client, setup, pending, save):
     size = max(1, min(CHUNK, len(pending) // (4 * count)))
     chunks = [pending[i:i + size] for i in range(0, len(pending), size)]
     # The scenario goes to the workers once with each chunk: 5 kB, less than the results.
-    submit = _submitter(client, setup)
-    futures = {submit(chunk): chunk for chunk in chunks}
-    queue = as_completed(list(futures))
-    for future in queue:
+    futures = {_submit(client, setup, chunk): chunk for chunk in chunks}
+    suspects = []
+    for future in as_completed(list(futures)):
         chunk = futures.pop(future)
         try:
-            save(future.result())
-        except KilledWorker as error:
-            if len(chunk) == 1:
-                save([(_killed(chunk[0], error), 0.0)])
-            else:  # find out which one it was
-                for start in chunk:
-                    single = submit([start])
-                    futures[single] = [start]
-                    queue.add(single)
-        except (ImportError, AttributeError) as error:
-            raise EngineError(f"a worker cannot run this package: {error}; source the same workspace there") from error
-        except CancelledError as error:
-            raise EngineError("the scheduler dropped the runs: connection lost") from error
+            save(_result(future))
+        except KilledWorker:
+            suspects += chunk
+    # Dask suspects all that waited on a worker that died. One at a time, none is blamed for another.
+    for start in suspects:
+        try:
+            save(_result(_submit(client, setup, [start])))
+        except KilledWorker:
+            save([(_killed(start), 0.0)])
 
 
-def _submitter(client, setup):
-    def submit(chunk):
-        return client.submit(run_chunk, setup, [plain(start) for start in chunk], pure=False)
-    return submit
+def _submit(client, setup, chunk):
+    return client.submit(run_chunk, setup, [plain(start) for start in chunk], pure=False)
 
 
-def _killed(start, error):
+def _result(future):
+    try:
+        return future.result()
+    except (ImportError, AttributeError) as error:
+        raise EngineError(f"a worker cannot run this package: {error}; source the same workspace there") from error
+    except CancelledError as error:
+        raise EngineError("the scheduler dropped the runs: connection lost") from error
+
+
+def _killed(start):
     row = dict.fromkeys(COLUMNS)
     row.update(id=start.id, outcome="error", reason="error: worker died", converged=0, success=0, success_strict=0,
                detail=f"the worker process died {DEATHS} times in this run")

@@ -59,6 +59,8 @@ def _map(rows, axes):
     placed = [row for row in rows if row[axes[0]] is not None and row[axes[1]] is not None]
     feasible = [row for row in placed if row["outcome"] != "infeasible"]
     refused = [row for row in placed if row["outcome"] == "infeasible"]
+    cells = _cell_edges(feasible, axes)
+    limits_of = [_limits(values) for values in _columns(placed, axes)] if placed else None
     panels = (("success rate", "success", feasible, "RdYlBu", (0.0, 1.0)),
               ("time to the end [s]", "duration_s", [r for r in feasible if r["success"]], "viridis", None),
               ("final error [mm]", "error_mm", [r for r in feasible if r["error_mm"] is not None], "viridis", None))
@@ -68,13 +70,15 @@ def _map(rows, axes):
         panel.set_xlabel(LABELS.get(axes[0], axes[0]))
         panel.set_ylabel(LABELS.get(axes[1], axes[1]))
         panel.grid(False)
+        if limits_of:
+            panel.set(xlim=limits_of[0], ylim=limits_of[1])
         if refused:
             panel.scatter(*_columns(refused, axes), marker="x", s=12, linewidths=0.7, c=GREY)
         if chosen:
             x, y = _columns(chosen, axes)
             values = np.array([row[column] for row in chosen], dtype=float)
             norm = _norm(column, values, limits)
-            _cells(panel, x, y, values, colours, norm)
+            _cells(panel, x, y, values, colours, norm, cells)
             dots = panel.scatter(x, y, c=values, cmap=colours, norm=norm, s=14, linewidths=0.4, edgecolors="#333333")
             figure.colorbar(dots, ax=panel, shrink=0.9)
     return figure
@@ -90,13 +94,28 @@ def _norm(column, values, limits):
         Normalize(low, high if high > low else low + 1e-9)
 
 
-def _cells(panel, x, y, values, colours, norm):
-    """Mean over square cells behind the points, about four points a cell."""
+def _limits(values):
+    margin = 0.03 * (values.max() - values.min()) or 1.0
+    return values.min() - margin, values.max() + margin
+
+
+def _cell_edges(rows, axes):
+    """Edges of square cells, about four points in each; None if there is no area."""
+    if len(rows) < 16:
+        return None
+    x, y = _columns(rows, axes)
     count = int(np.clip(np.sqrt(len(x) / 4.0), 2, 20))
-    if len(x) < 16 or x.min() == x.max() or y.min() == y.max():
+    if x.min() == x.max() or y.min() == y.max():
+        return None
+    return np.linspace(x.min(), x.max(), count + 1), np.linspace(y.min(), y.max(), count + 1)
+
+
+def _cells(panel, x, y, values, colours, norm, edges):
+    """Means over the cells, behind the points."""
+    if edges is None:
         return
-    total, edges_x, edges_y = np.histogram2d(x, y, bins=count)
-    sums, _, _ = np.histogram2d(x, y, bins=(edges_x, edges_y), weights=values)
+    total, edges_x, edges_y = np.histogram2d(x, y, bins=edges)
+    sums, _, _ = np.histogram2d(x, y, bins=edges, weights=values)
     means = np.ma.masked_invalid(np.divide(sums, total, out=np.full_like(sums, np.nan), where=total > 0))
     panel.pcolormesh(edges_x, edges_y, means.T, cmap=colours, norm=norm, alpha=0.45, linewidth=0, rasterized=True)
 

@@ -24,7 +24,9 @@ DEFAULT_STARTS = 100
 
 #: A camera pose counts as reached when it is this near: a tenth of what the strict metric tells apart.
 REACHED_M, REACHED_RAD = 1e-4, 5e-4
-IK_STEPS, IK_DAMPING, IK_MAX_STEP = 200, 1e-3, 0.2
+IK_STEPS, IK_DAMPING, IK_MAX_STEP = 60, 1e-2, 0.3
+#: Other postures tried, and how far they are from the goal [m, rad].
+IK_GUESSES, IK_SPREAD = 6, 0.8
 
 
 @dataclass(frozen=True)
@@ -155,23 +157,40 @@ def reach(kinematics, goal, offset):
     Args:
         goal: (n,) joints of the goal.  offset: X_CgC by axis of CAMERA_AXES, rotation vector; missing axes 0.
     Returns:
-        (joints by name, "") or (None, why not). Damped least squares from the goal, without random restarts.
+        (joints by name, "") or (None, why not). Damped least squares from the goal, then from IK_GUESSES other
+        postures, always the same ones; joints within their limits are preferred.
     """
     delta = np.array([offset.get(axis, 0.0) for axis in CAMERA_AXES])
     X_CgC = np.eye(4)
     X_CgC[:3, :3], X_CgC[:3, 3] = rotation(delta[3:]), delta[:3]
     X_BC = kinematics.pose(goal) @ X_CgC
-    q = goal.copy()
+    rng, found, missing = np.random.default_rng(0), None, None
+    for guess in range(1 + IK_GUESSES):
+        q = goal if guess == 0 else goal + rng.uniform(-IK_SPREAD, IK_SPREAD, len(goal))
+        q, error = _solve(kinematics, X_BC, q)
+        if np.linalg.norm(error[:3]) < REACHED_M and np.linalg.norm(error[3:]) < REACHED_RAD:
+            found = kinematics.by_name(q) if found is None else found
+            if not outside_limits(kinematics, kinematics.by_name(q)):
+                return kinematics.by_name(q), ""
+        elif missing is None or np.linalg.norm(error) < np.linalg.norm(missing):
+            missing = error
+    if found is not None:
+        return found, ""
+    return None, (f"camera pose out of reach: {1e3 * np.linalg.norm(missing[:3]):.3g} mm and "
+                  f"{np.degrees(np.linalg.norm(missing[3:])):.3g} deg are missing")
+
+
+def _solve(kinematics, X_BC, q):
+    """(joints, what is left of the error (6,) in C) of damped least squares from q."""
     for _ in range(IK_STEPS):
         X = kinematics.pose(q)
         error = np.concatenate([X[:3, :3].T @ (X_BC[:3, 3] - X[:3, 3]), rotation_vector(X[:3, :3].T @ X_BC[:3, :3])])
         if np.linalg.norm(error[:3]) < REACHED_M and np.linalg.norm(error[3:]) < REACHED_RAD:
-            return kinematics.by_name(q), ""
+            break
         J = kinematics.jacobian(q)
         step = J.T @ np.linalg.solve(J @ J.T + IK_DAMPING ** 2 * np.eye(6), error)
         q = q + step * min(1.0, IK_MAX_STEP / max(float(np.abs(step).max()), 1e-12))
-    return None, (f"camera pose out of reach: {1e3 * np.linalg.norm(error[:3]):.3g} mm and "
-                  f"{np.degrees(np.linalg.norm(error[3:])):.3g} deg are missing")
+    return q, error
 
 
 def rotation(vector):

@@ -8,12 +8,13 @@ import sys
 import tempfile
 import unittest
 
+import rosbag
 from aras_visual_servo_controller.launch import run_over_ros
 from aras_visual_servo_controller.loop import ServoLoop
 from aras_visual_servo_controller.scenario import load_scenario
 
 LIMIT_S = 120.0  # wall time
-FILES = ("run.bag", "summary.json", "trace.csv", "figure.png", "figure.pdf", "report.html")
+FILES = ("run.bag", "summary.json", "trace.csv", "figure.png", "figure.pdf", "report.html", "roslaunch.log")
 
 
 def kill_in_phase(phase, namespace):
@@ -50,6 +51,23 @@ class ExperimentNode(unittest.TestCase):
         self.assertEqual(sorted(path.name for path in folder.iterdir()), sorted(FILES))
         # Recorded over ROS or run in process: the same bytes, up to the same tick.
         self.assertEqual(summary["run_hash"], ServoLoop(load_scenario("experiment_1")).run().run_hash)
+        self.assert_nothing_is_lost(folder / "run.bag", "/plain/")
+
+    def assert_nothing_is_lost(self, path, namespace):
+        """Each image has its features, answer and truth in the bag; joint states come every 10 ms and at each image."""
+        stamps = {}
+        with rosbag.Bag(str(path)) as bag:
+            for topic, message, _ in bag.read_messages():
+                if topic.startswith(namespace) and getattr(message, "_has_header", False):
+                    stamps.setdefault(topic[len(namespace):], []).append(message.header.stamp.to_nsec())
+        images = stamps["camera/image_raw"]
+        ticks = [-(-k * 1000 // 30) * 1_000_000 for k in range(len(images))]   # first 1 ms tick at or after k / 30 Hz
+        self.assertEqual(images, ticks)
+        for topic in ("camera/camera_info", "camera/features", "camera/converted_image", "ground_truth/camera_pose",
+                      "servo_state"):
+            self.assertEqual(stamps[topic], images, topic)
+        expected = sorted(set(images) | set(range(0, images[-1] + 1, 10_000_000)))
+        self.assertEqual([stamp for stamp in stamps["joint_states"] if stamp <= images[-1]], expected)
 
     def test_goes_on_when_the_controller_is_killed_while_servoing(self):
         killer = subprocess.Popen([sys.executable, "-c", kill_in_phase("servo", "/killed")])

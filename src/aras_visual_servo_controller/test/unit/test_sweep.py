@@ -202,3 +202,19 @@ def test_progress_tells_rate_and_time_left(capsys):
     progress = Progress(100, done=20, stream=sys.stderr, every_s=5.0, clock=lambda: next(now))
     progress.add([{"outcome": "success"}] * 10)
     assert "30/100 runs" in progress.line() and "1.0 runs/s  1 min 10 s left  10 success" in progress.line()
+
+
+def deadly_chunk(setup, starts):
+    """run_chunk on a machine where run 3 takes its process down."""
+    if any(start["id"] == 3 for start in starts):
+        os.kill(os.getpid(), signal.SIGKILL)
+    return sweep_run.run_chunk(setup, starts)
+
+
+def test_a_run_that_always_kills_its_worker_is_a_row_that_says_so(tmp_path, monkeypatch):
+    monkeypatch.setattr(sweep_engine, "run_chunk", deadly_chunk)
+    monkeypatch.setattr(sweep_engine, "DEATHS", 1)
+    assert sweep(tmp_path, "deadly", "--workers", "1", starts=4) == 0
+    rows = rows_of(folder_of(tmp_path, "deadly"))
+    assert [row["outcome"] == "error" for row in rows] == [False, False, True, False]
+    assert rows[2]["reason"] == "error: worker died"
