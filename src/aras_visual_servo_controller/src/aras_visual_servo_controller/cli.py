@@ -22,6 +22,7 @@ def run_main(argv=None):
                         help="root of the result folders (default: results)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
                         help="replace a value of the scenario, e.g. --set servo.gains_per_s.xn=2.0 (only --in-process)")
+    parser.add_argument("--video", action="store_true", help="make video.mp4 too and show it in the report (ffmpeg)")
     parser.add_argument("--verbose", action="store_true", help="show what the nodes say (only over ROS)")
     parser.add_argument("--list", action="store_true", help="list the scenarios that come with the package")
     arguments = parser.parse_args(argv)
@@ -90,10 +91,11 @@ def _run_in_process(scenario, arguments):
     from .experiment import run_in_process
     from .report import create_result_folder, format_summary, save_results
     folder = create_result_folder(arguments.output, scenario.name)
-    record = run_in_process(scenario, progress=_progress() if sys.stderr.isatty() else None)
+    record = run_in_process(scenario, progress=_progress() if sys.stderr.isatty() else None,
+                            **({"keep_images": True} if arguments.video else {}))
     words = [f"--set {text}" for text in arguments.overrides]
     command = " ".join(["rosrun aras_visual_servo_controller run", arguments.scenario, "--in-process"] + words)
-    summary = save_results(record, folder, command)
+    summary = save_results(record, folder, command, video=arguments.video)
     print(format_summary(summary))
     return EXIT_PASSED if summary["passed"] else EXIT_FAILED
 

@@ -54,16 +54,17 @@ class Judgement:
     images: int
 
 
-def run_in_process(scenario, progress=None):
+def run_in_process(scenario, progress=None, keep_images=False):
     """Run a scenario without ROS: simulator, moments and sequence in this process.
 
     Args:
         scenario: a `Scenario`.  progress: called with each row's (t_s, phase), or None.
+        keep_images: keep every image of the servo phase in the record, for a video.
     Returns:
         RunRecord.
     """
     from .loop import ServoLoop  # binds to the C++ modules: only when really run
-    return ServoLoop(scenario).run(progress=progress)
+    return ServoLoop(scenario).run(progress=progress, keep_images=keep_images)
 
 
 def judge(record):

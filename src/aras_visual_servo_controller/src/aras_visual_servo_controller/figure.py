@@ -4,13 +4,13 @@
 (f) path of the camera in the world, circle at the start, star at the goal.
 """
 
-import io
-
 import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import Axes3D
+
+from .pictures import PANELS, image_of, panel_title
 
 # Okabe and Ito's palette: told apart by colour-blind readers too. x, y, z, rotation keep their colour in all panels.
 BLUE, VERMILION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#AA4499"
@@ -20,11 +20,6 @@ FEATURE_LABELS = {"xn": "$x_n$ [m]", "yn": "$y_n$ [m]", "an": "$a_n$ [m]", "alph
 FEATURE_COLORS = {"xn": BLUE, "yn": VERMILION, "an": GREEN, "alpha": PURPLE}
 TWIST_LABELS = ("$v_x$", "$v_y$", "$v_z$", r"$\omega_x$", r"$\omega_y$", r"$\omega_z$")
 TWIST_STYLES = tuple((color, style) for style in ("-", (0, (4, 1.5))) for color in (BLUE, VERMILION, GREEN))
-
-PANELS = ("desired", "initial", "difference", "errors", "velocity", "path")
-TITLES = {"desired": "desired image", "initial": "initial image", "difference": "difference, initial $-$ desired",
-          "errors": "moment errors", "velocity": "camera velocity", "path": "path of the camera",
-          "final": "difference at the end, final $-$ desired"}
 
 STYLE = {
     "font.family": "DejaVu Sans", "mathtext.fontset": "dejavusans", "font.size": 9.0, "axes.titlesize": 9.5,
@@ -54,17 +49,23 @@ def save_figure(record, png_path, pdf_path=None, dpi=160):
             figure.savefig(pdf_path, metadata={"CreationDate": None})
 
 
-def panel_png(record, panel, size_in=(4.6, 3.5), dpi=150):
-    """One panel as the bytes of a PNG file, for the report: readable on a phone, one below the other."""
+def save_panels(record, folder, size_in=(3.5, 2.7)):
+    """Write each of the six panels as FOLDER/panel_NAME.pdf, of the width of a column of a paper, without title.
+
+    Returns:
+        list of the paths.
+    """
+    paths = []
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=size_in, constrained_layout=panel != "path")
-        axes = figure.add_subplot(projection=Axes3D.name if panel == "path" else None)
-        draw_panel(record, panel, axes, title=False)
-        if panel == "path":
-            figure.subplots_adjust(left=0.0, right=0.9, bottom=0.08, top=1.0)
-        stream = io.BytesIO()
-        figure.savefig(stream, format="png", dpi=dpi, metadata={"Software": None})
-    return stream.getvalue()
+        for panel in PANELS:
+            figure = Figure(figsize=size_in, constrained_layout=panel != "path")
+            axes = figure.add_subplot(projection=Axes3D.name if panel == "path" else None)
+            draw_panel(record, panel, axes, title=False)
+            if panel == "path":
+                figure.subplots_adjust(left=0.0, right=0.9, bottom=0.08, top=1.0)
+            paths.append(folder / f"panel_{panel}.pdf")
+            figure.savefig(paths[-1], metadata={"CreationDate": None})
+    return paths
 
 
 def draw_panel(record, panel, axes, letter="", title=True):
@@ -81,27 +82,6 @@ def draw_panel(record, panel, axes, letter="", title=True):
         _draw_path(record, axes)
     else:
         raise ValueError(f"panel '{panel}': allowed are {', '.join(PANELS)}, final")
-
-
-def panel_title(record, panel):
-    """Title of a panel. A look-then-move velocity is the law's: each look moves by it times the sample time."""
-    servo = record.settings.get("servo", {})
-    if panel == "velocity" and servo.get("mode") == "look_then_move":
-        return f"velocity of the law, T = {servo.get('sample_time_s', 0.01):g} s per look"
-    return TITLES[panel]
-
-
-def image_of(record, panel):
-    """The uint8 image (h, w) or (h, w, 3) of an image panel, or None; differences: mid grey where equal."""
-    if panel == "desired":
-        return record.desired_image
-    if panel == "initial":
-        return record.initial_image
-    other = record.initial_image if panel == "difference" else record.final_image
-    if other is None or record.desired_image is None or other.shape != record.desired_image.shape:
-        return None
-    difference = _grey(other) - _grey(record.desired_image)
-    return np.clip(np.rint(128.0 + 0.5 * difference), 0, 255).astype(np.uint8)
 
 
 def _draw_image(axes, image):
@@ -185,6 +165,3 @@ def _finish_time_axes(axes, t_s, label, columns):
         axes.text(0.5, 0.5, "no servo phase in this record", ha="center", va="center", color=GREY,
                   transform=axes.transAxes)
 
-
-def _grey(image):
-    return image.astype(float) if image.ndim == 2 else image.astype(float).mean(axis=2)

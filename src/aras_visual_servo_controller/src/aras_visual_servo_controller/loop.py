@@ -135,16 +135,18 @@ class ServoLoop:
         sim.set_command(position=command.position, velocity=command.velocity, stamp_ns=command.stamp_ns)
         return record, features, image
 
-    def run(self, progress=None, limit_s=DEFAULT_LIMIT_S, closing_s=CLOSING_S):
+    def run(self, progress=None, limit_s=DEFAULT_LIMIT_S, closing_s=CLOSING_S, keep_images=False):
         """Run the experiment from here to its end.
 
         Args:
             progress: called about once a simulated second with (t_s, phase), or None.
             limit_s: simulated time after which to give up [s].  closing_s: simulated time to go on after the end [s].
+            keep_images: keep every image of the servo phase in the record, for a video.
         Returns:
             RunRecord, one row per image.
         """
-        builder = RecordBuilder(self.scenario.name, self.kinematics.joint_names, settings=self.scenario.as_dict())
+        builder = RecordBuilder(self.scenario.name, self.kinematics.joint_names, settings=self.scenario.as_dict(),
+                                keep_images=keep_images)
         started_s = time.perf_counter()
         self.start()
         record = self._row(builder, progress)

@@ -41,6 +41,7 @@ class RunRecord:
         X_WT: (4, 4) true pose of the target in the world at the end, or None.
         desired_image, initial_image, final_image: uint8 (h, w) or (h, w, 3): the taught view, the first and the
             last view of the servo phase.
+        images: {row: uint8 image} of the servo phase, for a video; {} unless they were asked for.
         camera_info: dict as `Simulation.camera_info`, {} if unknown.
         run_hash: of joint trajectory and images, hexadecimal, "" if unknown.
         real_time_factor: simulated over wall seconds, NaN if unknown.  wall_s: of the whole run, NaN if unknown.
@@ -68,6 +69,7 @@ class RunRecord:
     desired_image: np.ndarray = None
     initial_image: np.ndarray = None
     final_image: np.ndarray = None
+    images: dict = field(default_factory=dict)
     camera_info: dict = field(default_factory=dict)
     run_hash: str = ""
     real_time_factor: float = float("nan")
@@ -111,15 +113,18 @@ class RecordBuilder:
         builder = RecordBuilder(scenario.name, sim.joint_names, settings=scenario.as_dict())
         builder.add_answer(servo_record, X_WC=sim.camera_pose("camera"), features=features, image=image)
         record = builder.finish(run_hash=sim.run_hash, wall_s=wall_s, camera_info=..., X_WT=...)
+
+    keep_images: keep every image of the servo phase, not only the first and the last one.
     """
 
-    def __init__(self, scenario, joint_names, settings=None, feature_names=FEATURE_NAMES):
+    def __init__(self, scenario, joint_names, settings=None, feature_names=FEATURE_NAMES, keep_images=False):
         self.scenario = str(scenario)
         self.settings = dict(settings or {})
         self.joint_names = tuple(joint_names)
         self.feature_names = tuple(feature_names)
         self._rows = []
         self._images = {}
+        self._keep_images, self._all_images = keep_images, {}
         self._notes = []
 
     def __len__(self):
@@ -168,6 +173,9 @@ class RecordBuilder:
 
         The `done` row's image is the last one only if no servo row before it reported the end (see `servo_rows`).
         """
+        before = self._rows[-2][1] if len(self._rows) > 1 else ""
+        if self._keep_images and (phase == "servo" or phase == "done" and before == "servo"):
+            self._all_images[len(self._rows) - 1] = np.array(image, dtype=np.uint8)
         if phase == "teach":
             self._images["desired"] = np.array(image, dtype=np.uint8)
         elif phase == "servo":
@@ -208,7 +216,7 @@ class RecordBuilder:
             set_point=table(9, m), raw=table(10, len(RAW_NAMES)), X_WC=table(11, 4, 4),
             X_WT=None if X_WT is None else np.array(X_WT, dtype=float),
             desired_image=self._images.get("desired"), initial_image=self._images.get("initial"),
-            final_image=self._images.get("final"), camera_info=dict(camera_info or {}), run_hash=str(run_hash),
+            final_image=self._images.get("final"), images=dict(self._all_images), camera_info=dict(camera_info or {}), run_hash=str(run_hash),
             real_time_factor=float(real_time_factor), wall_s=float(wall_s), versions=dict(versions or {}),
             notes=tuple(self._notes))
 

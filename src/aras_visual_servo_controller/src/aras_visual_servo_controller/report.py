@@ -8,7 +8,6 @@ Everything but `real_time_factor`, `wall_s` and `versions` is a function of the 
 bytes. No wall-clock date is written into any file; the folder's name carries it.
 """
 
-import base64
 import csv
 import hashlib
 import io
@@ -23,7 +22,6 @@ import numpy as np
 from .errors import ArasError
 from .experiment import judge
 from .record import FEATURE_UNITS, TWIST_NAMES
-from .scenario import share_dir
 from .versions import installed_versions
 
 # The results published with the two experiments.
@@ -73,27 +71,47 @@ def create_result_folder(output, scenario_name, stamp=None):
     return folder
 
 
-def save_results(record, folder, command=None):
+def save_results(record, folder, command=None, video=False, panels=False):
     """Judge a run and write its result folder, the numbers before the pictures.
 
     Args:
         record: RunRecord.  folder: existing folder.  command: how to repeat the run, for the report.
+        video: write video.mp4 too (needs the images of the servo phase in the record, and ffmpeg) and show it in the
+            report; what stands in its way becomes a note of the report, which is written all the same.
+        panels: write each of the six panels as panel_NAME.pdf too.
     Returns:
         The summary, as written to summary.json (see `summarise`), with `report`, the path of report.html (str).
     Raises:
         ResultFolderError: a file cannot be written.  NothingToJudge (trace.csv is there already).
     """
-    from . import figure  # matplotlib takes most of a second to import
+    from . import figure, page  # matplotlib and jinja2 take half a second to import
     folder = Path(folder)
     _write(folder / "trace.csv", trace_csv(record))
     summary = summarise(record)
+    film = None
+    if video:
+        film, notes = _save_video(record, folder / "video.mp4")
+        summary["notes"] += notes
+    else:
+        (folder / "video.mp4").unlink(missing_ok=True)  # of an earlier report of another run
     _write(folder / "summary.json", json.dumps(_json_safe(summary), indent=2) + "\n")
     try:
         figure.save_figure(record, folder / "figure.png", folder / "figure.pdf")
+        if panels:
+            figure.save_panels(record, folder)
     except OSError as error:
         raise ResultFolderError(f"{folder}: the figure cannot be written: {error}") from error
-    _write(folder / "report.html", report_html(record, summary, command))
+    _write(folder / "report.html", page.report_html(record, summary, command, film))
     return dict(summary, report=str(folder / "report.html"))
+
+
+def _save_video(record, path):
+    """(`video.Film` or None, notes)."""
+    from .video import VideoError, save_video
+    try:
+        return save_video(record, path), []
+    except VideoError as error:
+        return None, [f"no video: {error}"]
 
 
 def summarise(record):
@@ -170,42 +188,22 @@ def quaternion_xyzw(R):
     return q if q[3] >= 0.0 else -q
 
 
-def report_html(record, summary, command=None):
-    """The report as one self-contained HTML page (pictures inside, no script, no network), str."""
-    import jinja2
-
-    from . import figure
-    template = (share_dir() / "config" / "report.html.j2").read_text(encoding="utf-8")
-    environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True,
-                                     undefined=jinja2.StrictUndefined)
-    pictures = []
-    for letter, panel in zip("abcdef", figure.PANELS):
-        pictures.append({"letter": letter, "title": figure.panel_title(record, panel).replace("$-$", "−"),
-                         "src": _data_uri(_picture(record, panel)), "pixels": panel in figure.PANELS[:3]})
-    final = figure.image_of(record, "final")
-    return environment.from_string(template).render(
-        summary=summary, pictures=pictures,
-        final_src=None if final is None else _data_uri(_picture(record, "final")),
-        rows=_comparison_rows(summary), features=_feature_rows(summary), settings=_setting_rows(record),
-        command=command or f"rosrun aras_visual_servo_controller run {summary['scenario']} --in-process")
-
-
 def format_summary(summary):
     """The summary as a table for the terminal, ASCII, at most 79 columns wide, str."""
     lines = [f"{summary['scenario']}: {'PASSED' if summary['passed'] else 'FAILED'} ({summary['reason']})", ""]
     lines.append(f"{'final camera pose error':<31}{'x [mm]':>10}{'y [mm]':>10}{'z [mm]':>10}{'angle [deg]':>14}")
-    for row in _comparison_rows(summary):
+    for row in comparison_rows(summary):
         cells = zip(row["cells"], (10, 10, 10, 14))
         lines.append(f"{row['label']:<31}" + "".join(f"{cell:>{width}}" for cell, width in cells))
     lines += ["", f"{'time to converge' if summary['converged'] else 'servo time':<20}{summary['duration_s']:.2f} s "
                   f"simulated, {summary['images']} images"]
-    rates = {name: rate for name, rate in summary["measured_decay_per_s"].items() if _is_number(rate)}
+    rates = {name: rate for name, rate in summary["measured_decay_per_s"].items() if is_number(rate)}
     if rates and summary["promised_decay_per_s"]:
         asked = summary["promised_decay_per_s"]
         text = ", ".join(f"{FEATURE_SYMBOLS.get(name, name)} {rate:.2f} (asked {asked[name]:g})"
                          for name, rate in rates.items() if name in asked)
         lines.append(f"{'decay [1/s]':<20}{text}")
-    if _is_number(summary["real_time_factor"]):
+    if is_number(summary["real_time_factor"]):
         lines.append(f"{'real-time factor':<20}{summary['real_time_factor']:.1f}")
     if summary["run_hash"]:
         lines.append(f"{'run hash':<20}{summary['run_hash']}")
@@ -216,7 +214,8 @@ def format_summary(summary):
     return "\n".join(lines)
 
 
-def _comparison_rows(summary):
+def comparison_rows(summary):
+    """Rows of the table of final errors: dicts of label, kind ("ours", "limit", "paper", "start") and cells (text)."""
     rows = [{"label": "this run", "kind": "ours",
              "cells": [_signed(summary["final_error"], key) for key in ERROR_KEYS]}]
     if summary["judge"]:
@@ -232,68 +231,15 @@ def _comparison_rows(summary):
 
 def _signed(error, key):
     value = error[key]
-    if not _is_number(value):
+    if not is_number(value):
         return "unknown"
     if key == "angle_deg":
         return f"{value:.4f}" if value < 1.0 else f"{value:.2f}"
     return f"{value:+.3f}" if abs(value) < 10.0 else f"{value:+.1f}"
 
 
-def _feature_rows(summary):
-    names = {"xn": "x<sub>n</sub>", "yn": "y<sub>n</sub>", "an": "a<sub>n</sub>", "alpha": "α"}
-    rows = []
-    for name, value in summary["final_feature_error"].items():
-        scale, unit = (1e3, "mm") if FEATURE_UNITS.get(name) == "m" else (180.0 / math.pi, "deg")
-        threshold = summary["thresholds"].get(name)
-        rate, asked = summary["measured_decay_per_s"].get(name), summary["promised_decay_per_s"].get(name)
-        rows.append({"name": names.get(name, name), "unit": unit,
-                     "value": f"{value * scale:+.4f}" if _is_number(value) else "unknown",
-                     "threshold": f"{threshold * scale:.4g}" if threshold is not None else "",
-                     "gain": f"{asked:g}" if asked is not None else "",
-                     "rate": f"{rate:.2f}" if _is_number(rate) else ""})
-    return rows
-
-
-def _setting_rows(record):
-    """(key, value) of every setting of the scenario that shapes the result, flat."""
-    rows = []
-    for section in ("robot", "sim", "vision", "servo", "experiment"):
-        rows += _flatten(section, record.settings.get(section, {}))
-    return rows
-
-
-def _flatten(prefix, value):
-    if isinstance(value, dict) and any(isinstance(v, (dict, list)) for v in value.values()):
-        return [row for key, item in value.items() for row in _flatten(f"{prefix}.{key}", item)]
-    if isinstance(value, dict) and len(prefix.split(".")) < 2:
-        return [row for key, item in value.items() for row in _flatten(f"{prefix}.{key}", item)]
-    if isinstance(value, list) and any(isinstance(v, dict) for v in value):
-        return [row for i, item in enumerate(value) for row in _flatten(f"{prefix}[{i}]", item)]
-    if isinstance(value, dict):
-        return [(prefix, ", ".join(f"{key} {item}" for key, item in value.items()))] if value else []
-    return [(prefix, ", ".join(map(str, value)) if isinstance(value, list) else str(value))]
-
-
-def _picture(record, panel):
-    """PNG bytes: the camera's own pixels for an image panel, a drawing for the others."""
-    from . import figure
-    if panel in ("errors", "velocity", "path"):
-        return figure.panel_png(record, panel)
-    image = figure.image_of(record, panel)
-    if image is None:
-        return figure.panel_png(record, panel)
-    from matplotlib.image import imsave
-    stream = io.BytesIO()
-    imsave(stream, np.repeat(image[..., None], 3, axis=2) if image.ndim == 2 else image, format="png",
-           metadata={"Software": None})
-    return stream.getvalue()
-
-
-def _data_uri(png):
-    return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
-
-
-def _is_number(value):
+def is_number(value):
+    """Is it there and finite?"""
     return value is not None and math.isfinite(value)
 
 

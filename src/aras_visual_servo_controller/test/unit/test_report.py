@@ -1,5 +1,6 @@
 """Result folder: summary, trace, figure, report, and the table of the terminal."""
 
+import base64
 import csv
 import dataclasses
 import hashlib
@@ -11,9 +12,12 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+import yaml
 from synthetic import SETTINGS, X_WCG, make_record, rotation_z
 
-from aras_visual_servo_controller import figure, report
+from aras_visual_servo_controller import report
+from aras_visual_servo_controller.pictures import PANELS, image_of
+from aras_visual_servo_controller.plots import plots_of
 from aras_visual_servo_controller.report import (ResultFolderError, create_result_folder, format_summary,
                                                  quaternion_xyzw, save_results, summarise, trace_csv)
 
@@ -94,15 +98,16 @@ class _Page(HTMLParser):
 
     def handle_starttag(self, tag, attributes):
         self.tags.append(tag)
-        self.sources += [value for name, value in attributes if name in ("src", "href")]
+        self.sources += [value for name, value in attributes if name in ("src", "href", "poster")]
 
 
-def test_the_report_is_one_self_contained_page_with_all_pictures(saved):
+def test_the_report_is_one_self_contained_page_with_all_pictures_and_plots(saved):
     text = (saved[1] / "report.html").read_text()
     page = _Page(text)
-    assert page.tags.count("img") == len(figure.PANELS) + 1  # and the difference at the end
-    assert all(source.startswith("data:image/png;base64,") for source in page.sources)
-    assert "script" not in page.tags and 'name="viewport"' in text
+    assert page.tags.count("img") == 4  # desired, initial, their difference, and the difference at the end
+    assert page.tags.count("figure") == 4 + 4 and page.tags.count("script") == 4 + 1
+    assert all(re.match("data:(image/png|text/yaml);base64,", source) for source in page.sources)
+    assert 'name="viewport"' in text and "@media print" in text
     assert not re.search(r"https?://", text)
 
 
@@ -117,7 +122,7 @@ def test_text_of_a_run_cannot_break_the_page(tmp_path):
     text = record.status_text.astype(object)
     text[record.servo_rows[-1]] = "<script>alert(1)</script>"
     save_results(dataclasses.replace(record, status_text=text), tmp_path)
-    assert "<script>" not in (tmp_path / "report.html").read_text()
+    assert "<script>alert" not in (tmp_path / "report.html").read_text()
 
 
 def test_the_table_shows_our_row_beside_the_papers(saved):
@@ -143,12 +148,24 @@ def test_a_record_without_images_and_settings_still_gives_a_report(tmp_path):
                                  real_time_factor=math.nan, run_hash="")
     summary = save_results(record, tmp_path)
     assert summary["passed"] and "unknown" not in format_summary(summary)
-    assert _Page((tmp_path / "report.html").read_text()).tags.count("img") == len(figure.PANELS)
+    page = _Page((tmp_path / "report.html").read_text())
+    assert page.tags.count("img") == 0 and page.tags.count("svg") >= len(plots_of(record))
+
+
+def test_the_scenario_can_be_taken_out_of_the_page(saved):
+    [address] = [source for source in _Page((saved[1] / "report.html").read_text()).sources if "text/yaml" in source]
+    assert yaml.safe_load(base64.b64decode(address.partition("base64,")[2])) == SETTINGS
+
+
+def test_every_panel_is_a_pdf_of_its_own_when_asked_for(tmp_path):
+    save_results(make_record(), tmp_path, panels=True)
+    for panel in PANELS:
+        assert (tmp_path / f"panel_{panel}.pdf").read_bytes().startswith(b"%PDF-"), panel
 
 
 def test_the_difference_image_is_mid_grey_where_nothing_changed():
     record = make_record()
-    difference = figure.image_of(record, "difference")
+    difference = image_of(record, "difference")
     assert difference.dtype == np.uint8
     assert set(np.unique(difference)) == {128 - 95, 128, 128 + 95}  # half of 230 - (20 + 40 + 60) / 3
 

@@ -1,0 +1,33 @@
+"""What the panels of a run show, whoever draws them: titles and images. numpy only."""
+
+import numpy as np
+
+PANELS = ("desired", "initial", "difference", "errors", "velocity", "path")
+TITLES = {"desired": "desired image", "initial": "initial image", "difference": "difference, initial $-$ desired",
+          "errors": "moment errors", "velocity": "camera velocity", "path": "path of the camera",
+          "final": "difference at the end, final $-$ desired"}
+
+
+def panel_title(record, panel):
+    """Title of a panel. A look-then-move velocity is the law's: each look moves by it times the sample time."""
+    servo = record.settings.get("servo", {})
+    if panel == "velocity" and servo.get("mode") == "look_then_move":
+        return f"velocity of the law, T = {servo.get('sample_time_s', 0.01):g} s per look"
+    return TITLES[panel]
+
+
+def image_of(record, panel):
+    """The uint8 image (h, w) or (h, w, 3) of an image panel, or None; differences: mid grey where equal."""
+    if panel == "desired":
+        return record.desired_image
+    if panel == "initial":
+        return record.initial_image
+    other = record.initial_image if panel == "difference" else record.final_image
+    if other is None or record.desired_image is None or other.shape != record.desired_image.shape:
+        return None
+    difference = _grey(other) - _grey(record.desired_image)
+    return np.clip(np.rint(128.0 + 0.5 * difference), 0, 255).astype(np.uint8)
+
+
+def _grey(image):
+    return image.astype(float) if image.ndim == 2 else image.astype(float).mean(axis=2)

@@ -1,0 +1,239 @@
+"""Plots of a run as inline SVG for the report: what stands there without a script, and the numbers a script needs to
+zoom, pan, turn and read them off (config/report.js). No matplotlib: these are part of the page, the figure is not.
+
+A plot is a dict: id, kind ("time" or "path"), title, svg (text), legend (rows of name, colour, dash), data (JSON-able).
+"""
+
+import math
+
+import numpy as np
+
+BLUE, VERMILION, GREEN, PURPLE, GREY = "#0072B2", "#D55E00", "#009E73", "#AA4499", "#8c8c8c"
+# Symbol with its subscript, colour, dash, factor to the unit that is read off.
+FEATURES = {"xn": ("x", "n", BLUE, "", 1e3, "mm"), "yn": ("y", "n", VERMILION, "", 1e3, "mm"),
+            "an": ("a", "n", GREEN, "", 1e3, "mm"), "alpha": ("α", "", PURPLE, "", 180.0 / math.pi, "deg")}
+TWIST = tuple((letter, axis, color, dash, factor, unit)
+              for letter, dash, factor, unit in (("v", "", 1e3, "mm/s"), ("ω", "6 3", 180.0 / math.pi, "deg/s"))
+              for axis, color in zip("xyz", (BLUE, VERMILION, GREEN)))
+WIDTH, HEIGHT = 520, 310
+LEFT, RIGHT, TOP, BOTTOM = 62, 10, 12, 44
+SIGNIFICANT = 7          # digits of the numbers in the page: more than a plot of any zoom can show
+LOG_FLOOR = 1e-7         # errors below are drawn there [m, rad]
+AZIMUTH, ELEVATION = math.radians(-57.0), math.radians(22.0)   # from where the path is seen
+
+
+def plots_of(record, title_of_velocity="camera velocity"):
+    """The plots of the report, a list: moment errors, their size on a logarithmic scale, camera velocity, path.
+
+    Args:
+        record: RunRecord.
+        title_of_velocity: the velocity of a look-then-move run is the law's, not the camera's.
+    Returns:
+        list of plots as described above; [] for a record without servo rows.
+    """
+    rows = record.servo_rows
+    if not len(rows):
+        return []
+    t_s = (record.stamp_ns[rows] - record.stamp_ns[rows[0]]) * 1e-9
+    series = [_series(FEATURES.get(name, (name, "", GREY, "", 1.0, "")), record.e[rows, column])
+              for column, name in enumerate(record.feature_names)]
+    thresholds = record.settings.get("servo", {}).get("thresholds", {})
+    levels = [{"y": float(thresholds[name]), "color": FEATURES[name][2]}
+              for name in record.feature_names if name in thresholds and name in FEATURES]
+    twist = [_series(style, record.twist[rows, column]) for column, style in enumerate(TWIST)]
+    plots = [
+        _time_plot("errors", "moment errors, e = s − s*", t_s, series, "e  [m], [rad]"),
+        _time_plot("convergence", "their size, and where the stop rule lies (dashed)", t_s, series, "|e|  [m], [rad]",
+                   log=True, levels=levels),
+        _time_plot("velocity", title_of_velocity, t_s, twist, "v [m/s], ω [rad/s]")]
+    path = _path_plot(record, rows, t_s)
+    return plots + ([path] if path else [])
+
+
+def nice_ticks(low, high, count):
+    """Round values within [low, high], about `count` of them, and their step: (list, float)."""
+    raw = (high - low) / max(count, 1)
+    power = 10.0 ** math.floor(math.log10(raw))
+    step = next(factor * power for factor in (1, 2, 5, 10) if factor * power >= raw * (1 - 1e-9))
+    first = math.ceil(low / step - 1e-9)
+    return [k * step for k in range(first, math.floor(high / step + 1e-9) + 1)], step
+
+
+def tick_text(value, step):
+    """A tick with the digits its step needs; a true minus sign."""
+    digits = max(0, -math.floor(math.log10(step) + 1e-9))
+    return (f"{value:.{digits}f}" if digits < 6 else f"{value:.1e}").replace("-", "−")
+
+
+def _series(style, values):
+    letter, subscript, color, dash, factor, unit = style
+    return {"name": letter, "sub": subscript, "color": color, "dash": dash, "factor": factor, "unit": unit,
+            "y": [_number(value) for value in values]}
+
+
+def _number(value):
+    """Rounded for the page; None for what is not finite (JSON has no NaN)."""
+    return float(f"{value:.{SIGNIFICANT}g}") if math.isfinite(value) else None
+
+
+def _time_plot(name, title, t_s, series, label, log=False, levels=()):
+    data = {"t": [_number(t) for t in t_s], "series": series, "label": label, "log": log, "levels": list(levels)}
+    legend = [{key: one[key] for key in ("name", "sub", "color", "dash")} for one in series]
+    return {"id": name, "kind": "time", "title": title, "legend": legend, "data": data, "svg": _time_svg(data)}
+
+
+def _time_svg(data):
+    t_end = max(data["t"][-1], 1e-3)
+    drawn = [[_transformed(y, data["log"]) for y in one["y"]] for one in data["series"]]
+    values = [y for one in drawn for y in one if y is not None] or [0.0, 1.0]
+    values += [math.log10(level["y"]) for level in data["levels"]] if data["log"] else [0.0]
+    low, high = min(values), max(values)
+    pad = 0.06 * (high - low) or 1e-6
+    low, high = low - pad, high + pad
+
+    def at(t, y):
+        return (LEFT + t / t_end * (WIDTH - LEFT - RIGHT), TOP + (high - y) / (high - low) * (HEIGHT - TOP - BOTTOM))
+
+    parts = []
+    ticks, step = nice_ticks(0.0, t_end, 6)
+    for t in ticks:
+        x = at(t, 0)[0]
+        parts.append(f'<path class="grid" d="M{x:.1f} {TOP}V{HEIGHT - BOTTOM}"/>'
+                     f'<text x="{x:.1f}" y="{HEIGHT - BOTTOM + 17}" text-anchor="middle">{tick_text(t, step)}</text>')
+    ticks, step = ([float(k) for k in range(math.ceil(low), math.floor(high) + 1)], 1.0) if data["log"] else \
+        nice_ticks(low, high, 5)
+    for y in ticks:
+        v = at(0, y)[1]
+        words = _power(round(y)) if data["log"] else tick_text(y, step)
+        parts.append(f'<path class="{"zero" if y == 0 and not data["log"] else "grid"}" '
+                     f'd="M{LEFT} {v:.1f}H{WIDTH - RIGHT}"/>'
+                     f'<text x="{LEFT - 6}" y="{v + 4:.1f}" text-anchor="end">{words}</text>')
+    for level in data["levels"] if data["log"] else ():
+        v = at(0, math.log10(level["y"]))[1]
+        parts.append(f'<path class="level" stroke="{level["color"]}" d="M{LEFT} {v:.1f}H{WIDTH - RIGHT}"/>')
+    for one, ys in zip(data["series"], drawn):
+        style = f' stroke="{one["color"]}" stroke-dasharray="{one["dash"] or "none"}"'
+        parts += [_polyline("curve", [at(*point) for point in run], style) for run in _runs(data["t"], ys)]
+    parts.append(f'<path class="frame" d="M{LEFT} {TOP}V{HEIGHT - BOTTOM}H{WIDTH - RIGHT}"/>')
+    parts.append(f'<text x="{(LEFT + WIDTH - RIGHT) / 2}" y="{HEIGHT - 7}" text-anchor="middle">'
+                 'time since the servo started [s]</text>')
+    parts.append(f'<text transform="translate(13 {(TOP + HEIGHT - BOTTOM) / 2}) rotate(-90)" text-anchor="middle">'
+                 f'{data["label"]}</text>')
+    return _svg(parts)
+
+
+def _transformed(y, log):
+    return y if y is None or not log else math.log10(max(abs(y), LOG_FLOOR))
+
+
+def _power(exponent):
+    digits = str(exponent).replace("-", "−")
+    return f'10<tspan dy="-5" font-size="80%">{digits}</tspan>'
+
+
+def _runs(t, ys):
+    """Pieces of a curve without gaps: lists of (t, y)."""
+    runs, run = [], []
+    for point in zip(t, ys):
+        if point[1] is None:
+            run = []
+            continue
+        if not run:
+            runs.append(run)
+        run.append(point)
+    return runs
+
+
+def _path_plot(record, rows, t_s):
+    p = record.X_WC[rows, :3, 3]
+    known = np.all(np.isfinite(p), axis=1)
+    taught = record.rows("teach")
+    goal = record.X_WC[taught[-1], :3, 3] if len(taught) else np.full(3, np.nan)
+    if not known.any():
+        return None
+    data = {"t": [_number(t) for t in t_s[known]], "p": [[_number(x) for x in point] for point in p[known]],
+            "goal": [_number(x) for x in goal] if np.all(np.isfinite(goal)) else None}
+    legend = [{"name": "path", "sub": "", "color": BLUE, "dash": ""},
+              {"name": "○ start", "sub": "", "color": VERMILION, "dash": ""},
+              {"name": "★ goal (taught)", "sub": "", "color": GREEN, "dash": ""}]
+    return {"id": "path", "kind": "path", "title": "path of the camera in the world, to scale", "legend": legend,
+            "data": data, "svg": _path_svg(data)}
+
+
+def path_box(data):
+    """Centre and half edges of the box around path and goal, (3,) each [m]; no edge under a third of the longest."""
+    points = np.array(data["p"] + ([data["goal"]] if data["goal"] else []))
+    low, high = points.min(axis=0), points.max(axis=0)
+    edges = np.maximum(high - low, 1e-3)
+    return (low + high) / 2, np.maximum(edges, edges.max() / 3) / 2 * 1.08
+
+
+def _path_svg(data):
+    centre, half = path_box(data)
+    sa, ca, se, ce = math.sin(AZIMUTH), math.cos(AZIMUTH), math.sin(ELEVATION), math.cos(ELEVATION)
+    round_half = math.hypot(half[0], half[1])   # so that the box fits however it is turned
+    scale = min((WIDTH - 110) / (2 * round_half), (HEIGHT - 80) / (2 * (half[2] * ce + round_half * se)))
+
+    def at(p):
+        """Orthographic view from azimuth and elevation, world z up."""
+        x, y, z = np.asarray(p) - centre
+        return WIDTH / 2 + scale * (-sa * x + ca * y), HEIGHT / 2 - 8 - scale * (ce * z - se * (ca * x + sa * y))
+
+    low, high = centre - half, centre + half
+    near_x, near_y = high[0] if ca > 0 else low[0], high[1] if sa > 0 else low[1]
+    corner = at((near_x, near_y, low[2]))
+    parts = []
+    for axis, name in enumerate("xy"):
+        ticks, step = nice_ticks(low[axis], high[axis], 4)
+        middle = at((centre[0], near_y, low[2]) if axis == 0 else (near_x, centre[1], low[2]))
+        side = -1 if middle[0] < corner[0] else 1
+        anchor = "end" if side < 0 else "start"
+        for value in ticks:
+            a, b = np.array([low[0], low[1], low[2]]), np.array([high[0], high[1], low[2]])
+            a[axis] = b[axis] = value
+            parts.append(_line("grid", at(a), at(b)))
+            x, y = at((value, near_y, low[2]) if axis == 0 else (near_x, value, low[2]))
+            parts.append(f'<text x="{x + 3 * side:.1f}" y="{y + 13:.1f}" text-anchor="{anchor}">'
+                         f'{tick_text(value, step)}</text>')
+        parts.append(_axis_name(name, middle[0] + 46 * side, middle[1] + 28, anchor))
+    post = min(((x, y) for x in (low[0], high[0]) for y in (low[1], high[1])), key=lambda c: at((*c, low[2]))[0])
+    ticks, step = nice_ticks(low[2], high[2], 3)
+    for value in ticks:
+        x, y = at((*post, value))
+        parts.append(_line("grid", (x - 4, y), (x, y))
+                     + f'<text x="{x - 7:.1f}" y="{y + 4:.1f}" text-anchor="end">{tick_text(value, step)}</text>')
+    x, y = at((*post, high[2]))
+    parts += [_line("frame", at((*post, low[2])), (x, y)), _axis_name("z", x, y - 9, "middle")]
+    corners = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1]), (low[0], low[1])]
+    parts.append(_polyline("frame", [at((*c, low[2])) for c in corners]))
+    parts.append(_polyline("shadow", [at((x, y, low[2])) for x, y, _ in data["p"]]))
+    parts.append(_polyline("curve", [at(point) for point in data["p"]], f' stroke="{BLUE}"'))
+    x, y = at(data["p"][0])
+    parts.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="5" fill="none" stroke="{VERMILION}" stroke-width="2"/>')
+    if data["goal"]:
+        parts.append(f'<path d="{star(*at(data["goal"]))}" fill="{GREEN}"/>')
+    return _svg(parts)
+
+
+def star(x, y, radius=8.0):
+    """Path of a five-pointed star."""
+    corners = [(x + (radius, 0.42 * radius)[k % 2] * math.sin(k * math.pi / 5),
+                y - (radius, 0.42 * radius)[k % 2] * math.cos(k * math.pi / 5)) for k in range(10)]
+    return "M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in corners) + "Z"
+
+
+def _line(kind, a, b):
+    return f'<path class="{kind}" d="M{a[0]:.1f} {a[1]:.1f}L{b[0]:.1f} {b[1]:.1f}"/>'
+
+
+def _polyline(kind, points, more=""):
+    return f'<polyline class="{kind}"{more} points="{" ".join("%.1f,%.1f" % tuple(point) for point in points)}"/>'
+
+
+def _axis_name(name, x, y, anchor):
+    return (f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">{name}<tspan dy="3" font-size="80%">W</tspan>'
+            '<tspan dy="-3"> [m]</tspan></text>')
+
+
+def _svg(parts):
+    return f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img">' + "".join(parts) + "</svg>"
