@@ -1,108 +1,67 @@
-"""RunRecord from a rosbag, read offline: no master, no rospy node.
+"""RunRecord from the bags of a run, read offline: no master, no rospy node.
 
 Topics are found by the ends of their names, under any namespace: those of `REQUIRED` must be there, those of
 `OPTIONAL` add to the record. Everything is paired by stamp; one row per ServoState, in order of its stamp.
 """
 
-import os
-import shutil
-import tempfile
-
 import numpy as np
 import yaml
 
-from .errors import ArasError
+from .bag_files import BagError, BagFiles
 from .record import RecordBuilder
+from .record_groups import lacking
 from .types import FEATURE_NAMES
 
-REQUIRED = ("servo_state", "ground_truth/camera_pose", "camera/image_raw")
-OPTIONAL = ("camera/features", "camera/camera_info", "ground_truth/target_pose", "sim/status", "scenario")
+__all__ = ["BagError", "read_bag"]
+REQUIRED = ("servo_state",)
+OPTIONAL = ("ground_truth/camera_pose", "camera/image_raw", "camera/features", "camera/camera_info",
+            "ground_truth/target_pose", "sim/status", "scenario")
 
 
-class BagError(ArasError):
-    """A bag cannot be read, or lacks what a record needs."""
-
-
-def read_bag(path, namespace=None, scenario=None):
-    """Read a bag.
+def read_bag(paths, namespace=None, scenario=None, keep_images=False):
+    """Read a run from its bags.
 
     Args:
-        path: of the bag; one that was cut (not closed) is read as far as it goes.
+        paths: of a bag, of a folder of bags, or a list of bags; one part of a split bag stands for all. A bag that was
+            cut (not closed) is indexed anew on a copy and read as far as it goes.
         namespace: of the run, e.g. "/aras_visual_servo"; None: the only one in the bag.
         scenario: `Scenario` the run had, or None: taken from the topic `scenario` (std_msgs/String, YAML) if recorded.
+        keep_images: keep every image of the servo phase in the record, for a video.
     Returns:
-        RunRecord; what was missing or cut is in its `notes`.
+        RunRecord; what was not recorded, missing or cut is in its `notes`.
     Raises:
         BagError: no such file, no bag, topics missing (all are listed), several runs to choose from, no rows.
     """
-    with _open(path) as (bag, notes):
-        topics = _find_topics(bag, path, namespace)
-        record = _read(bag, topics, path, scenario, notes)
-    return record
+    with BagFiles(paths) as bags:
+        return _read(bags, find_topics(bags, namespace), scenario, keep_images)
 
 
-class _open:
-    """Context of (bag, notes); repairs a copy of a bag that was not closed."""
-
-    def __init__(self, path):
-        self._path, self._folder = str(path), None
-
-    def __enter__(self):
-        import rosbag  # only here: the package is usable without ROS otherwise
-        if not os.path.isfile(self._path):
-            raise BagError(f"bag '{self._path}': no such file")
-        try:
-            self._bag = rosbag.Bag(self._path)
-            return self._bag, []
-        except rosbag.ROSBagUnindexedException:
-            pass
-        except Exception as error:  # rosbag raises struct.error, ROSBagException and others on files that are no bags
-            raise BagError(f"bag '{self._path}': cannot be read: {error}") from error
-        self._folder = tempfile.mkdtemp(prefix="aras_bag_")
-        try:
-            copy = os.path.join(self._folder, "copy.bag")
-            shutil.copyfile(self._path, copy)
-            with rosbag.Bag(copy, "a", allow_unindexed=True) as bag:
-                for _ in bag.reindex():
-                    pass
-            self._bag = rosbag.Bag(copy)
-        except Exception as error:
-            shutil.rmtree(self._folder, ignore_errors=True)
-            raise BagError(f"bag '{self._path}': was not closed and cannot be repaired: {error}") from error
-        return self._bag, ["the bag was not closed: read as far as it goes"]
-
-    def __exit__(self, *_):
-        self._bag.close()
-        if self._folder:
-            shutil.rmtree(self._folder, ignore_errors=True)
-
-
-def _find_topics(bag, path, namespace):
-    """Dict of name (without namespace) -> topic."""
-    present = set(bag.get_type_and_topic_info().topics)
+def find_topics(bags, namespace=None):
+    """Dict of name (without namespace) -> topic, of an open `BagFiles`. Raises BagError as `read_bag`."""
+    present = bags.topics
     if namespace is None:
         spaces = sorted({topic[:-len("servo_state")] for topic in present if topic.endswith("/servo_state")})
         if len(spaces) > 1:
-            raise BagError(f"bag '{path}': holds several runs, choose one namespace of "
+            raise BagError(f"bag '{bags.name}': holds several runs, choose one namespace of "
                            + ", ".join(space.rstrip("/") or "/" for space in spaces))
-        if not spaces:  # then judge by the topic that is there
-            spaces = sorted({topic[:-len(name)] for topic in present for name in REQUIRED
+        if not spaces:  # then judge by the topics that are there
+            spaces = sorted({topic[:-len(name)] for topic in present for name in OPTIONAL
                              if topic.endswith("/" + name)})
         prefix = spaces[0] if spaces else "/"
     else:
         prefix = "/" + namespace.strip("/") + "/" if namespace.strip("/") else "/"
     missing = [prefix + name for name in REQUIRED if prefix + name not in present]
     if missing:
-        raise BagError(f"bag '{path}': topics missing: {', '.join(missing)}; "
+        raise BagError(f"bag '{bags.name}': topics missing: {', '.join(missing)}; "
                        f"found: {', '.join(sorted(present)) or 'none'}")
     return {name: prefix + name for name in REQUIRED + OPTIONAL if prefix + name in present}
 
 
-def _read(bag, topics, path, scenario, notes):
+def _read(bags, topics, scenario, keep_images):
     states, features, poses, statuses = [], {}, {}, []
     camera_info, X_WT, document = None, None, None
     names = {topic: name for name, topic in topics.items() if name != "camera/image_raw"}
-    for topic, message in _messages(bag, list(names), notes):
+    for topic, message in bags.messages(names):
         name = names[topic]
         if name == "servo_state":
             states.append(message)
@@ -113,41 +72,40 @@ def _read(bag, topics, path, scenario, notes):
         elif name == "ground_truth/target_pose":
             X_WT = pose_matrix(message.pose)
         elif name == "camera/camera_info":
-            camera_info = camera_info or _camera_info(message)
+            camera_info = camera_info or camera_info_of(message)
         elif name == "sim/status":
             statuses.append(message)
         elif name == "scenario":
             document = message.data
     states = _unique_rows(states)
     if not states:
-        raise BagError(f"bag '{path}': {topics['servo_state']} holds no image's row")
-    settings, scenario_name = _settings(scenario, document, notes)
-    images = _images(bag, topics["camera/image_raw"], _stamps_to_keep(states), notes)
+        raise BagError(f"bag '{bags.name}': {topics['servo_state']} holds no image's row")
+    notes = bags.notes + lacking(topics)
+    settings, scenario_name = settings_of(scenario, document, notes)
+    images = {}
+    if "camera/image_raw" in topics:
+        stamps = _stamps_to_keep(states, every=keep_images)
+        images = _images(bags, topics["camera/image_raw"], stamps)
+        if len(images) < len(stamps):
+            notes.append(f"{len(stamps) - len(images)} of the {len(stamps)} images to show are not in the bag")
     joint_names = max((tuple(sorted(state.joint_names)) for state in states), key=len)
-    builder = RecordBuilder(scenario_name, joint_names, settings=settings)
+    builder = RecordBuilder(scenario_name, joint_names, settings=settings, keep_images=keep_images)
     unpaired = 0
     for state in states:
         stamp_ns = state.header.stamp.to_nsec()
         unpaired += stamp_ns not in poses
         builder.add_answer(_Answer(state, stamp_ns), poses.get(stamp_ns), features.get(stamp_ns),
                            images.get(stamp_ns))
-    if unpaired:
+    if unpaired and "ground_truth/camera_pose" in topics:
         notes.append(f"{unpaired} of {len(states)} images have no true camera pose of the same stamp")
-    for note in notes:
+    if states[-1].phase != "done":
+        notes.append(f"the recording ends before the run did, in phase {states[-1].phase}")
+    for note in dict.fromkeys(notes + bags.notes):
         builder.note(note)
     factors = [s.real_time_factor for s in statuses if not s.paused and s.real_time_factor > 0.0]
     return builder.finish(run_hash=statuses[-1].run_hash if statuses else "",
                           real_time_factor=float(np.median(factors)) if factors else float("nan"),
                           camera_info=camera_info, X_WT=X_WT)
-
-
-def _messages(bag, topics, notes):
-    """(topic, message) of the topics in order; ends early, with a note, where the bag is broken."""
-    try:
-        for topic, message, _ in bag.read_messages(topics=topics):
-            yield topic, message
-    except Exception as error:  # a chunk cut in two: struct.error, roslz4 and bz2 errors, ROSBagFormatException
-        notes.append(f"the bag is broken and was read up to there: {error}")
 
 
 class _Answer:
@@ -177,28 +135,27 @@ def _unique_rows(states):
     return rows
 
 
-def _stamps_to_keep(states):
-    """Stamps of the rows whose images the record keeps: taught, first and last of the servo phase, and done."""
+def _stamps_to_keep(states, every):
+    """Stamps of the rows whose images the record keeps: taught, first and last (or every one) of the servo, and done."""
     servo = [s for s in states if s.phase == "servo"]
     done = [s for s in states if s.phase == "done"]
-    kept = [s for s in states if s.phase == "teach"] + servo[:1] + servo[-1:] + done[:1]
+    kept = [s for s in states if s.phase == "teach"] + (servo if every else servo[:1] + servo[-1:]) + done[:1]
     return {state.header.stamp.to_nsec() for state in kept}
 
 
-def _images(bag, topic, stamps, notes):
+def _images(bags, topic, stamps):
     images = {}
-    for _, message in _messages(bag, [topic], notes):
+    for _, message in bags.messages([topic]):
         stamp_ns = message.header.stamp.to_nsec()
         if stamp_ns in stamps:
-            images[stamp_ns] = _decode(message)
+            images[stamp_ns] = decode(message)
             if len(images) == len(stamps):
                 break
-    if len(images) < len(stamps):
-        notes.append(f"{len(stamps) - len(images)} of the {len(stamps)} images to show are not in the bag")
     return images
 
 
-def _decode(message):
+def decode(message):
+    """The uint8 image, (h, w) or (h, w, 3) rgb, of a sensor_msgs/Image. Raises BagError for other encodings."""
     channels = {"rgb8": 3, "bgr8": 3, "mono8": 1}.get(message.encoding)
     if channels is None:
         raise BagError(f"image encoding: found '{message.encoding}', allowed rgb8 | bgr8 | mono8")
@@ -208,13 +165,14 @@ def _decode(message):
     return image[..., 0] if channels == 1 else image
 
 
-def _camera_info(message):
+def camera_info_of(message):
+    """A sensor_msgs/CameraInfo as the dict of `Simulation.camera_info`."""
     return {"width": message.width, "height": message.height, "K": list(message.K), "D": list(message.D),
             "distortion_model": message.distortion_model, "P": list(message.P), "R": list(message.R),
             "frame_id": message.header.frame_id}
 
 
-def _settings(scenario, document, notes):
+def settings_of(scenario, document, notes):
     """(settings, name): of the scenario given, else of the recorded text, else empty."""
     if scenario is not None:
         return scenario.as_dict(), scenario.name

@@ -8,6 +8,8 @@ from pathlib import Path
 import yaml
 
 from .errors import ArasError, ParameterError
+from .record_groups import GROUPS, parse_groups
+from .recorder import COMPRESSIONS
 
 EXIT_PASSED, EXIT_FAILED, EXIT_PARAMETERS, EXIT_BROKEN = range(4)
 
@@ -23,6 +25,10 @@ def run_main(argv=None):
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
                         help="replace a value of the scenario, e.g. --set servo.gains_per_s.xn=2.0 (only --in-process)")
     parser.add_argument("--video", action="store_true", help="make video.mp4 too and show it in the report (ffmpeg)")
+    parser.add_argument("--record", metavar="GROUPS", help="groups of topics to record (only over ROS), e.g. "
+                        "images,features,truth or --record=-images; all of them: " + ", ".join(GROUPS))
+    parser.add_argument("--split", type=int, metavar="MB", help="split the bag after this size (only over ROS)")
+    parser.add_argument("--compression", choices=tuple(COMPRESSIONS), help="of the bag (only over ROS; default: lz4)")
     parser.add_argument("--verbose", action="store_true", help="show what the nodes say (only over ROS)")
     parser.add_argument("--list", action="store_true", help="list the scenarios that come with the package")
     arguments = parser.parse_args(argv)
@@ -35,6 +41,10 @@ def run_main(argv=None):
         parser.error("SCENARIO is missing; --list shows the known ones")
     if arguments.overrides and not arguments.in_process:
         parser.error("--set needs --in-process; over ROS change the scenario file")
+    if arguments.in_process and (arguments.record or arguments.split or arguments.compression):
+        parser.error("--record, --split and --compression are of the bag; --in-process writes none")
+    if arguments.split is not None and arguments.split < 1:
+        parser.error(f"--split: found {arguments.split}, allowed >= 1")
 
     def work():
         scenario = load_scenario(arguments.scenario, parse_overrides(arguments.overrides))
@@ -47,26 +57,39 @@ def report_main(argv=None):
     """`report BAG`: rebuild summary, trace, figure and report from a rosbag. Returns the exit code."""
     parser = argparse.ArgumentParser(prog="report", description="Rebuild summary.json, trace.csv, figure.{png,pdf} "
                                                                 "and report.html of a run from its bag.")
-    parser.add_argument("bag", help="a rosbag of a run, under any namespace")
+    parser.add_argument("bag", nargs="+", help="a rosbag of a run, under any namespace; all parts of a split one are "
+                                               "read; a folder of bags, or several bags, are read as one run")
     parser.add_argument("--output", metavar="DIR", help="folder to write to (default: the folder of the bag; files of "
                                                         "an earlier report there are replaced)")
     parser.add_argument("--scenario", help="name or path of the scenario that ran, if the bag does not say")
     parser.add_argument("--namespace", help="namespace of the run, if the bag holds several")
+    parser.add_argument("--video", action="store_true", help="make video.mp4 too and show it in the report (ffmpeg)")
+    parser.add_argument("--panels", action="store_true", help="write each panel of the figure as panel_NAME.pdf too")
+    parser.add_argument("--replay", action="store_true",
+                        help="process the images again and compare the features with the recorded ones, bit for bit")
     arguments = parser.parse_args(argv)
 
     def work():
         from .bag import read_bag
         from .report import ResultFolderError, format_summary, save_results
         from .scenario import load_scenario
-        folder = Path(arguments.output or os.path.dirname(os.path.abspath(arguments.bag)))
+        first = os.path.abspath(arguments.bag[0])
+        folder = Path(arguments.output or (first if os.path.isdir(first) else os.path.dirname(first)))
+        scenario = load_scenario(arguments.scenario) if arguments.scenario else None
+        record = read_bag(arguments.bag, arguments.namespace, scenario, keep_images=arguments.video)
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise ResultFolderError(f"results folder '{folder}': cannot be made: {error.strerror}") from error
-        scenario = load_scenario(arguments.scenario) if arguments.scenario else None
-        summary = save_results(read_bag(arguments.bag, arguments.namespace, scenario), folder)
+        summary = save_results(record, folder, video=arguments.video, panels=arguments.panels)
         print(format_summary(summary))
-        return EXIT_PASSED if summary["passed"] else EXIT_FAILED
+        passed = summary["passed"]
+        if arguments.replay:
+            from .replay import replay
+            result = replay(arguments.bag, arguments.namespace, scenario)
+            print(result.text())
+            passed = passed and result.same
+        return EXIT_PASSED if passed else EXIT_FAILED
 
     return _guarded(work)
 
@@ -102,7 +125,16 @@ def _run_in_process(scenario, arguments):
 
 def _run_over_ros(scenario, arguments):
     from .launch import run_over_ros
-    return run_over_ros(scenario, os.path.expanduser(arguments.output), verbose=arguments.verbose)
+    extra = []
+    if arguments.record:
+        extra.append("record_groups:=" + ",".join(parse_groups(arguments.record)))
+    if arguments.split:
+        extra.append(f"record_split_mb:={arguments.split}")
+    if arguments.compression:
+        extra.append(f"record_compression:={arguments.compression}")
+    if arguments.video:
+        extra.append("video:=true")
+    return run_over_ros(scenario, os.path.expanduser(arguments.output), extra, verbose=arguments.verbose)
 
 
 def _progress():

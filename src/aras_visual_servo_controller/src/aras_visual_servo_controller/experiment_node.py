@@ -28,7 +28,8 @@ from .errors import ArasError, ParameterError
 from .graph import Graph
 from .loop import CLOSING_S
 from .parameters import Parameters
-from .recorder import Recorder
+from .record_groups import group_of, lacking, parse_groups
+from .recorder import COMPRESSIONS, Recorder
 from .report import create_result_folder, format_summary, save_results
 from .scenario import scenario_from_dict
 
@@ -36,10 +37,12 @@ NODES = ("sim", "camera_node", "controller")
 # Topics of the namespace that are not recorded: they cost the run time and can be made from what is.
 NOT_RECORDED = ("camera/overlay", "camera/depth/", "/parameter_descriptions", "/parameter_updates", "/compressed",
                 "/theora", "/state")
-ALWAYS_RECORDED = ("/clock", "/tf", "/tf_static")
-PRIVATE_PARAMETERS = ("results_dir", "record", "startup_timeout_s", "stall_timeout_s", "exit_code_file")
+OUTSIDE = ("/clock", "/tf", "/tf_static")
+PRIVATE_PARAMETERS = ("results_dir", "record", "record_groups", "record_split_mb", "record_compression", "video", "startup_timeout_s", "stall_timeout_s", "exit_code_file")
 POLL_S = 0.05             # wall time between looks
 GRAPH_POLL_S = 0.5        # wall time between looks at the master while running
+SETTLED_BYTES = 16384     # a bag that grows by less than this in a moment gets no more images, only the clock
+SETTLE_LIMIT_S = 10.0     # wall time that the recorder gets for what it was sent
 GOAL_PERIOD_S = 3.0       # wall time after which a goal that nobody took is sent again
 EXIT_PASSED, EXIT_FAILED, EXIT_PARAMETERS, EXIT_BROKEN = range(4)
 
@@ -55,6 +58,14 @@ class ExperimentNode:
         parameters = Parameters()
         self._results = Path(os.path.expanduser(parameters.value("~results_dir", "results")))
         self._record = parameters.value("~record", True)
+        self._split_mb = parameters.value("~record_split_mb", 0, minimum=0)
+        self._compression = parameters.choice("~record_compression", "lz4", tuple(COMPRESSIONS))
+        self._video = parameters.value("~video", False)
+        self._groups = ()
+        try:
+            self._groups = parse_groups(rospy.get_param("~record_groups", "all"))
+        except (ParameterError, TypeError) as error:
+            parameters.add(error)
         self._startup_timeout_s = parameters.value("~startup_timeout_s", 60.0, minimum=1.0)
         self._stall_timeout_s = parameters.value("~stall_timeout_s", 60.0, minimum=1.0)
         parameters.known(PRIVATE_PARAMETERS)
@@ -83,7 +94,7 @@ class ExperimentNode:
         try:
             if self._record:
                 self._recorder = Recorder(self.folder / "run.bag", self._topics(), rospy.get_name() + "_recorder",
-                                          rospy.resolve_name("/clock"))
+                                          rospy.resolve_name("/clock"), self._split_mb, self._compression)
             self._wait("all connections", self._missing_connections, self._startup_timeout_s)
             wall_s = self._drive()
         finally:
@@ -118,7 +129,11 @@ class ExperimentNode:
         namespace = rospy.get_namespace()
         mine = [topic for topic in self._graph.topics(namespace)
                 if not any(part in topic[len(namespace) - 1:] for part in NOT_RECORDED)]
-        return sorted(set(mine) | {rospy.resolve_name(topic) for topic in ALWAYS_RECORDED})
+        topics = sorted(topic for topic in set(mine) | {rospy.resolve_name(topic) for topic in OUTSIDE}
+                        if group_of(topic, namespace) in self._groups)
+        for sentence in lacking({topic[len(namespace):] for topic in topics}):
+            rospy.logwarn("%s", sentence)
+        return topics
 
     def _missing_connections(self):
         nodes = {rospy.resolve_name(name) for name in NODES} | {rospy.get_name()}
@@ -227,12 +242,16 @@ class ExperimentNode:
         self._wait("the end", lambda: [] if self._status.header.stamp.to_nsec() >= end_ns else ["sim/status"], 10.0)
 
     def _settle_recording(self):
-        """Let the last messages reach the recorder: wait until the bag has stopped growing."""
+        """Let the last messages reach the recorder: wait until the bag has all but stopped growing.
+
+        It never stops for good: the paused simulator goes on publishing its clock.
+        """
         if self._recorder is None:
             return
-        size, since_s = -1, time.monotonic()
-        while time.monotonic() - since_s < 0.3:
-            if self._recorder.written_bytes() != size:
+        size, since_s = -SETTLED_BYTES, time.monotonic()
+        deadline_s = since_s + SETTLE_LIMIT_S
+        while time.monotonic() - since_s < 0.3 and time.monotonic() < deadline_s:
+            if self._recorder.written_bytes() - size >= SETTLED_BYTES:
                 size, since_s = self._recorder.written_bytes(), time.monotonic()
             time.sleep(POLL_S)
 
@@ -267,12 +286,15 @@ class ExperimentNode:
         if self._recorder is None:
             rospy.logwarn("nothing was recorded (record:=false): not judged by the true pose")
             return EXIT_PASSED if result.converged else EXIT_FAILED
-        record = read_bag(self._recorder.bag, rospy.get_namespace())
+        record = read_bag(self._recorder.bags(), rospy.get_namespace(), keep_images=self._video)
         simulated_s = float(record.t_s[-1]) if self._done_ns is None else self._done_ns * 1e-9
         record = dataclasses.replace(record, wall_s=wall_s, real_time_factor=simulated_s / wall_s)
         summary = save_results(record, self.folder, "roslaunch aras_visual_servo_controller servo.launch "
-                                                    f"scenario:={self._scenario.path or self._scenario.name}")
+                                                    f"scenario:={self._scenario.path or self._scenario.name}", self._video)
         print(format_summary(summary), flush=True)
+        if "truth" not in self._groups:
+            rospy.logwarn("the true camera pose was not recorded: not judged by it")
+            return EXIT_PASSED if summary["converged"] else EXIT_FAILED
         return EXIT_PASSED if summary["passed"] else EXIT_FAILED
 
 
