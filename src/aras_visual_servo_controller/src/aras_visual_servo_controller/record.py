@@ -173,18 +173,16 @@ class RecordBuilder:
 
         The `done` row's image is the last one only if no servo row before it reported the end (see `servo_rows`).
         """
-        before = self._rows[-2][1] if len(self._rows) > 1 else ""
-        if self._keep_images and (phase == "servo" or phase == "done" and before == "servo"):
+        ends = phase == "done" and len(self._rows) > 1 and self._rows[-2][1] == "servo" and \
+            self._rows[-2][2] not in TERMINAL
+        if self._keep_images and (phase == "servo" or ends):
             self._all_images[len(self._rows) - 1] = np.array(image, dtype=np.uint8)
         if phase == "teach":
             self._images["desired"] = np.array(image, dtype=np.uint8)
         elif phase == "servo":
             self._images.setdefault("initial", np.array(image, dtype=np.uint8))
+        if phase == "servo" or ends:
             self._images["final"] = np.array(image, dtype=np.uint8)
-        elif phase == "done" and len(self._rows) > 1:
-            _, before, status = self._rows[-2][:3]
-            if before == "servo" and status not in TERMINAL:
-                self._images["final"] = np.array(image, dtype=np.uint8)
 
     def set_image(self, which, image):
         """Set the "desired", "initial" or "final" image."""
