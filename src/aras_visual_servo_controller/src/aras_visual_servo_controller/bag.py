@@ -136,7 +136,7 @@ def _unique_rows(states):
 
 
 def _stamps_to_keep(states, every):
-    """Stamps of the rows whose images the record keeps: taught, first and last (or every one) of the servo, and done."""
+    """Stamps of the rows whose images the record keeps: taught, first and last (or every) servo row, and done."""
     servo = [s for s in states if s.phase == "servo"]
     done = [s for s in states if s.phase == "done"]
     kept = [s for s in states if s.phase == "teach"] + (servo if every else servo[:1] + servo[-1:]) + done[:1]

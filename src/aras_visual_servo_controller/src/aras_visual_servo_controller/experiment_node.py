@@ -38,7 +38,8 @@ NODES = ("sim", "camera_node", "controller")
 NOT_RECORDED = ("camera/overlay", "camera/depth/", "/parameter_descriptions", "/parameter_updates", "/compressed",
                 "/theora", "/state")
 OUTSIDE = ("/clock", "/tf", "/tf_static")
-PRIVATE_PARAMETERS = ("results_dir", "record", "record_groups", "record_split_mb", "record_compression", "video", "startup_timeout_s", "stall_timeout_s", "exit_code_file")
+PRIVATE_PARAMETERS = ("results_dir", "record", "record_groups", "record_split_mb", "record_compression", "video",
+                      "startup_timeout_s", "stall_timeout_s", "exit_code_file")
 POLL_S = 0.05             # wall time between looks
 GRAPH_POLL_S = 0.5        # wall time between looks at the master while running
 SETTLED_BYTES = 16384     # a bag that grows by less than this in a moment gets no more images, only the clock
@@ -290,7 +291,8 @@ class ExperimentNode:
         simulated_s = float(record.t_s[-1]) if self._done_ns is None else self._done_ns * 1e-9
         record = dataclasses.replace(record, wall_s=wall_s, real_time_factor=simulated_s / wall_s)
         summary = save_results(record, self.folder, "roslaunch aras_visual_servo_controller servo.launch "
-                                                    f"scenario:={self._scenario.path or self._scenario.name}", self._video)
+                                                    f"scenario:={self._scenario.path or self._scenario.name}",
+                               self._video)
         print(format_summary(summary), flush=True)
         if "truth" not in self._groups:
             rospy.logwarn("the true camera pose was not recorded: not judged by it")

@@ -164,4 +164,3 @@ def _finish_time_axes(axes, t_s, label, columns):
     else:
         axes.text(0.5, 0.5, "no servo phase in this record", ha="center", va="center", color=GREY,
                   transform=axes.transAxes)
-

@@ -1,4 +1,4 @@
-"""A camera that stands beside the arm: what an observer saw of a run, rendered again from its joint positions. No ROS."""
+"""A camera that stands beside the arm: what an observer saw of a run, rendered again from its joint positions."""
 
 import math
 
@@ -34,14 +34,16 @@ class Observer:
         from aras_visual_servo_sim import Simulation
         if not record.settings:
             raise ObserverError("the record does not hold its scenario: which robot it was is unknown")
-        known = record.X_WC[np.all(np.isfinite(record.X_WC), axis=(1, 2)), :3, 3]
-        at_C = known.mean(axis=0) if len(known) else np.array([0.0, 0.0, 1.0])
-        at_T = at_C * [1, 1, 0] if record.X_WT is None else record.X_WT[:3, 3]
+        path = record.X_WC[record.servo_rows, :3, 3]
+        known = path[np.all(np.isfinite(path), axis=1)]
+        # Rounded: a pose that went through a bag's quaternion gives the same picture.
+        at_C = np.round(known.mean(axis=0), 4) if len(known) else np.array([0.0, 0.0, 1.0])
+        at_T = at_C * [1, 1, 0] if record.X_WT is None else np.round(record.X_WT[:3, 3], 4)
         try:
             scenario = scenario_from_dict(record.settings)
             eye, look_at = standpoint(at_C, at_T)
-            self._sim = Simulation(with_stand(scenario.urdf_xml(), eye, look_at), self._config(scenario, at_T, width, height),
-                                   scenario.controllers(), package_paths())
+            self._sim = Simulation(with_stand(scenario.urdf_xml(), eye, look_at),
+                                   self._config(scenario, at_T, width, height), scenario.controllers(), package_paths())
         except RuntimeError as error:  # the simulator's and ours
             raise ObserverError(f"the robot of the record cannot be shown: {error}") from error
         self._names = record.joint_names
@@ -82,7 +84,8 @@ def with_stand(urdf_xml, eye, look_at):
     rpy = math.atan2(R[2, 1], R[2, 2]), -math.asin(max(-1.0, min(1.0, R[2, 0]))), math.atan2(R[1, 0], R[0, 0])
     root = _root_link(urdf_xml)
     stand = (f'<link name="{NAME}"/><joint name="{NAME}_stand" type="fixed"><parent link="{root}"/>'
-             f'<child link="{NAME}"/><origin xyz="%.9g %.9g %.9g" rpy="%.9g %.9g %.9g"/></joint></robot>' % (*eye, *rpy))
+             f'<child link="{NAME}"/><origin xyz="%.9g %.9g %.9g" rpy="%.9g %.9g %.9g"/></joint></robot>'
+             % (*eye, *rpy))
     head, _, _ = urdf_xml.rpartition("</robot>")
     return head + stand
 

@@ -1,4 +1,4 @@
-"""report.html of a run: one self-contained page, no network, readable on a phone and on paper, whole without a script."""
+"""report.html of a run: one self-contained page, readable on a phone and on paper, whole without a script."""
 
 import base64
 import json

@@ -214,7 +214,8 @@ class RecordBuilder:
             set_point=table(9, m), raw=table(10, len(RAW_NAMES)), X_WC=table(11, 4, 4),
             X_WT=None if X_WT is None else np.array(X_WT, dtype=float),
             desired_image=self._images.get("desired"), initial_image=self._images.get("initial"),
-            final_image=self._images.get("final"), images=dict(self._all_images), camera_info=dict(camera_info or {}), run_hash=str(run_hash),
+            final_image=self._images.get("final"), images=dict(self._all_images),
+            camera_info=dict(camera_info or {}), run_hash=str(run_hash),
             real_time_factor=float(real_time_factor), wall_s=float(wall_s), versions=dict(versions or {}),
             notes=tuple(self._notes))
 

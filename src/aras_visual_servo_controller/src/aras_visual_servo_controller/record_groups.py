@@ -1,4 +1,4 @@
-"""Which topics a run records: groups that are switched on and off by name, and what a report lacks without each. No ROS."""
+"""Which topics a run records: groups switched on and off by name, and what a report lacks without each. No ROS."""
 
 from .errors import ParameterError
 

@@ -165,8 +165,8 @@ class Composer:
                     line(p - np.array(d), p + np.array(d), color, 3)
             else:
                 cv2.circle(picture, at(p), int(round(9 * (1 << SUBPIXEL_BITS))), color, 2, cv2.LINE_AA, SUBPIXEL_BITS)
-        cv2.putText(picture, f"t = {self._t_s[index]:.2f} s", (12, size[1] - 14), cv2.FONT_HERSHEY_SIMPLEX, 0.75, (60, 60, 60),
-                    1, cv2.LINE_AA)
+        cv2.putText(picture, f"t = {self._t_s[index]:.2f} s", (12, size[1] - 14), cv2.FONT_HERSHEY_SIMPLEX, 0.75,
+                    (60, 60, 60), 1, cv2.LINE_AA)
         view[y0:y0 + size[1], x0:x0 + size[0]] = picture
         return view
 
@@ -187,7 +187,8 @@ class Composer:
                 for column, name in enumerate(self._record.feature_names):
                     axes.plot(self._t_s, self._record.e[self._rows, column], alpha=strength, linewidth=2.4,
                               color=FEATURE_COLORS.get(name))
-                    axes.plot([], [], color=FEATURE_COLORS.get(name), linewidth=2.4, label=FEATURE_LABELS.get(name, name))
+                    axes.plot([], [], color=FEATURE_COLORS.get(name), linewidth=2.4,
+                              label=FEATURE_LABELS.get(name, name))
                 axes.set_xlim(0.0, max(self._t_s[-1], 1e-9))
                 axes.set_xlabel("time since the servo started [s]", labelpad=1)
                 axes.set_ylabel(r"$\mathbf{e}$")

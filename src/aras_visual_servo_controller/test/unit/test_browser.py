@@ -12,15 +12,17 @@ from aras_visual_servo_controller.report import save_results
 CHROMIUM = shutil.which("chromium")
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
 FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-         "--disable-background-networking", "--disable-component-update", "--disable-sync", "--virtual-time-budget=3000"]
+         "--disable-background-networking", "--disable-component-update", "--disable-sync",
+         "--virtual-time-budget=3000"]
 LIMIT_S = 60.0
 # Acts as a reader would, and leaves what the reader sees in the title.
 PROBE = """<script>
 window.addEventListener("load", () => {
   const said = [], svg = document.querySelector("#errors svg"), box = svg.getBoundingClientRect();
   const texts = (id) => [...document.querySelectorAll(`#${id} > svg > text`)].map((one) => one.textContent).join(" ");
-  const pointer = (name, x, more) => svg.dispatchEvent(new PointerEvent(name, { bubbles: true, pointerId: 7, pointerType: "mouse",
-    clientX: box.left + x * box.width, clientY: box.top + 0.5 * box.height, ...more }));
+  const pointer = (name, x, more) => svg.dispatchEvent(new PointerEvent(name, {
+    bubbles: true, pointerId: 7, pointerType: "mouse", clientX: box.left + x * box.width,
+    clientY: box.top + 0.5 * box.height, ...more }));
   const before = texts("velocity");
   pointer("pointermove", 0.5);
   said.push("readout:" + document.querySelector("#errors .readout").textContent);

@@ -6,14 +6,18 @@ from aras_visual_servo_controller.errors import ParameterError
 from aras_visual_servo_controller.record_groups import GROUPS, group_of, lacking, parse_groups
 
 
+ALL = tuple(GROUPS)
+
+
 @pytest.mark.parametrize("value, groups", [
-    ("all", tuple(GROUPS)), ("", tuple(GROUPS)), ("truth, images", ("servo", "images", "truth")),
-    (["tf"], ("servo", "tf")), ("-images,-other", tuple(name for name in GROUPS if name not in ("images", "other")))])
+    ("all", ALL), ("", ALL), ("truth, images", ("servo", "images", "truth")), (["tf"], ("servo", "tf")),
+    ("-images,-other", tuple(name for name in ALL if name not in ("images", "other")))])
 def test_groups_are_chosen_by_name_or_left_out(value, groups):
     assert parse_groups(value) == groups
 
 
-@pytest.mark.parametrize("value, words", [("imges,trut", "'imges'.*\n.*'trut'"), ("-images,truth", "do not go together"),
+@pytest.mark.parametrize("value, words", [("imges,trut", "'imges'.*\n.*'trut'"),
+                                          ("-images,truth", "do not go together"),
                                           ("-servo", "cannot be left out"), ("-all", "'-all'")])
 def test_wrong_groups_are_refused_with_the_allowed_ones(value, words):
     with pytest.raises(ParameterError, match=words):
@@ -22,8 +26,10 @@ def test_wrong_groups_are_refused_with_the_allowed_ones(value, words):
 
 @pytest.mark.parametrize("topic, group", [
     ("/a/b/servo_state", "servo"), ("/a/b/servo/result", "servo"), ("/a/b/camera/image_raw", "images"),
-    ("/a/b/camera/features", "features"), ("/a/b/ground_truth/camera_pose", "truth"), ("/tf", "tf"), ("/a/b/tf_static", "tf"),
-    ("/clock", "clock"), ("/a/b/clock", "clock"), ("/a/b/sim/status", "status"), ("/a/b/J1_controller/command", "other"),
+    ("/a/b/camera/features", "features"), ("/a/b/ground_truth/camera_pose", "truth"), ("/tf", "tf"),
+    ("/a/b/tf_static", "tf"),
+    ("/clock", "clock"), ("/a/b/clock", "clock"), ("/a/b/sim/status", "status"),
+    ("/a/b/J1_controller/command", "other"),
     ("/a/b/tfx", "other"), ("/a/b/scene_markers", "other")])
 def test_every_topic_has_its_group(topic, group):
     assert group_of(topic, "/a/b/") == group
