@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Writes the visual meshes of the arm to meshes/visual (binary STL, metres, each in its link's frame).
 
-The shapes are modelled on a small five-axis arm in the manner of the Mitsubishi RV-2AJ, hanging from a linear axis:
+The shapes are modelled on a small five-axis arm in the manner of the Mitsubishi RV-2AJ, hanging from a linear axis, and
+on a six-axis sibling of it (link3_roll, link4):
 link frames have z down the arm, x forward, y along the pitch axes. Run without arguments; the output is the same
 bytes on every run.
 """
@@ -124,6 +125,35 @@ def link3_caps():
     return [mirrored_pair(elbow), mirrored_pair(wrist)]
 
 
+def link3_roll():
+    """Elbow of the six-axis arm: fork around J3 and the seat of the forearm roll J4 (at z = 0.07)."""
+    elbow_cheek = belt(0.044, 0.0, 0.036, 0.052, 0.034, 0.056, chamfer=0.005)
+    body = loft([rounded_rectangle(0.066, 0.104, 0.014, 0.046), rounded_rectangle(0.074, 0.106, 0.018, 0.056),
+                 rounded_rectangle(0.072, 0.100, 0.030, 0.066)])
+    seat = lathe(((0.034, 0.064), (0.036, 0.066), (0.036, 0.070)))
+    return [mirrored_pair(elbow_cheek), body, seat]
+
+
+def link3_roll_caps():
+    """Round covers of J3 on the six-axis arm."""
+    return [mirrored_pair(along_y(lathe(((0.032, 0.054), (0.032, 0.059), (0.029, 0.062), (0.010, 0.063)), 32)))]
+
+
+def link4():
+    """Forearm of the six-axis arm: turns on J4 (at z = 0), fork around J5 (at z = 0.09)."""
+    barrel = lathe(((0.034, 0.001), (0.036, 0.003), (0.036, 0.012)))
+    body = loft([rounded_rectangle(0.066, 0.092, 0.028, 0.010), rounded_rectangle(0.062, 0.086, 0.024, 0.030),
+                 rounded_rectangle(0.056, 0.078, 0.018, 0.054)])
+    wrist_cheek = belt(0.029, 0.038, 0.030, 0.090, 0.0245, 0.039, chamfer=0.004)
+    return [barrel, body, mirrored_pair(wrist_cheek)]
+
+
+def link4_caps():
+    """Round covers of J5 on the six-axis arm."""
+    wrist = moved(along_y(lathe(((0.021, 0.037), (0.021, 0.041), (0.018, 0.043), (0.008, 0.044)), 32)), z=0.09)
+    return [mirrored_pair(wrist)]
+
+
 def link5():
     """Wrist: pitch hub and the barrel that carries J6 (at z = 0.0718)."""
     hub = along_y(cylinder(0.028, -0.0235, 0.0235))
@@ -156,7 +186,8 @@ def camera_lens():
 
 
 PARTS = (rail, rail_guides, slider, slider_drive, link0, link0_connectors, link1, link1_seam, link2, link2_shaft,
-         link2_covers, link3, link3_caps, link5, link6, camera, camera_lens)
+         link2_covers, link3, link3_caps, link3_roll, link3_roll_caps, link4, link4_caps, link5, link6, camera,
+         camera_lens)
 
 
 def meshes():

@@ -1,4 +1,4 @@
-"""The robot model: tree, limits, masses, frames, meshes, forward kinematics."""
+"""The robot models: tree, limits, masses, frames, meshes, forward kinematics."""
 
 import importlib
 import re
@@ -10,26 +10,37 @@ import yaml
 
 from urdf_model import PACKAGE, UrdfModel, stl_triangles
 
-URDF = PACKAGE / "urdf" / "aras_arm.urdf"
-CHAIN = [("gantry", "prismatic", "world", "slider"), ("J0", "fixed", "slider", "link0"),
-         ("J1", "revolute", "link0", "link1"), ("J2", "revolute", "link1", "link2"),
-         ("J3", "revolute", "link2", "link3"),
-         ("J5", "revolute", "link3", "link5"), ("J6", "continuous", "link5", "link6"),
-         ("camera_joint", "fixed", "link6", "camera_link"),
-         ("camera_optical_joint", "fixed", "camera_link", "camera_optical_frame")]
-MOVING = ["J1", "J2", "J3", "J5", "J6", "gantry"]
-MASSES_KG = {"slider": 1.5957, "link0": 5.272, "link1": 2.2792, "link2": 3.6544, "link3": 1.6841, "link5": 1.32285,
-             "link6": 0.3641, "camera_link": 0.1}
+FIVE, SIX = "aras_arm", "aras_arm_6axis"
+MODELS = {name: UrdfModel(PACKAGE / "urdf" / f"{name}.urdf") for name in (FIVE, SIX)}
+SHARED = [("gantry", "prismatic", "world", "slider"), ("J0", "fixed", "slider", "link0"),
+          ("J1", "revolute", "link0", "link1"), ("J2", "revolute", "link1", "link2"),
+          ("J3", "revolute", "link2", "link3"), ("J6", "continuous", "link5", "link6"),
+          ("camera_joint", "fixed", "link6", "camera_link"),
+          ("camera_optical_joint", "fixed", "camera_link", "camera_optical_frame")]
+CHAINS = {FIVE: SHARED + [("J5", "revolute", "link3", "link5")],
+          SIX: SHARED + [("J4", "revolute", "link3", "link4"), ("J5", "revolute", "link4", "link5")]}
+MOVING = {FIVE: ["J1", "J2", "J3", "J5", "J6", "gantry"], SIX: ["J1", "J2", "J3", "J4", "J5", "J6", "gantry"]}
+MASSES_KG = {FIVE: {"slider": 1.5957, "link0": 5.272, "link1": 2.2792, "link2": 3.6544, "link3": 1.6841,
+                    "link5": 1.32285, "link6": 0.3641, "camera_link": 0.1}}
+MASSES_KG[SIX] = {**MASSES_KG[FIVE], "link3": 1.0641, "link4": 0.62}  # the published forearm, cut in two
+LINKS = [(name, link) for name in MODELS for link in MASSES_KG[name]]
 GOAL = {"gantry": 0.05, "J2": -0.09, "J3": 0.045, "J5": 0.045}
 START = {"gantry": -0.1, "J2": np.radians(20.0), "J3": np.radians(-15.0), "J5": np.radians(-5.0),
          "J6": np.radians(10.0)}
 ROUNDING = 64 * np.finfo(float).eps  # a chain of ten products of numbers near 1
-MESH_MAX_BYTES, MESHES_MAX_BYTES = 150_000, 600_000
+MESH_MAX_BYTES, MESHES_MAX_BYTES = 150_000, 720_000
+HALF_A_DIGIT = 1e-8  # inertias of the six-axis forearm are written to 1e-8 kg m^2, twice that after moving them
+
+
+@pytest.fixture(scope="module", params=MODELS)
+def robot(request):
+    """Name of the model; `arm` is the model itself."""
+    return request.param
 
 
 @pytest.fixture(scope="module")
-def arm():
-    return UrdfModel(URDF)
+def arm(robot):
+    return MODELS[robot]
 
 
 def camera_position(q):
@@ -40,11 +51,14 @@ def camera_position(q):
     return np.array([-reach, q["gantry"], 1.6263 - drop])
 
 
-@pytest.mark.parametrize("name, kind, parent, child", CHAIN)
-def test_joint_connects_its_parent_and_child(arm, name, kind, parent, child):
-    joint = arm.joints[name]
-    found = joint.get("type"), joint.find("parent").get("link"), joint.find("child").get("link")
-    assert found == (kind, parent, child)
+def test_joints_connect_their_parents_and_children(robot, arm):
+    found = {(name, joint.get("type"), joint.find("parent").get("link"), joint.find("child").get("link"))
+             for name, joint in arm.joints.items() if name != "rail_mount"}
+    assert found == set(CHAINS[robot])
+
+
+def test_robot_carries_its_file_s_name(robot, arm):
+    assert arm.root.get("name") == robot
 
 
 def test_world_is_the_only_root(arm):
@@ -52,14 +66,16 @@ def test_world_is_the_only_root(arm):
     assert len(arm.joints) == len(arm.links) - 1
 
 
-def test_moving_joints_are_the_six_of_the_published_arm(arm):
-    assert sorted(name for name, joint in arm.joints.items() if joint.get("type") != "fixed") == MOVING
+def test_moving_joints_are_the_documented_ones(robot, arm):
+    assert sorted(name for name, joint in arm.joints.items() if joint.get("type") != "fixed") == MOVING[robot]
 
 
-def test_limits_and_dynamics_equal_the_documented_ones(arm):
+def test_limits_and_dynamics_equal_the_documented_ones(robot, arm):
     documented = yaml.safe_load((PACKAGE / "config" / "joint_limits.yaml").read_text())["joint_limits"]
-    assert sorted(documented) == MOVING
+    assert sorted(documented) == sorted(set().union(*MOVING.values()))
     for name, entry in documented.items():
+        if name not in MOVING[robot]:
+            continue
         unit = "m" if name == "gantry" else "rad"
         limit, dynamics = arm.limit(name), arm.joints[name].find("dynamics")
         assert limit["effort"] == entry["max_effort_n" if name == "gantry" else "max_effort_n_m"]
@@ -72,28 +88,55 @@ def test_limits_and_dynamics_equal_the_documented_ones(arm):
         assert entry["source"]
 
 
-@pytest.mark.parametrize("name", MOVING)
-def test_limits_are_finite_and_positive(arm, name):
-    limit = arm.limit(name)
-    assert np.all(np.isfinite(list(limit.values())))
-    assert limit["effort"] > 0.0 and limit["velocity"] > 0.0
-    assert limit.get("lower", -1.0) < limit.get("upper", 1.0)
+def test_limits_are_finite_and_positive(robot, arm):
+    for name in MOVING[robot]:
+        limit = arm.limit(name)
+        assert np.all(np.isfinite(list(limit.values()))), name
+        assert limit["effort"] > 0.0 and limit["velocity"] > 0.0, name
+        assert limit.get("lower", -1.0) < limit.get("upper", 1.0), name
 
 
-def test_masses_are_the_published_ones(arm):
-    assert {name: arm.inertial(name)[0] for name in arm.links if arm.inertial(name)} == MASSES_KG
+def test_masses_are_the_documented_ones(robot, arm):
+    assert {name: arm.inertial(name)[0] for name in arm.links if arm.inertial(name)} == MASSES_KG[robot]
 
 
-@pytest.mark.parametrize("link", MASSES_KG)
-def test_inertia_is_that_of_a_body(arm, link):
+def test_forearm_of_the_six_axis_arm_adds_up_to_the_published_one():
+    mass, com, inertia = MODELS[FIVE].inertial("link3")
+    about_origin = inertia + mass * (com @ com * np.eye(3) - np.outer(com, com))
+    first, total = -mass * com, -about_origin
+    for link, offset in (("link3", 0.0), ("link4", 0.07)):
+        mass, com, inertia = MODELS[SIX].inertial(link)
+        com = com + [0.0, 0.0, offset]
+        first, total = first + mass * com, total + inertia + mass * (com @ com * np.eye(3) - np.outer(com, com))
+    np.testing.assert_allclose(first, 0.0, atol=HALF_A_DIGIT)
+    np.testing.assert_allclose(total, 0.0, atol=2.0 * HALF_A_DIGIT)
+
+
+@pytest.mark.parametrize("link", ["link2", "link5", "link6", "camera_link", "camera_optical_frame"])
+def test_both_arms_are_in_the_same_place_while_the_forearm_is_not_rolled(link):
+    q = {"gantry": 0.2, "J1": 0.3, "J2": -0.4, "J3": 0.7, "J5": 0.5, "J6": -1.1}
+    np.testing.assert_allclose(MODELS[SIX].link_pose(link, q), MODELS[FIVE].link_pose(link, q), atol=ROUNDING)
+
+
+def test_positive_j4_turns_the_wrist_about_the_forearm():
+    R = MODELS[SIX].link_pose("link3", START)[:3, :3].T @ MODELS[SIX].link_pose("link5", {**START, "J4": 0.4})[:3, :3]
+    R_five = MODELS[FIVE].link_pose("link3", START)[:3, :3].T @ MODELS[FIVE].link_pose("link5", START)[:3, :3]
+    c, s = np.cos(0.4), np.sin(0.4)
+    np.testing.assert_allclose(R, np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ R_five, atol=ROUNDING)
+
+
+@pytest.mark.parametrize("robot_name, link", LINKS)
+def test_inertia_is_that_of_a_body(robot_name, link):
+    arm = MODELS[robot_name]
     principal = np.linalg.eigvalsh(arm.inertial(link)[2])
     assert principal[0] > 0.0
     assert principal[0] + principal[1] >= principal[2]
 
 
-@pytest.mark.parametrize("link", MASSES_KG)
-def test_mass_fits_inside_the_visual_shape(arm, link):
+@pytest.mark.parametrize("robot_name, link", LINKS)
+def test_mass_fits_inside_the_visual_shape(robot_name, link):
     """Centre of mass in the meshes' box, and along each axis a radius of gyration that the box allows."""
+    arm = MODELS[robot_name]
     mass, com, inertia = arm.inertial(link)
     points = np.concatenate([stl_triangles(PACKAGE / name.split("/", 3)[3]).reshape(-1, 3)
                              for name in arm.mesh_files(link)])
@@ -103,15 +146,15 @@ def test_mass_fits_inside_the_visual_shape(arm, link):
     assert np.all(gyration <= np.maximum(high - com, com - low))
 
 
-def test_every_moving_joint_has_an_effort_transmission(arm):
+def test_every_moving_joint_has_an_effort_transmission(robot, arm):
     interfaces = {tag.find("joint").get("name"): tag.find("joint/hardwareInterface").text
                   for tag in arm.root.findall("transmission")}
-    assert sorted(interfaces) == MOVING
+    assert sorted(interfaces) == MOVING[robot]
     assert set(interfaces.values()) == {"hardware_interface/EffortJointInterface"}
 
 
-def test_every_link_with_mass_has_collision_geometry_of_primitives(arm):
-    for link in MASSES_KG:
+def test_every_link_with_mass_has_collision_geometry_of_primitives(robot, arm):
+    for link in MASSES_KG[robot]:
         shapes = arm.links[link].findall("collision/geometry/*")
         assert shapes and {shape.tag for shape in shapes} <= {"box", "cylinder", "sphere"}
 
@@ -163,9 +206,10 @@ def test_camera_tag_has_the_published_camera(arm):
         "camera", "image_raw", "camera_info", "camera_optical_frame"]
 
 
-def test_meshes_exist_and_each_is_used(arm):
-    used = {name.rsplit("/", 1)[1] for name in arm.mesh_files()}
-    assert all(name.startswith("package://aras_description/meshes/visual/") for name in arm.mesh_files())
+def test_meshes_exist_and_each_is_used():
+    names = [name for arm in MODELS.values() for name in arm.mesh_files()]
+    used = {name.rsplit("/", 1)[1] for name in names}
+    assert all(name.startswith("package://aras_description/meshes/visual/") for name in names)
     assert used == {path.name for path in (PACKAGE / "meshes" / "visual").iterdir()}
 
 
