@@ -58,6 +58,28 @@ class ConfigReader:
             self._fault(key, value, allowed)
         return value
 
+    def texts(self, key, default):
+        """Tuple of texts, from a list."""
+        value = self._get(key, default, "a list of names")
+        if value is default:
+            return default
+        if not isinstance(value, (list, tuple)) or not all(isinstance(entry, str) for entry in value):
+            self._fault(key, value, "a list of names")
+            return default
+        return tuple(value)
+
+    def vector(self, key, size, default):
+        """Tuple of `size` finite numbers, from a list."""
+        value = self._get(key, default, f"{size} finite numbers")
+        if value is default:
+            return default
+        fits = isinstance(value, (list, tuple)) and len(value) == size and all(
+            isinstance(entry, (int, float)) and not isinstance(entry, bool) and isfinite(entry) for entry in value)
+        if not fits:
+            self._fault(key, value, f"{size} finite numbers")
+            return default
+        return tuple(float(entry) for entry in value)
+
     def section(self, key, required=False):
         """Reader of a nested table; an empty one when it is not there."""
         source = self._get(key, _REQUIRED if required else {}, "a table of keys")

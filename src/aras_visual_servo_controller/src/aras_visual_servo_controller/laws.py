@@ -11,18 +11,42 @@ A new law is a subclass with one method and a name:
     law.reset(s_star)
     V_C = law.step(features, dt_s)                  # once per image
 
-s = (xn, yn, an [m], alpha [rad]), e = s - s_star, gains one per feature [1/s]. dt_s is the time the twist will be held;
-0 asks for the instantaneous twist, which look-then-move multiplies by its sample time.
+s are the features of the scenario (`features.FeatureSet`), e = s - s_star, gains one per feature [1/s]; by default
+s = (xn, yn, an [m], alpha [rad]). dt_s is the time the twist will be held; 0 asks for the instantaneous twist, which
+look-then-move multiplies by its sample time. A law that inverts an interaction matrix takes `self.matrix(...)`.
 """
 
-from math import expm1, isfinite, pi, sin
+from dataclasses import dataclass
+from math import exp, expm1, isfinite, sin
+from typing import Optional, Tuple
 
 import numpy as np
 
-from .errors import NotFiniteError, ParameterError, ShapeError
+from .errors import DegenerateFeature, NotFiniteError, ParameterError, ShapeError
+from .features import FeatureSet, View, wrapped  # noqa: F401 (wrapped is offered here too)
+from .interaction import parallel_condition
 from .types import FEATURE_NAMES
 
+INTERACTIONS = ("desired", "current", "mean")
+#: A matrix with a larger condition number is not inverted: the view does not tell six motions apart.
+MAX_CONDITION = 1e6
 _LAWS = {}
+
+
+@dataclass(frozen=True)
+class LawSetup:
+    """What a scenario says about a law beside its gains.
+
+    Attributes:
+        features: names of the features.  interaction: which matrix is inverted, one of INTERACTIONS.
+        adaptive: (part, slope) of `adaptive_factor`, None: constant gains.
+        smooth_start_per_s: rate at which the first twist is let in [1/s]; 0: at once.
+    """
+
+    features: Tuple[str, ...] = FEATURE_NAMES
+    interaction: str = "desired"
+    adaptive: Optional[Tuple[float, float]] = None
+    smooth_start_per_s: float = 0.0
 
 
 def register(name):
@@ -41,76 +65,120 @@ def known_laws():
     return sorted(_LAWS)
 
 
-def make_law(name, gains_per_s):
-    """Law of that name. Raises ParameterError: unknown name (lists the known ones) or a gain that is not > 0."""
+def make_law(name, gains_per_s, setup=LawSetup()):
+    """Law of that name.
+
+    Raises ParameterError: unknown name (lists the known ones), a gain that is not > 0, features it does not work on.
+    """
     if name not in _LAWS:
         raise ParameterError(f"law: found '{name}', allowed {', '.join(known_laws())}")
-    return _LAWS[name](gains_per_s)
+    return _LAWS[name](gains_per_s, setup)
 
 
-def wrapped(angle, symmetric=False):
-    """Angle in [-pi, pi), or in [-pi/2, pi/2) for an object whose orientation is known modulo pi only [rad]."""
-    half = 0.5 * pi if symmetric else pi
-    return (angle + half) % (2.0 * half) - half
+def adaptive_factor(size, part, slope):
+    """Factor on the gains for an error of this size: 1 at zero, `part` far away, falling at first by `slope` (T22).
+
+    Args: size: largest |e_i|, in the units of the features.  part: 0 < part < 1.  slope: > 0, per unit of e.
+    """
+    return (1.0 - part) * exp(-slope / (1.0 - part) * size) + part
+
+
+def sampled_gains(gains_per_s, dt_s):
+    """Gains that let a twist held for dt_s do what the rates do in that time (T14)."""
+    return [-expm1(-gain * dt_s) / dt_s for gain in gains_per_s] if dt_s > 0.0 else gains_per_s
 
 
 class Law:
     """Base of the laws: checks, feature error, then `_twist` of the subclass.
 
-    Attributes: name; gains_per_s: tuple of 4; s, e: tuples of 4, of the last step.
+    Attributes:
+        name.  works_on: the features it is made for, None: any.  needs_plane: at each step, the target's plane.
+        features: `FeatureSet`.  gains_per_s: tuple of k.  s, e: tuples of k, of the last step.
+        condition: of the interaction matrix used last.
     """
 
-    name = ""
+    name, works_on, needs_plane = "", FEATURE_NAMES, False
 
-    def __init__(self, gains_per_s):
-        """Args: gains_per_s: (4,), > 0, in the order of FEATURE_NAMES [1/s]. Raises ParameterError."""
+    def __init__(self, gains_per_s, setup=LawSetup()):
+        """Args: gains_per_s: (k,), > 0, in the order of the features [1/s]. setup: `LawSetup`. ParameterError."""
+        self.features, self._setup = FeatureSet(setup.features), setup
+        names = self.features.names
         self.gains_per_s = tuple(float(gain) for gain in gains_per_s)
-        if len(self.gains_per_s) != len(FEATURE_NAMES):
-            raise ParameterError(f"gains_per_s: found {len(self.gains_per_s)} gains, allowed {len(FEATURE_NAMES)}")
-        faults = [
+        faults = []
+        if self.works_on is not None and names != tuple(self.works_on):
+            faults.append(f"features: found {', '.join(names)}, allowed with law '{self.name}': "
+                          f"{', '.join(self.works_on)}")
+        if len(self.gains_per_s) != len(names):
+            faults.append(f"gains_per_s: found {len(self.gains_per_s)} gains, allowed {len(names)}")
+        faults += [
             f"gains_per_s/{name}: found {gain}, allowed > 0"
-            for name, gain in zip(FEATURE_NAMES, self.gains_per_s)
+            for name, gain in zip(names, self.gains_per_s)
             if not (isfinite(gain) and gain > 0.0)
         ]
+        if setup.interaction not in INTERACTIONS:
+            faults.append(f"interaction: found '{setup.interaction}', allowed {', '.join(INTERACTIONS)}")
         if faults:
             raise ParameterError(faults)
+        self._rates, self._view = self.gains_per_s, None
         self.s = self.e = self._s_star = None
+        self._first, self._t_s, self.condition = None, 0.0, float("nan")
 
     def reset(self, reference):
-        """Forget the past; servo to `reference`, s_star (4,) or an object with that attribute."""
+        """Forget the past; servo to `reference`, s_star (k,) or an object with that attribute (`Reference`)."""
         s_star = tuple(float(value) for value in getattr(reference, "s_star", reference))
-        if len(s_star) != len(FEATURE_NAMES):
-            raise ShapeError(f"s_star: {len(s_star)} values, expected {len(FEATURE_NAMES)}")
+        if len(s_star) != len(self.features):
+            raise ShapeError(f"s_star: {len(s_star)} values, expected {len(self.features)}")
         if not all(map(isfinite, s_star)):
             raise NotFiniteError(f"s_star: {s_star}")
         self.s = self.e = None
         self._s_star = s_star
+        self._first, self._t_s = None, 0.0
 
-    def step(self, features, dt_s):
+    def step(self, features, dt_s, plane=None):
         """Camera twist for this image.
 
         Args:
-            features: object with xn, yn, an [m], alpha [rad] and symmetric.  dt_s: time the twist is held, >= 0 [s].
+            features: `Features`, or an object with its attributes.  dt_s: time the twist is held, >= 0 [s].
+            plane: (A, B, C) of the target in the camera frame [1/m], only where needs_plane.
         Returns:
             V_C, (6,), [v; w] in the camera frame [m/s; rad/s].
         Raises:
-            NotFiniteError: a feature or dt_s is not finite.
+            NotFiniteError: a feature or dt_s is not finite.  DegenerateFeature: a feature does not exist in this view.
         """
-        star = self._s_star
-        s = (features.xn, features.yn, features.an, features.alpha)
+        self._view = View(features, plane)
+        s = self.features.values(self._view)
         if not (isfinite(sum(s)) and isfinite(dt_s)):
             raise NotFiniteError(f"features {s}, dt_s {dt_s}")
-        self.s = s
-        self.e = (s[0] - star[0], s[1] - star[1], s[2] - star[2], wrapped(s[3] - star[3], features.symmetric))
-        return self._twist(self.s, self.e, dt_s)
+        self.s, self.e = s, self.features.error(s, self._s_star, features.symmetric)
+        if self._setup.adaptive is not None:
+            factor = adaptive_factor(max(map(abs, self.e)), *self._setup.adaptive)
+            self.gains_per_s = tuple([factor * rate for rate in self._rates])
+        twist = self._twist(self.s, self.e, dt_s)
+        if self._setup.smooth_start_per_s > 0.0:
+            twist = self._let_in(twist, dt_s)
+        return twist
+
+    def _let_in(self, twist, dt_s):
+        """Take the first twist away, and give it back at the rate smooth_start_per_s (T23)."""
+        if self._first is None:
+            self._first = np.array(twist, dtype=float)
+        self._t_s += dt_s  # to the end of the time the twist is held: the first image moves already
+        return twist - exp(-self._setup.smooth_start_per_s * self._t_s) * self._first
 
     def _twist(self, s, e, dt_s):
         raise NotImplementedError
+
+    def current_condition(self):
+        """Condition number of the interaction matrix that the last step rests on."""
+        return self.condition
 
 
 @register("paper")
 class Paper(Law):
     """The published eq. (17) and (18): v = -Lambda L^-1 e, L of eq. (16) (docs/theory.md T12). Unequal gains couple."""
+
+    def current_condition(self):
+        return parallel_condition(self.s[0], self.s[1])
 
     def _twist(self, s, e, dt_s):
         kx, ky, kz, ka = self.gains_per_s
@@ -125,6 +193,9 @@ class Decoupled(Law):
     phi = wz dt a point P of the target moves to Rz(-phi) P - dt S v, where S = [[sin phi, 1 - cos phi],
     [cos phi - 1, sin phi]] / phi; solved for v. Exact for a target parallel to the image.
     """
+
+    def current_condition(self):
+        return parallel_condition(self.s[0], self.s[1])
 
     def _twist(self, s, e, dt_s):
         gains = self.gains_per_s
@@ -142,3 +213,50 @@ class Decoupled(Law):
             scale = 1.0 / (a * a + b * b)
             dx, dy = scale * (a * dx - b * dy), scale * (b * dx + a * dy)
         return np.array([dx, dy, gains[2] * e[2], 0.0, 0.0, wz])
+
+
+@register("ibvs")
+class ImageBased(Law):
+    """v = -L^+ Lambda e for any features, L at the goal, at the current view or the mean of both (T20, T21).
+
+    With L at the goal the way there is not straight, but |e| -> 0 means the goal more often: see docs/theory.md.
+    """
+
+    works_on = None
+
+    def __init__(self, gains_per_s, setup=LawSetup()):
+        super().__init__(gains_per_s, setup)
+        self.needs_plane = setup.interaction != "desired"
+        self._L_star = self._inverse = None
+
+    def reset(self, reference):
+        """Takes a `Reference` with view and plane, unless L is always the current one."""
+        super().reset(reference)
+        self._L_star = self._inverse = None
+        if self._setup.interaction == "current":
+            return
+        view, plane = getattr(reference, "view", None), getattr(reference, "plane_C", None)
+        if view is None or plane is None:
+            raise ParameterError(f"law '{self.name}': the reference holds no view with its moments: teach it again")
+        self._L_star = self.features.matrix(View(view, plane))
+        if self._setup.interaction == "desired":
+            self._inverse = self._inverted(self._L_star)
+
+    def _twist(self, s, e, dt_s):
+        inverse = self._inverse
+        if inverse is None:
+            L = self.features.matrix(self._view)
+            inverse = self._inverted(L if self._L_star is None else 0.5 * (L + self._L_star))
+        gains = sampled_gains(self.gains_per_s, dt_s)
+        return -(inverse @ np.array([gain * error for gain, error in zip(gains, e)]))
+
+    def _inverted(self, L):
+        """Pseudo-inverse of L, (6, k); DegenerateFeature when it is (nearly) singular."""
+        if not isfinite(float(L.sum())):
+            raise NotFiniteError("interaction matrix is not finite")
+        U, sigmas, Vt = np.linalg.svd(L, full_matrices=False)
+        self.condition = float(sigmas[0] / sigmas[-1]) if sigmas[-1] > 0.0 else float("inf")
+        if not self.condition < MAX_CONDITION:
+            raise DegenerateFeature(f"features {', '.join(self.features.names)}: condition number of their interaction "
+                                    f"matrix is {self.condition:.3g}, allowed < {MAX_CONDITION:g}")
+        return (Vt.T / sigmas) @ U.T

@@ -146,7 +146,7 @@ class ServoLoop:
             RunRecord, one row per image.
         """
         builder = RecordBuilder(self.scenario.name, self.kinematics.joint_names, settings=self.scenario.as_dict(),
-                                keep_images=keep_images)
+                                keep_images=keep_images, feature_names=self.servo.feature_names)
         started_s = time.perf_counter()
         self.start()
         record = self._row(builder, progress)

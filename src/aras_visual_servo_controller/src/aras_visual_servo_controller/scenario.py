@@ -16,6 +16,7 @@ from pathlib import Path
 import yaml
 
 from .errors import ParameterError
+from .types import FEATURE_NAMES
 
 PACKAGE = "aras_visual_servo_controller"
 SECTIONS = ("robot", "sim", "time", "vision", "servo", "experiment")
@@ -130,7 +131,17 @@ def check(document):
     faults = []
     for error in _validator().iter_errors(document):
         faults.extend(_describe(error))
-    return sorted(set(faults))
+    return sorted(set(faults or _feature_faults(document["servo"])))
+
+
+def _feature_faults(servo):
+    """Gains and thresholds are one per feature, by name."""
+    names, faults = servo.get("features", list(FEATURE_NAMES)), []
+    for section in ("gains_per_s", "thresholds"):
+        faults += [f"servo.{section}.{name}: missing" for name in names if name not in servo[section]]
+        faults += [f"servo.{section}.{key}: unknown key, known are {', '.join(names)}"
+                   for key in servo[section] if key not in names]
+    return faults
 
 
 def find_scenario(name_or_path):

@@ -17,7 +17,7 @@ import numpy as np
 from .config_reader import ConfigReader
 from .errors import ArasError, ParameterError
 from .trajectory import JointTrajectory
-from .types import FEATURE_NAMES, Command, Observation, ServoRecord, Status
+from .types import Command, Observation, ServoRecord, Status
 
 PHASES = ("idle", "to_goal", "settle_goal", "teach", "to_start", "settle_start", "servo", "done")
 
@@ -67,7 +67,7 @@ class SequenceResult:
     converged: bool
     status: Status
     reason: str
-    e: np.ndarray  # (4,) final feature error, NaN when never servoed
+    e: np.ndarray  # (k,) final feature error, NaN when never servoed
     duration_s: float  # simulated seconds of servoing
 
 
@@ -101,7 +101,7 @@ class ExperimentSequence:
         self.result: Optional[SequenceResult] = None
         self.teach_stamp_ns = self.servo_stamp_ns = None
         self._last_ns = self._since_ns = self._trajectory = self._set_point = self._last_q = None
-        self._e, self._speed = np.full(len(FEATURE_NAMES), nan), np.inf
+        self._e, self._speed = np.full(len(self._servo.feature_names), nan), np.inf
         self._dt_s = self.config.image_period_s
 
     @property
@@ -225,7 +225,9 @@ class ExperimentSequence:
         status = Status.IDLE if self.result is None else self.result.status
         q = nans if self._last_q is None else self._last_q
         set_point = nans if self._set_point is None else self._set_point
+        names = self._servo.feature_names
+        none = np.full(len(names), nan)
         return ServoRecord(
-            stamp_ns, status, text, self.phase, status == Status.CONVERGED, e=self._e,
+            stamp_ns, status, text, self.phase, status == Status.CONVERGED, names, none, none.copy(), self._e,
             joint_names=self._kinematics.joint_names, q=q, q_dot=q_dot, set_point=set_point,
         )  # fmt: skip

@@ -6,8 +6,9 @@
     command, record = servo.step(Observation(stamp_ns, features, q), dt_s)
     ... until servo.finished
 
-Four image features say nothing about tilt, and 0.006 degrees of it look like 0.05 mm at 0.5 m. So the optical axis is
-held at its taught direction from the measured joint positions: w_xy turns it there at tilt_gain_per_s.
+The four default features say nothing about tilt, and 0.006 degrees of it look like 0.05 mm at 0.5 m. So the optical axis is
+held at its taught direction from the measured joint positions: w_xy turns it there at tilt_gain_per_s. Features that see
+tilt (`FeatureSet.sees_tilt`) turn it themselves.
 
 Nothing moves on data that is missing, not valid, late or not finite: zero velocity, and a status that says why.
 """
@@ -17,14 +18,15 @@ from typing import Mapping, Optional, Tuple
 
 import numpy as np
 
-from .errors import NotFiniteError, ParameterError
-from .interaction import parallel_condition
-from .laws import make_law
+from .errors import DegenerateFeature, NotFiniteError, ParameterError
+from .features import FeatureSet, View
+from .interaction import plane_from_pose
+from .laws import LawSetup, make_law
 from .limits import position_factor, velocity_factor
 from .redundancy import TwistInverse, Wish
 from .servo_config import ServoConfig
 from .trajectory import JointTrajectory
-from .types import FEATURE_NAMES, Command, Observation, Reference, ServoRecord, Status
+from .types import Command, Features, Observation, Reference, ServoRecord, Status
 
 _FINAL = (Status.CONVERGED, Status.TIMED_OUT, Status.STOPPED, Status.FAULT)
 _MOVING_STATUSES = (Status.SERVOING, Status.JOINT_LIMIT, Status.NEAR_SINGULARITY)
@@ -58,10 +60,12 @@ class Servo:
         lower, upper = kinematics.lower, kinematics.upper
         self._wish = Wish(lower, upper, setup.posture_gain_per_s, setup.joint_limit_gain_per_s, setup.max_speed)
         self._lower, self._upper = lower + setup.joint_limit_margin, upper - setup.joint_limit_margin
-        self._law = make_law(setup.law, setup.gains_per_s)
+        self._features = FeatureSet(setup.features)
+        self._law = self._make_law()
         self._no_velocity = dict.fromkeys(names, 0.0)
         self._zeros, self._nans = np.zeros(len(names)), np.full(len(names), nan)
-        self._s_star, self._posture = np.full(len(FEATURE_NAMES), nan), None
+        self._s_star, self._posture = np.full(len(self._features), nan), None
+        self._X_CgB = None
         self.reference: Optional[Reference] = None
         self.status = Status.IDLE
         self._clear(0, None)
@@ -71,6 +75,17 @@ class Servo:
         """True when only start() moves again."""
         return self.status in _FINAL
 
+    @property
+    def feature_names(self) -> Tuple[str, ...]:
+        """Names of s, s_star and e."""
+        return self._features.names
+
+    def _make_law(self):
+        config = self.config
+        if config.law_setup == LawSetup():
+            return make_law(config.law, config.gains_per_s)
+        return make_law(config.law, config.gains_per_s, config.law_setup)
+
     def configure(self, law="", gains_per_s=(), thresholds=(), time_limit_s=0.0) -> None:
         """Override the scenario's values from the next start on; empty or 0 takes the scenario's. ParameterError."""
         self.config = self._scenario_config.with_overrides(law, gains_per_s, thresholds, time_limit_s)
@@ -78,11 +93,19 @@ class Servo:
     def teach(self, features, q) -> Reference:
         """This view, seen at joint positions q, is the goal. ParameterError when the features are not fit for it."""
         fit = features is not None and features.target_visible and features.valid and features.has_reference
-        s_star = np.array([features.xn, features.yn, features.an, features.alpha]) if fit else self._nans[:1]
+        try:
+            s_star = np.array(self._features.values(View(features)) if fit else [nan])
+        except DegenerateFeature as error:
+            raise ParameterError(f"teach: {error}") from error
         q = self._kinematics.vector(q)
         if not (np.isfinite(s_star).all() and np.isfinite(q).all()):
             raise ParameterError("teach: the view has no valid, normalised features of the target")
-        self.set_reference(Reference(s_star, self._kinematics.pose(q)[:3, 2].copy(), self._kinematics.by_name(q)))
+        view = plane = None
+        if hasattr(features, "moment_names"):
+            view, t = Features.from_object(features), features.z_star_m * np.array([features.xg, features.yg, 1.0])
+            plane = plane_from_pose(self.config.target_normal_C, t)
+        axis_B = self._kinematics.pose(q)[:3, 2].copy()
+        self.set_reference(Reference(s_star, axis_B, self._kinematics.by_name(q), view, plane))
         return self.reference
 
     def set_reference(self, reference: Reference) -> None:
@@ -90,6 +113,7 @@ class Servo:
         self._law.reset(reference)
         self._s_star = np.array(reference.s_star, dtype=float)
         self._posture = None if reference.posture is None else self._kinematics.vector(reference.posture)
+        self._X_CgB = None if self._posture is None else np.linalg.inv(self._kinematics.pose(self._posture))
         self.reference = reference
 
     def start(self, stamp_ns: int, set_point=None) -> None:
@@ -101,7 +125,7 @@ class Servo:
         """
         if self.reference is None:
             raise ParameterError("servo: no reference, teach one first")
-        self._law = make_law(self.config.law, self.config.gains_per_s)
+        self._law = self._make_law()
         self._law.reset(self.reference)
         self._clear(stamp_ns, None if set_point is None else self._kinematics.vector(set_point))
         self.status = Status.SERVOING
@@ -148,17 +172,23 @@ class Servo:
 
     def _servo(self, stamp_ns, features, q, dt_s):
         """One look at valid features."""
-        look = self.config.mode == "look_then_move"
+        look, law = self.config.mode == "look_then_move", self._law
         try:
-            twist = self._law.step(features, 0.0 if look else dt_s)
+            if law.needs_plane:
+                twist = law.step(features, 0.0 if look else dt_s, self._plane(q))
+            else:
+                twist = law.step(features, 0.0 if look else dt_s)
         except NotFiniteError as error:
             return self._rest(stamp_ns, Status.FAULT, f"not finite: {error}")
-        if not isfinite(float(twist.sum())):
-            return self._rest(stamp_ns, Status.FAULT, f"law '{self._law.name}' gave a twist that is not finite")
-        self._s, self._e = self._law.s, self._law.e
-        self._cond_l = parallel_condition(features.xn, features.yn)
-        e, most = self._e, self.config.thresholds
-        below = abs(e[0]) < most[0] and abs(e[1]) < most[1] and abs(e[2]) < most[2] and abs(e[3]) < most[3]
+        except DegenerateFeature as error:
+            return self._rest(stamp_ns, Status.TARGET_LOST, str(error))
+        except Exception as error:  # a law or feature of somebody else: the arm must stand still, whatever it raises
+            return self._rest(stamp_ns, Status.FAULT, f"law '{law.name}': {type(error).__name__}: {error}")
+        if np.shape(twist) != (6,) or not isfinite(float(twist.sum())):
+            return self._rest(stamp_ns, Status.FAULT, f"law '{law.name}' gave a twist that is not six finite numbers")
+        self._s, self._e = law.s, law.e
+        self._cond_l = law.current_condition()
+        below = all([abs(error) < most for error, most in zip(self._e, self.config.thresholds)])
         if not below:
             self._below_ns = None
         elif self._below_ns is None:
@@ -171,11 +201,18 @@ class Servo:
         jacobian = self._kinematics.jacobian(q)
         inverse = self._invert(jacobian)
         gain = self.config.tilt_gain_per_s
-        if gain > 0.0:
+        if gain > 0.0 and not self._features.sees_tilt:
             self._add_tilt(twist, q, inverse, -expm1(-gain * dt_s) / dt_s, (features.xn, features.yn, features.an))
         q_dot = self._joint_velocity(q, twist, jacobian, inverse, dt_s)
         velocity = self._kinematics.by_name(q_dot)
         return Command(stamp_ns, {}, velocity), self._record(stamp_ns, self._text, q_dot, self._nans)
+
+    def _plane(self, q):
+        """(A, B, C) of the target, at rest, in the camera frame at q: the taught plane moved by the kinematics (T21)."""
+        if self.reference.plane_C is None or self._X_CgB is None:
+            raise ParameterError("the reference holds no plane or posture: teach it again")
+        X_CgC = self._X_CgB @ self._kinematics.pose(q)
+        return (self.reference.plane_C @ X_CgC[:3, :3]) / (1.0 - self.reference.plane_C @ X_CgC[:3, 3])
 
     def _add_tilt(self, twist, q, inverse, gain, target_C):
         """Turn the optical axis towards the taught one, as far as the arm can; target_C, (x, y, z), keeps its place."""
@@ -233,7 +270,7 @@ class Servo:
             inverse = self._invert(jacobian)
             if step == 0:
                 self._manipulability = inverse.manipulability
-                if self.config.tilt_gain_per_s > 0.0:
+                if self.config.tilt_gain_per_s > 0.0 and not self._features.sees_tilt:
                     self._add_tilt(motion, q, inverse, LOOK_TILT, (features.xn, features.yn, features.an))
                 self._twist = motion / self.config.sample_time_s
             q_dot = inverse.joint_velocity(motion) + inverse.free(self._wish(ahead, self._posture))
@@ -291,7 +328,7 @@ class Servo:
         self._q = self._nans
 
     def _forget(self):
-        self._s = self._e = (nan,) * len(FEATURE_NAMES)
+        self._s = self._e = (nan,) * len(self._features)
         self._twist, self._manipulability, self._cond_l = np.zeros(6), nan, nan
 
     def _rest(self, stamp_ns, status, text):
@@ -312,7 +349,7 @@ class Servo:
 
     def _record(self, stamp_ns, text, q_dot, set_point):
         return ServoRecord(
-            stamp_ns, self.status, text, "servo", self.status == Status.CONVERGED, FEATURE_NAMES, np.array(self._s),
-            self._s_star, np.array(self._e), self._twist, self._kinematics.joint_names, self._q, q_dot, set_point,
+            stamp_ns, self.status, text, "servo", self.status == Status.CONVERGED, self._features.names,
+            np.array(self._s), self._s_star, np.array(self._e), self._twist, self._kinematics.joint_names, self._q, q_dot, set_point,
             self._manipulability, self._cond_l,
         )  # fmt: skip

@@ -1,11 +1,13 @@
 """Settings of the servo: the scenario's section `servo`, checked as a whole."""
 
 from dataclasses import dataclass, replace
-from typing import Dict, Tuple
+from typing import Dict, Optional, Tuple
 
 from .config_reader import ConfigReader
 from .errors import ParameterError
-from .laws import known_laws, make_law
+from .features import known_features
+from .laws import INTERACTIONS, LawSetup, known_laws, make_law
+from .plugins import load_plugins
 from .types import FEATURE_NAMES
 
 MODES = ("continuous", "look_then_move")
@@ -13,13 +15,19 @@ MODES = ("continuous", "look_then_move")
 
 @dataclass(frozen=True)
 class ServoConfig:
-    """Keys of the section, with their defaults. Tuples of four are in the order of FEATURE_NAMES."""
+    """Keys of the section, with their defaults. Gains and thresholds are in the order of `features`."""
 
     law: str
     mode: str
     gains_per_s: Tuple[float, ...]  # > 0 [1/s]
     thresholds: Tuple[float, ...]  # of |e|, > 0 [m, m, m, rad]
     time_limit_s: float  # of simulated time
+    features: Tuple[str, ...] = FEATURE_NAMES
+    interaction: str = "desired"  # which interaction matrix law ibvs inverts: desired, current, mean
+    target_normal_C: Tuple[float, ...] = (0.0, 0.0, 1.0)  # of the target's plane, in the camera frame at the goal
+    adaptive_gain: Optional[Tuple[float, float]] = None  # section: infinity_part, slope, see laws.adaptive_factor
+    smooth_start_per_s: float = 0.0  # 0: the first twist comes at once
+    plugins: Tuple[str, ...] = ()  # Python modules that register features and laws of their own
     hold_s: float = 0.2  # converged when |e| is below all thresholds for this long
     input_timeout_s: float = 0.2  # a longer gap between images stops the arm
     tilt_gain_per_s: float = 3.0  # 0: tilt is not held
@@ -41,9 +49,28 @@ class ServoConfig:
     def from_dict(cls, source, joint_names=()):
         """Read the section. Raises ParameterError listing every fault."""
         reader = ConfigReader(source, "servo")
-        values = {"law": reader.choice("law", known_laws()), "mode": reader.choice("mode", MODES)}
-        values["gains_per_s"] = tuple(reader.section("gains_per_s", True).numbers(FEATURE_NAMES, above=0.0))
-        values["thresholds"] = tuple(reader.section("thresholds", True).numbers(FEATURE_NAMES, above=0.0))
+        values = {"plugins": reader.texts("plugins", ())}
+        for fault in load_plugins(values["plugins"]):
+            reader.fault(fault)
+        values.update({"law": reader.choice("law", known_laws()), "mode": reader.choice("mode", MODES)})
+        features = values["features"] = reader.texts("features", FEATURE_NAMES)
+        for name in features:
+            if name not in known_features():
+                reader.fault(f"features: found {name}, allowed {', '.join(known_features())}")
+        values["gains_per_s"] = tuple(reader.section("gains_per_s", True).numbers(features, above=0.0))
+        values["thresholds"] = tuple(reader.section("thresholds", True).numbers(features, above=0.0))
+        values["interaction"] = reader.choice("interaction", INTERACTIONS, cls.interaction)
+        values["target_normal_C"] = reader.vector("target_normal_C", 3, cls.target_normal_C)
+        if not values["target_normal_C"][2] > 0.0:
+            reader.fault(f"target_normal_C: found {values['target_normal_C']}, allowed z > 0 (away from the camera)")
+        values["smooth_start_per_s"] = reader.number("smooth_start_per_s", 0.0, at_least=0.0)
+        adaptive = reader.section("adaptive_gain")
+        if adaptive.keys():
+            part = adaptive.number("infinity_part", above=0.0)
+            if part is not None and not part < 1.0:
+                adaptive.fault(f"infinity_part: found {part}, allowed < 1")
+            values["adaptive_gain"] = (part, adaptive.number("slope", above=0.0))
+        adaptive.close()
         values["time_limit_s"] = reader.number("time_limit_s", above=0.0)
         for key in ("hold_s", "tilt_gain_per_s", "joint_limit_margin"):
             values[key] = reader.number(key, getattr(cls, key), at_least=0.0)
@@ -69,20 +96,27 @@ class ServoConfig:
         values["max_speed"] = null_space.number("max_speed", cls.max_speed, above=0.0)
         null_space.close()
         if values["mode"] == "look_then_move" and None not in (*values["gains_per_s"], values["sample_time_s"]):
-            for name, value in zip(FEATURE_NAMES, values["gains_per_s"]):
+            for name, value in zip(features, values["gains_per_s"]):
                 if value * values["sample_time_s"] >= 2.0:
                     reader.fault(f"gains_per_s/{name}: found {value}, allowed < 2 / sample_time_s (it would diverge)")
         reader.finish()
-        return cls(**values)
+        config = cls(**values)
+        make_law(config.law, config.gains_per_s, config.law_setup)  # raises when law and features do not fit
+        return config
+
+    @property
+    def law_setup(self):
+        """`LawSetup` of these settings."""
+        return LawSetup(self.features, self.interaction, self.adaptive_gain, self.smooth_start_per_s)
 
     def with_overrides(self, law="", gains_per_s=(), thresholds=(), time_limit_s=0.0):
         """Copy with the values of a goal of VisualServo.action; empty or 0 keeps. Raises ParameterError."""
         faults, changes = [], {}
         for key, values in (("gains_per_s", gains_per_s), ("thresholds", thresholds)):
             values = tuple(float(value) for value in values)
-            fit = len(values) == len(FEATURE_NAMES) and all(0.0 < value < float("inf") for value in values)
+            fit = len(values) == len(self.features) and all(0.0 < value < float("inf") for value in values)
             if values and not fit:
-                faults.append(f"{key}: found {values}, allowed {len(FEATURE_NAMES)} numbers > 0")
+                faults.append(f"{key}: found {values}, allowed {len(self.features)} numbers > 0")
             elif values:
                 changes[key] = values
         if not 0.0 <= time_limit_s < float("inf"):
@@ -92,7 +126,7 @@ class ServoConfig:
         if law:
             changes["law"] = law
         try:
-            make_law(law or self.law, self.gains_per_s)
+            make_law(law or self.law, self.gains_per_s, self.law_setup)
         except ParameterError as error:
             faults += error.faults
         if faults:

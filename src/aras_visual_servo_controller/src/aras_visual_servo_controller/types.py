@@ -13,7 +13,8 @@ import numpy as np
 
 from .errors import ParameterError
 
-#: The features servoed on, in the order of every s, e, gain and threshold: xn, yn, an [m], alpha [rad].
+#: The features servoed on unless a scenario names others, in the order of every s, e, gain and threshold: xn, yn, an [m],
+#: alpha [rad].
 FEATURE_NAMES = ("xn", "yn", "an", "alpha")
 
 
@@ -137,28 +138,42 @@ class Reference:
     """The goal as taught: features and attitude of the camera.
 
     Attributes:
-        s_star: (4,) wanted xn, yn, an [m], alpha [rad].
+        s_star: (k,) wanted features; by default xn, yn, an [m], alpha [rad].
         optical_axis_B: (3,) unit vector, optical axis in the robot base frame; None: tilt is not held.
         posture: joint positions by name; None: the spare motion has no posture to return to.
+        view: the taught `Features`, as far as `VIEW_FIELDS` go, for laws that want the matrix there; or None.
+        plane_C: (3,) (A, B, C) of the target in the taught camera frame [1/m]; or None.
     """
 
     s_star: np.ndarray
     optical_axis_B: Optional[np.ndarray] = None
     posture: Optional[Dict[str, float]] = None
+    view: Optional[Features] = None
+    plane_C: Optional[np.ndarray] = None
 
     def to_dict(self) -> Dict[str, Any]:
-        """Plain lists, for a parameter server or a file."""
-        axis = None if self.optical_axis_B is None else [float(a) for a in self.optical_axis_B]
-        posture = None if self.posture is None else {name: float(q) for name, q in self.posture.items()}
-        return {"s_star": [float(s) for s in self.s_star], "optical_axis_B": axis, "posture": posture}
+        """Plain lists, for a parameter server or a file; what is None is left out."""
+        result = {"s_star": [float(s) for s in self.s_star]}
+        for key in ("optical_axis_B", "plane_C"):
+            if getattr(self, key) is not None:
+                result[key] = [float(a) for a in getattr(self, key)]
+        if self.posture is not None:
+            result["posture"] = {name: float(q) for name, q in self.posture.items()}
+        if self.view is not None:
+            result["view"] = {"moment_names": list(self.view.moment_names)}
+            result["view"].update({key: [float(value) for value in getattr(self.view, key)] for key in ("m", "mu")})
+            result["view"].update({key: float(getattr(self.view, key)) for key in VIEW_FIELDS})
+        return result
 
     @classmethod
     def from_dict(cls, source: Mapping[str, Any]) -> "Reference":
         """Inverse of `to_dict`. Raises ParameterError on wrong keys, lengths or non-finite numbers."""
         faults = [f"reference/{key}: unknown key" for key in source if key not in cls.__dataclass_fields__]
-        s_star, axis, posture = _vector(source, "s_star", 4, faults), None, source.get("posture")
-        if source.get("optical_axis_B") is not None:
-            axis = _vector(source, "optical_axis_B", 3, faults)
+        size = len(source["s_star"]) if isinstance(source.get("s_star"), (list, tuple)) else 4
+        s_star, posture = _vector(source, "s_star", max(1, size), faults), source.get("posture")
+        axis, plane = (None if source.get(key) is None else _vector(source, key, 3, faults)
+                       for key in ("optical_axis_B", "plane_C"))
+        view = None if source.get("view") is None else _view(source["view"], faults)
         if isinstance(posture, Mapping):
             values = _vector({"posture": list(posture.values())}, "posture", len(posture), faults)
             posture = dict(zip(posture, values.tolist()))
@@ -166,7 +181,23 @@ class Reference:
             faults.append(f"reference/posture: found {posture}, allowed joint positions by name")
         if faults:
             raise ParameterError(faults)
-        return cls(s_star, axis, posture)
+        return cls(s_star, axis, posture, view, plane)
+
+
+#: What of the taught view a reference keeps, beside its moments.
+VIEW_FIELDS = ("xn", "yn", "an", "alpha", "z_star_m", "area_star")
+
+
+def _view(source, faults):
+    """Features of the dict that `Reference.to_dict` makes of a view."""
+    if not isinstance(source, Mapping) or set(source) != {"moment_names", "m", "mu", *VIEW_FIELDS}:
+        faults.append(f"reference/view: found {source}, allowed moment_names, m, mu, {', '.join(VIEW_FIELDS)}")
+        return None
+    names = tuple(str(name) for name in source["moment_names"])
+    m, mu = (_vector(source, key, len(names), faults) for key in ("m", "mu"))
+    numbers = {key: float(_vector({key: [source[key]]}, key, 1, faults)[0]) for key in VIEW_FIELDS}
+    return Features(target_visible=True, valid=True, has_reference=True, moment_names=names, m=m.tolist(),
+                    mu=mu.tolist(), **numbers)
 
 
 def _vector(source, key, size, faults):

@@ -60,8 +60,8 @@ def test_a_law_with_the_wrong_sign_does_not_converge(monkeypatch):
     scenario = load_scenario("experiment_1", {"servo.time_limit_s": 3.0})
     make_law = laws.make_law
 
-    def make_turned(name, gains):
-        law = make_law(name, gains)
+    def make_turned(*arguments):
+        law = make_law(*arguments)
         law.__class__ = turned(law.__class__)
         return law
     monkeypatch.setattr("aras_visual_servo_controller.servo.make_law", make_turned)

@@ -55,7 +55,7 @@ def test_reference_without_attitude_round_trip():
 
 
 def test_reference_lists_every_fault():
-    bad = {"s_star": [0.0, 1.0], "optical_axis_B": [0.0, np.nan, 1.0], "posture": 5, "more": 1}
+    bad = {"s_star": [0.0, np.nan], "optical_axis_B": [0.0, np.nan, 1.0], "posture": 5, "more": 1}
     with pytest.raises(ParameterError) as caught:
         Reference.from_dict(bad)
     assert len(caught.value.faults) == 4

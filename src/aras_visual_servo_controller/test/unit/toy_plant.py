@@ -1,17 +1,17 @@
 """Exact pictures of a planar polygon, and an arm that does what it is told: for tests only."""
 
 from pathlib import Path
-from types import SimpleNamespace
-
 import numpy as np
 
 from aras_visual_servo_controller.kinematics import Kinematics
+from aras_visual_servo_controller.types import Features
 
 URDF = (Path(__file__).parent.parent / "urdf" / "arm.urdf").read_text()
 GOAL = {"gantry": 0.05, "J1": 0.0, "J2": -0.09, "J3": 0.045, "J5": 0.045, "J6": 0.0}
 START = {"gantry": -0.1, "J1": 0.0, "J2": 0.34906585, "J3": -0.26179939, "J5": -0.08726646, "J6": 0.17453293}
 #: Asymmetric and elongated, metres in the plane z = 0 of the target, centroid near the origin.
 OUTLINE = np.array([[-0.09, -0.045], [0.10, -0.03], [0.06, 0.02], [0.02, 0.05], [-0.07, 0.04]])
+ORDER = 4
 PERIOD_NS = 33_333_333
 #: Gauss-Legendre nodes of [0, 1]: exact to degree 9, moments to order 5 need 7.
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(5)
@@ -57,18 +57,18 @@ class Camera:
 
     def features(self, X_WC):
         xy = picture(X_WC, self.X_WT, self.outline)
-        m = polygon_moments(xy, 3)
+        m = polygon_moments(xy, ORDER)
         xg, yg = m["10"] / m["00"], m["01"] / m["00"]
-        mu = polygon_moments(xy, 3, (xg, yg))
+        mu = polygon_moments(xy, ORDER, (xg, yg))
         alpha = 0.5 * np.arctan2(2.0 * mu["11"], mu["20"] - mu["02"])
         third = mu["30"] * np.cos(alpha) ** 3 + 3 * mu["21"] * np.cos(alpha) ** 2 * np.sin(alpha) \
             + 3 * mu["12"] * np.cos(alpha) * np.sin(alpha) ** 2 + mu["03"] * np.sin(alpha) ** 3
         if third < 0.0:  # the heavier end tells which way the axis points
             alpha = angle_between(alpha + np.pi, 0.0)
-        f = SimpleNamespace(target_visible=True, valid=True, symmetric=False, has_reference=self.star is not None,
-                            area=m["00"], xg=xg, yg=yg, alpha=alpha, xn=np.nan, yn=np.nan, an=np.nan)  # fmt: skip
+        f = Features(target_visible=True, valid=True, has_reference=self.star is not None, area=m["00"], xg=xg, yg=yg,
+                     alpha=alpha, moment_names=tuple(m), m=list(m.values()), mu=[mu[name] for name in m])
         if self.star is not None:
-            z_star, area_star = self.star
+            z_star, area_star = f.z_star_m, f.area_star = self.star
             f.an = z_star * np.sqrt(area_star / m["00"])
             f.xn, f.yn = f.an * xg, f.an * yg
         return f
