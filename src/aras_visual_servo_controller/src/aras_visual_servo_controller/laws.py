@@ -13,7 +13,8 @@ A new law is a subclass with one method and a name:
 
 s are the features of the scenario (`features.FeatureSet`), e = s - s_star, gains one per feature [1/s]; by default
 s = (xn, yn, an [m], alpha [rad]). dt_s is the time the twist will be held; 0 asks for the instantaneous twist, which
-look-then-move multiplies by its sample time. A law that inverts an interaction matrix takes `self.matrix(...)`.
+look-then-move multiplies by its sample time. A law that inverts an interaction matrix sets `needs_plane` and takes
+`self.invert(self.features.matrix(self.view))`: docs/extending.md.
 """
 
 from dataclasses import dataclass
@@ -93,7 +94,7 @@ class Law:
 
     Attributes:
         name.  works_on: the features it is made for, None: any.  needs_plane: at each step, the target's plane.
-        features: `FeatureSet`.  gains_per_s: tuple of k.  s, e: tuples of k, of the last step.
+        features: `FeatureSet`.  gains_per_s: tuple of k.  s, e: tuples of k, of the last step; view: its `View`.
         condition: of the interaction matrix used last.
     """
 
@@ -119,7 +120,7 @@ class Law:
             faults.append(f"interaction: found '{setup.interaction}', allowed {', '.join(INTERACTIONS)}")
         if faults:
             raise ParameterError(faults)
-        self._rates, self._view = self.gains_per_s, None
+        self._rates, self.view = self.gains_per_s, None
         self.s = self.e = self._s_star = None
         self._first, self._t_s, self.condition = None, 0.0, float("nan")
 
@@ -145,8 +146,8 @@ class Law:
         Raises:
             NotFiniteError: a feature or dt_s is not finite.  DegenerateFeature: a feature does not exist in this view.
         """
-        self._view = View(features, plane)
-        s = self.features.values(self._view)
+        self.view = View(features, plane)
+        s = self.features.values(self.view)
         if not (isfinite(sum(s)) and isfinite(dt_s)):
             raise NotFiniteError(f"features {s}, dt_s {dt_s}")
         self.s, self.e = s, self.features.error(s, self._s_star, features.symmetric)
@@ -167,6 +168,24 @@ class Law:
 
     def _twist(self, s, e, dt_s):
         raise NotImplementedError
+
+    def invert(self, L):
+        """Pseudo-inverse (6, k) of an interaction matrix (k, 6) of these features.
+
+        Features that do not see tilt leave w_x, w_y alone: the servo holds the attitude from the joint positions.
+        Raises: DegenerateFeature: (nearly) singular.  NotFiniteError.
+        """
+        if not isfinite(float(L.sum())):
+            raise NotFiniteError("interaction matrix is not finite")
+        columns = slice(None) if self.features.sees_tilt else [0, 1, 2, 5]
+        U, sigmas, Vt = np.linalg.svd(L[:, columns], full_matrices=False)
+        self.condition = float(sigmas[0] / sigmas[-1]) if sigmas[-1] > 0.0 else float("inf")
+        if not self.condition < MAX_CONDITION:
+            raise DegenerateFeature(f"features {', '.join(self.features.names)}: condition number of their interaction "
+                                    f"matrix is {self.condition:.3g}, allowed < {MAX_CONDITION:g}")
+        inverse = np.zeros((6, len(L)))
+        inverse[columns] = (Vt.T / sigmas) @ U.T
+        return inverse
 
     def current_condition(self):
         """Condition number of the interaction matrix that the last step rests on."""
@@ -240,23 +259,12 @@ class ImageBased(Law):
             raise ParameterError(f"law '{self.name}': the reference holds no view with its moments: teach it again")
         self._L_star = self.features.matrix(View(view, plane))
         if self._setup.interaction == "desired":
-            self._inverse = self._inverted(self._L_star)
+            self._inverse = self.invert(self._L_star)
 
     def _twist(self, s, e, dt_s):
         inverse = self._inverse
         if inverse is None:
-            L = self.features.matrix(self._view)
-            inverse = self._inverted(L if self._L_star is None else 0.5 * (L + self._L_star))
+            L = self.features.matrix(self.view)
+            inverse = self.invert(L if self._L_star is None else 0.5 * (L + self._L_star))
         gains = sampled_gains(self.gains_per_s, dt_s)
         return -(inverse @ np.array([gain * error for gain, error in zip(gains, e)]))
-
-    def _inverted(self, L):
-        """Pseudo-inverse of L, (6, k); DegenerateFeature when it is (nearly) singular."""
-        if not isfinite(float(L.sum())):
-            raise NotFiniteError("interaction matrix is not finite")
-        U, sigmas, Vt = np.linalg.svd(L, full_matrices=False)
-        self.condition = float(sigmas[0] / sigmas[-1]) if sigmas[-1] > 0.0 else float("inf")
-        if not self.condition < MAX_CONDITION:
-            raise DegenerateFeature(f"features {', '.join(self.features.names)}: condition number of their interaction "
-                                    f"matrix is {self.condition:.3g}, allowed < {MAX_CONDITION:g}")
-        return (Vt.T / sigmas) @ U.T

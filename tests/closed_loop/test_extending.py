@@ -1,0 +1,88 @@
+"""The module printed in docs/extending.md, imported and run as it stands there, from a folder of its own."""
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import yaml
+
+from aras_visual_servo_controller.errors import ParameterError
+from aras_visual_servo_controller.experiment import judge, run_in_process
+from aras_visual_servo_controller.loop import ServoLoop
+from aras_visual_servo_controller.scenario import load_scenario
+
+PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "extending.md"
+MAX_LINES = 40
+BOUNDS = {"x_mm": 0.2, "y_mm": 0.2, "z_mm": 0.5, "angle_deg": 0.05}
+ROUNDING = 1e-12
+
+
+def block(language):
+    return re.findall(rf"```{language}\n(.*?)```", PAGE.read_text(), re.DOTALL)[0]
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder with my_servo.py in it, where Python looks for modules; what it registers is forgotten afterwards."""
+    from aras_visual_servo_controller import features, laws
+
+    (tmp_path / "my_servo.py").write_text(block("python"))
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    yield tmp_path
+    sys.modules.pop("my_servo", None)
+    features._FEATURES.pop("log_an", None)
+    laws._LAWS.pop("bounded", None)
+
+
+def overrides():
+    return {f"servo.{key}": value for key, value in yaml.safe_load(block("yaml"))["servo"].items()}
+
+
+def test_the_module_is_short():
+    assert len([line for line in block("python").splitlines() if line.strip()]) <= MAX_LINES
+
+
+def test_its_feature_and_its_law_arrive_at_the_true_pose_no_faster_than_they_say(folder):
+    record = run_in_process(load_scenario("experiment_1", overrides()))
+    judgement = judge(record)
+    assert judgement.converged, judgement.reason
+    for name, bound in BOUNDS.items():
+        assert abs(judgement.final_error[name]) <= bound, (name, judgement.final_error)
+    assert record.feature_names == ("xn", "yn", "log_an", "alpha")
+    twist = record.twist[record.servo_rows]
+    # Of the law's own twist; what holds the attitude comes on top, and is small.
+    assert 0.078 < np.linalg.norm(twist[:, :3], axis=1).max() < 0.085
+
+
+def test_its_row_is_that_of_the_depth_over_the_depth(folder):
+    import my_servo  # noqa: F401 (registers)
+
+    from aras_visual_servo_controller.features import FeatureSet, View
+    loop = ServoLoop(load_scenario("experiment_1", overrides()))
+    loop.run(limit_s=4.0)
+    here = View(loop.servo.reference.view, (0.1, -0.2, 1.7))
+    L = FeatureSet(("an", "log_an")).matrix(here)
+    np.testing.assert_allclose(L[1] * here.features.an, L[0], atol=ROUNDING)
+
+
+def test_it_is_found_by_name_through_pythonpath(folder):
+    scenario = load_scenario("experiment_1", overrides()).as_dict()
+    (folder / "mine.yaml").write_text(yaml.safe_dump({**scenario, "name": "mine"}))
+    code = ("from aras_visual_servo_controller.experiment import judge, run_in_process\n"
+            "from aras_visual_servo_controller.scenario import load_scenario\n"
+            "assert judge(run_in_process(load_scenario('mine.yaml'))).converged")
+    environment = {**os.environ, "PYTHONPATH": f"{folder}:{os.environ.get('PYTHONPATH', '')}"}
+    subprocess.run([sys.executable, "-c", code], cwd=folder, env=environment, check=True, timeout=120)
+
+
+def test_a_module_that_is_not_there_and_an_unknown_name_list_what_is_known(folder):
+    changes = {**overrides(), "servo.plugins": ["my_servo", "not_there"], "servo.law": "unbounded"}
+    with pytest.raises(ParameterError) as caught:
+        ServoLoop(load_scenario("experiment_1", changes))
+    text = str(caught.value)
+    assert "'not_there'" in text and "ModuleNotFoundError" in text
+    assert "found unbounded, allowed bounded, decoupled, ibvs" in text
