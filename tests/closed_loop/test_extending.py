@@ -1,4 +1,5 @@
 """The module printed in docs/extending.md, imported and run as it stands there, from a folder of its own."""
+import importlib
 import os
 import pathlib
 import re
@@ -59,9 +60,9 @@ def test_its_feature_and_its_law_arrive_at_the_true_pose_no_faster_than_they_say
 
 
 def test_its_row_is_that_of_the_depth_over_the_depth(folder):
-    import my_servo  # noqa: F401 (registers)
-
     from aras_visual_servo_controller.features import FeatureSet, View
+
+    importlib.import_module("my_servo")
     loop = ServoLoop(load_scenario("experiment_1", overrides()))
     loop.run(limit_s=4.0)
     here = View(loop.servo.reference.view, (0.1, -0.2, 1.7))

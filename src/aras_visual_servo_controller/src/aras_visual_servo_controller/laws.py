@@ -24,7 +24,7 @@ from typing import Optional, Tuple
 import numpy as np
 
 from .errors import DegenerateFeature, NotFiniteError, ParameterError, ShapeError
-from .features import FeatureSet, View, wrapped  # noqa: F401 (wrapped is offered here too)
+from .features import FeatureSet, View
 from .interaction import parallel_condition
 from .types import FEATURE_NAMES
 

@@ -167,7 +167,8 @@ class RecordBuilder:
         raw = None if features is None else [getattr(features, name) for name in RAW_NAMES]
         same = tuple(getattr(answer, "feature_names", self.feature_names)) == self.feature_names
         s, s_star, e = (answer.s, answer.s_star, answer.e) if same else (None, None, None)
-        self.add_row(answer.stamp_ns, answer.phase, answer.status, answer.status_text, s, s_star, e, answer.twist, joints(answer.q), joints(answer.set_point), X_WC, raw, image)
+        self.add_row(answer.stamp_ns, answer.phase, answer.status, answer.status_text, s, s_star, e, answer.twist,
+                     joints(answer.q), joints(answer.set_point), X_WC, raw, image)
 
     def keep_image(self, phase, image):
         """Keep the image of the row just added if it is the taught view, or the first or last one of the servo.

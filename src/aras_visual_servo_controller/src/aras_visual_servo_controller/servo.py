@@ -6,9 +6,9 @@
     command, record = servo.step(Observation(stamp_ns, features, q), dt_s)
     ... until servo.finished
 
-The four default features say nothing about tilt, and 0.006 degrees of it look like 0.05 mm at 0.5 m. So the optical axis is
-held at its taught direction from the measured joint positions: w_xy turns it there at tilt_gain_per_s. Features that see
-tilt (`FeatureSet.sees_tilt`) turn it themselves.
+The four default features say nothing about tilt, and 0.006 degrees of it look like 0.05 mm at 0.5 m. So the optical
+axis is held at its taught direction from the measured joint positions: w_xy turns it there at tilt_gain_per_s. Features
+that see tilt (`FeatureSet.sees_tilt`) turn it themselves.
 
 Nothing moves on data that is missing, not valid, late or not finite: zero velocity, and a status that says why.
 """
@@ -21,7 +21,7 @@ import numpy as np
 from .errors import DegenerateFeature, NotFiniteError, ParameterError
 from .features import FeatureSet, View
 from .interaction import plane_from_pose
-from .laws import LawSetup, make_law
+from .laws import make_law
 from .limits import position_factor, velocity_factor
 from .redundancy import TwistInverse, Wish
 from .servo_config import ServoConfig
@@ -81,10 +81,7 @@ class Servo:
         return self._features.names
 
     def _make_law(self):
-        config = self.config
-        if config.law_setup == LawSetup():
-            return make_law(config.law, config.gains_per_s)
-        return make_law(config.law, config.gains_per_s, config.law_setup)
+        return make_law(self.config.law, self.config.gains_per_s, self.config.law_setup)
 
     def configure(self, law="", gains_per_s=(), thresholds=(), time_limit_s=0.0) -> None:
         """Override the scenario's values from the next start on; empty or 0 takes the scenario's. ParameterError."""
@@ -208,7 +205,7 @@ class Servo:
         return Command(stamp_ns, {}, velocity), self._record(stamp_ns, self._text, q_dot, self._nans)
 
     def _plane(self, q):
-        """(A, B, C) of the target, at rest, in the camera frame at q: the taught plane moved by the kinematics (T21)."""
+        """(A, B, C) of the target, at rest, in the camera frame at q: the taught one, moved by the kinematics (T21)."""
         if self.reference.plane_C is None or self._X_CgB is None:
             raise ParameterError("the reference holds no plane or posture: teach it again")
         X_CgC = self._X_CgB @ self._kinematics.pose(q)
@@ -350,6 +347,6 @@ class Servo:
     def _record(self, stamp_ns, text, q_dot, set_point):
         return ServoRecord(
             stamp_ns, self.status, text, "servo", self.status == Status.CONVERGED, self._features.names,
-            np.array(self._s), self._s_star, np.array(self._e), self._twist, self._kinematics.joint_names, self._q, q_dot, set_point,
-            self._manipulability, self._cond_l,
+            np.array(self._s), self._s_star, np.array(self._e), self._twist, self._kinematics.joint_names, self._q, q_dot,
+            set_point, self._manipulability, self._cond_l,
         )  # fmt: skip

@@ -13,8 +13,8 @@ import numpy as np
 
 from .errors import ParameterError
 
-#: The features servoed on unless a scenario names others, in the order of every s, e, gain and threshold: xn, yn, an [m],
-#: alpha [rad].
+#: The features servoed on unless a scenario names others, in the order of every s, e, gain and threshold: xn, yn,
+#: an [m], alpha [rad].
 FEATURE_NAMES = ("xn", "yn", "an", "alpha")
 
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from aras_visual_servo_controller.errors import NotFiniteError, ParameterError, ShapeError
+from aras_visual_servo_controller.features import wrapped
 from aras_visual_servo_controller.interaction import parallel
-from aras_visual_servo_controller.laws import Law, known_laws, make_law, register, wrapped
+from aras_visual_servo_controller.laws import Law, known_laws, make_law, register
 
 GAINS = (3.0, 2.0, 4.0, 1.5)
 S_STAR = np.array([0.01, -0.02, 0.59, 0.3])
