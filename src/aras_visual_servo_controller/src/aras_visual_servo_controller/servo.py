@@ -347,6 +347,6 @@ class Servo:
     def _record(self, stamp_ns, text, q_dot, set_point):
         return ServoRecord(
             stamp_ns, self.status, text, "servo", self.status == Status.CONVERGED, self._features.names,
-            np.array(self._s), self._s_star, np.array(self._e), self._twist, self._kinematics.joint_names, self._q, q_dot,
-            set_point, self._manipulability, self._cond_l,
+            np.array(self._s), self._s_star, np.array(self._e), self._twist, self._kinematics.joint_names, self._q,
+            q_dot, set_point, self._manipulability, self._cond_l,
         )  # fmt: skip
