@@ -1,4 +1,6 @@
 """Six degrees of freedom on the six-axis arm, judged by the true camera pose: |e| -> 0 alone does not prove it."""
+import math
+
 import pytest
 
 from aras_visual_servo_controller.errors import ParameterError
@@ -6,6 +8,7 @@ from aras_visual_servo_controller.experiment import judge, run_in_process
 from aras_visual_servo_controller.kinematics import Kinematics
 from aras_visual_servo_controller.loop import ServoLoop
 from aras_visual_servo_controller.scenario import load_scenario
+from aras_visual_servo_controller.types import Status
 
 # Coverage images leave about 0.1 mm and 0.01 deg, dry friction of the joints a few tenths of a millimetre.
 SIX_MM_DEG = {"x_mm": 1.0, "y_mm": 1.0, "z_mm": 1.0, "angle_deg": 0.2}
@@ -47,6 +50,31 @@ def test_arrives_at_a_goal_tilted_by_30_degrees(pair, file):
         "experiment.goal.joints.J5": 0.1235988, "experiment.start.joints.J5": 0.2435988,
         "servo.target_normal_C": [0.0, 0.5, 0.8660254], "sim.scene.models": [target]})
     assert_arrives(judge(record))
+
+
+@pytest.mark.parametrize("file", ["rectangle", "blob", "l_shape"])
+@pytest.mark.parametrize("tilt_deg, J5, position_m", [
+    (0, -0.4, [0.057549, 0.05, 0.225455]), (15, -0.1382006, [-0.12497, 0.05, 0.249484]), (30, 0.1235988, POSITION_30)])
+def test_pose_of_a_known_target_brings_the_camera_home(file, tilt_deg, J5, position_m):
+    path = f"package://aras_description/targets/{file}.yaml"
+    tilt = math.radians(tilt_deg)
+    record = run_in_process(load_scenario("six_dof_pbvs", {
+        "servo.target_model": path, "servo.target_normal_C": [0.0, math.sin(tilt), math.cos(tilt)],
+        "experiment.goal.joints.J5": J5, "experiment.start.joints.J5": J5 + 0.12, "sim.scene.models": [
+            {"name": "target", "file": path, "position_m": position_m, "rpy_rad": [0.0, 0.0, 1.5707963]}]}))
+    assert_arrives(judge(record))
+
+
+def test_a_target_that_is_not_the_one_known_ends_with_the_reason():
+    record = run_in_process(load_scenario(
+        "six_dof_pbvs", {"servo.target_model": "package://aras_description/targets/rectangle.yaml"}))
+    assert Status.CONVERGED not in record.status or not judge(record).passed
+    assert any("outline" in text or "unexplained" in text for text in record.status_text), set(record.status_text)
+
+
+def test_a_target_file_that_is_none_is_refused():
+    with pytest.raises(ParameterError, match="target_model"):
+        ServoLoop(load_scenario("six_dof_pbvs", {"servo.target_model": "package://aras_description/package.xml"}))
 
 
 def test_the_wrong_sign_of_the_target_s_normal_at_the_goal_is_refused():

@@ -58,11 +58,16 @@ class ConfigReader:
             self._fault(key, value, allowed)
         return value
 
-    def texts(self, key, default):
-        """Tuple of texts, from a list."""
-        value = self._get(key, default, "a list of names")
+    def texts(self, key, default, single=False):
+        """Tuple of texts, from a list; single: one text."""
+        value = self._get(key, default, "text" if single else "a list of names")
         if value is default:
             return default
+        if single:
+            if not isinstance(value, str):
+                self._fault(key, value, "text")
+                return default
+            return value
         if not isinstance(value, (list, tuple)) or not all(isinstance(entry, str) for entry in value):
             self._fault(key, value, "a list of names")
             return default

@@ -62,12 +62,13 @@ class View:
     Attributes:
         features: `Features`, or any object with its attributes.
         plane: (A, B, C) of the target in the camera frame [1/m], None when only values are asked for.
+        displacement: (6,) of the camera from the goal, p_CgC and theta u of R_CgC; None: at the goal.
     """
 
-    __slots__ = ("features", "plane", "_m", "_mu", "_known")
+    __slots__ = ("features", "plane", "displacement", "_m", "_mu", "_known")
 
-    def __init__(self, features, plane=None):
-        self.features, self.plane = features, plane
+    def __init__(self, features, plane=None, displacement=None):
+        self.features, self.plane, self.displacement = features, plane, displacement
         self._m = self._mu = None
         self._known = {}
 
@@ -241,6 +242,21 @@ class Py(_ThirdOrder):
         _, L_z2, L_T = view.shared(_complex_rows)
         value = a * abs(z2) ** 2 / T**3
         return 2.0 * a / T**3 * (z2.conjugate() * L_z2).real + value * (view.L_area() / a - 3.0 * L_T / T)
+
+
+class _Displacement(Feature):
+    sees_tilt, index = True, 0
+
+    def value(self, view):
+        return 0.0 if view.displacement is None else float(view.displacement[self.index])
+
+    def row(self, view):
+        raise DegenerateFeature(f"{self.name}: is for law 'pbvs', which needs no interaction matrix")
+
+
+for _index, _name in enumerate(("tx", "ty", "tz", "rx", "ry", "rz")):
+    _text = f"{_name} of the displacement from the goal: p_CgC [m], then theta u of R_CgC [rad] (T25)."
+    register_feature(_name)(type(_name, (_Displacement,), {"index": _index, "__doc__": _text}))
 
 
 class FeatureSet:

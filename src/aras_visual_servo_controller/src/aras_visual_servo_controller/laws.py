@@ -26,7 +26,8 @@ import numpy as np
 from .errors import DegenerateFeature, NotFiniteError, ParameterError, ShapeError
 from .features import FeatureSet, View
 from .interaction import parallel_condition
-from .types import FEATURE_NAMES
+from .target_pose import MAX_FOLLOWED, PlanarTarget, inverse, measures_of, rotation_vector
+from .types import FEATURE_NAMES, Reference
 
 INTERACTIONS = ("desired", "current", "mean")
 #: A matrix with a larger condition number is not inverted: the view does not tell six motions apart.
@@ -42,12 +43,15 @@ class LawSetup:
         features: names of the features.  interaction: which matrix is inverted, one of INTERACTIONS.
         adaptive: (part, slope) of `adaptive_factor`, None: constant gains.
         smooth_start_per_s: rate at which the first twist is let in [1/s]; 0: at once.
+        target: the known target, for laws that want its pose.  target_normal_C: guess of its normal at the goal.
     """
 
     features: Tuple[str, ...] = FEATURE_NAMES
     interaction: str = "desired"
     adaptive: Optional[Tuple[float, float]] = None
     smooth_start_per_s: float = 0.0
+    target: Optional[PlanarTarget] = None
+    target_normal_C: Tuple[float, ...] = (0.0, 0.0, 1.0)
 
 
 def register(name):
@@ -93,12 +97,14 @@ class Law:
     """Base of the laws: checks, feature error, then `_twist` of the subclass.
 
     Attributes:
-        name.  works_on: the features it is made for, None: any.  needs_plane: at each step, the target's plane.
+        name.  works_on: the features it is made for, None: any.
+        needs_plane: at each step, the target's plane.  needs_pose: `X_CgC` by the kinematics, set before each step.
         features: `FeatureSet`.  gains_per_s: tuple of k.  s, e: tuples of k, of the last step; view: its `View`.
         condition: of the interaction matrix used last.
     """
 
-    name, works_on, needs_plane = "", FEATURE_NAMES, False
+    name, works_on, needs_plane, needs_pose = "", FEATURE_NAMES, False, False
+    X_CgC = None
 
     def __init__(self, gains_per_s, setup=LawSetup()):
         """Args: gains_per_s: (k,), > 0, in the order of the features [1/s]. setup: `LawSetup`. ParameterError."""
@@ -146,7 +152,7 @@ class Law:
         Raises:
             NotFiniteError: a feature or dt_s is not finite.  DegenerateFeature: a feature does not exist in this view.
         """
-        self.view = View(features, plane)
+        self.view = self._look(features, plane)
         s = self.features.values(self.view)
         if not (isfinite(sum(s)) and isfinite(dt_s)):
             raise NotFiniteError(f"features {s}, dt_s {dt_s}")
@@ -158,6 +164,9 @@ class Law:
         if self._setup.smooth_start_per_s > 0.0:
             twist = self._let_in(twist, dt_s)
         return twist
+
+    def _look(self, features, plane):
+        return View(features, plane)
 
     def _let_in(self, twist, dt_s):
         """Take the first twist away, and give it back at the rate smooth_start_per_s (T23)."""
@@ -254,10 +263,9 @@ class ImageBased(Law):
         self._L_star = self._inverse = None
         if self._setup.interaction == "current":
             return
-        view, plane = getattr(reference, "view", None), getattr(reference, "plane_C", None)
-        if view is None or plane is None:
+        if not isinstance(reference, Reference) or reference.view is None or reference.plane_C is None:
             raise ParameterError(f"law '{self.name}': the reference holds no view with its moments: teach it again")
-        self._L_star = self.features.matrix(View(view, plane))
+        self._L_star = self.features.matrix(View(reference.view, reference.plane_C))
         if self._setup.interaction == "desired":
             self._inverse = self.invert(self._L_star)
 
@@ -268,3 +276,41 @@ class ImageBased(Law):
             inverse = self.invert(L if self._L_star is None else 0.5 * (L + self._L_star))
         gains = sampled_gains(self.gains_per_s, dt_s)
         return -(inverse @ np.array([gain * error for gain, error in zip(gains, e)]))
+
+
+@register("pbvs")
+class PoseBased(Law):
+    """Straight home: v = -R_CgC^T Lambda t, w = -Lambda theta u, for the pose of a known planar target (T24, T25).
+
+    The pose is followed from image to image: what the joints say the camera has moved, then one Gauss-Newton step.
+    """
+
+    works_on, needs_pose = ("tx", "ty", "tz", "rx", "ry", "rz"), True
+
+    def __init__(self, gains_per_s, setup=LawSetup()):
+        super().__init__(gains_per_s, setup)
+        if setup.target is None:
+            raise ParameterError(f"target_model: found nothing, law '{self.name}' needs the file of the known target")
+        self._X_CgT = self._X_CT = self._X_CgC_then = self._R = None
+
+    def reset(self, reference):
+        """Finds the pose of the target in the taught view."""
+        super().reset(reference)
+        if not isinstance(reference, Reference) or reference.view is None:
+            raise ParameterError(f"law '{self.name}': the reference holds no view with its moments: teach it again")
+        self._X_CgT = self._X_CT = self._setup.target.find(reference.view, self._setup.target_normal_C)
+        self._X_CgC_then = np.eye(4)
+
+    def _look(self, features, plane):
+        X_CT = inverse(self.X_CgC) @ self._X_CgC_then @ self._X_CT
+        X_CT, residual, condition = self._setup.target.follow(X_CT, measures_of(features))
+        if not residual < MAX_FOLLOWED:
+            raise DegenerateFeature(f"pose of the target: {residual:.2g} of its measures unexplained")
+        self._X_CT, self._X_CgC_then, self.condition = X_CT, self.X_CgC, condition
+        X_CgC = self._X_CgT @ inverse(X_CT)
+        self._R = X_CgC[:3, :3]
+        return View(features, plane, np.concatenate([X_CgC[:3, 3], rotation_vector(self._R)]))
+
+    def _twist(self, s, e, dt_s):
+        wanted = -np.array(sampled_gains(self.gains_per_s, dt_s)) * e
+        return np.concatenate([wanted[:3] @ self._R, wanted[3:]])

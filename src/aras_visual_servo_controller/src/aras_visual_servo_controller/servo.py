@@ -171,6 +171,8 @@ class Servo:
         """One look at valid features."""
         look, law = self.config.mode == "look_then_move", self._law
         try:
+            if law.needs_pose:
+                law.X_CgC = self._displacement(q)
             if law.needs_plane:
                 twist = law.step(features, 0.0 if look else dt_s, self._plane(q))
             else:
@@ -206,10 +208,16 @@ class Servo:
 
     def _plane(self, q):
         """(A, B, C) of the target, at rest, in the camera frame at q: the taught one, moved by the kinematics (T21)."""
-        if self.reference.plane_C is None or self._X_CgB is None:
-            raise ParameterError("the reference holds no plane or posture: teach it again")
-        X_CgC = self._X_CgB @ self._kinematics.pose(q)
+        if self.reference.plane_C is None:
+            raise ParameterError("the reference holds no plane: teach it again")
+        X_CgC = self._displacement(q)
         return (self.reference.plane_C @ X_CgC[:3, :3]) / (1.0 - self.reference.plane_C @ X_CgC[:3, 3])
+
+    def _displacement(self, q):
+        """X_CgC, (4, 4): pose of the camera at q in that of the goal, by the kinematics."""
+        if self._X_CgB is None:
+            raise ParameterError("the reference holds no posture: teach it again")
+        return self._X_CgB @ self._kinematics.pose(q)
 
     def _add_tilt(self, twist, q, inverse, gain, target_C):
         """Turn the optical axis towards the taught one, as far as the arm can; target_C, (x, y, z), keeps its place."""

@@ -8,6 +8,8 @@ from .errors import ParameterError
 from .features import known_features
 from .laws import INTERACTIONS, LawSetup, known_laws, make_law
 from .plugins import load_plugins
+from .scenario import load_yaml, resolve_uri
+from .target_pose import PlanarTarget
 from .types import FEATURE_NAMES
 
 MODES = ("continuous", "look_then_move")
@@ -27,6 +29,7 @@ class ServoConfig:
     target_normal_C: Tuple[float, ...] = (0.0, 0.0, 1.0)  # of the target's plane, in the camera frame at the goal
     adaptive_gain: Optional[Tuple[float, float]] = None  # section: infinity_part, slope, see laws.adaptive_factor
     smooth_start_per_s: float = 0.0  # 0: the first twist comes at once
+    target_model: Optional[PlanarTarget] = None  # file of the known target, for law pbvs
     plugins: Tuple[str, ...] = ()  # Python modules that register features and laws of their own
     hold_s: float = 0.2  # converged when |e| is below all thresholds for this long
     input_timeout_s: float = 0.2  # a longer gap between images stops the arm
@@ -64,6 +67,12 @@ class ServoConfig:
         if not values["target_normal_C"][2] > 0.0:
             reader.fault(f"target_normal_C: found {values['target_normal_C']}, allowed z > 0 (away from the camera)")
         values["smooth_start_per_s"] = reader.number("smooth_start_per_s", 0.0, at_least=0.0)
+        target = reader.texts("target_model", (), single=True)
+        if target:
+            try:
+                values["target_model"] = PlanarTarget(load_yaml(resolve_uri(target, key="target_model"))["outlines_m"])
+            except (ParameterError, KeyError, ValueError) as error:
+                reader.fault(f"target_model: found {target}, allowed the file of a planar target: {error}")
         adaptive = reader.section("adaptive_gain")
         if adaptive.keys():
             part = adaptive.number("infinity_part", above=0.0)
@@ -107,7 +116,8 @@ class ServoConfig:
     @property
     def law_setup(self):
         """`LawSetup` of these settings."""
-        return LawSetup(self.features, self.interaction, self.adaptive_gain, self.smooth_start_per_s)
+        return LawSetup(self.features, self.interaction, self.adaptive_gain, self.smooth_start_per_s,
+                        self.target_model, self.target_normal_C)
 
     def with_overrides(self, law="", gains_per_s=(), thresholds=(), time_limit_s=0.0):
         """Copy with the values of a goal of VisualServo.action; empty or 0 keeps. Raises ParameterError."""
