@@ -23,6 +23,7 @@ class ControllerAlone(unittest.TestCase):
         cls.watcher = Watcher()
         wait_until(cls.plant.connected, "the controller's subscriptions")
         wait_until(lambda: cls.watcher.goals.get_num_connections(), "the action server")
+        wait_until(cls.watcher.connected, "the controller's topics")
 
     def tearDown(self):
         self.plant.start()

@@ -37,14 +37,19 @@ class Watcher:
         self.sim = self.result = self.feedback = None
         self.goals = rospy.Publisher("servo/goal", VisualServoActionGoal, queue_size=1)
         self.cancels = rospy.Publisher("servo/cancel", GoalID, queue_size=1)
-        rospy.Subscriber("servo_state", ServoState, self._keep, self.states)
-        rospy.Subscriber("joint_command", JointState, self._keep, self.commands)
+        self._of_controller = [rospy.Subscriber("servo_state", ServoState, self._keep, self.states),
+                               rospy.Subscriber("joint_command", JointState, self._keep, self.commands)]
         rospy.Subscriber("joint_states", JointState, self._keep, self.joints)
         rospy.Subscriber("camera/features", MomentFeatures, self._keep, self.features)
         rospy.Subscriber("sim/status", SimStatus, lambda message: setattr(self, "sim", message))
-        rospy.Subscriber("servo/result", VisualServoActionResult, lambda message: setattr(self, "result", message))
-        rospy.Subscriber("servo/feedback", VisualServoActionFeedback, lambda m: setattr(self, "feedback", m))
+        self._of_controller += [
+            rospy.Subscriber("servo/result", VisualServoActionResult, lambda m: setattr(self, "result", m)),
+            rospy.Subscriber("servo/feedback", VisualServoActionFeedback, lambda m: setattr(self, "feedback", m))]
         self._count = 0
+
+    def connected(self):
+        """Whether nothing that the controller says from now on is missed."""
+        return all(subscriber.get_num_connections() for subscriber in self._of_controller)
 
     @staticmethod
     def _keep(message, kept):
