@@ -219,8 +219,8 @@ def _centred_rows(mu, xg, yg, n20, n11, n02, plane):
 
 
 #: What (T7) takes of mu, as places in the flat array, and what it is multiplied by: mu_ij, i mu_{i-1,j+1},
-#: j mu_{i+1,j-1}, i mu_{i-1,j}, j mu_{i,j-1}, k mu_{i,j+1}, k mu_{i+1,j} with k = i + j + 3. Where i or j is 0 the term is
-#: multiplied by it, whatever stands there.
+#: j mu_{i+1,j-1}, i mu_{i-1,j}, j mu_{i,j-1}, k mu_{i,j+1}, k mu_{i+1,j} with k = i + j + 3. Where i or j is 0 the term
+#: is multiplied by it, whatever stands there.
 _DOWN_I, _DOWN_J = np.maximum(_I - 1, 0), np.maximum(_J - 1, 0)
 _TERMS = (ORDER + 1) * np.array([_I, _DOWN_I, _I + 1, _DOWN_I, _I, _I, _I + 1]) + np.array(
     [_J, _J + 1, _DOWN_J, _J, _DOWN_J, _J + 1, _J])
