@@ -89,16 +89,21 @@ def _read(bags, topics, scenario, keep_images):
         if len(images) < len(stamps):
             notes.append(f"{len(stamps) - len(images)} of the {len(stamps)} images to show are not in the bag")
     joint_names = max((tuple(sorted(state.joint_names)) for state in states), key=len)
-    builder = RecordBuilder(scenario_name, joint_names, settings=settings, keep_images=keep_images)
+    # Those of the law that servoed; the usual four in their usual order.
+    feature_names = max((tuple(state.feature_names) for state in states), key=len)
+    if set(feature_names) <= set(FEATURE_NAMES):
+        feature_names = FEATURE_NAMES
+    builder = RecordBuilder(scenario_name, joint_names, settings=settings, keep_images=keep_images,
+                            feature_names=feature_names)
     unpaired = 0
     for state in states:
         stamp_ns = state.header.stamp.to_nsec()
         unpaired += stamp_ns not in poses
-        builder.add_answer(_Answer(state, stamp_ns), poses.get(stamp_ns), features.get(stamp_ns),
+        builder.add_answer(_Answer(state, stamp_ns, feature_names), poses.get(stamp_ns), features.get(stamp_ns),
                            images.get(stamp_ns))
     if unpaired and "ground_truth/camera_pose" in topics:
         notes.append(f"{unpaired} of {len(states)} images have no true camera pose of the same stamp")
-    if states[-1].phase != "done":
+    if all(state.phase != "done" for state in states):
         notes.append(f"the recording ends before the run did, in phase {states[-1].phase}")
     for note in dict.fromkeys(notes + bags.notes):
         builder.note(note)
@@ -111,28 +116,22 @@ def _read(bags, topics, scenario, keep_images):
 class _Answer:
     """ServoState message with the attributes of `types.ServoRecord`."""
 
-    def __init__(self, message, stamp_ns):
+    def __init__(self, message, stamp_ns, feature_names):
         self.stamp_ns, self.phase = stamp_ns, message.phase
         self.status, self.status_text = message.status, message.status_text
+        self.feature_names = feature_names
         by_name = {name: i for i, name in enumerate(message.feature_names)}
         self.s, self.s_star, self.e = ([row[by_name[name]] if name in by_name and by_name[name] < len(row) else np.nan
-                                        for name in FEATURE_NAMES] for row in (message.s, message.s_star, message.e))
+                                        for name in feature_names] for row in (message.s, message.s_star, message.e))
         v, w = message.twist.linear, message.twist.angular
         self.twist = [v.x, v.y, v.z, w.x, w.y, w.z]
         self.joint_names, self.q, self.set_point = message.joint_names, message.q, message.set_point
 
 
 def _unique_rows(states):
-    """Sorted by stamp, the last one of each stamp: a respawned controller may answer an image again.
-
-    Of the `done` rows at the end the first is kept: how many images follow until the simulator is paused is a matter of
-    wall time, and the in-process run has none. So both give the same trace, byte for byte.
-    """
+    """Sorted by stamp, the last one of each stamp: a respawned controller may answer an image again."""
     by_stamp = {state.header.stamp.to_nsec(): state for state in states}
-    rows = [by_stamp[stamp] for stamp in sorted(by_stamp)]
-    while len(rows) > 1 and rows[-1].phase == rows[-2].phase == "done":
-        rows.pop()
-    return rows
+    return [by_stamp[stamp] for stamp in sorted(by_stamp)]
 
 
 def _stamps_to_keep(states, every):

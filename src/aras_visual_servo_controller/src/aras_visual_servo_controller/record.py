@@ -196,14 +196,28 @@ class RecordBuilder:
         """Remember something a reader of the report must know."""
         self._notes.append(str(text))
 
+    def _end(self):
+        """Number of rows up to the one that says how the run ended.
+
+        What follows is the time until the simulator stands: what a node says of it is a matter of wall time. It is left
+        out, so that a run over ROS and one in process give the same trace, byte for byte.
+        """
+        active = [i for i, row in enumerate(self._rows) if row[1] not in ("idle", "done")]
+        if not active:
+            return len(self._rows)
+        last = active[-1] + 1
+        return last + (last < len(self._rows) and self._rows[last][1] == "done")
+
     def finish(self, run_hash="", wall_s=float("nan"), real_time_factor=None, camera_info=None, X_WT=None,
                versions=None):
-        """The record. real_time_factor: None takes simulated time of all rows over wall_s."""
-        columns = list(zip(*self._rows)) if self._rows else [()] * 12
+        """The record, up to the end of the run. real_time_factor: None takes simulated time of all rows over wall_s."""
+        if real_time_factor is None:
+            simulated_s = (self._rows[-1][0] - self._rows[0][0]) * 1e-9 if self._rows else np.nan
+            real_time_factor = simulated_s / wall_s
+        rows = self._rows[:self._end()]
+        columns = list(zip(*rows)) if rows else [()] * 12
         k, m = len(self.feature_names), len(self.joint_names)
         stamp_ns = np.array(columns[0], dtype=np.int64)
-        if real_time_factor is None:
-            real_time_factor = float((stamp_ns[-1] - stamp_ns[0]) * 1e-9 / wall_s) if len(stamp_ns) > 1 else np.nan
 
         def table(index, *shape):
             return np.array(columns[index], dtype=float).reshape((-1,) + shape)

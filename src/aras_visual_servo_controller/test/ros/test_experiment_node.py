@@ -11,6 +11,7 @@ import unittest
 import rosbag
 from aras_visual_servo_controller.launch import run_over_ros
 from aras_visual_servo_controller.loop import ServoLoop
+from aras_visual_servo_controller.report import trace_csv
 from aras_visual_servo_controller.scenario import load_scenario
 
 LIMIT_S = 120.0  # wall time
@@ -50,7 +51,9 @@ class ExperimentNode(unittest.TestCase):
         self.assertTrue(summary["converged"] and summary["passed"], summary["faults"])
         self.assertEqual(sorted(path.name for path in folder.iterdir()), sorted(FILES))
         # Recorded over ROS or run in process: the same bytes, up to the same tick.
-        self.assertEqual(summary["run_hash"], ServoLoop(load_scenario("experiment_1")).run().run_hash)
+        record = ServoLoop(load_scenario("experiment_1")).run()
+        self.assertEqual(summary["run_hash"], record.run_hash)
+        self.assertEqual((folder / "trace.csv").read_text(), trace_csv(record))
         self.assert_nothing_is_lost(folder / "run.bag", "/plain/")
 
     def assert_nothing_is_lost(self, path, namespace):
