@@ -12,6 +12,7 @@ from .record_groups import GROUPS, parse_groups
 from .recorder import COMPRESSIONS
 
 EXIT_PASSED, EXIT_FAILED, EXIT_PARAMETERS, EXIT_BROKEN = range(4)
+EXIT_INTERRUPTED = 130   # what a shell reports of SIGINT
 
 
 def run_main(argv=None):
@@ -50,7 +51,7 @@ def run_main(argv=None):
         scenario = load_scenario(arguments.scenario, parse_overrides(arguments.overrides))
         return _run_in_process(scenario, arguments) if arguments.in_process else _run_over_ros(scenario, arguments)
 
-    return _guarded(work)
+    return guarded(work)
 
 
 def report_main(argv=None):
@@ -91,7 +92,7 @@ def report_main(argv=None):
             passed = passed and result.same
         return EXIT_PASSED if passed else EXIT_FAILED
 
-    return _guarded(work)
+    return guarded(work)
 
 
 def parse_overrides(texts):
@@ -143,7 +144,8 @@ def _progress():
     return show
 
 
-def _guarded(work):
+def guarded(work):
+    """What `work()` returns, or the exit code that says how it failed; the reason is printed."""
     try:
         return work()
     except ParameterError as error:
@@ -153,4 +155,4 @@ def _guarded(work):
         print(f"error: {error}", file=sys.stderr)
         return EXIT_BROKEN
     except KeyboardInterrupt:
-        return 130
+        return EXIT_INTERRUPTED

@@ -9,10 +9,9 @@ import sys
 from dataclasses import asdict
 from pathlib import Path
 
-from .cli import EXIT_BROKEN, EXIT_FAILED, EXIT_PARAMETERS, EXIT_PASSED, parse_overrides
-from .errors import ArasError, ParameterError
+from .cli import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_PASSED, guarded, parse_overrides
+from .errors import ParameterError
 
-EXIT_INTERRUPTED = 130
 FOLDER = "sweeps"
 
 
@@ -48,7 +47,7 @@ def sweep_main(argv=None):
         with store:
             return _run(store, arguments)
 
-    return _guarded(work)
+    return guarded(work)
 
 
 def rerun_main(argv=None):
@@ -89,7 +88,7 @@ def rerun_main(argv=None):
                                   else f"same bytes as in the sweep, trace {row['trace_hash']}"))
         return EXIT_FAILED if different else EXIT_PASSED
 
-    return _guarded(work)
+    return guarded(work)
 
 
 def compare_main(argv=None):
@@ -122,7 +121,7 @@ def compare_main(argv=None):
             print(f"{'FAILED' if fires else 'passed'}: {text}   ({why})")
         return EXIT_FAILED if any(fires for _, fires, _ in gates) else EXIT_PASSED
 
-    return _guarded(work)
+    return guarded(work)
 
 
 def _new_sweep(arguments):
@@ -234,16 +233,3 @@ def _newest(root, pattern):
 
 def _interrupt(*_):
     raise KeyboardInterrupt
-
-
-def _guarded(work):
-    try:
-        return work()
-    except ParameterError as error:
-        print(f"bad input:\n{error}", file=sys.stderr)
-        return EXIT_PARAMETERS
-    except (ArasError, RuntimeError, OSError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return EXIT_BROKEN
-    except KeyboardInterrupt:
-        return EXIT_INTERRUPTED

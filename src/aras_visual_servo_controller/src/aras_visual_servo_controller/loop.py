@@ -5,6 +5,7 @@ The nodes do the same in the same order with the same objects; in lockstep they 
 
 import math
 import time
+from collections import deque
 from fractions import Fraction
 
 import numpy as np
@@ -61,12 +62,13 @@ class ServoLoop:
             sim.reset()
         self.sim = sim
         self.camera_info = self.sim.camera_info(self.camera)
-        self.extractor = MomentExtractor(self.camera_info, scenario.vision)
+        self.extractor = MomentExtractor(scenario.believed_camera_info(self.camera_info), scenario.vision)
         self.kinematics = Kinematics(urdf, scenario.robot["base_link"], scenario.robot["tip_link"])
         self.servo = Servo(self.kinematics, scenario.servo)
         self.sequence = ExperimentSequence(self.kinematics, self.servo, scenario.experiment, self._set_reference)
         self.frame = -1
         self._image = None
+        self._late = deque()  # answers that wait for their latency to pass
         names = list(self.sim.joint_names)
         missing = [name for name in self.kinematics.joint_names if name not in names]
         if missing:
@@ -132,7 +134,10 @@ class ServoLoop:
         q = sim.joint_positions
         command, record = self.sequence.step(
             Observation(stamp_ns, features, q if self._order is None else q[self._order], self.frame))
-        sim.set_command(position=command.position, velocity=command.velocity, stamp_ns=command.stamp_ns)
+        self._late.append(command)
+        if len(self._late) > self.scenario.latency_images:
+            command = self._late.popleft()
+            sim.set_command(position=command.position, velocity=command.velocity, stamp_ns=stamp_ns)
         return record, features, image
 
     def run(self, progress=None, limit_s=DEFAULT_LIMIT_S, closing_s=CLOSING_S, keep_images=False):

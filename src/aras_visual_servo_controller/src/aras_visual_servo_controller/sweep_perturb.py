@@ -21,13 +21,20 @@ KNOWN = {
     "friction_scale": "factor on the dry friction of every joint",
     "damping_scale": "factor on the viscous damping of every joint",
     "noise_stddev": "noise of every camera [grey levels]",
+    "focal_error": "relative error of the focal length that the moments are computed with",
+    "principal_point_error_px": "error of the principal point that they are computed with, in u and in v [px]",
+    "latency_images": "images by which every answer takes effect late, rounded down to a whole number",
     "target": "shape: name of a file of aras_description/targets, or its URI",
     "target_scale": "factor on the size of every model of the scene that has outlines",
 }
 DOTTED_SECTIONS = ("sim", "vision", "servo", "experiment")
 #: Lowest value allowed, where a negative one has no meaning.
 AT_LEAST = {"z_star_error": -0.95, "pid_gain_scale": 0.0, "friction_scale": 0.0, "damping_scale": 0.0,
-            "noise_stddev": 0.0, "target_scale": 0.01}
+            "noise_stddev": 0.0, "target_scale": 0.01, "focal_error": -0.9, "principal_point_error_px": -1000.0,
+            "latency_images": 0.0}
+#: Perturbations that no section of the scenario can say, with the value that changes nothing.
+BESIDE = {"pid_gain_scale": 1.0, "friction_scale": 1.0, "damping_scale": 1.0, "focal_error": 0.0,
+          "principal_point_error_px": 0.0, "latency_images": 0.0}
 
 
 @dataclass(frozen=True)
@@ -98,11 +105,11 @@ def perturbed(scenario, parameters):
     if "target" in parameters or "target_scale" in parameters:
         overrides["sim.scene.models"] = _models(scenario, parameters)
     scenario = scenario.with_overrides(overrides) if overrides else scenario
-    scales = {name: parameters.get(f"{name}_scale", 1.0) for name in ("pid_gain", "friction", "damping")}
-    if all(scale == 1.0 for scale in scales.values()):
+    beside = {name: parameters.get(name, nothing) for name, nothing in BESIDE.items()}
+    if beside == BESIDE:
         return scenario
     values = {field.name: getattr(scenario, field.name) for field in fields(Scenario)}
-    return _ScaledScenario(**values, scales=scales)
+    return _PerturbedScenario(**values, beside=beside)
 
 
 def simulator_key(scenario, parameters):
@@ -112,17 +119,31 @@ def simulator_key(scenario, parameters):
 
 
 @dataclass(frozen=True)
-class _ScaledScenario(Scenario):
-    """A scenario whose robot differs from its files."""
+class _PerturbedScenario(Scenario):
+    """A scenario whose robot differs from its files, or whose loop has a wrong calibration or comes late."""
 
-    scales: dict = None
+    beside: dict = None
+
+    @property
+    def latency_images(self):
+        return int(self.beside["latency_images"])
+
+    def believed_camera_info(self, camera_info):
+        believed = copy.deepcopy(camera_info)
+        for matrix, width in (("K", 3), ("P", 4)):
+            entries = list(believed[matrix])
+            for row in (0, 1):
+                entries[row * width + row] *= 1.0 + self.beside["focal_error"]
+                entries[row * width + 2] += self.beside["principal_point_error_px"]
+            believed[matrix] = entries
+        return believed
 
     def urdf_xml(self):
         root = ElementTree.fromstring(super().urdf_xml())
         for dynamics in root.iterfind("./joint/dynamics"):
             for name in ("friction", "damping"):
                 if name in dynamics.attrib:
-                    dynamics.set(name, repr(float(dynamics.get(name)) * self.scales[name]))
+                    dynamics.set(name, repr(float(dynamics.get(name)) * self.beside[f"{name}_scale"]))
         return ElementTree.tostring(root, encoding="unicode")
 
     def controllers(self):
@@ -131,7 +152,7 @@ class _ScaledScenario(Scenario):
             pid = controller.get("pid") if isinstance(controller, dict) else None
             for name in ("p", "i", "d"):
                 if pid and name in pid:
-                    pid[name] = pid[name] * self.scales["pid_gain"]
+                    pid[name] = pid[name] * self.beside["pid_gain_scale"]
         return controllers
 
 

@@ -2,17 +2,20 @@
 
 import json
 
+import numpy as np
 import pytest
 
 from aras_visual_servo_controller.loop import ServoLoop
 from aras_visual_servo_controller.report import save_results
 from aras_visual_servo_controller.scenario import load_scenario
+from aras_visual_servo_controller.sweep_perturb import perturbed
 from aras_visual_servo_controller.sweep_plan import Start
 from aras_visual_servo_controller.sweep_run import Bench, make_setup, run_chunk, scenario_of, trace_hash
 
 GOAL = {"gantry": 0.05, "J1": 0.0, "J2": -0.09, "J3": 0.045, "J5": 0.045, "J6": 0.0}
 NEAR = {**GOAL, "gantry": -0.02, "J2": 0.1, "J3": -0.05, "J6": 0.1}
 FAR = {**GOAL, "gantry": -0.1, "J2": 0.34906585, "J3": -0.26179939, "J5": -0.08726646, "J6": 0.17453293}
+MOVED = 1e-3   # [m, rad]: a tenth of what the first image makes the gantry move until the next
 OUT_OF_VIEW = {**GOAL, "gantry": 1.2}
 
 
@@ -77,13 +80,36 @@ def test_noise_is_seeded_by_the_run_and_repeats(bench):
 
 
 @pytest.mark.parametrize("name, value", [("friction_scale", 2.0), ("pid_gain_scale", 0.5), ("damping_scale", 3.0),
-                                         ("z_star_error", 0.2), ("target", "l_shape"), ("target_scale", 0.8)])
+                                         ("z_star_error", 0.2), ("target", "l_shape"), ("target_scale", 0.8),
+                                         ("focal_error", 0.05), ("principal_point_error_px", 2.0),
+                                         ("latency_images", 2)])
 def test_every_perturbation_changes_the_run(bench, name, value):
     limit = {"servo.time_limit_s": 0.3}
     plain, _ = bench.run(Start(10, NEAR, parameters=limit))
     changed, _ = bench.run(Start(10, NEAR, parameters={**limit, name: value}))
     assert changed["outcome"] in ("success", "failure"), changed["detail"]
     assert changed["trace_hash"] != plain["trace_hash"]
+
+
+def test_an_answer_that_comes_late_moves_the_arm_that_many_images_later(bench):
+    limit = {"servo.time_limit_s": 0.5}
+    first = {}
+    for latency in (0, 3):
+        record = bench.run(Start(11, NEAR, parameters={**limit, "latency_images": latency}))[1]
+        q = record.q[record.servo_rows]
+        first[latency] = next(i for i, row in enumerate(q) if np.abs(row - q[0]).max() > MOVED)
+    assert first[3] == first[0] + 3
+
+
+def test_a_wrong_calibration_is_believed_but_the_images_are_the_same(bench, scenario):
+    believed = perturbed(scenario, {"focal_error": 0.1, "principal_point_error_px": -2.0}).believed_camera_info(
+        {"K": [200.0, 0, 160.0, 0, 200.0, 120.0, 0, 0, 1], "P": [200.0, 0, 160.0, 0, 0, 200.0, 120.0, 0, 0, 0, 1, 0]})
+    assert believed["K"] == pytest.approx([220.0, 0, 158.0, 0, 220.0, 118.0, 0, 0, 1])
+    assert believed["P"] == pytest.approx([220.0, 0, 158.0, 0, 0, 220.0, 118.0, 0, 0, 0, 1, 0])
+    plain, wrong = (bench.run(Start(12, NEAR, parameters=p))[1] for p in ({}, {"focal_error": 0.1}))
+    row = plain.servo_rows[0]
+    # x_g is what the moments say in normalised coordinates: the same pixels, over a focal length 10 % too long.
+    assert wrong.raw[row, 1] == pytest.approx(plain.raw[row, 1] / 1.1, rel=1e-6)
 
 
 def test_the_record_of_a_run_makes_a_whole_result_folder(bench, tmp_path):
