@@ -44,7 +44,6 @@ POLL_S = 0.05             # wall time between looks
 GRAPH_POLL_S = 0.5        # wall time between looks at the master while running
 SETTLED_BYTES = 16384     # a bag that grows by less than this in a moment gets no more images, only the clock
 SETTLE_LIMIT_S = 10.0     # wall time that the recorder gets for what it was sent
-GOAL_PERIOD_S = 3.0       # wall time after which a goal that nobody took is sent again
 EXIT_PASSED, EXIT_FAILED, EXIT_PARAMETERS, EXIT_BROKEN = range(4)
 
 

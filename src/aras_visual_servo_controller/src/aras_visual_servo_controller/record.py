@@ -186,12 +186,6 @@ class RecordBuilder:
         if phase == "servo" or ends:
             self._images["final"] = np.array(image, dtype=np.uint8)
 
-    def set_image(self, which, image):
-        """Set the "desired", "initial" or "final" image."""
-        if which not in ("desired", "initial", "final"):
-            raise ValueError(f"image '{which}': allowed are desired, initial, final")
-        self._images[which] = np.array(image, dtype=np.uint8)
-
     def note(self, text):
         """Remember something a reader of the report must know."""
         self._notes.append(str(text))

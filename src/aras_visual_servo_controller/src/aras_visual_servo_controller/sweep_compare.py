@@ -9,10 +9,6 @@ from .sweep_statistics import aggregate, mcnemar, signed_rank
 
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 #: Numbers that compare a sweep with A.
-PAIRED = ("pairs", "only_a", "only_b", "success_change", "mcnemar_p", "time_change_s", "time_p", "error_change_mm",
-          "error_p")
-
-
 def pair(rows_a, rows_b):
     """Pairs of feasible runs of two sweeps: list of (row, row).
 
@@ -34,7 +30,8 @@ def pair(rows_a, rows_b):
 
 
 def compare_pair(rows_a, rows_b):
-    """Paired statistics of sweep B against A: dict of PAIRED.
+    """Paired statistics of sweep B against A: dict of pairs, only_a, only_b, success_change,
+    mcnemar_p, time_change_s, time_p, error_change_mm and error_p.
 
     Success by McNemar's test; time and error by Wilcoxon's signed-rank test over the pairs where both succeeded, their
     change is the median of B - A.

@@ -27,7 +27,6 @@ from .sweep_perturb import perturbed, simulator_key
 from .sweep_plan import CAMERA_AXES, Start
 from .types import FEATURE_NAMES, Status
 
-OUTCOMES = ("success", "failure", "infeasible", "error")
 #: A run has succeeded when this part of the initial distance is left, and less than this angle (the metric of recent
 #: visual-servoing benchmarks) ...
 SUCCESS_PART, SUCCESS_DEG = 0.1, 10.0
