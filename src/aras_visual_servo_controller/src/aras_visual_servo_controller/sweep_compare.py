@@ -8,7 +8,8 @@ from .errors import ParameterError
 from .sweep_statistics import aggregate, mcnemar, signed_rank
 
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
-#: Numbers that compare a sweep with A.
+
+
 def pair(rows_a, rows_b):
     """Pairs of feasible runs of two sweeps: list of (row, row).
 
