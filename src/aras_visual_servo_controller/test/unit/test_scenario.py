@@ -104,6 +104,18 @@ def test_a_missing_section_is_a_fault(document, section):
     assert check(document) == [f"{section}: missing"]
 
 
+def test_motion_of_a_model_is_checked(document):
+    model = document["sim"]["scene"]["models"][0]
+    model["motion"] = {"type": "circle", "radius_m": 0.1, "angular_speed_rad_per_s": -0.5, "delay_s": 1.0}
+    assert check(document) == []
+    model["motion"] = {"type": "circle", "speed": 1.0}
+    faults = "\n".join(check(document))
+    for part in ("motion.speed: unknown key", "motion.radius_m: missing", "motion.angular_speed_rad_per_s: missing"):
+        assert part in faults
+    model["motion"] = {"type": "dance"}
+    assert len(check(document)) == 1
+
+
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), True])
 def test_a_number_that_is_not_finite_is_a_fault(document, value):
     document["servo"]["time_limit_s"] = value

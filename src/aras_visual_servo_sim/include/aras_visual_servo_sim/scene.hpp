@@ -3,12 +3,14 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "aras_visual_servo_sim/image.hpp"
 #include "aras_visual_servo_sim/mesh_loader.hpp"
+#include "aras_visual_servo_sim/model_motion.hpp"
 #include "aras_visual_servo_sim/types.hpp"
 
 namespace aras_visual_servo_sim {
@@ -76,6 +78,7 @@ struct Scene {
   Rgb background{230, 230, 230};
   std::vector<PlanarModel> models;
   std::vector<Body> bodies;
+  std::map<std::string, ModelMotion> motions;           ///< of models and fixed bodies, by name; the caller moves them
   Eigen::Vector3d light_direction_W{-0.4, -0.3, -1.0};  ///< where the light travels, any length but zero
 
   /** @throws UnknownNameError naming what exists */

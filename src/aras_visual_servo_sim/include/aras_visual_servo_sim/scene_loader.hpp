@@ -20,10 +20,10 @@ PlanarModel loadPlanarModel(const std::string& path);
 PlanarModel planarModelFromYaml(const YAML::Node& node, const std::string& source_name);
 
 /** Reads the `scene:` section of a scenario:
- *  {background_rgb, light_direction, models: [{name, file | outlines_m + color_rgb + board, position_m, rpy_rad}],
- *   solids: [{name, box_m | cylinder_m | sphere_m | mesh, color_rgb, position_m, rpy_rad}]}
- *  box_m: [x, y, z]; cylinder_m: [radius, length]; sphere_m: radius; mesh: file.
- *  A null node gives an empty scene. @throws ParameterError, ModelError */
+ *  {background_rgb, light_direction, models: [{name, file | outlines_m + color_rgb + board, position_m, rpy_rad,
+ * motion}], solids: [{name, box_m | cylinder_m | sphere_m | mesh, color_rgb, position_m, rpy_rad, motion}]} box_m: [x,
+ * y, z]; cylinder_m: [radius, length]; sphere_m: radius; mesh: file. A null node gives an empty scene. @throws
+ * ParameterError, ModelError */
 Scene loadScene(const YAML::Node& node, const PackagePaths& packages);
 
 /** Adds one body for each link of the robot that has visuals, named as the link. @throws ModelError */

@@ -3,6 +3,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -85,15 +86,24 @@ class Simulation {
   const std::string& lastRefusal() const { return last_refusal_; }
   void setGains(const std::string& controller, const PidGains& gains) { world_->setGains(controller, gains); }
 
-  // --- placing things; at rest
-  /** @throws as MultibodyWorld::setJointPositions */
+  /** Places joints, at rest. @throws as MultibodyWorld::setJointPositions */
   void setJointPositions(const std::map<std::string, double>& positions) { world_->setJointPositions(positions); }
-  /** @throws ModelError naming the models there are, NotFiniteError */
+
+  // --- models: what is in the scene besides the robot, flat ones and solids
+  std::vector<std::string> modelNames() const;
+  /** Places a model, which then stays there: a motion it had ends.
+   *  @throws UnknownNameError naming the models there are, NotFiniteError */
   void setModelPose(const std::string& model, const Pose& X_WM);
-  Pose modelPose(const std::string& model) const { return scene_.model(model).X_WM; }
+  /** Moves a model from now and from where it is; nothing: it stays where it is. @throws UnknownNameError */
+  void setModelMotion(const std::string& model, const std::optional<ModelMotion>& motion);
+  /** X_WM at the present tick. @throws UnknownNameError */
+  Pose modelPose(const std::string& model) const;
+  /** V_WM_W at the present tick, as in ModelPlacement; zero for a model without motion. @throws UnknownNameError */
+  Twist modelTwist(const std::string& model) const;
 
   // --- whole state
-  /** Joints and models back to where they started, at rest; time, frames and counters go on. */
+  /** Joints and models back to where they started, at rest, their motions from the beginning; time, frames and counters
+   *  go on. */
   void resetWorld();
   /** Back to tick 0: everything as constructed, gains, models and counters included. */
   void reset();
@@ -113,11 +123,19 @@ class Simulation {
     std::int64_t unhashed_frame = -1;  ///< taken, image not hashed yet
     Image image;
   };
+  struct MotionRun {
+    ModelMotion motion;
+    Pose X_WM0;
+    std::int64_t start_ns;
+  };
 
   void addCamera(const CameraConfig& config, std::vector<std::string>& faults);
   void makeWorld();
   void passFrame(Camera& camera);
   void holdStill();
+  Pose& placeOf(const std::string& model);
+  void startModels();
+  void moveModels();
   template <typename Action>
   void acceptOrRefuse(const Action& action);
 
@@ -127,8 +145,9 @@ class Simulation {
   std::unique_ptr<MultibodyWorld> world_;
   Eigen::VectorXd initial_q_;
   Scene scene_;
-  std::vector<Pose> initial_model_poses_;
-  std::vector<int> body_links_;  ///< link of each body of the scene, -1 for fixed ones
+  std::map<std::string, Pose> initial_model_poses_;
+  std::map<std::string, MotionRun> motions_;  ///< of the models that move, by name
+  std::vector<int> body_links_;               ///< link of each body of the scene, -1 for fixed ones
   std::vector<std::string> camera_names_;
   std::vector<Camera> cameras_;
   std::unique_ptr<Renderer> renderer_;

@@ -106,6 +106,12 @@ void setModelPose(Simulation& simulation, const std::string& name, const Eigen::
   simulation.setModelPose(name, Pose{p, Eigen::Quaterniond(q_xyzw[3], q_xyzw[0], q_xyzw[1], q_xyzw[2])});
 }
 
+void setModelMotion(Simulation& simulation, const std::string& name, const py::object& motion) {
+  std::optional<ModelMotion> read;
+  if (!motion.is_none()) read = ModelMotion::fromYaml(yamlFromPython(motion, "motion"), "motion");
+  simulation.setModelMotion(name, read);
+}
+
 void bindTimeAndCameras(py::class_<Simulation>& type) {
   type.def_property_readonly("time_s", &Simulation::timeS, "Simulated time [s].")
       .def_property_readonly("time_ns", &Simulation::timeNs, "Simulated time, exact [ns].")
@@ -179,10 +185,20 @@ void bindRobot(py::class_<Simulation>& type) {
 
 void bindScene(py::class_<Simulation>& type) {
   type.def("set_model_pose", &setModelPose, py::arg("name"), py::arg("p"), py::arg("q_xyzw"),
-           "Places a model of the scene: p (3,) [m], q_xyzw (4,) unit quaternion, of X_WM.")
+           "Places a model of the scene, which then stays there: p (3,) [m], q_xyzw (4,) unit quaternion, of X_WM.")
       .def(
           "model_pose", [](const Simulation& self, const std::string& name) { return self.modelPose(name).matrix(); },
-          py::arg("name") = "target", "X_WM, (4, 4): pose of a model of the scene in W.");
+          py::arg("name") = "target", "X_WM, (4, 4): pose of a model of the scene in W.")
+      .def(
+          "model_twist", [](const Simulation& self, const std::string& name) -> Twist { return self.modelTwist(name); },
+          py::arg("name") = "target",
+          "V_WM_W, (6,): twist of a model in W, expressed in W, [v; w] [m/s; rad/s]; zero unless it has a motion.")
+      .def_property_readonly("model_names", &Simulation::modelNames, "Names of the models and solids of the scene.")
+      .def("set_model_motion", &setModelMotion, py::arg("name"), py::arg("motion"),
+           "Moves a model from now and from where it is.\n\nArgs:\n"
+           "    motion: dict as sim.scene.models[].motion of a scenario, see config/sim.yaml; None: it stays where it "
+           "is.\n"
+           "Raises:\n    UnknownNameError, ParameterError listing all faults.");
 }
 
 void bindState(py::class_<Simulation>& type) {

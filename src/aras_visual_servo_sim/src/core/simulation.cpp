@@ -54,7 +54,7 @@ Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::No
   for (std::size_t k = body_links_.size(); k < scene_.bodies.size(); ++k) {
     body_links_.push_back(model_.linkIndex(scene_.bodies[k].name));
   }
-  for (const PlanarModel& planar : scene_.models) initial_model_poses_.push_back(planar.X_WM);
+  for (const std::string& name : modelNames()) initial_model_poses_[name] = placeOf(name);
 
   initial_q_ = Eigen::VectorXd::Zero(model_.dofs());
   for (const auto& [joint, position] : config_.initial_positions) {
@@ -64,6 +64,7 @@ Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::No
   for (const CameraConfig& camera : config_.cameras) addCamera(camera, faults);
   if (faults.empty()) collect([&] { makeWorld(); });
   if (!faults.empty()) throw ParameterError(joined(faults, "\n"));
+  startModels();
 }
 
 Simulation::~Simulation() = default;
@@ -119,6 +120,7 @@ void Simulation::step(std::int64_t n) {
     }
     world_->step(static_cast<int>(next - ticks()));
   }
+  moveModels();
 }
 
 std::int64_t Simulation::stepToImage(const std::string& camera) {
@@ -219,22 +221,13 @@ void Simulation::setControllerCommand(const std::string& controller, double valu
   acceptOrRefuse([&] { world_->setControllerCommand(controller, value); });
 }
 
-// --- placing things -------------------------------------------------------------------------------------------------
-
-void Simulation::setModelPose(const std::string& model, const Pose& X_WM) {
-  if (!X_WM.p.allFinite() || !X_WM.q.coeffs().allFinite()) {
-    throw NotFiniteError("model '" + model + "': pose is not finite");
-  }
-  PlanarModel& planar = scene_.model(model);
-  planar.X_WM = X_WM;
-  planar.X_WM.q.normalize();
-}
+// --- starting again -------------------------------------------------------------------------------------------------
 
 void Simulation::resetWorld() {
   std::map<std::string, double> positions;
   for (int i = 0; i < model_.dofs(); ++i) positions[model_.joint_names[i]] = initial_q_[i];
   world_->setJointPositions(positions);
-  for (std::size_t k = 0; k < scene_.models.size(); ++k) scene_.models[k].X_WM = initial_model_poses_[k];
+  startModels();
 }
 
 void Simulation::reset() {

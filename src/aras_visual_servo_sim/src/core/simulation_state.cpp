@@ -8,7 +8,7 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr std::uint64_t kMagic = 0x31304d4953415241ULL;  // "ARASIM01"
+constexpr std::uint64_t kMagic = 0x32304d4953415241ULL;  // "ARASIM02"
 
 class Writer {
  public:
@@ -60,6 +60,18 @@ struct FrameCounters {
   std::int64_t next_frame, unhashed_frame;
 };
 
+void putPose(Writer& out, const Pose& pose) {
+  for (int k = 0; k < 3; ++k) out.put(pose.p[k]);
+  for (int k = 0; k < 4; ++k) out.put(pose.q.coeffs()[k]);
+}
+
+Pose getPose(Reader& in) {
+  Pose pose;
+  for (int k = 0; k < 3; ++k) pose.p[k] = in.get<double>();
+  for (int k = 0; k < 4; ++k) pose.q.coeffs()[k] = in.get<double>();
+  return pose;
+}
+
 }  // namespace
 
 std::string Simulation::saveState() const {
@@ -71,10 +83,15 @@ std::string Simulation::saveState() const {
   out.putText(last_refusal_);
   out.put<std::uint64_t>(cameras_.size());
   for (const Camera& camera : cameras_) out.put(FrameCounters{camera.next_frame, camera.unhashed_frame});
-  out.put<std::uint64_t>(scene_.models.size());
-  for (const PlanarModel& model : scene_.models) {
-    for (int k = 0; k < 3; ++k) out.put(model.X_WM.p[k]);
-    for (int k = 0; k < 4; ++k) out.put(model.X_WM.q.coeffs()[k]);
+  const std::vector<std::string> models = modelNames();
+  out.put<std::uint64_t>(models.size());
+  for (const std::string& model : models) putPose(out, modelPose(model));
+  out.put<std::uint64_t>(motions_.size());
+  for (const auto& [name, run] : motions_) {
+    out.putText(name);
+    out.putText(run.motion.yaml());
+    putPose(out, run.X_WM0);
+    out.put(run.start_ns);
   }
   return out.take();
 }
@@ -89,11 +106,17 @@ void Simulation::restoreState(const std::string& state) {
   if (in.get<std::uint64_t>() != cameras_.size()) throw StateError("saved state: other number of cameras");
   std::vector<FrameCounters> frames;
   for (std::size_t k = 0; k < cameras_.size(); ++k) frames.push_back(in.get<FrameCounters>());
-  if (in.get<std::uint64_t>() != scene_.models.size()) throw StateError("saved state: other number of models");
-  std::vector<Pose> poses(scene_.models.size());
-  for (Pose& pose : poses) {
-    for (int k = 0; k < 3; ++k) pose.p[k] = in.get<double>();
-    for (int k = 0; k < 4; ++k) pose.q.coeffs()[k] = in.get<double>();
+  const std::vector<std::string> models = modelNames();
+  if (in.get<std::uint64_t>() != models.size()) throw StateError("saved state: other number of models");
+  std::vector<Pose> poses;
+  for (std::size_t k = 0; k < models.size(); ++k) poses.push_back(getPose(in));
+  std::map<std::string, MotionRun> motions;
+  for (auto left = in.get<std::uint64_t>(); left > 0; --left) {
+    const std::string name = in.getText();
+    const ModelMotion motion = ModelMotion::fromYaml(YAML::Load(in.getText()), "saved motion of '" + name + "'");
+    const Pose X_WM0 = getPose(in);
+    motions.emplace(name, MotionRun{motion, X_WM0, in.get<std::int64_t>()});
+    modelPose(name);  // throws
   }
   if (!in.atEnd()) throw StateError("saved state: bytes left over");
 
@@ -105,7 +128,8 @@ void Simulation::restoreState(const std::string& state) {
     cameras_[k].next_frame = frames[k].next_frame;
     cameras_[k].unhashed_frame = frames[k].unhashed_frame;
   }
-  for (std::size_t k = 0; k < poses.size(); ++k) scene_.models[k].X_WM = poses[k];
+  for (std::size_t k = 0; k < models.size(); ++k) placeOf(models[k]) = poses[k];
+  motions_ = std::move(motions);
 }
 
 }  // namespace aras_visual_servo_sim

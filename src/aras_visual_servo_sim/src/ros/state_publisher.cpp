@@ -40,11 +40,10 @@ CameraTopics topicsOf(const RobotModel& robot, const std::string& camera) {
   return {camera + "/" + topics.image, camera + "/" + topics.info};
 }
 
-const PlanarModel* targetOf(const Scene& scene) {
-  for (const PlanarModel& model : scene.models) {
-    if (model.name() == kTargetModel) return &model;
-  }
-  return scene.models.empty() ? nullptr : &scene.models.front();
+/** The model named `target`, else the first; empty without any. */
+std::string targetOf(const std::vector<std::string>& models) {
+  if (std::find(models.begin(), models.end(), kTargetModel) != models.end()) return kTargetModel;
+  return models.empty() ? "" : models.front();
 }
 
 void assign(std::vector<double>& to, const Eigen::VectorXd& from) { to.assign(from.data(), from.data() + from.size()); }
@@ -62,6 +61,7 @@ StatePublisher::StatePublisher(const ros::NodeHandle& node, Simulation& simulati
   clock_ = node_.advertise<rosgraph_msgs::Clock>("/clock", kSmallQueue);
   joints_ = node_.advertise<sensor_msgs::JointState>("joint_states", kSmallQueue);
   target_pose_ = node_.advertise<geometry_msgs::PoseStamped>("ground_truth/target_pose", kSmallQueue);
+  target_twist_ = node_.advertise<geometry_msgs::TwistStamped>("ground_truth/target_twist", kSmallQueue);
   path_ = node_.advertise<nav_msgs::Path>("camera_path", 1);
   path_message_.header.frame_id = world_frame_;
   joint_message_.name = simulation.model().joint_names;
@@ -167,13 +167,17 @@ void StatePublisher::publishControllers(const ros::Time& stamp) {
 }
 
 void StatePublisher::publishTarget(const ros::Time& stamp) {
-  const PlanarModel* target = targetOf(simulation_.scene());
-  if (target == nullptr) return;
-  geometry_msgs::PoseStamped message;
-  message.header.stamp = stamp;
-  message.header.frame_id = world_frame_;
-  message.pose = toMessage(target->X_WM);
-  target_pose_.publish(message);
+  const std::string target = targetOf(simulation_.modelNames());
+  if (target.empty()) return;
+  geometry_msgs::PoseStamped pose;
+  pose.header.stamp = stamp;
+  pose.header.frame_id = world_frame_;
+  pose.pose = toMessage(simulation_.modelPose(target));
+  target_pose_.publish(pose);
+  geometry_msgs::TwistStamped twist;
+  twist.header = pose.header;
+  twist.twist = toMessage(simulation_.modelTwist(target));
+  target_twist_.publish(twist);
 }
 
 void StatePublisher::publishFrame(int camera, const ros::Time& stamp) {

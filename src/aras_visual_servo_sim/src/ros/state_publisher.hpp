@@ -67,7 +67,7 @@ class StatePublisher {
   std::int64_t next_clock_ = 0, next_joints_ = 0;  ///< indices into the schedules
   std::int64_t sampled_tick_ = -1;
   std::uint64_t frames_ = 0, dropped_frames_ = 0;
-  ros::Publisher clock_, joints_, target_pose_, path_;
+  ros::Publisher clock_, joints_, target_pose_, target_twist_, path_;
   std::vector<CameraOutput> cameras_;
   std::vector<ControllerOutput> controllers_;
   sensor_msgs::JointState joint_message_;

@@ -15,7 +15,7 @@ import rostest
 from aras_visual_servo_msgs.msg import JointControllerState, SimStatus
 from aras_visual_servo_msgs.srv import SetJointPositions, SetTargetPose, Step
 from aras_visual_servo_sim import Simulation
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, TwistStamped
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, JointState
 from std_msgs.msg import Float64
@@ -78,7 +78,8 @@ class Wiring(unittest.TestCase):
 
     def test_every_topic_of_the_interface_is_there(self):
         expected = ["joint_states", "camera/image_raw", "camera/camera_info", "ground_truth/camera_pose",
-                    "ground_truth/camera_twist", "ground_truth/target_pose", "sim/status", "pan_controller/state",
+                    "ground_truth/camera_twist", "ground_truth/target_pose", "ground_truth/target_twist",
+                    "sim/status", "pan_controller/state",
                     "scene_markers", "camera_path"]
         expected = {rospy.resolve_name(name) for name in expected} | {"/clock"}
         until(lambda: expected <= {name for name, _ in rospy.get_published_topics()}, "topics " + str(expected))
@@ -154,6 +155,14 @@ class Wiring(unittest.TestCase):
         answer = place(model="moon", pose=pose)
         self.assertFalse(answer.success)
         self.assertIn("target", answer.message)
+
+    def test_twist_of_a_moving_target_is_published(self):
+        poses = Listener("ground_truth/target_pose", PoseStamped)
+        twists = Listener("ground_truth/target_twist", TwistStamped)
+        twists.wait()
+        self.assertEqual(twists.messages[0].header.frame_id, "world")
+        self.assertEqual(twists.messages[0].twist.linear.x, 0.0)
+        until(lambda: set(twists.stamps()) & set(poses.stamps()), "both of one image")
 
     def test_pause_stops_time_step_moves_it_and_reset_starts_again(self):
         status = Listener("sim/status", SimStatus)

@@ -150,3 +150,18 @@ def test_other_threads_run_while_it_steps():
     stop.set()
     thread.join()
     assert during > 0, "the GIL was held"
+
+
+def test_models_move_by_themselves():
+    sim = make()
+    assert sim.model_names == ["target"]
+    sim.set_model_motion("target", {"type": "constant_velocity", "linear_m_per_s": [0.1, 0.0, 0.0]})
+    sim.step(500)
+    np.testing.assert_allclose(sim.model_pose("target")[:3, 3], [0.05, 0.0, 0.0], atol=ROUNDING)
+    np.testing.assert_array_equal(sim.model_twist("target"), [0.1, 0, 0, 0, 0, 0])
+    sim.set_model_motion("target", None)
+    np.testing.assert_array_equal(sim.model_twist("target"), np.zeros(6))
+    with pytest.raises(ParameterError, match="dance"):
+        sim.set_model_motion("target", {"type": "dance"})
+    with pytest.raises(UnknownNameError, match="target"):
+        sim.set_model_motion("moon", None)

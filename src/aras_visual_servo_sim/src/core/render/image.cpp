@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "../splitmix.hpp"
 #include "aras_visual_servo_sim/errors.hpp"
 
 namespace aras_visual_servo_sim {
@@ -30,13 +31,6 @@ const std::vector<float>& normalQuantiles() {
     return quantiles;
   }();
   return table;
-}
-
-/** Finaliser of splitmix64 (Steele, Lea and Flood, OOPSLA 2014): a bijection of 64 bits. */
-std::uint64_t mix(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
-  return x ^ (x >> 31);
 }
 
 }  // namespace
@@ -73,7 +67,8 @@ void addGaussianNoise(Image& image, double stddev, std::uint64_t seed, std::uint
     throw ParameterError("noise_stddev: found " + std::to_string(stddev) + ", allowed finite and >= 0");
   }
   if (stddev == 0.0) return;
-  constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15ULL;
+  using splitmix::kGolden;
+  using splitmix::mix;
   const std::uint64_t stream = mix(mix(seed + kGolden) ^ (frame_index * kGolden + 1));
   const std::vector<float>& quantiles = normalQuantiles();
   const float scale = static_cast<float>(stddev);

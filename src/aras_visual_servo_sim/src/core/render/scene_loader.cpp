@@ -157,6 +157,7 @@ struct ModelEntry {
   PlanarShape shape;
   Pose X_WM;
   bool visible = true;
+  std::optional<ModelMotion> motion;
 };
 
 struct SolidEntry {
@@ -164,7 +165,14 @@ struct SolidEntry {
   Geometry geometry;
   Rgb color;
   Pose X_WB;
+  std::optional<ModelMotion> motion;
 };
+
+std::optional<ModelMotion> readMotion(YamlReader& reader) {
+  if (!reader.has("motion")) return std::nullopt;
+  YamlReader section = reader.section("motion");
+  return ModelMotion::read(section, reader.raw("motion"));
+}
 
 ModelEntry readModel(YamlReader& reader) {
   ModelEntry entry;
@@ -172,6 +180,7 @@ ModelEntry readModel(YamlReader& reader) {
   entry.file = reader.optional<std::string>("file", "");
   entry.X_WM = readPose(reader);
   entry.visible = reader.optional<bool>("visible", true);
+  entry.motion = readMotion(reader);
   if (entry.file.empty()) entry.shape = readPlanarShape(reader);
   return entry;
 }
@@ -181,6 +190,7 @@ SolidEntry readSolid(YamlReader& reader) {
   entry.name = reader.required<std::string>("name");
   entry.color = readColor(reader, "color_rgb", {128, 128, 128});
   entry.X_WB = readPose(reader);
+  entry.motion = readMotion(reader);
   entry.geometry = readGeometry(reader);
   return entry;
 }
@@ -219,6 +229,12 @@ Scene loadScene(const YAML::Node& node, const PackagePaths& packages) {
   for (YamlReader& entry : reader.list("solids")) solids.push_back(readSolid(entry));
   requireDistinct(models, "models", reader);
   requireDistinct(solids, "solids", reader);
+  for (const SolidEntry& solid : solids) {
+    const auto same = [&](const ModelEntry& model) { return model.name == solid.name; };
+    if (std::any_of(models.begin(), models.end(), same)) {
+      reader.fault("solids", "one named '" + solid.name + "' as a model is", "distinct names");
+    }
+  }
   reader.finish();
 
   for (ModelEntry& entry : models) {
@@ -229,6 +245,7 @@ Scene loadScene(const YAML::Node& node, const PackagePaths& packages) {
     scene.models.emplace_back(entry.name, std::move(entry.shape.outlines), entry.shape.color, entry.shape.board);
     scene.models.back().X_WM = entry.X_WM;
     scene.models.back().visible = entry.visible;
+    if (entry.motion) scene.motions.emplace(entry.name, *entry.motion);
   }
   MeshCache meshes(packages);
   for (const SolidEntry& entry : solids) {
@@ -237,6 +254,7 @@ Scene loadScene(const YAML::Node& node, const PackagePaths& packages) {
     body.X_WB = entry.X_WB;
     body.shapes.push_back({Pose{}, meshOf(entry.geometry, meshes), entry.color});
     scene.bodies.push_back(std::move(body));
+    if (entry.motion) scene.motions.emplace(entry.name, *entry.motion);
   }
   return scene;
 }
