@@ -30,6 +30,11 @@ class LookThenMove:
         self.set_point = set_point
         self._move, self._begin_ns, self._followed_s, self._last_q = None, 0, 0.0, None
 
+    def shift(self, way):
+        """The set-points were moved by something else: way, (n,)."""
+        if self.set_point is not None:
+            self.set_point = self.set_point + way
+
     @property
     def under_way(self):
         """Whether the last move is not finished."""

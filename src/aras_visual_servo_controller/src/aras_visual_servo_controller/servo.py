@@ -24,6 +24,7 @@ from .features import FeatureSet, View
 from .interaction import plane_from_pose
 from .laws import make_law
 from .look_then_move import LookThenMove
+from .lost_target import LostTarget
 from .servo_config import ServoConfig
 from .types import Command, Features, Observation, Reference, ServoRecord, Status
 
@@ -46,6 +47,7 @@ class Servo:
         self._scenario_config = self.config = ServoConfig.from_dict(config, names)
         self._arm = ArmMotion(kinematics, self.config)
         self._look = LookThenMove(kinematics, self._arm, self.config)
+        self._lost = LostTarget(kinematics, self._arm, self.config.lost_target)
         self._features = FeatureSet(self.config.features)
         self._law = self._make_law()
         self._no_velocity = dict.fromkeys(names, 0.0)
@@ -150,7 +152,9 @@ class Servo:
             return self._follow(stamp_ns, dt_s)
         if not (features.target_visible and features.valid):
             text = "target not in view" if not features.target_visible else "target cut by the border or not orientable"
-            return self._rest(stamp_ns, Status.TARGET_LOST, text)
+            return self._without_target(stamp_ns, q, dt_s, text)
+        if not self._lost.found(stamp_ns):
+            return self._without_target(stamp_ns, q, dt_s, "", visible=True)
         return self._servo(stamp_ns, features, q, dt_s)
 
     def _servo(self, stamp_ns, features, q, dt_s):
@@ -166,11 +170,14 @@ class Servo:
         except NotFiniteError as error:
             return self._rest(stamp_ns, Status.FAULT, f"not finite: {error}")
         except DegenerateFeature as error:
-            return self._rest(stamp_ns, Status.TARGET_LOST, str(error))
+            return self._without_target(stamp_ns, q, dt_s, str(error))
         except Exception as error:  # a law or feature of somebody else: the arm must stand still, whatever it raises
             return self._rest(stamp_ns, Status.FAULT, f"law '{law.name}': {type(error).__name__}: {error}")
         if np.shape(twist) != (6,) or not isfinite(float(twist.sum())):
             return self._rest(stamp_ns, Status.FAULT, f"law '{law.name}' gave a twist that is not six finite numbers")
+        self._lost.servoed(q, features)
+        if self._lost.recoveries:
+            twist = twist * self._lost.factor
         self._s, self._e = law.s, law.e
         self._cond_l = law.current_condition()
         below = all([abs(error) < most for error, most in zip(self._e, self.config.thresholds)])
@@ -209,6 +216,19 @@ class Servo:
             raise ParameterError("the reference holds no posture: teach it again")
         return self._X_CgB @ self._kinematics.pose(q)
 
+    def _without_target(self, stamp_ns, q, dt_s, text, visible=False):
+        """TARGET_LOST: the arm holds still, or does what `on_lost` says until the target is found again."""
+        recovery = self._lost.step(stamp_ns, q, dt_s, visible)
+        if recovery is None:
+            return self._rest(stamp_ns, Status.TARGET_LOST, text)
+        if recovery.gave_up:
+            return self._rest(stamp_ns, Status.STOPPED, recovery.text)
+        command, record = self._rest(stamp_ns, Status.TARGET_LOST, recovery.text)
+        self._look.shift(recovery.q_dot * dt_s)
+        command.velocity = self._kinematics.by_name(recovery.q_dot)
+        record.q_dot, record.twist = recovery.q_dot, recovery.twist
+        return command, record
+
     # --- look then move -----------------------------------------------------------------------------------------
 
     def _plan(self, stamp_ns, q, twist, target_C, dt_s):
@@ -238,6 +258,7 @@ class Servo:
         self._text = ""
         self._start_ns, self._last_ns, self._below_ns = stamp_ns, None, None
         self._look.clear(set_point)
+        self._lost.clear()
         self._forget()
         self._q = self._nans
 

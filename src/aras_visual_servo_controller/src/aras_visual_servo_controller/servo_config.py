@@ -7,6 +7,7 @@ from .config_reader import ConfigReader
 from .errors import ParameterError
 from .features import known_features
 from .laws import INTERACTIONS, LawSetup, known_laws, make_law
+from .lost_target import LostTargetConfig
 from .plugins import load_plugins
 from .scenario import load_yaml, resolve_uri
 from .target_pose import PlanarTarget
@@ -47,6 +48,7 @@ class ServoConfig:
     joint_limit_gain_per_s: float = 1.0  # section null_space: away from joint limits
     max_speed: float = 0.2  # section null_space: of any joint [m/s, rad/s]
     joint_limit_margin: float = 0.01  # kept to every joint limit [m, rad]
+    lost_target: LostTargetConfig = LostTargetConfig()  # keys on_lost and lost_target
 
     @classmethod
     def from_dict(cls, source, joint_names=()):
@@ -87,6 +89,7 @@ class ServoConfig:
         for key in ("input_timeout_s", "sample_time_s", "acceleration", *settling):
             values[key] = reader.number(key, getattr(cls, key), above=0.0)
 
+        values["lost_target"] = LostTargetConfig.read(reader)
         inverse = reader.section("inverse")
         inverse.choice("method", ("damped",), "damped")
         for key in ("length_m", "singular_value_threshold", "damping"):
