@@ -5,7 +5,10 @@ pkg_check_modules(SIM_PHYSICS REQUIRED bullet-float64 urdfdom yaml-cpp console_b
 
 add_library(sim_physics OBJECT
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/articulated_body.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/articulated_body_bullet.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/floating_base.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_controller.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_coupling.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_drive.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_graph.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_limits.cpp
@@ -16,6 +19,9 @@ add_library(sim_physics OBJECT
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/urdf_check.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/urdf_extensions.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/urdf_loader.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/urdf_mimic.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/world_impl.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/world_state.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/yaml_reader.cpp)
 set_target_properties(sim_physics PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_STANDARD 17 CXX_STANDARD_REQUIRED ON
                                              CXX_EXTENSIONS OFF)

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,12 +20,23 @@ enum class Drive {
   kExplicit   ///< on the state at its beginning, as a sampled digital controller
 };
 
+/** Whether the robot's root link is held or moves freely. */
+enum class Base {
+  kFromModel,  ///< floating if the URDF's first joint is, else fixed
+  kFixed,
+  kFloating
+};
+
 struct WorldConfig {
   double period_s = 0.001;
   Eigen::Vector3d gravity_m_s2{0.0, 0.0, -9.81};
   Drive drive = Drive::kImplicit;
   double command_timeout_s = 0.0;             ///< a velocity command older than this (simulated) counts as 0; 0: never
   std::vector<ControllerConfig> controllers;  ///< joints without one are passive
+  Base base = Base::kFromModel;
+  /** Initial pose of the root link, or of the child of a floating joint; default: the world frame, or that joint's
+   *  origin. */
+  std::optional<Pose> X_WB;
 };
 
 /** Commands by joint name; a joint may be absent from any map. */
@@ -38,7 +50,9 @@ struct JointCommand {
 
 /** The robot as an articulated body under gravity, its joint controllers, friction and limits.
  *
- *  Fixed base at the root link, whose frame is the world frame W. One step takes the state at t to t + period_s:
+ *  The root link is fixed in the world W, by default with its frame in W's, or a free body; then a base takes no effort
+ *  and has a pose and a twist beside the joints. Joints that mimic others have entries in the joint vectors and nothing
+ *  to be commanded. One step takes the state at t to t + period_s:
  *  velocities first, then positions with the new velocities (semi-implicit Euler, first order).
  *  Vectors of joints are in RobotModel::joint_names order, shape (n,).
  */
@@ -53,17 +67,27 @@ class MultibodyWorld {
   const RobotModel& model() const;
   const WorldConfig& config() const;
 
-  /** Back to tick 0: given positions, at rest, set-points there, controllers without memory, gains as configured.
+  /** Back to tick 0: given positions, at rest, set-points there, controllers without memory, gains as configured, the
+   *  base where it began. Entries of mimic joints follow from the others.
    *  @throws ShapeError, NotFiniteError, ParameterError (outside the position limits); nothing changes then. */
   void reset(const Eigen::VectorXd& q);
 
-  /** Positions by joint name, at rest, set-points there; other joints keep theirs and their velocity. The clock goes
-   * on.
+  /** Positions by joint name, at rest, set-points there; other joints keep theirs and their velocity. A mimic joint may
+   *  be named with the position it has by what it follows, no other. The clock goes on.
    *  @throws UnknownNameError, NotFiniteError, ParameterError; nothing changes then. */
   void setJointPositions(const std::map<std::string, double>& positions);
 
-  /** As reset(q) for velocities, positions untouched; for experiments and tests. */
+  /** As reset(q) for velocities, positions untouched; for experiments and tests. Mimic joints' entries follow. */
   void setJointVelocities(const Eigen::VectorXd& v);
+
+  bool floatingBase() const;
+  /** X_WB of the root link, or of the child of a floating joint. */
+  Pose basePose() const;
+  /** Places a floating base, at rest; the joints keep their positions and velocities.
+   *  @throws ParameterError if the base is fixed, NotFiniteError */
+  void setBasePose(const Pose& X_WB);
+  /** Twist of a floating base, [v; w] of its frame's origin in world axes. @throws as setBasePose */
+  void setBaseTwist(const Twist& V_WB_W);
 
   /** n periods. */
   void step(int n = 1);
@@ -97,7 +121,7 @@ class MultibodyWorld {
   Twist linkTwist(int link) const;
   Twist linkTwist(const std::string& link) const;
 
-  /** Joint-space inertia matrix, (n, n). */
+  /** Inertia matrix the joints see before mimic joints are taken out, a free base following, (n, n). */
   Eigen::MatrixXd massMatrix() const;
   /** Kinetic plus potential energy (zero where every centre of mass is at the world origin) [J]. */
   double energy() const;

@@ -29,7 +29,14 @@ struct Visual {
   bool has_color = false;  ///< false: the URDF gave no material, `color` is the default grey
 };
 
-enum class JointType { kFixed, kRevolute, kContinuous, kPrismatic };
+/** kFloating: only as the one joint of the root link, whose child is then the robot's free base. */
+enum class JointType { kFixed, kRevolute, kContinuous, kPrismatic, kFloating };
+
+/** <mimic>: q = multiplier * q of another joint + offset. Chains are resolved: that joint mimics nobody. */
+struct Mimic {
+  int joint = -1;  ///< index into RobotModel::joints of the joint it follows, -1: it follows none
+  double multiplier = 1.0, offset = 0.0;
+};
 
 struct Joint {
   std::string name;
@@ -38,13 +45,14 @@ struct Joint {
   int child_link = -1;
   Pose X_PJ;                                        ///< child link's frame in the parent link's, at q = 0
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  ///< unit, in the child link's frame
-  JointLimits limits;
+  JointLimits limits;                               ///< narrowed by those of the joints that mimic this one
+  Mimic mimic;
   double damping = 0.0;                          ///< [N s/m] or [N m s/rad]
   double friction = 0.0;                         ///< Coulomb, [N] or [N m]
   std::vector<std::string> hardware_interfaces;  ///< from <transmission>, without "hardware_interface/"
-  int index = -1;                                ///< into RobotModel::joint_names, -1 for fixed joints
+  int index = -1;                                ///< into RobotModel::joint_names, -1 for fixed and floating
 
-  bool moves() const { return type != JointType::kFixed; }
+  bool moves() const { return type != JointType::kFixed && type != JointType::kFloating; }
 };
 
 struct Link {
@@ -83,6 +91,8 @@ struct RobotModel {
   int linkIndex(const std::string& link_name) const;
   /** Moving joint at an index of joint_names. */
   const Joint& movingJoint(int index) const { return joints[moving_joints[index]]; }
+  /** The floating joint between the root link and its only child, or null. */
+  const Joint* floatingJoint() const;
 };
 
 }  // namespace aras_visual_servo_sim

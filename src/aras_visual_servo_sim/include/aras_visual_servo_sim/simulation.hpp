@@ -25,8 +25,8 @@ namespace aras_visual_servo_sim {
  *  One tick: controllers and physics take the state from t to t + period. Frame k of a camera belongs to the first tick
  *  at or after k / rate, frame 0 to tick 0. A frame is *taken* by takeFrame or stepToImage, or missed by stepping past
  *  it; either way its joint state enters the run hash, and so does its image if it is rendered at that tick after it
- *  was taken. Same construction, same calls: same bytes. Frames: W world (the robot's root link), C camera optical
- *  (x right, y down, z forward), M model. Not thread-safe.
+ *  was taken. Same construction, same calls: same bytes. Frames: W world (of a fixed base, unless placed elsewhere, the
+ * root link), C camera optical (x right, y down, z forward), M model. Not thread-safe.
  */
 class Simulation {
  public:
@@ -144,6 +144,7 @@ class Simulation {
   std::int64_t period_ns_;
   std::unique_ptr<MultibodyWorld> world_;
   Eigen::VectorXd initial_q_;
+  Pose initial_base_;
   Scene scene_;
   std::map<std::string, Pose> initial_model_poses_;
   std::map<std::string, MotionRun> motions_;  ///< of the models that move, by name

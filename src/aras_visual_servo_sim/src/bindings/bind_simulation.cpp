@@ -178,6 +178,9 @@ void bindRobot(py::class_<Simulation>& type) {
           "link_pose",
           [](const Simulation& self, const std::string& link) { return self.world().linkPose(link).matrix(); },
           py::arg("link"), "X_WL, (4, 4): pose of a link's frame in W.")
+      .def_property_readonly(
+          "base_pose", [](const Simulation& self) { return self.world().basePose().matrix(); },
+          "X_WB, (4, 4): pose of the root link, or of the child of a floating joint, in W.")
       .def("set_joint_positions", &Simulation::setJointPositions, py::arg("positions"),
            "Places joints, dict name -> [m or rad], at rest with their set-points there.\n\n"
            "Raises:\n    UnknownNameError, NotFiniteError, ParameterError (outside the limits); nothing changes then.");

@@ -93,6 +93,9 @@ void Simulation::makeWorld() {
     }
   }
   world->reset(initial_q_);
+  world->setJointPositions(config_.initial_positions);  // refuses mimic joints elsewhere than they follow
+  initial_q_ = world->jointPositions();
+  initial_base_ = world->basePose();
   world_ = std::move(world);
 }
 
@@ -105,6 +108,11 @@ void Simulation::passFrame(Camera& camera) {
   const Eigen::VectorXd& v = world_->jointVelocities();
   run_hash_.add(q.data(), sizeof(double) * q.size());
   run_hash_.add(v.data(), sizeof(double) * v.size());
+  if (world_->floatingBase()) {
+    const Pose base = world_->basePose();
+    run_hash_.add(base.p.data(), sizeof(double) * 3);
+    run_hash_.add(base.q.coeffs().data(), sizeof(double) * 4);
+  }
   ++camera.next_frame;
 }
 
@@ -227,6 +235,7 @@ void Simulation::resetWorld() {
   std::map<std::string, double> positions;
   for (int i = 0; i < model_.dofs(); ++i) positions[model_.joint_names[i]] = initial_q_[i];
   world_->setJointPositions(positions);
+  if (world_->floatingBase()) world_->setBasePose(initial_base_);
   startModels();
 }
 

@@ -43,6 +43,13 @@ SimulationConfig SimulationConfig::fromYaml(const YAML::Node& node) {
   config.world.drive = reader.optionalChoice("drive", "implicit", {"implicit", "explicit"}) == "explicit"
                            ? Drive::kExplicit
                            : Drive::kImplicit;
+  const std::string base = reader.optionalChoice("base", "as_urdf", {"as_urdf", "fixed", "floating"});
+  config.world.base = base == "fixed" ? Base::kFixed : base == "floating" ? Base::kFloating : Base::kFromModel;
+  if (reader.has("base_pose")) {
+    YamlReader pose = reader.section("base_pose");
+    config.world.X_WB = Pose{pose.optional<Eigen::Vector3d>("position_m", Eigen::Vector3d::Zero()),
+                             quaternionFromRpy(pose.optional<Eigen::Vector3d>("rpy_rad", Eigen::Vector3d::Zero()))};
+  }
   config.seed = static_cast<std::uint64_t>(reader.optional<std::int64_t>("seed", 0, Range::nonNegative()));
   config.command_timeout_s = reader.optional<double>("command_timeout_s", 0.1, Range::nonNegative());
   config.world.command_timeout_s = config.command_timeout_s;

@@ -1,8 +1,7 @@
 #include "articulated_body.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "aras_visual_servo_sim/errors.hpp"
 
@@ -12,13 +11,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 namespace {
-
-btVector3 toBullet(const Vector3d& v) { return btVector3(v.x(), v.y(), v.z()); }
-
-btQuaternion toBullet(const Matrix3d& R) {
-  const Eigen::Quaterniond q(R);
-  return btQuaternion(q.x(), q.y(), q.z(), q.w());
-}
 
 /** Inertia of a point mass about the origin: m (|p|^2 1 - p p^T). */
 Matrix3d pointInertia(double mass_kg, const Vector3d& p) {
@@ -30,37 +22,37 @@ Matrix3d rotationAbout(const Vector3d& axis, double angle_rad) {
   return Eigen::AngleAxisd(angle_rad, axis).toRotationMatrix();
 }
 
-/** Right-handed principal axes of an inertia tensor, moments in `moments`. */
-Matrix3d principalAxes(const Matrix3d& inertia, Vector3d& moments) {
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(inertia);
-  moments = solver.eigenvalues();
-  Matrix3d R = solver.eigenvectors();
-  if (R.determinant() < 0.0) R.col(2) = -R.col(2);
-  return R;
-}
+constexpr int kOnBase = -1;
+constexpr int kOnWorld = -2;
 
 }  // namespace
 
-ArticulatedBody::ArticulatedBody(const RobotModel& model, const Vector3d& gravity_m_s2) : gravity_m_s2_(gravity_m_s2) {
-  addBodies(model);
+ArticulatedBody::ArticulatedBody(const RobotModel& model, const Vector3d& gravity_m_s2, bool floating, const Pose& X_WB)
+    : gravity_m_s2_(gravity_m_s2), floating_(floating) {
+  addBodies(model, X_WB);
   frames_.resize(bodies_.size());
   composites_.resize(bodies_.size());
-  buildBullet(gravity_m_s2);
+  if (floating_) makeBase(model, X_WB);
+  buildBullet();
   checkInertia(model);
 }
 
-void ArticulatedBody::addBodies(const RobotModel& model) {
+void ArticulatedBody::addBodies(const RobotModel& model, const Pose& X_WB) {
+  const Pose X_world_base = floating_ ? Pose{} : X_WB;  // a base that stays is part of the world
   for (const Link& link : model.links) {
-    int body = -1;
-    Pose X_body_link;
-    if (link.parent_joint >= 0) {
+    int body = floating_ ? kOnBase : kOnWorld;
+    Pose X_body_link = X_world_base;
+    if (link.parent_joint < 0 && model.floatingJoint()) {
+      body = kOnWorld;
+      X_body_link = Pose{};
+    } else if (link.parent_joint >= 0 && &model.joints[link.parent_joint] != model.floatingJoint()) {
       const Joint& joint = model.joints[link.parent_joint];
       const Pose X_PJ = X_body_link_[joint.parent_link] * joint.X_PJ;
       body = link_body_[joint.parent_link];
       X_body_link = X_PJ;
       if (joint.moves()) {
         Body moving;
-        moving.parent = body;
+        moving.parent = std::max(body, -1);
         moving.index = joint.index;
         moving.prismatic = joint.type == JointType::kPrismatic;
         moving.p_PJ = X_PJ.p;
@@ -71,7 +63,7 @@ void ArticulatedBody::addBodies(const RobotModel& model) {
         X_body_link = Pose{};
       }
     }
-    if (body >= 0) mergeInertia(link, bodies_[body], X_body_link);
+    if (body != kOnWorld) mergeInertia(link, body == kOnBase ? base_body_ : bodies_[body], X_body_link);
     link_body_.push_back(body);
     X_body_link_.push_back(X_body_link);
   }
@@ -89,39 +81,14 @@ void ArticulatedBody::mergeInertia(const Link& link, Body& body, const Pose& X_b
   body.com_m = merged_com;
 }
 
-void ArticulatedBody::buildBullet(const Vector3d& gravity_m_s2) {
-  const int n = dofs();
-  bullet_ = std::make_unique<btMultiBody>(n, 1.0, btVector3(1, 1, 1), true, false);
-  bullet_->setBaseWorldTransform(btTransform::getIdentity());
-  std::vector<Matrix3d> R_principal(n);
-  for (int i = 0; i < n; ++i) {
-    const Body& body = bodies_[i];
-    Vector3d moments = Vector3d::Zero();
-    R_principal[i] = body.mass_kg > 0.0 ? principalAxes(body.inertia_kg_m2, moments) : Matrix3d::Identity();
-    const Matrix3d& R = R_principal[i];
-    const Matrix3d R_parent = body.parent < 0 ? Matrix3d(Matrix3d::Identity()) : R_principal[body.parent];
-    const Vector3d com_parent = body.parent < 0 ? Vector3d(Vector3d::Zero()) : bodies_[body.parent].com_m;
-    const btQuaternion parent_to_this = toBullet(Matrix3d((R_parent.transpose() * body.R_PJ * R).transpose()));
-    const btVector3 axis = toBullet(Vector3d(R.transpose() * body.axis));
-    const btVector3 com_to_pivot = toBullet(Vector3d(R_parent.transpose() * (body.p_PJ - com_parent)));
-    const btVector3 pivot_to_com = toBullet(Vector3d(R.transpose() * body.com_m));
-    if (body.prismatic) {
-      bullet_->setupPrismatic(i, body.mass_kg, toBullet(moments), body.parent, parent_to_this, axis, com_to_pivot,
-                              pivot_to_com, true);
-    } else {
-      bullet_->setupRevolute(i, body.mass_kg, toBullet(moments), body.parent, parent_to_this, axis, com_to_pivot,
-                             pivot_to_com, true);
-    }
+void ArticulatedBody::makeBase(const RobotModel& model, const Pose& X_WB) {
+  if (!(base_body_.mass_kg > 0.0)) {
+    const std::size_t link = model.floatingJoint() ? model.floatingJoint()->child_link : 0;
+    throw ModelError(model.source_name + ": link '" + model.links[link].name +
+                     "': is a floating base of mass 0, must have an <inertial> (or sim/base: fixed)");
   }
-  bullet_->finalizeMultiDof();
-  bullet_->setLinearDamping(0.0);
-  bullet_->setAngularDamping(0.0);
-  bullet_->setMaxCoordinateVelocity(std::numeric_limits<double>::max());  // no hidden clamp
-  bullet_->setCanSleep(false);
-  bullet_->clearForcesAndTorques();
-  for (int i = 0; i < n; ++i) bullet_->addLinkForce(i, toBullet(gravity_m_s2) * bodies_[i].mass_kg);
-  bullet_in_.assign(6 + n, 0.0);
-  bullet_out_.assign(6 + n, 0.0);
+  base_ = std::make_unique<FloatingBase>(base_body_.mass_kg, base_body_.com_m, base_body_.inertia_kg_m2, dofs());
+  base_->place(X_WB);
 }
 
 void ArticulatedBody::checkInertia(const RobotModel& model) {
@@ -137,13 +104,17 @@ void ArticulatedBody::checkInertia(const RobotModel& model) {
 }
 
 void ArticulatedBody::setPositions(const Eigen::VectorXd& q) {
+  if (base_) placeBullet();
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const Body& body = bodies_[i];
     Frame& frame = frames_[i];
     const double position = q[body.index];
-    if (body.parent < 0) {
+    if (body.parent < 0 && !base_) {
       frame.R = body.R_PJ;
       frame.p = body.p_PJ;
+    } else if (body.parent < 0) {
+      frame.R.noalias() = base_->R() * body.R_PJ;
+      frame.p.noalias() = base_->p() + base_->R() * body.p_PJ;
     } else {
       const Frame& parent = frames_[body.parent];
       frame.R.noalias() = parent.R * body.R_PJ;
@@ -160,21 +131,6 @@ void ArticulatedBody::setPositions(const Eigen::VectorXd& q) {
   }
 }
 
-void ArticulatedBody::freeVelocities(const Eigen::VectorXd& v, double dt_s, Eigen::VectorXd& v_free) {
-  const int n = dofs();
-  for (int i = 0; i < n; ++i) bullet_->setJointVel(i, v[bodies_[i].index]);
-  bullet_->computeAccelerationsArticulatedBodyAlgorithmMultiDof(dt_s, scratch_r_, scratch_v_, scratch_m_, false, false,
-                                                                false);
-  for (int i = 0; i < n; ++i) v_free[bodies_[i].index] = bullet_->getJointVel(i);
-}
-
-void ArticulatedBody::accelerations(const Eigen::VectorXd& efforts, Eigen::VectorXd& a) {
-  for (int i = 0; i < dofs(); ++i) bullet_in_[6 + i] = efforts[bodies_[i].index];
-  bullet_->calcAccelerationDeltasMultiDof(bullet_in_.data(), bullet_out_.data(), scratch_r_, scratch_v_);
-  a.resize(dofs());
-  for (int i = 0; i < dofs(); ++i) a[bodies_[i].index] = bullet_out_[6 + i];
-}
-
 void ArticulatedBody::massMatrix(std::vector<double>& M) const {
   const int n = dofs();
   M.resize(static_cast<std::size_t>(n) * n);
@@ -188,6 +144,7 @@ void ArticulatedBody::massMatrix(std::vector<double>& M) const {
     composite.second.noalias() = frame.R * body.inertia_kg_m2 * frame.R.transpose();
     composite.second += pointInertia(body.mass_kg, frame.com);
   }
+  Composite rest{0.0, Vector3d::Zero(), Matrix3d::Zero()};  // all that a free base carries
   for (int i = n - 1; i >= 0; --i) {
     const Body& body = bodies_[i];
     const Composite& composite = composites_[i];
@@ -213,13 +170,20 @@ void ArticulatedBody::massMatrix(std::vector<double>& M) const {
       parent.mass += composite.mass;
       parent.first += composite.first;
       parent.second += composite.second;
+    } else if (base_) {
+      rest.mass += composite.mass;
+      rest.first += composite.first;
+      rest.second += composite.second;
     }
+    if (base_) base_->setColumn(body.index, P, L);
   }
+  if (base_) base_->eliminate(rest.mass, rest.first, rest.second, M);
 }
 
 Pose ArticulatedBody::linkPose(int link) const {
   const int body = link_body_[link];
-  if (body < 0) return X_body_link_[link];
+  if (body == kOnWorld) return X_body_link_[link];
+  if (body == kOnBase) return base_->pose() * X_body_link_[link];
   const Frame& frame = frames_[body];
   return Pose{frame.p, Eigen::Quaterniond(frame.R)} * X_body_link_[link];
 }
@@ -228,6 +192,11 @@ Twist ArticulatedBody::linkTwist(int link, const Eigen::VectorXd& v) const {
   const Pose X_WL = linkPose(link);
   Vector3d linear = Vector3d::Zero();
   Vector3d angular = Vector3d::Zero();
+  if (base_ && link_body_[link] != kOnWorld) {
+    const Twist& v_base = base_->velocity();
+    linear = v_base.head<3>() + v_base.tail<3>().cross(X_WL.p - base_->com());
+    angular = v_base.tail<3>();
+  }
   for (int body = link_body_[link]; body >= 0; body = bodies_[body].parent) {
     const Frame& frame = frames_[body];
     const double rate = v[bodies_[body].index];
@@ -246,7 +215,13 @@ Twist ArticulatedBody::linkTwist(int link, const Eigen::VectorXd& v) const {
 double ArticulatedBody::potentialEnergy() const {
   double energy = 0.0;
   for (std::size_t i = 0; i < bodies_.size(); ++i) energy -= bodies_[i].mass_kg * gravity_m_s2_.dot(frames_[i].com);
+  if (base_) energy -= base_->mass() * gravity_m_s2_.dot(base_->com());
   return energy;
+}
+
+double ArticulatedBody::kineticEnergy(const std::vector<double>& M, const Eigen::VectorXd& v) const {
+  const double joints = 0.5 * v.dot(Eigen::Map<const Eigen::MatrixXd>(M.data(), dofs(), dofs()) * v);
+  return base_ ? joints + base_->kineticEnergy(v) : joints;
 }
 
 }  // namespace aras_visual_servo_sim

@@ -8,6 +8,7 @@
 
 #include "aras_visual_servo_sim/robot_model.hpp"
 #include "aras_visual_servo_sim/types.hpp"
+#include "floating_base.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -16,8 +17,10 @@ namespace aras_visual_servo_sim {
  * order. */
 class ArticulatedBody {
  public:
-  /** @throws ModelError naming a joint that moves no inertia. */
-  ArticulatedBody(const RobotModel& model, const Eigen::Vector3d& gravity_m_s2);
+  /** @param floating  whether the root link, or the child of the floating joint, is free
+   *  @param X_WB      where that body is placed; it stays there if not free
+   *  @throws ModelError naming a joint that moves no inertia, or a free base without any. */
+  ArticulatedBody(const RobotModel& model, const Eigen::Vector3d& gravity_m_s2, bool floating, const Pose& X_WB);
 
   int dofs() const { return static_cast<int>(bodies_.size()); }
 
@@ -27,19 +30,25 @@ class ArticulatedBody {
   /** Velocities dt_s later under gravity and the velocity-dependent forces alone, from velocities v. */
   void freeVelocities(const Eigen::VectorXd& v, double dt_s, Eigen::VectorXd& v_free);
 
-  /** Joint-space inertia matrix, row-major (n, n), both triangles. */
+  /** Inertia matrix the joints see, a free base following: row-major (n, n), both triangles. */
   void massMatrix(std::vector<double>& M) const;
 
   /** Accelerations that joint efforts alone would cause, by Bullet; valid after freeVelocities(). */
   void accelerations(const Eigen::VectorXd& efforts, Eigen::VectorXd& a);
 
+  /** The free base, or null. Its pose enters with the next setPositions(). */
+  FloatingBase* base() { return base_.get(); }
+  const FloatingBase* base() const { return base_.get(); }
+
   Pose linkPose(int link) const;
   Twist linkTwist(int link, const Eigen::VectorXd& v) const;
   double potentialEnergy() const;
+  /** Of joint velocities v and of the base; after massMatrix(M). */
+  double kineticEnergy(const std::vector<double>& M, const Eigen::VectorXd& v) const;
 
  private:
   struct Body {
-    int parent = -1;  // of bodies_, -1: the world
+    int parent = -1;  // of bodies_, -1: the base or the world
     int index = 0;    // into joint_names
     bool prismatic = false;
     Eigen::Vector3d p_PJ, axis;
@@ -58,17 +67,23 @@ class ArticulatedBody {
     Eigen::Matrix3d second;
   };
 
-  void addBodies(const RobotModel& model);
+  void addBodies(const RobotModel& model, const Pose& X_WB);
+  void makeBase(const RobotModel& model, const Pose& X_WB);
+  void placeBullet();
   void mergeInertia(const Link& link, Body& body, const Pose& X_body_link);
-  void buildBullet(const Eigen::Vector3d& gravity_m_s2);
+  void buildBullet();
   void checkInertia(const RobotModel& model);
 
   std::vector<Body> bodies_;  // parents first
   std::vector<Frame> frames_;
   mutable std::vector<Composite> composites_;
-  std::vector<int> link_body_;
+  std::vector<int> link_body_;  // kOnBase, kOnWorld, or of bodies_
   std::vector<Pose> X_body_link_;
   Eigen::Vector3d gravity_m_s2_;
+  bool floating_;
+  Body base_body_;  // inertia of the free base
+  std::unique_ptr<FloatingBase> base_;
+  Eigen::Matrix3d R_base_principal_ = Eigen::Matrix3d::Identity();
 
   std::unique_ptr<btMultiBody> bullet_;
   btAlignedObjectArray<btScalar> scratch_r_;

@@ -14,6 +14,13 @@ int RobotModel::jointIndex(const std::string& joint_name) const {
   throw UnknownNameError("joint '" + joint_name + "' does not exist or does not move, allowed: " + known);
 }
 
+const Joint* RobotModel::floatingJoint() const {
+  for (const Joint& joint : joints) {
+    if (joint.type == JointType::kFloating) return &joint;
+  }
+  return nullptr;
+}
+
 int RobotModel::linkIndex(const std::string& link_name) const {
   std::string known;
   for (std::size_t i = 0; i < links.size(); ++i) {

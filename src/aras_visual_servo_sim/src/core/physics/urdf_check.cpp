@@ -172,24 +172,27 @@ void checkDynamics(const UrdfSource& source, const XMLElement& joint, const std:
   }
 }
 
+void checkMimic(const UrdfSource& source, const XMLElement& mimic, const std::string& owner) {
+  if (!mimic.Attribute("joint")) source.fail(mimic, owner + ": joint is missing, must be the name of a joint");
+  for (const char* attribute : {"multiplier", "offset"}) numberOf(source, mimic, attribute, 0.0, owner);
+}
+
 void checkJoint(const UrdfSource& source, const XMLElement& joint, const std::string& owner) {
   const char* text = joint.Attribute("type");
   const std::string type = text ? text : "";
-  if (type == "floating" || type == "planar") {
-    source.fail(joint, owner + ": type is " + quoted(type) +
-                           ", which is not simulated, must be revolute, continuous, prismatic or fixed");
-  }
-  if (type != "revolute" && type != "continuous" && type != "prismatic" && type != "fixed") {
-    source.fail(joint, owner + ": type is " + quoted(type) + ", must be revolute, continuous, prismatic or fixed");
+  static const std::set<std::string> kTypes = {"revolute", "continuous", "prismatic", "fixed", "floating"};
+  if (!kTypes.count(type)) {
+    source.fail(joint, owner + ": type is " + quoted(type) + (type == "planar" ? ", which is not simulated" : "") +
+                           ", must be revolute, continuous, prismatic, fixed or (the root's one joint) floating");
   }
   checkOrigin(source, joint, owner);
   for (const XMLElement* child = joint.FirstChildElement(); child; child = child->NextSiblingElement()) {
     const std::string tag = child->Name();
-    if (tag == "mimic") source.fail(*child, owner + ": mimic joints are not simulated, must be left out");
-    static const std::set<std::string> kUsed = {"origin", "parent", "child", "axis", "limit", "dynamics"};
+    if (tag == "mimic") checkMimic(source, *child, owner);
+    static const std::set<std::string> kUsed = {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic"};
     if (!kUsed.count(tag)) source.warn(*child, owner + ": ignored");
   }
-  if (type == "fixed") return;
+  if (type == "fixed" || type == "floating") return;
   if (const XMLElement* axis = joint.FirstChildElement("axis")) {
     const auto xyz = numbersOf(source, *axis, "xyz", 3, owner);
     if (xyz[0] == 0.0 && xyz[1] == 0.0 && xyz[2] == 0.0) {
@@ -212,6 +215,28 @@ std::string endOf(const UrdfSource& source, const XMLElement& joint, const char*
   return link;
 }
 
+/** A floating joint makes its child the free base: that needs a root that is nothing but the world. */
+void checkFloating(const UrdfSource& source, const XMLElement& robot, const std::string& root) {
+  int from_root = 0;
+  const XMLElement* floating = nullptr;
+  for (const XMLElement* joint = robot.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint")) {
+    const bool at_root = root == joint->FirstChildElement("parent")->Attribute("link");
+    from_root += at_root;
+    if (std::string(joint->Attribute("type")) != "floating") continue;
+    if (at_root) {
+      floating = joint;
+      continue;
+    }
+    source.fail(*joint, "joint " + quoted(joint->Attribute("name")) + ": type is 'floating' below the root link " +
+                            quoted(root) + ", must be the root's one joint");
+  }
+  if (floating && from_root > 1) {
+    source.fail(*floating, "joint " + quoted(floating->Attribute("name")) + ": type is 'floating', but the root link " +
+                               quoted(root) + " carries " + std::to_string(from_root) +
+                               " joints, must be the root's one joint");
+  }
+}
+
 void checkTree(const UrdfSource& source, const XMLElement& robot, const std::set<std::string>& links,
                const std::map<std::string, std::string>& parent_of) {
   std::vector<std::string> roots;
@@ -229,6 +254,7 @@ void checkTree(const UrdfSource& source, const XMLElement& robot, const std::set
     for (std::size_t i = 0; i <= links.size() && at != roots[0]; ++i) at = parent_of.at(at);
     if (at != roots[0]) source.fail(robot, "link " + quoted(link) + " is in a loop of joints, must hang from the root");
   }
+  checkFloating(source, robot, roots[0]);
 }
 
 }  // namespace

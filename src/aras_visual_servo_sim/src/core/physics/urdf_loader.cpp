@@ -106,6 +106,7 @@ Joint toJoint(const urdf::Joint& from, int parent_link, int child_link) {
   to.type = from.type == urdf::Joint::REVOLUTE     ? JointType::kRevolute
             : from.type == urdf::Joint::CONTINUOUS ? JointType::kContinuous
             : from.type == urdf::Joint::PRISMATIC  ? JointType::kPrismatic
+            : from.type == urdf::Joint::FLOATING   ? JointType::kFloating
                                                    : JointType::kFixed;
   to.parent_link = parent_link;
   to.child_link = child_link;
@@ -185,6 +186,7 @@ RobotModel loadRobotModel(const std::string& urdf_xml, const std::string& source
   model.name = parsed->getName();
   appendTree(*parsed->getRoot(), -1, model);
   nameMovingJoints(model);
+  readMimics(source, *robot, model);
   readTransmissions(source, *robot, model);
   readGazeboTags(source, *robot, model);
   return model;

@@ -69,7 +69,7 @@ TEST(Dynamics, MassMatrixOfACompoundBodyIsTheSumOverItsPartsAboutTheTiltedAxis) 
 
 TEST(Dynamics, MassMatrixIsTheInverseOfWhatBulletAnswersToUnitEfforts) {
   const RobotModel model = modelOf(readUrdf("tilted_chain.urdf"));
-  ArticulatedBody body(model, Eigen::Vector3d(0.0, 0.0, -kGravity));
+  ArticulatedBody body(model, Eigen::Vector3d(0.0, 0.0, -kGravity), false, Pose{});
   body.setPositions(vectorOf({0.4, -1.1, 2.3}));
   std::vector<double> M;
   body.massMatrix(M);
