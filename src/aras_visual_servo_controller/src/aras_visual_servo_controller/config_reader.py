@@ -96,6 +96,14 @@ class ConfigReader:
         self.close()
         return values
 
+    def spread(self, expand):
+        """Give each key that `expand((key,))` writes out as several the value it has for all. Returns self."""
+        source = {}
+        for key, value in self._source.items():
+            source.update(dict.fromkeys(expand((key,)), value) if isinstance(key, str) else {key: value})
+        self._source = source
+        return self
+
     def ignore(self, *keys):
         """These keys belong to somebody else."""
         self._known.update(keys)

@@ -16,13 +16,19 @@ What an image measures comes from `MomentFeatures` (raw and centred moments by n
 (A, B, C) of 1/Z = A x + B y + C in the camera frame (docs/theory.md T5).
 """
 
+import importlib
+import re
+
 import numpy as np
 
 from . import interaction
 from .errors import DegenerateFeature, ParameterError
 from .types import FEATURE_NAMES
 
-_FEATURES = {}
+_FEATURES, _FAMILIES = {}, {}
+#: Modules of this package that register more features.
+_MODULES = ("features_tilt", "features_points", "features_ellipse")
+_NUMBERED = re.compile(r"([a-z]+)([1-9][0-9]?)")
 
 
 def register_feature(name):
@@ -36,9 +42,47 @@ def register_feature(name):
     return add
 
 
+def register_family(prefix):
+    """Class decorator: make features known as `prefix` and a number from 1 to 99, which the class finds as `number`."""
+
+    def add(feature):
+        _FAMILIES[prefix] = feature
+        return feature
+
+    return add
+
+
+def _feature(name):
+    """Class of that name; None when there is none."""
+    for module in _MODULES:
+        importlib.import_module(f".{module}", __package__)
+    match = _NUMBERED.fullmatch(name)
+    if name in _FEATURES or match is None or match[1] not in _FAMILIES:
+        return _FEATURES.get(name)
+    return type(name, (_FAMILIES[match[1]],), {"name": name, "number": int(match[2])})
+
+
+def is_known(name):
+    """Whether there is a feature of that name."""
+    return _feature(name) is not None
+
+
 def known_features():
-    """Names of the registered features, sorted."""
-    return sorted(_FEATURES)
+    """Names of the registered features, sorted; "xN" stands for x1, x2, ..., x99."""
+    _feature("")
+    return sorted([*_FEATURES, *(f"{prefix}N" for prefix in _FAMILIES)])
+
+
+def expand(names):
+    """Names with "pointsN" written out: x1, y1, ..., xN, yN. Returns a tuple."""
+    result = []
+    for name in names:
+        match = _NUMBERED.fullmatch(name)
+        if match is None or match[1] != "points":
+            result.append(name)
+        else:
+            result += [f"{axis}{number}" for number in range(1, int(match[2]) + 1) for axis in "xy"]
+    return tuple(result)
 
 
 def _area_row(view):
@@ -63,12 +107,14 @@ class View:
         features: `Features`, or any object with its attributes.
         plane: (A, B, C) of the target in the camera frame [1/m], None when only values are asked for.
         displacement: (6,) of the camera from the goal, p_CgC and theta u of R_CgC; None: at the goal.
+        inverse_depths: (N,) 1/Z of the followed points [1/m]; None: that of the plane.
     """
 
-    __slots__ = ("features", "plane", "displacement", "_m", "_mu", "_known")
+    __slots__ = ("features", "plane", "displacement", "inverse_depths", "_m", "_mu", "_known")
 
-    def __init__(self, features, plane=None, displacement=None):
+    def __init__(self, features, plane=None, displacement=None, inverse_depths=None):
         self.features, self.plane, self.displacement = features, plane, displacement
+        self.inverse_depths = inverse_depths
         self._m = self._mu = None
         self._known = {}
 
@@ -109,11 +155,13 @@ class View:
 class Feature:
     """One feature.
 
-    Attributes: name.  order: of the moments that value and row need.  angle: it is one, known modulo 2 pi (modulo pi
-    for a symmetric object).  sees_tilt: it tells a tilt of the camera from a translation.
+    Attributes:
+        name.  number: of a family's member.  order: of the moments that value and row need.
+        angle: it is one, known modulo 2 pi (modulo pi for a symmetric object, unless it is `directed`).
+        sees_tilt: it tells a tilt of the camera from a translation.
     """
 
-    name, order, angle, sees_tilt = "", 2, False, False
+    name, number, order, angle, directed, sees_tilt = "", 0, 2, False, False, False
 
     def value(self, view):
         """The feature in this view."""
@@ -151,99 +199,6 @@ class Alpha(Feature):
         return interaction.orientation(view.m, view.mu, view.plane)
 
 
-# --- two invariants each of the motions in the image plane: what is left of them tells tilt (T18, T19) ----------------
-
-
-def third_order_vector(view):
-    """S = sx + i sy (T18). Raises DegenerateFeature for an isotropic object."""
-    z1, z2, T, a = _complex_moments(view)
-    return z2 * z1.conjugate() / z1 * (a**0.5 / T**1.5)
-
-
-def third_order_rows(view):
-    """L of S, (6,) complex (T18)."""
-    z1, z2, T, a = _complex_moments(view)
-    L_z1, L_z2, L_T = view.shared(_complex_rows)
-    turn = z1.conjugate() / z1 * (a**0.5 / T**1.5)
-    relative = L_z1.conj() / z1.conjugate() - L_z1 / z1 + view.L_area() / (2.0 * a) - 1.5 * L_T / T
-    return turn * (L_z2 + z2 * relative)
-
-
-def _complex_moments(view):
-    mu = view.mu
-    z1 = complex(mu["20"] - mu["02"], 2.0 * mu["11"])
-    z2 = complex(mu["03"] - 3.0 * mu["21"], mu["30"] - 3.0 * mu["12"])
-    T, a = mu["20"] + mu["02"], view.m["00"]
-    if not (T > 0.0 and a > 0.0 and abs(z1) > 0.0):
-        raise DegenerateFeature("third-order invariants: the object is empty or its second-order moments isotropic")
-    return z1, z2, T, a
-
-
-def _complex_rows(view):
-    L = view.L_mu
-    L_z1 = L(2, 0) - L(0, 2) + 2.0j * L(1, 1)
-    L_z2 = L(0, 3) - 3.0 * L(2, 1) + 1.0j * (L(3, 0) - 3.0 * L(1, 2))
-    return L_z1, L_z2, L(2, 0) + L(0, 2)
-
-
-class _ThirdOrder(Feature):
-    order, sees_tilt = 4, True
-
-
-@register_feature("sx")
-class Sx(_ThirdOrder):
-    """Real part of S (T18) [-]."""
-
-    def value(self, view):
-        return view.shared(third_order_vector).real
-
-    def row(self, view):
-        return view.shared(third_order_rows).real
-
-
-@register_feature("sy")
-class Sy(_ThirdOrder):
-    """Imaginary part of S (T18) [-]."""
-
-    def value(self, view):
-        return view.shared(third_order_vector).imag
-
-    def row(self, view):
-        return view.shared(third_order_rows).imag
-
-
-@register_feature("px")
-class Px(_ThirdOrder):
-    """Elongation, squared (T19) [-]. Its row needs moments to order 3 only."""
-
-    order = 3
-
-    def value(self, view):
-        z1, _, T, _ = _complex_moments(view)
-        return abs(z1) ** 2 / T**2
-
-    def row(self, view):
-        z1, _, T, _ = _complex_moments(view)
-        L = view.L_mu
-        L_z1, L_T = L(2, 0) - L(0, 2) + 2.0j * L(1, 1), L(2, 0) + L(0, 2)
-        return 2.0 * (z1.conjugate() * L_z1).real / T**2 - 2.0 * abs(z1) ** 2 / T**3 * L_T
-
-
-@register_feature("py")
-class Py(_ThirdOrder):
-    """Asymmetry, squared (T19) [-]; without a derivative, and of no use, for an object of central symmetry."""
-
-    def value(self, view):
-        _, z2, T, a = _complex_moments(view)
-        return a * abs(z2) ** 2 / T**3
-
-    def row(self, view):
-        _, z2, T, a = _complex_moments(view)
-        _, L_z2, L_T = view.shared(_complex_rows)
-        value = a * abs(z2) ** 2 / T**3
-        return 2.0 * a / T**3 * (z2.conjugate() * L_z2).real + value * (view.L_area() / a - 3.0 * L_T / T)
-
-
 class _Displacement(Feature):
     sees_tilt, index = True, 0
 
@@ -267,15 +222,16 @@ class FeatureSet:
 
     def __init__(self, names=FEATURE_NAMES):
         """Raises ParameterError: unknown names (the known ones are listed), a name given twice, none at all."""
-        self.names = tuple(names)
+        self.names = expand(names)
+        classes = [_feature(name) for name in self.names]
         faults = [f"features: found '{name}', allowed {', '.join(known_features())}"
-                  for name in self.names if name not in _FEATURES]
+                  for name, found in zip(self.names, classes) if found is None]
         if len(set(self.names)) != len(self.names) or not self.names:
             faults.append(f"features: found {list(self.names)}, allowed different names, at least one")
         if faults:
             raise ParameterError(faults)
-        self._features = [_FEATURES[name]() for name in self.names]
-        self._angles = [feature.angle for feature in self._features]
+        self._features = [found() for found in classes]
+        self._angles = [(feature.angle, not feature.directed) for feature in self._features]
         self.order = max(feature.order for feature in self._features)
         self.sees_tilt = any(feature.sees_tilt for feature in self._features)
 
@@ -291,8 +247,8 @@ class FeatureSet:
 
     def error(self, s, s_star, symmetric):
         """e = s - s_star, tuple of k; angles the short way round, modulo pi for a symmetric object."""
-        return tuple([wrapped(a - b, symmetric) if angle else a - b
-                      for a, b, angle in zip(s, s_star, self._angles)])
+        return tuple([wrapped(a - b, symmetric and half_turns) if angle else a - b
+                      for a, b, (angle, half_turns) in zip(s, s_star, self._angles)])
 
     def matrix(self, view):
         """L, (k, 6). Raises as `values`."""

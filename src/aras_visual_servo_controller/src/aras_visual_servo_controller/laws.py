@@ -17,6 +17,7 @@ look-then-move multiplies by its sample time. A law that inverts an interaction 
 `self.invert(self.features.matrix(self.view))`: docs/extending.md.
 """
 
+import importlib
 from dataclasses import dataclass
 from math import exp, expm1, isfinite, sin
 from typing import Optional, Tuple
@@ -26,13 +27,16 @@ import numpy as np
 from .errors import DegenerateFeature, NotFiniteError, ParameterError, ShapeError
 from .features import FeatureSet, View
 from .interaction import parallel_condition
-from .target_pose import MAX_FOLLOWED, PlanarTarget, inverse, measures_of, rotation_vector
+from .target_pose import PlanarTarget
 from .types import FEATURE_NAMES, Reference
 
 INTERACTIONS = ("desired", "current", "mean")
+POINT_DEPTHS = ("plane", "goal")
 #: A matrix with a larger condition number is not inverted: the view does not tell six motions apart.
 MAX_CONDITION = 1e6
 _LAWS = {}
+#: Modules of this package that register more laws.
+_MODULES = ("laws_pose",)
 
 
 @dataclass(frozen=True)
@@ -44,6 +48,7 @@ class LawSetup:
         adaptive: (part, slope) of `adaptive_factor`, None: constant gains.
         smooth_start_per_s: rate at which the first twist is let in [1/s]; 0: at once.
         target: the known target, for laws that want its pose.  target_normal_C: guess of its normal at the goal.
+        point_depth: depth of followed points, one of POINT_DEPTHS: of the target's plane, or always that at the goal.
     """
 
     features: Tuple[str, ...] = FEATURE_NAMES
@@ -52,6 +57,7 @@ class LawSetup:
     smooth_start_per_s: float = 0.0
     target: Optional[PlanarTarget] = None
     target_normal_C: Tuple[float, ...] = (0.0, 0.0, 1.0)
+    point_depth: str = "plane"
 
 
 def register(name):
@@ -67,6 +73,8 @@ def register(name):
 
 def known_laws():
     """Names of the registered laws, sorted."""
+    for module in _MODULES:
+        importlib.import_module(f".{module}", __package__)
     return sorted(_LAWS)
 
 
@@ -75,8 +83,9 @@ def make_law(name, gains_per_s, setup=LawSetup()):
 
     Raises ParameterError: unknown name (lists the known ones), a gain that is not > 0, features it does not work on.
     """
-    if name not in _LAWS:
-        raise ParameterError(f"law: found '{name}', allowed {', '.join(known_laws())}")
+    known = known_laws()
+    if name not in known:
+        raise ParameterError(f"law: found '{name}', allowed {', '.join(known)}")
     return _LAWS[name](gains_per_s, setup)
 
 
@@ -124,10 +133,12 @@ class Law:
         ]
         if setup.interaction not in INTERACTIONS:
             faults.append(f"interaction: found '{setup.interaction}', allowed {', '.join(INTERACTIONS)}")
+        if setup.point_depth not in POINT_DEPTHS:
+            faults.append(f"point_depth: found '{setup.point_depth}', allowed {', '.join(POINT_DEPTHS)}")
         if faults:
             raise ParameterError(faults)
         self._rates, self.view = self.gains_per_s, None
-        self.s = self.e = self._s_star = None
+        self.s = self.e = self._s_star = self._inverse_depths = None
         self._first, self._t_s, self.condition = None, 0.0, float("nan")
 
     def reset(self, reference):
@@ -140,6 +151,9 @@ class Law:
         self.s = self.e = None
         self._s_star = s_star
         self._first, self._t_s = None, 0.0
+        if self._setup.point_depth == "goal":
+            view, (A, B, C) = self.taught_view(reference)
+            self._inverse_depths = [A * x + B * y + C for x, y in zip(view.point_x, view.point_y)]
 
     def step(self, features, dt_s, plane=None):
         """Camera twist for this image.
@@ -166,7 +180,13 @@ class Law:
         return twist
 
     def _look(self, features, plane):
-        return View(features, plane)
+        return View(features, plane, None, self._inverse_depths)
+
+    def taught_view(self, reference):
+        """(view, plane_C) of a `Reference`. Raises ParameterError when it has none."""
+        if not isinstance(reference, Reference) or reference.view is None or reference.plane_C is None:
+            raise ParameterError(f"law '{self.name}': the reference holds no view with its moments: teach it again")
+        return reference.view, reference.plane_C
 
     def _let_in(self, twist, dt_s):
         """Take the first twist away, and give it back at the rate smooth_start_per_s (T23)."""
@@ -263,9 +283,8 @@ class ImageBased(Law):
         self._L_star = self._inverse = None
         if self._setup.interaction == "current":
             return
-        if not isinstance(reference, Reference) or reference.view is None or reference.plane_C is None:
-            raise ParameterError(f"law '{self.name}': the reference holds no view with its moments: teach it again")
-        self._L_star = self.features.matrix(View(reference.view, reference.plane_C))
+        view, plane = self.taught_view(reference)
+        self._L_star = self.features.matrix(View(view, plane))
         if self._setup.interaction == "desired":
             self._inverse = self.invert(self._L_star)
 
@@ -276,41 +295,3 @@ class ImageBased(Law):
             inverse = self.invert(L if self._L_star is None else 0.5 * (L + self._L_star))
         gains = sampled_gains(self.gains_per_s, dt_s)
         return -(inverse @ np.array([gain * error for gain, error in zip(gains, e)]))
-
-
-@register("pbvs")
-class PoseBased(Law):
-    """Straight home: v = -R_CgC^T Lambda t, w = -Lambda theta u, for the pose of a known planar target (T24, T25).
-
-    The pose is followed from image to image: what the joints say the camera has moved, then one Gauss-Newton step.
-    """
-
-    works_on, needs_pose = ("tx", "ty", "tz", "rx", "ry", "rz"), True
-
-    def __init__(self, gains_per_s, setup=LawSetup()):
-        super().__init__(gains_per_s, setup)
-        if setup.target is None:
-            raise ParameterError(f"target_model: found nothing, law '{self.name}' needs the file of the known target")
-        self._X_CgT = self._X_CT = self._X_CgC_then = self._R = None
-
-    def reset(self, reference):
-        """Finds the pose of the target in the taught view."""
-        super().reset(reference)
-        if not isinstance(reference, Reference) or reference.view is None:
-            raise ParameterError(f"law '{self.name}': the reference holds no view with its moments: teach it again")
-        self._X_CgT = self._X_CT = self._setup.target.find(reference.view, self._setup.target_normal_C)
-        self._X_CgC_then = np.eye(4)
-
-    def _look(self, features, plane):
-        X_CT = inverse(self.X_CgC) @ self._X_CgC_then @ self._X_CT
-        X_CT, residual, condition = self._setup.target.follow(X_CT, measures_of(features))
-        if not residual < MAX_FOLLOWED:
-            raise DegenerateFeature(f"pose of the target: {residual:.2g} of its measures unexplained")
-        self._X_CT, self._X_CgC_then, self.condition = X_CT, self.X_CgC, condition
-        X_CgC = self._X_CgT @ inverse(X_CT)
-        self._R = X_CgC[:3, :3]
-        return View(features, plane, np.concatenate([X_CgC[:3, 3], rotation_vector(self._R)]))
-
-    def _twist(self, s, e, dt_s):
-        wanted = -np.array(sampled_gains(self.gains_per_s, dt_s)) * e
-        return np.concatenate([wanted[:3] @ self._R, wanted[3:]])

@@ -16,6 +16,7 @@ from pathlib import Path
 import yaml
 
 from .errors import ParameterError
+from .features import expand
 from .types import FEATURE_NAMES
 
 PACKAGE = "aras_visual_servo_controller"
@@ -143,11 +144,12 @@ def check(document):
 
 def _feature_faults(servo):
     """Gains and thresholds are one per feature, by name."""
-    names, faults = servo.get("features", list(FEATURE_NAMES)), []
+    names, faults = expand(servo.get("features", FEATURE_NAMES)), []
     for section in ("gains_per_s", "thresholds"):
-        faults += [f"servo.{section}.{name}: missing" for name in names if name not in servo[section]]
+        given = expand(servo[section])
+        faults += [f"servo.{section}.{name}: missing" for name in names if name not in given]
         faults += [f"servo.{section}.{key}: unknown key, known are {', '.join(names)}"
-                   for key in servo[section] if key not in names]
+                   for key in given if key not in names]
     return faults
 
 

@@ -5,8 +5,8 @@ from typing import Dict, Optional, Tuple
 
 from .config_reader import ConfigReader
 from .errors import ParameterError
-from .features import known_features
-from .laws import INTERACTIONS, LawSetup, known_laws, make_law
+from .features import expand, is_known, known_features
+from .laws import INTERACTIONS, POINT_DEPTHS, LawSetup, known_laws, make_law
 from .lost_target import LostTargetConfig
 from .plugins import load_plugins
 from .scenario import load_yaml, resolve_uri
@@ -27,6 +27,7 @@ class ServoConfig:
     time_limit_s: float  # of simulated time
     features: Tuple[str, ...] = FEATURE_NAMES
     interaction: str = "desired"  # which interaction matrix law ibvs inverts: desired, current, mean
+    point_depth: str = "plane"  # of followed points: plane (of the target), goal (always that at the goal)
     target_normal_C: Tuple[float, ...] = (0.0, 0.0, 1.0)  # of the target's plane, in the camera frame at the goal
     adaptive_gain: Optional[Tuple[float, float]] = None  # section: infinity_part, slope, see laws.adaptive_factor
     smooth_start_per_s: float = 0.0  # 0: the first twist comes at once
@@ -58,12 +59,13 @@ class ServoConfig:
         for fault in load_plugins(values["plugins"]):
             reader.fault(fault)
         values.update({"law": reader.choice("law", known_laws()), "mode": reader.choice("mode", MODES)})
-        features = values["features"] = reader.texts("features", FEATURE_NAMES)
+        features = values["features"] = expand(reader.texts("features", FEATURE_NAMES))
         for name in features:
-            if name not in known_features():
+            if not is_known(name):
                 reader.fault(f"features: found {name}, allowed {', '.join(known_features())}")
-        values["gains_per_s"] = tuple(reader.section("gains_per_s", True).numbers(features, above=0.0))
-        values["thresholds"] = tuple(reader.section("thresholds", True).numbers(features, above=0.0))
+        for key in ("gains_per_s", "thresholds"):
+            values[key] = tuple(reader.section(key, True).spread(expand).numbers(features, above=0.0))
+        values["point_depth"] = reader.choice("point_depth", POINT_DEPTHS, cls.point_depth)
         values["interaction"] = reader.choice("interaction", INTERACTIONS, cls.interaction)
         values["target_normal_C"] = reader.vector("target_normal_C", 3, cls.target_normal_C)
         if not values["target_normal_C"][2] > 0.0:
@@ -120,7 +122,7 @@ class ServoConfig:
     def law_setup(self):
         """`LawSetup` of these settings."""
         return LawSetup(self.features, self.interaction, self.adaptive_gain, self.smooth_start_per_s,
-                        self.target_model, self.target_normal_C)
+                        self.target_model, self.target_normal_C, self.point_depth)
 
     def with_overrides(self, law="", gains_per_s=(), thresholds=(), time_limit_s=0.0):
         """Copy with the values of a goal of VisualServo.action; empty or 0 keeps. Raises ParameterError."""

@@ -37,8 +37,9 @@ class Status(IntEnum):
 class Features:
     """Image moments of the target in one image: the fields of aras_visual_servo_msgs/MomentFeatures.
 
-    A quantity that does not exist in this image is NaN. The servo only reads attributes, so the extractor's object
-    and the ROS message serve as they are; this class is for tests and for objects that must outlive their source.
+    A quantity that does not exist in this image is NaN; the points are empty where they are not found. The servo only
+    reads attributes, so the extractor's object and the ROS message serve as they are; this class is for tests and for
+    objects that must outlive their source.
     """
 
     target_visible: bool = False
@@ -61,14 +62,18 @@ class Features:
     moment_names: Sequence[str] = ()
     m: Sequence[float] = ()
     mu: Sequence[float] = ()
+    point_x: Sequence[float] = ()
+    point_y: Sequence[float] = ()
     age_s: float = nan
 
     @classmethod
     def from_object(cls, source: Any) -> "Features":
-        """Copy of any object with these attributes (`age_s` may be missing)."""
-        names = [name for name in cls.__dataclass_fields__ if name != "age_s"]
-        copy = cls(**{name: getattr(source, name) for name in names}, age_s=getattr(source, "age_s", nan))
-        copy.moment_names, copy.m, copy.mu = tuple(copy.moment_names), tuple(copy.m), tuple(copy.mu)
+        """Copy of any object with these attributes (those of `_OPTIONAL` may be missing)."""
+        names = [name for name in cls.__dataclass_fields__ if name not in _OPTIONAL]
+        copy = cls(**{name: getattr(source, name) for name in names},
+                   **{name: getattr(source, name, default) for name, default in _OPTIONAL.items()})
+        for name in ("moment_names", "m", "mu", *VIEW_POINTS):
+            setattr(copy, name, tuple(getattr(copy, name)))
         return copy
 
     def raw_moments(self) -> Dict[str, float]:
@@ -163,6 +168,9 @@ class Reference:
             result["view"] = {"moment_names": list(self.view.moment_names)}
             result["view"].update({key: [float(value) for value in getattr(self.view, key)] for key in ("m", "mu")})
             result["view"].update({key: float(getattr(self.view, key)) for key in VIEW_FIELDS})
+            for key in VIEW_POINTS:
+                if len(getattr(self.view, key)):
+                    result["view"][key] = [float(value) for value in getattr(self.view, key)]
         return result
 
     @classmethod
@@ -186,18 +194,25 @@ class Reference:
 
 #: What of the taught view a reference keeps, beside its moments.
 VIEW_FIELDS = ("xn", "yn", "an", "alpha", "z_star_m", "area_star")
+#: ... and the followed points, where there are any.
+VIEW_POINTS = ("point_x", "point_y")
+_OPTIONAL = {"point_x": (), "point_y": (), "age_s": nan}
 
 
 def _view(source, faults):
     """Features of the dict that `Reference.to_dict` makes of a view."""
-    if not isinstance(source, Mapping) or set(source) != {"moment_names", "m", "mu", *VIEW_FIELDS}:
-        faults.append(f"reference/view: found {source}, allowed moment_names, m, mu, {', '.join(VIEW_FIELDS)}")
+    needed = {"moment_names", "m", "mu", *VIEW_FIELDS}
+    if not isinstance(source, Mapping) or set(source) - set(VIEW_POINTS) != needed:
+        allowed = ", ".join(("moment_names", "m", "mu", *VIEW_FIELDS))
+        faults.append(f"reference/view: found {source}, allowed {allowed} and, with points, {', '.join(VIEW_POINTS)}")
         return None
     names = tuple(str(name) for name in source["moment_names"])
     m, mu = (_vector(source, key, len(names), faults) for key in ("m", "mu"))
     numbers = {key: float(_vector({key: [source[key]]}, key, 1, faults)[0]) for key in VIEW_FIELDS}
+    count = len(source.get("point_x", ()))
+    points = {key: _vector(source, key, count, faults).tolist() if count else () for key in VIEW_POINTS}
     return Features(target_visible=True, valid=True, has_reference=True, moment_names=names, m=m.tolist(),
-                    mu=mu.tolist(), **numbers)
+                    mu=mu.tolist(), **numbers, **points)
 
 
 def _vector(source, key, size, faults):

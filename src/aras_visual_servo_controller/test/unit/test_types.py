@@ -24,7 +24,7 @@ def test_status_codes_are_those_of_the_message():
 
 
 @pytest.mark.parametrize("message, container, extra", [
-    ("MomentFeatures", Features, set()),
+    ("MomentFeatures", Features, {"point_x", "point_y"}),
     ("ServoState", ServoRecord, {"stamp_ns"}),
 ])  # fmt: skip
 def test_container_has_the_fields_of_its_message(message, container, extra):
@@ -35,10 +35,12 @@ def test_container_has_the_fields_of_its_message(message, container, extra):
 def test_features_copy_any_object_and_give_moments_by_name():
     source = SimpleNamespace(**{field.name: 0.0 for field in fields(Features) if field.name != "age_s"})
     source.moment_names, source.m, source.mu = ["00", "10"], [2.0, 3.0], [2.0, 0.0]
+    source.point_x, source.point_y = [0.1, 0.2], [0.3, 0.4]
     copy = Features.from_object(source)
-    source.m[0] = 9.0
+    source.m[0] = source.point_x[0] = 9.0
     assert copy.raw_moments() == {"00": 2.0, "10": 3.0}
     assert copy.centred_moments() == {"00": 2.0, "10": 0.0}
+    assert copy.point_x == (0.1, 0.2) and copy.point_y == (0.3, 0.4)
 
 
 def test_reference_round_trip():

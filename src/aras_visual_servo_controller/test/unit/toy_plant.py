@@ -50,7 +50,7 @@ def angle_between(a, b):
 
 
 class Camera:
-    """Features of exact pictures."""
+    """Features of exact pictures; the followed points are the vertices of the outline."""
 
     def __init__(self, X_WT, outline=OUTLINE):
         self.X_WT, self.outline, self.star = X_WT, outline, None
@@ -66,7 +66,8 @@ class Camera:
         if third < 0.0:  # the heavier end tells which way the axis points
             alpha = angle_between(alpha + np.pi, 0.0)
         f = Features(target_visible=True, valid=True, has_reference=self.star is not None, area=m["00"], xg=xg, yg=yg,
-                     alpha=alpha, moment_names=tuple(m), m=list(m.values()), mu=[mu[name] for name in m])
+                     alpha=alpha, moment_names=tuple(m), m=list(m.values()), mu=[mu[name] for name in m],
+                     point_x=xy[:, 0].tolist(), point_y=xy[:, 1].tolist())
         if self.star is not None:
             z_star, area_star = f.z_star_m, f.area_star = self.star
             f.an = z_star * np.sqrt(area_star / m["00"])
