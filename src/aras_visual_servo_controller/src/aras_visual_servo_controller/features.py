@@ -27,7 +27,7 @@ from .types import FEATURE_NAMES
 
 _FEATURES, _FAMILIES = {}, {}
 #: Modules of this package that register more features.
-_MODULES = ("features_tilt", "features_points", "features_ellipse")
+_MODULES = ("features_tilt", "features_pose", "features_points", "features_ellipse")
 _NUMBERED = re.compile(r"([a-z]+)([1-9][0-9]?)")
 
 
@@ -108,13 +108,14 @@ class View:
         plane: (A, B, C) of the target in the camera frame [1/m], None when only values are asked for.
         displacement: (6,) of the camera from the goal, p_CgC and theta u of R_CgC; None: at the goal.
         inverse_depths: (N,) 1/Z of the followed points [1/m]; None: that of the plane.
+        reference_point: (x, y, ln(Z/Z*)) of the target's reference point; None: at the goal.
     """
 
-    __slots__ = ("features", "plane", "displacement", "inverse_depths", "_m", "_mu", "_known")
+    __slots__ = ("features", "plane", "displacement", "inverse_depths", "reference_point", "_m", "_mu", "_known")
 
-    def __init__(self, features, plane=None, displacement=None, inverse_depths=None):
+    def __init__(self, features, plane=None, displacement=None, inverse_depths=None, reference_point=None):
         self.features, self.plane, self.displacement = features, plane, displacement
-        self.inverse_depths = inverse_depths
+        self.inverse_depths, self.reference_point = inverse_depths, reference_point
         self._m = self._mu = None
         self._known = {}
 
@@ -197,21 +198,6 @@ class Alpha(Feature):
 
     def row(self, view):
         return interaction.orientation(view.m, view.mu, view.plane)
-
-
-class _Displacement(Feature):
-    sees_tilt, index = True, 0
-
-    def value(self, view):
-        return 0.0 if view.displacement is None else float(view.displacement[self.index])
-
-    def row(self, view):
-        raise DegenerateFeature(f"{self.name}: is for law 'pbvs', which needs no interaction matrix")
-
-
-for _index, _name in enumerate(("tx", "ty", "tz", "rx", "ry", "rz")):
-    _text = f"{_name} of the displacement from the goal: p_CgC [m], then theta u of R_CgC [rad] (T25)."
-    register_feature(_name)(type(_name, (_Displacement,), {"index": _index, "__doc__": _text}))
 
 
 class FeatureSet:

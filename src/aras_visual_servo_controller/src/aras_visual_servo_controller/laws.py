@@ -32,11 +32,13 @@ from .types import FEATURE_NAMES, Reference
 
 INTERACTIONS = ("desired", "current", "mean")
 POINT_DEPTHS = ("plane", "goal")
+POSES = ("moments", "points")
+BROYDEN_INITIALS = ("desired", "moves")
 #: A matrix with a larger condition number is not inverted: the view does not tell six motions apart.
 MAX_CONDITION = 1e6
 _LAWS = {}
 #: Modules of this package that register more laws.
-_MODULES = ("laws_pose",)
+_MODULES = ("laws_pose", "laws_hybrid", "laws_sliding", "laws_broyden")
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,9 @@ class LawSetup:
         smooth_start_per_s: rate at which the first twist is let in [1/s]; 0: at once.
         target: the known target, for laws that want its pose.  target_normal_C: guess of its normal at the goal.
         point_depth: depth of followed points, one of POINT_DEPTHS: of the target's plane, or always that at the goal.
+        pose_from: what laws of the pose measure, one of POSES.
+        sliding: (switching_per_s, boundary per feature), for law sliding.
+        broyden: (initial, forgetting, move), for law broyden.
     """
 
     features: Tuple[str, ...] = FEATURE_NAMES
@@ -58,6 +63,9 @@ class LawSetup:
     target: Optional[PlanarTarget] = None
     target_normal_C: Tuple[float, ...] = (0.0, 0.0, 1.0)
     point_depth: str = "plane"
+    pose_from: str = "moments"
+    sliding: Optional[Tuple[float, Tuple[float, ...]]] = None
+    broyden: Tuple[str, float, float] = ("desired", 0.95, 0.01)
 
 
 def register(name):
@@ -108,12 +116,13 @@ class Law:
     Attributes:
         name.  works_on: the features it is made for, None: any.
         needs_plane: at each step, the target's plane.  needs_pose: `X_CgC` by the kinematics, set before each step.
+        continuous_only: not for look-then-move.  applied: twist carried out since the last step; None: stopped since.
         features: `FeatureSet`.  gains_per_s: tuple of k.  s, e: tuples of k, of the last step; view: its `View`.
         condition: of the interaction matrix used last.
     """
 
     name, works_on, needs_plane, needs_pose = "", FEATURE_NAMES, False, False
-    X_CgC = None
+    X_CgC, applied, continuous_only = None, None, False
 
     def __init__(self, gains_per_s, setup=LawSetup()):
         """Args: gains_per_s: (k,), > 0, in the order of the features [1/s]. setup: `LawSetup`. ParameterError."""
@@ -135,6 +144,8 @@ class Law:
             faults.append(f"interaction: found '{setup.interaction}', allowed {', '.join(INTERACTIONS)}")
         if setup.point_depth not in POINT_DEPTHS:
             faults.append(f"point_depth: found '{setup.point_depth}', allowed {', '.join(POINT_DEPTHS)}")
+        if setup.pose_from not in POSES:
+            faults.append(f"pose_from: found '{setup.pose_from}', allowed {', '.join(POSES)}")
         if faults:
             raise ParameterError(faults)
         self._rates, self.view = self.gains_per_s, None
@@ -177,6 +188,7 @@ class Law:
         twist = self._twist(self.s, self.e, dt_s)
         if self._setup.smooth_start_per_s > 0.0:
             twist = self._let_in(twist, dt_s)
+        self.applied = twist
         return twist
 
     def _look(self, features, plane):
@@ -197,6 +209,10 @@ class Law:
 
     def _twist(self, s, e, dt_s):
         raise NotImplementedError
+
+    def goal_matrix(self, view, plane):
+        """L, (k, 6), of the taught view and plane."""
+        return self.features.matrix(View(view, plane))
 
     def invert(self, L):
         """Pseudo-inverse (6, k) of an interaction matrix (k, 6) of these features.
@@ -283,8 +299,7 @@ class ImageBased(Law):
         self._L_star = self._inverse = None
         if self._setup.interaction == "current":
             return
-        view, plane = self.taught_view(reference)
-        self._L_star = self.features.matrix(View(view, plane))
+        self._L_star = self.goal_matrix(*self.taught_view(reference))
         if self._setup.interaction == "desired":
             self._inverse = self.invert(self._L_star)
 
@@ -293,5 +308,9 @@ class ImageBased(Law):
         if inverse is None:
             L = self.features.matrix(self.view)
             inverse = self.invert(L if self._L_star is None else 0.5 * (L + self._L_star))
+        return -(inverse @ self._wanted(e, dt_s))
+
+    def _wanted(self, e, dt_s):
+        """-e_dot wanted, (k,)."""
         gains = sampled_gains(self.gains_per_s, dt_s)
-        return -(inverse @ np.array([gain * error for gain, error in zip(gains, e)]))
+        return np.array([gain * error for gain, error in zip(gains, e)])

@@ -200,6 +200,7 @@ class Servo:
         q_dot, self._twist, status, text = self._arm.joint_velocity(q, twist, jacobian, inverse, dt_s)
         if status is not None:
             self.status, self._text = status, text
+        law.applied = self._twist
         velocity = self._kinematics.by_name(q_dot)
         return Command(stamp_ns, {}, velocity), self._record(stamp_ns, self._text, q_dot, self._nans)
 
@@ -218,6 +219,7 @@ class Servo:
 
     def _without_target(self, stamp_ns, q, dt_s, text, visible=False):
         """TARGET_LOST: the arm holds still, or does what `on_lost` says until the target is found again."""
+        self._law.applied = None
         recovery = self._lost.step(stamp_ns, q, dt_s, visible)
         if recovery is None:
             return self._rest(stamp_ns, Status.TARGET_LOST, text)
@@ -271,7 +273,7 @@ class Servo:
         if status not in _FINAL:
             self._below_ns = None
             self._forget()
-        self._twist = np.zeros(6)
+        self._twist, self._law.applied = np.zeros(6), None
         self.status, self._text = status, text
         if not self._look.under_way:
             return Command(stamp_ns, {}, dict(self._no_velocity)), self._record(stamp_ns, text, self._zeros, self._nans)

@@ -6,7 +6,7 @@ from typing import Dict, Optional, Tuple
 from .config_reader import ConfigReader
 from .errors import ParameterError
 from .features import expand, is_known, known_features
-from .laws import INTERACTIONS, POINT_DEPTHS, LawSetup, known_laws, make_law
+from .laws import BROYDEN_INITIALS, INTERACTIONS, POINT_DEPTHS, POSES, LawSetup, known_laws, make_law
 from .lost_target import LostTargetConfig
 from .plugins import load_plugins
 from .scenario import load_yaml, resolve_uri
@@ -28,6 +28,9 @@ class ServoConfig:
     features: Tuple[str, ...] = FEATURE_NAMES
     interaction: str = "desired"  # which interaction matrix law ibvs inverts: desired, current, mean
     point_depth: str = "plane"  # of followed points: plane (of the target), goal (always that at the goal)
+    pose_from: str = "moments"  # what laws of the pose measure: moments, points
+    sliding: Optional[Tuple[float, Tuple[float, ...]]] = None  # section: switching_per_s, boundary (one per feature)
+    broyden: Tuple[str, float, float] = LawSetup.broyden  # section: initial, forgetting, move
     target_normal_C: Tuple[float, ...] = (0.0, 0.0, 1.0)  # of the target's plane, in the camera frame at the goal
     adaptive_gain: Optional[Tuple[float, float]] = None  # section: infinity_part, slope, see laws.adaptive_factor
     smooth_start_per_s: float = 0.0  # 0: the first twist comes at once
@@ -66,6 +69,7 @@ class ServoConfig:
         for key in ("gains_per_s", "thresholds"):
             values[key] = tuple(reader.section(key, True).spread(expand).numbers(features, above=0.0))
         values["point_depth"] = reader.choice("point_depth", POINT_DEPTHS, cls.point_depth)
+        values["pose_from"] = reader.choice("pose_from", POSES, cls.pose_from)
         values["interaction"] = reader.choice("interaction", INTERACTIONS, cls.interaction)
         values["target_normal_C"] = reader.vector("target_normal_C", 3, cls.target_normal_C)
         if not values["target_normal_C"][2] > 0.0:
@@ -77,6 +81,7 @@ class ServoConfig:
                 values["target_model"] = PlanarTarget(load_yaml(resolve_uri(target, key="target_model"))["outlines_m"])
             except (ParameterError, KeyError, ValueError) as error:
                 reader.fault(f"target_model: found {target}, allowed the file of a planar target: {error}")
+        values["sliding"], values["broyden"] = _sliding(reader, features), _broyden(reader)
         adaptive = reader.section("adaptive_gain")
         if adaptive.keys():
             part = adaptive.number("infinity_part", above=0.0)
@@ -115,14 +120,21 @@ class ServoConfig:
                     reader.fault(f"gains_per_s/{name}: found {value}, allowed < 2 / sample_time_s (it would diverge)")
         reader.finish()
         config = cls(**values)
-        make_law(config.law, config.gains_per_s, config.law_setup)  # raises when law and features do not fit
+        config._check_law(config.law)
         return config
+
+    def _check_law(self, name):
+        """Raises ParameterError when law, features and mode do not fit."""
+        law = make_law(name, self.gains_per_s, self.law_setup)
+        if law.continuous_only and self.mode != "continuous":
+            raise ParameterError(f"mode: found {self.mode}, allowed with law '{name}': continuous")
 
     @property
     def law_setup(self):
         """`LawSetup` of these settings."""
         return LawSetup(self.features, self.interaction, self.adaptive_gain, self.smooth_start_per_s,
-                        self.target_model, self.target_normal_C, self.point_depth)
+                        self.target_model, self.target_normal_C, self.point_depth, self.pose_from, self.sliding,
+                        self.broyden)
 
     def with_overrides(self, law="", gains_per_s=(), thresholds=(), time_limit_s=0.0):
         """Copy with the values of a goal of VisualServo.action; empty or 0 keeps. Raises ParameterError."""
@@ -141,9 +153,27 @@ class ServoConfig:
         if law:
             changes["law"] = law
         try:
-            make_law(law or self.law, self.gains_per_s, self.law_setup)
+            self._check_law(law or self.law)
         except ParameterError as error:
             faults += error.faults
         if faults:
             raise ParameterError(faults)
         return replace(self, **changes)
+
+
+def _sliding(reader, features):
+    section, result = reader.section("sliding"), None
+    if section.keys():
+        switching = section.number("switching_per_s", above=0.0)
+        boundary = section.section("boundary", True).spread(expand).numbers(features, above=0.0)
+        result = (switching, tuple(boundary))
+    section.close()
+    return result
+
+
+def _broyden(reader):
+    section, (initial, forgetting, move) = reader.section("broyden"), LawSetup.broyden
+    result = (section.choice("initial", BROYDEN_INITIALS, initial),
+              section.number("forgetting", forgetting, above=0.0, at_most=1.0), section.number("move", move, above=0.0))
+    section.close()
+    return result

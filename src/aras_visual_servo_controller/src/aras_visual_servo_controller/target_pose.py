@@ -57,23 +57,35 @@ def rotation_vector(R):
     """theta u of a rotation matrix, (3,) [rad]."""
     sine = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
     size = float(sine @ sine) ** 0.5
-    angle = atan2(size, 0.5 * (R[0, 0] + R[1, 1] + R[2, 2] - 1.0))
-    return sine if size < 1e-9 else sine * (angle / size)
+    cosine = 0.5 * (R[0, 0] + R[1, 1] + R[2, 2] - 1.0)
+    if size < 1e-9:
+        return sine if cosine > 0.0 else _half_turn(R)
+    return sine * (atan2(size, cosine) / size)
+
+
+def _half_turn(R):
+    """theta u of half a turn, to rounding: the largest column of u u^T = (R + 1) / 2; u and -u are the same."""
+    square = 0.5 * (R + np.eye(3))
+    column = square[:, int(np.argmax(np.diag(square)))]
+    return np.pi / float(column @ column) ** 0.5 * column
 
 
 class PlanarTarget:
     """A target whose outlines are known.
 
-    Args: outlines_m: polygons, (n, 2) each, in the target's plane z = 0 [m].
+    Attributes: outlines_m: polygons, (n, 2) each, in the target's plane z = 0 [m].  max_followed: largest residual of a
+    pose that `follow` may be taken at.
     """
 
+    max_followed = MAX_FOLLOWED
+
     def __init__(self, outlines_m):
-        self._outlines = [np.asarray(outline, dtype=float) for outline in outlines_m]
+        self.outlines_m = [np.asarray(outline, dtype=float) for outline in outlines_m]
 
     def moments(self, X_CT):
         """Raw moments m[i, j] to ORDER of the image from pose X_CT, (5, 5). Raises DegenerateFeature: behind it."""
         m = np.zeros((ORDER + 1, ORDER + 1))
-        for outline in self._outlines:
+        for outline in self.outlines_m:
             corners = outline @ X_CT[:3, :2].T + X_CT[:3, 3]
             if not corners[:, 2].min() > 0.0:
                 raise DegenerateFeature(_BEHIND)
@@ -127,6 +139,11 @@ class PlanarTarget:
             raise DegenerateFeature("pose of the target: this view does not tell it")
         twist = ((left @ U) / sigmas) @ Vt
         return exponential(-twist) @ X_CT, float(np.abs(left).max()), float(sigmas[0] / sigmas[-1])
+
+    @staticmethod
+    def measured(features):
+        """`measures_of` an image."""
+        return measures_of(features)
 
     def follow(self, X_CT, measured):
         """`improve` once; again, at most FOLLOW_STEPS times, while the pose it began at was far off."""
