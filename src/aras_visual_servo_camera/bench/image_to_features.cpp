@@ -1,7 +1,10 @@
 // Image to features at 320 x 240, f = 195 px, target at 0.5 m: rgb8 unless said. One thread.
 #include <benchmark/benchmark.h>
 
+#include <cmath>
+
 #include "aras_visual_servo_camera/moment_extractor.hpp"
+#include "aras_visual_servo_camera/photometric_extractor.hpp"
 #include "coverage_image.hpp"
 
 namespace {
@@ -58,6 +61,33 @@ void fixed(benchmark::State& s) { run(s, withSegmentation(SegmentationMethod::kF
 void otsu(benchmark::State& s) { run(s, withSegmentation(SegmentationMethod::kOtsu), kUsual_m, false, false); }
 void adaptive(benchmark::State& s) { run(s, withSegmentation(SegmentationMethod::kAdaptive), kUsual_m, false, false); }
 
+// A textured plane fills the view, moved by a pixel.
+void runPhotometric(benchmark::State& state, GradientOf interaction, int levels, bool distorted) {
+  PhotometricConfig config;
+  config.interaction = interaction;
+  config.levels = levels;
+  PhotometricExtractor extractor(testCamera(distorted), config);
+  GreyImage image(320, 240, 0);
+  for (double shift_px : {0.0, 1.0}) {
+    for (int v = 0; v < image.height; ++v)
+      for (int u = 0; u < image.width; ++u)
+        image.at(u, v) = static_cast<std::uint8_t>(
+            std::lround(128.0 + 50.0 * std::sin(0.21 * (u - shift_px) + 0.05 * v) + 50.0 * std::cos(0.17 * v)));
+    if (shift_px == 0.0) extractor.setReference(image.view(), 0.5);
+  }
+  for (auto _ : state) benchmark::DoNotOptimize(extractor.process(image.view()).cost);
+  if (!extractor.features().valid) state.SkipWithError("no valid features");
+}
+
+void photometricDesired(benchmark::State& s) { runPhotometric(s, GradientOf::kDesired, 1, false); }
+void photometricMean(benchmark::State& s) { runPhotometric(s, GradientOf::kMean, 1, false); }
+void photometricMeanDistorted(benchmark::State& s) { runPhotometric(s, GradientOf::kMean, 1, true); }
+void photometricMeanFourLevels(benchmark::State& s) { runPhotometric(s, GradientOf::kMean, 4, false); }
+
+BENCHMARK(photometricDesired)->Unit(benchmark::kMicrosecond);
+BENCHMARK(photometricMean)->Unit(benchmark::kMicrosecond);
+BENCHMARK(photometricMeanDistorted)->Unit(benchmark::kMicrosecond);
+BENCHMARK(photometricMeanFourLevels)->Unit(benchmark::kMicrosecond);
 BENCHMARK(coverageEstimatedGreys)->Unit(benchmark::kMicrosecond);
 BENCHMARK(coverageGivenGreys)->Unit(benchmark::kMicrosecond);
 BENCHMARK(coverageGivenGreysMono)->Unit(benchmark::kMicrosecond);

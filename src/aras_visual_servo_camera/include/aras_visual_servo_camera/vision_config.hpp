@@ -2,6 +2,8 @@
 
 #include <optional>
 
+#include "aras_visual_servo_camera/photometric_config.hpp"
+
 namespace YAML {
 class Node;
 }
@@ -36,6 +38,8 @@ struct VisionConfig {
   double asymmetry_threshold = 0.03;
   /** Below this MomentFeatures::orientation_condition the object counts as round: alpha is NaN. */
   double orientation_threshold = 0.01;
+  /** Luminance of the whole image as the feature, beside the moments; nothing of it is computed when absent. */
+  std::optional<PhotometricConfig> photometric;
 };
 
 /** @param node  mapping with keys `object` and `segmentation` (required), `threshold` (required by `fixed`), and the

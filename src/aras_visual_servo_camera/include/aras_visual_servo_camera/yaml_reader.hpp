@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "aras_visual_servo_camera/errors.hpp"
+
 namespace aras_visual_servo_camera {
 
 /** Reads one YAML mapping strictly and collects every fault before it throws.
@@ -36,6 +38,9 @@ class YamlReader {
   void ignore(const std::string& key);
   /** Add a fault found by the caller: `key: found X, allowed Y`. */
   void fault(const std::string& key, const std::string& found, const std::string& allowed);
+
+  /** Add the faults of a section that was read by itself. */
+  void adopt(const ParameterError& faults);
 
   /** @throws ParameterError listing all faults, one per line, if there is any */
   void finish();

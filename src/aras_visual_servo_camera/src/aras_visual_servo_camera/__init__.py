@@ -14,6 +14,8 @@ from ._camera import (
     MomentFeatures,
     NotFiniteError,
     ParameterError,
+    PhotometricExtractor,
+    PhotometricFeatures,
     ShapeError,
 )
 
@@ -24,5 +26,7 @@ __all__ = [
     "MomentFeatures",
     "NotFiniteError",
     "ParameterError",
+    "PhotometricExtractor",
+    "PhotometricFeatures",
     "ShapeError",
 ]

@@ -9,6 +9,7 @@
 #include "aras_visual_servo_camera/errors.hpp"
 #include "components.hpp"
 #include "edge_weights.hpp"
+#include "grey_image.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
@@ -62,7 +63,6 @@ struct Segmentation::Work {
   bool has_previous = false;
   double previous_u = 0.0, previous_v = 0.0;
 
-  cv::Mat greyOf(const ImageView& image);
   std::optional<GreyLevels> levelsOf(const cv::Mat& grey) const;
   std::optional<Threshold> thresholdOf(const cv::Mat& grey) const;
   void makeAdaptiveBinary(const cv::Mat& grey);
@@ -77,23 +77,6 @@ Segmentation::Segmentation(Segmentation&&) noexcept = default;
 Segmentation& Segmentation::operator=(Segmentation&&) noexcept = default;
 
 void Segmentation::forgetPrevious() { work_->has_previous = false; }
-
-cv::Mat Segmentation::Work::greyOf(const ImageView& image) {
-  const int n = channels(image.format);
-  if (image.data == nullptr || image.width_px < 1 || image.height_px < 1 ||
-      image.step_bytes < static_cast<std::size_t>(image.width_px) * n)
-    throw ShapeError("image: found " + std::to_string(image.width_px) + " x " + std::to_string(image.height_px) +
-                     " pixels, " + std::to_string(image.step_bytes) + " bytes a row, allowed at least 1 x 1 and " +
-                     std::to_string(n) + " bytes a pixel");
-  const cv::Mat view(image.height_px, image.width_px, CV_8UC(n), const_cast<std::uint8_t*>(image.data),
-                     image.step_bytes);
-  if (image.format == PixelFormat::kMono8) return view;
-  const int code = image.format == PixelFormat::kRgb8   ? cv::COLOR_RGB2GRAY
-                   : image.format == PixelFormat::kBgr8 ? cv::COLOR_BGR2GRAY
-                                                        : cv::COLOR_RGBA2GRAY;
-  cv::cvtColor(view, grey_buffer, code);
-  return grey_buffer;
-}
 
 std::optional<GreyLevels> Segmentation::Work::levelsOf(const cv::Mat& grey) const {
   if (config.object_grey && config.background_grey) return GreyLevels{*config.object_grey, *config.background_grey};
@@ -177,7 +160,7 @@ void Segmentation::Work::describe(int chosen) {
 
 const ObjectMask& Segmentation::process(const ImageView& image) {
   Work& w = *work_;
-  const cv::Mat grey = w.greyOf(image);
+  const cv::Mat grey = greyOf(image, &w.grey_buffer);
   const bool soft = w.config.segmentation == SegmentationMethod::kCoverage;
   ObjectMask empty;
   empty.width_px = image.width_px;

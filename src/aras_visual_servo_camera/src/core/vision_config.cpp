@@ -52,6 +52,14 @@ VisionConfig readVisionConfig(const YAML::Node& node) {
                    std::string(dark ? "at least 1 below" : "at least 1 above") + " background_grey, " +
                        std::to_string(*c.background_grey));
   }
+  reader.ignore("photometric");
+  if (reader.has("photometric")) {
+    try {
+      c.photometric = readPhotometricConfig(node["photometric"]);
+    } catch (const ParameterError& faults) {
+      reader.adopt(faults);
+    }
+  }
   reader.finish();
   return c;
 }

@@ -50,6 +50,8 @@ void YamlReader::fault(const std::string& key, const std::string& found, const s
   faults_.push_back(name_ + "/" + key + ": found " + found + ", allowed " + allowed);
 }
 
+void YamlReader::adopt(const ParameterError& faults) { faults_.push_back(faults.what()); }
+
 void YamlReader::ignore(const std::string& key) { known_.insert(key); }
 
 YAML::Node YamlReader::find(const std::string& key, bool required, const std::string& allowed) {

@@ -5,6 +5,7 @@
 
 #include "aras_visual_servo_camera/errors.hpp"
 #include "aras_visual_servo_camera/moment_extractor.hpp"
+#include "bind_photometric.hpp"
 #include "conversions.hpp"
 
 namespace py = pybind11;
@@ -138,4 +139,5 @@ PYBIND11_MODULE(_camera, module) {
   bindErrors(module);
   bindFeatures(module);
   bindExtractor(module);
+  bindPhotometric(module);
 }

@@ -38,6 +38,8 @@ void Throttle::error(const std::string& text) {
 CameraNode::CameraNode(ros::NodeHandle node, const ros::NodeHandle& private_node)
     : config_(readParameters(node, private_node)), synchronizer_(kQueue) {
   features_pub_ = node.advertise<aras_visual_servo_msgs::MomentFeatures>("camera/features", kQueue);
+  if (config_.photometric)
+    photometric_pub_ = node.advertise<aras_visual_servo_msgs::PhotometricFeatures>("camera/photometric", kQueue);
   converted_pub_ = node.advertise<Image>("camera/converted_image", kQueue);
   overlay_pub_ = node.advertise<Image>("camera/overlay", kQueue);
   reference_service_ = node.advertiseService("camera/set_reference", &CameraNode::onSetReference, this);
@@ -67,7 +69,10 @@ void CameraNode::useIntrinsics(const CameraInfo& info) {
     extractor_ = std::make_unique<MomentExtractor>(intrinsics, config_);
   } else if (!(extractor_->intrinsics() == intrinsics)) {
     extractor_->setIntrinsics(intrinsics);
+    photometric_.reset();
   }
+  if (config_.photometric && !photometric_)
+    photometric_ = std::make_unique<PhotometricExtractor>(intrinsics, *config_.photometric);
 }
 
 void CameraNode::onPair(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info) {
@@ -77,6 +82,10 @@ void CameraNode::onPair(const sensor_msgs::ImageConstPtr& image, const sensor_ms
     if (image->header.stamp < last_stamp_) extractor_->forgetPrevious();  // the simulator was reset
     const ImageView view = toView(*image);
     extractor_->process(view);
+    if (photometric_) {
+      photometric_->process(view);
+      last_image_ = image;
+    }
     last_header_ = image->header;
     last_stamp_ = image->header.stamp;
     publish(*image, view);
@@ -90,6 +99,12 @@ void CameraNode::publish(const Image& image, const ImageView& view) {
   features.header = image.header;
   features.age_s = (ros::Time::now() - image.header.stamp).toSec();
   features_pub_.publish(features);
+  if (photometric_) {
+    aras_visual_servo_msgs::PhotometricFeatures photometric = toMessage(photometric_->features());
+    photometric.header = image.header;
+    photometric.age_s = features.age_s;
+    photometric_pub_.publish(photometric);
+  }
   if (converted_pub_.getNumSubscribers() > 0) {
     Image converted = emptyImage(image.header, view, sensor_msgs::image_encodings::MONO8, 1);
     converted.data.resize(static_cast<std::size_t>(converted.step) * converted.height);
@@ -103,17 +118,34 @@ void CameraNode::publish(const Image& image, const ImageView& view) {
   }
 }
 
-bool CameraNode::onSetReference(aras_visual_servo_msgs::SetReference::Request& request,
-                                aras_visual_servo_msgs::SetReference::Response& response) {
+void CameraNode::setReference(const aras_visual_servo_msgs::SetReference::Request& request,
+                              aras_visual_servo_msgs::SetReference::Response* response) {
+  if (!extractor_) throw DegenerateFeature("reference: found no image with valid intrinsics yet, allowed after one");
+  const bool photometric = photometric_ && last_image_ && request.from_current_view;
+  if (photometric) {
+    const ImageView view = toView(*last_image_);
+    photometric_->setReference(view, request.z_star_m);
+    response->photometric = toMessage(photometric_->process(view));
+    response->photometric.header = last_header_;
+  }
   try {
-    if (!extractor_) throw DegenerateFeature("reference: found no image with valid intrinsics yet, allowed after one");
     if (request.from_current_view) {
       extractor_->setReference(request.z_star_m, extractor_->features());
     } else {
       extractor_->setReference(request.z_star_m, request.area_star, request.alpha_star);
     }
-    response.reference = toMessage(extractor_->rebuildFeatures());
-    response.reference.header = last_header_;
+  } catch (const DegenerateFeature& error) {
+    if (!photometric) throw;
+    response->message = std::string("photometric only: ") + error.what();
+  }
+  response->reference = toMessage(extractor_->rebuildFeatures());
+  response->reference.header = last_header_;
+}
+
+bool CameraNode::onSetReference(aras_visual_servo_msgs::SetReference::Request& request,
+                                aras_visual_servo_msgs::SetReference::Response& response) {
+  try {
+    setReference(request, &response);
     response.success = true;
   } catch (const ArasError& error) {
     response.success = false;

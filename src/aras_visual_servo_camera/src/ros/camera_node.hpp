@@ -12,6 +12,7 @@
 #include <string>
 
 #include "aras_visual_servo_camera/moment_extractor.hpp"
+#include "aras_visual_servo_camera/photometric_extractor.hpp"
 
 namespace aras_visual_servo_camera {
 
@@ -43,17 +44,21 @@ class CameraNode {
   void useIntrinsics(const CameraInfo& info);
   void publish(const Image& image, const ImageView& view);
   void reportUnpaired(const ros::WallTimerEvent& event);
+  void setReference(const aras_visual_servo_msgs::SetReference::Request& request,
+                    aras_visual_servo_msgs::SetReference::Response* response);
   bool onSetReference(aras_visual_servo_msgs::SetReference::Request& request,
                       aras_visual_servo_msgs::SetReference::Response& response);
 
   VisionConfig config_;
   std::unique_ptr<MomentExtractor> extractor_;
+  std::unique_ptr<PhotometricExtractor> photometric_;  // only where the configuration has it
+  sensor_msgs::ImageConstPtr last_image_;              // kept for its reference
   std_msgs::Header last_header_;
   ros::Time last_stamp_;
   unsigned images_since_report_ = 0, infos_since_report_ = 0, pairs_since_report_ = 0;
   Throttle throttle_;
 
-  ros::Publisher features_pub_, converted_pub_, overlay_pub_;
+  ros::Publisher features_pub_, photometric_pub_, converted_pub_, overlay_pub_;
   ros::ServiceServer reference_service_;
   message_filters::Subscriber<Image> image_sub_;
   message_filters::Subscriber<CameraInfo> info_sub_;

@@ -73,4 +73,25 @@ aras_visual_servo_msgs::MomentFeatures toMessage(const MomentFeatures& f) {
   return msg;
 }
 
+aras_visual_servo_msgs::PhotometricFeatures toMessage(const PhotometricFeatures& f) {
+  aras_visual_servo_msgs::PhotometricFeatures msg;
+  msg.target_visible = f.target_visible;
+  msg.has_reference = f.has_reference;
+  msg.valid = f.valid;
+  msg.fault = f.fault;
+  msg.interaction = f.interaction;
+  msg.level = f.level;
+  msg.levels = f.levels;
+  msg.pixels = f.pixels;
+  msg.rms = f.rms;
+  msg.cost = f.cost;
+  msg.H = f.H;
+  msg.b = f.b;
+  msg.condition = f.condition;
+  msg.motion_px = f.motion_px;
+  msg.z_star_m = f.z_star_m;
+  msg.reference_hash = f.reference_hash;
+  return msg;
+}
+
 }  // namespace aras_visual_servo_camera

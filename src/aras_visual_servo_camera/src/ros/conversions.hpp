@@ -1,12 +1,14 @@
 #pragma once
 
 #include <aras_visual_servo_msgs/MomentFeatures.h>
+#include <aras_visual_servo_msgs/PhotometricFeatures.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 
 #include "aras_visual_servo_camera/camera_intrinsics.hpp"
 #include "aras_visual_servo_camera/image_view.hpp"
 #include "aras_visual_servo_camera/moment_features.hpp"
+#include "aras_visual_servo_camera/photometric_features.hpp"
 
 namespace aras_visual_servo_camera {
 
@@ -18,5 +20,6 @@ ImageView toView(const sensor_msgs::Image& image);
 
 /** Everything but header and age_s. */
 aras_visual_servo_msgs::MomentFeatures toMessage(const MomentFeatures& features);
+aras_visual_servo_msgs::PhotometricFeatures toMessage(const PhotometricFeatures& features);
 
 }  // namespace aras_visual_servo_camera
