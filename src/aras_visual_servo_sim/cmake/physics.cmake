@@ -12,6 +12,7 @@ add_library(sim_physics OBJECT
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_drive.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_graph.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_limits.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_limits_reader.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_solver.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/multibody_world.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/pid.cpp

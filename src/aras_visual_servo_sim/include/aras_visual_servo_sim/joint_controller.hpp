@@ -25,6 +25,9 @@ struct ControllerConfig {
   std::string joint;
   PidGains gains;  ///< used by the two kinds with a PID
   bool publish_state = false;
+  /** Simulated time after which a velocity or effort command on its own topic, or an effort in a joint command, counts
+   *  as 0; 0: held for ever, as ros_control does [s]. */
+  double command_timeout_s = 0.0;
 };
 
 /** What ros_control publishes as JointControllerState. */
@@ -33,12 +36,19 @@ struct ControllerState {
   PidGains gains;
 };
 
-/** Reads ros_control's YAML layout: a map of controller name to {type, joint, pid: {p, i, d, i_clamp, i_clamp_min,
- *  i_clamp_max, antiwindup, publish_state}}. Entries without `type` are not controllers and are passed over.
- *  joint_state_controller/JointStateController is accepted and yields nothing.
+/** Reads ros_control's YAML layout: a map of controller name to {type, joint, command_timeout_s, pid: {p, i, d,
+ * i_clamp, i_clamp_min, i_clamp_max, antiwindup, publish_state}}. Entries without `type` are not controllers and are
+ * passed over. joint_state_controller/JointStateController is accepted and yields nothing.
  *  @return controllers in the order of the map
- *  @throws ParameterError with all faults: unknown type, unknown joint, joint with two controllers, missing `p`, ... */
+ *  @throws ParameterError with all faults: unknown type, unknown joint, joint with two controllers, a type that the
+ *          hardware interfaces of the joint's <transmission> do not have, missing `p`, ... */
 std::vector<ControllerConfig> parseControllers(const YAML::Node& node, const RobotModel& model);
+
+/** Overrides Joint::enforced and Joint::soft by the entry `joint_limits` of the same map, joint by joint, as
+ *  joint_limits_interface::getJointLimits and getSoftJointLimits do from the parameter server. What they would pass
+ * over (an incomplete limit, a joint that is not there, jerk) becomes a warning of the model.
+ *  @throws ParameterError with all faults: unknown keys, wrong types, limits that exclude each other */
+void applyJointLimits(const YAML::Node& node, RobotModel& model);
 
 /** @throws ParameterError unless the gains are finite, not negative, i_min <= 0 <= i_max. */
 void checkGains(const PidGains& gains, const std::string& controller_name);

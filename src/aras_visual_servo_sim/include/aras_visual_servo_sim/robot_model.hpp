@@ -45,7 +45,9 @@ struct Joint {
   int child_link = -1;
   Pose X_PJ;                                        ///< child link's frame in the parent link's, at q = 0
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  ///< unit, in the child link's frame
-  JointLimits limits;                               ///< narrowed by those of the joints that mimic this one
+  JointLimits limits;    ///< stops and set-points; narrowed by those of the joints that mimic this one
+  JointLimits enforced;  ///< on the commands of its controller: the same unless joint_limits overrides them
+  SoftLimits soft;       ///< likewise
   Mimic mimic;
   double damping = 0.0;                          ///< [N s/m] or [N m s/rad]
   double friction = 0.0;                         ///< Coulomb, [N] or [N m]

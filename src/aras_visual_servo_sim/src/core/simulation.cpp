@@ -47,6 +47,7 @@ Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::No
       faults.emplace_back(error.what());
     }
   };
+  collect([&] { applyJointLimits(controllers, model_); });
   collect([&] { config_.world.controllers = parseControllers(controllers, model_); });
   collect([&] { scene_ = loadScene(config_.scene, packages); });
   for (std::size_t k = 0; k < scene_.bodies.size(); ++k) body_links_.push_back(-1);

@@ -33,6 +33,7 @@ YAML::Node findControllers(const ros::NodeHandle& node) {
   if (!node.getParam(node.getNamespace(), tree) || tree.getType() != XmlRpc::XmlRpcValue::TypeStruct) {
     return controllers;
   }
+  if (tree.hasMember("joint_limits")) controllers["joint_limits"] = toYaml(tree["joint_limits"]);
   for (auto& [name, value] : tree) {
     if (value.getType() != XmlRpc::XmlRpcValue::TypeStruct || !value.hasMember("type")) continue;
     XmlRpc::XmlRpcValue& type = value["type"];

@@ -1,5 +1,6 @@
 #include "aras_visual_servo_sim/joint_controller.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -37,6 +38,11 @@ PidGains readGains(YamlReader reader, bool& publish_state) {
   return gains;
 }
 
+const char* interfaceOf(ControllerType type) {
+  if (type == ControllerType::kPosition) return "PositionJointInterface";
+  return type == ControllerType::kVelocity ? "VelocityJointInterface" : "EffortJointInterface";
+}
+
 void readJoint(YamlReader& reader, const RobotModel& model, std::map<std::string, std::string>& users,
                ControllerConfig& config) {
   config.joint = reader.required<std::string>("joint");
@@ -50,6 +56,13 @@ void readJoint(YamlReader& reader, const RobotModel& model, std::map<std::string
     return;
   }
   const auto inserted = users.emplace(config.joint, config.name);
+  const auto& interfaces = model.movingJoint(model.jointIndex(config.joint)).hardware_interfaces;
+  const std::string needed = interfaceOf(config.type);
+  if (!interfaces.empty() && std::find(interfaces.begin(), interfaces.end(), needed) == interfaces.end()) {
+    reader.fault("type", controllerTypeName(config.type) + " (" + needed + ")",
+                 "one for " + interfaces.front() + ", the hardware interface of the <transmission> of joint '" +
+                     config.joint + "'");
+  }
   if (!inserted.second) {
     reader.fault("joint", config.joint, "a joint no other controller has (" + inserted.first->second + " has it)");
   }
@@ -102,6 +115,7 @@ std::vector<ControllerConfig> parseControllers(const YAML::Node& node, const Rob
         if (known.first == type) config.type = known.second;
       }
       readJoint(reader, model, users, config);
+      config.command_timeout_s = reader.optional<double>("command_timeout_s", 0.0, Range::nonNegative());
       const bool has_pid =
           config.type == ControllerType::kEffortPosition || config.type == ControllerType::kEffortVelocity;
       if (has_pid) {

@@ -3,22 +3,33 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
+
+#include "aras_visual_servo_sim/errors.hpp"
 
 namespace aras_visual_servo_sim {
 
 namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTwoPi = 6.283185307179586476925;
+
+/** What joint_limits_interface's soft limit handles ask for when they are made. */
+void checkSoftLimits(const Joint& joint, ControllerType type) {
+  if (!joint.soft.present || type == ControllerType::kVelocity) return;
+  const std::string what = "joint '" + joint.name + "': has soft limits and no ";
+  if (!joint.enforced.has_velocity) throw ParameterError(what + "velocity limit, must have one");
+  if (type == ControllerType::kPosition || joint.enforced.has_effort) return;
+  throw ParameterError(what + "effort limit, must have one");
+}
+
 }  // namespace
 
-JointDrive::JointDrive(const Joint& joint, const ControllerConfig* controller, Drive drive, double period_s,
-                       std::int64_t timeout_ticks)
-    : joint_(joint),
-      has_controller_(controller != nullptr),
-      implicit_(drive == Drive::kImplicit),
-      dt_s_(period_s),
-      timeout_ticks_(timeout_ticks) {
-  if (controller) controller_ = *controller;
+JointDrive::JointDrive(const Joint& joint, const ControllerConfig* controller, Drive drive, double period_s)
+    : joint_(joint), has_controller_(controller != nullptr), implicit_(drive == Drive::kImplicit), dt_s_(period_s) {
+  if (controller) {
+    controller_ = *controller;
+    checkSoftLimits(joint_, controller_.type);
+  }
   memory_.gains = controller_.gains;
 }
 
@@ -36,10 +47,14 @@ bool JointDrive::takesPosition() const { return positionControlled(); }
 bool JointDrive::takesVelocity() const { return has_controller_ && controller_.type != ControllerType::kEffort; }
 bool JointDrive::takesEffort() const { return has_controller_ && controller_.type == ControllerType::kEffort; }
 
-/** Shortest way round for a continuous joint, the plain difference otherwise. */
+/** Shortest way round for a continuous joint, within the limits for a revolute one. */
 double JointDrive::positionError(double q) const {
   const double error = memory_.set_point - q;
-  return joint_.type == JointType::kContinuous ? std::remainder(error, kTwoPi) : error;
+  if (joint_.type == JointType::kContinuous) return std::remainder(error, kTwoPi);
+  // Limits of less than a turn leave one way, the plain difference.
+  const JointLimits& limits = joint_.limits;
+  if (joint_.type != JointType::kRevolute || limits.upper - limits.lower < kTwoPi) return error;
+  return angularDistanceWithin(q, memory_.set_point, limits.lower, limits.upper);
 }
 
 void JointDrive::start(double q) {
@@ -57,18 +72,20 @@ void JointDrive::commandPosition(double set_point) {
   memory_.velocity_command = 0.0;
 }
 
-void JointDrive::commandVelocity(double velocity, std::int64_t tick, bool expires) {
-  const double clamped = clampVelocity(joint_.limits, velocity);
+void JointDrive::commandVelocity(double velocity, std::int64_t expiry_tick) {
+  const double clamped = clampVelocity(joint_.enforced, velocity);
   (positionControlled() ? memory_.velocity_command : memory_.set_point) = clamped;
-  memory_.command_tick = tick;
-  memory_.expires = expires;
+  memory_.expiry_tick = expiry_tick;
 }
 
-void JointDrive::commandEffort(double effort) { memory_.set_point = effort; }
+void JointDrive::commandEffort(double effort, std::int64_t expiry_tick) {
+  memory_.set_point = effort;
+  memory_.expiry_tick = expiry_tick;
+}
 
 /** The velocity commanded at a tick, 0 once the command is too old. */
 double JointDrive::velocityTarget(std::int64_t tick) const {
-  if (memory_.expires && timeout_ticks_ > 0 && tick - memory_.command_tick >= timeout_ticks_) return 0.0;
+  if (tick >= memory_.expiry_tick) return 0.0;
   return positionControlled() ? memory_.velocity_command : memory_.set_point;
 }
 
@@ -110,10 +127,9 @@ ActuatorLaw JointDrive::law(double q, double v, std::int64_t tick) {
   if (!has_controller_) return law;
   const ControllerType type = controller_.type;
   if (type == ControllerType::kPosition || type == ControllerType::kVelocity) {
-    law.servo = true;
-    const double target = type == ControllerType::kPosition ? error_before_ / dt_s_ : velocityTarget(tick);
-    law.servo_velocity = clampVelocity(joint_.limits, target);
+    law = servoLaw(q, v, tick);
   } else if (type == ControllerType::kEffort) {
+    if (tick >= memory_.expiry_tick) memory_.set_point = 0.0;
     law.a0 = memory_.set_point;
   } else if (!implicit_) {
     const double error = type == ControllerType::kEffortPosition ? error_before_ : velocityTarget(tick) - v;
@@ -124,11 +140,51 @@ ActuatorLaw JointDrive::law(double q, double v, std::int64_t tick) {
   } else {
     law = implicitPid(velocityTarget(tick), 1.0);
   }
-  const EffortBounds bounds = implicit_ ? effortBounds(joint_.limits, q, 0.0) : effortBounds(joint_.limits, q, v);
+  limitEffort(q, v, law);
+  return law;
+}
+
+/** Position and velocity joints: the velocity that fulfils the command as the limits leave it. */
+ActuatorLaw JointDrive::servoLaw(double q, double v, std::int64_t tick) {
+  ActuatorLaw law;
+  law.servo = true;
+  if (controller_.type == ControllerType::kVelocity) {
+    const VelocityBounds bounds = velocityCommandBounds(joint_.enforced, joint_.soft, q, v, dt_s_);
+    law.servo_velocity = saturate(velocityTarget(tick), bounds.min, bounds.max);
+    return law;
+  }
+  double error = error_before_;
+  if (joint_.soft.present) {
+    const double before = std::isnan(memory_.soft_position) ? q : memory_.soft_position;
+    memory_.soft_position = softPositionCommand(joint_.enforced, joint_.soft, memory_.set_point, before, dt_s_);
+    error = memory_.soft_position - q;
+  }
+  law.servo_velocity = clampVelocity(joint_.enforced, error / dt_s_);
+  return law;
+}
+
+/** An implicit drive obeys what depends on the velocity at the end of the step, an explicit one at its beginning. */
+void JointDrive::limitEffort(double q, double v, ActuatorLaw& law) const {
+  if (joint_.soft.present && !law.servo) {
+    const VelocityBounds bounds = softVelocityBounds(joint_.enforced, joint_.soft, q);
+    const double effort = joint_.enforced.effort;
+    law.u_min = -effort;
+    law.u_max = effort;
+    if (implicit_) {
+      law.soft = true;
+      law.soft_gain = joint_.soft.k_velocity;
+      law.v_soft_low = bounds.min;
+      law.v_soft_high = bounds.max;
+    } else {
+      law.u_min = saturate(-joint_.soft.k_velocity * (v - bounds.min), -effort, effort);
+      law.u_max = saturate(-joint_.soft.k_velocity * (v - bounds.max), -effort, effort);
+    }
+    return;
+  }
+  const EffortBounds bounds = effortBounds(joint_.enforced, q, implicit_ ? 0.0 : v);
   law.u_min = bounds.min;
   law.u_max = bounds.max;
-  if (implicit_ && joint_.limits.has_velocity && !law.servo) law.v_max = joint_.limits.velocity;
-  return law;
+  if (implicit_ && joint_.enforced.has_velocity && !law.servo) law.v_max = joint_.enforced.velocity;
 }
 
 void JointDrive::prepare(double q, double v, std::int64_t tick, JointGraph& graph) {

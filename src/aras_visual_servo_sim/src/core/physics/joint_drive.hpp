@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "aras_visual_servo_sim/joint_controller.hpp"
 #include "aras_visual_servo_sim/multibody_world.hpp"
@@ -8,22 +9,25 @@
 
 namespace aras_visual_servo_sim {
 
+/** Tick that never comes. */
+constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+
 /** What a joint's controller remembers; everything its future depends on. */
 struct DriveMemory {
-  double set_point = 0.0;         ///< position, velocity or effort, as the controller's type has it
-  double velocity_command = 0.0;  ///< integrated into the set-point of a position controller
-  std::int64_t command_tick = 0;  ///< of the last velocity command
-  bool expires = false;           ///< whether that command does
+  double set_point = 0.0;             ///< position, velocity or effort, as the controller's type has it
+  double velocity_command = 0.0;      ///< integrated into the set-point of a position controller
+  std::int64_t expiry_tick = kNever;  ///< at which the last velocity or effort command stops acting
   PidGains gains;
   PidState pid;
+  double soft_position = std::numeric_limits<double>::quiet_NaN();  ///< last position command within soft limits
   double process_value = 0.0, process_value_dot = 0.0, error = 0.0, command = 0.0;
 };
 
 /** One joint with its controller, if it has one, friction, damping and limits. */
 class JointDrive {
  public:
-  JointDrive(const Joint& joint, const ControllerConfig* controller, Drive drive, double period_s,
-             std::int64_t timeout_ticks);
+  /** @throws ParameterError for soft limits that lack the velocity or effort limits they need */
+  JointDrive(const Joint& joint, const ControllerConfig* controller, Drive drive, double period_s);
 
   const Joint& joint() const { return joint_; }
   bool hasController() const { return has_controller_; }
@@ -40,8 +44,8 @@ class JointDrive {
 
   /** Commands, each as the controller takes it; finite. */
   void commandPosition(double set_point);
-  void commandVelocity(double velocity, std::int64_t tick, bool expires);
-  void commandEffort(double effort);
+  void commandVelocity(double velocity, std::int64_t expiry_tick);
+  void commandEffort(double effort, std::int64_t expiry_tick);
 
   /** Moves the set-point on by one period and lays out the efforts possible in it, from the state at its beginning. */
   void prepare(double q, double v, std::int64_t tick, JointGraph& graph);
@@ -58,13 +62,14 @@ class JointDrive {
   void evaluate(double error, double process_value, double process_value_dot);
   ActuatorLaw implicitPid(double error, double error_rate) const;
   ActuatorLaw law(double q, double v, std::int64_t tick);
+  ActuatorLaw servoLaw(double q, double v, std::int64_t tick);
+  void limitEffort(double q, double v, ActuatorLaw& law) const;
 
   Joint joint_;
   ControllerConfig controller_;
   bool has_controller_;
   bool implicit_;
   double dt_s_;
-  std::int64_t timeout_ticks_;
   DriveMemory memory_;
   double error_before_ = 0.0;  // of the position, at the beginning of the period
 };

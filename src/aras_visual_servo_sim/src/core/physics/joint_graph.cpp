@@ -35,6 +35,10 @@ void JointGraph::addLawPoints() {
     add(rawRoot(law_.u_max));
     add(rawRoot(law_.u_min));
   }
+  if (law_.soft) {
+    addSoftPoints(law_.v_soft_low);
+    return addSoftPoints(law_.v_soft_high);
+  }
   if (law_.v_max == kInfinity) return;
   add(-law_.v_max);
   add(law_.v_max);
@@ -42,6 +46,35 @@ void JointGraph::addLawPoints() {
     const double zero = rawRoot(0.0);
     if (std::abs(zero) > law_.v_max) add(zero);
   }
+}
+
+/** Where the line -g (v - v_soft) leaves the effort limits, and where the PID may cross it. */
+void JointGraph::addSoftPoints(double v_soft) {
+  const double g = law_.soft_gain;
+  if (g > 0.0) {
+    add(v_soft - law_.u_max / g);
+    add(v_soft - law_.u_min / g);
+  }
+  for (const Line& raw : {Line{law_.a0 + law_.b_max, law_.a1}, Line{law_.a0 + law_.b_min, law_.a1},
+                          Line{law_.a0 + law_.b0, law_.a1 + law_.b1}}) {
+    if (raw.g != g) add((raw.c - g * v_soft) / (raw.g - g));
+  }
+}
+
+/** -g (v - v_soft) within the effort limits, on the piece that v is inside of. */
+JointGraph::Line JointGraph::softLine(double v_soft, double v) const {
+  const double effort = -law_.soft_gain * (v - v_soft);
+  if (effort >= law_.u_max) return {law_.u_max, 0.0};
+  if (effort <= law_.u_min) return {law_.u_min, 0.0};
+  return {law_.soft_gain * v_soft, law_.soft_gain};
+}
+
+JointGraph::Line JointGraph::softened(Line raw, double v) const {
+  const auto at = [v](const Line& line) { return line.c - line.g * v; };
+  const Line low = softLine(law_.v_soft_low, v);
+  const Line high = softLine(law_.v_soft_high, v);
+  if (at(raw) < at(low)) raw = low;
+  return at(raw) > at(high) ? high : raw;
 }
 
 /** Keeps the points sorted and apart, strictly inside the stops. */
@@ -75,8 +108,13 @@ JointGraph::Line JointGraph::actuatorLine(double v) const {
   const double raw = rawEffort(v);
   if (v > law_.v_max && raw > 0.0) return {std::min(0.0, law_.u_max), 0.0};
   if (v < -law_.v_max && raw < 0.0) return {std::max(0.0, law_.u_min), 0.0};
+  if (law_.soft) return softened(rawLine(v), v);
   if (raw >= law_.u_max) return {law_.u_max, 0.0};
   if (raw <= law_.u_min) return {law_.u_min, 0.0};
+  return rawLine(v);
+}
+
+JointGraph::Line JointGraph::rawLine(double v) const {
   const double integral = law_.b0 - law_.b1 * v;
   if (integral >= law_.b_max) return {law_.a0 + law_.b_max, law_.a1};
   if (integral <= law_.b_min) return {law_.a0 + law_.b_min, law_.a1};
@@ -121,6 +159,10 @@ double JointGraph::actuatorEffort(double v, double total) const {
   if (law_.servo) {
     if (v != law_.servo_velocity) return v < law_.servo_velocity ? law_.u_max : law_.u_min;
     return std::clamp(total + damping_ * v - frictionAt(v), law_.u_min, law_.u_max);
+  }
+  if (law_.soft) {
+    const Line line = softened(rawLine(v), v);
+    return line.c - line.g * v;
   }
   const double plain = std::clamp(rawEffort(v), law_.u_min, law_.u_max);
   if (v == law_.v_max) return std::clamp(total + damping_ * v - frictionAt(v), std::min(plain, 0.0), plain);

@@ -7,6 +7,8 @@ namespace aras_visual_servo_sim {
 
 /** Effort of an actuator as a function of the joint's velocity v at the end of the step, never increasing with v:
  *  clamp(a0 - a1 v + clamp(b0 - b1 v, b_min, b_max), u_min, u_max), and none of it towards a speed beyond v_max.
+ *  With soft limits, not beyond v_max but: clamped to [clamp(-g (v - v_soft_low), u_min, u_max),
+ *  clamp(-g (v - v_soft_high), u_min, u_max)], g = soft_gain.
  *  As a servo: whatever effort in [u_min, u_max] it takes to have v = servo_velocity. */
 struct ActuatorLaw {
   double a0 = 0.0, a1 = 0.0;                            ///< proportional and derivative part
@@ -15,6 +17,8 @@ struct ActuatorLaw {
   double v_max = std::numeric_limits<double>::infinity();
   bool servo = false;
   double servo_velocity = 0.0;
+  bool soft = false;
+  double soft_gain = 0.0, v_soft_low = 0.0, v_soft_high = 0.0;
 };
 
 /** Total effort on a joint over v: actuator, viscous damping, Coulomb friction, position stops.
@@ -50,14 +54,18 @@ class JointGraph {
  private:
   void add(double v);
   void addLawPoints();
+  void addSoftPoints(double v_soft);
+  Line softLine(double v_soft, double v) const;
+  Line softened(Line raw, double v) const;
   double rawEffort(double v) const;
   double rawRoot(double effort) const;
+  Line rawLine(double v) const;
   Line actuatorLine(double v) const;
   double frictionAt(double v) const;
 
   ActuatorLaw law_;
   double damping_ = 0.0, friction_ = 0.0, v_low_ = 0.0, v_high_ = 0.0;
-  std::array<double, 12> points_;
+  std::array<double, 20> points_;  // at most 17: 2 stops, friction, 4 of the PID and its limits, 2 x 5 of soft limits
   int count_ = 0;
 };
 

@@ -172,6 +172,24 @@ void checkDynamics(const UrdfSource& source, const XMLElement& joint, const std:
   }
 }
 
+void checkSafety(const UrdfSource& source, const XMLElement& joint, const std::string& type, const std::string& owner) {
+  const XMLElement* safety = joint.FirstChildElement("safety_controller");
+  if (!safety) return;
+  const double k_velocity = numbersOf(source, *safety, "k_velocity", 1, owner)[0];
+  const double k_position = numberOf(source, *safety, "k_position", 0.0, owner);
+  const double lower = numberOf(source, *safety, "soft_lower_limit", 0.0, owner);
+  const double upper = numberOf(source, *safety, "soft_upper_limit", 0.0, owner);
+  if (k_velocity < 0.0) source.fail(*safety, owner + ": k_velocity is " + shown(k_velocity) + ", must be >= 0");
+  if (k_position < 0.0) source.fail(*safety, owner + ": k_position is " + shown(k_position) + ", must be >= 0");
+  if (lower > upper) {
+    source.fail(*safety,
+                owner + ": soft_lower_limit is " + shown(lower) + ", must be <= the upper one, " + shown(upper));
+  }
+  if (type != "continuous" && k_position == 0.0) {
+    source.warn(*safety, owner + ": k_position is 0: as joint_limits_interface has it, its controller cannot move it");
+  }
+}
+
 void checkMimic(const UrdfSource& source, const XMLElement& mimic, const std::string& owner) {
   if (!mimic.Attribute("joint")) source.fail(mimic, owner + ": joint is missing, must be the name of a joint");
   for (const char* attribute : {"multiplier", "offset"}) numberOf(source, mimic, attribute, 0.0, owner);
@@ -189,7 +207,8 @@ void checkJoint(const UrdfSource& source, const XMLElement& joint, const std::st
   for (const XMLElement* child = joint.FirstChildElement(); child; child = child->NextSiblingElement()) {
     const std::string tag = child->Name();
     if (tag == "mimic") checkMimic(source, *child, owner);
-    static const std::set<std::string> kUsed = {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic"};
+    static const std::set<std::string> kUsed = {"origin", "parent", "child",    "axis",
+                                                "limit",  "mimic",  "dynamics", "safety_controller"};
     if (!kUsed.count(tag)) source.warn(*child, owner + ": ignored");
   }
   if (type == "fixed" || type == "floating") return;
@@ -201,6 +220,7 @@ void checkJoint(const UrdfSource& source, const XMLElement& joint, const std::st
   }
   checkLimit(source, joint, type, owner);
   checkDynamics(source, joint, owner);
+  checkSafety(source, joint, type, owner);
 }
 
 /** Link named by <parent> or <child>. */

@@ -76,6 +76,7 @@ CameraTag readCamera(const UrdfSource& source, const XMLElement& sensor, const s
 void readTransmissions(const UrdfSource& source, const XMLElement& robot, RobotModel& model) {
   for (const XMLElement* transmission = robot.FirstChildElement("transmission"); transmission;
        transmission = transmission->NextSiblingElement("transmission")) {
+    const XMLElement* actuator = transmission->FirstChildElement("actuator");
     for (const XMLElement* end = transmission->FirstChildElement("joint"); end;
          end = end->NextSiblingElement("joint")) {
       const std::string name = end->Attribute("name") ? end->Attribute("name") : "";
@@ -84,14 +85,15 @@ void readTransmissions(const UrdfSource& source, const XMLElement& robot, RobotM
         if (each.name == name) joint = &each;
       }
       if (!joint) source.fail(*end, "transmission acts on joint '" + name + "', must be a <joint> of this file");
-      for (const XMLElement* interface = end->FirstChildElement("hardwareInterface"); interface;
+      // Older files have it in the actuator.
+      const XMLElement* holder = end->FirstChildElement("hardwareInterface") ? end : actuator;
+      for (const XMLElement* interface = holder ? holder->FirstChildElement("hardwareInterface") : nullptr; interface;
            interface = interface->NextSiblingElement("hardwareInterface")) {
         const std::string text = textOf(interface);
         const auto slash = text.rfind('/');
         joint->hardware_interfaces.push_back(slash == std::string::npos ? text : text.substr(slash + 1));
       }
     }
-    const XMLElement* actuator = transmission->FirstChildElement("actuator");
     const double reduction = actuator ? childNumber(source, actuator, "mechanicalReduction") : 0.0;
     if (reduction != 0.0 && reduction != 1.0) source.warn(*transmission, "mechanicalReduction is ignored");
   }

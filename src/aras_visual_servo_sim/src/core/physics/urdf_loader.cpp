@@ -121,6 +121,13 @@ Joint toJoint(const urdf::Joint& from, int parent_link, int child_link) {
     to.limits.effort = from.limits->effort;
     to.limits.velocity = from.limits->velocity;
   }
+  if (from.safety) {
+    to.soft.present = true;
+    to.soft.k_position = from.safety->k_position;
+    to.soft.k_velocity = from.safety->k_velocity;
+    to.soft.lower = from.safety->soft_lower_limit;
+    to.soft.upper = from.safety->soft_upper_limit;
+  }
   if (from.dynamics) {
     to.damping = from.dynamics->damping;
     to.friction = from.dynamics->friction;
@@ -187,6 +194,7 @@ RobotModel loadRobotModel(const std::string& urdf_xml, const std::string& source
   appendTree(*parsed->getRoot(), -1, model);
   nameMovingJoints(model);
   readMimics(source, *robot, model);
+  for (Joint& joint : model.joints) joint.enforced = joint.limits;
   readTransmissions(source, *robot, model);
   readGazeboTags(source, *robot, model);
   return model;

@@ -31,6 +31,9 @@ bool isFloating(const RobotModel& model, const WorldConfig& config) {
 /** How far a mimic joint may be named off the position it has: the rounding of a few operations. */
 constexpr double kMimicRounding = 1e-9;
 
+/** Periods after which a timeout is no different from none: far below the largest tick. */
+constexpr double kLongestTimeout = 1e18;
+
 }  // namespace
 
 MultibodyWorld::Impl::Impl(const RobotModel& the_model, const WorldConfig& the_config)
@@ -51,8 +54,6 @@ MultibodyWorld::Impl::Impl(const RobotModel& the_model, const WorldConfig& the_c
 }
 
 void MultibodyWorld::Impl::makeDrives() {
-  // The first tick at or after the timeout; the small slack keeps 0.1 s / 0.001 s at 100.
-  const auto timeout = static_cast<std::int64_t>(std::ceil(config.command_timeout_s / config.period_s - 1e-9));
   for (int c = 0; c < coupling.coordinates(); ++c) {
     const int i = coupling.joint(c);
     const ControllerConfig* controller = nullptr;
@@ -64,10 +65,16 @@ void MultibodyWorld::Impl::makeDrives() {
       }
       controller = &each;
     }
-    drives.emplace_back(coupling.driven(model, c), controller, config.drive, config.period_s, timeout);
+    drives.emplace_back(coupling.driven(model, c), controller, config.drive, config.period_s);
     q[i] = clampPosition(model.movingJoint(i).limits, 0.0);
   }
   for (const auto& each : config.controllers) driveOfJoint(each.joint);
+}
+
+/** The first tick at or after the timeout; the small slack keeps 0.1 s / 0.001 s at 100. */
+std::int64_t MultibodyWorld::Impl::expiryTick(double timeout_s) const {
+  const double periods = std::ceil(timeout_s / config.period_s - 1e-9);
+  return timeout_s > 0.0 && periods < kLongestTimeout ? ticks + static_cast<std::int64_t>(periods) : kNever;
 }
 
 Pose MultibodyWorld::Impl::initialBasePose() const {
@@ -194,8 +201,15 @@ void MultibodyWorld::Impl::command(const JointCommand& command, bool expires) {
   checkCommand(command.velocity, &JointDrive::takesVelocity, "velocity");
   checkCommand(command.effort, &JointDrive::takesEffort, "effort");
   for (const auto& item : command.position) driveOfJoint(item.first).commandPosition(item.second);
-  for (const auto& item : command.velocity) driveOfJoint(item.first).commandVelocity(item.second, ticks, expires);
-  for (const auto& item : command.effort) driveOfJoint(item.first).commandEffort(item.second);
+  for (const auto& item : command.velocity) {
+    JointDrive& drive = driveOfJoint(item.first);
+    drive.commandVelocity(item.second,
+                          expiryTick(expires ? config.command_timeout_s : drive.controller().command_timeout_s));
+  }
+  for (const auto& item : command.effort) {
+    JointDrive& drive = driveOfJoint(item.first);
+    drive.commandEffort(item.second, expiryTick(drive.controller().command_timeout_s));
+  }
 }
 
 }  // namespace aras_visual_servo_sim

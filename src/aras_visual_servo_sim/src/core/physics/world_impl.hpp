@@ -25,7 +25,9 @@ class MultibodyWorld::Impl {
   void placeBase(const Pose& X_WB);
   Pose initialBasePose() const;
 
-  /** One checked command: everything is looked up before anything is done. */
+  /** One checked command: everything is looked up before anything is done.
+   *  @param expires  whether its velocities do so after config.command_timeout_s; else, as efforts, after the time of
+   *                  their controller */
   void command(const JointCommand& command, bool expires);
 
   /** @throws UnknownNameError, ParameterError naming what a mimic joint follows */
@@ -60,6 +62,7 @@ class MultibodyWorld::Impl {
 
  private:
   void makeDrives();
+  std::int64_t expiryTick(double timeout_s) const;
   void checkVelocities() const;
   void checkCommand(const std::map<std::string, double>& values, bool (JointDrive::*takes)() const,
                     const char* kind) const;

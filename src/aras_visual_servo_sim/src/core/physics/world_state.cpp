@@ -19,14 +19,13 @@ void visitBase(Stream& stream, FloatingBase& base) {
 
 template <typename Stream>
 void visitMemory(Stream& stream, DriveMemory& memory) {
-  for (double* value :
-       {&memory.set_point, &memory.velocity_command, &memory.process_value, &memory.process_value_dot, &memory.error,
-        &memory.command, &memory.gains.p, &memory.gains.i, &memory.gains.d, &memory.gains.i_min, &memory.gains.i_max,
-        &memory.pid.error, &memory.pid.last_error, &memory.pid.error_dot, &memory.pid.integral, &memory.pid.command}) {
+  for (double* value : {&memory.set_point, &memory.soft_position, &memory.velocity_command, &memory.process_value,
+                        &memory.process_value_dot, &memory.error, &memory.command, &memory.gains.p, &memory.gains.i,
+                        &memory.gains.d, &memory.gains.i_min, &memory.gains.i_max, &memory.pid.error,
+                        &memory.pid.last_error, &memory.pid.error_dot, &memory.pid.integral, &memory.pid.command}) {
     stream.value(*value);
   }
-  stream.value(memory.command_tick);
-  stream.value(memory.expires);
+  stream.value(memory.expiry_tick);
   stream.value(memory.gains.antiwindup);
   stream.value(memory.pid.last_error_valid);
 }
