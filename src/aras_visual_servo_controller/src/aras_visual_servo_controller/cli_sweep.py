@@ -22,7 +22,7 @@ def sweep_main(argv=None):
     parser.add_argument("scenario", nargs="?", help="name of a scenario of this package, or path of a YAML file")
     parser.add_argument("--starts", type=int, metavar="N", help="number of runs (default: sweep.starts, else 100)")
     parser.add_argument("--method", help="latin_hypercube (default), grid or random")
-    parser.add_argument("--space", help="camera (default) or joint: where starts are sampled")
+    parser.add_argument("--space", help="camera (default), joint, ball or view: where starts are sampled")
     parser.add_argument("--seed", type=int, help="of the samples (default: sweep.seed, else 0)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
                         help="replace a value of the scenario, e.g. --set servo.law=paper")
@@ -217,6 +217,7 @@ def _plain(settings):
     """Settings as JSON gives them back."""
     values = asdict(settings)
     values["ranges"] = {name: list(ends) for name, ends in settings.ranges.items()}
+    values["goal"] = {name: list(ends) for name, ends in settings.goal.items()}
     values["perturb"] = {p.name: ", ".join(map(str, p.values)) if p.values else f"{p.low:g} to {p.high:g}"
                          for p in settings.perturbations}
     del values["perturbations"]

@@ -180,4 +180,4 @@ def format_comparison(names, sweeps):
 
 
 def _start(row):
-    return {name: value for name, value in row.items() if name.startswith(("start_", "offset_"))}
+    return {name: value for name, value in row.items() if name.startswith(("start_", "offset_", "goal_"))}

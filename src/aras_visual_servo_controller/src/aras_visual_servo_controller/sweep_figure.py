@@ -12,7 +12,7 @@ from .sweep_statistics import reasons, success_curve
 
 FIGURES = ("map", "curve", "reasons")
 DEFAULT_AXES = ("x0_mm", "y0_mm")
-#: Columns a map may have as axes beside start_*, offset_* and numeric p_*.
+#: Columns a map may have as axes beside start_*, offset_*, goal_* and numeric p_*.
 AXES = ("x0_mm", "y0_mm", "z0_mm", "distance0_mm", "angle0_deg")
 LABELS = {"x0_mm": "initial $x$ [mm]", "y0_mm": "initial $y$ [mm]", "z0_mm": "initial $z$ [mm]",
           "distance0_mm": "initial distance [mm]", "angle0_deg": "initial angle [deg]"}
@@ -20,7 +20,7 @@ LABELS = {"x0_mm": "initial $x$ [mm]", "y0_mm": "initial $y$ [mm]", "z0_mm": "in
 
 def known_axes(rows):
     """Columns that a map can be drawn over."""
-    extra = [name for name in (rows[0] if rows else {}) if name.startswith(("start_", "offset_", "p_"))
+    extra = [name for name in (rows[0] if rows else {}) if name.startswith(("start_", "offset_", "goal_", "p_"))
              and all(row[name] is None or isinstance(row[name], (int, float)) for row in rows)]
     return [*AXES, *extra]
 

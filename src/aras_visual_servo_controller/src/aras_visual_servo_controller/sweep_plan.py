@@ -1,7 +1,7 @@
-"""Which runs a sweep consists of: starts sampled in joint or camera space, perturbations, all from one seed.
+"""Which runs a sweep consists of: starts, goals and perturbations, all from one seed; what cannot be run is refused.
 
-The starts depend on method, space, ranges, number and seed only, not on what is perturbed nor on the law: two sweeps of
-the same seed have the same starts, run for run, and can be compared in pairs.
+Starts and goals depend on method, space, ranges, number and seed only, not on what is perturbed nor on the law: two
+sweeps of the same seed have the same starts, run for run, and can be compared in pairs.
 """
 
 from dataclasses import dataclass, field
@@ -10,23 +10,16 @@ from math import isfinite
 import numpy as np
 
 from .errors import ParameterError
+from .feasibility import Feasibility
+from .reach import reach
 from .sweep_perturb import read_perturbations
+from .sweep_space import AXES, DEFAULTS, GOAL_AXES, View, in_ball, pose_of, tilted_goal
 
 METHODS = ("latin_hypercube", "grid", "random")
-SPACES = ("camera", "joint")
-CAMERA_AXES = ("x_m", "y_m", "z_m", "rx_rad", "ry_rad", "rz_rad")
-#: Where the camera starts if the scenario does not say: displaced from the goal, along its own axes (z along the view).
-#: Backwards only: at the goals of the paper the arm is all but stretched.
-DEFAULT_CAMERA = {"x_m": (-0.15, 0.15), "y_m": (-0.2, 0.2), "z_m": (-0.2, -0.03), "rz_rad": (-0.7, 0.7)}
+SPACES = ("camera", "joint", "ball", "view")
 #: Half-width of the joint ranges about the goal if the scenario does not say [m, rad].
 DEFAULT_JOINT_HALF_WIDTH = 0.2
 DEFAULT_STARTS = 100
-
-#: A camera pose counts as reached when it is this near: a tenth of what the strict metric tells apart.
-REACHED_M, REACHED_RAD = 1e-4, 5e-4
-IK_STEPS, IK_DAMPING, IK_MAX_STEP = 60, 1e-2, 0.3
-#: Other postures tried, and how far they are from the goal [m, rad].
-IK_GUESSES, IK_SPREAD = 6, 0.8
 
 
 @dataclass(frozen=True)
@@ -36,9 +29,10 @@ class Start:
     Attributes:
         id: from 1, in the order of sampling.
         joints: where the arm starts, by name [m, rad]; None if there is no such place.
-        offset: camera space only: displacement X_CgC from the goal by axis (rotation vector) [m, rad]; else {}.
+        offset: displacement X_CgC from the goal by axis (rotation vector) [m, rad]; {} in space joint.
         parameters: perturbation name -> value.
         refusal: why this start cannot be run, "" if it can be tried.
+        goal: {} for the scenario's; else tilt_rad, about_rad, and of what replaces it joints and target_normal_C.
     """
 
     id: int
@@ -46,6 +40,7 @@ class Start:
     offset: dict = field(default_factory=dict)
     parameters: dict = field(default_factory=dict)
     refusal: str = ""
+    goal: dict = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -59,6 +54,7 @@ class SweepSettings:
     drive_to_start: bool
     ranges: dict  # axis or joint name -> (low, high)
     perturbations: tuple
+    goal: dict = field(default_factory=dict)  # axis -> (low, high); {}: the scenario's goal
 
     @classmethod
     def from_scenario(cls, scenario, kinematics, **changes):
@@ -79,13 +75,16 @@ class SweepSettings:
             if value not in known:
                 faults.append(f"sweep.{key}: found {value}, allowed {', '.join(known)}")
         ranges = {}
-        if space == "camera":
-            ranges = _ranges("camera", section.get("camera") or DEFAULT_CAMERA, CAMERA_AXES, faults)
+        if space in AXES:
+            # A part of the axes: the others stay at the goal, or, where there is no such place, at their defaults.
+            given = {**({} if space == "camera" else DEFAULTS[space]), **(section.get(space) or DEFAULTS[space])}
+            ranges = _ranges(space, given, AXES[space], faults)
         elif space == "joint":
             goal = scenario.experiment["goal"]["joints"]
             around = {name: (goal[name] - DEFAULT_JOINT_HALF_WIDTH, goal[name] + DEFAULT_JOINT_HALF_WIDTH)
                       for name in kinematics.joint_names if name in goal}
             ranges = _ranges("joints", section.get("joints") or around, kinematics.joint_names, faults)
+        goal = _ranges("goal", section.get("goal", {}), GOAL_AXES, faults)
         perturbations = []
         try:
             perturbations = read_perturbations(section.get("perturb", {}), scenario)
@@ -94,7 +93,7 @@ class SweepSettings:
         if faults:
             raise ParameterError(faults)
         return cls(starts, method, space, seed, bool(section.get("drive_to_start", False)), ranges,
-                   tuple(perturbations))
+                   tuple(perturbations), goal)
 
 
 def sample(method, count, dimensions, seed):
@@ -120,94 +119,76 @@ def sample(method, count, dimensions, seed):
 
 
 def make_starts(settings, scenario, kinematics):
-    """The runs of a sweep: list of `Start`, a function of its arguments alone."""
+    """The runs of a sweep: list of `Start`, a function of its arguments alone. ParameterError: no such space here."""
     varied = {name: ends for name, ends in settings.ranges.items() if ends[0] < ends[1]}
-    places = sample(settings.method, settings.starts, len(varied), [settings.seed, 1])
+    places = sample(settings.method, settings.starts, 6 if settings.space == "ball" else len(varied),
+                    [settings.seed, 1])
     # A grid over the perturbations too would leave few places: there they are drawn at random.
     method = "random" if settings.method == "grid" else settings.method
     values = sample(method, len(places), len(settings.perturbations), [settings.seed, 2])
-    goal = kinematics.vector({**dict.fromkeys(kinematics.joint_names, 0.0), **scenario.sim.get("initial_positions", {}),
-                              **scenario.experiment["goal"]["joints"]})
+    goals = sample(method, len(places), len(settings.goal), [settings.seed, 3])
+    planner = _Planner(settings, scenario, kinematics)
     starts = []
-    for i, (place, u) in enumerate(zip(places, values)):
+    for i, (place, u, g) in enumerate(zip(places, values, goals)):
         point = {name: ends[0] for name, ends in settings.ranges.items()}
-        point.update({name: float(low + t * (high - low)) for (name, (low, high)), t in zip(varied.items(), place)})
+        point.update({name: _between(ends, t) for (name, ends), t in zip(varied.items(), place)})
         parameters = {p.name: p.at(float(t)) for p, t in zip(settings.perturbations, u)}
-        if settings.space == "joint":
-            joints, refusal, offset = {**kinematics.by_name(goal), **point}, "", {}
-        else:
-            offset = point
-            joints, refusal = reach(kinematics, goal, point)
-        refusal = refusal or outside_limits(kinematics, joints)
-        starts.append(Start(i + 1, joints, offset, parameters, refusal))
+        wanted = {name: _between(ends, t) for (name, ends), t in zip(settings.goal.items(), g)}
+        joints, offset, goal, refusal = planner.plan(place, point, wanted)
+        starts.append(Start(i + 1, joints, offset, parameters, refusal, goal))
     return starts
 
 
-def outside_limits(kinematics, joints):
-    """"outside joint limits: ..." naming every such joint, "" if there is none."""
-    faults = [f"{name} {joints[name]:.4g} not in [{lower:.4g}, {upper:.4g}]"
-              for name, lower, upper in zip(kinematics.joint_names, kinematics.lower, kinematics.upper)
-              if not lower <= joints[name] <= upper]
-    return f"outside joint limits: {', '.join(faults)}" if faults else ""
+class _Planner:
+    """From a sampled place to joints, or to why there are none."""
+
+    def __init__(self, settings, scenario, kinematics):
+        self._settings, self._scenario, self._kinematics = settings, scenario, kinematics
+        self._goal = kinematics.vector({**dict.fromkeys(kinematics.joint_names, 0.0),
+                                        **scenario.sim.get("initial_positions", {}),
+                                        **scenario.experiment["goal"]["joints"]})
+        self._X_WCg = kinematics.pose(self._goal)
+        # What a perturbation makes of target and camera is known in the run only.
+        known = not any(p.name.startswith(("target", "sim.")) for p in settings.perturbations)
+        self._feasibility = Feasibility(scenario, kinematics, look=known)
+        self._view = View(scenario, self._X_WCg) if settings.space == "view" else None
+        if settings.goal and self._feasibility.outline is None:
+            raise ParameterError("sweep.goal: needs a flat target of known outline and a camera without fisheye lens")
+
+    def plan(self, place, point, wanted):
+        """(joints, offset, goal, refusal) of one run."""
+        goal, q_goal, refusal = {}, self._goal, ""
+        offset = self._offset(place, point) if self._settings.space != "view" else {}
+        if wanted:
+            goal, refusal = self._tilted(wanted)
+            if refusal:
+                return None, offset, goal, f"goal {refusal}"
+            q_goal = self._kinematics.vector(goal["joints"])
+        if self._settings.space == "joint":
+            joints = {**self._kinematics.by_name(q_goal), **point}
+        else:
+            try:
+                offset = offset or self._view.offset(point)
+            except ParameterError as error:
+                return None, offset, goal, str(error)
+            joints, refusal = reach(self._kinematics, q_goal, self._kinematics.pose(q_goal) @ pose_of(offset))
+        return joints, offset, goal, refusal or self._feasibility.refusal(q_goal, self._kinematics.vector(joints))
+
+    def _offset(self, place, point):
+        return {"camera": lambda: point, "joint": dict,
+                "ball": lambda: in_ball(self._settings.ranges, place)}[self._settings.space]()
+
+    def _tilted(self, wanted):
+        X_WT = self._feasibility.outline.X_WT
+        t_C = np.linalg.solve(self._X_WCg, X_WT)[:3, 3]
+        normal_C = self._scenario.servo.get("target_normal_C", (0.0, 0.0, 1.0))
+        X_CgCn, normal = tilted_goal(wanted, t_C, normal_C)
+        joints, refusal = reach(self._kinematics, self._goal, self._X_WCg @ X_CgCn)
+        return dict(wanted, joints=joints, target_normal_C=normal.tolist()), refusal
 
 
-def reach(kinematics, goal, offset):
-    """Joints that displace the camera from the goal pose.
-
-    Args:
-        goal: (n,) joints of the goal.  offset: X_CgC by axis of CAMERA_AXES, rotation vector; missing axes 0.
-    Returns:
-        (joints by name, "") or (None, why not). Damped least squares from the goal, then from IK_GUESSES other
-        postures, always the same ones; joints within their limits are preferred.
-    """
-    delta = np.array([offset.get(axis, 0.0) for axis in CAMERA_AXES])
-    X_CgC = np.eye(4)
-    X_CgC[:3, :3], X_CgC[:3, 3] = rotation(delta[3:]), delta[:3]
-    X_BC = kinematics.pose(goal) @ X_CgC
-    rng, found, missing = np.random.default_rng(0), None, None
-    for guess in range(1 + IK_GUESSES):
-        q = goal if guess == 0 else goal + rng.uniform(-IK_SPREAD, IK_SPREAD, len(goal))
-        q, error = _solve(kinematics, X_BC, q)
-        if np.linalg.norm(error[:3]) < REACHED_M and np.linalg.norm(error[3:]) < REACHED_RAD:
-            found = kinematics.by_name(q) if found is None else found
-            if not outside_limits(kinematics, kinematics.by_name(q)):
-                return kinematics.by_name(q), ""
-        elif missing is None or np.linalg.norm(error) < np.linalg.norm(missing):
-            missing = error
-    if found is not None:
-        return found, ""
-    return None, (f"camera pose out of reach: {1e3 * np.linalg.norm(missing[:3]):.3g} mm and "
-                  f"{np.degrees(np.linalg.norm(missing[3:])):.3g} deg are missing")
-
-
-def _solve(kinematics, X_BC, q):
-    """(joints, what is left of the error (6,) in C) of damped least squares from q."""
-    for _ in range(IK_STEPS):
-        X = kinematics.pose(q)
-        error = np.concatenate([X[:3, :3].T @ (X_BC[:3, 3] - X[:3, 3]), rotation_vector(X[:3, :3].T @ X_BC[:3, :3])])
-        if np.linalg.norm(error[:3]) < REACHED_M and np.linalg.norm(error[3:]) < REACHED_RAD:
-            break
-        J = kinematics.jacobian(q)
-        step = J.T @ np.linalg.solve(J @ J.T + IK_DAMPING ** 2 * np.eye(6), error)
-        q = q + step * min(1.0, IK_MAX_STEP / max(float(np.abs(step).max()), 1e-12))
-    return q, error
-
-
-def rotation(vector):
-    """Rotation matrix of a rotation vector (3,) [rad] (Rodrigues)."""
-    angle = float(np.linalg.norm(vector))
-    if angle == 0.0:
-        return np.eye(3)
-    x, y, z = np.asarray(vector) / angle
-    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + np.sin(angle) * K + (1.0 - np.cos(angle)) * (K @ K)
-
-
-def rotation_vector(R):
-    """Rotation vector (3,) [rad] of a matrix, angle below pi."""
-    axis = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
-    sine, cosine = float(np.linalg.norm(axis)), 0.5 * (float(np.trace(R)) - 1.0)
-    return axis if sine < 1e-12 else axis * (np.arctan2(sine, cosine) / sine)
+def _between(ends, t):
+    return float(ends[0] + float(t) * (ends[1] - ends[0]))
 
 
 def _grid_shape(count, dimensions):

@@ -81,6 +81,7 @@ def setting_rows(meta):
     settings = meta["settings"]
     rows = [(key, str(settings[key])) for key in ("starts", "method", "space", "seed")]
     rows += [(f"range of {name}", f"{low:g} to {high:g}") for name, (low, high) in settings["ranges"].items()]
+    rows += [(f"goal, range of {name}", f"{low:g} to {high:g}") for name, (low, high) in settings["goal"].items()]
     return rows + [(f"perturbed: {name}", text) for name, text in settings["perturb"].items()]
 
 

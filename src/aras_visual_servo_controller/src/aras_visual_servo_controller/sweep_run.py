@@ -20,11 +20,14 @@ from .errors import ArasError, ParameterError
 from .experiment import judge, pose_error
 from .kinematics import Kinematics
 from .loop import DEFAULT_LIMIT_S, ServoLoop
+from .outline import Outline
 from .record import RecordBuilder
+from .run_measures import MEASURES, measures
 from .scenario import resolve_uri, scenario_from_dict
 from .sequence import ExperimentConfig
 from .sweep_perturb import perturbed, simulator_key
-from .sweep_plan import CAMERA_AXES, Start
+from .sweep_plan import Start
+from .sweep_space import CAMERA_AXES
 from .types import FEATURE_NAMES, Status
 
 #: A run has succeeded when this part of the initial distance is left, and less than this angle (the metric of recent
@@ -44,7 +47,7 @@ COLUMNS = {
     "success": "INTEGER", "success_strict": "INTEGER", "duration_s": "REAL", "images": "INTEGER",
     "distance0_mm": "REAL", "angle0_deg": "REAL", "x0_mm": "REAL", "y0_mm": "REAL", "z0_mm": "REAL",
     "error_mm": "REAL", "x_mm": "REAL", "y_mm": "REAL", "z_mm": "REAL", "angle_deg": "REAL",
-    **{f"e_{name}": "REAL" for name in FEATURE_NAMES}, "run_hash": "TEXT", "trace_hash": "TEXT",
+    **dict.fromkeys(MEASURES, "REAL"), **{f"e_{name}": "REAL" for name in FEATURE_NAMES}, "run_hash": "TEXT", "trace_hash": "TEXT",
 }
 
 
@@ -79,9 +82,10 @@ class Bench:
             if self._noisy(parameters):  # every run its own noise
                 parameters.setdefault("sim.seed", self.scenario.sim.get("seed", 0) + start.id)
             scenario = perturbed(self.scenario, parameters)
-            scenario = replace(scenario, experiment=dict(scenario.experiment, start={"joints": dict(start.joints)}))
+            scenario = placed(scenario, start)
             loop = ServoLoop(scenario, sim=self._simulator(scenario, parameters))
-            builder = RecordBuilder(scenario.name, loop.kinematics.joint_names, settings=scenario.as_dict())
+            builder = RecordBuilder(scenario.name, loop.kinematics.joint_names, settings=scenario.as_dict(),
+                                    feature_names=loop.servo.feature_names)
             builder.note(f"start {start.id} of a sweep, the arm {'driven' if self.drive_to_start else 'placed'} there")
             for name, value in parameters.items():
                 builder.note(f"sweep: {name} {value}")
@@ -89,7 +93,9 @@ class Bench:
             drive(loop, builder, start)
             self._servo(loop, builder)
             record = builder.finish(run_hash=loop.sim.run_hash, camera_info=loop.camera_info)
-            return dict(judge_row(record), id=start.id), record
+            lower, upper = loop.kinematics.lower, loop.kinematics.upper
+            row = dict(judge_row(record), **measures(record, lower, upper, Outline.of(scenario)), id=start.id)
+            return row, record
         except Infeasible as refusal:
             reason = str(refusal).partition(":")[0]
             return dict(self._empty(start), outcome="infeasible", reason=reason, detail=str(refusal)), None
@@ -166,13 +172,23 @@ class Bench:
             robot = self.scenario.robot
             self._kinematics = Kinematics(self.scenario.urdf_xml(), robot["base_link"], robot["tip_link"])
         goal = {**dict.fromkeys(self._kinematics.joint_names, 0.0), **self.scenario.sim.get("initial_positions", {}),
-                **self.scenario.experiment["goal"]["joints"]}
+                **placed(self.scenario, start).experiment["goal"]["joints"]}
         pose = self._kinematics.pose
         return pose_error(pose(self._kinematics.vector(goal)), pose(self._kinematics.vector(start.joints)))
 
 
+def placed(scenario, start):
+    """The scenario with the goal and the start of a run in place."""
+    experiment = dict(scenario.experiment, start={"joints": dict(start.joints)})
+    if not start.goal:
+        return replace(scenario, experiment=experiment)
+    experiment["goal"] = {"joints": dict(start.goal["joints"])}
+    return replace(scenario, experiment=experiment,
+                   servo=dict(scenario.servo, target_normal_C=list(start.goal["target_normal_C"])))
+
+
 def judge_row(record):
-    """Result of a run as a dict of COLUMNS, without id; a pure function of the record."""
+    """Result of a run as a dict of COLUMNS, without id and MEASURES; a pure function of the record."""
     judgement = judge(record)
     error, row = judgement.final_error, dict.fromkeys(COLUMNS)
     row.update(_initial(judgement.initial_error))
@@ -184,7 +200,7 @@ def judge_row(record):
     row.update(outcome="success" if row["success"] else "failure", reason=_reason(record, judgement, row["success"]),
                detail=judgement.reason, duration_s=judgement.duration_s, images=judgement.images,
                run_hash=record.run_hash, trace_hash=trace_hash(record))
-    row.update({f"e_{name}": value for name, value in judgement.final_feature_error.items()})
+    row.update({f"e_{name}": value for name, value in judgement.final_feature_error.items() if f"e_{name}" in COLUMNS})
     return row
 
 

@@ -16,9 +16,10 @@ from pathlib import Path
 from .errors import ArasError
 from .sweep_plan import Start
 from .sweep_run import COLUMNS
+from .sweep_space import GOAL_AXES
 
 FILE = "sweep.db"
-LAYOUT = 1
+LAYOUT = 2
 
 
 class StoreError(ArasError):
@@ -30,7 +31,7 @@ class SweepStore:
 
     Attributes:
         folder: of the sweep.  meta: dict as given to `create`.
-        extra: columns of `runs` beside COLUMNS: start_<joint>, offset_<axis>, p_<perturbation>.
+        extra: columns of `runs` beside COLUMNS: start_<joint>, offset_<axis>, goal_<axis>, p_<perturbation>.
     """
 
     def __init__(self, folder, connection, meta, lock=None):
@@ -47,8 +48,9 @@ class SweepStore:
         lock = _lock(folder)
         joints = next((start.joints for start in starts if start.joints), {})
         first = starts[0]
-        extra = ([f"start_{name}" for name in joints] + [f"offset_{name}" for name in first.offset]
-                 + [f"p_{name}" for name in first.parameters])
+        offset = next((start.offset for start in starts if start.offset), {})
+        extra = ([f"start_{name}" for name in joints] + [f"offset_{name}" for name in offset]
+                 + [f"goal_{name}" for name in first.goal if name in GOAL_AXES] + [f"p_{name}" for name in first.parameters])
         meta = dict(meta, layout=LAYOUT, columns=extra)
         with _speaking(path):
             connection = _connect(path)
@@ -57,12 +59,12 @@ class SweepStore:
             with connection:
                 connection.execute("CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT)")
                 connection.execute("CREATE TABLE starts (id INTEGER PRIMARY KEY, joints TEXT, offset TEXT, "
-                                   "parameters TEXT, refusal TEXT)")
+                                   "parameters TEXT, refusal TEXT, goal TEXT)")
                 connection.execute(f"CREATE TABLE runs ({columns})")
                 connection.execute("CREATE TABLE timing (id INTEGER PRIMARY KEY, wall_s REAL, done_at REAL)")
-                connection.executemany("INSERT INTO starts VALUES (?, ?, ?, ?, ?)",
+                connection.executemany("INSERT INTO starts VALUES (?, ?, ?, ?, ?, ?)",
                                        [(s.id, json.dumps(s.joints), json.dumps(s.offset), json.dumps(s.parameters),
-                                         s.refusal) for s in starts])
+                                         s.refusal, json.dumps(s.goal)) for s in starts])
                 connection.executemany("INSERT INTO meta VALUES (?, ?)",
                                        [(key, json.dumps(value)) for key, value in meta.items()])
         return cls(folder, connection, meta, lock)
@@ -85,8 +87,8 @@ class SweepStore:
     def starts(self):
         """Every run planned, list of `Start` by id."""
         with _speaking(self.folder):
-            rows = self._connection.execute("SELECT id, joints, offset, parameters, refusal FROM starts ORDER BY id")
-            return [Start(row[0], json.loads(row[1]), json.loads(row[2]), json.loads(row[3]), row[4]) for row in rows]
+            rows = self._connection.execute("SELECT id, joints, offset, parameters, refusal, goal FROM starts ORDER BY id")
+            return [Start(row[0], *map(json.loads, row[1:4]), row[4], json.loads(row[5])) for row in rows]
 
     def start(self, run_id):
         """One run planned. Raises StoreError listing the range of ids."""
@@ -152,6 +154,7 @@ class SweepStore:
     def _values(self, row, start):
         given = {**{f"start_{k}": v for k, v in (start.joints or {}).items()},
                  **{f"offset_{k}": v for k, v in start.offset.items()},
+                 **{f"goal_{k}": v for k, v in start.goal.items()},
                  **{f"p_{k}": v for k, v in start.parameters.items()}}
         return [row[name] for name in COLUMNS] + [given.get(name) for name in self.extra]
 
