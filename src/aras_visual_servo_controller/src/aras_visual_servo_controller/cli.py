@@ -48,7 +48,9 @@ def run_main(argv=None):
         parser.error(f"--split: found {arguments.split}, allowed >= 1")
 
     def work():
+        from .feasibility import check_feasible
         scenario = load_scenario(arguments.scenario, parse_overrides(arguments.overrides))
+        check_feasible(scenario)
         return _run_in_process(scenario, arguments) if arguments.in_process else _run_over_ros(scenario, arguments)
 
     return guarded(work)

@@ -58,6 +58,14 @@ class ConfigReader:
             self._fault(key, value, allowed)
         return value
 
+    def flag(self, key, default):
+        """True or false."""
+        value = self._get(key, default, "true, false")
+        if not isinstance(value, bool):
+            self._fault(key, value, "true, false")
+            return default
+        return value
+
     def texts(self, key, default, single=False):
         """Tuple of texts, from a list; single: one text."""
         value = self._get(key, default, "text" if single else "a list of names")

@@ -8,20 +8,28 @@ from math import pi
 
 import numpy as np
 
-from .errors import ArasError
+from .errors import ParameterError
+from .kinematics import Kinematics
 from .outline import Outline
 from .reach import outside_limits
 
 #: The target is refused as not in view when it is cut by more than this: within, the image decides [px].
 CUT_PX = 1.0
-#: The last joint turns the camera about its optical axis when the two are this nearly parallel (cosine).
-ALIGNED = 0.999
+#: The last joint turns the camera about its optical axis when the two are this nearly one (cosine, distance).
+ALIGNED, ON_AXIS_M = 0.999, 1e-6
 #: The last joint alone turns the camera home when the others add less than this part of a full turn.
 OTHERS_TURN = 0.02
 
 
-class NotFeasible(ArasError):
-    """The scenario cannot be run as it stands; no fault of any law."""
+def check_feasible(scenario):
+    """Raises ParameterError, naming the reason, if the scenario's experiment cannot be done as it stands."""
+    kinematics = Kinematics(scenario.urdf_xml(), scenario.robot["base_link"], scenario.robot["tip_link"])
+    stay = {**dict.fromkeys(kinematics.joint_names, 0.0), **scenario.sim.get("initial_positions", {})}
+    stay.update(scenario.experiment["goal"]["joints"])
+    places = [kinematics.vector({**stay, **scenario.experiment[place]["joints"]}) for place in ("goal", "start")]
+    refusal = Feasibility(scenario, kinematics).refusal(*places)
+    if refusal:
+        raise ParameterError(f"scenario '{scenario.name}' refused, nothing has moved: {refusal}")
 
 
 class Feasibility:
@@ -57,7 +65,7 @@ class Feasibility:
 
     def _wound_up(self, goal, start):
         """The servo turns the camera home the shorter way round; a limited last joint may not have that way."""
-        last, sign = self._last_joint(start)
+        last, sign = self._wrist()
         if last is None or not (np.isfinite(self._kinematics.lower[last]) and np.isfinite(self._kinematics.upper[last])):
             return ""
         X = np.linalg.solve(self._kinematics.pose(start), self._kinematics.pose(goal))
@@ -73,10 +81,10 @@ class Feasibility:
         return (f"goal posture outside joint limits after the shorter turn: {name} would end at {end:.4g}, not in "
                 f"[{lower:.4g}, {upper:.4g}]")
 
-    def _last_joint(self, q):
+    def _wrist(self):
         """(index of the joint that turns the camera about its own axis, its sign), (None, 0) if there is none."""
-        J = self._kinematics.jacobian(q)
+        J = self._kinematics.jacobian(np.linspace(0.2, 0.5, len(self._kinematics.joint_names)))  # nothing in line
         for i in range(J.shape[1]):
-            if abs(J[5, i]) > ALIGNED and float(np.abs(J[:3, i]).max()) < 1e-6:
+            if abs(J[5, i]) > ALIGNED and float(np.abs(J[:3, i]).max()) < ON_AXIS_M:
                 return i, float(np.sign(J[5, i]))
         return None, 0.0

@@ -54,6 +54,7 @@ class LawSetup:
         pose_from: what laws of the pose measure, one of POSES.
         sliding: (switching_per_s, boundary per feature), for law sliding.
         broyden: (initial, forgetting, move), for law broyden.
+        symmetric_target: the target is the same after half a turn: alpha is servoed on modulo pi, whatever the view says.
     """
 
     features: Tuple[str, ...] = FEATURE_NAMES
@@ -66,6 +67,7 @@ class LawSetup:
     pose_from: str = "moments"
     sliding: Optional[Tuple[float, Tuple[float, ...]]] = None
     broyden: Tuple[str, float, float] = ("desired", 0.95, 0.01)
+    symmetric_target: bool = False
 
 
 def register(name):
@@ -181,7 +183,8 @@ class Law:
         s = self.features.values(self.view)
         if not (isfinite(sum(s)) and isfinite(dt_s)):
             raise NotFiniteError(f"features {s}, dt_s {dt_s}")
-        self.s, self.e = s, self.features.error(s, self._s_star, features.symmetric)
+        symmetric = features.symmetric or self._setup.symmetric_target
+        self.s, self.e = s, self.features.error(s, self._s_star, symmetric)
         if self._setup.adaptive is not None:
             factor = adaptive_factor(max(map(abs, self.e)), *self._setup.adaptive)
             self.gains_per_s = tuple([factor * rate for rate in self._rates])

@@ -31,11 +31,11 @@ class Outline:
 
     @classmethod
     def of(cls, scenario):
-        """Of a scenario; None where it cannot be told: no flat model, a lens other than plumb_bob."""
+        """Of a scenario; None where it cannot be told: no flat model, one that moves, a lens other than plumb_bob."""
         models = scenario.sim.get("scene", {}).get("models", [])
         camera = scenario.sim["cameras"][0]
         outlines = _outlines(models[0], scenario) if models else None
-        if not outlines or not ("horizontal_fov_rad" in camera or "fx_px" in camera):
+        if not outlines or "motion" in models[0] or not ("horizontal_fov_rad" in camera or "fx_px" in camera):
             return None
         if camera.get("distortion_model", "none") not in ("none", "plumb_bob"):
             return None

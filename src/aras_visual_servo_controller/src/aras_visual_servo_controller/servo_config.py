@@ -32,6 +32,7 @@ class ServoConfig:
     sliding: Optional[Tuple[float, Tuple[float, ...]]] = None  # section: switching_per_s, boundary (one per feature)
     broyden: Tuple[str, float, float] = LawSetup.broyden  # section: initial, forgetting, move
     target_normal_C: Tuple[float, ...] = (0.0, 0.0, 1.0)  # of the target's plane, in the camera frame at the goal
+    symmetric_target: bool = False  # the target is the same after half a turn
     adaptive_gain: Optional[Tuple[float, float]] = None  # section: infinity_part, slope, see laws.adaptive_factor
     smooth_start_per_s: float = 0.0  # 0: the first twist comes at once
     target_model: Optional[PlanarTarget] = None  # file of the known target, for law pbvs
@@ -74,6 +75,7 @@ class ServoConfig:
         values["target_normal_C"] = reader.vector("target_normal_C", 3, cls.target_normal_C)
         if not values["target_normal_C"][2] > 0.0:
             reader.fault(f"target_normal_C: found {values['target_normal_C']}, allowed z > 0 (away from the camera)")
+        values["symmetric_target"] = reader.flag("symmetric_target", cls.symmetric_target)
         values["smooth_start_per_s"] = reader.number("smooth_start_per_s", 0.0, at_least=0.0)
         target = reader.texts("target_model", (), single=True)
         if target:
@@ -134,7 +136,7 @@ class ServoConfig:
         """`LawSetup` of these settings."""
         return LawSetup(self.features, self.interaction, self.adaptive_gain, self.smooth_start_per_s,
                         self.target_model, self.target_normal_C, self.point_depth, self.pose_from, self.sliding,
-                        self.broyden)
+                        self.broyden, self.symmetric_target)
 
     def with_overrides(self, law="", gains_per_s=(), thresholds=(), time_limit_s=0.0):
         """Copy with the values of a goal of VisualServo.action; empty or 0 keeps. Raises ParameterError."""

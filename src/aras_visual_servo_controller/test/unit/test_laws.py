@@ -8,7 +8,7 @@ import pytest
 from aras_visual_servo_controller.errors import NotFiniteError, ParameterError, ShapeError
 from aras_visual_servo_controller.features import wrapped
 from aras_visual_servo_controller.interaction import parallel
-from aras_visual_servo_controller.laws import Law, known_laws, make_law, register
+from aras_visual_servo_controller.laws import Law, LawSetup, known_laws, make_law, register
 
 GAINS = (3.0, 2.0, 4.0, 1.5)
 S_STAR = np.array([0.01, -0.02, 0.59, 0.3])
@@ -74,6 +74,14 @@ def test_alpha_error_takes_the_short_way_round():
     law = law_of("paper", s_star=[0, 0, 0.5, 3.1])
     law.step(features([0, 0, 0.5, -3.1]), 0.01)
     assert law.e[3] == pytest.approx(2 * np.pi - 6.2, abs=ROUNDING)
+
+
+def test_a_target_declared_symmetric_is_so_whatever_the_view_seems_to_tell():
+    for symmetric, expected in ((False, 3.0), (True, 3.0 - np.pi)):
+        law = make_law("decoupled", GAINS, LawSetup(symmetric_target=symmetric))
+        law.reset([0.0, 0.0, 0.5, -1.4])
+        law.step(features([0.0, 0.0, 0.5, 1.6]), 0.01)
+        assert law.e[3] == pytest.approx(expected, abs=ROUNDING)
 
 
 def test_symmetric_object_takes_the_short_way_modulo_pi():
