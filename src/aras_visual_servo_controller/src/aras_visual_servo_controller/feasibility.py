@@ -1,7 +1,7 @@
 """Can this run be done at all? Asked before anything moves, by kinematics and the target's outline. No ROS.
 
-Refused, with the reason by name: a goal or start outside joint limits; a target that the image does not show whole at the
-goal or at the start; a wrist that would have to pass its limits, because the shorter turn home leads beyond them.
+Refused, with the reason by name: a goal or start outside joint limits; a target that the image does not show whole at
+the goal or at the start; a wrist that would have to pass its limits, because the shorter turn home leads beyond them.
 """
 
 from math import pi
@@ -40,7 +40,7 @@ class Feasibility:
     """
 
     def __init__(self, scenario, kinematics, look=True):
-        """Args: scenario: `Scenario`. kinematics: `Kinematics` of its robot. look: ask whether the target is in view."""
+        """Args: scenario: `Scenario`. kinematics: `Kinematics` of its robot. look: ask too what the image will show."""
         self._kinematics, self._look = kinematics, look
         self.outline = Outline.of(scenario)
 
@@ -66,16 +66,16 @@ class Feasibility:
     def _wound_up(self, goal, start):
         """The servo turns the camera home the shorter way round; a limited last joint may not have that way."""
         last, sign = self._wrist()
-        if last is None or not (np.isfinite(self._kinematics.lower[last]) and np.isfinite(self._kinematics.upper[last])):
+        if last is None:
             return ""
+        name = self._kinematics.joint_names[last]
+        lower, upper = self._kinematics.lower[last], self._kinematics.upper[last]
         X = np.linalg.solve(self._kinematics.pose(start), self._kinematics.pose(goal))
         turn = float(np.arctan2(X[1, 0] - X[0, 1], X[0, 0] + X[1, 1])) * sign
         turns_more = (goal[last] - start[last] - turn) / (2.0 * pi)
         if abs(turns_more - round(turns_more)) > OTHERS_TURN:
             return ""  # other joints turn the camera too, and may take over
         end = goal[last] - 2.0 * pi * round(turns_more)
-        name, lower, upper = (self._kinematics.joint_names[last], self._kinematics.lower[last],
-                              self._kinematics.upper[last])
         if lower <= end <= upper:
             return ""
         return (f"goal posture outside joint limits after the shorter turn: {name} would end at {end:.4g}, not in "

@@ -54,7 +54,7 @@ class LawSetup:
         pose_from: what laws of the pose measure, one of POSES.
         sliding: (switching_per_s, boundary per feature), for law sliding.
         broyden: (initial, forgetting, move), for law broyden.
-        symmetric_target: the target is the same after half a turn: alpha is servoed on modulo pi, whatever the view says.
+        symmetric_target: the target is the same after half a turn: alpha counts modulo pi, whatever the view says.
     """
 
     features: Tuple[str, ...] = FEATURE_NAMES

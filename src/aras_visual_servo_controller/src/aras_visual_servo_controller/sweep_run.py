@@ -47,7 +47,8 @@ COLUMNS = {
     "success": "INTEGER", "success_strict": "INTEGER", "duration_s": "REAL", "images": "INTEGER",
     "distance0_mm": "REAL", "angle0_deg": "REAL", "x0_mm": "REAL", "y0_mm": "REAL", "z0_mm": "REAL",
     "error_mm": "REAL", "x_mm": "REAL", "y_mm": "REAL", "z_mm": "REAL", "angle_deg": "REAL",
-    **dict.fromkeys(MEASURES, "REAL"), **{f"e_{name}": "REAL" for name in FEATURE_NAMES}, "run_hash": "TEXT", "trace_hash": "TEXT",
+    **dict.fromkeys(MEASURES, "REAL"), **{f"e_{name}": "REAL" for name in FEATURE_NAMES},
+    "run_hash": "TEXT", "trace_hash": "TEXT",
 }
 
 

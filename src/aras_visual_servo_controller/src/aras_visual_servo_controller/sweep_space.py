@@ -76,8 +76,8 @@ class View:
         self._X_CgT = np.linalg.solve(X_WCg, outline.X_WT)
         tilt = acos(min(1.0, abs(float(self._X_CgT[2, 2]))))
         if tilt > PARALLEL_RAD:
-            raise ParameterError(f"sweep.space: found view with the target tilted by {tilt:.3g} rad at the goal, allowed "
-                                 f"<= {PARALLEL_RAD}")
+            raise ParameterError(f"sweep.space: found view with the target tilted by {tilt:.3g} rad at the goal, "
+                                 f"allowed <= {PARALLEL_RAD}")
         self._points = outline.points_T @ self._X_CgT[:3, :3].T
         px = 2.0 * outline.half[0] / scenario.sim["cameras"][0]["width"]
         self._half = np.array(outline.half) - VIEW_MARGIN_PX * px
@@ -86,8 +86,8 @@ class View:
         """Displacement of the camera, dict by axis, at which the target is seen there.
 
         Args:
-            point: u, v: place of the outline's box in the room the image leaves it, -1 at the left or upper border, 1 at
-                the right or lower one.  depth_m.  rz_rad: turn of the camera about its axis.
+            point: u, v: place of the outline's box in the room the image leaves it, -1 at the left or upper border, 1
+                at the right or lower one.  depth_m.  rz_rad: turn of the camera about its axis.
         Raises:
             ParameterError: the target does not fit into the image at that depth.
         """

@@ -50,7 +50,8 @@ class SweepStore:
         first = starts[0]
         offset = next((start.offset for start in starts if start.offset), {})
         extra = ([f"start_{name}" for name in joints] + [f"offset_{name}" for name in offset]
-                 + [f"goal_{name}" for name in first.goal if name in GOAL_AXES] + [f"p_{name}" for name in first.parameters])
+                 + [f"goal_{name}" for name in first.goal if name in GOAL_AXES]
+                 + [f"p_{name}" for name in first.parameters])
         meta = dict(meta, layout=LAYOUT, columns=extra)
         with _speaking(path):
             connection = _connect(path)
@@ -87,7 +88,8 @@ class SweepStore:
     def starts(self):
         """Every run planned, list of `Start` by id."""
         with _speaking(self.folder):
-            rows = self._connection.execute("SELECT id, joints, offset, parameters, refusal, goal FROM starts ORDER BY id")
+            rows = self._connection.execute("SELECT id, joints, offset, parameters, refusal, goal FROM starts "
+                                            "ORDER BY id")
             return [Start(row[0], *map(json.loads, row[1:4]), row[4], json.loads(row[5])) for row in rows]
 
     def start(self, run_id):

@@ -63,7 +63,8 @@ def test_a_limited_wrist_is_not_wound_up(scenario):
     # Home is 0.68 rad on, through the limit; 5.6 rad back is not what a servo does.
     limited = kinematics_of(scenario, wrist=2.97)
     text = refusal(scenario, limited, {"J6": 2.8}, J6=-2.8)
-    assert text == "goal posture outside joint limits after the shorter turn: J6 would end at -3.483, not in [-2.97, 2.97]"
+    assert text == ("goal posture outside joint limits after the shorter turn: "
+                    "J6 would end at -3.483, not in [-2.97, 2.97]")
     assert refusal(scenario, limited, {"J6": 1.0}, J6=-1.0) == ""
     assert refusal(scenario, kinematics_of(scenario), {"J6": 2.8}, J6=-2.8) == ""
 
