@@ -10,6 +10,8 @@
 
 namespace aras_visual_servo_camera {
 
+class PointFeatures;
+
 /** Image in, features out: segmentation, moments, features. Not thread-safe; same images, same bits. */
 class MomentExtractor {
  public:
@@ -23,7 +25,8 @@ class MomentExtractor {
   const MomentFeatures& features() const { return features_; }
   const ObjectMask& mask() const { return *mask_; }
 
-  /** See FeatureBuilder. */
+  /** See FeatureBuilder. Points keep the order of the view; numbers alone say nothing of points.
+   *  @throws ShapeError if the view does not have the configured number of points */
   void setReference(double z_star_m, const MomentFeatures& features);
   void setReference(double z_star_m, double area_star, double alpha_star);
   void clearReference();
@@ -45,6 +48,7 @@ class MomentExtractor {
   std::unique_ptr<MomentAccumulator> accumulator_;
   Segmentation segmentation_;
   FeatureBuilder builder_;
+  std::unique_ptr<PointFeatures> points_;  // none: nothing is spent on points
   MomentFeatures features_;
   ObjectMask nothing_;
   const ObjectMask* mask_;

@@ -31,6 +31,7 @@ struct MomentFeatures {
   std::vector<std::string> moment_names;
   std::vector<double> m;
   std::vector<double> mu;
+  std::vector<double> point_x, point_y;
 };
 
 /** Third-order centred moments (mu30, mu21, mu12, mu03). */

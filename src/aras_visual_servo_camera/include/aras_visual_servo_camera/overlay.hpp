@@ -10,8 +10,8 @@
 
 namespace aras_visual_servo_camera {
 
-/** The image with the object's contour (green), centroid (red) and axis (yellow: alpha, arrow head where it is
- * resolved).
+/** The image with the object's contour (green), centroid (red), axis (yellow: alpha, arrow head where it is resolved)
+ * and points (magenta, numbered from 1 as in x1, y1).
  *  @return rgb8, row-major, 3 * width * height bytes */
 std::vector<std::uint8_t> drawOverlay(const ImageView& image, const ObjectMask& mask, const MomentFeatures& features,
                                       const CameraIntrinsics& intrinsics);

@@ -54,6 +54,9 @@ class Segmentation {
   /** @return the object; valid until the next call. @throws ShapeError if the view has no pixels */
   const ObjectMask& process(const ImageView& image);
 
+  /** With points = blobs: every object of the last image that passes the area filter, from the top left; else empty. */
+  const std::vector<ObjectMask>& objects() const;
+
   /** The next `nearest_to_previous` takes the largest component. */
   void forgetPrevious();
 

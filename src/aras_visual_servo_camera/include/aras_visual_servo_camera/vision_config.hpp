@@ -13,6 +13,7 @@ namespace aras_visual_servo_camera {
 enum class ObjectShade { kDark, kBright };
 enum class SegmentationMethod { kFixed, kOtsu, kAdaptive, kCoverage };
 enum class ComponentChoice { kLargest, kNearestToPrevious };
+enum class PointSource { kNone, kCorners, kBlobs };
 
 /** The `vision` section of a scenario. Greys and thresholds are 8-bit levels, 0 to 255. */
 struct VisionConfig {
@@ -38,6 +39,10 @@ struct VisionConfig {
   double asymmetry_threshold = 0.03;
   /** Below this MomentFeatures::orientation_condition the object counts as round: alpha is NaN. */
   double orientation_threshold = 0.01;
+  /** Points to follow: corners of the chosen object's outline, or centroids of several objects. */
+  PointSource points = PointSource::kNone;
+  /** How many: corners of the outline (3 or more), or objects. */
+  int point_count = 4;
   /** Luminance of the whole image as the feature, beside the moments; nothing of it is computed when absent. */
   std::optional<PhotometricConfig> photometric;
 };

@@ -1,6 +1,7 @@
 #include "aras_visual_servo_camera/moment_extractor.hpp"
 
 #include "aras_visual_servo_camera/errors.hpp"
+#include "point_features.hpp"
 
 namespace aras_visual_servo_camera {
 
@@ -17,6 +18,11 @@ MomentExtractor::~MomentExtractor() = default;
 void MomentExtractor::setIntrinsics(const CameraIntrinsics& intrinsics) {
   map_ = std::make_unique<PixelMap>(intrinsics);
   accumulator_ = std::make_unique<MomentAccumulator>(*map_, config_.order);
+  if (config_.points != PointSource::kNone) {
+    auto points = std::make_unique<PointFeatures>(config_, *map_);
+    if (points_) points->takeReference(*points_);
+    points_ = std::move(points);
+  }
   forgetPrevious();
   mask_ = &nothing_;
   nothing_.width_px = intrinsics.width();
@@ -30,30 +36,40 @@ const MomentFeatures& MomentExtractor::process(const ImageView& image) {
                      ", allowed " + std::to_string(map_->width()) + " x " + std::to_string(map_->height()) +
                      ", the size in camera_info");
   mask_ = &segmentation_.process(image);
+  if (points_) mask_ = &points_->find(*mask_, segmentation_.objects());
   const std::vector<double>& m = accumulator_->process(*mask_);
   features_ =
       builder_.build({mask_->visible, mask_->touches_border || accumulator_->leftTheLens(), mask_->components}, m);
+  if (points_) points_->write(builder_.reference(), &features_);
   return features_;
 }
 
 MomentFeatures MomentExtractor::rebuildFeatures() {
   features_ = builder_.build({features_.target_visible, features_.touches_border, features_.components}, features_.m);
+  if (points_) points_->write(builder_.reference(), &features_);
   return features_;
 }
 
 void MomentExtractor::setReference(double z_star_m, const MomentFeatures& features) {
+  if (points_ && features.valid) points_->check(features);
   builder_.setReference(z_star_m, features);
+  if (points_) points_->setReference(features);
 }
 
 void MomentExtractor::setReference(double z_star_m, double area_star, double alpha_star) {
   builder_.setReference({z_star_m, area_star, alpha_star});
+  if (points_) points_->clearReference();
 }
 
-void MomentExtractor::clearReference() { builder_.clearReference(); }
+void MomentExtractor::clearReference() {
+  builder_.clearReference();
+  if (points_) points_->clearReference();
+}
 
 void MomentExtractor::forgetPrevious() {
   segmentation_.forgetPrevious();
   builder_.forgetPrevious();
+  if (points_) points_->forgetPrevious();
 }
 
 }  // namespace aras_visual_servo_camera

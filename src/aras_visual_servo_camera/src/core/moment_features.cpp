@@ -146,16 +146,20 @@ void FeatureBuilder::setReference(const Reference& reference) {
 void FeatureBuilder::setReference(double z_star_m, const MomentFeatures& features) {
   if (!features.valid)
     throw DegenerateFeature(std::string("reference view: ") +
-                            (!features.target_visible  ? "no target in view"
-                             : features.touches_border ? "the target is cut by the image border"
-                                                       : "the target has no orientation") +
+                            (!features.target_visible        ? "no target in view"
+                             : features.touches_border       ? "the target is cut by the image border"
+                             : std::isfinite(features.alpha) ? "the points were not found"
+                                                             : "the target has no orientation") +
                             ", allowed a valid view");
   if (static_cast<int>(features.mu.size()) < momentCount(3))
     throw ShapeError("reference view: found " + std::to_string(features.mu.size()) + " moments, allowed at least 10");
-  Reference reference{z_star_m, features.area, features.alpha, std::nullopt, features.symmetric};
+  // Points do without an orientation; then there is none to resolve.
+  const bool oriented = std::isfinite(features.alpha);
+  Reference reference{z_star_m, features.area, oriented ? features.alpha : 0.0, std::nullopt,
+                      features.symmetric || !oriented};
   const ThirdMoments mu3 = thirdOf(features.mu);
   const double norm = std::sqrt(dot(mu3, mu3));
-  if (!features.symmetric && norm > 0.0) reference.mu3_direction = scaled(rotated(mu3, features.alpha), 1.0 / norm);
+  if (!reference.symmetric && norm > 0.0) reference.mu3_direction = scaled(rotated(mu3, features.alpha), 1.0 / norm);
   setReference(reference);
 }
 

@@ -51,6 +51,12 @@ std::vector<std::uint8_t> drawOverlay(const ImageView& image, const ObjectMask& 
       cv::line(rgb, pixel(features.xg - dx, features.yg - dy), tip, yellow);
     }
   }
+  for (std::size_t k = 0; k < features.point_x.size(); ++k) {
+    const cv::Point at = pixel(features.point_x[k], features.point_y[k]);
+    const cv::Scalar magenta(255, 0, 255);
+    cv::circle(rgb, at, 2, magenta, cv::FILLED);
+    cv::putText(rgb, std::to_string(k + 1), at + cv::Point(4, -4), cv::FONT_HERSHEY_SIMPLEX, 0.4, magenta);
+  }
   cv::circle(rgb, centre, 2, cv::Scalar(255, 0, 0), cv::FILLED);
   return bytes;
 }

@@ -60,6 +60,7 @@ struct Segmentation::Work {
   ComponentFinder finder;
   EdgeWeights edge_weights;
   ObjectMask mask;
+  std::vector<ObjectMask> objects;
   bool has_previous = false;
   double previous_u = 0.0, previous_v = 0.0;
 
@@ -67,8 +68,10 @@ struct Segmentation::Work {
   std::optional<Threshold> thresholdOf(const cv::Mat& grey) const;
   void makeAdaptiveBinary(const cv::Mat& grey);
   int choose() const;
-  void takeRuns(int chosen);
-  void describe(int chosen);
+  /** Weights and description of one component; `out` has the size of the image and nothing else. */
+  void extract(const cv::Mat& grey, const std::optional<GreyLevels>& levels, int component, ObjectMask* out);
+  void extractAll(const cv::Mat& grey, const std::optional<GreyLevels>& levels);
+  void follow(const ObjectMask& chosen);
 };
 
 Segmentation::Segmentation(const VisionConfig& config) : work_(std::make_unique<Work>()) { work_->config = config; }
@@ -77,6 +80,8 @@ Segmentation::Segmentation(Segmentation&&) noexcept = default;
 Segmentation& Segmentation::operator=(Segmentation&&) noexcept = default;
 
 void Segmentation::forgetPrevious() { work_->has_previous = false; }
+
+const std::vector<ObjectMask>& Segmentation::objects() const { return work_->objects; }
 
 std::optional<GreyLevels> Segmentation::Work::levelsOf(const cv::Mat& grey) const {
   if (config.object_grey && config.background_grey) return GreyLevels{*config.object_grey, *config.background_grey};
@@ -137,25 +142,43 @@ int Segmentation::Work::choose() const {
   return best;
 }
 
-void Segmentation::Work::takeRuns(int chosen) {
-  for (const Run& run : finder.runs())
-    if (run.component == chosen) mask.spans.push_back({run.v, run.u_begin, run.u_end});
+void Segmentation::Work::extract(const cv::Mat& grey, const std::optional<GreyLevels>& levels, int component,
+                                 ObjectMask* out) {
+  if (levels) {
+    edge_weights.process(grey.ptr(), grey.step, grey.cols, grey.rows, finder, component, *levels, out);
+  } else {
+    for (const Run& run : finder.runs())
+      if (run.component == component) out->spans.push_back({run.v, run.u_begin, run.u_end});
+  }
+  const Component& c = finder.components()[component];
+  const int u_last = out->width_px - 1, v_last = out->height_px - 1;
+  out->visible = true;
+  out->area_px = static_cast<int>(c.area_px);
+  out->u_px = static_cast<double>(c.sum_u) / static_cast<double>(c.area_px);
+  out->v_px = static_cast<double>(c.sum_v) / static_cast<double>(c.area_px);
+  out->touches_border = c.u_min == 0 || c.v_min == 0 || c.u_max == u_last || c.v_max == v_last;
+  for (const EdgePixel& e : out->edge)
+    if (e.weight > kBorderWeight && (e.u == 0 || e.v == 0 || e.u == u_last || e.v == v_last))
+      out->touches_border = true;
 }
 
-void Segmentation::Work::describe(int chosen) {
-  const Component& c = finder.components()[chosen];
-  const int u_last = mask.width_px - 1, v_last = mask.height_px - 1;
-  mask.visible = true;
-  mask.area_px = static_cast<int>(c.area_px);
-  mask.u_px = static_cast<double>(c.sum_u) / static_cast<double>(c.area_px);
-  mask.v_px = static_cast<double>(c.sum_v) / static_cast<double>(c.area_px);
-  mask.touches_border = c.u_min == 0 || c.v_min == 0 || c.u_max == u_last || c.v_max == v_last;
-  for (const EdgePixel& e : mask.edge)
-    if (e.weight > kBorderWeight && (e.u == 0 || e.v == 0 || e.u == u_last || e.v == v_last))
-      mask.touches_border = true;
+void Segmentation::Work::extractAll(const cv::Mat& grey, const std::optional<GreyLevels>& levels) {
+  for (std::size_t k = 0; k < finder.components().size(); ++k) {
+    if (finder.components()[k].area_px < config.min_area_px) continue;
+    ObjectMask object;
+    object.width_px = mask.width_px;
+    object.height_px = mask.height_px;
+    object.soft_edges = mask.soft_edges;
+    object.components = mask.components;
+    extract(grey, levels, static_cast<int>(k), &object);
+    objects.push_back(std::move(object));
+  }
+}
+
+void Segmentation::Work::follow(const ObjectMask& chosen) {
   has_previous = true;
-  previous_u = mask.u_px;
-  previous_v = mask.v_px;
+  previous_u = chosen.u_px;
+  previous_v = chosen.v_px;
 }
 
 const ObjectMask& Segmentation::process(const ImageView& image) {
@@ -171,6 +194,7 @@ const ObjectMask& Segmentation::process(const ImageView& image) {
   empty.spans.clear();
   empty.edge.clear();
   w.mask = std::move(empty);
+  w.objects.clear();
 
   cv::Mat scanned = grey;
   std::optional<GreyLevels> levels;
@@ -191,12 +215,9 @@ const ObjectMask& Segmentation::process(const ImageView& image) {
   for (const Component& c : w.finder.components()) w.mask.components += c.area_px >= w.config.min_area_px;
   const int chosen = w.choose();
   if (chosen < 0) return w.mask;
-  if (soft) {
-    w.edge_weights.process(grey.ptr(), grey.step, grey.cols, grey.rows, w.finder, chosen, *levels, &w.mask);
-  } else {
-    w.takeRuns(chosen);
-  }
-  w.describe(chosen);
+  if (w.config.points == PointSource::kBlobs) w.extractAll(grey, levels);
+  w.extract(grey, levels, chosen, &w.mask);
+  w.follow(w.mask);
   return w.mask;
 }
 

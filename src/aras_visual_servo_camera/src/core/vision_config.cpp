@@ -10,6 +10,7 @@ namespace {
 constexpr double kMaxGrey = 255.0;
 constexpr int kMaxPixels = 1 << 28;
 constexpr int kMaxOrder = 8;
+constexpr int kMinCorners = 3, kMaxPoints = 32;
 
 std::optional<double> optionalGrey(YamlReader& reader, const std::string& key) {
   if (!reader.has(key)) {
@@ -41,6 +42,11 @@ VisionConfig readVisionConfig(const YAML::Node& node) {
   c.order = reader.optionalInteger("order", 3, kMaxOrder, c.order);
   c.asymmetry_threshold = reader.optionalNumber("asymmetry_threshold", 0.0, 1.0, c.asymmetry_threshold);
   c.orientation_threshold = reader.optionalNumber("orientation_threshold", 0.0, 1.0, c.orientation_threshold);
+  c.points = static_cast<PointSource>(
+      reader.optionalChoice("points", {"none", "corners", "blobs"}, static_cast<int>(c.points)));
+  const int fewest = c.points == PointSource::kCorners ? kMinCorners : 1;
+  c.point_count = c.points == PointSource::kNone ? reader.optionalInteger("point_count", 1, kMaxPoints, c.point_count)
+                                                 : reader.requiredInteger("point_count", fewest, kMaxPoints);
 
   if (c.adaptive_block_px % 2 == 0)
     reader.fault("adaptive_block_px", std::to_string(c.adaptive_block_px), "an odd number");

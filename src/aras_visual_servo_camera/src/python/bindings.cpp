@@ -60,6 +60,8 @@ void bindFeatures(py::module_& module) {
       .def_readwrite("moment_names", &MomentFeatures::moment_names)
       .def_readwrite("m", &MomentFeatures::m)
       .def_readwrite("mu", &MomentFeatures::mu)
+      .def_readwrite("point_x", &MomentFeatures::point_x)
+      .def_readwrite("point_y", &MomentFeatures::point_y)
       .def("__repr__", &repr);
 }
 

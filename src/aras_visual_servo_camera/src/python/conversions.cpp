@@ -72,6 +72,10 @@ MomentFeatures toFeatures(const py::object& object) {
   f.area = object.attr("area").cast<double>();
   f.alpha = object.attr("alpha").cast<double>();
   f.mu = object.attr("mu").cast<std::vector<double>>();
+  if (py::hasattr(object, "point_x")) {  // messages recorded before there were points do without
+    f.point_x = object.attr("point_x").cast<std::vector<double>>();
+    f.point_y = object.attr("point_y").cast<std::vector<double>>();
+  }
   return f;
 }
 

@@ -70,6 +70,8 @@ aras_visual_servo_msgs::MomentFeatures toMessage(const MomentFeatures& f) {
   msg.moment_names = f.moment_names;
   msg.m = f.m;
   msg.mu = f.mu;
+  msg.point_x = f.point_x;
+  msg.point_y = f.point_y;
   return msg;
 }
 

@@ -175,6 +175,16 @@ class CameraNodeTest(unittest.TestCase):
         for s in subscribers:
             s.unregister()
 
+    def test_points_are_published_when_asked_for(self):
+        asked = rospy.get_param("camera_node/vision/points", "none") != "none"  # not so in the nodelet's launch file
+        self.publish_pair()
+        self.assertTrue(wait_until(lambda: len(self.received) == 1))
+        view = self.received[0]
+        self.assertEqual(len(view.point_x), int(asked))
+        if asked:  # the centroid of the one object, summed in another order
+            self.assertAlmostEqual(view.point_x[0], view.xg, places=12)
+            self.assertAlmostEqual(view.point_y[0], view.yg, places=12)
+
     def test_time_set_back_is_followed(self):
         self.publish_pair()
         self.assertTrue(wait_until(lambda: len(self.received) == 1))

@@ -186,6 +186,27 @@ def test_errors_share_a_base_that_is_a_runtime_error():
     assert issubclass(camera.ArasError, RuntimeError)
 
 
+def test_points_are_corners_in_the_order_of_the_reference():
+    image = np.full((240, 320), 230, np.uint8)
+    image[80:120, 100:160] = 20  # covers u 99.5 .. 159.5, v 79.5 .. 119.5
+    extractor = camera.MomentExtractor(INFO, dict(VISION, points="corners", point_count=4))
+    features = extractor.process(image)
+    expected = np.array([[99.5, 79.5], [159.5, 79.5], [159.5, 119.5], [99.5, 119.5]])
+    found = np.stack([features.point_x, features.point_y], axis=1) * 195.05 + [159.5, 119.5]
+    assert found == pytest.approx(expected, abs=1e-5)  # weights are single precision
+    extractor.set_reference(0.5, features)
+    again = extractor.process(image)
+    assert (again.point_x, again.point_y) == (features.point_x, features.point_y)
+    assert camera.MomentExtractor(INFO, VISION).process(image).point_x == []
+
+
+def test_reference_without_the_configured_points_is_refused():
+    features = camera.MomentExtractor(INFO, VISION).process(image_with_wedge())
+    extractor = camera.MomentExtractor(INFO, dict(VISION, points="blobs", point_count=2))
+    with pytest.raises(camera.ShapeError, match="found 0, allowed 2"):
+        extractor.set_reference(0.5, features)
+
+
 def test_features_are_a_copy():
     extractor = camera.MomentExtractor(INFO, VISION)
     first = extractor.process(image_with_wedge())

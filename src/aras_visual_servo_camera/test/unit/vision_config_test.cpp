@@ -21,7 +21,7 @@ TEST(VisionConfig, ReadsEveryKey) {
   const VisionConfig c = readVisionConfig(YAML::Load(
       "{object: bright, segmentation: fixed, threshold: 100, object_grey: 200, background_grey: 30, min_contrast: 12, "
       "adaptive_block_px: 51, adaptive_offset: 7, component: nearest_to_previous, min_area_px: 9, order: 5, "
-      "asymmetry_threshold: 0.1, orientation_threshold: 0.2}"));
+      "asymmetry_threshold: 0.1, orientation_threshold: 0.2, points: blobs, point_count: 5}"));
   EXPECT_EQ(c.object, ObjectShade::kBright);
   EXPECT_EQ(c.segmentation, SegmentationMethod::kFixed);
   EXPECT_EQ(c.threshold, 100.0);
@@ -35,6 +35,16 @@ TEST(VisionConfig, ReadsEveryKey) {
   EXPECT_EQ(c.order, 5);
   EXPECT_EQ(c.asymmetry_threshold, 0.1);
   EXPECT_EQ(c.orientation_threshold, 0.2);
+  EXPECT_EQ(c.points, PointSource::kBlobs);
+  EXPECT_EQ(c.point_count, 5);
+}
+
+TEST(VisionConfig, PointsRequireTheirNumber) {
+  EXPECT_EQ(readVisionConfig(YAML::Load("{object: dark, segmentation: coverage}")).points, PointSource::kNone);
+  EXPECT_NE(faultsOf("{object: dark, segmentation: coverage, points: corners}").find("vision/point_count"),
+            std::string::npos);
+  EXPECT_NE(faultsOf("{object: dark, segmentation: coverage, points: corners, point_count: 2}").find("found '2'"),
+            std::string::npos);
 }
 
 TEST(VisionConfig, GreysAreEstimatedUnlessGiven) {

@@ -1,6 +1,7 @@
 """A bag's images through the extractor again: the same features, bit for bit; a changed bit is found."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -30,15 +31,15 @@ def wedge(k):
     return np.repeat(image[..., None], 3, axis=2)
 
 
-def write(path, change=None, without=()):
+def write(path, change=None, without=(), vision=VISION):
     """What a camera node would have published for IMAGES images, the view TAUGHT made the reference."""
-    extractor = camera.MomentExtractor(INFO, VISION)
+    extractor = camera.MomentExtractor(INFO, vision)
     with rosbag.Bag(str(path), "w") as bag:
         def put(topic, message, stamp):
             if topic not in without:
                 bag.write("/a/" + topic, message, stamp)
 
-        put("scenario", String(yaml.safe_dump({"name": "x", "vision": VISION})), rospy.Time(0, 1))
+        put("scenario", String(yaml.safe_dump({"name": "x", "vision": vision})), rospy.Time(0, 1))
         put("camera/camera_info", CameraInfo(**{key: INFO[key] for key in ("width", "height", "K", "D", "P", "R",
                                                                            "distortion_model")}), rospy.Time(0, 1))
         for k in range(IMAGES):
@@ -63,6 +64,16 @@ def test_the_same_images_give_the_same_features_bit_for_bit(tmp_path):
     result = replay(write(tmp_path / "run.bag"))
     assert result.same and result.images == IMAGES and result.alone == 0
     assert "8 images give the recorded features" in result.text()
+
+
+def test_points_are_replayed_too(tmp_path):
+    points = dict(VISION, points="blobs", point_count=1, min_area_px=20)
+    path = write(tmp_path / "run.bag", vision=points)
+    with rosbag.Bag(str(path)) as bag:
+        assert all(len(message.point_x) == 1 for _, message, _ in bag.read_messages("/a/camera/features"))
+    assert replay(path).same
+    other = SimpleNamespace(as_dict=lambda: {"vision": VISION}, name="without points")
+    assert len(replay(path, scenario=other).differences) >= 2 * IMAGES
 
 
 def test_one_changed_bit_is_found_and_named(tmp_path):
