@@ -1,12 +1,12 @@
 """From the twist wanted to joint velocities that the arm may do: inverse, spare motion, limits, tilt hold."""
 
-from math import asin
+from math import asin, inf
 from typing import NamedTuple
 
 import numpy as np
 
-from .limits import position_factor, velocity_factor
-from .redundancy import TwistInverse, Wish
+from .limits import accelerated, braking_factor, position_factor, velocity_factor
+from .redundancy import TwistInverse, Wish, norm_part
 from .types import Status
 
 #: NEAR_SINGULARITY is reported when this part of the twist cannot be achieved, and it is above noise [rad/s].
@@ -40,11 +40,19 @@ class ArmMotion:
         optical_axis_B: (3,) direction to which the optical axis is held, or None.
     """
 
-    def __init__(self, kinematics, config):
-        """Args: kinematics: `Kinematics`. config: `ServoConfig`."""
+    def __init__(self, kinematics, config, sees_tilt):
+        """Args: kinematics: `Kinematics`. config: `ServoConfig`. sees_tilt: all six rows of the twist are servoed."""
         self._kinematics = kinematics
         weights = [config.joint_weights.get(name, 1.0) for name in kinematics.joint_names]
-        self._invert = TwistInverse(weights, config.length_m, config.singular_value_threshold, config.damping)
+        self._invert = TwistInverse(weights, config.length_m, config.singular_value_threshold, config.damping,
+                                    config.method)
+        self._length_m, self._rows = config.length_m, list(range(6)) if sees_tilt else [0, 1, 2, 5]
+        self._manipulability_gain, self._large_from = config.manipulability_gain_per_s, config.large_from
+        self._limits, self._others_go_on = config.limits, config.at_limits == "saturate"
+        self._acceleration = np.array([config.limits.joint_acceleration.get(name, inf)
+                                       for name in kinematics.joint_names])
+        self._accelerates = bool(config.limits.joint_acceleration)
+        self._before = np.zeros(len(kinematics.joint_names))
         lower, upper = kinematics.lower, kinematics.upper
         self._wish = Wish(lower, upper, config.posture_gain_per_s, config.joint_limit_gain_per_s, config.max_speed)
         self.lower, self.upper = lower + config.joint_limit_margin, upper - config.joint_limit_margin
@@ -54,6 +62,10 @@ class ArmMotion:
         """Take over the posture and the optical axis of a `Reference`."""
         self.posture = None if reference.posture is None else self._kinematics.vector(reference.posture)
         self.optical_axis_B = reference.optical_axis_B
+
+    def rest(self):
+        """The arm was told to stand still: motion begins at zero velocity."""
+        self._before = np.zeros_like(self._before)
 
     def at(self, q):
         """(jacobian, inverse) at joint positions q, (n,)."""
@@ -77,17 +89,28 @@ class ArmMotion:
 
     def joint_velocity(self, q, twist, jacobian, inverse, dt_s):
         """`Motion` of a twist V_C, (6,), held for dt_s at q, (n,); jacobian and inverse as of `at`."""
+        if self._limits.camera_speed_m_s < inf or self._limits.camera_turn_rad_s < inf:
+            speed, turn = float(twist[:3] @ twist[:3]) ** 0.5, float(twist[3:] @ twist[3:]) ** 0.5
+            twist = twist / max(1.0, speed / self._limits.camera_speed_m_s, turn / self._limits.camera_turn_rad_s)
         q_dot = self.unlimited(q, twist, inverse)
         factor = velocity_factor(q_dot, self._kinematics.velocity)
         if factor < 1.0:
             q_dot = q_dot * factor
         q_dot = q_dot + self.turning(q, q_dot, jacobian, inverse, dt_s)
         again = velocity_factor(q_dot, self._kinematics.velocity)
+        if self._accelerates:
+            q_dot, again = q_dot * again, 1.0
+            q_dot = q_dot * braking_factor(q, q_dot, self.lower, self.upper, self._acceleration, dt_s)
+            q_dot = accelerated(self._before, q_dot, self._acceleration * dt_s)
         room, joint = position_factor(q, q_dot, self.lower, self.upper, LIMIT_HORIZON * dt_s)
+        if joint is not None and self._others_go_on:
+            return self._without_blocked(q, q_dot * again, joint, twist, jacobian, dt_s)
         scale = min(again, room)
         if scale < 1.0:
             q_dot = q_dot * scale
         scaled = twist * (factor * scale) if factor * scale < 1.0 else twist
+        if self._accelerates:
+            self._before, scaled = q_dot, jacobian @ q_dot
         if joint is not None:
             name = self._kinematics.joint_names[joint]
             return Motion(q_dot, scaled, Status.JOINT_LIMIT, f"joint '{name}' at its limit, speed times {room:.2f}")
@@ -96,9 +119,43 @@ class ArmMotion:
             return Motion(q_dot, scaled, Status.NEAR_SINGULARITY, "part of the twist cannot be achieved here")
         return Motion(q_dot, scaled)
 
+    def _without_blocked(self, q, q_dot, joint, twist, jacobian, dt_s):
+        """`Motion` of the joints that are left when those at their limits go no further: saturation in the null space.
+
+        One joint after the other is held to the room it has, and the rest of the twist is inverted without it, until
+        all keep their limits (T44).
+        Args: q_dot: (n,) that violates a limit.  joint: index of the one that violates it most.
+        """
+        horizon_s, names = LIMIT_HORIZON * dt_s, []
+        held, others = np.zeros_like(q), np.ones_like(q)
+        while joint is not None:
+            room = self.upper[joint] - q[joint] if q_dot[joint] > 0.0 else self.lower[joint] - q[joint]
+            held[joint] = room / horizon_s if room * q_dot[joint] > 0.0 else 0.0
+            others[joint] = 0.0
+            names.append(self._kinematics.joint_names[joint])
+            inverse = self._invert(jacobian * others)
+            q_dot = others * self.unlimited(q, twist - jacobian @ held, inverse)
+            _, joint = position_factor(q, q_dot, self.lower, self.upper, horizon_s)
+        q_dot = held + q_dot
+        if self._accelerates:
+            q_dot = accelerated(self._before, q_dot, self._acceleration * dt_s)
+        factor = velocity_factor(q_dot, self._kinematics.velocity)
+        factor = min(factor, position_factor(q, q_dot, self.lower, self.upper, dt_s)[0])
+        q_dot = self._before = q_dot * factor
+        text = f"at their limits, the others go on: {', '.join(names)}"
+        return Motion(q_dot, jacobian @ q_dot, Status.JOINT_LIMIT, text)
+
     def unlimited(self, q, twist, inverse):
         """(n,) joint velocities of the twist and of the spare motion, whatever the limits."""
-        return inverse.joint_velocity(twist) + inverse.free(self._wish(q, self.posture))
+        more = None
+        if self._manipulability_gain > 0.0:
+            more = self._manipulability_gain * self._kinematics.manipulability(q, self._length_m, self._rows)[1]
+        wish = self._wish(q, self.posture, more)
+        free = inverse.free(wish)
+        if self._large_from is not None:
+            part = norm_part(inverse.size(twist), *self._large_from)
+            free = (1.0 - part) * free + part * inverse.free_of_norm(wish, twist)
+        return inverse.joint_velocity(twist) + free
 
     def turning(self, q, q_dot, jacobian, inverse, dt_s):
         """Correction of q_dot for the Jacobian turning while it is held: makes the twist right half-way.

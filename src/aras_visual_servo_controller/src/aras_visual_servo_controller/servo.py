@@ -27,6 +27,7 @@ from .look_then_move import LookThenMove
 from .lost_target import LostTarget
 from .servo_config import ServoConfig
 from .types import Command, Features, Observation, Reference, ServoRecord, Status
+from .visibility import keep_in_view
 
 _FINAL = (Status.CONVERGED, Status.TIMED_OUT, Status.STOPPED, Status.FAULT)
 _MOVING_STATUSES = (Status.SERVOING, Status.JOINT_LIMIT, Status.NEAR_SINGULARITY)
@@ -45,10 +46,10 @@ class Servo:
         names = kinematics.joint_names
         self._kinematics = kinematics
         self._scenario_config = self.config = ServoConfig.from_dict(config, names)
-        self._arm = ArmMotion(kinematics, self.config)
+        self._features = FeatureSet(self.config.features)
+        self._arm = ArmMotion(kinematics, self.config, self._features.sees_tilt)
         self._look = LookThenMove(kinematics, self._arm, self.config)
         self._lost = LostTarget(kinematics, self._arm, self.config.lost_target)
-        self._features = FeatureSet(self.config.features)
         self._law = self._make_law()
         self._no_velocity = dict.fromkeys(names, 0.0)
         self._zeros, self._nans = np.zeros(len(names)), np.full(len(names), nan)
@@ -197,6 +198,9 @@ class Servo:
         self._manipulability = inverse.manipulability
         if target_C is not None:
             twist += self._arm.tilt(q, inverse, -expm1(-gain * dt_s) / dt_s, target_C)
+        if self.config.visibility is not None:
+            twist, bent = keep_in_view(self.config.visibility, features, twist)
+            self._text = "servoing, kept in view" if bent else self._text
         q_dot, self._twist, status, text = self._arm.joint_velocity(q, twist, jacobian, inverse, dt_s)
         if status is not None:
             self.status, self._text = status, text
@@ -261,6 +265,7 @@ class Servo:
         self._start_ns, self._last_ns, self._below_ns = stamp_ns, None, None
         self._look.clear(set_point)
         self._lost.clear()
+        self._arm.rest()
         self._forget()
         self._q = self._nans
 
@@ -274,6 +279,7 @@ class Servo:
             self._below_ns = None
             self._forget()
         self._twist, self._law.applied = np.zeros(6), None
+        self._arm.rest()
         self.status, self._text = status, text
         if not self._look.under_way:
             return Command(stamp_ns, {}, dict(self._no_velocity)), self._record(stamp_ns, text, self._zeros, self._nans)

@@ -8,10 +8,12 @@ from .errors import ParameterError
 from .features import expand, is_known, known_features
 from .laws import BROYDEN_INITIALS, INTERACTIONS, POINT_DEPTHS, POSES, LawSetup, known_laws, make_law
 from .lost_target import LostTargetConfig
+from .motion_config import LimitsConfig, read_motion
 from .plugins import load_plugins
 from .scenario import load_yaml, resolve_uri
 from .target_pose import PlanarTarget
 from .types import FEATURE_NAMES
+from .visibility import VisibilityConfig
 
 MODES = ("continuous", "look_then_move")
 
@@ -45,13 +47,19 @@ class ServoConfig:
     settle_tolerance: float = 0.02  # ... and are this close to their set-points, friction included [m, rad] ...
     settle_limit_s: float = 1.0  # ... or have had this long
     acceleration: float = 2.0  # look_then_move: of the moves [m/s^2, rad/s^2]
-    length_m: float = 0.05  # section inverse, see redundancy.py
+    method: str = "damped"  # section inverse, see redundancy.py
+    at_limits: str = "scale"  # the whole motion, or saturate: the joints that are not at a limit go on
+    length_m: float = 0.05
     singular_value_threshold: float = 0.02
     damping: float = 0.02
     joint_weights: Dict[str, float] = None  # section inverse/joint_weights: cost of moving a joint, default 1
     posture_gain_per_s: float = 2.0  # section null_space: return to the taught posture
     joint_limit_gain_per_s: float = 1.0  # section null_space: away from joint limits
+    manipulability_gain_per_s: float = 0.0  # section null_space: away from singularities [m^2/s, rad^2/s]
     max_speed: float = 0.2  # section null_space: of any joint [m/s, rad/s]
+    large_from: Optional[Tuple[float, float]] = None  # section null_space: projection onto the norm, from this twist on
+    limits: LimitsConfig = LimitsConfig()
+    visibility: Optional[VisibilityConfig] = None
     joint_limit_margin: float = 0.01  # kept to every joint limit [m, rad]
     lost_target: LostTargetConfig = LostTargetConfig()  # keys on_lost and lost_target
 
@@ -99,23 +107,8 @@ class ServoConfig:
             values[key] = reader.number(key, getattr(cls, key), above=0.0)
 
         values["lost_target"] = LostTargetConfig.read(reader)
-        inverse = reader.section("inverse")
-        inverse.choice("method", ("damped",), "damped")
-        for key in ("length_m", "singular_value_threshold", "damping"):
-            values[key] = inverse.number(key, getattr(cls, key), above=0.0)
-        weights = inverse.section("joint_weights")
-        names = weights.keys()
-        values["joint_weights"] = dict(zip(names, weights.numbers(names, above=0.0)))
-        for name in names:
-            if joint_names and name not in joint_names:
-                inverse.fault(f"joint_weights/{name}: no such joint, allowed {', '.join(joint_names)}")
-        inverse.close()
-
-        null_space = reader.section("null_space")
-        for key in ("posture_gain_per_s", "joint_limit_gain_per_s"):
-            values[key] = null_space.number(key, getattr(cls, key), at_least=0.0)
-        values["max_speed"] = null_space.number("max_speed", cls.max_speed, above=0.0)
-        null_space.close()
+        values["visibility"] = VisibilityConfig.read(reader)
+        values.update(read_motion(reader, joint_names, cls))
         if values["mode"] == "look_then_move" and None not in (*values["gains_per_s"], values["sample_time_s"]):
             for name, value in zip(features, values["gains_per_s"]):
                 if value * values["sample_time_s"] >= 2.0:

@@ -41,5 +41,6 @@ PYBIND11_MODULE(_kinematics, module) {
       .def_property_readonly("upper", [](const ChainKinematics& self) { return Eigen::VectorXd(self.upper()); })
       .def_property_readonly("velocity", [](const ChainKinematics& self) { return Eigen::VectorXd(self.velocity()); })
       .def("pose", &ChainKinematics::pose, py::arg("q"))
-      .def("jacobian", &ChainKinematics::jacobian, py::arg("q"));
+      .def("jacobian", &ChainKinematics::jacobian, py::arg("q"))
+      .def("manipulability", &ChainKinematics::manipulability, py::arg("q"), py::arg("length_m"), py::arg("rows"));
 }

@@ -3,6 +3,9 @@
 #include <console_bridge/console.h>
 #include <urdf_parser/urdf_parser.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <kdl/frames.hpp>
@@ -12,6 +15,9 @@
 
 namespace aras_visual_servo_controller {
 namespace {
+
+/** Below this a manipulability is rounding: entries of about 10, six rows, and the square root of a determinant. */
+constexpr double kNoManipulability = 1e-9;
 
 /** Collects what urdfdom and kdl_parser would print, so that it becomes the cause in a ModelError. */
 class LogCapture : public console_bridge::OutputHandler {
@@ -140,6 +146,40 @@ ChainKinematics::Jacobian ChainKinematics::jacobian(const Eigen::VectorXd& q) co
     for (int row = 0; row < 6; ++row) columns(row, i) = V_C(row);
   }
   return columns;
+}
+
+std::pair<double, Eigen::VectorXd> ChainKinematics::manipulability(const Eigen::VectorXd& q, double length_m,
+                                                                   const std::vector<int>& rows) const {
+  const Jacobian J = jacobian(q);
+  const auto m = static_cast<Eigen::Index>(rows.size());
+  if (m == 0 || m > J.cols()) throw ShapeError("rows: " + std::to_string(m) + ", expected 1 to the number of joints");
+  if (!(length_m > 0.0)) throw ShapeError("length_m: " + std::to_string(length_m) + ", must be > 0");
+  for (const int row : rows)
+    if (row < 0 || row > 5) throw ShapeError("rows: found " + std::to_string(row) + ", expected 0 to 5");
+  const auto pick = [&](const Eigen::Matrix<double, 6, 1>& column) {
+    Eigen::VectorXd picked(m);
+    for (Eigen::Index i = 0; i < m; ++i) picked[i] = column[rows[i]] / (rows[i] < 3 ? length_m : 1.0);
+    return picked;
+  };
+  Eigen::MatrixXd A(m, J.cols());
+  for (Eigen::Index j = 0; j < J.cols(); ++j) A.col(j) = pick(J.col(j));
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(J.cols());
+  const Eigen::MatrixXd square = A * A.transpose();
+  const double w = std::sqrt(std::max(0.0, square.determinant()));
+  if (!(w > kNoManipulability)) return {0.0, gradient};
+  // d(ln w)/dq_i = tr((A A^T)^-1 dA/dq_i A^T), and column j of dA/dq_i is -[J_i, J_j] for joints i below j in the
+  // chain.
+  const Eigen::MatrixXd weight = square.ldlt().solve(A);
+  for (std::size_t below = 0; below < index_.size(); ++below) {
+    const Eigen::Vector3d v = J.col(index_[below]).head<3>(), w_i = J.col(index_[below]).tail<3>();
+    for (std::size_t above = 0; above < below; ++above) {
+      const Eigen::Vector3d v_j = J.col(index_[above]).head<3>(), w_j = J.col(index_[above]).tail<3>();
+      Eigen::Matrix<double, 6, 1> derivative;
+      derivative << -(w_i.cross(v_j) + v.cross(w_j)), -w_i.cross(w_j);
+      gradient[index_[below]] += weight.col(index_[above]).dot(pick(derivative));
+    }
+  }
+  return {w, gradient};
 }
 
 }  // namespace aras_visual_servo_controller

@@ -4,6 +4,7 @@
 #include <kdl/chain.hpp>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace aras_visual_servo_controller {
@@ -43,6 +44,15 @@ class ChainKinematics {
   /** J_BC_C, 6 x n: V_BC_C = J_BC_C q_dot, the twist of C in B, taken at the origin of C and expressed in C.
    *  @throws ShapeError, NotFiniteError */
   Jacobian jacobian(const Eigen::VectorXd& q) const;
+
+  /** Yoshikawa's manipulability w = sqrt(det(A A^T)), A = rows of J_BC_C with the linear ones divided by a length, and
+   * the gradient of its logarithm by the joints (docs/theory.md T42).
+   *  @param length_m  characteristic length [m]
+   *  @param rows  which of [vx vy vz wx wy wz], at most as many as there are joints
+   *  @return w [-] and d(ln w)/dq, n [1/m or 1/rad]; where w vanishes, 0 and zeros
+   *  @throws ShapeError, NotFiniteError */
+  std::pair<double, Eigen::VectorXd> manipulability(const Eigen::VectorXd& q, double length_m,
+                                                    const std::vector<int>& rows) const;
 
  private:
   void check(const Eigen::VectorXd& q) const;

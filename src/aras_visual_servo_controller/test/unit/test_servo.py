@@ -360,7 +360,7 @@ def test_reference_survives_being_stored():
 
 
 def test_configuration_lists_every_fault():
-    inverse = {"method": "plain", "joint_weights": {"J9": 2}}
+    inverse = {"method": "no_such_method", "joint_weights": {"J9": 2}}
     bad = config(law="no_such_law", mode="jump", time_limit_s=-1, surprise=1, inverse=inverse)
     bad["gains_per_s"] = {"xn": 0.0, "yn": 1, "an": "x"}
     with pytest.raises(ParameterError) as caught:
