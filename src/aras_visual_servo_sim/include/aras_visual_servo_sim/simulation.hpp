@@ -61,6 +61,8 @@ class Simulation {
   const CameraModel& camera(int index) const { return cameras_[index].model; }
   /** True if a frame belongs to the present tick and was not taken yet. */
   bool frameDue(int camera) const;
+  /** True if a frame belongs to the present tick and was taken. */
+  bool frameTaken(int camera) const;
   /** Tick of the next frame that was neither taken nor missed. */
   std::int64_t nextFrameTick(int camera) const;
   /** Takes the frame of the present tick. @return its index @throws ParameterError if none is due */

@@ -151,6 +151,11 @@ int Simulation::cameraIndex(const std::string& camera) const {
 
 bool Simulation::frameDue(int camera) const { return nextFrameTick(camera) == ticks(); }
 
+bool Simulation::frameTaken(int camera) const {
+  const std::int64_t last = cameras_[camera].next_frame - 1;
+  return last >= 0 && cameras_[camera].schedule.tickOf(last) == ticks();
+}
+
 std::int64_t Simulation::nextFrameTick(int camera) const {
   return cameras_[camera].schedule.tickOf(cameras_[camera].next_frame);
 }

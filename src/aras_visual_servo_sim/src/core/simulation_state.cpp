@@ -8,6 +8,13 @@
 namespace aras_visual_servo_sim {
 namespace {
 
+/** Hash of the first `size` bytes. */
+std::uint64_t checksum(const std::string& bytes, std::size_t size) {
+  RunHash hash;
+  hash.add(bytes.data(), size);
+  return hash.state();
+}
+
 constexpr std::uint64_t kMagic = 0x32304d4953415241ULL;  // "ARASIM02"
 
 class Writer {
@@ -21,7 +28,11 @@ class Writer {
     put<std::uint64_t>(text.size());
     bytes_ += text;
   }
-  std::string take() { return std::move(bytes_); }
+  /** The record, its checksum last. */
+  std::string take() {
+    put(checksum(bytes_, bytes_.size()));
+    return std::move(bytes_);
+  }
 
  private:
   std::string bytes_;
@@ -29,7 +40,18 @@ class Writer {
 
 class Reader {
  public:
-  explicit Reader(const std::string& bytes) : bytes_(bytes) {}
+  /** @throws StateError if the record is not whole */
+  explicit Reader(const std::string& bytes) : bytes_(bytes) {
+    std::uint64_t sum = 0;
+    if (bytes.size() >= sizeof(sum)) {
+      end_ = bytes.size() - sizeof(sum);
+      std::memcpy(&sum, bytes.data() + end_, sizeof(sum));
+    }
+    if (end_ == 0 || sum != checksum(bytes, end_)) {
+      throw StateError("saved state: found " + std::to_string(bytes.size()) +
+                       " bytes that are damaged, cut short or none of save_state's");
+    }
+  }
   template <typename T>
   T get() {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -42,18 +64,17 @@ class Reader {
     const char* data = take(size);
     return std::string(data, size);
   }
-  bool atEnd() const { return at_ == bytes_.size(); }
+  bool atEnd() const { return at_ == end_; }
 
  private:
   const char* take(std::uint64_t size) {
-    if (size > bytes_.size() - at_)
-      throw StateError("saved state: " + std::to_string(bytes_.size()) + " bytes, cut short");
+    if (size > end_ - at_) throw StateError("saved state: found " + std::to_string(end_) + " bytes, needs more");
     const char* data = bytes_.data() + at_;
     at_ += size;
     return data;
   }
   const std::string& bytes_;
-  std::size_t at_ = 0;
+  std::size_t at_ = 0, end_ = 0;
 };
 
 struct FrameCounters {

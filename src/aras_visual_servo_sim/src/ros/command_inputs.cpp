@@ -6,6 +6,7 @@
 #include <ros/this_node.h>
 #include <ros/transport_hints.h>
 
+#include <algorithm>
 #include <boost/function.hpp>
 #include <cmath>
 #include <limits>
@@ -47,8 +48,8 @@ JointCommand commandFromMessage(const sensor_msgs::JointState& message) {
   return command;
 }
 
-CommandInputs::CommandInputs(ros::NodeHandle& node, Simulation& simulation, LockstepGate& gate)
-    : simulation_(simulation), gate_(gate) {
+CommandInputs::CommandInputs(ros::NodeHandle& node, Simulation& simulation, LockstepGate& gate, const WireTime& time)
+    : simulation_(simulation), gate_(gate), time_(time) {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   joint_command_ = node.subscribe("joint_command", kCommandQueue, &CommandInputs::onJointCommand, this, hints);
   for (const std::string& controller : simulation.world().controllerNames()) {
@@ -59,24 +60,41 @@ CommandInputs::CommandInputs(ros::NodeHandle& node, Simulation& simulation, Lock
   }
 }
 
-void CommandInputs::onJointCommand(const sensor_msgs::JointState::ConstPtr& message) {
-  const std::int64_t stamp_ns = toNanoseconds(message->header.stamp);
+void CommandInputs::onJointCommand(const ros::MessageEvent<const sensor_msgs::JointState>& event) {
+  const sensor_msgs::JointState::ConstPtr& message = event.getConstMessage();
+  const std::string& sender = event.getPublisherName();
+  if (gate_.holding() && !gate_.nodes().empty()) {
+    kept_.push_back({sender, message});
+  } else {
+    apply(*message);
+  }
   // A stamp from the future answers nothing: its sender lives in another time.
-  const std::int64_t answered_ns = stamp_ns <= simulation_.timeNs() ? stamp_ns : -1;
+  const std::int64_t stamp_ns = time_.simulated(message->header.stamp);
+  gate_.commandReceived(stamp_ns <= simulation_.timeNs() ? stamp_ns : -1, sender);
+  if (!gate_.holding()) applyKept();
+}
+
+void CommandInputs::applyKept() {
+  std::stable_sort(kept_.begin(), kept_.end(), [](const Kept& a, const Kept& b) { return a.sender < b.sender; });
+  for (const Kept& kept : kept_) apply(*kept.message);
+  kept_.clear();
+}
+
+void CommandInputs::apply(const sensor_msgs::JointState& message) {
   try {
     JointCommand command;
     try {
-      command = commandFromMessage(*message);
+      command = commandFromMessage(message);
     } catch (const ArasError& error) {
       simulation_.refuse(error.what());
       throw;
     }
-    const bool unstamped = message->header.stamp.isZero();
-    simulation_.setCommand(command, unstamped ? std::nullopt : std::optional<std::int64_t>(stamp_ns));
+    std::optional<std::int64_t> stamp_ns;
+    if (!message.header.stamp.isZero()) stamp_ns = time_.simulated(message.header.stamp);
+    simulation_.setCommand(command, stamp_ns);
   } catch (const ArasError& error) {
     ROS_WARN_THROTTLE(kWarnPeriodS, "command refused, the arm holds: %s", error.what());
   }
-  gate_.commandReceived(answered_ns);
 }
 
 void CommandInputs::onControllerCommand(const std::string& controller, const std_msgs::Float64::ConstPtr& message) {

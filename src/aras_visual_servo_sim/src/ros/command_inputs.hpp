@@ -1,5 +1,6 @@
 #pragma once
 
+#include <ros/message_event.h>
 #include <ros/node_handle.h>
 #include <ros/subscriber.h>
 #include <sensor_msgs/JointState.h>
@@ -10,6 +11,7 @@
 
 #include "aras_visual_servo_sim/lockstep_gate.hpp"
 #include "aras_visual_servo_sim/simulation.hpp"
+#include "wire_time.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -19,20 +21,35 @@ namespace aras_visual_servo_sim {
 JointCommand commandFromMessage(const sensor_msgs::JointState& message);
 
 /** Listens to `joint_command` and every `<controller>/command`. A command that is refused never stops the node: it is
- *  counted, warned about, and the arm holds. */
+ *  counted, warned about, and the arm holds.
+ *
+ *  Where the lockstep waits for several nodes, the joint commands that come while it holds are kept and applied when it
+ *  goes on, in the order of their senders' names: who was faster decides nothing. */
 class CommandInputs {
  public:
-  CommandInputs(ros::NodeHandle& node, Simulation& simulation, LockstepGate& gate);
+  CommandInputs(ros::NodeHandle& node, Simulation& simulation, LockstepGate& gate, const WireTime& time);
+
+  /** Applies the commands kept: the lockstep goes on. */
+  void applyKept();
+  /** Forgets them: after a reset. */
+  void forgetKept() { kept_.clear(); }
 
   /** Who the master knows to publish `joint_command`, in words; asks the master. */
   std::string answerers() const;
 
  private:
-  void onJointCommand(const sensor_msgs::JointState::ConstPtr& message);
+  struct Kept {
+    std::string sender;
+    sensor_msgs::JointState::ConstPtr message;
+  };
+  void onJointCommand(const ros::MessageEvent<const sensor_msgs::JointState>& event);
+  void apply(const sensor_msgs::JointState& message);
   void onControllerCommand(const std::string& controller, const std_msgs::Float64::ConstPtr& message);
 
   Simulation& simulation_;
   LockstepGate& gate_;
+  const WireTime& time_;
+  std::vector<Kept> kept_;
   ros::Subscriber joint_command_;
   std::vector<ros::Subscriber> controller_commands_;
 };

@@ -19,19 +19,30 @@ constexpr std::int64_t kSliceNs = 1000000;  // simulated time between two looks 
 SimNode::SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, const NodeParameters& parameters)
     : node_(node),
       queue_(queue),
-      time_(parameters.time),
+      config_(parameters.time),
       simulation_(parameters.robot, parameters.simulation, parameters.controllers),
-      gate_(parameters.time.lockstep),
+      time_(simulation_, parameters.time.monotonic_clock),
+      gate_(parameters.time.lockstep, lockstepNodes()),
       pacer_(parameters.time.real_time_factor),
-      states_(node_, simulation_, parameters.time),
-      commands_(node_, simulation_, gate_),
+      states_(node_, simulation_, parameters.time, time_),
+      commands_(node_, simulation_, gate_, time_),
       pids_(node_, simulation_),
       markers_(node_, simulation_.model().links.front().name),
       status_(node_.advertise<aras_visual_servo_msgs::SimStatus>("sim/status", 1000, true)),
       paused_(parameters.time.start_paused) {
   for (const std::string& warning : simulation_.model().warnings) ROS_WARN("%s", warning.c_str());
+  for (const std::string& camera : config_.lockstep_cameras) {
+    lockstep_cameras_.push_back(simulation_.cameraIndex(camera));
+  }
   advertiseServices(parameters.gazebo_names);
   markers_.publish(simulation_.scene());
+}
+
+/** Who has to answer each image, by full name. */
+std::vector<std::string> SimNode::lockstepNodes() const {
+  std::vector<std::string> nodes;
+  for (const std::string& node : config_.lockstep_nodes) nodes.push_back(node_.resolveName(node, false));
+  return nodes;
 }
 
 void SimNode::run() {
@@ -63,10 +74,31 @@ void SimNode::wait(double limit_s) {
   queue_.callOne(ros::WallDuration(std::clamp(std::min(limit_s, beat_s), 0.0, limit_s)));
 }
 
-void SimNode::sample() {
-  if (!states_.publishDue()) return;
+void SimNode::sample() { hold(states_.publishDue()); }
+
+/** Images of these cameras went out: the lockstep waits for their answers. */
+void SimNode::hold(const std::vector<int>& cameras) {
+  std::string names;
+  for (const int camera : cameras) {
+    const bool counts = std::count(lockstep_cameras_.begin(), lockstep_cameras_.end(), camera) > 0;
+    if (counts || lockstep_cameras_.empty()) names += (names.empty() ? "" : ", ") + simulation_.cameraNames()[camera];
+  }
+  if (names.empty()) return;
   gate_.imageSent(simulation_.timeNs());
-  hold_report_ = ros::WallTime::now() + ros::WallDuration(time_.lockstep_timeout_s);
+  held_image_ = "image of " + names + " at " + std::to_string(time_.now().toSec()) + " s";
+  answerers_.clear();
+  hold_report_ = ros::WallTime::now() + ros::WallDuration(config_.lockstep_timeout_s);
+}
+
+/** After a reset or a restored state: what was waited for is gone. */
+void SimNode::timeJumped(std::int64_t before_ns) {
+  time_.jumped(before_ns);
+  gate_.release();
+  commands_.forgetKept();
+  pacer_.restart(simulation_.timeNs());
+  meter_.restart(simulation_.timeNs());
+  pids_.refresh();
+  markers_.publish(simulation_.scene());
 }
 
 void SimNode::advance(std::int64_t limit_ticks) {
@@ -77,13 +109,13 @@ void SimNode::advance(std::int64_t limit_ticks) {
 void SimNode::checkHold() {
   const ros::WallTime now = ros::WallTime::now();
   if (now < hold_report_) return;
-  hold_report_ = now + ros::WallDuration(time_.lockstep_timeout_s);
-  const std::string stamp = std::to_string(1e-9 * static_cast<double>(gate_.waitingForNs()));
-  held_by_ = "no answer to the image of " + stamp + " s on joint_command from: " + commands_.answerers();
-  ROS_WARN("lockstep: %s; %s", held_by_.c_str(), time_.continue_on_timeout ? "going on" : "still holding");
-  if (time_.continue_on_timeout) {
+  hold_report_ = now + ros::WallDuration(config_.lockstep_timeout_s);
+  answerers_ = commands_.answerers();
+  ROS_WARN("lockstep: %s; %s", heldBy().c_str(), config_.continue_on_timeout ? "going on" : "still holding");
+  if (config_.continue_on_timeout) {
     ++unanswered_;
     gate_.release();
+    commands_.applyKept();
   }
   publishStatus();
 }
@@ -100,16 +132,25 @@ void SimNode::beat() {
   publishStatus();
 }
 
+/** Who has not answered which image, in words. */
+std::string SimNode::heldBy() const {
+  std::string missing;
+  for (const std::string& node : gate_.missing()) missing += (missing.empty() ? "" : ", ") + node;
+  const std::string to = " to the " + held_image_ + " on joint_command";
+  if (answerers_.empty()) return "an answer" + to + (missing.empty() ? "" : " from: " + missing);
+  if (missing.empty()) return "no answer" + to + " from: " + answerers_;
+  return "no answer" + to + " from: " + missing + "; publishers: " + answerers_;
+}
+
 void SimNode::publishStatus() {
   aras_visual_servo_msgs::SimStatus status;
-  status.header.stamp = toRosTime(simulation_.timeNs());
+  status.header.stamp = time_.now();
   status.real_time_factor = real_time_factor_;
   status.paused = paused_;
-  status.lockstep = time_.lockstep;
+  status.lockstep = config_.lockstep;
   status.lockstep_armed = gate_.armed();
   status.holding = gate_.holding() && !paused_;
-  if (!gate_.holding()) held_by_.clear();
-  if (status.holding) status.held_by = held_by_.empty() ? "joint_command" : held_by_;
+  if (status.holding) status.held_by = heldBy();
   status.ticks = static_cast<std::uint64_t>(simulation_.ticks());
   status.frames = states_.frames();
   status.dropped_frames = states_.droppedFrames() + unanswered_;

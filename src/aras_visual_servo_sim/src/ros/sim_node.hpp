@@ -1,5 +1,7 @@
 #pragma once
 
+#include <aras_visual_servo_msgs/RestoreState.h>
+#include <aras_visual_servo_msgs/SaveState.h>
 #include <aras_visual_servo_msgs/SetJointPositions.h>
 #include <aras_visual_servo_msgs/SetTargetPose.h>
 #include <aras_visual_servo_msgs/SimStatus.h>
@@ -13,12 +15,14 @@
 
 #include "aras_visual_servo_sim/lockstep_gate.hpp"
 #include "aras_visual_servo_sim/simulation.hpp"
+#include "aras_visual_servo_sim/snapshots.hpp"
 #include "command_inputs.hpp"
 #include "pacer.hpp"
 #include "parameters.hpp"
 #include "pid_servers.hpp"
 #include "scene_markers.hpp"
 #include "state_publisher.hpp"
+#include "wire_time.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -39,6 +43,8 @@ class SimNode {
   using Step = aras_visual_servo_msgs::Step;
   using SetJointPositions = aras_visual_servo_msgs::SetJointPositions;
   using SetTargetPose = aras_visual_servo_msgs::SetTargetPose;
+  using SaveState = aras_visual_servo_msgs::SaveState;
+  using RestoreState = aras_visual_servo_msgs::RestoreState;
 
   void advertiseServices(bool gazebo_names);
   bool onPause(Empty::Request&, Empty::Response&);
@@ -48,18 +54,25 @@ class SimNode {
   bool onStep(Step::Request& request, Step::Response& response);
   bool onSetJointPositions(SetJointPositions::Request& request, SetJointPositions::Response& response);
   bool onSetTargetPose(SetTargetPose::Request& request, SetTargetPose::Response& response);
+  bool onSaveState(SaveState::Request& request, SaveState::Response& response);
+  bool onRestoreState(RestoreState::Request& request, RestoreState::Response& response);
 
+  std::vector<std::string> lockstepNodes() const;
   void wait(double limit_s);
   void sample();
+  void hold(const std::vector<int>& cameras);
+  void timeJumped(std::int64_t before_ns);
   void advance(std::int64_t limit_ticks);
   void checkHold();
   void beat();
+  std::string heldBy() const;
   void publishStatus();
 
   ros::NodeHandle node_;
   ros::CallbackQueue& queue_;
-  TimeConfig time_;
+  TimeConfig config_;
   Simulation simulation_;
+  WireTime time_;
   LockstepGate gate_;
   Pacer pacer_;
   RateMeter meter_;
@@ -70,9 +83,12 @@ class SimNode {
   ros::Publisher status_;
   std::vector<ros::ServiceServer> services_;
   bool paused_;
-  double real_time_factor_ = 0.0;  ///< reached
-  std::uint64_t unanswered_ = 0;   ///< images the lockstep went on without an answer to
-  std::string held_by_;
+  double real_time_factor_ = 0.0;      ///< reached
+  std::uint64_t unanswered_ = 0;       ///< images the lockstep went on without an answer to
+  std::vector<int> lockstep_cameras_;  ///< by index
+  std::string held_image_;             ///< what the lockstep waits with, in words
+  std::string answerers_;              ///< who might have answered it, once that was asked
+  Snapshots snapshots_;
   std::uint64_t clock_beats_at_ = 0;  ///< ticks when the clock was last repeated
   ros::WallTime next_beat_, hold_report_;
 };

@@ -45,6 +45,8 @@ void SimNode::advertiseServices(bool gazebo_names) {
                node_.advertiseService("sim/reset", &SimNode::onReset, this),
                node_.advertiseService("sim/step", &SimNode::onStep, this),
                node_.advertiseService("sim/set_joint_positions", &SimNode::onSetJointPositions, this),
+               node_.advertiseService("sim/save_state", &SimNode::onSaveState, this),
+               node_.advertiseService("sim/restore_state", &SimNode::onRestoreState, this),
                node_.advertiseService("sim/set_target_pose", &SimNode::onSetTargetPose, this)};
   if (!gazebo_names) return;
   services_.push_back(node_.advertiseService("/gazebo/pause_physics", &SimNode::onPause, this));
@@ -67,14 +69,12 @@ bool SimNode::onUnpause(Empty::Request&, Empty::Response&) {
 }
 
 bool SimNode::onReset(Empty::Request&, Empty::Response&) {
+  const std::int64_t before_ns = simulation_.timeNs();
   simulation_.reset();
+  timeJumped(before_ns);
   gate_.reset();
   states_.reset();
   unanswered_ = 0;
-  pacer_.restart(simulation_.timeNs());
-  meter_.restart(simulation_.timeNs());
-  pids_.refresh();
-  markers_.publish(simulation_.scene());
   states_.publishClock();
   publishStatus();
   return true;
@@ -101,7 +101,7 @@ bool SimNode::onStep(Step::Request& request, Step::Response& response) {
     sample();
     states_.publishClock();
   });
-  response.stamp = toRosTime(simulation_.timeNs());
+  response.stamp = time_.now();
   return true;
 }
 
@@ -114,6 +114,30 @@ bool SimNode::onSetTargetPose(SetTargetPose::Request& request, SetTargetPose::Re
     simulation_.setModelPose(request.model.empty() ? kTargetModel : request.model, fromMessage(request.pose));
     markers_.publish(simulation_.scene());
   });
+}
+
+bool SimNode::onSaveState(SaveState::Request& request, SaveState::Response& response) {
+  return answer(response, [&] {
+    const std::string state = simulation_.saveState();
+    if (!request.file.empty()) writeStateFile(request.file, state);
+    response.name = snapshots_.save(request.name, state);
+  });
+}
+
+bool SimNode::onRestoreState(RestoreState::Request& request, RestoreState::Response& response) {
+  answer(response, [&] {
+    if (request.name.empty() == request.file.empty()) {
+      throw ParameterError("restore_state: found " + std::string(request.name.empty() ? "neither" : "both") +
+                           " of name and file, allowed one of them");
+    }
+    const std::int64_t before_ns = simulation_.timeNs();
+    simulation_.restoreState(request.file.empty() ? snapshots_.get(request.name) : readStateFile(request.file));
+    timeJumped(before_ns);
+    hold(states_.resume());
+    publishStatus();
+  });
+  response.stamp = time_.now();
+  return true;
 }
 
 }  // namespace aras_visual_servo_sim

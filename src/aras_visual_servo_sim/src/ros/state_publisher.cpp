@@ -50,14 +50,16 @@ void assign(std::vector<double>& to, const Eigen::VectorXd& from) { to.assign(fr
 
 }  // namespace
 
-StatePublisher::StatePublisher(const ros::NodeHandle& node, Simulation& simulation, const TimeConfig& time)
+StatePublisher::StatePublisher(const ros::NodeHandle& node, Simulation& simulation, const TimeConfig& config,
+                               const WireTime& time)
     : node_(node),
       transport_(node_),
       simulation_(simulation),
-      render_always_(time.render_always),
+      time_(time),
+      render_always_(config.render_always),
       world_frame_(simulation.model().links.front().name),
-      clock_schedule_(std::min(time.clock_rate_hz, 1e9 / simulation.periodNs()), simulation.periodNs()),
-      joint_schedule_(std::min(time.joint_state_rate_hz, 1e9 / simulation.periodNs()), simulation.periodNs()) {
+      clock_schedule_(std::min(config.clock_rate_hz, 1e9 / simulation.periodNs()), simulation.periodNs()),
+      joint_schedule_(std::min(config.joint_state_rate_hz, 1e9 / simulation.periodNs()), simulation.periodNs()) {
   clock_ = node_.advertise<rosgraph_msgs::Clock>("/clock", kSmallQueue);
   joints_ = node_.advertise<sensor_msgs::JointState>("joint_states", kSmallQueue);
   target_pose_ = node_.advertise<geometry_msgs::PoseStamped>("ground_truth/target_pose", kSmallQueue);
@@ -100,33 +102,51 @@ std::int64_t StatePublisher::nextTick() const {
   return next;
 }
 
-bool StatePublisher::publishDue() {
+std::vector<int> StatePublisher::publishDue() {
   const std::int64_t tick = simulation_.ticks();
-  if (sampled_tick_ == tick) return false;
+  if (sampled_tick_ == tick) return {};
   sampled_tick_ = tick;
   const bool clock_due = clock_schedule_.tickOf(next_clock_) <= tick;
   const bool joints_due = joint_schedule_.tickOf(next_joints_) <= tick;
-  bool image_due = false;
-  for (std::size_t k = 0; k < cameras_.size(); ++k) image_due |= simulation_.frameDue(static_cast<int>(k));
+  std::vector<int> due;
+  for (std::size_t k = 0; k < cameras_.size(); ++k) {
+    if (simulation_.frameDue(static_cast<int>(k))) due.push_back(static_cast<int>(k));
+  }
 
   next_clock_ = clock_schedule_.firstIndexFrom(tick + 1);
   next_joints_ = joint_schedule_.firstIndexFrom(tick + 1);
-  const ros::Time stamp = toRosTime(simulation_.timeNs());
-  if (clock_due || image_due) publishClock();
-  if (joints_due || image_due) publishJoints(stamp);
+  const ros::Time stamp = time_.now();
+  if (clock_due || !due.empty()) publishClock();
+  if (joints_due || !due.empty()) publishJoints(stamp);
   if (joints_due) publishControllers(stamp);
-  if (!image_due) return false;
+  if (due.empty()) return due;
 
   publishTarget(stamp);
+  for (const int camera : due) publishFrame(camera, stamp);
+  return due;
+}
+
+std::vector<int> StatePublisher::resume() {
+  const std::int64_t tick = simulation_.ticks();
+  const ros::Time stamp = time_.now();
+  sampled_tick_ = -1;
+  next_clock_ = clock_schedule_.firstIndexFrom(tick);
+  next_joints_ = joint_schedule_.firstIndexFrom(tick);
+  path_message_.poses.clear();
+  publishClock();
+  publishJoints(stamp);
+  std::vector<int> taken;
   for (std::size_t k = 0; k < cameras_.size(); ++k) {
-    if (simulation_.frameDue(static_cast<int>(k))) publishFrame(static_cast<int>(k), stamp);
+    if (simulation_.frameTaken(static_cast<int>(k))) taken.push_back(static_cast<int>(k));
   }
-  return true;
+  if (!taken.empty()) publishTarget(stamp);
+  for (const int camera : taken) publishImage(camera, stamp);
+  return taken;
 }
 
 void StatePublisher::publishClock() {
   rosgraph_msgs::Clock clock;
-  clock.clock = toRosTime(simulation_.timeNs());
+  clock.clock = time_.now();
   clock_.publish(clock);
 }
 
@@ -181,10 +201,13 @@ void StatePublisher::publishTarget(const ros::Time& stamp) {
 }
 
 void StatePublisher::publishFrame(int camera, const ros::Time& stamp) {
-  CameraOutput& output = cameras_[camera];
   simulation_.takeFrame(camera);
   ++frames_;
+  publishImage(camera, stamp);
+}
 
+void StatePublisher::publishImage(int camera, const ros::Time& stamp) {
+  CameraOutput& output = cameras_[camera];
   geometry_msgs::PoseStamped pose;
   pose.header.stamp = stamp;
   pose.header.frame_id = world_frame_;

@@ -13,6 +13,7 @@
 
 #include "aras_visual_servo_sim/frame_schedule.hpp"
 #include "aras_visual_servo_sim/simulation.hpp"
+#include "wire_time.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -21,18 +22,21 @@ namespace aras_visual_servo_sim {
  *  Order at an image: clock, joint_states, ground truth, camera_info, image. */
 class StatePublisher {
  public:
-  StatePublisher(const ros::NodeHandle& node, Simulation& simulation, const TimeConfig& time);
+  StatePublisher(const ros::NodeHandle& node, Simulation& simulation, const TimeConfig& config, const WireTime& time);
 
   /** Tick of the next sample after the present one. */
   std::int64_t nextTick() const;
 
   /** Publishes what is due at the present tick and was not published yet.
-   *  @return true if an image instant of some camera was among it */
-  bool publishDue();
+   *  @return the cameras, by index, whose image instant it is */
+  std::vector<int> publishDue();
 
   void publishClock();
   /** Forgets the samples taken: after a reset of the simulation. */
   void reset();
+  /** After a restored state: samples it anew. A frame that was taken at its tick already is sent once more.
+   *  @return as publishDue */
+  std::vector<int> resume();
 
   std::uint64_t frames() const { return frames_; }
   /** Frames that could not be rendered. */
@@ -56,11 +60,13 @@ class StatePublisher {
   void publishControllers(const ros::Time& stamp);
   void publishTarget(const ros::Time& stamp);
   void publishFrame(int camera, const ros::Time& stamp);
+  void publishImage(int camera, const ros::Time& stamp);
   void publishPath(const ros::Time& stamp, const geometry_msgs::Pose& pose);
 
   ros::NodeHandle node_;
   image_transport::ImageTransport transport_;
   Simulation& simulation_;
+  const WireTime& time_;
   bool render_always_;
   std::string world_frame_;
   FrameSchedule clock_schedule_, joint_schedule_;

@@ -6,7 +6,6 @@ Every wait is for a condition, with a limit of wall time.
 import os
 import subprocess
 import sys
-import time
 import unittest
 
 import dynamic_reconfigure.client
@@ -21,56 +20,9 @@ from sensor_msgs.msg import CameraInfo, Image, JointState
 from std_msgs.msg import Float64
 from std_srvs.srv import Empty
 
-LIMIT_S = 30.0  # wall time after which something that should happen has not
+from listening import LIMIT_S, Listener, command, command_publisher, service, until
+
 NAN = float("nan")
-
-
-def until(condition, what):
-    """Value of condition() once it is true."""
-    end = time.monotonic() + LIMIT_S
-    while time.monotonic() < end:
-        value = condition()
-        if value:
-            return value
-        time.sleep(0.005)
-    raise AssertionError("never happened: " + what)
-
-
-class Listener:
-    """Keeps every message of a topic."""
-
-    def __init__(self, topic, kind):
-        self.messages = []
-        self.subscriber = rospy.Subscriber(topic, kind, self.messages.append, queue_size=1000, tcp_nodelay=True)
-
-    def wait(self, count=1):
-        until(lambda: len(self.messages) >= count, "%d messages on %s" % (count, self.subscriber.resolved_name))
-        return list(self.messages)
-
-    def newer(self, condition, what):
-        """A message that fulfils the condition and comes after this call."""
-        start = len(self.messages)
-        return until(lambda: next((m for m in self.messages[start:] if condition(m)), None), what)
-
-    def stamps(self):
-        return [message.header.stamp.to_nsec() for message in list(self.messages)]
-
-
-def service(name, kind):
-    rospy.wait_for_service(name, LIMIT_S)
-    return rospy.ServiceProxy(name, kind)
-
-
-def command_publisher(topic="joint_command", kind=JointState):
-    publisher = rospy.Publisher(topic, kind, queue_size=100, tcp_nodelay=True)
-    until(publisher.get_num_connections, "the simulator subscribes to " + topic)
-    return publisher
-
-
-def command(stamp, **velocities):
-    message = JointState(name=list(velocities), velocity=list(velocities.values()))
-    message.header.stamp = stamp
-    return message
 
 
 class Wiring(unittest.TestCase):

@@ -38,6 +38,27 @@ TEST(LockstepGate, CommandSentBeforeTheImageDoesNotAnswerIt) {
   EXPECT_TRUE(gate.holding());
 }
 
+TEST(LockstepGate, EveryNamedNodeAnswersEveryImage) {
+  LockstepGate gate(true, {"/b", "/a"});
+  gate.commandReceived(0, "/stranger");
+  EXPECT_FALSE(gate.armed());
+  gate.commandReceived(0, "/a");
+  gate.imageSent(10);
+  EXPECT_EQ(gate.missing(), (std::set<std::string>{"/a", "/b"}));
+  gate.commandReceived(10, "/a");
+  gate.commandReceived(10, "/stranger");
+  gate.commandReceived(9, "/b");
+  EXPECT_EQ(gate.missing(), std::set<std::string>{"/b"});
+  EXPECT_TRUE(gate.holding());
+  gate.commandReceived(10, "/b");
+  EXPECT_FALSE(gate.holding());
+  gate.imageSent(20);
+  EXPECT_EQ(gate.missing().size(), 2U);
+  gate.reset();
+  EXPECT_FALSE(gate.holding());
+  EXPECT_TRUE(gate.armed());
+}
+
 TEST(LockstepGate, ResetDisarms) {
   LockstepGate gate(true);
   gate.commandReceived(0);

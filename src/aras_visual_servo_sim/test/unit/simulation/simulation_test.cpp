@@ -91,6 +91,9 @@ TEST(Simulation, DamagedStateIsRefusedAndChangesNothing) {
   EXPECT_THROW(simulation.restoreState(state.substr(0, state.size() - 1)), StateError);
   EXPECT_THROW(simulation.restoreState(state + "x"), StateError);
   EXPECT_THROW(simulation.restoreState(""), StateError);
+  std::string flipped = state;
+  flipped[flipped.size() / 2] ^= 1;
+  EXPECT_THROW(simulation.restoreState(flipped), StateError);
   EXPECT_EQ(simulation.ticks(), 20);
 }
 

@@ -17,10 +17,20 @@ TEST(TimeConfig, RendersForSubscribersOnlyUnlessInLockstepOrTold) {
   EXPECT_TRUE(parse("{render: always}").render_always);
 }
 
+TEST(TimeConfig, WhoAnswersWhichCameraAndTheClockOfAReset) {
+  const TimeConfig config = parse("{lockstep_nodes: [b, /a], lockstep_cameras: [left], reset_clock: monotonic}");
+  EXPECT_EQ(config.lockstep_nodes, (std::vector<std::string>{"b", "/a"}));
+  EXPECT_EQ(config.lockstep_cameras, std::vector<std::string>{"left"});
+  EXPECT_TRUE(config.monotonic_clock);
+  EXPECT_FALSE(parse("{}").monotonic_clock);
+}
+
 TEST(TimeConfig, EveryKeyIsChecked) {
-  for (const char* text : {"{real_time_factor: -1}", "{lockstep: 3}", "{lockstep_timeout_s: 0}",
-                           "{on_lockstep_timeout: panic}", "{start_paused: maybe}", "{clock_rate_hz: 0}",
-                           "{joint_state_rate_hz: .nan}", "{render: never}", "{unknown: 1}"}) {
+  for (const char* text :
+       {"{real_time_factor: -1}", "{lockstep: 3}", "{lockstep_timeout_s: 0}", "{on_lockstep_timeout: panic}",
+        "{start_paused: maybe}", "{clock_rate_hz: 0}", "{joint_state_rate_hz: .nan}", "{lockstep_nodes: [a, a]}",
+        "{lockstep_cameras: ['']}", "{lockstep_nodes: controller}", "{reset_clock: sideways}", "{render: never}",
+        "{unknown: 1}"}) {
     EXPECT_THROW(parse(text), ParameterError) << text;
   }
 }
