@@ -1,3 +1,4 @@
+#!/usr/bin/env python3
 """Waiting for what comes over ROS, for the tests beside this file."""
 import time
 
