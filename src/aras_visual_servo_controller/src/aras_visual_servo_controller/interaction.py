@@ -11,9 +11,13 @@ import numpy as np
 from .errors import DegenerateFeature
 
 
+#: Names of the moments, by i and j.
+_NAME = tuple(tuple(f"{i}{j}" for j in range(10)) for i in range(10))
+
+
 def _at(moments, i, j):
     """m_ij; moments of negative order only ever occur multiplied by zero."""
-    return moments[f"{i}{j}"] if i >= 0 and j >= 0 else 0.0
+    return moments[_NAME[i][j]] if i >= 0 and j >= 0 else 0.0
 
 
 def _shape(m):
@@ -52,24 +56,17 @@ def centred_moment(m, mu, i, j, plane):
     """L of mu_ij, i + j >= 2 (T7); needs centred moments to order i + j + 1 and raw ones to order 2."""
     A, B, C = plane
     xg, yg, n20, n11, n02 = _shape(m)
-    vx = -(i + 1) * A * _at(mu, i, j) - i * B * _at(mu, i - 1, j + 1)
-    vy = -j * A * _at(mu, i + 1, j - 1) - (j + 1) * B * _at(mu, i, j)
-    wx = (
-        (i + j + 3) * _at(mu, i, j + 1)
-        + i * xg * _at(mu, i - 1, j + 1)
-        + (i + 2 * j + 3) * yg * _at(mu, i, j)
-        - 4 * i * n11 * _at(mu, i - 1, j)
-        - 4 * j * n02 * _at(mu, i, j - 1)
-    )
-    wy = (
-        -(i + j + 3) * _at(mu, i + 1, j)
-        - (2 * i + j + 3) * xg * _at(mu, i, j)
-        - j * yg * _at(mu, i + 1, j - 1)
-        + 4 * i * n20 * _at(mu, i - 1, j)
-        + 4 * j * n11 * _at(mu, i, j - 1)
-    )
-    vz = -A * wy + B * wx + (i + j + 2) * C * _at(mu, i, j)
-    wz = i * _at(mu, i - 1, j + 1) - j * _at(mu, i + 1, j - 1)
+    here, up_i, up_j = mu[_NAME[i][j]], mu[_NAME[i + 1][j]], mu[_NAME[i][j + 1]]
+    down_i, to_j = (mu[_NAME[i - 1][j]], mu[_NAME[i - 1][j + 1]]) if i > 0 else (0.0, 0.0)
+    down_j, to_i = (mu[_NAME[i][j - 1]], mu[_NAME[i + 1][j - 1]]) if j > 0 else (0.0, 0.0)
+    vx = -(i + 1) * A * here - i * B * to_j
+    vy = -j * A * to_i - (j + 1) * B * here
+    wx = ((i + j + 3) * up_j + i * xg * to_j + (i + 2 * j + 3) * yg * here - 4 * i * n11 * down_i
+          - 4 * j * n02 * down_j)
+    wy = (-(i + j + 3) * up_i - (2 * i + j + 3) * xg * here - j * yg * to_i + 4 * i * n20 * down_i
+          + 4 * j * n11 * down_j)
+    vz = -A * wy + B * wx + (i + j + 2) * C * here
+    wz = i * to_j - j * to_i
     return np.array([vx, vy, vz, wx, wy, wz])
 
 

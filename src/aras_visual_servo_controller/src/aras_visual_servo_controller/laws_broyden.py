@@ -7,6 +7,8 @@ from .laws import BROYDEN_INITIALS, Law, LawSetup, register, sampled_gains
 
 #: Test moves: images of motion, then images at rest until the joints have followed.
 MOVE_IMAGES, REST_IMAGES = 3, 4
+#: No image asks for more than this many times `move`: what was learnt holds nearby.
+TRUST = 5.0
 
 
 @register("broyden")
@@ -72,7 +74,9 @@ class Broyden(Law):
             self._learn(motion, change)
         if self._J is None:
             return self._test_move(dt_s)
-        return -(self.invert(self.L) @ (np.array(sampled_gains(self.gains_per_s, dt_s)) * e))
+        twist = -(self.invert(self.L) @ (np.array(sampled_gains(self.gains_per_s, dt_s)) * e))
+        motion = twist[self._columns] / self._units
+        return twist * min(1.0, TRUST * self._move / max(float(motion @ motion) ** 0.5 * dt_s, 1e-12))
 
     def _since_the_last_image(self, s):
         """(motion (n,), change of the features (k,)); None each when the arm was stopped in between."""

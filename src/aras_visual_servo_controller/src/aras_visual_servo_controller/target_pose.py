@@ -27,6 +27,7 @@ SURE = 1e-4
 #: First guesses: the normal given and others tilted from it by this much; turns about it.
 GUESS_TILT_RAD, GUESS_TURNS = 0.35, 8
 _BEHIND = "pose of the target: behind the camera"
+_EYE = np.eye(4)
 
 
 def exponential(twist):
@@ -39,7 +40,7 @@ def exponential(twist):
     else:
         A, B, C = sin(angle) / angle, (1.0 - cos(angle)) / angle**2, (angle - sin(angle)) / angle**3
     WW = W @ W
-    X = np.eye(4)
+    X = _EYE.copy()
     X[:3, :3] += A * W + B * WW
     X[:3, 3] = v + B * (W @ v) + C * (WW @ v)
     return X
@@ -47,7 +48,7 @@ def exponential(twist):
 
 def inverse(X):
     """Inverse of a pose, (4, 4)."""
-    result = np.eye(4)
+    result = _EYE.copy()
     result[:3, :3] = X[:3, :3].T
     result[:3, 3] = -(X[:3, 3] @ X[:3, :3])
     return result
