@@ -6,6 +6,7 @@ import pathlib
 import shlex
 import statistics
 import subprocess
+import sys
 import tempfile
 import time
 
@@ -102,6 +103,10 @@ def micro():
                 f"{1.0 / (entry['cpu_time'] * {'ns': 1e-9, 'us': 1e-6, 'ms': 1e-3}[entry['time_unit']]):,.0f} /s")
 
 
+def laws():
+    subprocess.run([sys.executable, WORKSPACE / "src/aras_visual_servo_controller/bench/law_times.py"], check=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=7, help="runs of each whole loop (default 7)")
@@ -113,6 +118,7 @@ def main():
               "experiment_2_binary"])
     in_process(arguments.runs, arguments.beside)
     micro()
+    laws()
     if not arguments.no_ros:
         over_ros(max(3, arguments.runs // 2))
 

@@ -11,7 +11,7 @@ IEEE T-RA 15(2), 1999; E. Malis, ICRA 2004 (mean of two matrices).
 import numpy as np
 import pytest
 from test_features import view
-from test_interaction import exponential, plane_of
+from test_interaction import exponential, plane_of, tilted_pose
 
 from aras_visual_servo_controller.errors import DegenerateFeature
 from aras_visual_servo_controller.features import FeatureSet
@@ -153,6 +153,28 @@ def test_camera_is_straight_with_pbvs_and_the_reference_point_with_hybrid():
                                    ("hybrid", image_of_middle, lambda path: path[:, :3, 3])):
         path, _ = run(kind, GENERAL)
         assert off_line(straight(path)) < 0.01 < 0.03 < off_line(curved(path)), kind
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_twist_of_hybrid_moves_each_feature_at_its_rate(seed):
+    """Central differences at tilted poses; gains that differ, so that no two rows can stand in for each other."""
+    goal, gains = tilted_pose(seed), np.array([1.0, 2.0, 3.0, 1.5, 2.5, 0.5])
+    taught, start = view(goal), goal @ exponential(GENERAL, 1.0)
+    law = make_law("hybrid", gains, LawSetup(HYBRID, pose_from="points"))
+    law.reset(Reference(FeatureSet(HYBRID).values(taught), view=taught.features, plane_C=plane_of(goal)))
+
+    def features(X):
+        law.X_CgC = np.linalg.inv(goal) @ X
+        twist = law.step(view(X).features, 0.0)
+        return np.array(law.s), np.array(law.e), twist
+
+    _, e, twist = features(start)
+    h = 1e-5
+    slope = (features(start @ exponential(twist, h))[0] - features(start @ exponential(twist, -h))[0]) / (2.0 * h)
+    wanted = -gains * e
+    np.testing.assert_allclose(slope[:3], wanted[:3], atol=1e-6)  # h^2, and rounding over h
+    # theta u: the rates of the three parts differ, so only its own axis says -lambda of it (T30)
+    np.testing.assert_allclose(twist[3:], wanted[3:], atol=ROUNDING)
 
 
 def test_each_of_the_six_of_hybrid_decays_at_its_gain():

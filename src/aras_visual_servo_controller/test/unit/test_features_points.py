@@ -50,6 +50,19 @@ def test_ellipse_of_an_ellipse_is_its_half_axes_squared_over_four():
     np.testing.assert_allclose(FeatureSet(ELLIPSE).values(view(X, outline)), expected, atol=chords)
 
 
+def test_ellipse_tells_five_motions_of_a_tilted_view_four_of_a_parallel_one_and_three_of_a_disc():
+    def rank(outline, X):
+        return np.linalg.matrix_rank(FeatureSet(ELLIPSE).matrix(view(X, outline, plane_of(X))), tol=1e-6)
+
+    angle = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
+    disc = 0.1 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    parallel = np.diag([1.0, -1.0, -1.0, 1.0])
+    parallel[2, 3] = 0.5
+    assert rank(disc * [1.0, 0.5], tilted_pose(1)) == 5
+    assert rank(disc * [1.0, 0.5], parallel) == 4
+    assert rank(disc, parallel) == 3
+
+
 def test_points_are_written_out_and_known_by_number():
     assert expand(("points2", "alpha")) == ("x1", "y1", "x2", "y2", "alpha")
     assert FeatureSet(["points4"]).names == ("x1", "y1", "x2", "y2", "x3", "y3", "x4", "y4")

@@ -64,6 +64,22 @@ def test_whatever_a_law_does_wrong_the_arm_stands_still_with_fault(law_that, twi
     assert set(command.velocity.values()) == {0.0} and not command.position
 
 
+@pytest.mark.parametrize("on_lost", ["hold", "back_off"])
+def test_law_is_told_what_was_carried_out_and_nothing_over_a_stop(law_that, on_lost):
+    told, twist = [], np.array([0.0, 0.0, 0.0, 0.0, 0.0, 400.0])  # far above what the joints can do
+    bench = Bench(law=law_that(lambda law: told.append(law.applied) or twist.copy()), on_lost=on_lost,
+                  lost_target={"patience_s": 0.0, "confirm_s": 0.0})
+    _, record = bench.step()
+    bench.step()
+    assert told[0] is None and 0.0 < told[1][5] < 100.0
+    np.testing.assert_array_equal(told[1], record.twist)
+    lost = bench.look()
+    lost.features.target_visible = False
+    bench.step(lost)
+    bench.step()
+    assert told[2] is None
+
+
 def test_a_view_that_a_feature_does_not_exist_in_stops_the_arm_until_it_does(law_that):
     def fail(law):
         raise DegenerateFeature("round")
