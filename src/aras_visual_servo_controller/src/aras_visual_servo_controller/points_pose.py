@@ -5,9 +5,11 @@
     X_CT, residual, condition = seen.follow(X_CT, xy)
 """
 
+from math import isfinite
+
 import numpy as np
 
-from .errors import DegenerateFeature
+from .errors import DegenerateFeature, NotFiniteError
 from .target_pose import exponential
 
 #: Largest coordinate left unexplained [-]: four pixels at f = 200 px; noise of corners is below half a pixel.
@@ -39,10 +41,13 @@ class PlanarPoints:
 
     @staticmethod
     def measured(features):
-        """(N, 2) of an image. Raises DegenerateFeature without points."""
+        """(N, 2) of an image. Raises DegenerateFeature without points, NotFiniteError."""
         if not 0 < len(features.point_x) == len(features.point_y):
             raise DegenerateFeature("pose of the points: none in this view")
-        return np.stack([features.point_x, features.point_y], axis=1)
+        xy = np.array([features.point_x, features.point_y]).T
+        if not isfinite(float(xy.sum())):
+            raise NotFiniteError(f"points {xy.tolist()}")
+        return xy
 
     def improve(self, X_CT, xy):
         """One Gauss-Newton step.
