@@ -15,6 +15,7 @@ ORDER = 4  # of the predicted moments: rows of third order need it
 _I, _J = np.array([(i, k - i) for k in (2, 3) for i in range(k, -1, -1)]).T
 _NAMES = [f"{i}{j}" for i, j in zip(_I, _J)]
 _HALF_DEGREE = 0.5 * (_I + _J + 2)
+_DIVISORS = np.arange(1, ORDER + 2)[:, None]
 #: Gauss-Legendre nodes of [0, 1]; three are exact for polynomials of degree 5, what order 4 asks for.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(3)
 _NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
@@ -99,7 +100,7 @@ class PlanarTarget:
             x, y = x.ravel(), y.ravel()
             for k in range(1, ORDER + 1):
                 power_x[k], power_y[k] = power_x[k - 1] * x, power_y[k - 1] * y
-            part = (power_x @ power_y.T) / np.arange(1, ORDER + 2)[:, None]
+            part = (power_x @ power_y.T) / _DIVISORS
             m += part if part[0, 0] > 0.0 else -part  # seen from either side
         if not m[0, 0] > 0.0:
             raise DegenerateFeature("pose of the target: its image is empty")
@@ -108,11 +109,12 @@ class PlanarTarget:
     def predicted(self, X_CT):
         """Measures (10,) and their interaction matrix (10, 6) at pose X_CT."""
         m = self.moments(X_CT)
-        a, xg, yg = m[0, 0], m[1, 0] / m[0, 0], m[0, 1] / m[0, 0]
+        a, m10, m01 = float(m[0, 0]), float(m[1, 0]), float(m[0, 1])
+        xg, yg = m10 / a, m01 / a
         mu = _centred(m, xg, yg)
-        n20, n11, n02 = mu[2, 0] / a, mu[1, 1] / a, mu[0, 2] / a
+        n20, n11, n02 = float(mu[2, 0]) / a, float(mu[1, 1]) / a, float(mu[0, 2]) / a
         normal = X_CT[:3, 2]
-        A, B, C = normal / float(normal @ X_CT[:3, 3])
+        A, B, C = (normal / float(normal @ X_CT[:3, 3])).tolist()
         g = A * xg + B * yg + C
         L_area = np.array([-A, -B, 3.0 * g - C, 3.0 * yg, -3.0 * xg, 0.0])  # of ln(a)
         L_x = np.array([-g, 0.0, xg * g + 4.0 * (A * n20 + B * n11), xg * yg + 4.0 * n11,
@@ -121,11 +123,11 @@ class PlanarTarget:
                         -xg * yg - 4.0 * n11, -xg])
         L_mu = _centred_rows(mu, xg, yg, n20, n11, n02, (A, B, C))
         root, scale = a**-0.5, a**-_HALF_DEGREE
-        measures = np.concatenate([[xg * root, yg * root, 0.5 * log(a)], mu[_I, _J] * scale])
-        L = np.empty((10, 6))
+        measures, L, seven = np.empty(10), np.empty((10, 6)), mu[_I, _J]
+        measures[:3], measures[3:] = (xg * root, yg * root, 0.5 * log(a)), seven * scale
         L[0], L[1] = root * (L_x - 0.5 * xg * L_area), root * (L_y - 0.5 * yg * L_area)
         L[2] = 0.5 * L_area
-        L[3:] = scale[:, None] * (L_mu - (_HALF_DEGREE * mu[_I, _J])[:, None] * L_area)
+        L[3:] = scale[:, None] * (L_mu - (_HALF_DEGREE * seven)[:, None] * L_area)
         return measures, L
 
     def improve(self, X_CT, measured):
@@ -224,16 +226,14 @@ _BINOMIAL = np.array([[1.0, 0.0, 0.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0, 0.0], [1.0
 
 def _centred_rows(mu, xg, yg, n20, n11, n02, plane):
     """L of mu_ij (T7) for the seven of second and third order at once, (7, 6)."""
-    A, B, C = plane
-    here, swap_up, swap_down, down_i, down_j, up_j, up_i = mu.ravel()[_TERMS] * _FACTORS
-    wx = up_j + xg * swap_up + (_I + 2.0 * _J + 3.0) * (yg * here) - (4.0 * n11) * down_i - (4.0 * n02) * down_j
-    wy = (4.0 * n20) * down_i + (4.0 * n11) * down_j - up_i - (2.0 * _I + _J + 3.0) * (xg * here) - yg * swap_down
-    rows = np.empty((7, 6))
-    rows[:, 0] = (-A) * ((_I + 1.0) * here) - B * swap_up
-    rows[:, 1] = (-A) * swap_down - B * ((_J + 1.0) * here)
-    rows[:, 2] = B * wx - A * wy + (2.0 * C) * (_HALF_DEGREE * here)
-    rows[:, 3], rows[:, 4], rows[:, 5] = wx, wy, swap_up - swap_down
-    return rows
+    (A, B, C), flat, rows = plane, mu.ravel().tolist(), []
+    for i, j, half, places in _CASES:
+        here, to_j, to_i, down_i, down_j, up_j, up_i = [flat[place] * factor for place, factor in places]
+        wx = up_j + xg * to_j + (i + 2.0 * j + 3.0) * (yg * here) - (4.0 * n11) * down_i - (4.0 * n02) * down_j
+        wy = (4.0 * n20) * down_i + (4.0 * n11) * down_j - up_i - (2.0 * i + j + 3.0) * (xg * here) - yg * to_i
+        rows.append(((-A) * ((i + 1.0) * here) - B * to_j, (-A) * to_i - B * ((j + 1.0) * here),
+                     B * wx - A * wy + (2.0 * C) * (half * here), wx, wy, to_j - to_i))
+    return np.array(rows)
 
 
 #: What (T7) takes of mu, as places in the flat array, and what it is multiplied by: mu_ij, i mu_{i-1,j+1},
@@ -243,3 +243,5 @@ _DOWN_I, _DOWN_J = np.maximum(_I - 1, 0), np.maximum(_J - 1, 0)
 _TERMS = (ORDER + 1) * np.array([_I, _DOWN_I, _I + 1, _DOWN_I, _I, _I, _I + 1]) + np.array(
     [_J, _J + 1, _DOWN_J, _J, _DOWN_J, _J + 1, _J])
 _FACTORS = np.array([np.ones(7), _I, _J, _I, _J, _I + _J + 3, _I + _J + 3], dtype=float)
+_CASES = [(float(i), float(j), float(half), tuple(zip(_TERMS[:, k].tolist(), _FACTORS[:, k].tolist())))
+          for k, (i, j, half) in enumerate(zip(_I, _J, _HALF_DEGREE))]
