@@ -98,7 +98,7 @@ def normalised(m, plane, z_star_m, area_star):
     L_a, L_g = area(m, plane), centroid(m, plane)
     an = z_star_m * np.sqrt(area_star / a)
     L_an = -(an / (2.0 * a)) * L_a
-    return np.vstack([an * L_g[0] + m["10"] / a * L_an, an * L_g[1] + m["01"] / a * L_an, L_an])
+    return np.array([an * L_g[0] + m["10"] / a * L_an, an * L_g[1] + m["01"] / a * L_an, L_an])
 
 
 def orientation(m, mu, plane):

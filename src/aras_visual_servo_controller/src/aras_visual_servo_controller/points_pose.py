@@ -62,14 +62,12 @@ class PlanarPoints:
             raise DegenerateFeature(_BEHIND)
         over_Z = 1.0 / Z
         x, y = X * over_Z, Y * over_Z
-        L = np.zeros((2 * len(Z), 6))  # (T26)
-        L[0::2, 0] = L[1::2, 1] = -over_Z
-        L[0::2, 2], L[1::2, 2] = x * over_Z, y * over_Z
-        L[0::2, 3] = x * y
-        L[1::2, 4] = -L[0::2, 3]
-        L[0::2, 4], L[1::2, 3] = -1.0 - x * x, 1.0 + y * y
-        L[0::2, 5], L[1::2, 5] = y, -x
-        left = (xy - np.stack([x, y], axis=1)).ravel()
+        L, xx, mixed, yy = np.zeros((2 * len(Z), 6)), x * x, x * y, y * y  # (T26)
+        of_x, of_y = L[0::2].T, L[1::2].T
+        of_x[0] = of_y[1] = -over_Z
+        of_x[2], of_x[3], of_x[4], of_x[5] = x * over_Z, mixed, -1.0 - xx, y
+        of_y[2], of_y[3], of_y[4], of_y[5] = y * over_Z, 1.0 + yy, -mixed, -x
+        left = (xy - np.array([x, y]).T).ravel()
         U, sigmas, Vt = np.linalg.svd(L, full_matrices=False)
         if not sigmas[-1] > 1e-6 * sigmas[0]:
             raise DegenerateFeature("pose of the points: this view does not tell it")

@@ -35,7 +35,8 @@ def exponential(twist):
     """X of a body twist (6,), [v; w], held for one second: 4 x 4."""
     v, w = twist[:3], twist[3:]
     angle = float(w @ w) ** 0.5
-    W = np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
+    wx, wy, wz = w.tolist()
+    W = np.array([[0.0, -wz, wy], [wz, 0.0, -wx], [-wy, wx, 0.0]])
     if angle < 1e-5:  # below, third-order terms vanish in rounding
         A, B, C = 1.0, 0.5, 1.0 / 6.0
     else:
@@ -57,9 +58,10 @@ def inverse(X):
 
 def rotation_vector(R):
     """theta u of a rotation matrix, (3,) [rad]."""
-    sine = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = R.tolist()
+    sine = 0.5 * np.array([zy - yz, xz - zx, yx - xy])
     size = float(sine @ sine) ** 0.5
-    cosine = 0.5 * (R[0, 0] + R[1, 1] + R[2, 2] - 1.0)
+    cosine = 0.5 * (xx + yy + zz - 1.0)
     if size < 1e-9:
         return sine if cosine > 0.0 else _half_turn(R)
     return sine * (atan2(size, cosine) / size)
