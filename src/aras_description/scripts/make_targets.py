@@ -1,18 +1,24 @@
 #!/usr/bin/env python3
-"""Writes the planar targets to targets/*.yaml.
+"""Writes the planar targets to targets/*.yaml, and the picture of one of them, photo.png.
 
 An outline is a simple polygon in the target's plane z = 0, counter-clockwise seen from +z (the face the camera sees),
-with its area's centroid at the origin [m]. Run without arguments; the output is the same bytes on every run.
+with its area's centroid at the origin [m]. The picture is synthesised from a seed: smooth noise of many wavelengths, as
+photographs have, and a few shapes. Run without arguments; the output is the same bytes on every run.
 """
 
 import argparse
 import pathlib
+import struct
+import zlib
 
 import numpy as np
 
 DARK_RGB = (20, 20, 20)
 DECIMALS = 6  # coordinates are written to the micrometre
 SMOOTH_VERTICES = 240
+PHOTO_TEXELS = (400, 300)  # width, height
+PHOTO_SIZE_M = (0.30, 0.225)
+PHOTO_SEED = 1
 
 
 def area_and_centroid(outline):
@@ -72,9 +78,66 @@ def yaml_text(shape):
     return "\n".join(lines) + "\n"
 
 
+def smooth_noise(generator, cells, width, height):
+    """Noise of (height, width) in -1 .. 1: random values on a grid of that many cells across, blended smoothly."""
+    rows = max(1, round(cells * height / width))
+    grid = generator.uniform(-1.0, 1.0, size=(rows + 1, cells + 1))
+
+    def positions(count, n):
+        at = (np.arange(count) + 0.5) / count * n
+        whole = np.minimum(at.astype(int), n - 1)
+        part = at - whole
+        return whole, part * part * (3.0 - 2.0 * part)
+
+    j, b = positions(height, rows)
+    i, a = positions(width, cells)
+    left = grid[:, i] * (1.0 - a) + grid[:, i + 1] * a
+    return left[j] * (1.0 - b)[:, None] + left[j + 1] * b[:, None]
+
+
+def photo_pixels(seed=PHOTO_SEED):
+    """Grey picture, (height, width) uint8: noise whose amplitude falls with its wavelength, ellipses and bars on it."""
+    width, height = PHOTO_TEXELS
+    generator = np.random.RandomState(seed)  # its streams never change from one version of numpy to the next
+    grey = sum(smooth_noise(generator, cells, width, height) * amplitude
+               for cells, amplitude in ((3, 60.0), (6, 42.0), (12, 30.0), (25, 20.0)))
+    y, x = np.mgrid[0:height, 0:width] + 0.5
+    for _ in range(9):
+        centre = generator.uniform((0.08 * width, 0.08 * height), (0.92 * width, 0.92 * height))
+        half_x, half_y = generator.uniform(0.02, 0.11, size=2) * width
+        angle, level = generator.uniform(0.0, np.pi), generator.uniform(-90.0, 90.0)
+        along = ((x - centre[0]) * np.cos(angle) + (y - centre[1]) * np.sin(angle)) / half_x
+        beside = ((y - centre[1]) * np.cos(angle) - (x - centre[0]) * np.sin(angle)) / half_y
+        inside = along**2 + beside**2 < 1.0 if generator.uniform() < 0.6 else np.maximum(abs(along), abs(beside)) < 1.0
+        grey = np.where(inside, 0.4 * grey + level, grey)
+    return np.clip(np.round(128.0 + grey), 0, 255).astype(np.uint8)
+
+
+def png_bytes(grey):
+    """A grey picture, (height, width) uint8, as a PNG file."""
+
+    def chunk(kind, content):
+        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+
+    height, width = grey.shape
+    differences = np.diff(grey.astype(np.int16), axis=1, prepend=0).astype(np.uint8)  # PNG's filter 1
+    lines = np.hstack([np.ones((height, 1), dtype=np.uint8), differences])
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0))
+            + chunk(b"IDAT", zlib.compress(lines.tobytes(), 9)) + chunk(b"IEND", b""))
+
+
+def photo_yaml():
+    """Content of photo.yaml."""
+    return "\n".join([
+        "# A picture with detail of every size, for what follows brightness and not outlines.",
+        "# Made by scripts/make_targets.py. Centred at the origin, its top at +y, seen from +z.",
+        "name: photo", "image:", "  file: photo.png", f"  size_m: {list(PHOTO_SIZE_M)}"]) + "\n"
+
+
 def targets():
-    """File name -> text of each target."""
-    return {shape.__name__ + ".yaml": yaml_text(shape) for shape in SHAPES}
+    """File name -> content (text or bytes) of each file."""
+    files = {shape.__name__ + ".yaml": yaml_text(shape) for shape in SHAPES}
+    return {**files, "photo.yaml": photo_yaml(), "photo.png": png_bytes(photo_pixels())}
 
 
 def main():
@@ -85,7 +148,7 @@ def main():
     output = parser.parse_args().output
     output.mkdir(parents=True, exist_ok=True)
     for name, content in targets().items():
-        (output / name).write_text(content, encoding="utf-8")
+        (output / name).write_bytes(content if isinstance(content, bytes) else content.encode())
 
 
 if __name__ == "__main__":

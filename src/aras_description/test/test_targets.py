@@ -3,6 +3,7 @@
 import importlib
 import sys
 
+import cv2
 import numpy as np
 import pytest
 import yaml
@@ -62,8 +63,21 @@ def is_simple(outline):
                    for i in range(n) for k in range(i + 2, n) if (k + 1) % n != i)
 
 
-def test_all_four_targets_are_there():
-    assert sorted(path.stem for path in (PACKAGE / "targets").iterdir()) == NAMES
+def test_all_targets_are_there():
+    assert sorted(path.stem for path in (PACKAGE / "targets").glob("*.yaml")) == sorted(NAMES + ["photo"])
+
+
+def test_photo_has_detail_of_every_size():
+    """Half the contrast of the whole picture is left in pieces of an eighth of its width, as photographs have it."""
+    photo = yaml.safe_load((PACKAGE / "targets" / "photo.yaml").read_text())
+    picture = cv2.imread(str(PACKAGE / "targets" / photo["image"]["file"]), cv2.IMREAD_UNCHANGED)
+    height, width = picture.shape
+    assert width / height == pytest.approx(np.divide(*photo["image"]["size_m"]))
+    piece = width // 8
+    local = [picture[v:v + piece, u:u + piece].std()
+             for v in range(0, height - piece, piece) for u in range(0, width - piece, piece)]
+    assert picture.std() > 30.0
+    assert np.mean(local) > 0.4 * picture.std()
 
 
 def test_file_has_the_agreed_keys_and_its_own_name(target):
@@ -131,4 +145,6 @@ def test_script_makes_the_same_targets(monkeypatch):
     monkeypatch.syspath_prepend(str(PACKAGE / "scripts"))
     made = importlib.import_module("make_targets").targets()
     assert sorted(made) == sorted(path.name for path in (PACKAGE / "targets").iterdir())
-    assert [name for name, text in made.items() if (PACKAGE / "targets" / name).read_text() != text] == []
+    written = {name: (PACKAGE / "targets" / name).read_bytes() for name in made}
+    assert [name for name, content in made.items()
+            if written[name] != (content if isinstance(content, bytes) else content.encode())] == []

@@ -237,8 +237,8 @@ def test_no_file_names_an_absolute_path():
     for folder in ("config", "launch", "rviz", "urdf", "targets", "scripts"):
         for path in (PACKAGE / folder).iterdir():
             if path.is_file():
-                assert not re.search(r"(?:^|[\s\"'=])/(?:home|root|usr|opt|var|tmp)/", path.read_text().replace(
-                    "#!/usr/bin/env", "")), path.name
+                text = path.read_text(errors="replace").replace("#!/usr/bin/env", "")  # pictures are bytes
+                assert not re.search(r"(?:^|[\s\"'=])/(?:home|root|usr|opt|var|tmp)/", text), path.name
 
 
 def test_script_makes_the_same_meshes(monkeypatch):

@@ -25,7 +25,7 @@ KNOWN = {
     "principal_point_error_px": "error of the principal point that they are computed with, in u and in v [px]",
     "latency_images": "images by which every answer takes effect late, rounded down to a whole number",
     "target": "shape: name of a file of aras_description/targets, or its URI",
-    "target_scale": "factor on the size of every model of the scene that has outlines",
+    "target_scale": "factor on the size of every model of the scene that has outlines or an image",
 }
 DOTTED_SECTIONS = ("sim", "vision", "servo", "experiment")
 #: Lowest value allowed, where a negative one has no meaning.
@@ -196,7 +196,7 @@ def _models(scenario, parameters):
         raise ParameterError("the scene has no model to change")
     if "target" in parameters:
         index = next((i for i, model in enumerate(models) if model["name"] == "target"), 0)
-        for key in ("outlines_m", "color_rgb", "board"):
+        for key in ("outlines_m", "color_rgb", "board", "image"):
             models[index].pop(key, None)
         models[index]["file"] = _target_uri(parameters["target"])
     scale = parameters.get("target_scale", 1.0)
@@ -211,6 +211,8 @@ def _scaled_model(model, scale, scenario):
         model = {**shape, **model}
     if "outlines_m" in model:
         model["outlines_m"] = [[[x * scale, y * scale] for x, y in outline] for outline in model["outlines_m"]]
+    if "image" in model:
+        model["image"] = {**model["image"], "size_m": [length * scale for length in model["image"]["size_m"]]}
     return model
 
 

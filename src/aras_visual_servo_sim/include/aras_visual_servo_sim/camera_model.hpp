@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -68,6 +70,10 @@ class CameraModel {
    *  @throws NotFiniteError for NaN or infinity; ParameterError where no ray reaches (outside the lens's range) */
   Eigen::Vector3d unproject(double u, double v) const;
 
+  /** Rays (as unproject's) through the corners of the pixels, (u - 1/2, v - 1/2) for u = 0 .. width, v = 0 .. height,
+   *  row by row. Made at the first call, shared by copies of this camera. Thread-safe. */
+  const std::vector<Eigen::Vector3d>& cornerRays() const;
+
   /** Lens only: normalised (x, y) to distorted normalised (xd, yd), with no check of the range. */
   Eigen::Vector2d distort(double x, double y) const;
 
@@ -106,6 +112,11 @@ class CameraModel {
   std::vector<double> distortion_;
   double fx_ = 0.0, fy_ = 0.0, cx_ = 0.0, cy_ = 0.0;
   double lens_radius_ = 0.0, image_radius_ = 0.0;
+  struct CornerRays {
+    std::once_flag once;
+    std::vector<Eigen::Vector3d> rays;
+  };
+  std::shared_ptr<CornerRays> corner_rays_ = std::make_shared<CornerRays>();
 };
 
 }  // namespace aras_visual_servo_sim

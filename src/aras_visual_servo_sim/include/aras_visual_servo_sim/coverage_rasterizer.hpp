@@ -36,11 +36,15 @@ class CoverageRasterizer {
   PixelBox bounds() const;
   /** Blends the colour over image (channels as the image has) and ends the fill. */
   void blend(const std::array<std::uint8_t, 3>& color, Image& image);
+  /** The same with a colour for each pixel. @param colors  of the size and encoding of image; read inside bounds() */
+  void blend(const Image& colors, Image& image);
 
  private:
   struct Edge {
     double x0, y0, x1, y1;  // shifted by 1/2: pixel u covers [u, u + 1]
   };
+  template <typename BlendRow>
+  void fill(const BlendRow& blend_row);
   void accumulate(const Edge& edge, const PixelBox& box, std::size_t stride);
   void accumulateRow(float* row, double columns, double x0, double x1, double dy);
   void accumulateCenters(const Edge& edge, const PixelBox& box, std::size_t stride);

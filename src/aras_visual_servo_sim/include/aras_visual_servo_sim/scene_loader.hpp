@@ -13,17 +13,21 @@
 
 namespace aras_visual_servo_sim {
 
-/** Reads a target file: {name, color_rgb, outlines_m: [[[x, y], ...], ...], board: {size_m, color_rgb} (optional)}.
- *  @throws ModelError if the file is missing or not YAML, ParameterError listing the faults of its contents */
-PlanarModel loadPlanarModel(const std::string& path);
-/** The same from a node. @param source_name  for messages */
-PlanarModel planarModelFromYaml(const YAML::Node& node, const std::string& source_name);
+/** Reads a target file: {name, color_rgb, outlines_m: [[[x, y], ...], ...], board: {size_m, color_rgb},
+ *  image: {file, size_m}}, of the last three at least one. A plain image file is relative to the target file.
+ *  @throws ModelError if a file is missing or not readable, ParameterError listing the faults of its contents */
+PlanarModel loadPlanarModel(const std::string& path, const PackagePaths& packages = PackagePaths());
+/** The same from a node. @param source_name  for messages @param base_dir  what a plain image file is relative to */
+PlanarModel planarModelFromYaml(const YAML::Node& node, const std::string& source_name,
+                                const PackagePaths& packages = PackagePaths(), const std::string& base_dir = "");
 
 /** Reads the `scene:` section of a scenario:
- *  {background_rgb, light_direction, models: [{name, file | outlines_m + color_rgb + board, position_m, rpy_rad,
- * motion}], solids: [{name, box_m | cylinder_m | sphere_m | mesh, color_rgb, position_m, rpy_rad, motion}]} box_m: [x,
- * y, z]; cylinder_m: [radius, length]; sphere_m: radius; mesh: file. A null node gives an empty scene. @throws
- * ParameterError, ModelError */
+ *  {background_rgb, light_direction, models: [...], solids: [...]}, of
+ *  models {name, file or any of outlines_m, color_rgb, board, image, position_m, rpy_rad, motion, visible} and
+ *  solids {name, box_m: [x, y, z] | cylinder_m: [radius, length] | sphere_m: radius | mesh: file, color_rgb,
+ * position_m, rpy_rad, motion}.
+ *
+ *  A null node gives an empty scene. @throws ParameterError, ModelError */
 Scene loadScene(const YAML::Node& node, const PackagePaths& packages);
 
 /** Adds one body for each link of the robot that has visuals, named as the link. @throws ModelError */

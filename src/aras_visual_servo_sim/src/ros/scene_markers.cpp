@@ -7,7 +7,7 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr double kBoardGapM = 0.0005;  // keeps the board from flickering through the outlines in rviz
+constexpr double kBoardGapM = 0.0005;  // keeps the board from flickering through what is before it in rviz
 constexpr float kColorScale = 1.0F / 255.0F;
 
 visualization_msgs::Marker emptyMarker(const PlanarModel& model, const std::string& world_frame, int id, Rgb color) {
@@ -40,6 +40,12 @@ visualization_msgs::MarkerArray sceneMarkers(const Scene& scene, const std::stri
   visualization_msgs::MarkerArray markers;
   for (const PlanarModel& model : scene.models) {
     if (!model.visible) continue;
+    if (model.picture()) {  // as a rectangle of its mean colour: markers have no pictures
+      visualization_msgs::Marker picture = emptyMarker(model, world_frame, 2, model.picture()->texture->meanColor());
+      const Polygon corners = model.pictureCorners();
+      for (const std::size_t k : {0, 1, 2, 0, 2, 3}) addPoint(picture, corners[k], -0.5 * kBoardGapM);
+      markers.markers.push_back(picture);
+    }
     if (model.board()) {
       visualization_msgs::Marker board = emptyMarker(model, world_frame, 0, model.board()->color);
       const Polygon corners = model.boardCorners();

@@ -254,6 +254,16 @@ Eigen::Vector3d CameraModel::unproject(double u, double v) const {
   return {xy->x(), xy->y(), 1.0};
 }
 
+const std::vector<Eigen::Vector3d>& CameraModel::cornerRays() const {
+  std::call_once(corner_rays_->once, [this] {
+    corner_rays_->rays.reserve(std::size_t(width() + 1) * (height() + 1));
+    for (int v = 0; v <= height(); ++v) {
+      for (int u = 0; u <= width(); ++u) corner_rays_->rays.push_back(unproject(u - 0.5, v - 0.5));
+    }
+  });
+  return corner_rays_->rays;
+}
+
 Eigen::Matrix3d CameraModel::K() const {
   Eigen::Matrix3d K = Eigen::Matrix3d::Identity();
   K(0, 0) = fx_;

@@ -8,10 +8,11 @@
 namespace aras_visual_servo_sim {
 namespace {
 
+constexpr float kNothing = 0.5f / 256.0f;  // coverage that changes no 8-bit value
+
 /** Blends colour over count pixels of channels bytes, with one coverage for all of them. */
 template <int channels>
 void blendRun(std::uint8_t* pixel, int count, float coverage, const std::array<std::uint8_t, 3>& color) {
-  constexpr float kNothing = 0.5f / 256.0f;  // changes no 8-bit value
   if (coverage < kNothing) return;
   if (coverage > 1.0f - kNothing) {
     if (channels == 1 || (color[0] == color[1] && color[1] == color[2])) {
@@ -31,20 +32,35 @@ void blendRun(std::uint8_t* pixel, int count, float coverage, const std::array<s
   }
 }
 
+/** The same with a colour for each pixel. */
 template <int channels>
-void blendRow(float* accumulator, int count, std::uint8_t* pixel, const std::array<std::uint8_t, 3>& color) {
+void blendRun(std::uint8_t* pixel, int count, float coverage, const std::uint8_t* colors) {
+  if (coverage < kNothing) return;
+  if (coverage > 1.0f - kNothing) {
+    std::memcpy(pixel, colors, static_cast<std::size_t>(count) * channels);
+    return;
+  }
+  for (int i = 0; i < count * channels; ++i) {
+    const float below = pixel[i];
+    pixel[i] = static_cast<std::uint8_t>(below + coverage * (colors[i] - below) + 0.5f);
+  }
+}
+
+/** @param colorsFrom  colour or colours of a run that begins at a pixel of the row */
+template <int channels, typename Colors>
+void blendRow(float* accumulator, int count, std::uint8_t* pixel, const Colors& colorsFrom) {
   float sum = 0.0f;
   for (int i = 0; i < count;) {
     int j = i;
     while (j < count && accumulator[j] == 0.0f) ++j;  // inside and outside: nothing changes
     if (j > i) {
-      blendRun<channels>(pixel + i * channels, j - i, std::min(std::abs(sum), 1.0f), color);
+      blendRun<channels>(pixel + i * channels, j - i, std::min(std::abs(sum), 1.0f), colorsFrom(i));
       i = j;
       continue;
     }
     sum += accumulator[i];
     accumulator[i] = 0.0f;
-    blendRun<channels>(pixel + i * channels, 1, std::min(std::abs(sum), 1.0f), color);
+    blendRun<channels>(pixel + i * channels, 1, std::min(std::abs(sum), 1.0f), colorsFrom(i));
     ++i;
   }
   accumulator[count] = 0.0f;  // what lies beyond the last column
@@ -80,6 +96,30 @@ PixelBox CoverageRasterizer::bounds() const {
 }
 
 void CoverageRasterizer::blend(const std::array<std::uint8_t, 3>& color, Image& image) {
+  const auto same = [&color](int) -> const std::array<std::uint8_t, 3>& { return color; };
+  fill([&](float* row, int count, int u, int v) {
+    if (image.channels() == 3) {
+      blendRow<3>(row, count, image.pixel(u, v), same);
+    } else {
+      blendRow<1>(row, count, image.pixel(u, v), same);
+    }
+  });
+}
+
+void CoverageRasterizer::blend(const Image& colors, Image& image) {
+  fill([&](float* row, int count, int u, int v) {
+    const std::uint8_t* first = colors.pixel(u, v);
+    if (image.channels() == 3) {
+      blendRow<3>(row, count, image.pixel(u, v), [first](int i) { return first + 3 * i; });
+    } else {
+      blendRow<1>(row, count, image.pixel(u, v), [first](int i) { return first + i; });
+    }
+  });
+}
+
+/** Accumulates the edges and hands out rows: running sums are to be taken, and zeroed. */
+template <typename BlendRow>
+void CoverageRasterizer::fill(const BlendRow& blend_row) {
   const PixelBox box = bounds();
   if (!box.empty()) {
     const int count = box.u1 - box.u0;
@@ -93,13 +133,7 @@ void CoverageRasterizer::blend(const std::array<std::uint8_t, 3>& color, Image& 
       }
     }
     for (int v = box.v0; v < box.v1; ++v) {
-      float* row = accumulator_.data() + stride * (v - box.v0);
-      std::uint8_t* pixel = image.pixel(box.u0, v);
-      if (image.channels() == 3) {
-        blendRow<3>(row, count, pixel, color);
-      } else {
-        blendRow<1>(row, count, pixel, color);
-      }
+      blend_row(accumulator_.data() + stride * (v - box.v0), count, box.u0, v);
     }
   }
   edges_.clear();

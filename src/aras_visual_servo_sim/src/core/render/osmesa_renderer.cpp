@@ -32,6 +32,7 @@ class OsmesaRenderer::Implementation {
     planar_.project(camera, volume, X_WC.inverse(), scene);
     fill(pixelOf(scene.background, out.encoding), out);
     const bool everything = path_ == Path::kGl;
+    planar_.samplePictures(camera, rasterizer_);
     if (!everything) planar_.paint(camera, rasterizer_, out);
     triangles_.begin(camera, volume);
     const bool bodies_in_view = triangles_.addBodies(scene, X_WC.inverse());
@@ -45,7 +46,8 @@ class OsmesaRenderer::Implementation {
       for (const PixelBox& box : planar_.conflicts()) tiles_.mark(box);
     }
     triangles_.addPlanar(planar_, X_WC.inverse());
-    tiles_.paint(triangles_.vertices(), scene.background, camera.sampling() == CameraModel::Sampling::kCoverage, out);
+    tiles_.paint(triangles_.vertices(), scene.background, planar_.pictures(),
+                 camera.sampling() == CameraModel::Sampling::kCoverage, out);
     statistics_ = {true, static_cast<int>(triangles_.vertices().size() / 3), tiles_.markedTiles(),
                    tiles_.supersampledTiles()};
   }

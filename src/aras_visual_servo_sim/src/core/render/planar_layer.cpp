@@ -40,9 +40,14 @@ void PlanarLayer::project(const CameraModel& camera, const ViewVolume& volume, c
     if (model.visible) addModel(camera, volume, X_CW * model.X_WM, model);
   }
   sort();
+  std::size_t pictures = 0;
   for (const std::size_t index : order_) {
-    for (const Part& part : views_[index].parts) faces_.push_back(part.face);
+    for (Part& part : views_[index].parts) {
+      if (part.face.kind == Face::Kind::kPicture) part.face.picture = static_cast<int>(pictures++);
+      faces_.push_back(part.face);
+    }
   }
+  pictures_.resize(pictures);
 }
 
 bool PlanarLayer::addModel(const CameraModel& camera, const ViewVolume& volume, const Pose& X_CM,
@@ -58,17 +63,15 @@ bool PlanarLayer::addModel(const CameraModel& camera, const ViewVolume& volume, 
     view.normal_C = -view.normal_C;
     view.offset = -view.offset;
   }
-  if (!model.outlines().empty()) {
-    Part part{{&model, false, model.color()}, {}};
-    for (const Polygon& outline : model.outlines()) addLoop(camera, volume, X_CM, inside, outline, view, part);
+  const auto addPart = [&](Face::Kind kind, const Rgb& color, const std::vector<Polygon>& outlines) {
+    Part part{{&model, kind, color}, X_CM, {}};
+    for (const Polygon& outline : outlines) addLoop(camera, volume, X_CM, inside, outline, view, part);
     if (!part.loops.empty()) view.parts.push_back(std::move(part));
-  }
-  if (model.board()) {
-    Part part{{&model, true, model.board()->color}, {}};
-    addLoop(camera, volume, X_CM, inside, model.boardCorners(), view, part);
-    if (!part.loops.empty()) view.parts.push_back(std::move(part));
-    if (from_front && view.parts.size() == 2) std::swap(view.parts[0], view.parts[1]);
-  }
+  };
+  if (!model.outlines().empty()) addPart(Face::Kind::kOutlines, model.color(), model.outlines());
+  if (model.picture()) addPart(Face::Kind::kPicture, {}, {model.pictureCorners()});
+  if (model.board()) addPart(Face::Kind::kBoard, model.board()->color, {model.boardCorners()});
+  if (from_front) std::reverse(view.parts.begin(), view.parts.end());
   view.box = boxOf(points_, begin, camera);
   if (view.box.empty()) return false;
   views_.push_back(std::move(view));
@@ -156,18 +159,40 @@ void PlanarLayer::sort() {
   }
 }
 
+void PlanarLayer::addEdges(const Part& part, CoverageRasterizer& rasterizer) const {
+  for (const Loop& loop : part.loops) {
+    for (std::size_t i = loop.begin, j = loop.end - 1; i < loop.end; j = i++) {
+      rasterizer.addEdge(points_[j], points_[i]);
+    }
+  }
+}
+
+void PlanarLayer::samplePictures(const CameraModel& camera, CoverageRasterizer& rasterizer) {
+  if (pictures_.empty()) return;
+  for (const View& view : views_) {
+    for (const Part& part : view.parts) {
+      if (part.face.kind != Face::Kind::kPicture) continue;
+      Image& picture = pictures_[part.face.picture];
+      picture.resize(camera.width(), camera.height(), camera.encoding());
+      rasterizer.begin(camera.width(), camera.height(), CoverageRasterizer::Rule::kCoverage);
+      addEdges(part, rasterizer);
+      sampler_.sample(camera, part.X_CM, *part.face.model->picture(), rasterizer.bounds(), picture);
+    }
+  }
+}
+
 void PlanarLayer::paint(const CameraModel& camera, CoverageRasterizer& rasterizer, Image& image) const {
   const auto rule = camera.sampling() == CameraModel::Sampling::kCenter ? CoverageRasterizer::Rule::kCenter
                                                                         : CoverageRasterizer::Rule::kCoverage;
   for (const std::size_t index : order_) {
     for (const Part& part : views_[index].parts) {
       rasterizer.begin(image.width, image.height, rule);
-      for (const Loop& loop : part.loops) {
-        for (std::size_t i = loop.begin, j = loop.end - 1; i < loop.end; j = i++) {
-          rasterizer.addEdge(points_[j], points_[i]);
-        }
+      addEdges(part, rasterizer);
+      if (part.face.kind == Face::Kind::kPicture) {
+        rasterizer.blend(pictures_[part.face.picture], image);
+      } else {
+        rasterizer.blend(pixelOf(part.face.color, image.encoding), image);
       }
-      rasterizer.blend(pixelOf(part.face.color, image.encoding), image);
     }
   }
 }

@@ -5,6 +5,7 @@
 
 #include "aras_visual_servo_sim/coverage_rasterizer.hpp"
 #include "aras_visual_servo_sim/scene.hpp"
+#include "texture_sampler.hpp"
 #include "view_volume.hpp"
 
 namespace aras_visual_servo_sim {
@@ -16,17 +17,25 @@ class PlanarLayer {
    *  @param X_CW  pose of the world in the camera's frame */
   void project(const CameraModel& camera, const ViewVolume& volume, const Pose& X_CW, const Scene& scene);
 
-  /** Paints everything over image by exact coverage. */
+  /** Samples the pictures in view, as wide as the image. @pre project() */
+  void samplePictures(const CameraModel& camera, CoverageRasterizer& rasterizer);
+
+  /** Paints everything over image by exact coverage. @pre samplePictures() */
   void paint(const CameraModel& camera, CoverageRasterizer& rasterizer, Image& image) const;
 
-  /** Outlines or board of one model. */
+  /** Outlines, picture or board of one model. */
   struct Face {
+    enum class Kind { kOutlines, kPicture, kBoard };
     const PlanarModel* model;
-    bool is_board;
-    Rgb color;
+    Kind kind;
+    Rgb color;         ///< not of pictures
+    int picture = -1;  ///< of pictures: index into pictures()
   };
   /** Faces in view in the order of painting, farthest first. */
   const std::vector<Face>& faces() const { return faces_; }
+
+  /** What a pixel that looks at a picture sees of it; pixels elsewhere are undefined. */
+  const std::vector<Image>& pictures() const { return pictures_; }
 
   /** Where two models overlap and neither is wholly behind the other: painting is not right there. */
   const std::vector<PixelBox>& conflicts() const { return conflicts_; }
@@ -38,6 +47,7 @@ class PlanarLayer {
   };
   struct Part {
     Face face;
+    Pose X_CM;
     std::vector<Loop> loops;
   };
   struct View {
@@ -52,12 +62,15 @@ class PlanarLayer {
                const Polygon& outline, View& view, Part& part);
   void addCurve(const CameraModel& camera, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
                 const Eigen::Vector2d& from_px, const Eigen::Vector2d& to_px, int depth);
+  void addEdges(const Part& part, CoverageRasterizer& rasterizer) const;
   void sort();
 
   std::vector<View> views_;
   std::vector<std::size_t> order_;
   std::vector<Face> faces_;
   std::vector<PixelBox> conflicts_;
+  std::vector<Image> pictures_;
+  TextureSampler sampler_;
   std::vector<Eigen::Vector2d> points_;   // pixel coordinates of all loops
   std::vector<Eigen::Vector3d> polygon_;  // scratch
 };

@@ -15,12 +15,22 @@ std::string listOf(const Container& items, const Name& name) {
   return text.empty() ? "none" : text;
 }
 
+Polygon rectangle(const Eigen::Vector2d& size_m) {
+  const Eigen::Vector2d half = 0.5 * size_m;
+  return {{-half.x(), -half.y()}, {half.x(), -half.y()}, {half.x(), half.y()}, {-half.x(), half.y()}};
+}
+
 }  // namespace
 
-PlanarModel::PlanarModel(std::string name, std::vector<Polygon> outlines, Rgb color, std::optional<Board> board)
-    : name_(std::move(name)), outlines_(std::move(outlines)), color_(color), board_(std::move(board)) {
+PlanarModel::PlanarModel(std::string name, std::vector<Polygon> outlines, Rgb color, std::optional<Board> board,
+                         std::optional<Picture> picture)
+    : name_(std::move(name)),
+      outlines_(std::move(outlines)),
+      color_(color),
+      board_(std::move(board)),
+      picture_(std::move(picture)) {
   const auto fail = [this](const std::string& what) { throw ModelError("model '" + name_ + "': " + what); };
-  if (outlines_.empty() && !board_) fail("found neither outlines nor a board, needs one of them");
+  if (outlines_.empty() && !board_ && !picture_) fail("found no outlines, board or image, needs one of them");
   for (std::size_t k = 0; k < outlines_.size(); ++k) {
     Polygon& outline = outlines_[k];
     const std::string which = "outline " + std::to_string(k) + ": ";
@@ -35,18 +45,20 @@ PlanarModel::PlanarModel(std::string name, std::vector<Polygon> outlines, Rgb co
     if (area < 0.0) std::reverse(outline.begin(), outline.end());
     triangles_.push_back(triangulate(outline));
   }
-  if (!board_) return;
-  if (!board_->size_m.allFinite() || !(board_->size_m.minCoeff() > 0.0)) {
-    fail("board: found size " + std::to_string(board_->size_m.x()) + " x " + std::to_string(board_->size_m.y()) +
-         " m, allowed > 0");
-  }
-  radius_ = std::max(radius_, 0.5 * board_->size_m.norm());
+  const auto addRectangle = [&](const char* which, const Eigen::Vector2d& size_m) {
+    if (!size_m.allFinite() || !(size_m.minCoeff() > 0.0)) {
+      fail(which + (": found size " + std::to_string(size_m.x()) + " x " + std::to_string(size_m.y())) +
+           " m, allowed > 0");
+    }
+    radius_ = std::max(radius_, 0.5 * size_m.norm());
+  };
+  if (board_) addRectangle("board", board_->size_m);
+  if (picture_) addRectangle("image", picture_->size_m);
 }
 
-Polygon PlanarModel::boardCorners() const {
-  const Eigen::Vector2d half = 0.5 * board_->size_m;
-  return {{-half.x(), -half.y()}, {half.x(), -half.y()}, {half.x(), half.y()}, {-half.x(), half.y()}};
-}
+Polygon PlanarModel::boardCorners() const { return rectangle(board_->size_m); }
+
+Polygon PlanarModel::pictureCorners() const { return rectangle(picture_->size_m); }
 
 PlanarModel& Scene::model(const std::string& name) {
   return const_cast<PlanarModel&>(static_cast<const Scene*>(this)->model(name));

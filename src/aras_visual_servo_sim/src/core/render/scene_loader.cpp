@@ -48,25 +48,40 @@ std::vector<Polygon> readOutlines(YamlReader& reader) {
   return outlines;
 }
 
+Eigen::Vector2d readSize(YamlReader& section) {
+  const auto size = section.required<std::vector<double>>("size_m", Range::positive());
+  if (size.size() == 2) return {size[0], size[1]};
+  section.fault("size_m", std::to_string(size.size()) + " numbers", "two, width and height");
+  return Eigen::Vector2d::Ones();
+}
+
 std::optional<PlanarModel::Board> readBoard(YamlReader& reader) {
   if (!reader.has("board")) return std::nullopt;
   YamlReader section = reader.section("board");
   PlanarModel::Board board;
-  const auto size = section.required<std::vector<double>>("size_m", Range::positive());
-  if (size.size() == 2) {
-    board.size_m = {size[0], size[1]};
-  } else {
-    section.fault("size_m", std::to_string(size.size()) + " numbers", "two, width and height");
-  }
+  board.size_m = readSize(section);
   board.color = readColor(section, "color_rgb", {255, 255, 255});
   return board;
 }
+
+/** An `image:` section; the file is read later. */
+struct ImageEntry {
+  std::string file;
+  Eigen::Vector2d size_m{0.0, 0.0};
+};
 
 /** The shape keys of a planar model; the model is made later, when all faults are known. */
 struct PlanarShape {
   std::vector<Polygon> outlines;
   Rgb color;
   std::optional<PlanarModel::Board> board;
+  std::optional<ImageEntry> image;
+
+  PlanarModel make(const std::string& name, const PackagePaths& packages, const std::string& base_dir) const {
+    std::optional<PlanarModel::Picture> picture;
+    if (image) picture = {loadTexture(packages.resolve(image->file, base_dir)), image->size_m};
+    return {name, outlines, color, board, picture};
+  }
 };
 
 PlanarShape readPlanarShape(YamlReader& reader) {
@@ -74,6 +89,10 @@ PlanarShape readPlanarShape(YamlReader& reader) {
   shape.color = readColor(reader, "color_rgb", {20, 20, 20});
   shape.outlines = readOutlines(reader);
   shape.board = readBoard(reader);
+  if (reader.has("image")) {
+    YamlReader section = reader.section("image");
+    shape.image = ImageEntry{section.required<std::string>("file"), readSize(section)};
+  }
   return shape;
 }
 
@@ -207,15 +226,18 @@ void requireDistinct(const std::vector<Entry>& entries, const char* key, YamlRea
 
 }  // namespace
 
-PlanarModel planarModelFromYaml(const YAML::Node& node, const std::string& source_name) {
+PlanarModel planarModelFromYaml(const YAML::Node& node, const std::string& source_name, const PackagePaths& packages,
+                                const std::string& base_dir) {
   YamlReader reader(node, source_name);
   const auto name = reader.required<std::string>("name");
-  PlanarShape shape = readPlanarShape(reader);
+  const PlanarShape shape = readPlanarShape(reader);
   reader.finish();
-  return {name, std::move(shape.outlines), shape.color, shape.board};
+  return shape.make(name, packages, base_dir);
 }
 
-PlanarModel loadPlanarModel(const std::string& path) { return planarModelFromYaml(readFile(path), path); }
+PlanarModel loadPlanarModel(const std::string& path, const PackagePaths& packages) {
+  return planarModelFromYaml(readFile(path), path, packages, std::filesystem::path(path).parent_path().string());
+}
 
 Scene loadScene(const YAML::Node& node, const PackagePaths& packages) {
   Scene scene;
@@ -237,12 +259,13 @@ Scene loadScene(const YAML::Node& node, const PackagePaths& packages) {
   }
   reader.finish();
 
-  for (ModelEntry& entry : models) {
-    if (!entry.file.empty()) {
-      const PlanarModel loaded = loadPlanarModel(packages.resolve(entry.file));
-      entry.shape = {loaded.outlines(), loaded.color(), loaded.board()};
+  for (const ModelEntry& entry : models) {
+    if (entry.file.empty()) {
+      scene.models.push_back(entry.shape.make(entry.name, packages, ""));
+    } else {
+      const PlanarModel loaded = loadPlanarModel(packages.resolve(entry.file), packages);
+      scene.models.emplace_back(entry.name, loaded.outlines(), loaded.color(), loaded.board(), loaded.picture());
     }
-    scene.models.emplace_back(entry.name, std::move(entry.shape.outlines), entry.shape.color, entry.shape.board);
     scene.models.back().X_WM = entry.X_WM;
     scene.models.back().visible = entry.visible;
     if (entry.motion) scene.motions.emplace(entry.name, *entry.motion);

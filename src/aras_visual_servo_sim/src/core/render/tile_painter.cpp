@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "pixel_color.hpp"
+#include "triangle_list.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -132,7 +133,14 @@ PixelBox TilePainter::tilesOf(const Vertex* t) const {
           std::min(tiles_v_, tile(std::max({t[0].y, t[1].y, t[2].y}), tiles_v_) + 1)};
 }
 
-void TilePainter::paint(const std::vector<Vertex>& vertices, const Rgb& background, bool supersample, Image& image) {
+const Image* TilePainter::pictureOf(std::uint8_t number) const {
+  const std::size_t index = std::size_t(number) - TriangleList::pictureNumber(0);
+  return index < pictures_->size() ? &(*pictures_)[index] : nullptr;
+}
+
+void TilePainter::paint(const std::vector<Vertex>& vertices, const Rgb& background, const std::vector<Image>& pictures,
+                        bool supersample, Image& image) {
+  pictures_ = &pictures;
   std::unique_ptr<OsmesaCanvas>& canvas = canvases_[{width_, height_}];
   if (!canvas) canvas = std::make_unique<OsmesaCanvas>(width_, height_);
   const std::uint32_t* picture = canvas->draw(vertices, background);
@@ -175,6 +183,10 @@ void TilePainter::copyTile(const std::uint32_t* picture, int tile_u, int tile_v,
     std::uint8_t* row = image.pixel(0, v);
     for (int u = tile_u * kTile; u < std::min(width_, (tile_u + 1) * kTile); ++u) {
       const Bytes bytes = bytesOf(picture[std::size_t(v) * width_ + u]);
+      if (const Image* seen = pictureOf(bytes.a)) {
+        std::copy_n(seen->pixel(u, v), channels, row + u * channels);
+        continue;
+      }
       write(pixelOf({bytes.r, bytes.g, bytes.b}, image.encoding), channels == 3, row + u * channels);
     }
   }
@@ -241,6 +253,24 @@ void TilePainter::addToAtlas(const Vertex* triangle, int tile, int slot) {
   }
 }
 
+/** Adds the share of the pictures in the mean of a pixel's samples. @param rgb  red green blue, of any encoding */
+void TilePainter::addPictures(const std::uint32_t* samples, int u, int v, double* rgb) const {
+  const int atlas_width = kSlotsAcross * kSlotSize;
+  std::array<int, 256> counts{};
+  for (int j = 0; j < kSamples; ++j) {
+    for (int i = 0; i < kSamples; ++i) ++counts[bytesOf(samples[j * atlas_width + i]).a];
+  }
+  for (std::size_t k = 0; k < pictures_->size(); ++k) {
+    const int count = counts[TriangleList::pictureNumber(static_cast<int>(k))];
+    if (count == 0) continue;
+    const Image& picture = (*pictures_)[k];
+    const std::uint8_t* pixel = picture.pixel(u, v);
+    const double share = double(count) / (kSamples * kSamples);
+    const bool grey = picture.channels() == 1, bgr = picture.encoding == Encoding::kBgr8;
+    for (int c = 0; c < 3; ++c) rgb[c] += share * pixel[grey ? 0 : bgr ? 2 - c : c];
+  }
+}
+
 /** Mean of the samples of each pixel. */
 void TilePainter::filterTile(const std::uint32_t* atlas, int slot, int tile, Image& image) const {
   const int atlas_width = kSlotsAcross * kSlotSize;
@@ -259,13 +289,15 @@ void TilePainter::filterTile(const std::uint32_t* atlas, int slot, int tile, Ima
           odd += (samples[i] >> 8) & kPairs;
         }
       }
-      const double r = double(even & 0xffff) / kCount, g = double(odd & 0xffff) / kCount;  // little-endian: r lowest
-      const double b = double(even >> 16) / kCount;
+      // Little-endian: r lowest.
+      double rgb[3] = {double(even & 0xffff) / kCount, double(odd & 0xffff) / kCount, double(even >> 16) / kCount};
+      if (!pictures_->empty())
+        addPictures(corner + std::size_t(v - v0) * kSamples * atlas_width + (u - u0) * kSamples, u, v, rgb);
       const auto byte = [](double x) { return static_cast<std::uint8_t>(x + 0.5); };
       if (image.encoding == Encoding::kMono8) {
-        *image.pixel(u, v) = greyOf(r, g, b);
+        *image.pixel(u, v) = greyOf(rgb[0], rgb[1], rgb[2]);
       } else {
-        write(pixelOf({byte(r), byte(g), byte(b)}, image.encoding), true, image.pixel(u, v));
+        write(pixelOf({byte(rgb[0]), byte(rgb[1]), byte(rgb[2])}, image.encoding), true, image.pixel(u, v));
       }
     }
   }

@@ -29,8 +29,11 @@ class TilePainter {
   /** Marks what the triangles may touch. */
   void mark(const std::vector<Vertex>& vertices);
 
-  /** Draws the marked tiles. @param supersample  false: pixel centres only */
-  void paint(const std::vector<Vertex>& vertices, const Rgb& background, bool supersample, Image& image);
+  /** Draws the marked tiles.
+   *  @param pictures     their pixels take the place of black vertices numbered TriangleList::pictureNumber(index)
+   *  @param supersample  false: pixel centres only */
+  void paint(const std::vector<Vertex>& vertices, const Rgb& background, const std::vector<Image>& pictures,
+             bool supersample, Image& image);
 
   int markedTiles() const { return marked_tiles_; }
   int supersampledTiles() const { return supersampled_tiles_; }
@@ -47,6 +50,10 @@ class TilePainter {
   void addToAtlas(const Vertex* triangle, int tile, int slot);
   void filterTile(const std::uint32_t* atlas, int slot, int tile, Image& image) const;
 
+  const Image* pictureOf(std::uint8_t number) const;
+  void addPictures(const std::uint32_t* samples, int u, int v, double* rgb) const;
+
+  const std::vector<Image>* pictures_ = nullptr;
   int width_ = 0, height_ = 0;
   int tiles_u_ = 0, tiles_v_ = 0;
   int marked_tiles_ = 0, supersampled_tiles_ = 0;

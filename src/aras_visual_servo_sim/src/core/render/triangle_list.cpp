@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "aras_visual_servo_sim/errors.hpp"
+
 namespace aras_visual_servo_sim {
 namespace {
 
@@ -10,8 +12,10 @@ constexpr double kChord = 1e-2;  // [px] an edge seen through the lens may stray
 constexpr double kBias =
     1e-6;  // in units of Vertex::z, 16 steps of the depth buffer: 17 um at 0.6 m, near plane 0.02 m
 
-/** Objects are told apart by numbers of one byte; 0 is the background. */
-std::uint8_t numberOf(std::size_t index) { return static_cast<std::uint8_t>(1 + index % 255); }
+// Objects are told apart by numbers of one byte: 0 the background, 1 .. 64 pictures, 65 .. 128 other faces of planar
+// models, 129 .. 255 bodies' shapes, over again when there are more.
+std::uint8_t faceNumber(std::size_t index) { return static_cast<std::uint8_t>(65 + index % 64); }
+std::uint8_t shapeNumber(std::size_t index) { return static_cast<std::uint8_t>(129 + index % 127); }
 
 Eigen::Vector3f colorOf(const Rgb& color) { return {float(color.r), float(color.g), float(color.b)}; }
 
@@ -40,11 +44,11 @@ void TriangleList::begin(const CameraModel& camera, const ViewVolume& volume) {
 
 bool TriangleList::addBodies(const Scene& scene, const Pose& X_CW) {
   const Eigen::Vector3d light_C = X_CW.q * scene.light_direction_W.normalized();
-  std::size_t index = 128;  // planar models count from 0
+  std::size_t index = 0;
   for (const Body& body : scene.bodies) {
     if (!body.visible) continue;
     const Pose X_CB = X_CW * body.X_WB;
-    for (const Shape& shape : body.shapes) addShape(shape, X_CB * shape.X_BS, light_C, numberOf(index++));
+    for (const Shape& shape : body.shapes) addShape(shape, X_CB * shape.X_BS, light_C, shapeNumber(index++));
   }
   return !vertices_.empty();
 }
@@ -81,12 +85,18 @@ void TriangleList::addShape(const Shape& shape, const Pose& X_CS, const Eigen::V
 }
 
 void TriangleList::addPlanar(const PlanarLayer& planar, const Pose& X_CW) {
+  if (planar.pictures().size() > std::size_t(kMostPictures)) {
+    throw RenderError("planar models with images in view: found " + std::to_string(planar.pictures().size()) +
+                      ", allowed " + std::to_string(kMostPictures) + " where bodies are in view too");
+  }
   std::size_t index = 0;
   for (const PlanarLayer::Face& face : planar.faces()) {
     const Pose X_CM = X_CW * face.model->X_WM;
     const double bias = kBias * static_cast<double>(index + 1);
-    const std::uint8_t number = numberOf(index++ % 128);
-    const Eigen::Vector3f rgb = colorOf(face.color);
+    const bool is_picture = face.kind == PlanarLayer::Face::Kind::kPicture;
+    const std::uint8_t number = is_picture ? pictureNumber(face.picture) : faceNumber(index);
+    ++index;
+    const Eigen::Vector3f rgb = is_picture ? Eigen::Vector3f::Zero() : colorOf(face.color);
     const bool inside = volume_->contains(X_CM.p, face.model->radius());
     const auto add = [&](const Polygon& polygon, const std::array<std::uint32_t, 3>& triangle) {
       Points points;
@@ -98,8 +108,8 @@ void TriangleList::addPlanar(const PlanarLayer& planar, const Pose& X_CW) {
         addTriangle(points, {rgb, rgb, rgb}, inside, number, bias);
       }
     };
-    if (face.is_board) {
-      const Polygon corners = face.model->boardCorners();
+    if (face.kind != PlanarLayer::Face::Kind::kOutlines) {
+      const Polygon corners = is_picture ? face.model->pictureCorners() : face.model->boardCorners();
       add(corners, {0, 1, 2});
       add(corners, {0, 2, 3});
       continue;

@@ -17,7 +17,12 @@ class TriangleList {
   void begin(const CameraModel& camera, const ViewVolume& volume);
   /** Adds what is in view of the bodies. @return false if nothing is */
   bool addBodies(const Scene& scene, const Pose& X_CW);
-  /** Adds the planar models, each face a hair nearer than what it is painted over. */
+  /** Object number of a planar model's picture, of index 0 .. kMostPictures - 1. */
+  static std::uint8_t pictureNumber(int index) { return static_cast<std::uint8_t>(1 + index); }
+  static constexpr int kMostPictures = 64;
+
+  /** Adds the planar models, each face a hair nearer than what it is painted over; pictures in black, to be replaced by
+   *  their number. @throws RenderError when more than kMostPictures pictures are in view */
   void addPlanar(const PlanarLayer& planar, const Pose& X_CW);
 
   /** Three for each triangle. */
