@@ -15,7 +15,7 @@ from .types import FEATURE_NAMES
 __all__ = ["BagError", "read_bag"]
 REQUIRED = ("servo_state",)
 OPTIONAL = ("ground_truth/camera_pose", "camera/image_raw", "camera/features", "camera/camera_info",
-            "ground_truth/target_pose", "sim/status", "scenario")
+            "ground_truth/target_pose", "sim/status", "scenario", "camera/photometric")
 
 
 def read_bag(paths, namespace=None, scenario=None, keep_images=False):

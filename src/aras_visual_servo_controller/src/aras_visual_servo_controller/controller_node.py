@@ -18,8 +18,8 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger, TriggerResponse
 
-from aras_visual_servo_msgs.msg import (MomentFeatures, ServoState, SimStatus, VisualServoAction, VisualServoFeedback,
-                                        VisualServoResult)
+from aras_visual_servo_msgs.msg import (MomentFeatures, PhotometricFeatures, ServoState, SimStatus, VisualServoAction,
+                                        VisualServoFeedback, VisualServoResult)
 from aras_visual_servo_msgs.srv import SetReference, SetReferenceRequest, Teach, TeachResponse
 
 from . import ros_conversions as convert
@@ -35,6 +35,8 @@ WORKER_PERIOD_S = 0.05    # wall time; watchdog
 STATUS_PERIOD_S = 0.2     # wall time; actionlib's status topic
 HELD_S = 0.5              # wall time; a simulator that holds this long at start-up waits for an answer that is lost
 EXIT_STOPPED, EXIT_PARAMETERS = 0, 2
+# What the servo works on: topic and message.
+FEATURES = {"moments": ("camera/features", MomentFeatures), "photometric": ("camera/photometric", PhotometricFeatures)}
 
 
 class ControllerNode:
@@ -99,7 +101,8 @@ class ControllerNode:
         rospy.Service("teach", Teach, self._on_teach)
         rospy.Service("stop", Trigger, self._on_stop)
         rospy.Subscriber("joint_states", convert.LazyJointState, self._on_joints, tcp_nodelay=True)
-        rospy.Subscriber("camera/features", MomentFeatures, self._on_features, tcp_nodelay=True)
+        topic, kind = FEATURES[self._servo.source]
+        rospy.Subscriber(topic, kind, self._on_features, tcp_nodelay=True)
         self._status_subscriber = rospy.Subscriber("sim/status", SimStatus, self._on_sim_status)
 
     # --- one image, one answer ----------------------------------------------------------------------------------
@@ -258,7 +261,8 @@ class ControllerNode:
                 self._store_reference()
             except (ArasError, rospy.ROSException, rospy.ServiceException) as error:
                 return TeachResponse(False, str(error), MomentFeatures())
-            return TeachResponse(True, "this view is the goal", reference)
+            moments = reference if isinstance(reference, MomentFeatures) else MomentFeatures()
+            return TeachResponse(True, "this view is the goal", moments)
 
     def _set_reference(self, z_star_m, features):
         """Make this view the camera node's reference and return its features normalised by it.
@@ -272,6 +276,8 @@ class ControllerNode:
         response = self._camera_reference(SetReferenceRequest(z_star_m=z_star_m, from_current_view=True))
         if not response.success:
             raise ParameterError(f"camera/set_reference: {response.message}")
+        if self._servo.source == "photometric":
+            return response.photometric
         if response.reference.area != features.area:
             rospy.logdebug("taught a later view: m00 %g instead of %g", response.reference.area, features.area)
         return response.reference

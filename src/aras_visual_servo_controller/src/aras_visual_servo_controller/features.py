@@ -27,7 +27,7 @@ from .types import FEATURE_NAMES
 
 _FEATURES, _FAMILIES = {}, {}
 #: Modules of this package that register more features.
-_MODULES = ("features_tilt", "features_pose", "features_points", "features_ellipse")
+_MODULES = ("features_tilt", "features_pose", "features_points", "features_ellipse", "features_photometric")
 _NUMBERED = re.compile(r"([a-z]+)([1-9][0-9]?)")
 
 
@@ -160,9 +160,11 @@ class Feature:
         name.  number: of a family's member.  order: of the moments that value and row need.
         angle: it is one, known modulo 2 pi (modulo pi for a symmetric object, unless it is `directed`).
         sees_tilt: it tells a tilt of the camera from a translation.
+        source: what of the camera it is of: moments (MomentFeatures) or photometric (PhotometricFeatures).
     """
 
     name, number, order, angle, directed, sees_tilt = "", 0, 2, False, False, False
+    source = "moments"
 
     def value(self, view):
         """The feature in this view."""
@@ -203,11 +205,11 @@ class Alpha(Feature):
 class FeatureSet:
     """The features that are servoed on, in this order.
 
-    Attributes: names.  order: of the moments needed.  sees_tilt: whether any of them does.
+    Attributes: names.  order: of the moments needed.  sees_tilt: whether any of them does.  source: theirs, the same.
     """
 
     def __init__(self, names=FEATURE_NAMES):
-        """Raises ParameterError: unknown names (the known ones are listed), a name given twice, none at all."""
+        """Raises ParameterError: names unknown (the known ones are listed), given twice, none at all, sources mixed."""
         self.names = expand(names)
         classes = [_feature(name) for name in self.names]
         faults = [f"features: found '{name}', allowed {', '.join(known_features())}"
@@ -216,7 +218,11 @@ class FeatureSet:
             faults.append(f"features: found {list(self.names)}, allowed different names, at least one")
         if faults:
             raise ParameterError(faults)
-        self._features = [found() for found in classes]
+        sources = {found.source for found in classes}
+        if len(sources) > 1:
+            raise ParameterError(f"features: found {', '.join(self.names)}, of {' and '.join(sorted(sources))}, "
+                                 "allowed features of one of them")
+        self._features, self.source = [found() for found in classes], sources.pop()
         self._angles = [(feature.angle, not feature.directed) for feature in self._features]
         self.order = max(feature.order for feature in self._features)
         self.sees_tilt = any(feature.sees_tilt for feature in self._features)

@@ -38,7 +38,7 @@ BROYDEN_INITIALS = ("desired", "moves")
 MAX_CONDITION = 1e6
 _LAWS = {}
 #: Modules of this package that register more laws.
-_MODULES = ("laws_pose", "laws_hybrid", "laws_sliding", "laws_broyden")
+_MODULES = ("laws_pose", "laws_hybrid", "laws_sliding", "laws_broyden", "laws_photometric")
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,7 @@ class LawSetup:
         sliding: (switching_per_s, boundary per feature), for law sliding.
         broyden: (initial, forgetting, move), for law broyden.
         symmetric_target: the target is the same after half a turn: alpha counts modulo pi, whatever the view says.
+        photometric: (damping, rest_m_per_s, rest_rad_per_s), for law photometric.
     """
 
     features: Tuple[str, ...] = FEATURE_NAMES
@@ -68,6 +69,7 @@ class LawSetup:
     sliding: Optional[Tuple[float, Tuple[float, ...]]] = None
     broyden: Tuple[str, float, float] = ("desired", 0.95, 0.01)
     symmetric_target: bool = False
+    photometric: Tuple[float, float, float] = (0.01, 0.0005, 0.001)
 
 
 def register(name):
@@ -118,13 +120,14 @@ class Law:
     Attributes:
         name.  works_on: the features it is made for, None: any.
         needs_plane: at each step, the target's plane.  needs_pose: `X_CgC` by the kinematics, set before each step.
+        settled: it asks for no motion worth mentioning; else the servo is not done yet, however small e.
         continuous_only: not for look-then-move.  applied: twist carried out since the last step; None: stopped since.
         features: `FeatureSet`.  gains_per_s: tuple of k.  s, e: tuples of k, of the last step; view: its `View`.
         condition: of the interaction matrix used last.
     """
 
     name, works_on, needs_plane, needs_pose = "", FEATURE_NAMES, False, False
-    X_CgC, applied, continuous_only = None, None, False
+    X_CgC, applied, continuous_only, settled = None, None, False, True
 
     def __init__(self, gains_per_s, setup=LawSetup()):
         """Args: gains_per_s: (k,), > 0, in the order of the features [1/s]. setup: `LawSetup`. ParameterError."""
@@ -183,7 +186,7 @@ class Law:
         s = self.features.values(self.view)
         if not (isfinite(sum(s)) and isfinite(dt_s)):
             raise NotFiniteError(f"features {s}, dt_s {dt_s}")
-        symmetric = features.symmetric or self._setup.symmetric_target
+        symmetric = getattr(features, "symmetric", False) or self._setup.symmetric_target
         self.s, self.e = s, self.features.error(s, self._s_star, symmetric)
         if self._setup.adaptive is not None:
             factor = adaptive_factor(max(map(abs, self.e)), *self._setup.adaptive)

@@ -45,11 +45,12 @@ class ServoLoop:
 
     Attributes:
         sim, extractor, kinematics, servo, sequence: the parts.
+        photometric: PhotometricExtractor, None unless the servo wants its features.
         frame: index of the image answered last, -1 before the first.
     """
 
     def __init__(self, scenario, camera=None, sim=None):
-        from aras_visual_servo_camera import MomentExtractor  # C++ modules: not needed to import this one
+        from aras_visual_servo_camera import MomentExtractor, PhotometricExtractor  # C++: not needed to import this
         from aras_visual_servo_sim import Simulation
 
         self.scenario = scenario
@@ -62,9 +63,13 @@ class ServoLoop:
             sim.reset()
         self.sim = sim
         self.camera_info = self.sim.camera_info(self.camera)
-        self.extractor = MomentExtractor(scenario.believed_camera_info(self.camera_info), scenario.vision)
+        believed = scenario.believed_camera_info(self.camera_info)
+        self.extractor = MomentExtractor(believed, scenario.vision)
         self.kinematics = Kinematics(urdf, scenario.robot["base_link"], scenario.robot["tip_link"])
         self.servo = Servo(self.kinematics, scenario.servo)
+        self.photometric = None
+        if self.servo.source == "photometric":
+            self.photometric = PhotometricExtractor(believed, scenario.vision["photometric"])
         self.sequence = ExperimentSequence(self.kinematics, self.servo, scenario.experiment, self._set_reference)
         self.frame = -1
         self._image = None
@@ -78,8 +83,20 @@ class ServoLoop:
 
     def _set_reference(self, z_star_m, features):
         """Make this view the reference; returns its features, normalised by it."""
-        self.extractor.set_reference(z_star_m, features)
-        return self.extractor.process(self._image)
+        from aras_visual_servo_camera import DegenerateFeature
+        if self.photometric is not None:
+            self.photometric.set_reference(self._image, z_star_m)
+        try:
+            self.extractor.set_reference(z_star_m, self.extractor.features)
+        except DegenerateFeature:  # of a texture the moments may make nothing
+            if self.photometric is None:
+                raise
+        return self._see()[1]
+
+    def _see(self):
+        """(moments, what the servo works on) of the image."""
+        features = self.extractor.process(self._image)
+        return features, features if self.photometric is None else self.photometric.process(self._image)
 
     def place(self, joints, settle_s=0.0):
         """Put the arm down somewhere instead of driving it there.
@@ -103,14 +120,14 @@ class ServoLoop:
         """
         stamp_ns = self.sim.step_to_image(self.camera)
         image = self._image = self.sim.render(self.camera)
-        features = self.extractor.process(image)
+        features, seen = self._see()
         self.frame += 1
-        if not (features.target_visible and features.valid):
+        if not (seen.target_visible and seen.valid):
             raise ParameterError("target not in view at the goal")
         q = self.sim.joint_positions
         q = q if self._order is None else q[self._order]
-        features = self._set_reference(z_star_m, features)
-        self.servo.teach(features, q)
+        self.servo.teach(self._set_reference(z_star_m, seen), q)
+        features = self.extractor.features
         record = ServoRecord(stamp_ns, Status.IDLE, "taught", "teach", joint_names=self.kinematics.joint_names, q=q,
                              set_point=np.full(len(q), np.nan))
         return record, features, image
@@ -123,17 +140,17 @@ class ServoLoop:
         """One image.
 
         Returns:
-            (record, features, image): ServoRecord, the extractor's features, and the image, a view that the next step
-            overwrites.
+            (record, features, image): ServoRecord, the extractor's features (moments), and the image, a view that the
+            next step overwrites.
         """
         sim = self.sim
         stamp_ns = sim.step_to_image(self.camera)
         image = self._image = sim.render(self.camera)
-        features = self.extractor.process(image)
+        features, seen = self._see()
         self.frame += 1
         q = sim.joint_positions
         command, record = self.sequence.step(
-            Observation(stamp_ns, features, q if self._order is None else q[self._order], self.frame))
+            Observation(stamp_ns, seen, q if self._order is None else q[self._order], self.frame))
         self._late.append(command)
         if len(self._late) > self.scenario.latency_images:
             command = self._late.popleft()

@@ -131,7 +131,7 @@ class LostTarget:
             self.recoveries += self._moved
             self._found()
         self._path.append(q)
-        self._direction = atan2(features.yg, features.xg)
+        self._direction = atan2(getattr(features, "yg", 0.0), getattr(features, "xg", 0.0))
 
     def step(self, stamp_ns, q, dt_s, visible) -> Optional[Recovery]:
         """Answer to an image without the target, or with it (visible) while it is not sure yet; None: hold still.

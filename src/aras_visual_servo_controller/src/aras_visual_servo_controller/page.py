@@ -87,7 +87,8 @@ def _feature_rows(summary):
     names = {"xn": "x<sub>n</sub>", "yn": "y<sub>n</sub>", "an": "a<sub>n</sub>", "alpha": "α"}
     rows = []
     for name, value in summary["final_feature_error"].items():
-        scale, unit = (1e3, "mm") if FEATURE_UNITS.get(name) == "m" else (180.0 / math.pi, "deg")
+        unit = FEATURE_UNITS.get(name, "")
+        scale, unit = {"m": (1e3, "mm"), "rad": (180.0 / math.pi, "deg")}.get(unit, (1.0, unit))
         threshold = summary["thresholds"].get(name)
         rate, asked = summary["measured_decay_per_s"].get(name), summary["promised_decay_per_s"].get(name)
         rows.append({"name": names.get(name, name), "unit": unit,

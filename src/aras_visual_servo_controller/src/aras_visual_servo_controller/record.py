@@ -12,7 +12,7 @@ import numpy as np
 from .errors import ShapeError
 from .types import FEATURE_NAMES, Status
 
-FEATURE_UNITS = {"xn": "m", "yn": "m", "an": "m", "alpha": "rad"}
+FEATURE_UNITS = {"xn": "m", "yn": "m", "an": "m", "alpha": "rad", "photometric": "grey"}
 TWIST_NAMES = ("vx", "vy", "vz", "wx", "wy", "wz")
 RAW_NAMES = ("area", "xg", "yg", "alpha")
 

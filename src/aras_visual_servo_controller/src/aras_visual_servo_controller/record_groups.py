@@ -6,7 +6,7 @@ from .errors import ParameterError
 GROUPS = {
     "servo": ("servo_state", "servo/", "scenario"),
     "images": ("camera/image_raw", "camera/converted_image"),
-    "features": ("camera/features", "camera/camera_info"),
+    "features": ("camera/features", "camera/photometric", "camera/camera_info"),
     "joints": ("joint_states", "joint_command"),
     "truth": ("ground_truth/",),
     "tf": ("tf", "tf_static"),

@@ -49,18 +49,21 @@ def replay(paths, namespace=None, scenario=None):
     Raises:
         BagError: images, features or camera_info were not recorded, or the settings are unknown.
     """
-    from aras_visual_servo_camera import MomentExtractor
+    from aras_visual_servo_camera import MomentExtractor, PhotometricExtractor
     with BagFiles(paths) as bags:
         topics = find_topics(bags, namespace)
         missing = [name for name in NEEDED if name not in topics]
         if missing:
             raise BagError(f"replay of '{bags.name}': not recorded: {', '.join(missing)}; record the groups images and "
                            "features")
-        recorded, info, document = {}, None, None
-        names = {topics[name]: name for name in ("camera/features", "camera/camera_info", "scenario") if name in topics}
+        recorded, photometric, info, document = {}, {}, None, None
+        wanted = ("camera/features", "camera/photometric", "camera/camera_info", "scenario")
+        names = {topics[name]: name for name in wanted if name in topics}
         for topic, message in bags.messages(names):
             if names[topic] == "camera/features":
                 recorded[message.header.stamp.to_nsec()] = message
+            elif names[topic] == "camera/photometric":
+                photometric[message.header.stamp.to_nsec()] = message
             elif names[topic] == "scenario":
                 document = message.data
             else:
@@ -68,10 +71,17 @@ def replay(paths, namespace=None, scenario=None):
         settings, _ = settings_of(scenario, document, [])
         if "vision" not in settings:
             raise BagError(f"replay of '{bags.name}': how the images were looked at is unknown; give --scenario")
-        compared = _Comparison(MomentExtractor(info, settings["vision"]), recorded)
+        compared = [_Comparison(MomentExtractor(info, settings["vision"]), recorded)]
+        if photometric and "photometric" in settings["vision"]:
+            extractor = PhotometricExtractor(info, settings["vision"]["photometric"])
+            compared.append(_PhotometricComparison(extractor, photometric))
         for _, message in bags.messages([topics["camera/image_raw"]]):
-            compared.add(message.header.stamp.to_nsec(), decode(message))
-    return Replay(compared.images, tuple(compared.differences), compared.alone + len(recorded) - compared.images)
+            image = decode(message)
+            for comparison in compared:
+                comparison.add(message.header.stamp.to_nsec(), image)
+    differences = tuple(difference for comparison in compared for difference in comparison.differences)
+    moments = compared[0]
+    return Replay(moments.images, differences, moments.alone + len(recorded) - moments.images)
 
 
 class _Comparison:
@@ -85,16 +95,22 @@ class _Comparison:
         message = self._recorded.get(stamp_ns)
         if message is None:
             self.alone += 1
-            self._before = self._extractor.process(image)
+            self._before = self._kept(self._extractor.process(image), image)
             return
         self._follow_reference(message)
-        features = self._before = self._extractor.process(image)
+        features = self._extractor.process(image)
+        self._before = self._kept(features, image)
         self.images += 1
         for name in message.__slots__:
             if name not in NOT_COMPARED:
                 was, now = getattr(message, name), getattr(features, name)
                 if not same(was, now):
                     self.differences.append(f"{stamp_ns * 1e-9:.6f} s, {name}: recorded {was}, again {now}")
+
+    @staticmethod
+    def _kept(features, image):
+        """What of an image a reference may be made of when the next one comes."""
+        return features
 
     def _follow_reference(self, message):
         """A view that was taught shows in the features after it: they have another reference."""
@@ -108,6 +124,23 @@ class _Comparison:
             self._extractor.set_reference(message.z_star_m, self._before)
         else:  # given as numbers, or taught before the bag begins
             self._extractor.set_reference(message.z_star_m, message.area_star, message.alpha)
+
+
+class _PhotometricComparison(_Comparison):
+    @staticmethod
+    def _kept(features, image):
+        return image
+
+    def _follow_reference(self, message):
+        """The image before is the reference of one with another hash; if it is not, the values will differ."""
+        reference = (message.reference_hash, message.z_star_m) if message.has_reference else None
+        if reference == self._reference:
+            return
+        self._reference = reference
+        if reference is None or self._before is None:
+            self._extractor.clear_reference()
+        else:
+            self._extractor.set_reference(self._before, message.z_star_m)
 
 
 def same(a, b):

@@ -139,17 +139,20 @@ def check(document):
     faults = []
     for error in _validator().iter_errors(document):
         faults.extend(_describe(error))
-    return sorted(set(faults or _feature_faults(document["servo"])))
+    return sorted(set(faults or _feature_faults(document)))
 
 
-def _feature_faults(servo):
-    """Gains and thresholds are one per feature, by name."""
+def _feature_faults(document):
+    """Gains and thresholds are one per feature, by name; the camera is told to make what the features are of."""
+    servo = document["servo"]
     names, faults = expand(servo.get("features", FEATURE_NAMES)), []
     for section in ("gains_per_s", "thresholds"):
         given = expand(servo[section])
         faults += [f"servo.{section}.{name}: missing" for name in names if name not in given]
         faults += [f"servo.{section}.{key}: unknown key, known are {', '.join(names)}"
                    for key in given if key not in names]
+    if "photometric" in names and "photometric" not in document["vision"]:
+        faults.append("vision.photometric: missing, the feature 'photometric' is made there; {} for its defaults")
     return faults
 
 

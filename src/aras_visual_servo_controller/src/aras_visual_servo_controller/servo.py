@@ -68,6 +68,11 @@ class Servo:
         """Names of s, s_star and e."""
         return self._features.names
 
+    @property
+    def source(self) -> str:
+        """What of the camera it wants: `moments` (MomentFeatures) or `photometric` (PhotometricFeatures)."""
+        return self._features.source
+
     def _make_law(self):
         return make_law(self.config.law, self.config.gains_per_s, self.config.law_setup)
 
@@ -152,7 +157,8 @@ class Servo:
         if self._look.under_way and self._look.goes_on(stamp_ns, q, gap_s):
             return self._follow(stamp_ns, dt_s)
         if not (features.target_visible and features.valid):
-            text = "target not in view" if not features.target_visible else "target cut by the border or not orientable"
+            text = getattr(features, "fault", "") or (
+                "target cut by the border or not orientable" if features.target_visible else "target not in view")
             return self._without_target(stamp_ns, q, dt_s, text)
         if not self._lost.found(stamp_ns):
             return self._without_target(stamp_ns, q, dt_s, "", visible=True)
@@ -181,7 +187,7 @@ class Servo:
             twist = twist * self._lost.factor
         self._s, self._e = law.s, law.e
         self._cond_l = law.current_condition()
-        below = all([abs(error) < most for error, most in zip(self._e, self.config.thresholds)])
+        below = law.settled and all([abs(error) < most for error, most in zip(self._e, self.config.thresholds)])
         if not below:
             self._below_ns = None
         elif self._below_ns is None:

@@ -33,6 +33,7 @@ class ServoConfig:
     pose_from: str = "moments"  # what laws of the pose measure: moments, points
     sliding: Optional[Tuple[float, Tuple[float, ...]]] = None  # section: switching_per_s, boundary (one per feature)
     broyden: Tuple[str, float, float] = LawSetup.broyden  # section: initial, forgetting, move
+    photometric: Tuple[float, float, float] = LawSetup.photometric  # section: damping, rest_m_per_s, rest_rad_per_s
     target_normal_C: Tuple[float, ...] = (0.0, 0.0, 1.0)  # of the target's plane, in the camera frame at the goal
     symmetric_target: bool = False  # the target is the same after half a turn
     adaptive_gain: Optional[Tuple[float, float]] = None  # section: infinity_part, slope, see laws.adaptive_factor
@@ -92,6 +93,7 @@ class ServoConfig:
             except (ParameterError, KeyError, ValueError) as error:
                 reader.fault(f"target_model: found {target}, allowed the file of a planar target: {error}")
         values["sliding"], values["broyden"] = _sliding(reader, features), _broyden(reader)
+        values["photometric"] = _photometric(reader)
         adaptive = reader.section("adaptive_gain")
         if adaptive.keys():
             part = adaptive.number("infinity_part", above=0.0)
@@ -129,7 +131,7 @@ class ServoConfig:
         """`LawSetup` of these settings."""
         return LawSetup(self.features, self.interaction, self.adaptive_gain, self.smooth_start_per_s,
                         self.target_model, self.target_normal_C, self.point_depth, self.pose_from, self.sliding,
-                        self.broyden, self.symmetric_target)
+                        self.broyden, self.symmetric_target, self.photometric)
 
     def with_overrides(self, law="", gains_per_s=(), thresholds=(), time_limit_s=0.0):
         """Copy with the values of a goal of VisualServo.action; empty or 0 keeps. Raises ParameterError."""
@@ -170,5 +172,14 @@ def _broyden(reader):
     section, (initial, forgetting, move) = reader.section("broyden"), LawSetup.broyden
     result = (section.choice("initial", BROYDEN_INITIALS, initial),
               section.number("forgetting", forgetting, above=0.0, at_most=1.0), section.number("move", move, above=0.0))
+    section.close()
+    return result
+
+
+def _photometric(reader):
+    section, (damping, rest_m_per_s, rest_rad_per_s) = reader.section("photometric"), LawSetup.photometric
+    result = (section.number("damping", damping, at_least=0.0),
+              section.number("rest_m_per_s", rest_m_per_s, above=0.0),
+              section.number("rest_rad_per_s", rest_rad_per_s, above=0.0))
     section.close()
     return result

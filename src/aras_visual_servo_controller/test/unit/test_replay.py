@@ -10,7 +10,7 @@ rosbag = pytest.importorskip("rosbag")
 rospy = pytest.importorskip("rospy")
 camera = pytest.importorskip("aras_visual_servo_camera")
 import yaml  # noqa: E402
-from aras_visual_servo_msgs.msg import MomentFeatures, ServoState  # noqa: E402
+from aras_visual_servo_msgs.msg import MomentFeatures, PhotometricFeatures, ServoState  # noqa: E402
 from sensor_msgs.msg import CameraInfo  # noqa: E402
 from std_msgs.msg import String  # noqa: E402
 from test_bag import image_message  # noqa: E402
@@ -29,6 +29,45 @@ def wedge(k):
     for row in range(12):
         image[14 + row, 14 + k:14 + k + 2 * (row + 1)] = 20
     return np.repeat(image[..., None], 3, axis=2)
+
+
+def texture(k):
+    u, v = np.meshgrid(np.arange(64) - 0.3 * k, np.arange(48))
+    grey = np.rint(128 + 50 * np.sin(0.3 * u + 0.1 * v) + 50 * np.cos(0.25 * v)).astype(np.uint8)
+    return np.repeat(grey[..., None], 3, axis=2)
+
+
+def write_photometric(path, change=None):
+    """The same with photometric features, whatever the moments make of a texture."""
+    vision = {**VISION, "photometric": {"levels": 2, "border_px": 4}}
+    moments, extractor = camera.MomentExtractor(INFO, vision), camera.PhotometricExtractor(INFO, vision["photometric"])
+    with rosbag.Bag(str(path), "w") as bag:
+        bag.write("/a/scenario", String(yaml.safe_dump({"name": "x", "vision": vision})), rospy.Time(0, 1))
+        bag.write("/a/camera/camera_info", CameraInfo(**{key: INFO[key] for key in (
+            "width", "height", "K", "D", "P", "R", "distortion_model")}), rospy.Time(0, 1))
+        for k in range(IMAGES):
+            stamp, image = rospy.Time(k + 1), texture(k)
+            for name, kind, seen in (("features", MomentFeatures, moments.process(image)),
+                                     ("photometric", PhotometricFeatures, extractor.process(image))):
+                message = kind(**{key: getattr(seen, key) for key in kind.__slots__ if key not in NOT_COMPARED})
+                message.header.stamp = stamp
+                if k == change and name == "photometric":
+                    message.b = [value + 1e-9 * abs(value) for value in message.b]
+                bag.write(f"/a/camera/{name}", message, stamp)
+            if k == TAUGHT:
+                extractor.set_reference(image, 0.59)
+            state = ServoState(phase="servo")
+            state.header.stamp = stamp
+            bag.write("/a/camera/image_raw", image_message(image, stamp), stamp)
+            bag.write("/a/servo_state", state, stamp)
+    return path
+
+
+def test_photometric_features_are_replayed_with_their_reference(tmp_path):
+    result = replay(write_photometric(tmp_path / "run.bag"))
+    assert result.same and result.images == IMAGES, result.text()
+    changed = replay(write_photometric(tmp_path / "changed.bag", change=IMAGES - 1))
+    assert [line.split(":")[0] for line in changed.differences] == [f"{IMAGES}.000000 s, b"]
 
 
 def write(path, change=None, without=(), vision=VISION):
