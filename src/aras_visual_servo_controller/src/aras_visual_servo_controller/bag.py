@@ -59,7 +59,7 @@ def find_topics(bags, namespace=None):
 
 def _read(bags, topics, scenario, keep_images):
     states, features, poses, statuses = [], {}, {}, []
-    camera_info, X_WT, document = None, None, None
+    camera_info, targets, document = None, {}, None
     names = {topic: name for name, topic in topics.items() if name != "camera/image_raw"}
     for topic, message in bags.messages(names):
         name = names[topic]
@@ -70,7 +70,7 @@ def _read(bags, topics, scenario, keep_images):
         elif name == "ground_truth/camera_pose":
             poses[message.header.stamp.to_nsec()] = pose_matrix(message.pose)
         elif name == "ground_truth/target_pose":
-            X_WT = pose_matrix(message.pose)
+            targets[message.header.stamp.to_nsec()] = pose_matrix(message.pose)
         elif name == "camera/camera_info":
             camera_info = camera_info or camera_info_of(message)
         elif name == "sim/status":
@@ -96,11 +96,14 @@ def _read(bags, topics, scenario, keep_images):
     builder = RecordBuilder(scenario_name, joint_names, settings=settings, keep_images=keep_images,
                             feature_names=feature_names)
     unpaired = 0
+    X_WT = next(reversed(targets.values()), None)
+    if all(np.array_equal(X, X_WT) for X in targets.values()):
+        targets = {}  # it rests
     for state in states:
         stamp_ns = state.header.stamp.to_nsec()
         unpaired += stamp_ns not in poses
         builder.add_answer(_Answer(state, stamp_ns, feature_names), poses.get(stamp_ns), features.get(stamp_ns),
-                           images.get(stamp_ns))
+                           images.get(stamp_ns), targets.get(stamp_ns))
     if unpaired and "ground_truth/camera_pose" in topics:
         notes.append(f"{unpaired} of {len(states)} images have no true camera pose of the same stamp")
     if all(state.phase != "done" for state in states):

@@ -83,9 +83,8 @@ def judge(record):
         end = f"; it ended with: {record.status_text[-1] or Status(record.status[-1]).name}" if len(record) else ""
         raise NothingToJudge(f"run '{record.scenario}': no taught view or no servo image, phases found: {have}{end}")
     first, last = rows[0], rows[-1]
-    X_WCg = taught_pose(record)
     converged = bool(record.status[last] == Status.CONVERGED)
-    final_error = pose_error(X_WCg, record.X_WC[last])
+    final_error = pose_error(goal_pose(record, last), record.X_WC[last])
     limits = dict(record.settings.get("experiment", {}).get("judge", {}))
     reason = str(record.status_text[last]) or Status(record.status[last]).name
     faults = [] if converged else [f"not converged: {reason}"]
@@ -95,7 +94,7 @@ def judge(record):
     return Judgement(
         converged=converged, reason=reason, passed=not faults, faults=tuple(faults),
         duration_s=float((record.stamp_ns[last] - record.stamp_ns[first]) * 1e-9),
-        final_error=final_error, initial_error=pose_error(X_WCg, record.X_WC[first]),
+        final_error=final_error, initial_error=pose_error(goal_pose(record, first), record.X_WC[first]),
         final_feature_error=dict(zip(record.feature_names, record.e[_last_finite(record.e, rows)].tolist())),
         decay_per_s=fit_decay(record), gains_per_s=_promised_rates(record), limits=limits, images=len(rows))
 
@@ -103,6 +102,30 @@ def judge(record):
 def taught_pose(record):
     """X_WCg, (4, 4): the true camera pose at the taught image."""
     return record.X_WC[record.rows("teach")[-1]]
+
+
+def goal_pose(record, row):
+    """X_WCg, (4, 4), at an image: the taught pose of the camera relative to the target, where the target is then."""
+    X_WCg = taught_pose(record)
+    if record.target_poses is None:
+        return X_WCg
+    then, now = record.target_poses[record.rows("teach")[-1]], record.target_poses[row]
+    return X_WCg if np.array_equal(then, now) else now @ np.linalg.solve(then, X_WCg)
+
+
+def tracking(record):
+    """How well a goal was followed, over the second half of the servo images: root mean squares.
+
+    Returns:
+        dict e (feature name -> rms of e), position_mm and angle_deg (of the true X_CgC, Cg moving with the target).
+    """
+    rows = record.servo_rows
+    rows = rows[len(rows) // 2:-1]  # the last one is the stop
+    errors = [pose_error(goal_pose(record, row), record.X_WC[row]) for row in rows]
+    squares = [[sum(error[axis]**2 for axis in ("x_mm", "y_mm", "z_mm")), error["angle_deg"]**2] for error in errors]
+    position_mm, angle_deg = np.sqrt(np.mean(squares, axis=0)).tolist() if len(rows) else (math.nan, math.nan)
+    e = np.sqrt(np.nanmean(np.square(record.e[rows]), axis=0)).tolist() if len(rows) else []
+    return {"e": dict(zip(record.feature_names, e)), "position_mm": position_mm, "angle_deg": angle_deg}
 
 
 def pose_error(X_WCg, X_WC):

@@ -73,6 +73,7 @@ class ServoLoop:
         self.sequence = ExperimentSequence(self.kinematics, self.servo, scenario.experiment, self._set_reference)
         self.frame = -1
         self._image = None
+        self._target_moves = any("motion" in model for model in scenario.sim.get("scene", {}).get("models", [])[:1])
         self._late = deque()  # answers that wait for their latency to pass
         names = list(self.sim.joint_names)
         missing = [name for name in self.kinematics.joint_names if name not in names]
@@ -186,7 +187,8 @@ class ServoLoop:
 
     def _row(self, builder, progress):
         record, features, image = self.step()
-        builder.add_answer(record, self.sim.camera_pose(self.camera), features, image)
+        X_WT = self._target_pose() if self._target_moves else None
+        builder.add_answer(record, self.sim.camera_pose(self.camera), features, image, X_WT)
         if progress is not None and self.frame % PROGRESS_ROWS == 0:
             progress(record.stamp_ns * 1e-9, record.phase)
         return record

@@ -39,6 +39,7 @@ class RunRecord:
         raw: (n, 4), columns RAW_NAMES: m00, centroid, orientation; normalised image coordinates [-], [rad].
         X_WC: (n, 4, 4), true pose of the camera optical frame in the world.
         X_WT: (4, 4) true pose of the target in the world at the end, or None.
+        target_poses: (n, 4, 4) of a target that moves, at each image, NaN where unknown; None if it rests.
         desired_image, initial_image, final_image: uint8 (h, w) or (h, w, 3): the taught view, the first and the
             last view of the servo phase.
         images: {row: uint8 image} of the servo phase, for a video; {} unless they were asked for.
@@ -66,6 +67,7 @@ class RunRecord:
     raw: np.ndarray
     X_WC: np.ndarray
     X_WT: np.ndarray = None
+    target_poses: np.ndarray = None
     desired_image: np.ndarray = None
     initial_image: np.ndarray = None
     final_image: np.ndarray = None
@@ -122,7 +124,7 @@ class RecordBuilder:
         self.settings = dict(settings or {})
         self.joint_names = tuple(joint_names)
         self.feature_names = tuple(feature_names)
-        self._rows = []
+        self._rows, self._moving = [], False
         self._images = {}
         self._keep_images, self._all_images = keep_images, {}
         self._notes = []
@@ -131,13 +133,13 @@ class RecordBuilder:
         return len(self._rows)
 
     def add_row(self, stamp_ns, phase, status=0, status_text="", s=None, s_star=None, e=None, twist=None, q=None,
-                set_point=None, X_WC=None, raw=None, image=None):
+                set_point=None, X_WC=None, raw=None, image=None, X_WT=None):
         """Append one image's row; what is None becomes NaN.
 
         Args:
             stamp_ns: simulated time of the image [ns].  phase: one of PHASES.  status: code of ServoState.
             s, s_star, e: (k,).  twist: (6,).  q, set_point: (m,) in the order of joint_names.  X_WC: (4, 4).
-            raw: (area, xg, yg, alpha).
+            raw: (area, xg, yg, alpha).  X_WT: (4, 4) of a target that moves.
             image: uint8 (h, w) or (h, w, 3); copied only where the record keeps it (see `keep_image`).
         Raises:
             ShapeError: an array has not the length its names have.
@@ -146,17 +148,18 @@ class RecordBuilder:
         self._rows.append((
             int(stamp_ns), str(phase), int(status), str(status_text), _vector("s", s, k),
             _vector("s_star", s_star, k), _vector("e", e, k), _vector("twist", twist, 6), _vector("q", q, m),
-            _vector("set_point", set_point, m), _vector("raw", raw, len(RAW_NAMES)), _pose(X_WC)))
+            _vector("set_point", set_point, m), _vector("raw", raw, len(RAW_NAMES)), _pose(X_WC), _pose(X_WT)))
+        self._moving |= X_WT is not None
         if image is not None:
             self.keep_image(phase, image)
 
-    def add_answer(self, answer, X_WC=None, features=None, image=None):
+    def add_answer(self, answer, X_WC=None, features=None, image=None, X_WT=None):
         """Append the row of one answered image.
 
         Args:
             answer: `types.ServoRecord` (or an object with its fields), joints by name in any order.
             X_WC: (4, 4) true camera pose at the image.  features: `Features` of the image, or None.
-            image: uint8 (h, w) or (h, w, 3), or None.
+            image: uint8 (h, w) or (h, w, 3), or None.  X_WT: (4, 4) true pose of a target that moves, or None.
         """
         names = tuple(answer.joint_names)
         by_name = [names.index(name) if name in names else None for name in self.joint_names]
@@ -168,7 +171,7 @@ class RecordBuilder:
         same = tuple(getattr(answer, "feature_names", self.feature_names)) == self.feature_names
         s, s_star, e = (answer.s, answer.s_star, answer.e) if same else (None, None, None)
         self.add_row(answer.stamp_ns, answer.phase, answer.status, answer.status_text, s, s_star, e, answer.twist,
-                     joints(answer.q), joints(answer.set_point), X_WC, raw, image)
+                     joints(answer.q), joints(answer.set_point), X_WC, raw, image, X_WT)
 
     def keep_image(self, phase, image):
         """Keep the image of the row just added if it is the taught view, or the first or last one of the servo.
@@ -209,7 +212,7 @@ class RecordBuilder:
             simulated_s = (self._rows[-1][0] - self._rows[0][0]) * 1e-9 if self._rows else np.nan
             real_time_factor = simulated_s / wall_s
         rows = self._rows[:self._end()]
-        columns = list(zip(*rows)) if rows else [()] * 12
+        columns = list(zip(*rows)) if rows else [()] * 13
         k, m = len(self.feature_names), len(self.joint_names)
         stamp_ns = np.array(columns[0], dtype=np.int64)
 
@@ -223,6 +226,7 @@ class RecordBuilder:
             s=table(4, k), s_star=table(5, k), e=table(6, k), twist=table(7, 6), q=table(8, m),
             set_point=table(9, m), raw=table(10, len(RAW_NAMES)), X_WC=table(11, 4, 4),
             X_WT=None if X_WT is None else np.array(X_WT, dtype=float),
+            target_poses=table(12, 4, 4) if self._moving else None,
             desired_image=self._images.get("desired"), initial_image=self._images.get("initial"),
             final_image=self._images.get("final"), images=dict(self._all_images),
             camera_info=dict(camera_info or {}), run_hash=str(run_hash),

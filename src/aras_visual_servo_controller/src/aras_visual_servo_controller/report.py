@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from .errors import ArasError
-from .experiment import judge
+from .experiment import judge, tracking
 from .record import FEATURE_UNITS, TWIST_NAMES
 from .versions import installed_versions
 
@@ -130,6 +130,7 @@ def summarise(record):
         "final_error": result.final_error,
         "initial_error": result.initial_error,
         "judge": result.limits,
+        "tracking": tracking(record) if servo.get("track") else None,
         "published": PUBLISHED.get(base),
         "final_feature_error": result.final_feature_error,
         "thresholds": dict(servo.get("thresholds", {})),

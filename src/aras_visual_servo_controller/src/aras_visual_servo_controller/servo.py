@@ -20,6 +20,7 @@ import numpy as np
 
 from .arm_motion import ArmMotion
 from .errors import DegenerateFeature, NotFiniteError, ParameterError
+from .feed_forward import TargetMotion
 from .features import FeatureSet, View
 from .interaction import plane_from_pose
 from .laws import make_law
@@ -50,6 +51,8 @@ class Servo:
         self._arm = ArmMotion(kinematics, self.config, self._features.sees_tilt)
         self._look = LookThenMove(kinematics, self._arm, self.config)
         self._lost = LostTarget(kinematics, self._arm, self.config.lost_target)
+        forward = self.config.feed_forward
+        self._target_motion = None if forward is None else TargetMotion(forward, self._features)
         self._law = self._make_law()
         self._no_velocity = dict.fromkeys(names, 0.0)
         self._zeros, self._nans = np.zeros(len(names)), np.full(len(names), nan)
@@ -102,6 +105,8 @@ class Servo:
         """Use a reference taught before."""
         self._law.reset(reference)
         self._s_star = np.array(reference.s_star, dtype=float)
+        if self._target_motion is not None:
+            self._target_motion.set_reference(reference)
         self._arm.set_reference(reference)
         posture = self._arm.posture
         self._X_CgB = None if posture is None else np.linalg.inv(self._kinematics.pose(posture))
@@ -150,6 +155,8 @@ class Servo:
             return self._rest(stamp_ns, Status.STALE_INPUT, f"stamp advanced by {gap_s} s, period {dt_s} s")
         self._last_ns = stamp_ns
         if stamp_ns - self._start_ns >= 1e9 * self.config.time_limit_s:
+            if self.config.track and self._below_ns is not None:
+                return self._rest(stamp_ns, Status.CONVERGED, "followed to the end, every |e| below its threshold")
             return self._rest(stamp_ns, Status.TIMED_OUT, f"not converged after {self.config.time_limit_s} s")
         if gap_s > self.config.input_timeout_s or features is None:
             text = "no image" if features is None else f"no image for {gap_s:.3f} s"
@@ -192,9 +199,11 @@ class Servo:
             self._below_ns = None
         elif self._below_ns is None:
             self._below_ns = stamp_ns
-        if below and stamp_ns - self._below_ns >= 1e9 * self.config.hold_s:
+        if below and not self.config.track and stamp_ns - self._below_ns >= 1e9 * self.config.hold_s:
             return self._rest(stamp_ns, Status.CONVERGED, "every |e| below its threshold")
         self.status, self._text = Status.SERVOING, "servoing"
+        if self._target_motion is not None:
+            twist = twist + self._target_motion.twist(stamp_ns, self._kinematics.pose(q), self._s, self._e)
         gain, target_C = self.config.tilt_gain_per_s, None
         if gain > 0.0 and not self._features.sees_tilt:
             target_C = features.xn, features.yn, features.an
@@ -271,6 +280,8 @@ class Servo:
         self._start_ns, self._last_ns, self._below_ns = stamp_ns, None, None
         self._look.clear(set_point)
         self._lost.clear()
+        if self._target_motion is not None:
+            self._target_motion.clear()
         self._arm.rest()
         self._forget()
         self._q = self._nans

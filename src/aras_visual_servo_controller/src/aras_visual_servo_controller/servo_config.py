@@ -5,6 +5,7 @@ from typing import Dict, Optional, Tuple
 
 from .config_reader import ConfigReader
 from .errors import ParameterError
+from .feed_forward import FeedForwardConfig
 from .features import expand, is_known, known_features
 from .laws import BROYDEN_INITIALS, INTERACTIONS, POINT_DEPTHS, POSES, LawSetup, known_laws, make_law
 from .lost_target import LostTargetConfig
@@ -62,6 +63,8 @@ class ServoConfig:
     limits: LimitsConfig = LimitsConfig()
     visibility: Optional[VisibilityConfig] = None
     joint_limit_margin: float = 0.01  # kept to every joint limit [m, rad]
+    feed_forward: Optional[FeedForwardConfig] = None  # of the motion of the target
+    track: bool = False  # the goal is followed until the time limit
     lost_target: LostTargetConfig = LostTargetConfig()  # keys on_lost and lost_target
 
     @classmethod
@@ -109,6 +112,10 @@ class ServoConfig:
             values[key] = reader.number(key, getattr(cls, key), above=0.0)
 
         values["lost_target"] = LostTargetConfig.read(reader)
+        values["feed_forward"] = FeedForwardConfig.read(reader)
+        values["track"] = reader.flag("track", cls.track)
+        if values["mode"] == "look_then_move" and (values["feed_forward"] is not None or values["track"]):
+            reader.fault("feed_forward, track: found with mode look_then_move, allowed with mode continuous")
         values["visibility"] = VisibilityConfig.read(reader)
         values.update(read_motion(reader, joint_names, cls))
         if values["mode"] == "look_then_move" and None not in (*values["gains_per_s"], values["sample_time_s"]):
