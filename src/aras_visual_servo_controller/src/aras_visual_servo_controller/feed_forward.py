@@ -1,8 +1,8 @@
 """Moving targets: the motion of the target, estimated from image and joints, and the twist that goes along with it.
 
-A law that only sees the error lags behind a target that moves at v by v / lambda. What the target does is what is left of
-the motion in the image when that of the camera is taken away; here it is taken away in space rather than in the image,
-where a target that moves evenly does so however the camera turns (T45):
+A law that only sees the error lags behind a target that moves at v by v / lambda. What the target does is what is left
+of the motion in the image when that of the camera is taken away; here it is taken away in space rather than in the
+image, where a target that moves evenly does so however the camera turns (T45):
 
 1. The error says where the goal of the camera is now, X_CG, and the joints say where the camera is, X_BC.
 2. A Kalman filter with a constant-velocity model follows a point of the target and the attitude of the goal in B.
@@ -148,10 +148,19 @@ class TargetMotion:
         w = self.turn @ R_BC
         if not self._features.sees_tilt:
             w[:2] = 0.0
-        v = self.velocity @ R_BC - np.cross(w, p_CP)  # of the camera's origin, the point being fixed to it
-        return self._config.part * np.concatenate([v, w])
+        (wx, wy, wz), (x, y, z) = w.tolist(), p_CP.tolist()
+        vx, vy, vz = (self.velocity @ R_BC).tolist()  # of the point; the camera's origin has v - w x p_CP
+        twist = [vx - wy * z + wz * y, vy - wz * x + wx * z, vz - wx * y + wy * x, wx, wy, wz]
+        return self._config.part * np.array(twist)
 
 
 def _turned(vector):
-    """Rotation matrix of a rotation vector, (3,)."""
-    return exponential(np.concatenate([np.zeros(3), vector]))[:3, :3]
+    """Rotation matrix of a rotation vector, (3,) (Rodrigues; to second order where it vanishes)."""
+    x, y, z = vector.tolist()
+    angle = (x * x + y * y + z * z) ** 0.5
+    a, b = (sin(angle) / angle, (1.0 - cos(angle)) / angle**2) if angle > 1e-5 else (1.0, 0.5)
+    return np.array([
+        [1.0 - b * (y * y + z * z), b * x * y - a * z, b * x * z + a * y],
+        [b * x * y + a * z, 1.0 - b * (x * x + z * z), b * y * z - a * x],
+        [b * x * z - a * y, b * y * z + a * x, 1.0 - b * (x * x + y * y)],
+    ])  # fmt: skip

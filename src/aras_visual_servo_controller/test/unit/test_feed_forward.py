@@ -68,7 +68,8 @@ def test_without_feed_forward_the_camera_lags_by_the_speed_over_the_gain():
     assert MovingBench(evenly).rms() == pytest.approx(speed / LAMBDA, rel=0.15)
 
 
-@pytest.mark.parametrize("motion, factor", [(evenly, 50.0), (circle, 8.0), (random_walk(1), 2.0), (random_walk(2), 2.0)])
+@pytest.mark.parametrize("motion, factor", [
+    (evenly, 50.0), (circle, 8.0), (random_walk(1), 2.0), (random_walk(2), 2.0)])
 def test_feed_forward_follows_closer(motion, factor):
     without, fed = MovingBench(motion).rms(), MovingBench(motion, feed_forward={}).rms()
     assert fed * factor < without
