@@ -5,7 +5,8 @@ from math import copysign, exp, log
 import numpy as np
 
 from .errors import ParameterError
-from .laws import ImageBased, LawSetup, register
+from .laws import LawSetup, register
+from .laws_image import ImageBased
 
 
 @register("sliding")
