@@ -1,4 +1,4 @@
-"""Law `photometric`: the luminance of the whole image, by Levenberg and Marquardt (docs/theory.md T33 to T36)."""
+"""Law `photometric`: the luminance of the whole image, by Levenberg and Marquardt (docs/theory.md T33 to T35, T46)."""
 
 import numpy as np
 
