@@ -108,7 +108,7 @@ class ConfigReader:
         """Give each key that `expand((key,))` writes out as several the value it has for all. Returns self."""
         source = {}
         for key, value in self._source.items():
-            source.update(dict.fromkeys(expand((key,)), value) if isinstance(key, str) else {key: value})
+            source.update(dict.fromkeys(expand((key,)), value))
         self._source = source
         return self
 

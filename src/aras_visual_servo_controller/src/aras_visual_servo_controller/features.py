@@ -77,7 +77,7 @@ def expand(names):
     """Names with "pointsN" written out: x1, y1, ..., xN, yN. Returns a tuple."""
     result = []
     for name in names:
-        match = _NUMBERED.fullmatch(name)
+        match = _NUMBERED.fullmatch(str(name))
         if match is None or match[1] != "points":
             result.append(name)
         else:
