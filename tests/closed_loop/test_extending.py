@@ -86,4 +86,5 @@ def test_a_module_that_is_not_there_and_an_unknown_name_list_what_is_known(folde
         ServoLoop(load_scenario("experiment_1", changes))
     text = str(caught.value)
     assert "'not_there'" in text and "ModuleNotFoundError" in text
-    assert "found unbounded, allowed bounded, decoupled, ibvs" in text
+    listed = text.split("found unbounded, allowed ")[1].splitlines()[0].split(", ")
+    assert {"bounded", "decoupled", "ibvs"} <= set(listed) and listed == sorted(listed)
