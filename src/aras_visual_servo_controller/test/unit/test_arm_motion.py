@@ -5,10 +5,12 @@ import pytest
 from test_servo import DT_S, Bench, config
 from toy_plant import GOAL, START, arm
 
+from aras_visual_servo_controller.arm_motion import ArmMotion
 from aras_visual_servo_controller.errors import ParameterError
 from aras_visual_servo_controller.features import View
 from aras_visual_servo_controller.interaction import centroid
 from aras_visual_servo_controller.servo import Servo
+from aras_visual_servo_controller.servo_config import ServoConfig
 from aras_visual_servo_controller.types import Status
 from aras_visual_servo_controller.visibility import VisibilityConfig, keep_in_view
 
@@ -165,3 +167,18 @@ def test_an_object_that_would_leave_the_view_stays_and_the_servo_arrives():
 def test_faults_of_the_sections_are_named(bad, word):
     with pytest.raises(ParameterError, match=word):
         Servo(arm(), config(**bad))
+
+
+def test_a_joint_with_little_room_uses_it_and_the_others_make_up_for_the_rest():
+    kinematics = arm()
+    setup = ServoConfig.from_dict(config(inverse={"at_limits": "saturate"}, null_space=STILL), kinematics.joint_names)
+    motion = ArmMotion(kinematics, setup, sees_tilt=False)
+    q = kinematics.vector({**EDGE_START, "J1": 0.4})
+    twist = kinematics.jacobian(q) @ kinematics.vector(
+        {"gantry": 0.3, "J1": 0.05, "J2": 0.0, "J3": 0.0, "J5": 0.0, "J6": 0.1})
+    gantry = kinematics.joint_names.index("gantry")
+    q[gantry] = motion.upper[gantry] - 0.1 * 2.0 * DT_S  # room for 0.1 m/s over the two periods looked ahead
+    found = motion.joint_velocity(q, twist, *motion.at(q), DT_S)
+    assert found.status == Status.JOINT_LIMIT and "gantry" in found.text
+    assert found.q_dot[gantry] == pytest.approx(0.1, rel=1e-9)
+    np.testing.assert_allclose(found.twist, twist, atol=1e-9)

@@ -60,6 +60,14 @@ def test_an_object_that_passes_by_does_not_keep_the_arm_from_its_goal(action, mo
     bench.assert_at_goal()
 
 
+def test_the_target_has_to_be_seen_for_a_while_before_the_law_goes_on():
+    bench = Blinded(between(0.5, 1.5), on_lost="back_off", lost_target={"confirm_s": 0.3})
+    bench.run(60)
+    sure = [record.stamp_ns for record in bench.records if record.status_text.startswith("in view again, backing off")]
+    assert len(sure) == pytest.approx(0.3 / DT_S, abs=1.0)
+    assert bench.records[-1].status == Status.SERVOING
+
+
 def test_a_blink_shorter_than_the_patience_moves_nothing():
     bench = Blinded(between(0.5, 0.56), on_lost="back_off")
     bench.run(30)
