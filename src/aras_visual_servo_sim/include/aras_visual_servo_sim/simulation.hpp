@@ -41,7 +41,7 @@ class Simulation {
   const RobotModel& model() const { return model_; }
   const SimulationConfig& config() const { return config_; }
   const MultibodyWorld& world() const { return *world_; }
-  const Scene& scene() const { return scene_; }
+  const Scene& scene() const { return models_.scene; }
 
   // --- time
   std::int64_t ticks() const { return world_->ticks(); }
@@ -93,6 +93,15 @@ class Simulation {
 
   // --- models: what is in the scene besides the robot, flat ones and solids
   std::vector<std::string> modelNames() const;
+  /** Adds a model until the next reset.
+   *  @param entry  one of `models` or `solids` of the scene section, see loadScene and modelEntry
+   *  @param X_WM   where, in place of its position_m and rpy_rad
+   *  @throws ParameterError (also: a model or link has the name), ModelError, NotFiniteError; nothing changes then */
+  void spawnModel(const YAML::Node& entry, const std::optional<Pose>& X_WM = std::nullopt);
+  /** Removes a model; one of the configuration is back after a reset. @throws UnknownNameError */
+  void deleteModel(const std::string& model);
+  /** True if some model has a motion. */
+  bool modelsMove() const { return !motions_.empty(); }
   /** Places a model, which then stays there: a motion it had ends.
    *  @throws UnknownNameError naming the models there are, NotFiniteError */
   void setModelPose(const std::string& model, const Pose& X_WM);
@@ -125,6 +134,17 @@ class Simulation {
     std::int64_t unhashed_frame = -1;  ///< taken, image not hashed yet
     Image image;
   };
+  /** Models, with the robot's own bodies among those of the scene. */
+  struct ModelSet {
+    Scene scene;
+    std::vector<int> body_links;                 ///< link of each body of the scene, -1 for solids
+    std::map<std::string, Pose> starts;          ///< of each model
+    std::map<std::string, std::string> spawned;  ///< entry, as YAML, of each model that was spawned
+  };
+  struct SavedModel {
+    std::string name, entry;  ///< entry: empty unless it was spawned
+    Pose X_WM, X_WM0;         ///< where it is, where it started
+  };
   struct MotionRun {
     ModelMotion motion;
     Pose X_WM0;
@@ -136,6 +156,10 @@ class Simulation {
   void passFrame(Camera& camera);
   void holdStill();
   Pose& placeOf(const std::string& model);
+  void keepBuilt();
+  static void addModel(ModelSet& set, Scene added);
+  static void removeModel(ModelSet& set, const std::string& model);
+  ModelSet composed(const std::vector<SavedModel>& saved) const;
   void startModels();
   void moveModels();
   template <typename Action>
@@ -147,10 +171,10 @@ class Simulation {
   std::unique_ptr<MultibodyWorld> world_;
   Eigen::VectorXd initial_q_;
   Pose initial_base_;
-  Scene scene_;
-  std::map<std::string, Pose> initial_model_poses_;
+  PackagePaths packages_;
+  ModelSet models_;
+  std::unique_ptr<const ModelSet> built_;     ///< as constructed, kept when models come or go
   std::map<std::string, MotionRun> motions_;  ///< of the models that move, by name
-  std::vector<int> body_links_;               ///< link of each body of the scene, -1 for fixed ones
   std::vector<std::string> camera_names_;
   std::vector<Camera> cameras_;
   std::unique_ptr<Renderer> renderer_;

@@ -197,6 +197,15 @@ void bindScene(py::class_<Simulation>& type) {
           py::arg("name") = "target",
           "V_WM_W, (6,): twist of a model in W, expressed in W, [v; w] [m/s; rad/s]; zero unless it has a motion.")
       .def_property_readonly("model_names", &Simulation::modelNames, "Names of the models and solids of the scene.")
+      .def(
+          "spawn_model",
+          [](Simulation& self, const py::object& entry) { self.spawnModel(yamlFromPython(entry, "model")); },
+          py::arg("entry"),
+          "Adds a model until the next reset.\n\nArgs:\n"
+          "    entry: dict as sim.scene.models[] or sim.scene.solids[] of a scenario, see config/sim.yaml.\n"
+          "Raises:\n    ParameterError (also: the name is taken), ModelError; nothing changes then.")
+      .def("delete_model", &Simulation::deleteModel, py::arg("name"),
+           "Removes a model; one of the configuration is back after a reset.\n\nRaises:\n    UnknownNameError.")
       .def("set_model_motion", &setModelMotion, py::arg("name"), py::arg("motion"),
            "Moves a model from now and from where it is.\n\nArgs:\n"
            "    motion: dict as sim.scene.models[].motion of a scenario, see config/sim.yaml; None: it stays where it "

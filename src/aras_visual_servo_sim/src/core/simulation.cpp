@@ -38,6 +38,7 @@ Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::No
     : model_(std::move(model)),
       config_(std::move(config)),
       period_ns_(wholeNanoseconds(config_.world.period_s)),
+      packages_(packages),
       renderer_(std::make_unique<OsmesaRenderer>()) {
   std::vector<std::string> faults;
   const auto collect = [&faults](const auto& action) {
@@ -49,13 +50,13 @@ Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::No
   };
   collect([&] { applyJointLimits(controllers, model_); });
   collect([&] { config_.world.controllers = parseControllers(controllers, model_); });
-  collect([&] { scene_ = loadScene(config_.scene, packages); });
-  for (std::size_t k = 0; k < scene_.bodies.size(); ++k) body_links_.push_back(-1);
-  collect([&] { addRobotBodies(model_, packages, scene_); });
-  for (std::size_t k = body_links_.size(); k < scene_.bodies.size(); ++k) {
-    body_links_.push_back(model_.linkIndex(scene_.bodies[k].name));
+  collect([&] { models_.scene = loadScene(config_.scene, packages); });
+  for (std::size_t k = 0; k < models_.scene.bodies.size(); ++k) models_.body_links.push_back(-1);
+  collect([&] { addRobotBodies(model_, packages, models_.scene); });
+  for (std::size_t k = models_.body_links.size(); k < models_.scene.bodies.size(); ++k) {
+    models_.body_links.push_back(model_.linkIndex(models_.scene.bodies[k].name));
   }
-  for (const std::string& name : modelNames()) initial_model_poses_[name] = placeOf(name);
+  for (const std::string& name : modelNames()) models_.starts[name] = placeOf(name);
 
   initial_q_ = Eigen::VectorXd::Zero(model_.dofs());
   for (const auto& [joint, position] : config_.initial_positions) {
@@ -172,10 +173,10 @@ std::int64_t Simulation::takeFrame(int camera) {
 
 const Image& Simulation::render(int index) {
   Camera& camera = cameras_[index];
-  for (std::size_t k = 0; k < body_links_.size(); ++k) {
-    if (body_links_[k] >= 0) scene_.bodies[k].X_WB = world_->linkPose(body_links_[k]);
+  for (std::size_t k = 0; k < models_.body_links.size(); ++k) {
+    if (models_.body_links[k] >= 0) models_.scene.bodies[k].X_WB = world_->linkPose(models_.body_links[k]);
   }
-  renderer_->render(camera.model, cameraPose(index), scene_, camera.image);
+  renderer_->render(camera.model, cameraPose(index), models_.scene, camera.image);
   const double stddev = camera.model.config().noise_stddev;
   if (stddev > 0.0) {
     addGaussianNoise(camera.image, stddev, config_.seed + kSeedStride * static_cast<std::uint64_t>(index),
@@ -246,6 +247,7 @@ void Simulation::resetWorld() {
 }
 
 void Simulation::reset() {
+  if (built_) models_ = *built_;
   makeWorld();
   resetWorld();
   for (Camera& camera : cameras_) {

@@ -1,6 +1,4 @@
 // The models of a Simulation's scene: where they are and how they move.
-#include <algorithm>
-
 #include "aras_visual_servo_sim/errors.hpp"
 #include "aras_visual_servo_sim/simulation.hpp"
 
@@ -8,19 +6,19 @@ namespace aras_visual_servo_sim {
 
 std::vector<std::string> Simulation::modelNames() const {
   std::vector<std::string> names;
-  for (const PlanarModel& model : scene_.models) names.push_back(model.name());
-  for (std::size_t k = 0; k < body_links_.size(); ++k) {
-    if (body_links_[k] < 0) names.push_back(scene_.bodies[k].name);
+  for (const PlanarModel& model : models_.scene.models) names.push_back(model.name());
+  for (std::size_t k = 0; k < models_.body_links.size(); ++k) {
+    if (models_.body_links[k] < 0) names.push_back(models_.scene.bodies[k].name);
   }
   return names;
 }
 
 Pose& Simulation::placeOf(const std::string& model) {
-  for (PlanarModel& planar : scene_.models) {
+  for (PlanarModel& planar : models_.scene.models) {
     if (planar.name() == model) return planar.X_WM;
   }
-  for (std::size_t k = 0; k < body_links_.size(); ++k) {
-    if (body_links_[k] < 0 && scene_.bodies[k].name == model) return scene_.bodies[k].X_WB;
+  for (std::size_t k = 0; k < models_.body_links.size(); ++k) {
+    if (models_.body_links[k] < 0 && models_.scene.bodies[k].name == model) return models_.scene.bodies[k].X_WB;
   }
   std::string known;
   for (const std::string& name : modelNames()) known += (known.empty() ? "" : ", ") + name;
@@ -57,10 +55,10 @@ void Simulation::setModelMotion(const std::string& model, const std::optional<Mo
 
 /** Every model where it started, the configured motions from now on. */
 void Simulation::startModels() {
-  for (const auto& [name, X_WM] : initial_model_poses_) placeOf(name) = X_WM;
+  for (const auto& [name, X_WM] : models_.starts) placeOf(name) = X_WM;
   motions_.clear();
-  for (const auto& [name, motion] : scene_.motions) {
-    motions_.emplace(name, MotionRun{motion, initial_model_poses_.at(name), timeNs()});
+  for (const auto& [name, motion] : models_.scene.motions) {
+    motions_.emplace(name, MotionRun{motion, models_.starts.at(name), timeNs()});
   }
   moveModels();
 }

@@ -106,7 +106,13 @@ std::string Simulation::saveState() const {
   for (const Camera& camera : cameras_) out.put(FrameCounters{camera.next_frame, camera.unhashed_frame});
   const std::vector<std::string> models = modelNames();
   out.put<std::uint64_t>(models.size());
-  for (const std::string& model : models) putPose(out, modelPose(model));
+  for (const std::string& model : models) {
+    const auto spawned = models_.spawned.find(model);
+    out.putText(model);
+    out.putText(spawned == models_.spawned.end() ? "" : spawned->second);
+    putPose(out, modelPose(model));
+    putPose(out, models_.starts.at(model));
+  }
   out.put<std::uint64_t>(motions_.size());
   for (const auto& [name, run] : motions_) {
     out.putText(name);
@@ -127,17 +133,25 @@ void Simulation::restoreState(const std::string& state) {
   if (in.get<std::uint64_t>() != cameras_.size()) throw StateError("saved state: other number of cameras");
   std::vector<FrameCounters> frames;
   for (std::size_t k = 0; k < cameras_.size(); ++k) frames.push_back(in.get<FrameCounters>());
-  const std::vector<std::string> models = modelNames();
-  if (in.get<std::uint64_t>() != models.size()) throw StateError("saved state: other number of models");
-  std::vector<Pose> poses;
-  for (std::size_t k = 0; k < models.size(); ++k) poses.push_back(getPose(in));
+  std::vector<SavedModel> saved;
+  for (auto left = in.get<std::uint64_t>(); left > 0; --left) {
+    SavedModel model;
+    model.name = in.getText();
+    model.entry = in.getText();
+    model.X_WM = getPose(in);
+    model.X_WM0 = getPose(in);
+    saved.push_back(std::move(model));
+  }
+  ModelSet models = composed(saved);
+  const bool changed =
+      !models.spawned.empty() || !models_.spawned.empty() || models.starts.size() != models_.starts.size();
   std::map<std::string, MotionRun> motions;
   for (auto left = in.get<std::uint64_t>(); left > 0; --left) {
     const std::string name = in.getText();
     const ModelMotion motion = ModelMotion::fromYaml(YAML::Load(in.getText()), "saved motion of '" + name + "'");
     const Pose X_WM0 = getPose(in);
     motions.emplace(name, MotionRun{motion, X_WM0, in.get<std::int64_t>()});
-    modelPose(name);  // throws
+    if (models.starts.count(name) == 0) throw StateError("saved state: motion of '" + name + "', which is no model");
   }
   if (!in.atEnd()) throw StateError("saved state: bytes left over");
 
@@ -149,7 +163,9 @@ void Simulation::restoreState(const std::string& state) {
     cameras_[k].next_frame = frames[k].next_frame;
     cameras_[k].unhashed_frame = frames[k].unhashed_frame;
   }
-  for (std::size_t k = 0; k < models.size(); ++k) placeOf(models[k]) = poses[k];
+  if (changed) keepBuilt();
+  models_ = std::move(models);
+  for (const SavedModel& model : saved) placeOf(model.name) = model.X_WM;
   motions_ = std::move(motions);
 }
 

@@ -95,6 +95,8 @@ sensor_msgs::CameraInfo toMessage(const CameraModel& camera) {
   return message;
 }
 
+YAML::Node exactNumber(double value) { return scalar(exactText(value)); }
+
 YAML::Node toYaml(XmlRpc::XmlRpcValue value) {
   YAML::Node node;
   switch (value.getType()) {

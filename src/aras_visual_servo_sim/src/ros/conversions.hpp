@@ -29,6 +29,9 @@ geometry_msgs::Twist toMessage(const Twist& V);
 /** Intrinsics; the header's stamp is left to the caller. */
 sensor_msgs::CameraInfo toMessage(const CameraModel& camera);
 
+/** A number as YAML that reads back to the same bits. */
+YAML::Node exactNumber(double value);
+
 /** The parameter server's tree as YAML, for the parsers of the core. Strings stay strings ("1" does not become 1). */
 YAML::Node toYaml(XmlRpc::XmlRpcValue value);
 

@@ -38,6 +38,9 @@ void addPoint(visualization_msgs::Marker& marker, const Eigen::Vector2d& corner,
 
 visualization_msgs::MarkerArray sceneMarkers(const Scene& scene, const std::string& world_frame) {
   visualization_msgs::MarkerArray markers;
+  markers.markers.emplace_back();
+  markers.markers.back().header.frame_id = world_frame;
+  markers.markers.back().action = visualization_msgs::Marker::DELETEALL;  // models may have gone
   for (const PlanarModel& model : scene.models) {
     if (!model.visible) continue;
     if (model.picture()) {  // as a rectangle of its mean colour: markers have no pictures

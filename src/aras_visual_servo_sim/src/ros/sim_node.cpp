@@ -28,6 +28,7 @@ SimNode::SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, const NodePar
       commands_(node_, simulation_, gate_, time_),
       pids_(node_, simulation_),
       markers_(node_, simulation_.model().links.front().name),
+      models_(node_, simulation_, markers_, time_),
       status_(node_.advertise<aras_visual_servo_msgs::SimStatus>("sim/status", 1000, true)),
       paused_(parameters.time.start_paused) {
   for (const std::string& warning : simulation_.model().warnings) ROS_WARN("%s", warning.c_str());
@@ -129,6 +130,7 @@ void SimNode::beat() {
   const auto ticks = static_cast<std::uint64_t>(simulation_.ticks());
   if (paused_ || gate_.holding() || ticks == clock_beats_at_) states_.publishClock();
   clock_beats_at_ = ticks;
+  if (simulation_.modelsMove()) markers_.publish(simulation_.scene());
   publishStatus();
 }
 

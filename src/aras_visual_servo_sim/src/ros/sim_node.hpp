@@ -17,6 +17,7 @@
 #include "aras_visual_servo_sim/simulation.hpp"
 #include "aras_visual_servo_sim/snapshots.hpp"
 #include "command_inputs.hpp"
+#include "model_services.hpp"
 #include "pacer.hpp"
 #include "parameters.hpp"
 #include "pid_servers.hpp"
@@ -80,6 +81,7 @@ class SimNode {
   CommandInputs commands_;
   PidServers pids_;
   SceneMarkers markers_;
+  ModelServices models_;
   ros::Publisher status_;
   std::vector<ros::ServiceServer> services_;
   bool paused_;

@@ -166,7 +166,7 @@ Geometry readGeometry(YamlReader& reader) {
     ++kinds;
   }
   if (kinds != 1) {
-    reader.fault("shape", std::to_string(kinds) + " of them", "one of box_m, cylinder_m, sphere_m, mesh");
+    reader.fault("shape", std::to_string(kinds) + " of them", "one of box_m, cylinder_m, sphere_m, mesh, urdf");
   }
   return geometry;
 }
@@ -180,7 +180,7 @@ struct ModelEntry {
 };
 
 struct SolidEntry {
-  std::string name;
+  std::string name, urdf;
   Geometry geometry;
   Rgb color;
   Pose X_WB;
@@ -210,7 +210,8 @@ SolidEntry readSolid(YamlReader& reader) {
   entry.color = readColor(reader, "color_rgb", {128, 128, 128});
   entry.X_WB = readPose(reader);
   entry.motion = readMotion(reader);
-  entry.geometry = readGeometry(reader);
+  entry.urdf = reader.optional<std::string>("urdf", "");
+  if (entry.urdf.empty()) entry.geometry = readGeometry(reader);
   return entry;
 }
 
@@ -273,9 +274,13 @@ Scene loadScene(const YAML::Node& node, const PackagePaths& packages) {
   MeshCache meshes(packages);
   for (const SolidEntry& entry : solids) {
     Body body;
-    body.name = entry.name;
+    if (entry.urdf.empty()) {
+      body.name = entry.name;
+      body.shapes.push_back({Pose{}, meshOf(entry.geometry, meshes), entry.color});
+    } else {
+      body = bodyFromUrdf(entry.name, entry.urdf, packages);
+    }
     body.X_WB = entry.X_WB;
-    body.shapes.push_back({Pose{}, meshOf(entry.geometry, meshes), entry.color});
     scene.bodies.push_back(std::move(body));
     if (entry.motion) scene.motions.emplace(entry.name, *entry.motion);
   }

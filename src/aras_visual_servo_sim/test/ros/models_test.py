@@ -1,0 +1,98 @@
+#!/usr/bin/env python3
+"""Models that come, go and move by service; run by models.test."""
+import unittest
+
+import rospy
+import rostest
+from aras_visual_servo_msgs.srv import (DeleteModel, GetModelState, SetModelMotion, SetModelState, SpawnModel, Step)
+from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, Twist, TwistStamped, Vector3
+from std_srvs.srv import Empty
+from visualization_msgs.msg import MarkerArray
+
+from listening import Listener, service, until
+
+TABLE = """<robot name="table"><link name="top"><visual><geometry><box size="0.2 0.1 0.02"/></geometry></visual></link>
+  <link name="leg"><visual><geometry><cylinder radius="0.01" length="0.1"/></geometry></visual></link>
+  <joint name="j" type="fixed"><parent link="top"/><child link="leg"/><origin xyz="0 0 -0.06"/></joint></robot>"""
+
+
+def pose(x=0.0, y=0.0, z=0.0):
+    return Pose(Point(x, y, z), Quaternion(w=1.0))
+
+
+class Models(unittest.TestCase):
+    """A simulator that stays paused: time passes by sim/step."""
+
+    def setUp(self):
+        self.spawn, self.delete = service("sim/spawn_model", SpawnModel), service("sim/delete_model", DeleteModel)
+        self.place = service("sim/set_model_pose", SetModelState)
+        self.state = service("sim/get_model_state", GetModelState)
+        self.move, self.step = service("sim/set_model_motion", SetModelMotion), service("sim/step", Step)
+        service("sim/reset", Empty)()
+
+    def test_models_are_spawned_found_and_deleted(self):
+        for name, description in (("table", TABLE), ("ball", "sphere_m: 0.02"),
+                                  ("sheet", "package://aras_description/targets/rectangle.yaml")):
+            answer = self.spawn(model_name=name, model_xml=description, initial_pose=pose(0.1, 0.0, 0.05))
+            self.assertTrue(answer.success, answer.status_message)
+            self.assertEqual(self.state(model_name=name).pose, pose(0.1, 0.0, 0.05))
+        twice = self.spawn(model_name="ball", model_xml="sphere_m: 0.02", initial_pose=pose())
+        self.assertFalse(twice.success)
+        self.assertIn("ball", twice.status_message)
+        self.assertTrue(self.delete(model_name="ball").success)
+        gone = self.delete(model_name="ball")
+        self.assertFalse(gone.success)
+        for name in ("table", "sheet", "target"):
+            self.assertIn(name, gone.status_message)
+        service("sim/reset", Empty)()
+        self.assertFalse(self.state(model_name="table").success, "a reset brings back what was configured")
+
+    def test_faults_of_a_description_are_answered(self):
+        for description, fault in (("sphere_m: -1", "sphere_m"), ("no/such.stl", "no/such.stl"), ("", "empty"),
+                                   ("<robot", "ball")):
+            answer = self.spawn(model_name="ball", model_xml=description, initial_pose=pose())
+            self.assertFalse(answer.success)
+            self.assertIn(fault, answer.status_message)
+        self.assertIn("moon", self.place(model_name="target", pose=pose(), reference_frame="moon").status_message)
+        self.assertIn("dance", self.move(model_name="target", motion="{type: dance}").status_message)
+        self.assertFalse(self.move(model_name="target", motion="{").success)
+
+    def test_a_pose_may_be_relative_to_a_link_and_a_twist_goes_on(self):
+        answer = self.place(model_name="target", pose=pose(0.0, 0.0, 0.3), reference_frame="eye_optical_frame",
+                            twist=Twist(linear=Vector3(0.1, 0.0, 0.0)))
+        self.assertTrue(answer.success, answer.status_message)
+        self.assertAlmostEqual(self.state(model_name="target").pose.position.z, 0.2, delta=0.01)
+        self.step(steps=500)
+        moved = self.state(model_name="target")
+        self.assertAlmostEqual(moved.pose.position.x, 0.05, delta=1e-9)
+        self.assertEqual(moved.twist.linear.x, 0.1)
+        self.assertEqual(moved.header.stamp.to_nsec(), 500000000)
+
+    def test_a_motion_moves_truth_and_its_twist_and_ends(self):
+        truth = Listener("ground_truth/target_pose", PoseStamped)
+        twists = Listener("ground_truth/target_twist", TwistStamped)
+        for listener in (truth, twists):
+            until(listener.subscriber.get_num_connections, "the subscriptions")
+        motion = "{type: constant_velocity, linear_m_per_s: [0, 0.2, 0]}"
+        self.assertTrue(self.move(model_name="target", motion=motion).success)
+        self.step(steps=100)
+        until(lambda: truth.messages and truth.messages[-1].header.stamp.to_nsec() == 100000000, "the image at 0.1 s")
+        self.assertAlmostEqual(truth.messages[-1].pose.position.y, 0.02, delta=1e-9)
+        until(lambda: twists.messages[-1].header.stamp.to_nsec() == 100000000, "its twist")
+        self.assertEqual(twists.messages[-1].twist.linear.y, 0.2)
+        self.assertTrue(self.move(model_name="target", motion="").success)
+        self.assertEqual(self.state(model_name="target").twist.linear.y, 0.0)
+
+    def test_markers_follow(self):
+        markers = Listener("scene_markers", MarkerArray)
+        markers.wait()
+        self.assertTrue(self.spawn(model_name="sheet", model_xml="package://aras_description/targets/rectangle.yaml",
+                                   initial_pose=pose()).success)
+        markers.newer(lambda m: "sheet" in {marker.ns for marker in m.markers}, "the sheet is drawn")
+        self.assertTrue(self.delete(model_name="sheet").success)
+        markers.newer(lambda m: "sheet" not in {marker.ns for marker in m.markers}, "the sheet is gone")
+
+
+if __name__ == "__main__":
+    rospy.init_node("tester", anonymous=True)
+    rostest.rosrun("aras_visual_servo_sim", "Models", Models)
