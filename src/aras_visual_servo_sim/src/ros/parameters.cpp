@@ -27,11 +27,18 @@ YAML::Node section(const ros::NodeHandle& node, const ros::NodeHandle& private_n
   return YAML::Node();
 }
 
+/** Controllers of the namespace, or of one in it that has its name: what comes of a file that begins with the robot's
+ *  name, as Gazebo packages have it, loaded into the robot's namespace. */
 YAML::Node findControllers(const ros::NodeHandle& node) {
   YAML::Node controllers(YAML::NodeType::Map);
   XmlRpc::XmlRpcValue tree;
   if (!node.getParam(node.getNamespace(), tree) || tree.getType() != XmlRpc::XmlRpcValue::TypeStruct) {
     return controllers;
+  }
+  const std::string name = node.getNamespace().substr(node.getNamespace().rfind('/') + 1);
+  if (tree.hasMember(name) && tree[name].getType() == XmlRpc::XmlRpcValue::TypeStruct) {
+    const XmlRpc::XmlRpcValue inner = tree[name];
+    tree = inner;
   }
   if (tree.hasMember("joint_limits")) controllers["joint_limits"] = toYaml(tree["joint_limits"]);
   for (auto& [name, value] : tree) {

@@ -1,0 +1,63 @@
+"""A robot package written for Gazebo Classic and ros_control, against sim.launch and nothing else: docs/from_gazebo.md."""
+import pathlib
+import signal
+import sys
+
+import pytest
+
+from ros_graph import Graph
+
+ROBOT = pathlib.Path(__file__).resolve().parent / "robot"
+
+
+@pytest.fixture(scope="module")
+def graph(tmp_path_factory):
+    """sim.launch with the robot's own files, under a master of its own."""
+    with Graph(tmp_path_factory.mktemp("ros")) as graph:
+        graph.start("roslaunch", "-p", str(graph.port), "aras_visual_servo_sim", "sim.launch",
+                    f"model:={ROBOT / 'pan_tilt.urdf'}", f"controllers:={ROBOT / 'controllers.yaml'}", "ns:=pan_tilt",
+                    "gazebo_names:=true")
+        graph.until(lambda: "/pan_tilt/head_camera/image_raw" in graph.topics(), "the simulator is up")
+        yield graph
+
+
+def test_its_topics_have_gazebos_names_and_types(graph):
+    expected = {"/clock": "rosgraph_msgs/Clock", "/pan_tilt/joint_states": "sensor_msgs/JointState",
+                "/pan_tilt/head_camera/image_raw": "sensor_msgs/Image",
+                "/pan_tilt/head_camera/camera_info": "sensor_msgs/CameraInfo"}
+    graph.until(lambda: expected.items() <= graph.topics().items(), "the topics")
+
+
+def test_its_own_node_turns_the_head_and_sees(graph):
+    node = graph.start(sys.executable, str(ROBOT / "look_around.py"), "_pan:=0.6", "_tilt:=0.3")
+    said = graph.output("rostopic", "echo", "-n", "1", "/look_around/brightness")
+    assert "data: 230.0" in said, said  # nothing but background in view
+    node.send_signal(signal.SIGINT)
+
+
+def test_gazebos_services_answer_with_its_meaning(graph):
+    graph.output("rosservice", "call", "/gazebo/pause_physics")
+    before = graph.output("rostopic", "echo", "-n", "1", "/clock")
+    assert graph.output("rostopic", "echo", "-n", "1", "/clock") == before, "time stands still"
+    graph.output("rosservice", "call", "/gazebo/reset_world")
+    assert graph.output("rostopic", "echo", "-n", "1", "/clock") == before, "reset_world keeps the time"
+    graph.output("rosservice", "call", "/gazebo/reset_simulation")
+    clock = graph.output("rostopic", "echo", "-n", "1", "/clock")
+    assert " secs: 0\n" in clock and "nsecs: 0\n" in clock, clock  # and it still stands
+    graph.output("rosservice", "call", "/gazebo/unpause_physics")
+
+
+def test_what_it_ignores_is_said(graph):
+    text = graph.log()
+    for tag in ("plugin", "mu1"):
+        assert tag in text, text
+
+
+def test_a_controller_of_a_joint_it_has_not_is_refused_by_name(tmp_path):
+    faulty = tmp_path / "controllers.yaml"
+    faulty.write_text((ROBOT / "controllers.yaml").read_text().replace("pan_joint", "nose_joint"))
+    with Graph(tmp_path) as graph:
+        launch = graph.start("roslaunch", "-p", str(graph.port), "aras_visual_servo_sim", "sim.launch",
+                             f"model:={ROBOT / 'pan_tilt.urdf'}", f"controllers:={faulty}", "ns:=pan_tilt", "tf:=false")
+        assert launch.wait(60) is not None
+        assert "nose_joint" in graph.log()

@@ -1,0 +1,68 @@
+"""A ROS graph of a test's own: a port nobody listens on, processes that end with it, what they said."""
+import os
+import signal
+import socket
+import subprocess
+import time
+import xmlrpc.client
+
+LIMIT_S = 60.0  # wall time after which something that should happen has not
+
+
+class Graph:
+    """Context manager. `folder`: for logs."""
+
+    def __init__(self, folder):
+        with socket.socket() as listener:
+            listener.bind(("127.0.0.1", 0))
+            self.port = listener.getsockname()[1]
+        self.uri = "http://localhost:%d" % self.port
+        self._environment = dict(os.environ, ROS_MASTER_URI=self.uri, ROS_HOSTNAME="localhost",
+                                 ROS_LOG_DIR=str(folder / "ros_log"), ROSCONSOLE_STDOUT_LINE_BUFFERED="1")
+        self._log_path = folder / "processes.log"
+        self._log = open(self._log_path, "wb")
+        self._processes = []
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for process in reversed(self._processes):
+            if process.poll() is None:
+                process.send_signal(signal.SIGINT)
+        for process in self._processes:
+            try:
+                process.wait(LIMIT_S)
+            except subprocess.TimeoutExpired:
+                process.kill()
+        self._log.close()
+
+    def start(self, *command):
+        """A process of this graph, which ends with it."""
+        process = subprocess.Popen(command, env=self._environment, stdout=self._log, stderr=subprocess.STDOUT,
+                                   start_new_session=True)
+        self._processes.append(process)
+        return process
+
+    def output(self, *command):
+        """What a program of this graph prints until it ends."""
+        return subprocess.run(command, env=self._environment, stdout=subprocess.PIPE, stderr=self._log, check=True,
+                              timeout=LIMIT_S).stdout.decode()
+
+    def log(self):
+        """What the processes have said so far."""
+        return self._log_path.read_text(encoding="utf-8", errors="replace")
+
+    def topics(self):
+        """dict topic -> type; empty without a master."""
+        try:
+            return dict(xmlrpc.client.ServerProxy(self.uri).getTopicTypes("/test")[2])
+        except (OSError, xmlrpc.client.Error):
+            return {}
+
+    def until(self, condition, what):
+        """Waits until condition() is true."""
+        end = time.monotonic() + LIMIT_S
+        while not condition():
+            assert time.monotonic() < end, "never happened: %s\n%s" % (what, self.log())
+            time.sleep(0.05)
