@@ -1,0 +1,48 @@
+#!/usr/bin/env python3
+"""Wall time from the start of the process to the first image, and resident memory after it, of the simulator in Python.
+
+    python3 start_up.py            a flat target in view: no OpenGL is loaded
+    python3 start_up.py --solid    a solid in view too: OSMesa and LLVM are
+    python3 start_up.py --blind    no camera at all
+"""
+import argparse
+import os
+import time
+
+PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
+
+
+def process_age_s():
+    """Since the kernel started this process, so the interpreter counts too."""
+    with open("/proc/self/stat", encoding="ascii") as stat:
+        started_ticks = int(stat.read().rsplit(")", 1)[1].split()[19])
+    return time.clock_gettime(time.CLOCK_BOOTTIME) - started_ticks / os.sysconf("SC_CLK_TCK")
+
+
+def resident_mib():
+    with open("/proc/self/statm", encoding="ascii") as statm:
+        return int(statm.read().split()[1]) * PAGE_BYTES / 2**20
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--solid", action="store_true")
+    parser.add_argument("--blind", action="store_true")
+    options = parser.parse_args()
+
+    from aras_visual_servo_sim import Simulation
+    config = {"scene": {"models": [{"name": "target", "file": "package://aras_description/targets/blob.yaml",
+                                    "position_m": [0.03, 0.05, 0.19]}]}}
+    if options.solid:
+        config["scene"]["solids"] = [{"name": "ball", "sphere_m": 0.05, "position_m": [0.05, 0.05, 0.2]}]
+    if not options.blind:
+        config["cameras"] = [{"name": "camera", "frame": "camera_optical_frame", "width": 320, "height": 240,
+                              "horizontal_fov_rad": 1.41}]
+    simulation = Simulation("package://aras_description/urdf/aras_arm.urdf", config)
+    if not options.blind:
+        simulation.render("camera")
+    print(f"{process_age_s():.2f} s, {resident_mib():.1f} MiB")
+
+
+if __name__ == "__main__":
+    main()
