@@ -1,4 +1,4 @@
-"""A robot package written for Gazebo Classic and ros_control, against sim.launch and nothing else: docs/from_gazebo.md."""
+"""A robot package written for Gazebo Classic and ros_control, against sim.launch alone (docs/from_gazebo.md)."""
 import pathlib
 import signal
 import sys
@@ -29,9 +29,9 @@ def test_its_topics_have_gazebos_names_and_types(graph):
 
 
 def test_its_own_node_turns_the_head_and_sees(graph):
-    node = graph.start(sys.executable, str(ROBOT / "look_around.py"), "_pan:=0.6", "_tilt:=0.3")
+    node = graph.start(sys.executable, str(ROBOT / "look_around.py"), "_pan:=0.6", "_tilt:=-0.3")
     said = graph.output("rostopic", "echo", "-n", "1", "/look_around/brightness")
-    assert "data: 230.0" in said, said  # nothing but background in view
+    assert "data: 230.0" in said, said  # it looks up: nothing but background in view
     node.send_signal(signal.SIGINT)
 
 

@@ -107,7 +107,7 @@ class Teleop:
 
 
 class Keys:
-    """Characters of a terminal, unbuffered and without echo. A context manager: the terminal is as before afterwards."""
+    """Characters of a terminal, unbuffered and without echo. As a context manager it puts the terminal back."""
 
     def __init__(self, descriptor):
         """Args: descriptor of a terminal. Raises ParameterError if it is none."""
