@@ -19,6 +19,7 @@ struct MomentFeatures {
   bool symmetric = false;
   bool has_reference = false;
   bool valid = false;
+  bool ambiguous = false;
   int components = 0;
   double area = kNone;
   double xg = kNone, yg = kNone;
@@ -72,6 +73,8 @@ class FeatureBuilder {
   struct View {
     bool visible, touches_border;
     int components;
+    bool ambiguous = false;
+    int hard_area_px = 0;  ///< pixels of a hard-edged mask; 0: weights are area coverage
   };
   /** @param m  raw moments in the sequence of moments.hpp; not read unless view.visible. */
   MomentFeatures build(const View& view, const std::vector<double>& m);
@@ -88,8 +91,9 @@ class FeatureBuilder {
   void forgetPrevious() { previous_alpha_.reset(); }
 
  private:
-  /** @param symmetric  in: too little asymmetry; out: also set where the reference cannot tell the branch */
-  double resolveAlpha(double alpha, const ThirdMoments& mu3, bool* symmetric);
+  /** @param noise  asymmetry that stairs of pixels may make. @param symmetric  in: too little asymmetry; out: also set
+   * where the reference cannot tell the branch */
+  double resolveAlpha(double alpha, const ThirdMoments& mu3, double asymmetry, double noise, bool* symmetric);
 
   struct VispMoments;
   std::unique_ptr<VispMoments> visp_;

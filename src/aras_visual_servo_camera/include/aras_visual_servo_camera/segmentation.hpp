@@ -28,6 +28,7 @@ struct ObjectMask {
   bool visible = false;           ///< an object of at least min_area_px is in view
   bool touches_border = false;    ///< ... and lies on the first or last row or column
   bool soft_edges = false;        ///< weights are area coverage, else every weight is 1
+  bool ambiguous = false;         ///< there are objects, and it is not clear which one is the target: none is taken
   int components = 0;             ///< objects that pass the area filter
   int area_px = 0;                ///< pixels of the chosen one (coverage of one half or more)
   double u_px = 0.0, v_px = 0.0;  ///< mean position of those pixels
@@ -57,8 +58,13 @@ class Segmentation {
   /** With points = blobs: every object of the last image that passes the area filter, from the top left; else empty. */
   const std::vector<ObjectMask>& objects() const;
 
-  /** The next `nearest_to_previous` takes the largest component. */
+  /** Nothing is followed any more: the next image is as the first. The reference's shape stays. */
   void forgetPrevious();
+
+  /** Shape that `most_similar` looks for: area and centred moments to order 3 of the reference view. */
+  void setReferenceShape(double m00, const std::vector<double>& mu);
+  /** Until there is one, `most_similar` is `largest`. */
+  void clearReferenceShape();
 
  private:
   struct Work;

@@ -12,7 +12,7 @@ namespace aras_visual_servo_camera {
 
 enum class ObjectShade { kDark, kBright };
 enum class SegmentationMethod { kFixed, kOtsu, kAdaptive, kCoverage };
-enum class ComponentChoice { kLargest, kNearestToPrevious };
+enum class ComponentChoice { kLargest, kNearestToPrevious, kMostSimilar };
 enum class PointSource { kNone, kCorners, kBlobs };
 
 /** The `vision` section of a scenario. Greys and thresholds are 8-bit levels, 0 to 255. */
@@ -33,6 +33,14 @@ struct VisionConfig {
   ComponentChoice component = ComponentChoice::kLargest;
   /** Components of fewer pixels are specks: not counted, not chosen. */
   int min_area_px = 50;
+  /** The object followed stays visible until it is smaller than this; not given: min_area_px. */
+  std::optional<int> lost_area_px;
+  /** An object cut by the border counts as cut until it is this many pixels clear of it. */
+  int border_margin_px = 0;
+  /** How many times better an object must be (larger, nearer, more similar) to be told from the next, >= 1 ... */
+  double switch_ratio = 1.2;
+  /** ... and in how many images, one after another, to take the place of the one followed. */
+  int switch_images = 5;
   /** Highest order i + j of the moments. */
   int order = 3;
   /** Below this MomentFeatures::asymmetry the orientation is known modulo pi only. */

@@ -38,14 +38,18 @@ const MomentFeatures& MomentExtractor::process(const ImageView& image) {
   mask_ = &segmentation_.process(image);
   if (points_) mask_ = &points_->find(*mask_, segmentation_.objects());
   const std::vector<double>& m = accumulator_->process(*mask_);
-  features_ =
-      builder_.build({mask_->visible, mask_->touches_border || accumulator_->leftTheLens(), mask_->components}, m);
+  const bool cut = mask_->touches_border || accumulator_->leftTheLens();
+  const int hard_area_px = mask_->soft_edges ? 0 : mask_->area_px;
+  features_ = builder_.build({mask_->visible, cut, mask_->components, mask_->ambiguous, hard_area_px}, m);
   if (points_) points_->write(builder_.reference(), &features_);
   return features_;
 }
 
 MomentFeatures MomentExtractor::rebuildFeatures() {
-  features_ = builder_.build({features_.target_visible, features_.touches_border, features_.components}, features_.m);
+  const int hard_area_px = mask_->soft_edges ? 0 : mask_->area_px;
+  features_ = builder_.build(
+      {features_.target_visible, features_.touches_border, features_.components, features_.ambiguous, hard_area_px},
+      features_.m);
   if (points_) points_->write(builder_.reference(), &features_);
   return features_;
 }
@@ -53,16 +57,19 @@ MomentFeatures MomentExtractor::rebuildFeatures() {
 void MomentExtractor::setReference(double z_star_m, const MomentFeatures& features) {
   if (points_ && features.valid) points_->check(features);
   builder_.setReference(z_star_m, features);
+  segmentation_.setReferenceShape(features.area, features.mu);
   if (points_) points_->setReference(features);
 }
 
 void MomentExtractor::setReference(double z_star_m, double area_star, double alpha_star) {
   builder_.setReference({z_star_m, area_star, alpha_star});
+  segmentation_.clearReferenceShape();
   if (points_) points_->clearReference();
 }
 
 void MomentExtractor::clearReference() {
   builder_.clearReference();
+  segmentation_.clearReferenceShape();
   if (points_) points_->clearReference();
 }
 

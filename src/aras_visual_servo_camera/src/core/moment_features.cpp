@@ -14,6 +14,9 @@ constexpr double kPi = 3.14159265358979323846;
 // Third moments that point less than this (cosine) the reference's way, or the opposite way, do not tell the branch: a
 // view so different from the reference is continued like a symmetric one.
 constexpr double kMinAgreement = 0.1;
+// Asymmetry that the stairs of a hard-edged shape of n pixels put on, at most: kStairs / n^(3/4). Measured over all
+// angles of shapes of 12 to 150 px: 0.11 at 12 px, 0.02 at 40 px.
+constexpr double kStairs = 3.0;
 
 /** In (-pi, pi]. */
 double wrapped(double angle) {
@@ -65,7 +68,8 @@ FeatureBuilder::~FeatureBuilder() = default;
 FeatureBuilder::FeatureBuilder(FeatureBuilder&&) noexcept = default;
 FeatureBuilder& FeatureBuilder::operator=(FeatureBuilder&&) noexcept = default;
 
-double FeatureBuilder::resolveAlpha(double alpha, const ThirdMoments& mu3, bool* symmetric) {
+double FeatureBuilder::resolveAlpha(double alpha, const ThirdMoments& mu3, double asymmetry, double noise,
+                                    bool* symmetric) {
   Reference& reference = *reference_;
   const double norm = std::sqrt(dot(mu3, mu3));
   *symmetric = *symmetric || reference.symmetric;
@@ -76,7 +80,8 @@ double FeatureBuilder::resolveAlpha(double alpha, const ThirdMoments& mu3, bool*
   }
   if (!*symmetric) {
     const double agreement = dot(rotated(mu3, alpha), *reference.mu3_direction) / norm;
-    if (std::abs(agreement) >= kMinAgreement) return wrapped(agreement > 0.0 ? alpha : alpha + kPi);
+    if (std::abs(agreement) >= kMinAgreement && std::abs(agreement) * asymmetry >= noise)
+      return wrapped(agreement > 0.0 ? alpha : alpha + kPi);
     *symmetric = true;
   }
   return nearestBranch(alpha, previous_alpha_.value_or(reference.alpha_star));
@@ -85,6 +90,7 @@ double FeatureBuilder::resolveAlpha(double alpha, const ThirdMoments& mu3, bool*
 MomentFeatures FeatureBuilder::build(const View& view, const std::vector<double>& m) {
   MomentFeatures f;
   f.components = view.components;
+  f.ambiguous = view.ambiguous;
   f.moment_names = names_;
   if (reference_) {
     f.has_reference = true;
@@ -120,7 +126,8 @@ MomentFeatures FeatureBuilder::build(const View& view, const std::vector<double>
   const double alpha = 0.5 * std::atan2(2.0 * mu11, mu20 - mu02);
   f.alpha = alpha <= -0.5 * kPi ? alpha + kPi : alpha;
   if (reference_) {
-    f.alpha = resolveAlpha(f.alpha, mu3, &f.symmetric);
+    const double noise = view.hard_area_px > 0 ? kStairs / std::pow(view.hard_area_px, 0.75) : 0.0;
+    f.alpha = resolveAlpha(f.alpha, mu3, f.asymmetry, noise, &f.symmetric);
     previous_alpha_ = f.alpha;
   }
   f.valid = !f.touches_border;
@@ -144,13 +151,14 @@ void FeatureBuilder::setReference(const Reference& reference) {
 }
 
 void FeatureBuilder::setReference(double z_star_m, const MomentFeatures& features) {
-  if (!features.valid)
-    throw DegenerateFeature(std::string("reference view: ") +
-                            (!features.target_visible        ? "no target in view"
-                             : features.touches_border       ? "the target is cut by the image border"
-                             : std::isfinite(features.alpha) ? "the points were not found"
-                                                             : "the target has no orientation") +
-                            ", allowed a valid view");
+  if (!features.valid) {
+    const char* why = features.ambiguous              ? "several objects, and it is not clear which is the target"
+                      : !features.target_visible      ? "no target in view"
+                      : features.touches_border       ? "the target is cut by the image border"
+                      : std::isfinite(features.alpha) ? "the points were not found"
+                                                      : "the target has no orientation";
+    throw DegenerateFeature("reference view: " + std::string(why) + ", allowed a valid view");
+  }
   if (static_cast<int>(features.mu.size()) < momentCount(3))
     throw ShapeError("reference view: found " + std::to_string(features.mu.size()) + " moments, allowed at least 10");
   // Points do without an orientation; then there is none to resolve.

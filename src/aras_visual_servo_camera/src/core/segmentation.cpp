@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -10,6 +11,8 @@
 #include "components.hpp"
 #include "edge_weights.hpp"
 #include "grey_image.hpp"
+#include "object_selector.hpp"
+#include "shape.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
@@ -61,25 +64,41 @@ struct Segmentation::Work {
   EdgeWeights edge_weights;
   ObjectMask mask;
   std::vector<ObjectMask> objects;
-  bool has_previous = false;
-  double previous_u = 0.0, previous_v = 0.0;
+  ObjectSelector selector{VisionConfig()};
+  std::optional<ShapeSignature> reference_shape;
+  std::vector<Candidate> candidates;
+  std::vector<int> component_of;  // of each candidate
+  bool was_cut = false;           // by the border, and not clear of it since
 
   std::optional<GreyLevels> levelsOf(const cv::Mat& grey) const;
   std::optional<Threshold> thresholdOf(const cv::Mat& grey) const;
   void makeAdaptiveBinary(const cv::Mat& grey);
-  int choose() const;
+  void listCandidates(const cv::Mat& grey, const std::optional<GreyLevels>& levels);
+  double dissimilarityOf(const cv::Mat& grey, const std::optional<GreyLevels>& levels, int component);
   /** Weights and description of one component; `out` has the size of the image and nothing else. */
   void extract(const cv::Mat& grey, const std::optional<GreyLevels>& levels, int component, ObjectMask* out);
   void extractAll(const cv::Mat& grey, const std::optional<GreyLevels>& levels);
-  void follow(const ObjectMask& chosen);
+  void applyBorderMargin(int component);
 };
 
-Segmentation::Segmentation(const VisionConfig& config) : work_(std::make_unique<Work>()) { work_->config = config; }
+Segmentation::Segmentation(const VisionConfig& config) : work_(std::make_unique<Work>()) {
+  work_->config = config;
+  work_->selector = ObjectSelector(config);
+}
 Segmentation::~Segmentation() = default;
 Segmentation::Segmentation(Segmentation&&) noexcept = default;
 Segmentation& Segmentation::operator=(Segmentation&&) noexcept = default;
 
-void Segmentation::forgetPrevious() { work_->has_previous = false; }
+void Segmentation::forgetPrevious() {
+  work_->selector.forget();
+  work_->was_cut = false;
+}
+
+void Segmentation::setReferenceShape(double m00, const std::vector<double>& mu) {
+  work_->reference_shape = shapeOf(m00, mu);
+}
+
+void Segmentation::clearReferenceShape() { work_->reference_shape.reset(); }
 
 const std::vector<ObjectMask>& Segmentation::objects() const { return work_->objects; }
 
@@ -123,23 +142,33 @@ void Segmentation::Work::makeAdaptiveBinary(const cv::Mat& grey) {
   }
 }
 
-// Ties go to the component that comes first from the top left.
-int Segmentation::Work::choose() const {
-  const bool nearest = config.component == ComponentChoice::kNearestToPrevious && has_previous;
-  int best = -1;
-  double best_score = 0.0;
-  const std::vector<Component>& all = finder.components();
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    const Component& c = all[k];
-    if (c.area_px < config.min_area_px) continue;
+void Segmentation::Work::listCandidates(const cv::Mat& grey, const std::optional<GreyLevels>& levels) {
+  candidates.clear();
+  component_of.clear();
+  const int least = config.lost_area_px.value_or(config.min_area_px);
+  for (std::size_t k = 0; k < finder.components().size(); ++k) {
+    const Component& c = finder.components()[k];
+    if (c.area_px < least) continue;
     const double n = static_cast<double>(c.area_px);
-    const double score = nearest ? -std::hypot(c.sum_u / n - previous_u, c.sum_v / n - previous_v) : n;
-    if (best < 0 || score > best_score) {
-      best = static_cast<int>(k);
-      best_score = score;
-    }
+    const bool cut = c.u_min == 0 || c.v_min == 0 || c.u_max == mask.width_px - 1 || c.v_max == mask.height_px - 1;
+    candidates.push_back({static_cast<double>(c.sum_u) / n, static_cast<double>(c.sum_v) / n, n, c.u_min, c.u_max,
+                          c.v_min, c.v_max, cut, c.area_px < config.min_area_px,
+                          dissimilarityOf(grey, levels, static_cast<int>(k))});
+    component_of.push_back(static_cast<int>(k));
   }
-  return best;
+}
+
+double Segmentation::Work::dissimilarityOf(const cv::Mat& grey, const std::optional<GreyLevels>& levels,
+                                           int component) {
+  if (config.component != ComponentChoice::kMostSimilar || !reference_shape)
+    return std::numeric_limits<double>::quiet_NaN();
+  ObjectMask object;
+  object.width_px = mask.width_px;
+  object.height_px = mask.height_px;
+  object.soft_edges = mask.soft_edges;
+  extract(grey, levels, component, &object);
+  const std::optional<ShapeSignature> shape = shapeOf(object);
+  return shape ? dissimilarity(*shape, *reference_shape) : std::numeric_limits<double>::infinity();
 }
 
 void Segmentation::Work::extract(const cv::Mat& grey, const std::optional<GreyLevels>& levels, int component,
@@ -175,10 +204,13 @@ void Segmentation::Work::extractAll(const cv::Mat& grey, const std::optional<Gre
   }
 }
 
-void Segmentation::Work::follow(const ObjectMask& chosen) {
-  has_previous = true;
-  previous_u = chosen.u_px;
-  previous_v = chosen.v_px;
+void Segmentation::Work::applyBorderMargin(int component) {
+  const Component& c = finder.components()[component];
+  const int margin = config.border_margin_px;
+  const bool clear =
+      c.u_min >= margin && c.v_min >= margin && c.u_max < mask.width_px - margin && c.v_max < mask.height_px - margin;
+  was_cut = mask.touches_border || (was_cut && !clear);
+  mask.touches_border = was_cut;
 }
 
 const ObjectMask& Segmentation::process(const ImageView& image) {
@@ -213,11 +245,16 @@ const ObjectMask& Segmentation::process(const ImageView& image) {
 
   w.finder.process(scanned.ptr(), scanned.step, scanned.cols, scanned.rows, threshold->flip, threshold->level);
   for (const Component& c : w.finder.components()) w.mask.components += c.area_px >= w.config.min_area_px;
-  const int chosen = w.choose();
-  if (chosen < 0) return w.mask;
-  if (w.config.points == PointSource::kBlobs) w.extractAll(grey, levels);
-  w.extract(grey, levels, chosen, &w.mask);
-  w.follow(w.mask);
+  if (w.config.points == PointSource::kBlobs) {  // several objects are the target: there is none to choose
+    w.extractAll(grey, levels);
+    return w.mask;
+  }
+  w.listCandidates(grey, levels);
+  const ObjectSelector::Choice choice = w.selector.choose(w.candidates);
+  w.mask.ambiguous = choice.ambiguous;
+  if (choice.index < 0) return w.mask;
+  w.extract(grey, levels, w.component_of[choice.index], &w.mask);
+  w.applyBorderMargin(w.component_of[choice.index]);
   return w.mask;
 }
 

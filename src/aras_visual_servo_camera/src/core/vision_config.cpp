@@ -10,6 +10,8 @@ namespace {
 constexpr double kMaxGrey = 255.0;
 constexpr int kMaxPixels = 1 << 28;
 constexpr int kMaxOrder = 8;
+constexpr double kMaxRatio = 1e6;
+constexpr int kMaxImages = 1 << 20;
 constexpr int kMinCorners = 3, kMaxPoints = 32;
 
 std::optional<double> optionalGrey(YamlReader& reader, const std::string& key) {
@@ -36,9 +38,20 @@ VisionConfig readVisionConfig(const YAML::Node& node) {
   c.min_contrast = reader.optionalNumber("min_contrast", 1.0, kMaxGrey, c.min_contrast);
   c.adaptive_block_px = reader.optionalInteger("adaptive_block_px", 3, kMaxPixels - 1, c.adaptive_block_px);
   c.adaptive_offset = reader.optionalNumber("adaptive_offset", 0.0, kMaxGrey, c.adaptive_offset);
-  c.component = static_cast<ComponentChoice>(
-      reader.optionalChoice("component", {"largest", "nearest_to_previous"}, static_cast<int>(c.component)));
+  c.component = static_cast<ComponentChoice>(reader.optionalChoice(
+      "component", {"largest", "nearest_to_previous", "most_similar"}, static_cast<int>(c.component)));
   c.min_area_px = reader.optionalInteger("min_area_px", 1, kMaxPixels, c.min_area_px);
+  if (reader.has("lost_area_px")) {
+    c.lost_area_px = reader.requiredInteger("lost_area_px", 1, kMaxPixels);
+    if (*c.lost_area_px > c.min_area_px)
+      reader.fault("lost_area_px", std::to_string(*c.lost_area_px),
+                   "at most min_area_px, " + std::to_string(c.min_area_px));
+  } else {
+    reader.ignore("lost_area_px");
+  }
+  c.border_margin_px = reader.optionalInteger("border_margin_px", 0, kMaxPixels, c.border_margin_px);
+  c.switch_ratio = reader.optionalNumber("switch_ratio", 1.0, kMaxRatio, c.switch_ratio);
+  c.switch_images = reader.optionalInteger("switch_images", 1, kMaxImages, c.switch_images);
   c.order = reader.optionalInteger("order", 3, kMaxOrder, c.order);
   c.asymmetry_threshold = reader.optionalNumber("asymmetry_threshold", 0.0, 1.0, c.asymmetry_threshold);
   c.orientation_threshold = reader.optionalNumber("orientation_threshold", 0.0, 1.0, c.orientation_threshold);

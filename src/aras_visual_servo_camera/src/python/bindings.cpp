@@ -45,6 +45,7 @@ void bindFeatures(py::module_& module) {
       .def_readwrite("symmetric", &MomentFeatures::symmetric)
       .def_readwrite("has_reference", &MomentFeatures::has_reference)
       .def_readwrite("valid", &MomentFeatures::valid)
+      .def_readwrite("ambiguous", &MomentFeatures::ambiguous)
       .def_readwrite("components", &MomentFeatures::components)
       .def_readwrite("area", &MomentFeatures::area)
       .def_readwrite("xg", &MomentFeatures::xg)
@@ -125,6 +126,8 @@ Raises ParameterError unless z_star_m and area_star are > 0 and all are finite.)
           R"(Make a view the reference, seen from depth z_star_m [m].
 
 features: MomentFeatures or the ROS message. Raises DegenerateFeature if it is not valid.)")
+      .def("rebuild_features", &MomentExtractor::rebuildFeatures,
+           "Features of the last image once more, with the reference as it is now; nothing is followed a second time.")
       .def("clear_reference", &MomentExtractor::clearReference)
       .def("forget_previous", &MomentExtractor::forgetPrevious,
            "Use nothing of earlier images (after a reset of time); the reference stays.")

@@ -55,6 +55,7 @@ aras_visual_servo_msgs::MomentFeatures toMessage(const MomentFeatures& f) {
   msg.symmetric = f.symmetric;
   msg.has_reference = f.has_reference;
   msg.valid = f.valid;
+  msg.ambiguous = f.ambiguous;
   msg.components = f.components;
   msg.area = f.area;
   msg.xg = f.xg;

@@ -21,7 +21,8 @@ TEST(VisionConfig, ReadsEveryKey) {
   const VisionConfig c = readVisionConfig(YAML::Load(
       "{object: bright, segmentation: fixed, threshold: 100, object_grey: 200, background_grey: 30, min_contrast: 12, "
       "adaptive_block_px: 51, adaptive_offset: 7, component: nearest_to_previous, min_area_px: 9, order: 5, "
-      "asymmetry_threshold: 0.1, orientation_threshold: 0.2, points: blobs, point_count: 5}"));
+      "asymmetry_threshold: 0.1, orientation_threshold: 0.2, points: blobs, point_count: 5, "
+      "lost_area_px: 4, border_margin_px: 3, switch_ratio: 1.5, switch_images: 7}"));
   EXPECT_EQ(c.object, ObjectShade::kBright);
   EXPECT_EQ(c.segmentation, SegmentationMethod::kFixed);
   EXPECT_EQ(c.threshold, 100.0);
@@ -37,6 +38,10 @@ TEST(VisionConfig, ReadsEveryKey) {
   EXPECT_EQ(c.orientation_threshold, 0.2);
   EXPECT_EQ(c.points, PointSource::kBlobs);
   EXPECT_EQ(c.point_count, 5);
+  EXPECT_EQ(c.lost_area_px.value(), 4);
+  EXPECT_EQ(c.border_margin_px, 3);
+  EXPECT_EQ(c.switch_ratio, 1.5);
+  EXPECT_EQ(c.switch_images, 7);
 }
 
 TEST(VisionConfig, PointsRequireTheirNumber) {
@@ -94,6 +99,8 @@ INSTANTIATE_TEST_SUITE_P(EachKey, BadValue,
                                            std::pair("adaptive_block_px", "50"), std::pair("adaptive_block_px", "1"),
                                            std::pair("adaptive_offset", "-3"), std::pair("component", "biggest"),
                                            std::pair("min_area_px", "0"), std::pair("min_area_px", "2.5"),
+                                           std::pair("lost_area_px", "51"), std::pair("border_margin_px", "-1"),
+                                           std::pair("switch_ratio", "0.9"), std::pair("switch_images", "0"),
                                            std::pair("order", "2"), std::pair("order", "9"), std::pair("order", "null"),
                                            std::pair("asymmetry_threshold", "-0.1"),
                                            std::pair("orientation_threshold", "1.5")));

@@ -92,7 +92,8 @@ class ServoLoop:
         except DegenerateFeature:  # of a texture the moments may make nothing
             if self.photometric is None:
                 raise
-        return self._see()[1]
+        features = self.extractor.rebuild_features()  # nothing is followed twice over one image
+        return features if self.photometric is None else self.photometric.process(self._image)
 
     def _see(self):
         """(moments, what the servo works on) of the image."""

@@ -164,8 +164,7 @@ class Servo:
         if self._look.under_way and self._look.goes_on(stamp_ns, q, gap_s):
             return self._follow(stamp_ns, dt_s)
         if not (features.target_visible and features.valid):
-            text = getattr(features, "fault", "") or (
-                "target cut by the border or not orientable" if features.target_visible else "target not in view")
+            text = _why_lost(features)
             return self._without_target(stamp_ns, q, dt_s, text)
         if not self._lost.found(stamp_ns):
             return self._without_target(stamp_ns, q, dt_s, "", visible=True)
@@ -310,3 +309,12 @@ class Servo:
             np.array(self._s), self._s_star, np.array(self._e), self._twist, self._kinematics.joint_names, self._q,
             q_dot, set_point, self._manipulability, self._cond_l,
         )  # fmt: skip
+
+
+def _why_lost(features):
+    """What is wrong with features that are not fit to servo on."""
+    if getattr(features, "fault", ""):
+        return features.fault
+    if getattr(features, "ambiguous", False):
+        return "several objects in view, and it is not clear which is the target"
+    return "target cut by the border or not orientable" if features.target_visible else "target not in view"

@@ -47,6 +47,7 @@ class Features:
     symmetric: bool = False
     has_reference: bool = False
     valid: bool = False
+    ambiguous: bool = False
     components: int = 0
     area: float = nan
     xg: float = nan
@@ -196,7 +197,7 @@ class Reference:
 VIEW_FIELDS = ("xn", "yn", "an", "alpha", "z_star_m", "area_star")
 #: ... and the followed points, where there are any.
 VIEW_POINTS = ("point_x", "point_y")
-_OPTIONAL = {"point_x": (), "point_y": (), "age_s": nan}
+_OPTIONAL = {"ambiguous": False, "point_x": (), "point_y": (), "age_s": nan}
 
 
 def _view(source, faults):
