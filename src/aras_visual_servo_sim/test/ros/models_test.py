@@ -78,7 +78,7 @@ class Models(unittest.TestCase):
         self.step(steps=100)
         until(lambda: truth.messages and truth.messages[-1].header.stamp.to_nsec() == 100000000, "the image at 0.1 s")
         self.assertAlmostEqual(truth.messages[-1].pose.position.y, 0.02, delta=1e-9)
-        until(lambda: twists.messages[-1].header.stamp.to_nsec() == 100000000, "its twist")
+        until(lambda: twists.messages and twists.messages[-1].header.stamp.to_nsec() == 100000000, "its twist")
         self.assertEqual(twists.messages[-1].twist.linear.y, 0.2)
         self.assertTrue(self.move(model_name="target", motion="").success)
         self.assertEqual(self.state(model_name="target").twist.linear.y, 0.0)
@@ -88,9 +88,9 @@ class Models(unittest.TestCase):
         markers.wait()
         self.assertTrue(self.spawn(model_name="sheet", model_xml="package://aras_description/targets/rectangle.yaml",
                                    initial_pose=pose()).success)
-        markers.newer(lambda m: "sheet" in {marker.ns for marker in m.markers}, "the sheet is drawn")
+        until(lambda: "sheet" in {marker.ns for marker in markers.messages[-1].markers}, "the sheet is drawn")
         self.assertTrue(self.delete(model_name="sheet").success)
-        markers.newer(lambda m: "sheet" not in {marker.ns for marker in m.markers}, "the sheet is gone")
+        until(lambda: "sheet" not in {marker.ns for marker in markers.messages[-1].markers}, "the sheet is gone")
 
 
 if __name__ == "__main__":
