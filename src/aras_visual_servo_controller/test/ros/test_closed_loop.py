@@ -24,6 +24,7 @@ class ClosedLoop(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         rospy.init_node("test_closed_loop")
+        cls.listen_more()
         cls.watcher = Watcher()
         cls.watcher.wait_connected()
         goal = cls.watcher.send_goal("experiment")
@@ -34,6 +35,10 @@ class ClosedLoop(unittest.TestCase):
         wait_until(lambda: cls.watcher.sim.paused, "the simulator to be paused")
         cls.sim = cls.watcher.sim
         wait_until(lambda: len(cls.watcher.features) == len(cls.watcher.states) == cls.sim.frames, "the last messages")
+
+    @classmethod
+    def listen_more(cls):
+        """Subscribe to what `compare_more` needs."""
 
     def test_converges_in_bounded_simulated_time(self):
         self.assertTrue(self.result.converged, self.result.reason)
