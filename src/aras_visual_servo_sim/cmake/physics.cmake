@@ -7,6 +7,8 @@ add_library(sim_physics OBJECT
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/articulated_body.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/articulated_body_bullet.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/floating_base.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/camera_sensor.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/gazebo_materials.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_controller.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_coupling.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_drive.cpp
@@ -20,6 +22,7 @@ add_library(sim_physics OBJECT
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/urdf_check.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/urdf_extensions.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/urdf_loader.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/urdf_text.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/urdf_mimic.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/world_impl.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/world_state.cpp

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "aras_visual_servo_sim/image.hpp"
+#include "aras_visual_servo_sim/types.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -15,8 +16,10 @@ namespace aras_visual_servo_sim {
 struct CameraConfig {
   std::string name = "camera";
   std::string frame;  ///< link that carries the optical frame C: x right, y down, z forward
-  int width = 0;      ///< [px], 1 .. 16384
-  int height = 0;     ///< [px], 1 .. 16384
+  std::string mount;  ///< if not empty: the link that carries C instead, at X_MC, and `frame` is but a name for C
+  Pose X_MC;
+  int width = 0;   ///< [px], 1 .. 16384
+  int height = 0;  ///< [px], 1 .. 16384
   /** Either the horizontal field of view, in (0, pi), or fx_px and fy_px, > 0. The field is that of the lens without
    *  distortion: fx = fy = (width / 2) / tan(field / 2), for the equidistant lens (width / 2) / (field / 2). */
   std::optional<double> horizontal_fov_rad;
@@ -33,7 +36,11 @@ struct CameraConfig {
   double near_m = 0.02;               ///< > 0; nothing nearer is seen
   double far_m = 5.0;                 ///< > near_m; solids farther away are not drawn
   std::string sampling = "coverage";  ///< "coverage": pixel = mean over its square; "center": value at its centre
+  double noise_mean = 0.0;            ///< [grey levels]
   double noise_stddev = 0.0;          ///< [grey levels], >= 0
+  double drop_probability = 0.0;      ///< of each frame, 0 .. 0.99: it is never taken; seeded by its index
+  bool triggered = false;             ///< frames are taken only when asked for, at the next instant of rate_hz
+  double baseline_m = 0.0;            ///< right of a stereo pair: distance to the left camera; P(0, 3) = -fx baseline_m
 };
 
 /** Geometry of a camera: pinhole with any principal point, and a lens.
@@ -74,6 +81,10 @@ class CameraModel {
    *  row by row. Made at the first call, shared by copies of this camera. Thread-safe. */
   const std::vector<Eigen::Vector3d>& cornerRays() const;
 
+  /** Ray (x, y, 1) through the centre of a pixel; through a lens the mean of those through its corners, which is the
+   *  same to 1e-5 for lenses that bend by less than a pixel in ten. */
+  Eigen::Vector3d pixelRay(int u, int v) const;
+
   /** Lens only: normalised (x, y) to distorted normalised (xd, yd), with no check of the range. */
   Eigen::Vector2d distort(double x, double y) const;
 
@@ -89,7 +100,8 @@ class CameraModel {
   /** Largest normalised radius of the image's border, pixel edges included. */
   double imageRadius() const { return image_radius_; }
 
-  /** Intrinsics as sensor_msgs/CameraInfo wants them: K 3 x 3, D (5, 8 or 4 numbers), R = I, P = [K 0]. */
+  /** Intrinsics as sensor_msgs/CameraInfo wants them: K 3 x 3, D (5, 8 or 4 numbers), R = I, P = [K p] with
+   *  p = (-fx baseline_m, 0, 0). */
   Eigen::Matrix3d K() const;
   const std::vector<double>& D() const { return distortion_; }
   Eigen::Matrix3d R() const { return Eigen::Matrix3d::Identity(); }

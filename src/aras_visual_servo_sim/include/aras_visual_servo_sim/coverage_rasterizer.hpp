@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "aras_visual_servo_sim/image.hpp"
@@ -38,6 +39,8 @@ class CoverageRasterizer {
   void blend(const std::array<std::uint8_t, 3>& color, Image& image);
   /** The same with a colour for each pixel. @param colors  of the size and encoding of image; read inside bounds() */
   void blend(const Image& colors, Image& image);
+  /** Hands out runs of pixels u0 <= u < u1 of row v, covered by half or more, and ends the fill. */
+  void forEachRun(const std::function<void(int u0, int u1, int v)>& visit);
 
  private:
   struct Edge {

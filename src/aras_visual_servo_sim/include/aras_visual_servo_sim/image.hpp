@@ -39,12 +39,13 @@ struct Image {
   void resize(int width, int height, Encoding encoding);
 };
 
-/** Adds Gaussian noise to every byte, rounded and clamped to [0, 255].
+/** Adds Gaussian noise to every byte, each channel by itself, rounded and clamped to [0, 255].
  *
  *  Counter based: what is added depends on (seed, frame_index, byte index) alone, so frame k is the same whatever was
  *  rendered before it.
- *  @param stddev  standard deviation before rounding, in grey levels, finite and >= 0; 0 leaves the image as it is
- *  @throws ParameterError if stddev is out of range */
-void addGaussianNoise(Image& image, double stddev, std::uint64_t seed, std::uint64_t frame_index);
+ *  @param stddev  standard deviation before rounding, in grey levels, finite and >= 0; 0 adds the mean alone
+ *  @param mean    in grey levels, finite
+ *  @throws ParameterError if one is out of range */
+void addGaussianNoise(Image& image, double stddev, std::uint64_t seed, std::uint64_t frame_index, double mean = 0.0);
 
 }  // namespace aras_visual_servo_sim

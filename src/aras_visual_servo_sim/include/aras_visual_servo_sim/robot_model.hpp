@@ -69,10 +69,15 @@ struct Link {
 /** A <gazebo reference="link"><sensor type="camera"> with its plugin's names; zero or empty where the tag was absent.
  */
 struct CameraTag {
-  std::string link, sensor_name, camera_name, image_topic, camera_info_topic, frame, format;
+  std::string link, sensor_name, camera_name, image_topic, camera_info_topic, trigger_topic, frame, format;
+  Pose X_link_sensor;  ///< the sensor looks along its x, z up
   double update_rate_hz = 0.0, horizontal_fov_rad = 0.0, near_m = 0.0, far_m = 0.0;
   int width = 0, height = 0;
-  std::vector<double> distortion;  ///< k1 k2 p1 p2 k3 where the plugin gives them, else empty
+  double noise_mean = 0.0, noise_stddev = 0.0;                    ///< of intensities 0 .. 1
+  double cx = 0.0, cy = 0.0, focal_length = 0.0, baseline = 0.0;  ///< the plugin's, [px], [m]
+  std::vector<double> sensor_distortion;                          ///< k1 k2 p1 p2 k3 of the sensor's <distortion>
+  std::vector<double> distortion;                                 ///< the same of the plugin's keys
+  bool auto_distortion = false, triggered = false;
 };
 
 /** What a URDF says, checked; constant after loading. Links come parents first. */

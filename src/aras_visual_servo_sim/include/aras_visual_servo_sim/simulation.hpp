@@ -3,6 +3,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "aras_visual_servo_sim/frame_schedule.hpp"
+#include "aras_visual_servo_sim/geometry_image.hpp"
 #include "aras_visual_servo_sim/mesh_loader.hpp"
 #include "aras_visual_servo_sim/multibody_world.hpp"
 #include "aras_visual_servo_sim/renderer.hpp"
@@ -63,13 +65,22 @@ class Simulation {
   bool frameDue(int camera) const;
   /** True if a frame belongs to the present tick and was taken. */
   bool frameTaken(int camera) const;
-  /** Tick of the next frame that was neither taken nor missed. */
+  static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+  /** Tick of the next frame that was neither taken, missed nor dropped; kNever for a triggered camera nobody asked. */
   std::int64_t nextFrameTick(int camera) const;
+  /** Asks a triggered camera for one frame: the next of its schedule after the present tick. Asking again before it was
+   *  taken changes nothing, nor does asking a camera that is not triggered. */
+  void trigger(int camera);
+  /** Frames passed over so far because of drop_probability, of all cameras. */
+  std::uint64_t droppedFrames() const;
   /** Takes the frame of the present tick. @return its index @throws ParameterError if none is due */
   std::int64_t takeFrame(int camera);
   /** What the camera sees now. The reference stays valid; its content until the next render of this camera.
    *  @throws RenderError */
   const Image& render(int camera);
+  /** Depth and ids of what the camera sees now, noise and blur apart; content until the next call for this camera.
+   *  segmentationIds(scene()) says what the ids mean. */
+  const GeometryImage& renderGeometry(int camera);
   Pose cameraPose(int camera) const;    ///< X_WC
   Twist cameraTwist(int camera) const;  ///< V_WC_C, [v; w]
 
@@ -132,7 +143,11 @@ class Simulation {
     int link;
     std::int64_t next_frame = 0;       ///< smallest index neither taken nor missed
     std::int64_t unhashed_frame = -1;  ///< taken, image not hashed yet
+    bool asked = false;                ///< of a triggered camera: one frame is wanted
+    std::uint64_t drop_seed = 0;
+    std::uint64_t dropped = 0;  ///< frames below next_frame that were dropped
     Image image;
+    GeometryImage geometry;
   };
   /** Models, with the robot's own bodies among those of the scene. */
   struct ModelSet {
@@ -153,7 +168,10 @@ class Simulation {
 
   void addCamera(const CameraConfig& config, std::vector<std::string>& faults);
   void makeWorld();
+  static bool isDropped(const Camera& camera, std::int64_t frame);
+  static std::int64_t nextFrame(const Camera& camera);
   void passFrame(Camera& camera);
+  void placeBodies();
   void holdStill();
   Pose& placeOf(const std::string& model);
   void keepBuilt();
@@ -178,12 +196,18 @@ class Simulation {
   std::vector<std::string> camera_names_;
   std::vector<Camera> cameras_;
   std::unique_ptr<Renderer> renderer_;
+  GeometryRenderer geometry_renderer_;
   RunHash run_hash_;
   std::uint64_t refused_commands_ = 0;
   std::string last_refusal_;
 };
 
-/** Cameras described by <gazebo> sensor tags of a URDF, for simulations whose configuration has none. */
-std::vector<CameraConfig> camerasFromTags(const RobotModel& model);
+/** Cameras described by <gazebo> sensor tags of a URDF, for simulations whose configuration has none.
+ *
+ *  camera_info is what Gazebo's plugin publishes where the tags say so (focalLength, Cx, Cy, distortionK1 ...,
+ * hackBaseline), and the image always agrees with it; where Gazebo's own image would not, there is a warning.
+ *  @param warnings  gets a line for each thing that Gazebo does otherwise
+ *  @throws ModelError for an image format there is not */
+std::vector<CameraConfig> camerasFromTags(const RobotModel& model, std::vector<std::string>& warnings);
 
 }  // namespace aras_visual_servo_sim

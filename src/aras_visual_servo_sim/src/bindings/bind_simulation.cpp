@@ -14,6 +14,7 @@
 #include "aras_visual_servo_sim/errors.hpp"
 #include "aras_visual_servo_sim/simulation.hpp"
 #include "aras_visual_servo_sim/urdf_loader.hpp"
+#include "bind_geometry.hpp"
 #include "yaml_from_python.hpp"
 
 namespace py = pybind11;
@@ -247,6 +248,7 @@ void bindSimulation(py::module_& module) {
            "        CMAKE_PREFIX_PATH.\n"
            "Raises:\n    ModelError, ParameterError: every fault found, a line each.");
   bindTimeAndCameras(type);
+  bindGeometry(type);
   bindRobot(type);
   bindScene(type);
   bindState(type);

@@ -13,8 +13,8 @@ namespace aras_visual_servo_sim {
 namespace {
 
 constexpr std::int64_t kNanosecondsPerSecond = 1000000000;
-constexpr double kWholeNanosecond = 1e-3;       // rounding of period_s * 1e9, far below one nanosecond
-constexpr std::uint64_t kSeedStride = 1000003;  // keeps the noise of several cameras apart
+constexpr std::uint64_t kDropSeed = 0x64726f70;  // keeps the drawing of drops apart from that of noise
+constexpr double kWholeNanosecond = 1e-3;        // rounding of period_s * 1e9, far below one nanosecond
 
 std::int64_t wholeNanoseconds(double period_s) {
   const double period_ns = period_s * static_cast<double>(kNanosecondsPerSecond);
@@ -62,7 +62,7 @@ Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::No
   for (const auto& [joint, position] : config_.initial_positions) {
     collect([&, &joint = joint, &position = position] { initial_q_[model_.jointIndex(joint)] = position; });
   }
-  if (config_.cameras.empty()) collect([&] { config_.cameras = camerasFromTags(model_); });
+  if (config_.cameras.empty()) collect([&] { config_.cameras = camerasFromTags(model_, model_.warnings); });
   for (const CameraConfig& camera : config_.cameras) addCamera(camera, faults);
   if (faults.empty()) collect([&] { makeWorld(); });
   if (!faults.empty()) throw ParameterError(joined(faults, "\n"));
@@ -77,8 +77,10 @@ void Simulation::addCamera(const CameraConfig& config, std::vector<std::string>&
     faults.push_back(where + "found twice, allowed once");
   }
   try {
+    const int link = model_.linkIndex(config.mount.empty() ? config.frame : config.mount);
     Camera camera{
-        CameraModel(config), FrameSchedule(config.rate_hz, period_ns_), model_.linkIndex(config.frame), 0, -1, Image()};
+        CameraModel(config), FrameSchedule(config.rate_hz, period_ns_), link, 0, -1, false, 0, 0, Image(), {}};
+    camera.drop_seed = config_.seed + kDropSeed + cameras_.size();
     camera_names_.push_back(config.name);
     cameras_.push_back(std::move(camera));
   } catch (const ArasError& error) {
@@ -104,7 +106,7 @@ void Simulation::makeWorld() {
 // --- time -----------------------------------------------------------------------------------------------------------
 
 void Simulation::passFrame(Camera& camera) {
-  const std::int64_t stamp_ns = timeNs();
+  const std::int64_t frame = nextFrame(camera), stamp_ns = timeNs();
   run_hash_.add(&stamp_ns, sizeof(stamp_ns));
   const Eigen::VectorXd& q = world_->jointPositions();
   const Eigen::VectorXd& v = world_->jointVelocities();
@@ -115,7 +117,9 @@ void Simulation::passFrame(Camera& camera) {
     run_hash_.add(base.p.data(), sizeof(double) * 3);
     run_hash_.add(base.q.coeffs().data(), sizeof(double) * 4);
   }
-  ++camera.next_frame;
+  camera.dropped += frame - camera.next_frame;
+  camera.next_frame = frame + 1;
+  camera.asked = false;
 }
 
 void Simulation::step(std::int64_t n) {
@@ -135,63 +139,13 @@ void Simulation::step(std::int64_t n) {
 
 std::int64_t Simulation::stepToImage(const std::string& camera) {
   const int index = cameraIndex(camera);
+  if (nextFrameTick(index) == kNever) {
+    throw ParameterError("camera '" + camera + "': takes frames only when triggered, and nobody asked for one");
+  }
   step(nextFrameTick(index) - ticks());
   takeFrame(index);
   return timeNs();
 }
-
-// --- cameras --------------------------------------------------------------------------------------------------------
-
-int Simulation::cameraIndex(const std::string& camera) const {
-  const auto found = std::find(camera_names_.begin(), camera_names_.end(), camera);
-  if (found == camera_names_.end()) {
-    throw UnknownNameError("camera '" + camera + "': not found, cameras are: " + joined(camera_names_, ", "));
-  }
-  return static_cast<int>(found - camera_names_.begin());
-}
-
-bool Simulation::frameDue(int camera) const { return nextFrameTick(camera) == ticks(); }
-
-bool Simulation::frameTaken(int camera) const {
-  const std::int64_t last = cameras_[camera].next_frame - 1;
-  return last >= 0 && cameras_[camera].schedule.tickOf(last) == ticks();
-}
-
-std::int64_t Simulation::nextFrameTick(int camera) const {
-  return cameras_[camera].schedule.tickOf(cameras_[camera].next_frame);
-}
-
-std::int64_t Simulation::takeFrame(int camera) {
-  if (!frameDue(camera)) {
-    throw ParameterError("camera '" + camera_names_[camera] + "': no frame is due at tick " + std::to_string(ticks()));
-  }
-  const std::int64_t frame = cameras_[camera].next_frame;
-  passFrame(cameras_[camera]);
-  cameras_[camera].unhashed_frame = frame;
-  return frame;
-}
-
-const Image& Simulation::render(int index) {
-  Camera& camera = cameras_[index];
-  for (std::size_t k = 0; k < models_.body_links.size(); ++k) {
-    if (models_.body_links[k] >= 0) models_.scene.bodies[k].X_WB = world_->linkPose(models_.body_links[k]);
-  }
-  renderer_->render(camera.model, cameraPose(index), models_.scene, camera.image);
-  const double stddev = camera.model.config().noise_stddev;
-  if (stddev > 0.0) {
-    addGaussianNoise(camera.image, stddev, config_.seed + kSeedStride * static_cast<std::uint64_t>(index),
-                     static_cast<std::uint64_t>(camera.schedule.firstIndexFrom(ticks())));
-  }
-  if (camera.unhashed_frame >= 0) {
-    run_hash_.add(camera.image.data.data(), camera.image.data.size());
-    camera.unhashed_frame = -1;
-  }
-  return camera.image;
-}
-
-Pose Simulation::cameraPose(int camera) const { return world_->linkPose(cameras_[camera].link); }
-
-Twist Simulation::cameraTwist(int camera) const { return world_->linkTwist(cameras_[camera].link); }
 
 // --- commands -------------------------------------------------------------------------------------------------------
 
@@ -253,6 +207,8 @@ void Simulation::reset() {
   for (Camera& camera : cameras_) {
     camera.next_frame = 0;
     camera.unhashed_frame = -1;
+    camera.asked = false;
+    camera.dropped = 0;
   }
   run_hash_.reset();
   refused_commands_ = 0;

@@ -78,7 +78,8 @@ class Reader {
 };
 
 struct FrameCounters {
-  std::int64_t next_frame, unhashed_frame;
+  std::int64_t next_frame, unhashed_frame, asked;
+  std::uint64_t dropped;
 };
 
 void putPose(Writer& out, const Pose& pose) {
@@ -103,7 +104,8 @@ std::string Simulation::saveState() const {
   out.put(refused_commands_);
   out.putText(last_refusal_);
   out.put<std::uint64_t>(cameras_.size());
-  for (const Camera& camera : cameras_) out.put(FrameCounters{camera.next_frame, camera.unhashed_frame});
+  for (const Camera& camera : cameras_)
+    out.put(FrameCounters{camera.next_frame, camera.unhashed_frame, camera.asked, camera.dropped});
   const std::vector<std::string> models = modelNames();
   out.put<std::uint64_t>(models.size());
   for (const std::string& model : models) {
@@ -162,6 +164,8 @@ void Simulation::restoreState(const std::string& state) {
   for (std::size_t k = 0; k < cameras_.size(); ++k) {
     cameras_[k].next_frame = frames[k].next_frame;
     cameras_[k].unhashed_frame = frames[k].unhashed_frame;
+    cameras_[k].asked = frames[k].asked != 0;
+    cameras_[k].dropped = frames[k].dropped;
   }
   if (changed) keepBuilt();
   models_ = std::move(models);

@@ -26,6 +26,7 @@ SimNode::SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, const NodePar
       pacer_(parameters.time.real_time_factor),
       states_(node_, simulation_, parameters.time, time_),
       commands_(node_, simulation_, gate_, time_),
+      triggers_(node_, simulation_),
       pids_(node_, simulation_),
       markers_(node_, simulation_.model().links.front().name),
       models_(node_, simulation_, markers_, time_),

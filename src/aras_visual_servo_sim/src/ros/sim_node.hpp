@@ -16,6 +16,7 @@
 #include "aras_visual_servo_sim/lockstep_gate.hpp"
 #include "aras_visual_servo_sim/simulation.hpp"
 #include "aras_visual_servo_sim/snapshots.hpp"
+#include "camera_triggers.hpp"
 #include "command_inputs.hpp"
 #include "model_services.hpp"
 #include "pacer.hpp"
@@ -79,6 +80,7 @@ class SimNode {
   RateMeter meter_;
   StatePublisher states_;
   CommandInputs commands_;
+  CameraTriggers triggers_;
   PidServers pids_;
   SceneMarkers markers_;
   ModelServices models_;

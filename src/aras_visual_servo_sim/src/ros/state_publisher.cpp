@@ -59,7 +59,8 @@ StatePublisher::StatePublisher(const ros::NodeHandle& node, Simulation& simulati
       render_always_(config.render_always),
       world_frame_(simulation.model().links.front().name),
       clock_schedule_(std::min(config.clock_rate_hz, 1e9 / simulation.periodNs()), simulation.periodNs()),
-      joint_schedule_(std::min(config.joint_state_rate_hz, 1e9 / simulation.periodNs()), simulation.periodNs()) {
+      joint_schedule_(std::min(config.joint_state_rate_hz, 1e9 / simulation.periodNs()), simulation.periodNs()),
+      geometry_(node_, simulation) {
   clock_ = node_.advertise<rosgraph_msgs::Clock>("/clock", kSmallQueue);
   joints_ = node_.advertise<sensor_msgs::JointState>("joint_states", kSmallQueue);
   target_pose_ = node_.advertise<geometry_msgs::PoseStamped>("ground_truth/target_pose", kSmallQueue);
@@ -222,6 +223,7 @@ void StatePublisher::publishImage(int camera, const ros::Time& stamp) {
 
   output.info_message.header.stamp = stamp;
   output.info.publish(output.info_message);
+  geometry_.publish(camera, stamp);
   if (!render_always_ && output.image.getNumSubscribers() == 0) return;
   try {
     const Image& image = simulation_.render(camera);

@@ -13,6 +13,7 @@
 
 #include "aras_visual_servo_sim/frame_schedule.hpp"
 #include "aras_visual_servo_sim/simulation.hpp"
+#include "geometry_publisher.hpp"
 #include "wire_time.hpp"
 
 namespace aras_visual_servo_sim {
@@ -39,8 +40,8 @@ class StatePublisher {
   std::vector<int> resume();
 
   std::uint64_t frames() const { return frames_; }
-  /** Frames that could not be rendered. */
-  std::uint64_t droppedFrames() const { return dropped_frames_; }
+  /** Frames that could not be rendered, and those of drop_probability. */
+  std::uint64_t droppedFrames() const { return dropped_frames_ + simulation_.droppedFrames(); }
 
  private:
   struct CameraOutput {
@@ -75,6 +76,7 @@ class StatePublisher {
   std::uint64_t frames_ = 0, dropped_frames_ = 0;
   ros::Publisher clock_, joints_, target_pose_, target_twist_, path_;
   std::vector<CameraOutput> cameras_;
+  GeometryPublisher geometry_;
   std::vector<ControllerOutput> controllers_;
   sensor_msgs::JointState joint_message_;
   nav_msgs::Path path_message_;

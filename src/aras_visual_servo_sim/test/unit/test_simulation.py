@@ -1,6 +1,8 @@
 """The Python binding of the simulator: shapes, units, errors. What it computes is tested in C++."""
 import gc
 import pathlib
+import subprocess
+import sys
 import threading
 
 import numpy as np
@@ -165,3 +167,51 @@ def test_models_move_by_themselves():
         sim.set_model_motion("target", {"type": "dance"})
     with pytest.raises(UnknownNameError, match="target"):
         sim.set_model_motion("moon", None)
+
+
+def test_depth_and_segmentation_say_what_the_middle_sees():
+    sim = make()
+    depth, ids = sim.render_depth(), sim.render_segmentation("camera")
+    assert depth.shape == ids.shape == (48, 64)
+    assert depth.dtype == np.float32 and ids.dtype == np.uint16
+    assert ids[24, 32] == sim.segmentation_ids["target"]
+    height = sim.camera_pose()[2, 3] - sim.model_pose("target")[2, 3]
+    assert abs(depth[24, 32] - height) < 1e-6 * height  # float32
+    assert np.array_equal(np.isnan(depth), ids == 0) and ids[0, 0] == 0
+    with pytest.raises(UnknownNameError):
+        sim.render_depth("eye")
+
+
+def test_triggered_camera_takes_what_was_asked_for():
+    camera = {"name": "camera", "frame": "eye_optical_frame", "width": 8, "height": 6, "horizontal_fov_rad": 1.0,
+              "triggered": True, "rate_hz": 100.0}
+    sim = make(cameras=[camera])
+    with pytest.raises(ParameterError, match="triggered"):
+        sim.step_to_image("camera")
+    sim.trigger("camera")
+    assert sim.step_to_image("camera") == 10_000_000
+    assert sim.dropped_frames == 0
+
+
+WITHOUT_GRAPHICS = """
+import sys, yaml
+from aras_visual_servo_sim import Simulation
+urdf, config = open(sys.argv[1]).read(), yaml.safe_load(open(sys.argv[2]))["sim"]
+loaded = lambda: "libOSMesa" in open("/proc/self/maps").read()
+Simulation(urdf, dict(config, cameras=[])).step(10)
+sim = Simulation(urdf, config)
+sim.step_to_image(), sim.render(), sim.render_depth()
+before = loaded()
+config["scene"]["solids"] = [dict(name="ball", sphere_m=0.02, position_m=[0.0, 0.0, 0.1])]
+sim = Simulation(urdf, config)
+sim.step_to_image(), sim.render_segmentation()
+unseen = loaded()
+sim.render()
+print(before, unseen, loaded())
+"""
+
+
+def test_graphics_are_loaded_only_to_draw_a_body_in_view():
+    files = [str(FOLDER / "pan_lift.urdf"), str(FOLDER / "sim.yaml")]
+    done = subprocess.run([sys.executable, "-c", WITHOUT_GRAPHICS, *files], capture_output=True, text=True, check=False)
+    assert done.stdout.split() == ["False", "False", "True"], done.stdout + done.stderr

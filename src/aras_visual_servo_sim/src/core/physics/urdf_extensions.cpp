@@ -1,38 +1,14 @@
 #include "urdf_extensions.hpp"
 
-#include <cmath>
-#include <cstdlib>
+#include "camera_sensor.hpp"
+#include "gazebo_materials.hpp"
+#include "urdf_text.hpp"
 
 namespace aras_visual_servo_sim {
 
 using tinyxml2::XMLElement;
 
 namespace {
-
-std::string textOf(const XMLElement* element) {
-  const char* text = element ? element->GetText() : nullptr;
-  if (!text) return "";
-  const std::string all = text;
-  const auto first = all.find_first_not_of(" \t\r\n");
-  return first == std::string::npos ? "" : all.substr(first, all.find_last_not_of(" \t\r\n") - first + 1);
-}
-
-std::string childText(const XMLElement* parent, const char* tag) {
-  return parent ? textOf(parent->FirstChildElement(tag)) : "";
-}
-
-/** Number in the text of a child element, 0 when there is no such child. */
-double childNumber(const UrdfSource& source, const XMLElement* parent, const char* tag) {
-  const XMLElement* child = parent ? parent->FirstChildElement(tag) : nullptr;
-  if (!child) return 0.0;
-  const std::string text = textOf(child);
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  if (text.empty() || *end != '\0' || !std::isfinite(value)) {
-    source.fail(*child, "value is '" + text + "', must be a finite number");
-  }
-  return value;
-}
 
 bool hasLink(const RobotModel& model, const std::string& name) {
   for (const auto& link : model.links) {
@@ -41,34 +17,15 @@ bool hasLink(const RobotModel& model, const std::string& name) {
   return false;
 }
 
-void readPlugin(const UrdfSource& source, const XMLElement& plugin, CameraTag& tag) {
-  tag.camera_name = childText(&plugin, "cameraName");
-  tag.image_topic = childText(&plugin, "imageTopicName");
-  tag.camera_info_topic = childText(&plugin, "cameraInfoTopicName");
-  tag.frame = childText(&plugin, "frameName");
-  if (!plugin.FirstChildElement("distortionK1")) return;
-  for (const char* key : {"distortionK1", "distortionK2", "distortionT1", "distortionT2", "distortionK3"}) {
-    tag.distortion.push_back(childNumber(source, &plugin, key));
+/** Gives every visual of a link the colour of one of Gazebo's materials. @return false if there is none of that name */
+bool paintLink(const std::string& material, const std::string& link, RobotModel& model) {
+  const std::optional<Rgba> color = gazeboColor(material);
+  if (!color || !hasLink(model, link)) return false;
+  for (Visual& visual : model.links[model.linkIndex(link)].visuals) {
+    visual.color = *color;
+    visual.has_color = true;
   }
-}
-
-CameraTag readCamera(const UrdfSource& source, const XMLElement& sensor, const std::string& link) {
-  CameraTag tag;
-  tag.link = link;
-  tag.sensor_name = sensor.Attribute("name") ? sensor.Attribute("name") : "";
-  tag.update_rate_hz = childNumber(source, &sensor, "update_rate");
-  if (const XMLElement* camera = sensor.FirstChildElement("camera")) {
-    const XMLElement* image = camera->FirstChildElement("image");
-    const XMLElement* clip = camera->FirstChildElement("clip");
-    tag.horizontal_fov_rad = childNumber(source, camera, "horizontal_fov");
-    tag.width = static_cast<int>(childNumber(source, image, "width"));
-    tag.height = static_cast<int>(childNumber(source, image, "height"));
-    tag.format = childText(image, "format");
-    tag.near_m = childNumber(source, clip, "near");
-    tag.far_m = childNumber(source, clip, "far");
-  }
-  if (const XMLElement* plugin = sensor.FirstChildElement("plugin")) readPlugin(source, *plugin, tag);
-  return tag;
+  return true;
 }
 
 }  // namespace
@@ -110,7 +67,9 @@ void readGazeboTags(const UrdfSource& source, const XMLElement& robot, RobotMode
         if (!hasLink(model, reference)) {
           source.fail(*gazebo, "reference is '" + reference + "', must be a <link> of this file");
         }
-        model.cameras.push_back(readCamera(source, *child, reference));
+        model.cameras.push_back(readCameraSensor(source, *child, reference));
+      } else if (tag == "material" && paintLink(textOf(child), reference, model)) {
+        continue;
       } else {
         source.warn(*child, "in <gazebo reference='" + reference + "'>: ignored");
       }

@@ -37,6 +37,10 @@ CameraModel::CameraModel(const CameraConfig& config) : config_(config) {
   require(faults, positive(config.near_m), "near_m", config.near_m, "finite and > 0");
   require(faults, std::isfinite(config.far_m) && config.far_m > config.near_m, "far_m", config.far_m,
           "finite and > near_m");
+  require(faults, config.drop_probability >= 0.0 && config.drop_probability <= 0.99, "drop_probability",
+          config.drop_probability, "0 .. 0.99");
+  require(faults, std::isfinite(config.baseline_m), "baseline_m", config.baseline_m, "finite");
+  require(faults, std::isfinite(config.noise_mean), "noise_mean", config.noise_mean, "finite");
   require(faults, std::isfinite(config.noise_stddev) && config.noise_stddev >= 0.0, "noise_stddev", config.noise_stddev,
           "finite and >= 0");
   try {
@@ -264,6 +268,13 @@ const std::vector<Eigen::Vector3d>& CameraModel::cornerRays() const {
   return corner_rays_->rays;
 }
 
+Eigen::Vector3d CameraModel::pixelRay(int u, int v) const {
+  if (lens_ == Lens::kNone) return {(u - cx_) / fx_, (v - cy_) / fy_, 1.0};
+  const Eigen::Vector3d* top = cornerRays().data() + std::size_t(v) * (width() + 1) + u;
+  const Eigen::Vector3d* bottom = top + width() + 1;
+  return 0.25 * (top[0] + top[1] + bottom[0] + bottom[1]);
+}
+
 Eigen::Matrix3d CameraModel::K() const {
   Eigen::Matrix3d K = Eigen::Matrix3d::Identity();
   K(0, 0) = fx_;
@@ -276,6 +287,7 @@ Eigen::Matrix3d CameraModel::K() const {
 Eigen::Matrix<double, 3, 4> CameraModel::P() const {
   Eigen::Matrix<double, 3, 4> P = Eigen::Matrix<double, 3, 4>::Zero();
   P.leftCols<3>() = K();
+  P(0, 3) = -fx_ * config_.baseline_m;
   return P;
 }
 

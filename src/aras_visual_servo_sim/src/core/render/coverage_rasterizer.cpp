@@ -117,6 +117,23 @@ void CoverageRasterizer::blend(const Image& colors, Image& image) {
   });
 }
 
+void CoverageRasterizer::forEachRun(const std::function<void(int, int, int)>& visit) {
+  fill([&](float* row, int count, int u, int v) {
+    float sum = 0.0f;
+    int begin = -1;
+    for (int i = 0; i <= count; ++i) {
+      if (i < count) sum += row[i];
+      const bool covered = i < count && std::abs(sum) >= 0.5f;
+      if (covered && begin < 0) begin = i;
+      if (!covered && begin >= 0) {
+        visit(u + begin, u + i, v);
+        begin = -1;
+      }
+    }
+    std::fill(row, row + count + 2, 0.0f);
+  });
+}
+
 /** Accumulates the edges and hands out rows: running sums are to be taken, and zeroed. */
 template <typename BlendRow>
 void CoverageRasterizer::fill(const BlendRow& blend_row) {

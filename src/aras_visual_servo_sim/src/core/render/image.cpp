@@ -62,20 +62,21 @@ void Image::resize(int new_width, int new_height, Encoding new_encoding) {
   data.resize(stride() * height);
 }
 
-void addGaussianNoise(Image& image, double stddev, std::uint64_t seed, std::uint64_t frame_index) {
+void addGaussianNoise(Image& image, double stddev, std::uint64_t seed, std::uint64_t frame_index, double mean) {
   if (!std::isfinite(stddev) || stddev < 0.0) {
     throw ParameterError("noise_stddev: found " + std::to_string(stddev) + ", allowed finite and >= 0");
   }
-  if (stddev == 0.0) return;
+  if (!std::isfinite(mean)) throw ParameterError("noise_mean: found " + std::to_string(mean) + ", allowed finite");
+  if (stddev == 0.0 && mean == 0.0) return;
   using splitmix::kGolden;
   using splitmix::mix;
   const std::uint64_t stream = mix(mix(seed + kGolden) ^ (frame_index * kGolden + 1));
   const std::vector<float>& quantiles = normalQuantiles();
-  const float scale = static_cast<float>(stddev);
+  const float scale = static_cast<float>(stddev), offset = static_cast<float>(mean);
   std::uint64_t bits = 0;
   for (std::size_t i = 0; i < image.data.size(); ++i, bits >>= 16) {
     if (i % 4 == 0) bits = mix(stream + (i / 4 + 1) * kGolden);  // four 16-bit draws from one word
-    const float value = image.data[i] + scale * quantiles[bits & 0xffff];
+    const float value = image.data[i] + offset + scale * quantiles[bits & 0xffff];
     image.data[i] = static_cast<std::uint8_t>(std::clamp(std::floor(value + 0.5f), 0.0f, 255.0f));
   }
 }

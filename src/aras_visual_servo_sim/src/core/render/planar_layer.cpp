@@ -167,6 +167,20 @@ void PlanarLayer::addEdges(const Part& part, CoverageRasterizer& rasterizer) con
   }
 }
 
+void PlanarLayer::addEdges(const Face& face, CoverageRasterizer& rasterizer) const {
+  for (const View& view : views_) {
+    for (const Part& part : view.parts) {
+      if (&part.face == &face) addEdges(part, rasterizer);
+    }
+  }
+}
+
+void PlanarLayer::forEachFace(const std::function<void(const Face&, const Eigen::Vector3d&, double)>& visit) const {
+  for (const std::size_t index : order_) {
+    for (const Part& part : views_[index].parts) visit(part.face, views_[index].normal_C, views_[index].offset);
+  }
+}
+
 void PlanarLayer::samplePictures(const CameraModel& camera, CoverageRasterizer& rasterizer) {
   if (pictures_.empty()) return;
   for (const View& view : views_) {

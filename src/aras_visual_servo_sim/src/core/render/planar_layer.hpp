@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "aras_visual_servo_sim/coverage_rasterizer.hpp"
@@ -34,6 +35,13 @@ class PlanarLayer {
   /** Faces in view in the order of painting, farthest first. */
   const std::vector<Face>& faces() const { return faces_; }
 
+  /** Visits the faces in view in the order of painting, with their plane normal_C . p = offset in the camera's frame.
+   */
+  void forEachFace(
+      const std::function<void(const Face& face, const Eigen::Vector3d& normal_C, double offset)>& visit) const;
+  /** Adds the edges of a face to a fill. @param face  the one being visited by forEachFace */
+  void addEdges(const Face& face, CoverageRasterizer& rasterizer) const;
+
   /** What a pixel that looks at a picture sees of it; pixels elsewhere are undefined. */
   const std::vector<Image>& pictures() const { return pictures_; }
 
@@ -50,6 +58,7 @@ class PlanarLayer {
     Pose X_CM;
     std::vector<Loop> loops;
   };
+  void addEdges(const Part& part, CoverageRasterizer& rasterizer) const;
   struct View {
     std::vector<Part> parts;  // in the order of painting
     std::vector<Eigen::Vector3d> corners_C;
@@ -62,7 +71,6 @@ class PlanarLayer {
                const Polygon& outline, View& view, Part& part);
   void addCurve(const CameraModel& camera, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
                 const Eigen::Vector2d& from_px, const Eigen::Vector2d& to_px, int depth);
-  void addEdges(const Part& part, CoverageRasterizer& rasterizer) const;
   void sort();
 
   std::vector<View> views_;

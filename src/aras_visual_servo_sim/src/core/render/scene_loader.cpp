@@ -338,6 +338,10 @@ CameraConfig readCameraConfig(YamlReader& reader) {
   camera.near_m = reader.optional<double>("near_m", camera.near_m);
   camera.far_m = reader.optional<double>("far_m", camera.far_m);
   camera.sampling = reader.optional<std::string>("sampling", camera.sampling);
+  camera.noise_mean = reader.optional<double>("noise_mean", camera.noise_mean);
+  camera.drop_probability = reader.optional<double>("drop_probability", camera.drop_probability);
+  camera.triggered = reader.optional<bool>("triggered", camera.triggered);
+  camera.baseline_m = reader.optional<double>("baseline_m", camera.baseline_m);
   camera.noise_stddev = reader.optional<double>("noise_stddev", camera.noise_stddev);
   return camera;
 }

@@ -11,60 +11,76 @@ namespace {
 
 constexpr int kMostPieces = 4;  // of an edge within one row: exact below, sampled above
 
-/** Adds dy times the mean over x0 .. x1 of a row's running sum, and of min(max(x, 0), width) if border. */
+/** The running sums of one row of a level. Positions x are 0 .. width, where border is said anything. */
 template <int channels, bool border>
-void addPiece(const std::int32_t* row, int width, double x0, double x1, double dy, double* integral) {
-  const auto addAt = [&](double x, double weight) {
+class Row {
+ public:
+  Row(const Texture::Level& level, int width, int row)
+      : sums_(level.sums.data() + std::size_t(row) * (width + 1) * channels), width_(width) {}
+
+  /** Adds dy times the mean of the sums over x0 .. x1, and of min(max(x, 0), width) if border. */
+  void add(double x0, double x1, double dy, double* integral) const {
+    if (x0 > x1) std::swap(x0, x1);
+    const int first = floor(x0), last = floor(x1);
+    // Linear between texel edges, so the middle of each piece gives its mean.
+    if (first == last) {
+      addAt(0.5 * (x0 + x1), dy, integral);
+    } else if (last - first < kMostPieces) {
+      const double share = dy / (x1 - x0);
+      double left = x0;
+      for (int edge = first + 1; edge <= last; ++edge) {
+        addAt(0.5 * (left + edge), share * (edge - left), integral);
+        left = edge;
+      }
+      addAt(0.5 * (left + x1), share * (x1 - left), integral);
+    } else {
+      const double step = (x1 - x0) / kMostPieces;
+      for (int k = 0; k < kMostPieces; ++k) addAt(x0 + (k + 0.5) * step, dy / kMostPieces, integral);
+    }
+  }
+
+ private:
+  static int floor(double x) {
+    const int i = static_cast<int>(x);
+    return border && x < i ? i - 1 : i;
+  }
+  void addAt(double x, double weight, double* integral) const {
     if (border) {
-      x = std::clamp(x, 0.0, double(width));
+      x = std::clamp(x, 0.0, double(width_));
       integral[channels] += weight * x;
     }
-    const int i = std::min(static_cast<int>(x), width - 1);
+    const int i = std::min(static_cast<int>(x), width_ - 1);
     const double part = x - i;
-    const std::int32_t* sum = row + i * channels;
-    for (int c = 0; c < channels; ++c) {
-      integral[c] += weight * (sum[c] + part * (sum[c + channels] - sum[c]));
-    }
-  };
-  if (x0 > x1) std::swap(x0, x1);
-  // Linear between texel edges, so the middle of each piece gives its mean.
-  const double first = std::floor(x0), count = std::floor(x1) - first + 1.0;
-  if (count <= 1.0) {
-    addAt(0.5 * (x0 + x1), dy);
-  } else if (count <= kMostPieces) {
-    const double share = dy / (x1 - x0);
-    double left = x0;
-    for (double edge = first + 1.0; left < x1; edge += 1.0) {
-      const double right = std::min(edge, x1);
-      addAt(0.5 * (left + right), share * (right - left));
-      left = right;
-    }
-  } else {
-    const double step = (x1 - x0) / kMostPieces;
-    for (int k = 0; k < kMostPieces; ++k) addAt(x0 + (k + 0.5) * step, dy / kMostPieces);
+    const std::int32_t* sum = sums_ + i * channels;
+    for (int c = 0; c < channels; ++c) integral[c] += weight * (sum[c] + part * (sum[c + channels] - sum[c]));
   }
-}
+
+  const std::int32_t* sums_;
+  int width_;
+};
 
 /** Integral of the running sum over dy along a straight edge; y in rows of the level, and nothing beyond its rows. */
 template <int channels, bool border>
-void integrateEdge(const Texture::Level& level, int width, Eigen::Vector2d from, Eigen::Vector2d to, double* integral) {
+void integrateEdge(const Texture::Level& level, int width, const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                   double* integral) {
   std::fill(integral, integral + channels + (border ? 1 : 0), 0.0);
-  double sign = 1.0;
-  if (from.y() > to.y()) {
-    std::swap(from, to);
-    sign = -1.0;
-  }
-  const double rows = level.rows;
-  const double top = border ? std::clamp(from.y(), 0.0, rows) : from.y();
-  const double bottom = border ? std::clamp(to.y(), 0.0, rows) : to.y();
+  const bool downwards = a.y() < b.y();
+  const Eigen::Vector2d &from = downwards ? a : b, &to = downwards ? b : a;
+  const double sign = downwards ? 1.0 : -1.0;
+  const double top = border ? std::max(from.y(), 0.0) : from.y();
+  const double bottom = border ? std::min(to.y(), double(level.rows)) : to.y();
   if (!(bottom > top)) return;
+  int row = std::min(static_cast<int>(top), level.rows - 1);
+  if (!border && bottom <= row + 1.0) {
+    Row<channels, border>(level, width, row).add(from.x(), to.x(), sign * (bottom - top), integral);
+    return;
+  }
   const double slope = (to.x() - from.x()) / (to.y() - from.y());
   double y0 = top, x0 = from.x() + (top - from.y()) * slope;
-  for (int row = std::min(static_cast<int>(top), level.rows - 1); y0 < bottom; ++row) {
+  for (; y0 < bottom; ++row) {
     const double y1 = row + 1 >= level.rows ? bottom : std::min(bottom, row + 1.0);
     const double x1 = from.x() + (y1 - from.y()) * slope;
-    addPiece<channels, border>(level.sums.data() + std::size_t(row) * (width + 1) * channels, width, x0, x1,
-                               sign * (y1 - y0), integral);
+    Row<channels, border>(level, width, row).add(x0, x1, sign * (y1 - y0), integral);
     y0 = y1;
     x0 = x1;
   }
@@ -184,11 +200,9 @@ void TextureSampler::integrateTile(const Tile& tile, Image& out) {
   std::size_t k = 0;
   while (k + 1 < levels.size() && tile.rows >= 2.0 * kRows * double(1 << k)) ++k;
   const double merged = double(1 << k);
+  for (Eigen::Vector2d& corner : corners_) corner.y() /= merged;
   const int columns = tile.box.u1 - tile.box.u0, rows = tile.box.v1 - tile.box.v0;
-  const auto corner = [&](int i, int j) -> Eigen::Vector2d {
-    const Eigen::Vector2d& st = corners_[j * kStride + i];
-    return {st.x(), st.y() / merged};
-  };
+  const auto corner = [&](int i, int j) -> const Eigen::Vector2d& { return corners_[j * kStride + i]; };
   for (int j = 0; j <= rows; ++j) {
     for (int i = 0; i <= columns; ++i) {
       const Eigen::Vector2d here = corner(i, j);

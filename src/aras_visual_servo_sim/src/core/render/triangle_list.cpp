@@ -40,6 +40,9 @@ void TriangleList::begin(const CameraModel& camera, const ViewVolume& volume) {
   camera_ = &camera;
   volume_ = &volume;
   vertices_.clear();
+  bodies_.clear();
+  planes_.clear();
+  plane_of_.clear();
 }
 
 bool TriangleList::addBodies(const Scene& scene, const Pose& X_CW) {
@@ -49,6 +52,7 @@ bool TriangleList::addBodies(const Scene& scene, const Pose& X_CW) {
     if (!body.visible) continue;
     const Pose X_CB = X_CW * body.X_WB;
     for (const Shape& shape : body.shapes) addShape(shape, X_CB * shape.X_BS, light_C, shapeNumber(index++));
+    bodies_.emplace_back(vertices_.size(), &body - scene.bodies.data());
   }
   return !vertices_.empty();
 }
@@ -81,6 +85,9 @@ void TriangleList::addShape(const Shape& shape, const Pose& X_CS, const Eigen::V
     if (faces_away || std::min({points[0].z(), points[1].z(), points[2].z()}) > camera_->farM()) continue;
     if (!inside && volume_->excludes(points.data(), points.size())) continue;
     addTriangle(points, {colors_[i], colors_[j], colors_[k]}, inside, number, 0.0);
+    const Eigen::Vector3d normal = (points[1] - points[0]).cross(points[2] - points[0]);
+    planes_.push_back(normal / normal.dot(points[0]));
+    plane_of_.resize(vertices_.size() / 3, static_cast<std::uint32_t>(planes_.size() - 1));
   }
 }
 

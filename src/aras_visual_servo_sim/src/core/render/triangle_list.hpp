@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "aras_visual_servo_sim/scene.hpp"
@@ -25,6 +26,10 @@ class TriangleList {
    *  their number. @throws RenderError when more than kMostPictures pictures are in view */
   void addPlanar(const PlanarLayer& planar, const Pose& X_CW);
 
+  /** For each body in view: where its vertices end, and its index in the scene. */
+  const std::vector<std::pair<std::size_t, std::size_t>>& bodies() const { return bodies_; }
+  /** Plane of triangle k in the camera's frame: plane . ray = 1 / Z for the point on a ray (x, y, 1). */
+  const Eigen::Vector3d& plane(std::size_t k) const { return planes_[plane_of_[k]]; }
   /** Three for each triangle. */
   const std::vector<Vertex>& vertices() const { return vertices_; }
 
@@ -48,6 +53,9 @@ class TriangleList {
   const CameraModel* camera_ = nullptr;
   const ViewVolume* volume_ = nullptr;
   std::vector<Vertex> vertices_;
+  std::vector<std::pair<std::size_t, std::size_t>> bodies_;
+  std::vector<Eigen::Vector3d> planes_;
+  std::vector<std::uint32_t> plane_of_;
   std::vector<Eigen::Vector3d> points_, polygon_;  // scratch
   std::vector<Eigen::Vector3f> colors_;            // scratch
 };

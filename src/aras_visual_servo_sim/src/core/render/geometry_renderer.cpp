@@ -1,0 +1,134 @@
+#include <algorithm>
+#include <cmath>
+
+#include "aras_visual_servo_sim/coverage_rasterizer.hpp"
+#include "aras_visual_servo_sim/errors.hpp"
+#include "aras_visual_servo_sim/geometry_image.hpp"
+#include "planar_layer.hpp"
+#include "triangle_list.hpp"
+#include "view_volume.hpp"
+
+namespace aras_visual_servo_sim {
+
+std::map<std::string, std::uint16_t> segmentationIds(const Scene& scene) {
+  std::map<std::string, std::uint16_t> ids;
+  std::uint16_t next = 1;
+  for (const PlanarModel& model : scene.models) ids[model.name()] = next++;
+  for (const Body& body : scene.bodies) ids[body.name] = next++;
+  return ids;
+}
+
+class GeometryRenderer::Implementation {
+ public:
+  void render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, GeometryImage& out) {
+    out.width = camera.width();
+    out.height = camera.height();
+    out.depth_m.assign(std::size_t(out.width) * out.height, GeometryImage::kNothing);
+    out.ids.assign(out.depth_m.size(), 0);
+    inverse_z_.assign(out.depth_m.size(), 0.0);
+    const ViewVolume volume(camera);
+    const Pose X_CW = X_WC.inverse();
+    planar_.project(camera, volume, X_CW, scene);
+    paintModels(camera, scene, out);
+    triangles_.begin(camera, volume);
+    triangles_.addBodies(scene, X_CW);
+    paintBodies(camera, scene, out);
+    if (camera.lens() != CameraModel::Lens::kNone) closeCracks(out);
+    for (std::size_t i = 0; i < inverse_z_.size(); ++i) {
+      if (out.ids[i] != 0) out.depth_m[i] = static_cast<float>(1.0 / inverse_z_[i]);
+    }
+  }
+
+ private:
+  /** Faces of one plane differ by rounding only; the later ones lie on top. */
+  static constexpr double kSamePlane = 1e-9;
+
+  void see(std::size_t at, double inverse_z, std::uint16_t id, GeometryImage& out) {
+    if (!(inverse_z > 0.0) || inverse_z < inverse_z_[at] * (1.0 - kSamePlane)) return;
+    inverse_z_[at] = inverse_z;
+    out.ids[at] = id;
+  }
+
+  void paintModels(const CameraModel& camera, const Scene& scene, GeometryImage& out) {
+    planar_.forEachFace([&](const PlanarLayer::Face& face, const Eigen::Vector3d& normal_C, double offset) {
+      if (std::abs(offset) < kSamePlane) return;  // seen from its own plane
+      const auto id = static_cast<std::uint16_t>(1 + (face.model - scene.models.data()));
+      rasterizer_.begin(out.width, out.height, CoverageRasterizer::Rule::kCenter);
+      planar_.addEdges(face, rasterizer_);
+      rasterizer_.forEachRun([&](int u0, int u1, int v) {
+        // On the plane normal . (Z ray) = offset, so 1 / Z is linear in the ray.
+        for (int u = u0; u < u1; ++u) see(out.at(u, v), normal_C.dot(camera.pixelRay(u, v)) / offset, id, out);
+      });
+    });
+  }
+
+  void paintBodies(const CameraModel& camera, const Scene& scene, GeometryImage& out) {
+    std::size_t k = 0;
+    for (const auto& [end, body] : triangles_.bodies()) {
+      const auto id = static_cast<std::uint16_t>(1 + scene.models.size() + body);
+      for (; k < end; k += 3) paintTriangle(&triangles_.vertices()[k], triangles_.plane(k / 3), camera, id, out);
+    }
+  }
+
+  void paintTriangle(const Vertex* t, const Eigen::Vector3d& plane_C, const CameraModel& camera, std::uint16_t id,
+                     GeometryImage& out) {
+    const double dx1 = t[1].x - t[0].x, dy1 = t[1].y - t[0].y, dx2 = t[2].x - t[0].x, dy2 = t[2].y - t[0].y;
+    const double area = dx1 * dy2 - dx2 * dy1;
+    if (area == 0.0) return;
+    const auto first = [](float low, int size) {
+      return static_cast<int>(std::clamp(std::ceil(double(low) - 0.5), 0.0, double(size)));
+    };
+    const auto last = [](float high, int size) {
+      return static_cast<int>(std::clamp(std::floor(double(high) - 0.5) + 1.0, 0.0, double(size)));
+    };
+    const int u0 = first(std::min({t[0].x, t[1].x, t[2].x}), out.width);
+    const int u1 = last(std::max({t[0].x, t[1].x, t[2].x}), out.width);
+    const int v0 = first(std::min({t[0].y, t[1].y, t[2].y}), out.height);
+    const int v1 = last(std::max({t[0].y, t[1].y, t[2].y}), out.height);
+    for (int v = v0; v < v1; ++v) {
+      for (int u = u0; u < u1; ++u) {
+        const double dx = u + 0.5 - t[0].x, dy = v + 0.5 - t[0].y;
+        const double b = (dx * dy2 - dx2 * dy) / area, c = (dx1 * dy - dx * dy1) / area;
+        constexpr double kOnEdge = 1e-6;  // rounding: a centre on an edge belongs to both triangles, not to none
+        if (b < -kOnEdge || c < -kOnEdge || b + c > 1.0 + kOnEdge) continue;
+        const double inverse_z = plane_C.dot(camera.pixelRay(u, v));
+        if (inverse_z * camera.farM() >= 1.0) see(out.at(u, v), inverse_z, id, out);
+      }
+    }
+  }
+
+  /** Triangles cut for a lens may part by a hair along an edge. A pixel that sees nothing amid four that see one thing
+   *  sees it too, at the mean of their inverse depths, which is that of the plane. */
+  void closeCracks(GeometryImage& out) {
+    const std::ptrdiff_t row = out.width;
+    for (int v = 1; v + 1 < out.height; ++v) {
+      for (int u = 1; u + 1 < out.width; ++u) {
+        const auto at = static_cast<std::ptrdiff_t>(out.at(u, v));
+        const std::uint16_t id = out.ids[at - 1];
+        if (out.ids[at] != 0 || id == 0 || out.ids[at + 1] != id || out.ids[at - row] != id ||
+            out.ids[at + row] != id) {
+          continue;
+        }
+        out.ids[at] = id;
+        inverse_z_[at] = 0.25 * (inverse_z_[at - 1] + inverse_z_[at + 1] + inverse_z_[at - row] + inverse_z_[at + row]);
+      }
+    }
+  }
+
+  PlanarLayer planar_;
+  CoverageRasterizer rasterizer_;
+  TriangleList triangles_;
+  std::vector<double> inverse_z_;  // 0 where there is nothing
+};
+
+GeometryRenderer::GeometryRenderer() : implementation_(std::make_unique<Implementation>()) {}
+GeometryRenderer::~GeometryRenderer() = default;
+
+void GeometryRenderer::render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, GeometryImage& out) {
+  if (!X_WC.p.allFinite() || !X_WC.q.coeffs().allFinite()) {
+    throw NotFiniteError("render: pose of camera '" + camera.config().name + "' is not finite");
+  }
+  implementation_->render(camera, X_WC, scene, out);
+}
+
+}  // namespace aras_visual_servo_sim

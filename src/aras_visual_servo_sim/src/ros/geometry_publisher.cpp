@@ -1,0 +1,59 @@
+#include "geometry_publisher.hpp"
+
+#include <sensor_msgs/image_encodings.h>
+
+#include <cstring>
+
+namespace aras_visual_servo_sim {
+namespace {
+
+constexpr std::uint32_t kQueue = 10;
+
+template <typename T>
+void send(image_transport::Publisher& publisher, const GeometryImage& image, const std::vector<T>& values,
+          const std::string& encoding, const std::string& frame, const ros::Time& stamp) {
+  sensor_msgs::Image message;
+  message.header.stamp = stamp;
+  message.header.frame_id = frame;
+  message.width = static_cast<std::uint32_t>(image.width);
+  message.height = static_cast<std::uint32_t>(image.height);
+  message.encoding = encoding;
+  message.step = static_cast<std::uint32_t>(image.width * sizeof(T));
+  message.data.resize(values.size() * sizeof(T));
+  std::memcpy(message.data.data(), values.data(), message.data.size());
+  publisher.publish(message);
+}
+
+}  // namespace
+
+GeometryPublisher::GeometryPublisher(const ros::NodeHandle& node, Simulation& simulation) : simulation_(simulation) {
+  image_transport::ImageTransport transport(node);
+  for (const std::string& name : simulation.cameraNames()) {
+    cameras_.push_back({transport.advertise(name + "/depth/image_raw", kQueue),
+                        transport.advertise(name + "/segmentation/image_raw", kQueue)});
+  }
+  tellIds();
+}
+
+void GeometryPublisher::tellIds() {
+  std::map<std::string, int> ids;
+  for (const auto& [name, id] : segmentationIds(simulation_.scene())) ids[name] = id;
+  if (ids == ids_) return;
+  ids_ = ids;
+  ros::NodeHandle("~").setParam("segmentation_ids", ids);
+}
+
+void GeometryPublisher::publish(int camera, const ros::Time& stamp) {
+  Output& output = cameras_[camera];
+  const bool depth = output.depth.getNumSubscribers() > 0, ids = output.ids.getNumSubscribers() > 0;
+  if (!depth && !ids) return;
+  const GeometryImage& image = simulation_.renderGeometry(camera);
+  const std::string& frame = simulation_.camera(camera).config().frame;
+  namespace encodings = sensor_msgs::image_encodings;
+  if (depth) send(output.depth, image, image.depth_m, encodings::TYPE_32FC1, frame, stamp);
+  if (!ids) return;
+  tellIds();
+  send(output.ids, image, image.ids, encodings::TYPE_16UC1, frame, stamp);
+}
+
+}  // namespace aras_visual_servo_sim
