@@ -98,6 +98,10 @@ class ConfigReader:
         source = self._get(key, _REQUIRED if required else {}, "a table of keys")
         return ConfigReader({} if source is _REQUIRED else source, f"{self._where}/{key}", self._faults)
 
+    def value(self, key):
+        """Whatever stands there, for somebody else to check."""
+        return self._get(key, None, "a value")
+
     def numbers(self, names, default=_REQUIRED, **bounds):
         """List of the numbers of these keys; closes the table."""
         values = [self.number(name, default, **bounds) for name in names]

@@ -196,7 +196,8 @@ def judge_row(record):
     row.update({key: error[key] for key in ("x_mm", "y_mm", "z_mm", "angle_deg")})
     row["error_mm"] = _length(error)
     row["converged"] = int(judgement.converged)
-    row["success"] = int(row["error_mm"] < SUCCESS_PART * row["distance0_mm"] and row["angle_deg"] < SUCCESS_DEG)
+    near_mm = max(SUCCESS_PART * row["distance0_mm"], STRICT_MM)  # a turn on the spot begins at no distance
+    row["success"] = int(row["error_mm"] < near_mm and row["angle_deg"] < SUCCESS_DEG)
     row["success_strict"] = int(row["error_mm"] < STRICT_MM and row["angle_deg"] < STRICT_DEG)
     row.update(outcome="success" if row["success"] else "failure", reason=_reason(record, judgement, row["success"]),
                detail=judgement.reason, duration_s=judgement.duration_s, images=judgement.images,

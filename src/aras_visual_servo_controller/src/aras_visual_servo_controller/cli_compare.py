@@ -1,0 +1,71 @@
+"""Command line `compare_laws`. Exit codes: 0 done, 2 bad input, 3 could not run, 130 interrupted."""
+
+import argparse
+import os
+import shlex
+import sys
+from pathlib import Path
+
+from .cli import EXIT_PASSED, guarded, parse_overrides
+from .errors import ParameterError
+
+FOLDER = "comparisons"
+
+
+def compare_laws_main(argv=None):
+    """`compare_laws canonical --laws A,B`: laws side by side on the same tasks. Returns the exit code."""
+    parser = argparse.ArgumentParser(prog="compare_laws", description="Run several laws on the same tasks; one table "
+                                     "(comparison.csv, comparison.html) and one figure.")
+    parser.add_argument("comparison", nargs="?", default="canonical",
+                        help="name of a comparison of this package, or path of a YAML file (default: canonical)")
+    parser.add_argument("--laws", type=_names, default=(), metavar="A,B,...",
+                        help="laws of the file, in this order; NAME:INTERACTION takes another matrix (default: all)")
+    parser.add_argument("--tasks", type=_names, default=(), metavar="A,B,...", help="tasks of the file (default: all)")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
+                        help="replace a value of the base scenario, e.g. --set sim.seed=3")
+    parser.add_argument("--workers", type=int, metavar="N",
+                        help="processes (default: one a core; 0: this process)")
+    parser.add_argument("--output", default="results", metavar="DIR", help="root of the results (default: results)")
+    parser.add_argument("--name", help="name of the folder DIR/comparisons/COMPARISON/NAME (default: the time)")
+    parser.add_argument("--list", action="store_true", help="list the laws and tasks of the comparison")
+    arguments = parser.parse_args(argv)
+
+    def work():
+        from .law_compare import load_comparison, run_comparison
+        if arguments.workers is not None and arguments.workers < 0:
+            raise ParameterError(f"--workers: found {arguments.workers}, allowed >= 0")
+        comparison = load_comparison(arguments.comparison, arguments.laws, arguments.tasks,
+                                     parse_overrides(arguments.overrides))
+        if arguments.list:
+            for law, scenario in comparison.scenarios.items():
+                print(f"law   {law:<20} {scenario.servo['law']} on {', '.join(scenario.servo.get('features', []))}")
+            for task in comparison.tasks:
+                print(f"task  {task.name:<20} {task.title}")
+            return EXIT_PASSED
+        from .law_compare_report import format_table, save_comparison
+        from .report import create_result_folder
+        folder = create_result_folder(Path(os.path.expanduser(arguments.output)) / FOLDER, comparison.name,
+                                      arguments.name)
+        workers = (os.cpu_count() or 1) if arguments.workers is None else arguments.workers
+        results = run_comparison(comparison, workers, _say)
+        command = "rosrun aras_visual_servo_controller compare_laws " + _words(arguments)
+        path = save_comparison(comparison, results, folder, command)
+        print(format_table(comparison, results))
+        print(f"\n{'report':<20}{path}")
+        return EXIT_PASSED
+
+    return guarded(work)
+
+
+def _words(arguments):
+    words = [shlex.quote(arguments.comparison)]
+    words += [f"--{key} {','.join(getattr(arguments, key))}" for key in ("laws", "tasks") if getattr(arguments, key)]
+    return " ".join(words + [f"--set {shlex.quote(text)}" for text in arguments.overrides])
+
+
+def _names(text):
+    return tuple(name.strip() for name in text.split(",") if name.strip())
+
+
+def _say(done, total):
+    print(f"{done}/{total} laws", file=sys.stderr)
