@@ -1,4 +1,4 @@
-"""Command line `compare_laws`. Exit codes: 0 done, 2 bad input, 3 could not run, 130 interrupted."""
+"""Command lines `compare_laws` and `compare_runs`. Exit codes: 0 done, 2 bad input, 3 could not run, 130 interrupted."""
 
 import argparse
 import os
@@ -52,6 +52,32 @@ def compare_laws_main(argv=None):
         path = save_comparison(comparison, results, folder, command)
         print(format_table(comparison, results))
         print(f"\n{'report':<20}{path}")
+        return EXIT_PASSED
+
+    return guarded(work)
+
+
+def compare_runs_main(argv=None):
+    """`compare_runs A B`: two or more runs on one page. Returns the exit code."""
+    parser = argparse.ArgumentParser(prog="compare_runs", description="Two or more runs side by side on one page "
+                                     "(runs.html): camera path, errors, joints against their limits, what differs.")
+    parser.add_argument("runs", nargs="+", metavar="RUN", help="name of a scenario or path of a YAML file, which is "
+                        "run in this process; or a bag, or a folder of bags")
+    parser.add_argument("--output", default="results", metavar="DIR", help="root of the results (default: results)")
+    parser.add_argument("--name", help="name of the folder DIR/comparisons/runs/NAME (default: the time)")
+    arguments = parser.parse_args(argv)
+
+    def work():
+        from .report import create_result_folder
+        from .side_by_side import format_runs, read_run, save_side_by_side
+        if len(arguments.runs) < 2:
+            raise ParameterError(f"found {len(arguments.runs)} run, allowed two or more")
+        runs = [read_run(source) for source in arguments.runs]
+        folder = create_result_folder(Path(os.path.expanduser(arguments.output)) / FOLDER, "runs", arguments.name)
+        command = "rosrun aras_visual_servo_controller compare_runs " + " ".join(map(shlex.quote, arguments.runs))
+        path = save_side_by_side(runs, folder, command)
+        print(format_runs(runs))
+        print(f"{'report':<20}{path}")
         return EXIT_PASSED
 
     return guarded(work)

@@ -5,7 +5,7 @@ scenario). Every run is a function of the file and its place in it: the same byt
 """
 
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -21,6 +21,7 @@ from .scenario import load_scenario, load_yaml, share_dir
 from .sweep_plan import Start
 from .sweep_run import Bench, placed
 from .sweep_space import CAMERA_AXES, GOAL_AXES, pose_of, tilted_goal
+from .track import track_of
 
 #: Sections of a scenario that a law may change.
 SECTIONS = ("servo", "vision", "sim")
@@ -48,23 +49,6 @@ class Comparison:
     description: str
     scenarios: dict
     tasks: tuple
-
-
-@dataclass
-class Track:
-    """What a figure shows of a run: (n,) each, of the servo phase.
-
-    Attributes:
-        t_s.  distance_mm, angle_deg: from the goal.  retreat_mm: away from the target along the goal's optical axis.
-        u_px, v_px: middle of the target's outline in the image.
-    """
-
-    t_s: list
-    distance_mm: list
-    angle_deg: list
-    retreat_mm: list
-    u_px: list = field(default_factory=list)
-    v_px: list = field(default_factory=list)
 
 
 def load_comparison(name_or_path, laws=(), tasks=(), overrides=None):
@@ -148,21 +132,6 @@ def _run_law(job):
         row, record = bench.run(start)
         results.append((row, record and track_of(record, Outline.of(placed(scenario, start)))))
     return results
-
-
-def track_of(record, outline=None):
-    """`Track` of a RunRecord with a taught view and servo rows."""
-    rows = record.servo_rows
-    X_CgC = np.linalg.inv(record.X_WC[record.rows("teach")[-1]]) @ record.X_WC[rows]
-    cosine = np.clip(0.5 * (np.trace(X_CgC[:, :3, :3], axis1=1, axis2=2) - 1.0), -1.0, 1.0)
-    p = 1e3 * X_CgC[:, :3, 3]
-    track = Track((record.t_s[rows] - record.t_s[rows[0]]).tolist(), np.linalg.norm(p, axis=1).tolist(),
-                  np.degrees(np.arccos(cosine)).tolist(), (-p[:, 2]).tolist())
-    if outline is not None:
-        pixels = [outline.pixels(X) for X in record.X_WC[rows]]
-        middle = [(np.nan, np.nan) if p is None else 0.5 * (p.min(axis=0) + p.max(axis=0)) for p in pixels]
-        track.u_px, track.v_px = np.transpose(middle).tolist()
-    return track
 
 
 def known_comparisons():

@@ -39,7 +39,7 @@ def report_html(record, summary, command=None, film=None):
     return template.render(
         summary=summary, images=_images(record), plots=drawn, film=film and _film(film),
         script=(config / "report.js").read_text(encoding="utf-8") if drawn else "",
-        rows=comparison_rows(summary), features=_feature_rows(summary), settings=_setting_rows(record),
+        rows=comparison_rows(summary), features=_feature_rows(summary), settings=flat_settings(record),
         scenario=scenario, scenario_src=data_uri(scenario.encode(), "text/yaml"),
         command=command or f"rosrun aras_visual_servo_controller run {summary['scenario']} --in-process")
 
@@ -99,8 +99,8 @@ def _feature_rows(summary):
     return rows
 
 
-def _setting_rows(record):
-    """(key, value) of every setting of the scenario that shapes the result, flat."""
+def flat_settings(record):
+    """(key, value as text) of every setting of the record's scenario that shapes the result, flat."""
     rows = []
     for section in ("robot", "sim", "vision", "servo", "experiment"):
         rows += _flatten(section, record.settings.get(section, {}))
