@@ -1,4 +1,6 @@
-"""Pictures of README.md and docs/: the arm seen from outside, and the six panels of the published experiments."""
+"""Pictures of README.md and docs/: the arm seen from outside, the six panels of the published experiments, the laws on the
+canonical tasks."""
+import os
 import pathlib
 import shutil
 import sys
@@ -7,6 +9,8 @@ import tempfile
 import cv2
 
 from aras_visual_servo_controller.experiment import run_in_process
+from aras_visual_servo_controller.law_compare import load_comparison, run_comparison
+from aras_visual_servo_controller.law_compare_figure import save_figure
 from aras_visual_servo_controller.observer import Observer
 from aras_visual_servo_controller.report import save_results
 from aras_visual_servo_controller.scenario import load_scenario
@@ -22,6 +26,11 @@ def main(folder):
         if name == "experiment_1":
             start = Observer(record, width=960, height=720).picture(record.q[record.servo_rows[0]])
             cv2.imwrite(str(folder / "arm.png"), cv2.cvtColor(start, cv2.COLOR_RGB2BGR))
+    comparison = load_comparison("canonical")
+    results = run_comparison(comparison, workers=os.cpu_count() or 1)
+    with tempfile.TemporaryDirectory() as pictures:
+        save_figure(comparison, results, pathlib.Path(pictures))
+        shutil.copy(pathlib.Path(pictures) / "comparison.png", folder / "comparison.png")
     print("\n".join(sorted(str(path) for path in folder.glob("*.png"))))
 
 
