@@ -1,5 +1,5 @@
-"""Pictures of README.md and docs/: the arm seen from outside, the six panels of the published experiments, the laws on the
-canonical tasks."""
+"""Pictures of README.md and docs/: the arm seen from outside, the six panels of the published experiments, the laws on
+the canonical tasks."""
 import os
 import pathlib
 import shutil

@@ -1,4 +1,4 @@
-"""Command lines `compare_laws` and `compare_runs`. Exit codes: 0 done, 2 bad input, 3 could not run, 130 interrupted."""
+"""Command lines `compare_laws` and `compare_runs`. Exit codes: 0 done, 2 bad input, 3 could not run."""
 
 import argparse
 import os

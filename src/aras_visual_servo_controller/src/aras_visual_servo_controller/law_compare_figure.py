@@ -1,4 +1,4 @@
-"""Figure of a comparison of laws: a row per task, a line per law. Matplotlib only; the same runs give the same picture."""
+"""Figure of a comparison of laws: a row per task, a line per law. The same runs give the same picture."""
 
 import io
 

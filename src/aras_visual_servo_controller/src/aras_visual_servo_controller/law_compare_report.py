@@ -1,4 +1,4 @@
-"""Results of a comparison of laws: comparison.csv, comparison.{png,pdf}, comparison.html; the table for the terminal."""
+"""Results of a comparison of laws: comparison.{csv,png,pdf,html}, and the table for the terminal."""
 
 import base64
 import csv

@@ -43,7 +43,8 @@ def read_run(source):
     """A run to compare.
 
     Args:
-        source: name of a scenario or path of a YAML file, which is then run in this process; or a bag, or a folder of bags.
+        source: name of a scenario or path of a YAML file, which is then run in this process; or a bag, or a folder of
+            bags.
     Raises:
         ParameterError, BagError: no such scenario; no run in there.
     """

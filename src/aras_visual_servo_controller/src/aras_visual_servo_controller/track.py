@@ -1,4 +1,4 @@
-"""How a run goes home, for figures: true distance, angle, retreat, and the target's way through the image. numpy only."""
+"""How a run goes home, for figures: true distance, angle, retreat, and the target's way through the image."""
 
 from dataclasses import dataclass, field
 
