@@ -6,9 +6,13 @@ pkg_check_modules(SIM_PHYSICS REQUIRED bullet-float64 urdfdom yaml-cpp console_b
 add_library(sim_physics OBJECT
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/articulated_body.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/articulated_body_bullet.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/contact_config.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/contact_shapes.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/contact_solver.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/floating_base.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/camera_sensor.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/gazebo_materials.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/free_body.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_controller.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_coupling.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_drive.cpp
@@ -24,6 +28,7 @@ add_library(sim_physics OBJECT
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/urdf_loader.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/urdf_text.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/urdf_mimic.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/world_contacts.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/world_impl.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/world_state.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/yaml_reader.cpp)

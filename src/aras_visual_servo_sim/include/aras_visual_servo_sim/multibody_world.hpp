@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "aras_visual_servo_sim/contact_config.hpp"
 #include "aras_visual_servo_sim/joint_controller.hpp"
 #include "aras_visual_servo_sim/robot_model.hpp"
 #include "aras_visual_servo_sim/types.hpp"
@@ -33,6 +34,7 @@ struct WorldConfig {
   Drive drive = Drive::kImplicit;
   double command_timeout_s = 0.0;             ///< a velocity command older than this (simulated) counts as 0; 0: never
   std::vector<ControllerConfig> controllers;  ///< joints without one are passive
+  ContactConfig contacts;                     ///< none by default
   Base base = Base::kFromModel;
   /** Initial pose of the root link, or of the child of a floating joint; default: the world frame, or that joint's
    *  origin. */
@@ -46,6 +48,15 @@ struct JointCommand {
   std::map<std::string, double> effort;    ///< [N or N m]
 
   bool empty() const { return position.empty() && velocity.empty() && effort.empty(); }
+};
+
+/** Force at a point of contact. */
+struct ContactForce {
+  std::string a, b;          ///< links, solids, or `ground_plane`
+  Eigen::Vector3d point_W;   ///< [m]
+  Eigen::Vector3d normal_W;  ///< from b to a
+  double depth_m = 0.0;
+  Eigen::Vector3d force_W;  ///< on a [N]
 };
 
 /** The robot as an articulated body under gravity, its joint controllers, friction and limits.
@@ -79,6 +90,13 @@ class MultibodyWorld {
 
   /** As reset(q) for velocities, positions untouched; for experiments and tests. Mimic joints' entries follow. */
   void setJointVelocities(const Eigen::VectorXd& v);
+
+  /** Where something touched in the last step. */
+  std::vector<ContactForce> contacts() const;
+  /** Pose of an obstacle of the contacts. @throws UnknownNameError */
+  Pose obstaclePose(const std::string& obstacle) const;
+  /** Places an obstacle, at rest. @throws UnknownNameError, NotFiniteError */
+  void setObstaclePose(const std::string& obstacle, const Pose& X_WO);
 
   bool floatingBase() const;
   /** X_WB of the root link, or of the child of a floating joint. */

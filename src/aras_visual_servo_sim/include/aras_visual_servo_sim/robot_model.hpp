@@ -29,6 +29,12 @@ struct Visual {
   bool has_color = false;  ///< false: the URDF gave no material, `color` is the default grey
 };
 
+/** One <collision> of a link. */
+struct Collision {
+  Geometry geometry;
+  Pose X_link_collision;
+};
+
 /** kFloating: only as the one joint of the root link, whose child is then the robot's free base. */
 enum class JointType { kFixed, kRevolute, kContinuous, kPrismatic, kFloating };
 
@@ -64,6 +70,7 @@ struct Link {
   Eigen::Vector3d com_m = Eigen::Vector3d::Zero();          ///< in the link frame
   Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  ///< about the centre of mass, axes of the link frame
   std::vector<Visual> visuals;
+  std::vector<Collision> collisions;
 };
 
 /** A <gazebo reference="link"><sensor type="camera"> with its plugin's names; zero or empty where the tag was absent.

@@ -170,6 +170,10 @@ class Simulation {
   void makeWorld();
   static bool isDropped(const Camera& camera, std::int64_t frame);
   static std::int64_t nextFrame(const Camera& camera);
+  void readContacts(const PackagePaths& packages);
+  void stepTouching(std::int64_t n);
+  void showSolids();
+  void touchModel(const std::string& model);
   void passFrame(Camera& camera);
   void placeBodies();
   void holdStill();

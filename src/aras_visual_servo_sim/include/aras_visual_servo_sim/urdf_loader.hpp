@@ -10,7 +10,7 @@ namespace aras_visual_servo_sim {
  *  @param urdf_xml     the document itself
  *  @param source_name  file name used in messages
  *  @throws ModelError naming file, line, element, joint or link, the value found and the value allowed. Planar
- * joints and floating joints other than the root's are refused; collision shapes and unknown tags are ignored with a
+ * joints and floating joints other than the root's are refused; unknown tags are ignored with a
  * line in `warnings`. */
 RobotModel loadRobotModel(const std::string& urdf_xml, const std::string& source_name);
 

@@ -58,6 +58,8 @@ Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::No
   }
   for (const std::string& name : modelNames()) models_.starts[name] = placeOf(name);
 
+  if (faults.empty()) collect([&] { readContacts(packages); });
+
   initial_q_ = Eigen::VectorXd::Zero(model_.dofs());
   for (const auto& [joint, position] : config_.initial_positions) {
     collect([&, &joint = joint, &position = position] { initial_q_[model_.jointIndex(joint)] = position; });
@@ -132,7 +134,11 @@ void Simulation::step(std::int64_t n) {
       cameras_[k].unhashed_frame = -1;
       next = std::min(next, nextFrameTick(static_cast<int>(k)));
     }
-    world_->step(static_cast<int>(next - ticks()));
+    if (config_.world.contacts.any()) {
+      stepTouching(next - ticks());
+    } else {
+      world_->step(static_cast<int>(next - ticks()));
+    }
   }
   moveModels();
 }

@@ -69,6 +69,11 @@ SimulationConfig SimulationConfig::fromYaml(const YAML::Node& node) {
     config.initial_positions[joint] = positions.required<double>(joint);
   }
   readCameras(reader.raw("cameras"), config.cameras, faults);
+  try {
+    config.world.contacts = contactConfigFromYaml(reader.raw("contacts"));
+  } catch (const ParameterError& error) {
+    appendFaults(error.what(), faults);
+  }
   if (const YAML::Node scene = reader.raw("scene")) config.scene = scene;
   try {
     reader.finish();

@@ -44,6 +44,10 @@ void Simulation::addModel(ModelSet& set, Scene added) {
 
 void Simulation::deleteModel(const std::string& model) {
   placeOf(model);  // throws
+  for (const Obstacle& solid : config_.world.contacts.obstacles) {
+    if (solid.name != model) continue;
+    throw ParameterError("model '" + model + "': takes part in sim/contacts, must stay (it can be placed elsewhere)");
+  }
   keepBuilt();
   removeModel(models_, model);
   motions_.erase(model);

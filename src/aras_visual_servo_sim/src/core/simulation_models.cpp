@@ -43,6 +43,7 @@ void Simulation::setModelPose(const std::string& model, const Pose& X_WM) {
   place = X_WM;
   place.q.normalize();
   motions_.erase(model);
+  touchModel(model);
 }
 
 void Simulation::setModelMotion(const std::string& model, const std::optional<ModelMotion>& motion) {
@@ -56,6 +57,7 @@ void Simulation::setModelMotion(const std::string& model, const std::optional<Mo
 /** Every model where it started, the configured motions from now on. */
 void Simulation::startModels() {
   for (const auto& [name, X_WM] : models_.starts) placeOf(name) = X_WM;
+  for (const auto& [name, X_WM] : models_.starts) touchModel(name);
   motions_.clear();
   for (const auto& [name, motion] : models_.scene.motions) {
     motions_.emplace(name, MotionRun{motion, models_.starts.at(name), timeNs()});

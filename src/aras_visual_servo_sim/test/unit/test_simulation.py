@@ -215,3 +215,34 @@ def test_graphics_are_loaded_only_to_draw_a_body_in_view():
     files = [str(FOLDER / "pan_lift.urdf"), str(FOLDER / "sim.yaml")]
     done = subprocess.run([sys.executable, "-c", WITHOUT_GRAPHICS, *files], capture_output=True, text=True, check=False)
     assert done.stdout.split() == ["False", "False", "True"], done.stdout + done.stderr
+
+
+def test_a_free_body_of_the_scene_falls_on_the_ground_and_starts_again_after_reset():
+    solids = [{"name": "crate", "box_m": [0.1, 0.1, 0.1], "position_m": [0.5, 0.5, 0.2]}]
+    sim = make(contacts={"ground_plane": {"z_m": 0.0, "friction": 0.5}, "free_bodies": {"crate": 1.0}},
+               scene={"solids": solids})
+    assert sim.model_pose("crate")[2, 3] == 0.2
+    sim.step(1500)
+    depth = 9.81 / 1e6 / 4  # four corners, each a spring of 1e6 N/m
+    assert sim.model_pose("crate")[2, 3] == pytest.approx(0.05 - depth, abs=1e-8)
+    state = sim.save_state()
+    sim.set_model_pose("crate", [0.5, 0.5, 0.3], [0, 0, 0, 1])
+    sim.step(50)
+    fallen = sim.model_pose("crate")
+    assert 0.27 < fallen[2, 3] < 0.3
+    sim.restore_state(state)
+    assert sim.model_pose("crate")[2, 3] == pytest.approx(0.05 - depth, abs=1e-8)
+    sim.reset()
+    assert sim.model_pose("crate")[2, 3] == 0.2
+
+
+def test_memory_does_not_grow_with_steps():
+    def resident_kib():
+        with open("/proc/self/statm") as file:
+            return int(file.read().split()[1]) * 4
+
+    sim = make()
+    sim.step(10000)
+    before = resident_kib()
+    sim.step(200000)
+    assert resident_kib() - before < 1024

@@ -22,9 +22,6 @@ Matrix3d rotationAbout(const Vector3d& axis, double angle_rad) {
   return Eigen::AngleAxisd(angle_rad, axis).toRotationMatrix();
 }
 
-constexpr int kOnBase = -1;
-constexpr int kOnWorld = -2;
-
 }  // namespace
 
 ArticulatedBody::ArticulatedBody(const RobotModel& model, const Vector3d& gravity_m_s2, bool floating, const Pose& X_WB)
@@ -210,6 +207,30 @@ Twist ArticulatedBody::linkTwist(int link, const Eigen::VectorXd& v) const {
   Twist V_WL_L;
   V_WL_L << X_WL.q.conjugate() * linear, X_WL.q.conjugate() * angular;
   return V_WL_L;
+}
+
+bool ArticulatedBody::adjacent(int one, int other) const {
+  const int a = std::max(link_body_[one], -1);
+  const int b = std::max(link_body_[other], -1);
+  return a == b || (a >= 0 && bodies_[a].parent == b) || (b >= 0 && bodies_[b].parent == a);
+}
+
+void ArticulatedBody::addPointRows(
+    int link, const Vector3d& p_W, const Matrix3d& axes, const JointCoupling& coupling,
+    Eigen::Ref<Eigen::Matrix<double, 3, Eigen::Dynamic>, 0, Eigen::OuterStride<>> rows) const {
+  const auto add = [&](int joint, const Vector3d& velocity) {
+    for (int k = 0; k < 3; ++k) coupling.add(joint, velocity[k], rows.row(k));
+  };
+  for (int body = link_body_[link]; body >= 0; body = bodies_[body].parent) {
+    const Frame& frame = frames_[body];
+    add(bodies_[body].index, axes * (bodies_[body].prismatic ? frame.axis : frame.axis.cross(p_W - frame.p)));
+  }
+  if (!base_) return;
+  const Vector3d arm = p_W - base_->com();
+  for (int joint = 0; joint < dofs(); ++joint) {
+    const Twist response = base_->response().col(joint);
+    add(joint, -(axes * (response.head<3>() + response.tail<3>().cross(arm))));
+  }
 }
 
 double ArticulatedBody::potentialEnergy() const {

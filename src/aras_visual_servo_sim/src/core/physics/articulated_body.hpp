@@ -9,6 +9,7 @@
 #include "aras_visual_servo_sim/robot_model.hpp"
 #include "aras_visual_servo_sim/types.hpp"
 #include "floating_base.hpp"
+#include "joint_coupling.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -42,11 +43,22 @@ class ArticulatedBody {
 
   Pose linkPose(int link) const;
   Twist linkTwist(int link, const Eigen::VectorXd& v) const;
+  /** Whether a link can move at all. */
+  bool moves(int link) const { return link_body_[link] >= 0 || (base_ && link_body_[link] != kOnWorld); }
+  /** Whether two links are carried by one body, or by two with one joint between them. */
+  bool adjacent(int one, int other) const;
+  /** Adds the velocities along three axes (rows) at a point of a link, over the coordinates; with a free base those it
+   *  has by the joints, the base following them. */
+  void addPointRows(int link, const Eigen::Vector3d& p_W, const Eigen::Matrix3d& axes, const JointCoupling& coupling,
+                    Eigen::Ref<Eigen::Matrix<double, 3, Eigen::Dynamic>, 0, Eigen::OuterStride<>> rows) const;
   double potentialEnergy() const;
   /** Of joint velocities v and of the base; after massMatrix(M). */
   double kineticEnergy(const std::vector<double>& M, const Eigen::VectorXd& v) const;
 
  private:
+  static constexpr int kOnBase = -1;
+  static constexpr int kOnWorld = -2;
+
   struct Body {
     int parent = -1;  // of bodies_, -1: the base or the world
     int index = 0;    // into joint_names

@@ -42,8 +42,8 @@ void FloatingBase::eliminate(double mass, const Vector3d& first, const Matrix3d&
   M_bb_.bottomLeftCorner<3, 3>() = cross(moment);
   M_bb_.bottomRightCorner<3, 3>() = R_ * inertia_kg_m2_ * R_.transpose() + second + S * F + F * S - mass * S * S;
   response_ = M_bj_;
-  const Eigen::LLT<Eigen::Matrix<double, 6, 6>> factor(M_bb_);
-  factor.solveInPlace(response_);
+  factor_.compute(M_bb_);
+  factor_.solveInPlace(response_);
   const int n = static_cast<int>(M_bj_.cols());
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j <= i; ++j) {

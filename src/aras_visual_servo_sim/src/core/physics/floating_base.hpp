@@ -30,6 +30,16 @@ class FloatingBase {
   const Twist& velocity() const { return v_; }
   void setVelocity(const Twist& v) { v_ = v; }
   void setFreeVelocity(const Twist& v) { v_free_ = v; }
+  /** Lets an impulse [linear; angular about the centre of mass] act in the step to come. */
+  void addImpulse(const Twist& impulse) { v_free_ += factor_.solve(impulse); }
+  /** M_bb^-1 f, column by column; after eliminate(). */
+  Eigen::Matrix<double, 6, Eigen::Dynamic> answer(const Eigen::Matrix<double, 6, Eigen::Dynamic>& f) const {
+    return factor_.solve(f);
+  }
+  /** What the base would do at the end of the step if the joints stood still then, having v_free freely. */
+  Twist velocityWithJointsHeld(const Eigen::VectorXd& v_free) const { return v_free_ + response_ * v_free; }
+  /** M_bb^-1 M_bj, (6, n). */
+  const Eigen::Matrix<double, 6, Eigen::Dynamic>& response() const { return response_; }
 
   /** Momentum of what joint `index` carries when it alone moves at unit rate: linear P, and L about the world origin.
    */
@@ -54,6 +64,7 @@ class FloatingBase {
   Eigen::Matrix3d R_ = Eigen::Matrix3d::Identity();
   Twist v_ = Twist::Zero(), v_free_ = Twist::Zero();
   Eigen::Matrix<double, 6, 6> M_bb_ = Eigen::Matrix<double, 6, 6>::Identity();
+  Eigen::LLT<Eigen::Matrix<double, 6, 6>> factor_;
   Eigen::Matrix<double, 6, Eigen::Dynamic> M_bj_, response_;  // response: M_bb^-1 M_bj
 };
 

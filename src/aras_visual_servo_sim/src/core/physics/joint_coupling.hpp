@@ -27,6 +27,11 @@ class JointCoupling {
 
   /** Position a joint has at the positions of the others. */
   double position(int joint, const Eigen::VectorXd& q) const;
+  /** Adds a row over the joints' velocities, entry by entry, to one over the coordinates'. */
+  template <typename Row>
+  void add(int joint, double entry, Row&& row) const {
+    row[coordinate_[joint]] += multiplier_[joint] * entry;
+  }
   /** Sets the entries of the followers from those of the joints they follow. */
   void complete(Eigen::VectorXd& q, Eigen::VectorXd& v) const;
 

@@ -24,17 +24,21 @@ class JointSolver {
   void solve(const std::vector<double>& M, const Eigen::VectorXd& v_free, const std::vector<JointGraph>& graphs,
              double dt_s, Eigen::VectorXd& v, Eigen::VectorXd& effort);
 
+  /** Where a joint's velocity lies on its graph. */
+  struct Piece {
+    int k;  // segment, or point when vertical
+    bool vertical;
+    bool operator==(const Piece& other) const { return k == other.k && vertical == other.vertical; }
+  };
+  /** Of the last solution. */
+  const std::vector<Piece>& pieces() const { return pieces_; }
+
   /** Linear systems solved so far, for tests and benchmarks. */
   long iterations() const { return iterations_; }
   /** Steps that needed Gauss-Seidel. */
   long fallbacks() const { return fallbacks_; }
 
  private:
-  struct Piece {
-    int k;  // segment, or point when vertical
-    bool vertical;
-  };
-
   void solvePieces(const std::vector<double>& M, const Eigen::VectorXd& v_free, const std::vector<JointGraph>& graphs,
                    double dt_s, Eigen::VectorXd& v, Eigen::VectorXd& effort);
   void keepInPieces(const std::vector<JointGraph>& graphs, Eigen::VectorXd& v) const;

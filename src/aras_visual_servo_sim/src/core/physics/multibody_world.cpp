@@ -59,6 +59,29 @@ void MultibodyWorld::setJointVelocities(const Eigen::VectorXd& v) {
   impl_->coupling.complete(impl_->q, impl_->v);
 }
 
+std::vector<ContactForce> MultibodyWorld::contacts() const {
+  std::vector<ContactForce> forces;
+  if (!impl_->contacts) return forces;
+  const auto& points = impl_->contacts->points();
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    forces.push_back({impl_->contacts->nameOf(points[k].a), impl_->contacts->nameOf(points[k].b), points[k].point,
+                      points[k].normal, points[k].depth_m, impl_->contacts->force(k)});
+  }
+  return forces;
+}
+
+Pose MultibodyWorld::obstaclePose(const std::string& obstacle) const {
+  return impl_->contacts->obstaclePose(impl_->obstacle(obstacle));
+}
+
+void MultibodyWorld::setObstaclePose(const std::string& obstacle, const Pose& X_WO) {
+  const std::size_t index = impl_->obstacle(obstacle);
+  if (!X_WO.p.allFinite() || !X_WO.q.coeffs().allFinite()) {
+    throw NotFiniteError("solid '" + obstacle + "': pose is not finite");
+  }
+  impl_->contacts->placeObstacle(index, {X_WO.p, X_WO.q.normalized()});
+}
+
 bool MultibodyWorld::floatingBase() const { return impl_->body.base() != nullptr; }
 
 Pose MultibodyWorld::basePose() const {

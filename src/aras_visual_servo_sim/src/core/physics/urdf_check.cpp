@@ -81,7 +81,7 @@ void checkInertial(const UrdfSource& source, const XMLElement& inertial, const s
   const XMLElement* mass = inertial.FirstChildElement("mass");
   if (!mass) source.fail(inertial, owner + ": <mass> is missing, must be there");
   const double mass_kg = numbersOf(source, *mass, "value", 1, owner)[0];
-  if (mass_kg <= 0.0) source.fail(*mass, owner + ": mass is " + shown(mass_kg) + ", must be > 0");
+  if (mass_kg < 0.0) source.fail(*mass, owner + ": mass is " + shown(mass_kg) + ", must be >= 0");
   const XMLElement* inertia = inertial.FirstChildElement("inertia");
   if (!inertia) source.fail(inertial, owner + ": <inertia> is missing, must be there");
   const auto entry = [&](const char* key) { return numbersOf(source, *inertia, key, 1, owner)[0]; };
@@ -93,12 +93,15 @@ void checkInertial(const UrdfSource& source, const XMLElement& inertial, const s
   tensor(0, 2) = tensor(2, 0) = entry("ixz");
   tensor(1, 2) = tensor(2, 1) = entry("iyz");
   const Eigen::Vector3d principal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(tensor).eigenvalues();
-  if (!(principal.minCoeff() > 0.0)) {
-    source.fail(*inertia, owner + ": inertia has the principal moment " + shown(principal.minCoeff()) +
-                              ", all must be > 0 (positive definite)");
-  }
-  // A solid disc meets the triangle inequality with equality: allow for the digits a file is written with.
+  // A frame without mass, as many files have for cameras and tools, has no inertia either.
+  if (mass_kg == 0.0 && !tensor.isZero(0.0)) source.warn(inertial, owner + ": mass is 0, its inertia is ignored");
+  // A solid disc meets the triangle inequality with equality, a rod has a moment of zero: allow for the digits a file
+  // is written with.
   constexpr double kWrittenDigits = 1e-3;
+  if (!(principal.minCoeff() >= -kWrittenDigits * principal.cwiseAbs().maxCoeff())) {
+    source.fail(*inertia, owner + ": inertia has the principal moment " + shown(principal.minCoeff()) +
+                              ", all must be >= 0 (positive semidefinite)");
+  }
   if (principal(2) > (principal(0) + principal(1)) * (1.0 + kWrittenDigits)) {
     source.warn(*inertia, owner + ": principal moments break the triangle inequality, no rigid body has them");
   }
@@ -302,7 +305,7 @@ void checkUrdf(const UrdfSource& source, const XMLElement& robot) {
     static const std::set<std::string> kUsed = {"link", "joint", "material", "transmission", "gazebo"};
     if (!kUsed.count(child->Name())) source.warn(*child, "ignored");
   }
-  if (has_collision) source.warn(robot, "<collision> shapes are ignored: there is no contact");
+  if (has_collision) source.warn(robot, "<collision> shapes count only for what sim/contacts names");
 }
 
 }  // namespace aras_visual_servo_sim

@@ -51,8 +51,10 @@ void readTransmissions(const UrdfSource& source, const XMLElement& robot, RobotM
         joint->hardware_interfaces.push_back(slash == std::string::npos ? text : text.substr(slash + 1));
       }
     }
-    const double reduction = actuator ? childNumber(source, actuator, "mechanicalReduction") : 0.0;
-    if (reduction != 0.0 && reduction != 1.0) source.warn(*transmission, "mechanicalReduction is ignored");
+    const std::string reduction = childText(actuator, "mechanicalReduction");
+    if (!reduction.empty() && std::strtod(reduction.c_str(), nullptr) != 1.0) {
+      source.warn(*transmission, "mechanicalReduction '" + reduction + "' is ignored");
+    }
   }
 }
 

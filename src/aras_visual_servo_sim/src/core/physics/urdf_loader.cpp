@@ -85,7 +85,7 @@ Link toLink(const urdf::Link& from, int parent_joint) {
   Link to;
   to.name = from.name;
   to.parent_joint = parent_joint;
-  if (from.inertial) {
+  if (from.inertial && from.inertial->mass > 0.0) {
     const auto& inertial = *from.inertial;
     const Pose X_link_com = toPose(inertial.origin);
     Eigen::Matrix3d tensor;
@@ -95,6 +95,9 @@ Link toLink(const urdf::Link& from, int parent_joint) {
     to.mass_kg = inertial.mass;
     to.com_m = X_link_com.p;
     to.inertia_kg_m2 = R * tensor * R.transpose();
+  }
+  for (const auto& collision : from.collision_array) {
+    if (collision->geometry) to.collisions.push_back({toGeometry(*collision->geometry), toPose(collision->origin)});
   }
   for (const auto& visual : from.visual_array) to.visuals.push_back(toVisual(*visual, from.name));
   return to;

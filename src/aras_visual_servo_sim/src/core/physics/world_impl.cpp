@@ -50,6 +50,10 @@ MultibodyWorld::Impl::Impl(const RobotModel& the_model, const WorldConfig& the_c
   M.resize(static_cast<std::size_t>(n) * n);
   M_c.resize(static_cast<std::size_t>(coordinates) * coordinates);
   makeDrives();
+  body.setPositions(q);
+  if (config.contacts.any()) {
+    contacts = std::make_unique<WorldContacts>(model, config.contacts, body, config.gravity_m_s2, config.period_s);
+  }
   start();
 }
 
@@ -89,6 +93,7 @@ void MultibodyWorld::Impl::start() {
   coupling.complete(q, v);
   for (std::size_t c = 0; c < drives.size(); ++c) drives[c].start(q[coupling.joint(static_cast<int>(c))]);
   placeBase(initialBasePose());
+  if (contacts) contacts->reset();
 }
 
 void MultibodyWorld::Impl::placeBase(const Pose& X_WB) {
@@ -109,11 +114,14 @@ void MultibodyWorld::Impl::step() {
   }
   body.massMatrix(M);
   body.freeVelocities(v, dt, v_free);
-  if (coupling.any()) {
-    coupling.reduce(M, v_free, M_c, v_free_c);
-    solver.solve(M_c, v_free_c, graphs, dt, v_next, total);
+  if (coupling.any()) coupling.reduce(M, v_free, M_c, v_free_c);
+  const auto& M_used = coupling.any() ? M_c : M;
+  const auto& v_free_used = coupling.any() ? v_free_c : v_free;
+  if (contacts) {
+    contacts->prepare(body, coupling, v_free);
+    contacts->solve(M_used, v_free_used, graphs, solver, v_next, total);
   } else {
-    solver.solve(M, v_free, graphs, dt, v_next, total);
+    solver.solve(M_used, v_free_used, graphs, dt, v_next, total);
   }
   checkVelocities();
   for (int c = 0; c < coordinates; ++c) {
@@ -125,6 +133,7 @@ void MultibodyWorld::Impl::step() {
     v[i] = v_next[c];
   }
   if (coupling.any()) coupling.complete(q, v);
+  if (contacts) contacts->finish(body);
   if (body.base()) body.base()->advance(v, v_free, dt);
   body.setPositions(q);
   ++ticks;
@@ -160,6 +169,17 @@ JointDrive& MultibodyWorld::Impl::driveOf(const std::string& controller) {
     known += (known.empty() ? "" : ", ") + drive.controller().name;
   }
   throw UnknownNameError("controller '" + controller + "' does not exist, allowed: " + known);
+}
+
+std::size_t MultibodyWorld::Impl::obstacle(const std::string& name) const {
+  std::string known;
+  if (contacts) {
+    for (std::size_t k = 0; k < contacts->obstacles().size(); ++k) {
+      if (contacts->obstacles()[k].name == name) return k;
+      known += (known.empty() ? "" : ", ") + contacts->obstacles()[k].name;
+    }
+  }
+  throw UnknownNameError("solid '" + name + "': takes no part in the contacts, those that do are: " + known);
 }
 
 void MultibodyWorld::Impl::checkBase(const std::string& what, bool finite) const {

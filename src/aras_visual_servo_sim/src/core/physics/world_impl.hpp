@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "joint_coupling.hpp"
 #include "joint_drive.hpp"
 #include "joint_solver.hpp"
+#include "world_contacts.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -36,6 +38,8 @@ class MultibodyWorld::Impl {
   const JointDrive& driveOf(int joint) const { return drives[coupling.coordinate(joint)]; }
   JointDrive& driveOf(const std::string& controller);
 
+  /** Index of an obstacle of the contacts. @throws UnknownNameError */
+  std::size_t obstacle(const std::string& name) const;
   void checkBase(const std::string& what, bool finite) const;
   /** A mimic joint that is named must be where what it follows puts it. */
   void checkFollower(int joint, const Eigen::VectorXd& wanted) const;
@@ -53,7 +57,8 @@ class MultibodyWorld::Impl {
   JointCoupling coupling;
   ArticulatedBody body;
   JointSolver solver;
-  std::vector<JointDrive> drives;  // of the coordinates
+  std::unique_ptr<WorldContacts> contacts;  // null: nothing touches
+  std::vector<JointDrive> drives;           // of the coordinates
   std::vector<JointGraph> graphs;
   std::vector<double> M, M_c;               // of the joints, of the coordinates
   Eigen::VectorXd q, v, v_free, effort;     // of the joints

@@ -18,6 +18,21 @@ void visitBase(Stream& stream, FloatingBase& base) {
 }
 
 template <typename Stream>
+void visitContacts(Stream& stream, WorldContacts& contacts) {
+  for (std::size_t i = 0; i < contacts.obstacles().size(); ++i) {
+    Pose pose = contacts.obstaclePose(i);
+    for (int k = 0; k < 3; ++k) stream.value(pose.p[k]);
+    for (int k = 0; k < 4; ++k) stream.value(pose.q.coeffs()[k]);
+    contacts.restoreObstacle(i, pose);
+  }
+  for (FreeBody& body : contacts.freeBodies()) {
+    Twist velocity = body.velocity();
+    for (int k = 0; k < 6; ++k) stream.value(velocity[k]);
+    body.restore(body.pose(), velocity);
+  }
+}
+
+template <typename Stream>
 void visitMemory(Stream& stream, DriveMemory& memory) {
   for (double* value : {&memory.set_point, &memory.soft_position, &memory.velocity_command, &memory.process_value,
                         &memory.process_value_dot, &memory.error, &memory.command, &memory.gains.p, &memory.gains.i,
@@ -42,10 +57,14 @@ void MultibodyWorld::Impl::visitState(Stream& stream) {
   }
   for (auto& drive : drives) visitMemory(stream, drive.memory());
   if (body.base()) visitBase(stream, *body.base());
+  if (contacts) visitContacts(stream, *contacts);
 }
 
 std::string MultibodyWorld::Impl::signature() const {
   std::string text = model.name + '\n' + shown(config.period_s) + (body.base() ? " floating" : "");
+  if (contacts) {
+    for (const Obstacle& obstacle : contacts->obstacles()) text += "\nsolid " + obstacle.name;
+  }
   for (const auto& drive : drives) {
     text += '\n' + drive.joint().name;
     if (drive.hasController())

@@ -75,7 +75,7 @@ TEST(UrdfLoader, WarnsOfWhatItIgnores) {
   for (const auto& warning : model.warnings) all += warning + "\n";
   EXPECT_HAS(all, "<odour>: link 'camera': ignored");
   EXPECT_HAS(all, "<mystery>: ignored");
-  EXPECT_HAS(all, "<collision> shapes are ignored");
+  EXPECT_HAS(all, "<collision> shapes count only for what sim/contacts names");
 }
 
 TEST(UrdfLoader, WarnsOfImpossiblePrincipalMoments) {
@@ -91,6 +91,19 @@ TEST(UrdfLoader, FixedJointsKeepFramesThatCanBeAsked) {
   MultibodyWorld world(modelOf(readUrdf("two_link_full.urdf")), weightless());
   const Pose X = world.linkPose("lower").inverse() * world.linkPose("camera");
   EXPECT_LT((X.p - Eigen::Vector3d(0.0, 0.01, 0.02)).norm(), 1e-15);  // a few eps of coordinates near 1
+}
+
+TEST(UrdfLoader, FramesWithoutMassAndPointMassesAreAllowedWhereOthersMove) {
+  const RobotModel model =
+      modelOf(broken("<link name=\"camera\"/>",
+                     "<link name=\"camera\"><inertial><mass value=\"0\"/><inertia ixx=\"0\" ixy=\"0\" "
+                     "ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"0\"/></inertial></link>"));
+  EXPECT_EQ(model.links[model.linkIndex("camera")].mass_kg, 0.0);
+  std::string urdf = broken("ixx=\"0.002\" iyy=\"0.003\" izz=\"0.004\"", "ixx=\"0\" iyy=\"0\" izz=\"0\"");
+  MultibodyWorld(modelOf(urdf), weightless()).step(10);  // it slides: its mass is enough
+  urdf = replaced(readUrdf("slider.urdf"), "mass value=\"3.0\"", "mass value=\"0\"");
+  EXPECT_HAS(messageOf<ModelError>([&] { MultibodyWorld(modelOf(urdf), WorldConfig{}); }),
+             "joint 'slide': inertia it moves is 0, must be > 0");
 }
 
 struct BadCase {
@@ -114,8 +127,8 @@ const BadCase kBadCases[] = {
     {"no limit", "<limit lower=\"-0.1\" upper=\"0.3\" effort=\"50\" velocity=\"2\"/>", "",
      "joint 'a_slide': <limit> is missing"},
     {"inertia not positive definite", "ixy=\"0.001\"", "ixy=\"0.1\"", "link 'upper': inertia has the principal moment"},
-    {"zero inertia", "ixx=\"0.002\"", "ixx=\"0\"", "link 'lower': inertia has the principal moment 0, all must be > 0"},
-    {"zero mass", "<mass value=\"0.5\"/>", "<mass value=\"0\"/>", "link 'lower': mass is 0, must be > 0"},
+    {"negative inertia", "ixx=\"0.002\"", "ixx=\"-0.002\"", "link 'lower': inertia has the principal moment -0.002"},
+    {"negative mass", "<mass value=\"0.5\"/>", "<mass value=\"-1\"/>", "link 'lower': mass is -1, must be >= 0"},
     {"NaN mass", "<mass value=\"0.5\"/>", "<mass value=\"nan\"/>",
      "link 'lower': value is 'nan', must be a finite number"},
     {"infinite origin", "xyz=\"0 0 -0.4\"", "xyz=\"0 0 inf\"", "joint 'a_slide': xyz is '0 0 inf', must be 3 finite"},
