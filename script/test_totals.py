@@ -1,18 +1,31 @@
 """Adds up the JUnit files of a test run and prints `N passed, N failed`; exit code 1 unless all passed.
 
-A command that failed although none of its tests did (a crash, no results written) counts as one failure.
+A command that failed although none of its tests did (a crash, no results written) counts as one failure, and so does
+a file that cannot be read or holds no test: rostest calls it a success.
 """
 import pathlib
 import sys
 import xml.etree.ElementTree as ElementTree
 
 
+def cases_of(path):
+    """Test cases of a JUnit file, none if it is not one."""
+    try:
+        return list(ElementTree.parse(path).getroot().iter("testcase"))
+    except ElementTree.ParseError:
+        return []
+
+
 def main(folder):
     passed, failed, skipped = 0, 0, 0
     names_of_failed = []
     for path in sorted(folder.rglob("*.xml")):
-        # rostest writes one file for itself and one for each test in it: cases are counted once, by name.
-        for case in ElementTree.parse(path).getroot().iter("testcase"):
+        # rostest writes one file for itself, a case for each program it started, and one for each program's tests.
+        cases = cases_of(path)
+        if not cases:
+            failed += 1
+            names_of_failed.append("%s: no test in it" % path.relative_to(folder))
+        for case in cases:
             kinds = {child.tag for child in case}
             if kinds & {"failure", "error"}:
                 failed += 1

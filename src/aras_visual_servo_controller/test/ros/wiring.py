@@ -116,7 +116,8 @@ class FakePlant:
         return self._features_publisher.get_num_connections() > 0 and self._joints_publisher.get_num_connections() > 0
 
     def _on_set_reference(self, request):
-        return self._response(True, "", self.features(rospy.Time.now(), z_star_m=request.z_star_m))
+        reference = self.features(rospy.Time.now(), z_star_m=request.z_star_m)
+        return self._response(success=True, reference=reference)
 
     @staticmethod
     def features(stamp, **changes):
