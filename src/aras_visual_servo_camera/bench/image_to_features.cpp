@@ -41,6 +41,39 @@ VisionConfig withSegmentation(SegmentationMethod method) {
   return config;
 }
 
+VisionConfig withBlobs() {
+  VisionConfig config;
+  config.points = PointSource::kBlobs;
+  config.point_count = 1;
+  return config;
+}
+
+VisionConfig withMostSimilar() {
+  VisionConfig config;
+  config.component = ComponentChoice::kMostSimilar;
+  return config;
+}
+
+VisionConfig withKernel() {
+  VisionConfig config;
+  config.kernel.emplace();
+  return config;
+}
+
+/** A rectangle: the blob has no corners. */
+void corners(benchmark::State& state, bool distorted) {
+  const CameraIntrinsics camera = testCamera(distorted);
+  const GreyImage image = coverageImage(project(rectangle(0.17, 0.12), {0.02, 0.01, 0.5, 0.4, 0.1, 0.05}), camera);
+  const std::vector<std::uint8_t> rgb = toRgb(image);
+  const ImageView view{rgb.data(), image.width, image.height, static_cast<std::size_t>(3) * image.width,
+                       PixelFormat::kRgb8};
+  VisionConfig config;
+  config.points = PointSource::kCorners;
+  MomentExtractor extractor(camera, config);
+  for (auto _ : state) benchmark::DoNotOptimize(extractor.process(view).area);
+  if (!extractor.features().valid) state.SkipWithError("the corners were not found");
+}
+
 VisionConfig withGivenGreys() {
   VisionConfig config;
   config.object_grey = kObjectGrey;
@@ -57,6 +90,11 @@ void coverageDistorted(benchmark::State& s) { run(s, VisionConfig(), kUsual_m, t
 void coverageNoisy(benchmark::State& s) { run(s, VisionConfig(), kUsual_m, false, false, 5.0); }
 void coverageLargeObject(benchmark::State& s) { run(s, VisionConfig(), kLarge_m, false, false); }
 void coverageLargeObjectDistorted(benchmark::State& s) { run(s, VisionConfig(), kLarge_m, true, false); }
+void fourCorners(benchmark::State& s) { corners(s, false); }
+void fourCornersDistorted(benchmark::State& s) { corners(s, true); }
+void oneBlob(benchmark::State& s) { run(s, withBlobs(), kUsual_m, false, false); }
+void mostSimilar(benchmark::State& s) { run(s, withMostSimilar(), kUsual_m, false, false); }
+void kernelProjections(benchmark::State& s) { run(s, withKernel(), kUsual_m, false, false); }
 void fixed(benchmark::State& s) { run(s, withSegmentation(SegmentationMethod::kFixed), kUsual_m, false, false); }
 void otsu(benchmark::State& s) { run(s, withSegmentation(SegmentationMethod::kOtsu), kUsual_m, false, false); }
 void adaptive(benchmark::State& s) { run(s, withSegmentation(SegmentationMethod::kAdaptive), kUsual_m, false, false); }
@@ -95,6 +133,11 @@ BENCHMARK(coverageDistorted)->Unit(benchmark::kMicrosecond);
 BENCHMARK(coverageNoisy)->Unit(benchmark::kMicrosecond);
 BENCHMARK(coverageLargeObject)->Unit(benchmark::kMicrosecond);
 BENCHMARK(coverageLargeObjectDistorted)->Unit(benchmark::kMicrosecond);
+BENCHMARK(fourCorners)->Unit(benchmark::kMicrosecond);
+BENCHMARK(fourCornersDistorted)->Unit(benchmark::kMicrosecond);
+BENCHMARK(oneBlob)->Unit(benchmark::kMicrosecond);
+BENCHMARK(mostSimilar)->Unit(benchmark::kMicrosecond);
+BENCHMARK(kernelProjections)->Unit(benchmark::kMicrosecond);
 BENCHMARK(fixed)->Unit(benchmark::kMicrosecond);
 BENCHMARK(otsu)->Unit(benchmark::kMicrosecond);
 BENCHMARK(adaptive)->Unit(benchmark::kMicrosecond);

@@ -10,6 +10,7 @@
 
 namespace aras_visual_servo_camera {
 
+class KernelProjection;
 class PointFeatures;
 
 /** Image in, features out: segmentation, moments, features. Not thread-safe; same images, same bits. */
@@ -48,6 +49,7 @@ class MomentExtractor {
   std::unique_ptr<MomentAccumulator> accumulator_;
   Segmentation segmentation_;
   FeatureBuilder builder_;
+  std::unique_ptr<KernelProjection> kernel_;
   std::unique_ptr<PointFeatures> points_;  // none: nothing is spent on points
   MomentFeatures features_;
   ObjectMask nothing_;

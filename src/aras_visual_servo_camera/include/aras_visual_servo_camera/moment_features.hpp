@@ -33,6 +33,7 @@ struct MomentFeatures {
   std::vector<double> m;
   std::vector<double> mu;
   std::vector<double> point_x, point_y;
+  std::vector<double> kernel_x, kernel_y;
 };
 
 /** Third-order centred moments (mu30, mu21, mu12, mu03). */

@@ -51,6 +51,11 @@ struct VisionConfig {
   PointSource points = PointSource::kNone;
   /** How many: corners of the outline (3 or more), or objects. */
   int point_count = 4;
+  /** Projections of the object onto the kernels X^-p and Y^-q; nothing of it is computed when absent. */
+  struct Kernel {
+    double p = 1.0, q = 1.0;  ///< exponents, > 0
+  };
+  std::optional<Kernel> kernel;
   /** Luminance of the whole image as the feature, beside the moments; nothing of it is computed when absent. */
   std::optional<PhotometricConfig> photometric;
 };

@@ -1,6 +1,7 @@
 #include "aras_visual_servo_camera/moment_extractor.hpp"
 
 #include "aras_visual_servo_camera/errors.hpp"
+#include "kernel_projection.hpp"
 #include "point_features.hpp"
 
 namespace aras_visual_servo_camera {
@@ -18,6 +19,7 @@ MomentExtractor::~MomentExtractor() = default;
 void MomentExtractor::setIntrinsics(const CameraIntrinsics& intrinsics) {
   map_ = std::make_unique<PixelMap>(intrinsics);
   accumulator_ = std::make_unique<MomentAccumulator>(*map_, config_.order);
+  if (config_.kernel) kernel_ = std::make_unique<KernelProjection>(*map_, config_.kernel->p, config_.kernel->q);
   if (config_.points != PointSource::kNone) {
     auto points = std::make_unique<PointFeatures>(config_, *map_);
     if (points_) points->takeReference(*points_);
@@ -42,6 +44,7 @@ const MomentFeatures& MomentExtractor::process(const ImageView& image) {
   const int hard_area_px = mask_->soft_edges ? 0 : mask_->area_px;
   features_ = builder_.build({mask_->visible, cut, mask_->components, mask_->ambiguous, hard_area_px}, m);
   if (points_) points_->write(builder_.reference(), &features_);
+  if (kernel_) kernel_->write(*mask_, &features_);
   return features_;
 }
 
@@ -51,6 +54,7 @@ MomentFeatures MomentExtractor::rebuildFeatures() {
       {features_.target_visible, features_.touches_border, features_.components, features_.ambiguous, hard_area_px},
       features_.m);
   if (points_) points_->write(builder_.reference(), &features_);
+  if (kernel_) kernel_->write(*mask_, &features_);
   return features_;
 }
 

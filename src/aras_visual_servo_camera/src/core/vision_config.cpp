@@ -12,6 +12,7 @@ constexpr int kMaxPixels = 1 << 28;
 constexpr int kMaxOrder = 8;
 constexpr double kMaxRatio = 1e6;
 constexpr int kMaxImages = 1 << 20;
+constexpr double kMaxExponent = 8.0, kMinExponent = 0.01;
 constexpr int kMinCorners = 3, kMaxPoints = 32;
 
 std::optional<double> optionalGrey(YamlReader& reader, const std::string& key) {
@@ -70,6 +71,18 @@ VisionConfig readVisionConfig(const YAML::Node& node) {
       reader.fault("object_grey", std::to_string(*c.object_grey),
                    std::string(dark ? "at least 1 below" : "at least 1 above") + " background_grey, " +
                        std::to_string(*c.background_grey));
+  }
+  reader.ignore("kernel");
+  if (reader.has("kernel")) {
+    YamlReader section(node["kernel"], "vision/kernel");
+    c.kernel.emplace();
+    c.kernel->p = section.optionalNumber("p", kMinExponent, kMaxExponent, c.kernel->p);
+    c.kernel->q = section.optionalNumber("q", kMinExponent, kMaxExponent, c.kernel->q);
+    try {
+      section.finish();
+    } catch (const ParameterError& faults) {
+      reader.adopt(faults);
+    }
   }
   reader.ignore("photometric");
   if (reader.has("photometric")) {

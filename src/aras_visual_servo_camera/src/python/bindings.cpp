@@ -63,6 +63,8 @@ void bindFeatures(py::module_& module) {
       .def_readwrite("mu", &MomentFeatures::mu)
       .def_readwrite("point_x", &MomentFeatures::point_x)
       .def_readwrite("point_y", &MomentFeatures::point_y)
+      .def_readwrite("kernel_x", &MomentFeatures::kernel_x)
+      .def_readwrite("kernel_y", &MomentFeatures::kernel_y)
       .def("__repr__", &repr);
 }
 

@@ -73,6 +73,8 @@ aras_visual_servo_msgs::MomentFeatures toMessage(const MomentFeatures& f) {
   msg.mu = f.mu;
   msg.point_x = f.point_x;
   msg.point_y = f.point_y;
+  msg.kernel_x = f.kernel_x;
+  msg.kernel_y = f.kernel_y;
   return msg;
 }
 

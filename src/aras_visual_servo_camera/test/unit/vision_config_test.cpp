@@ -22,7 +22,7 @@ TEST(VisionConfig, ReadsEveryKey) {
       "{object: bright, segmentation: fixed, threshold: 100, object_grey: 200, background_grey: 30, min_contrast: 12, "
       "adaptive_block_px: 51, adaptive_offset: 7, component: nearest_to_previous, min_area_px: 9, order: 5, "
       "asymmetry_threshold: 0.1, orientation_threshold: 0.2, points: blobs, point_count: 5, "
-      "lost_area_px: 4, border_margin_px: 3, switch_ratio: 1.5, switch_images: 7}"));
+      "kernel: {p: 2, q: 3}, lost_area_px: 4, border_margin_px: 3, switch_ratio: 1.5, switch_images: 7}"));
   EXPECT_EQ(c.object, ObjectShade::kBright);
   EXPECT_EQ(c.segmentation, SegmentationMethod::kFixed);
   EXPECT_EQ(c.threshold, 100.0);
@@ -38,10 +38,19 @@ TEST(VisionConfig, ReadsEveryKey) {
   EXPECT_EQ(c.orientation_threshold, 0.2);
   EXPECT_EQ(c.points, PointSource::kBlobs);
   EXPECT_EQ(c.point_count, 5);
+  EXPECT_EQ(c.kernel.value().p, 2.0);
+  EXPECT_EQ(c.kernel.value().q, 3.0);
   EXPECT_EQ(c.lost_area_px.value(), 4);
   EXPECT_EQ(c.border_margin_px, 3);
   EXPECT_EQ(c.switch_ratio, 1.5);
   EXPECT_EQ(c.switch_images, 7);
+}
+
+TEST(VisionConfig, FaultsOfTheKernelAreListedWithTheOthers) {
+  EXPECT_FALSE(readVisionConfig(YAML::Load("{object: dark, segmentation: coverage}")).kernel.has_value());
+  const std::string faults = faultsOf("{object: dark, segmentation: coverage, order: 2, kernel: {p: 0, r: 1}}");
+  for (const char* part : {"vision/order", "vision/kernel/p: found '0'", "vision/kernel/r: found an unknown key"})
+    EXPECT_NE(faults.find(part), std::string::npos) << faults;
 }
 
 TEST(VisionConfig, PointsRequireTheirNumber) {

@@ -65,6 +65,8 @@ class Features:
     mu: Sequence[float] = ()
     point_x: Sequence[float] = ()
     point_y: Sequence[float] = ()
+    kernel_x: Sequence[float] = ()
+    kernel_y: Sequence[float] = ()
     age_s: float = nan
 
     @classmethod
@@ -195,9 +197,9 @@ class Reference:
 
 #: What of the taught view a reference keeps, beside its moments.
 VIEW_FIELDS = ("xn", "yn", "an", "alpha", "z_star_m", "area_star")
-#: ... and the followed points, where there are any.
-VIEW_POINTS = ("point_x", "point_y")
-_OPTIONAL = {"ambiguous": False, "point_x": (), "point_y": (), "age_s": nan}
+#: ... and the followed points and the kernel projections, where there are any.
+VIEW_POINTS = ("point_x", "point_y", "kernel_x", "kernel_y")
+_OPTIONAL = {"ambiguous": False, **dict.fromkeys(VIEW_POINTS, ()), "age_s": nan}
 
 
 def _view(source, faults):
@@ -205,13 +207,15 @@ def _view(source, faults):
     needed = {"moment_names", "m", "mu", *VIEW_FIELDS}
     if not isinstance(source, Mapping) or set(source) - set(VIEW_POINTS) != needed:
         allowed = ", ".join(("moment_names", "m", "mu", *VIEW_FIELDS))
-        faults.append(f"reference/view: found {source}, allowed {allowed} and, with points, {', '.join(VIEW_POINTS)}")
+        faults.append(f"reference/view: found {source}, allowed {allowed} and, if any, {', '.join(VIEW_POINTS)}")
         return None
     names = tuple(str(name) for name in source["moment_names"])
     m, mu = (_vector(source, key, len(names), faults) for key in ("m", "mu"))
     numbers = {key: float(_vector({key: [source[key]]}, key, 1, faults)[0]) for key in VIEW_FIELDS}
-    count = len(source.get("point_x", ()))
-    points = {key: _vector(source, key, count, faults).tolist() if count else () for key in VIEW_POINTS}
+    points = {}
+    for key in VIEW_POINTS:  # of a pair, both or neither
+        count = len(source.get(key[:-1] + "x", ()))
+        points[key] = _vector(source, key, count, faults).tolist() if count else ()
     return Features(target_visible=True, valid=True, has_reference=True, moment_names=names, m=m.tolist(),
                     mu=mu.tolist(), **numbers, **points)
 

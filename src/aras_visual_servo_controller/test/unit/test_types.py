@@ -36,6 +36,7 @@ def test_features_copy_any_object_and_give_moments_by_name():
     source = SimpleNamespace(**{field.name: 0.0 for field in fields(Features) if field.name != "age_s"})
     source.moment_names, source.m, source.mu = ["00", "10"], [2.0, 3.0], [2.0, 0.0]
     source.point_x, source.point_y = [0.1, 0.2], [0.3, 0.4]
+    source.kernel_x, source.kernel_y = [1.0], [2.0]
     copy = Features.from_object(source)
     source.m[0] = source.point_x[0] = 9.0
     assert copy.raw_moments() == {"00": 2.0, "10": 3.0}
