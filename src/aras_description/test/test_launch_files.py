@@ -64,7 +64,7 @@ def test_rviz_file_shows_robot_frames_images_markers_and_path():
     topics = {display["Class"]: display for display in displays}
     assert {"rviz/RobotModel", "rviz/TF", "rviz/Image", "rviz/MarkerArray", "rviz/Path"} <= set(topics)
     assert {display["Image Topic"] for display in displays if display["Class"] == "rviz/Image"} == {
-        NS + "/camera/image_raw", NS + "/camera/overlay"}
+        NS + "/camera/image_raw", NS + "/camera/overlay", NS + "/null_space_bars"}
     assert topics["rviz/MarkerArray"]["Marker Topic"] == NS + "/scene_markers"
     assert topics["rviz/Path"]["Topic"] == NS + "/camera_path"
 

@@ -157,6 +157,11 @@ class ArmMotion:
             free = (1.0 - part) * free + part * inverse.free_of_norm(wish, twist)
         return inverse.joint_velocity(twist) + free
 
+    def split(self, q, q_dot):
+        """((n,), (n,)): what of the joint velocities q_dot at q moves the camera, and what is null-space motion."""
+        null = self.at(q)[1].null_part(q_dot)
+        return q_dot - null, null
+
     def turning(self, q, q_dot, jacobian, inverse, dt_s):
         """Correction of q_dot for the Jacobian turning while it is held: makes the twist right half-way.
 

@@ -25,6 +25,7 @@ from aras_visual_servo_msgs.srv import SetReference, SetReferenceRequest, Teach,
 from . import ros_conversions as convert
 from .errors import ArasError, ParameterError
 from .float_commands import SetPointIntegrator
+from .null_space_topic import NullSpaceTopic
 from .pairing import StampPairer
 from .parameters import ControllerSetup
 from .session import Session
@@ -91,6 +92,7 @@ class ControllerNode:
             warnings.simplefilter("ignore", SyntaxWarning)
             self._command_publisher = rospy.Publisher("joint_command", JointState, queue_size=None, tcp_nodelay=True)
         self._state_publisher = rospy.Publisher("servo_state", ServoState, queue_size=200, tcp_nodelay=True)
+        self._bars = NullSpaceTopic(self._kinematics, self._servo)
         # actionlib's own timer would run on simulated time, a hundred times a second in a fast run: the worker does it.
         rospy.set_param("~actionlib_status_frequency", 0.0)
         self._server = actionlib.SimpleActionServer("servo", VisualServoAction, auto_start=False)
@@ -171,6 +173,7 @@ class ControllerNode:
     def _publish_state(self, record):
         message = convert.state_message(record, self._frame_id)
         self._state_publisher.publish(message)
+        self._bars.show(record, self._frame_id)
         if self._session.active:
             now_s = time.monotonic()
             if now_s - self._feedback_wall_s >= self._feedback_period_s:

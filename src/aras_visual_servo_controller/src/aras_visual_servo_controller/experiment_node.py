@@ -35,8 +35,8 @@ from .scenario import scenario_from_dict
 
 NODES = ("sim", "camera_node", "controller")
 # Topics of the namespace that are not recorded: they cost the run time and can be made from what is.
-NOT_RECORDED = ("camera/overlay", "camera/depth/", "/parameter_descriptions", "/parameter_updates", "/compressed",
-                "/theora", "/state")
+NOT_RECORDED = ("camera/overlay", "camera/depth/", "null_space_bars", "/parameter_descriptions", "/parameter_updates",
+                "/compressed", "/theora", "/state")
 OUTSIDE = ("/clock", "/tf", "/tf_static")
 PRIVATE_PARAMETERS = ("results_dir", "record", "record_groups", "record_split_mb", "record_compression", "video",
                       "startup_timeout_s", "stall_timeout_s", "exit_code_file")

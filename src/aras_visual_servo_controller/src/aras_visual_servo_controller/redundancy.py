@@ -84,6 +84,10 @@ class Inverse:
         """(n,) the part of the joint velocities `wish` that does not move the camera."""
         return self._ease * ((self._free * (self._Vt @ (wish / self._ease))) @ self._Vt)
 
+    def null_part(self, q_dot):
+        """(n,) the part of joint velocities q_dot that lies in the null space: along what counts as free (`FREE`)."""
+        return self._ease * (((self._free > 0.0) * (self._Vt @ (q_dot / self._ease))) @ self._Vt)
+
     def free_of_norm(self, wish, twist):
         """(n,) the part of `wish` that leaves the rate along the twist alone, and so that of the way to go (T41).
 

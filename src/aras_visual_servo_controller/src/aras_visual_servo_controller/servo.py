@@ -76,6 +76,10 @@ class Servo:
         """What of the camera it wants: `moments` (MomentFeatures) or `photometric` (PhotometricFeatures)."""
         return self._features.source
 
+    def split(self, q, q_dot):
+        """((n,), (n,)): what of the joint velocities q_dot at q moves the camera, and what is null-space motion."""
+        return self._arm.split(q, q_dot)
+
     def _make_law(self):
         return make_law(self.config.law, self.config.gains_per_s, self.config.law_setup)
 

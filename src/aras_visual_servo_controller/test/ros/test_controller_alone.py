@@ -5,8 +5,10 @@ import sys
 import unittest
 
 import rospy
+from sensor_msgs.msg import Image
 from std_srvs.srv import Trigger
 
+from aras_visual_servo_controller.null_space_bars import CAMERA
 from aras_visual_servo_msgs.msg import ServoState
 from aras_visual_servo_msgs.srv import SetReference, Teach
 from wiring import FakePlant, Watcher, call, wait_until
@@ -123,6 +125,18 @@ class ControllerAlone(unittest.TestCase):
         self.watcher.feedback = None
         state = wait_until(lambda: self.watcher.feedback, "feedback").feedback.state
         self.assertEqual(list(state.feature_names), ["xn", "yn", "an", "alpha"])
+
+    def test_shows_null_space_bars_while_somebody_looks(self):
+        self.begin_servo()
+        pictures = []
+        subscriber = rospy.Subscriber("null_space_bars", Image, pictures.append)
+        picture = wait_until(lambda: pictures, "a picture")[0]
+        subscriber.unregister()
+        self.assertEqual((picture.encoding, picture.step), ("rgb8", 3 * picture.width))
+        self.assertEqual(len(picture.data), picture.step * picture.height)
+        self.assertIn(picture.header.stamp.to_nsec(), self.watcher.states)
+        bar = bytes(CAMERA) * 3  # of a bar that is longer than a stroke of a letter
+        self.assertIn(bar, picture.data[picture.step * 80:])
 
     def test_a_goal_with_faults_is_refused_with_all_of_them(self):
         goal = self.watcher.send_goal("elsewhere", law="no_such_law", gains_per_s=[-1.0, 1.0, 1.0, 1.0])
