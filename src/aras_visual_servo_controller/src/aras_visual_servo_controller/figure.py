@@ -1,6 +1,6 @@
 """The six panels of the paper's figure, drawn from a RunRecord with matplotlib, without pyplot and a display.
 
-(a) desired image  (b) initial image  (c) their difference  (d) moment errors  (e) camera velocity
+(a) desired image  (b) initial image  (c) their difference  (d) feature errors  (e) camera velocity
 (f) path of the camera in the world, circle at the start, star at the goal.
 """
 

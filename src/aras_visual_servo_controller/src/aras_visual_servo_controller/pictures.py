@@ -4,7 +4,7 @@ import numpy as np
 
 PANELS = ("desired", "initial", "difference", "errors", "velocity", "path")
 TITLES = {"desired": "desired image", "initial": "initial image", "difference": "difference, initial $-$ desired",
-          "errors": "moment errors", "velocity": "camera velocity", "path": "path of the camera",
+          "errors": "feature errors", "velocity": "camera velocity", "path": "path of the camera",
           "final": "difference at the end, final $-$ desired"}
 
 

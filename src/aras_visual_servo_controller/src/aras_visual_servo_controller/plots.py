@@ -23,7 +23,7 @@ AZIMUTH, ELEVATION = math.radians(-57.0), math.radians(22.0)   # from where the 
 
 
 def plots_of(record, title_of_velocity="camera velocity"):
-    """The plots of the report, a list: moment errors, their size on a logarithmic scale, camera velocity, path.
+    """The plots of the report, a list: feature errors, their size on a logarithmic scale, camera velocity, path.
 
     Args:
         record: RunRecord.
@@ -42,7 +42,7 @@ def plots_of(record, title_of_velocity="camera velocity"):
               for name in record.feature_names if name in thresholds and name in FEATURES]
     twist = [_series(style, record.twist[rows, column]) for column, style in enumerate(TWIST)]
     plots = [
-        _time_plot("errors", "moment errors, e = s − s*", t_s, series, "e  [m], [rad]"),
+        _time_plot("errors", "feature errors, e = s − s*", t_s, series, "e  [m], [rad]"),
         _time_plot("convergence", "their size, and where the stop rule lies (dashed)", t_s, series, "|e|  [m], [rad]",
                    log=True, levels=levels),
         _time_plot("velocity", title_of_velocity, t_s, twist, "v [m/s], ω [rad/s]")]

@@ -1,4 +1,4 @@
-"""Video of a run: the camera's image with the features drawn in, an observer's view of the arm, and the moment errors.
+"""Video of a run: the camera's image with the features drawn in, an observer's view of the arm, and the feature errors.
 
     film = save_video(record, folder / "video.mp4")      # a record made with keep_images=True
 
@@ -171,7 +171,7 @@ class Composer:
         return view
 
     def _curves(self):
-        """The moment errors, faint and full, (CURVES_HEIGHT, WIDTH, 3) each, and the columns of the time axis' ends."""
+        """The feature errors, faint and full, (CURVES_HEIGHT, WIDTH, 3) each, and the columns of the time axis' ends."""
         import matplotlib
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
