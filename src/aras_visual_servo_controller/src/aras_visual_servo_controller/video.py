@@ -171,7 +171,7 @@ class Composer:
         return view
 
     def _curves(self):
-        """The feature errors, faint and full, (CURVES_HEIGHT, WIDTH, 3) each, and the columns of the time axis' ends."""
+        """Feature errors, faint and full, (CURVES_HEIGHT, WIDTH, 3) each, and the columns of the time axis' ends."""
         import matplotlib
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure

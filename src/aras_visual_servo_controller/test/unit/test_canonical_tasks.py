@@ -4,8 +4,8 @@ Tasks: turn about the optical axis up to half a turn, pure retreat, tilt of the 
 S. Hutchinson, P. Corke, "Performance tests for visual servo control systems, with application to partitioned approaches
 to visual servo control", IJRR 22(10-11), 2003). What each law does: F. Chaumette, "Potential problems of stability
 and convergence in image-based and position-based visual servoing", 1998; F. Chaumette and S. Hutchinson, "Visual servo
-control, part I", IEEE RAM 13(4), 2006, section "A geometrical interpretation of IBVS"; E. Malis, F. Chaumette, S. Boudet,
-IEEE T-RA 15(2), 1999; E. Malis, ICRA 2004 (mean of two matrices).
+control, part I", IEEE RAM 13(4), 2006, section "A geometrical interpretation of IBVS"; E. Malis, F. Chaumette,
+S. Boudet, IEEE T-RA 15(2), 1999; E. Malis, ICRA 2004 (mean of two matrices).
 """
 
 import numpy as np
