@@ -27,8 +27,8 @@ from .types import FEATURE_NAMES
 
 _FEATURES, _FAMILIES = {}, {}
 #: Modules of this package that register more features.
-_MODULES = ("features_tilt", "features_pose", "features_points", "features_ellipse", "features_kernel",
-            "features_photometric")
+_MODULES = ("features_tilt", "features_invariants", "features_pose", "features_points", "features_ellipse",
+            "features_kernel", "features_photometric")
 _NUMBERED = re.compile(r"([a-z]+)([1-9][0-9]?)")
 
 
