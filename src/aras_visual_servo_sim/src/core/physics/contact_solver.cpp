@@ -25,7 +25,7 @@ const Eigen::VectorXd& ContactSolver::solve(const ContactRows& rows, const std::
   lambda_ = Eigen::VectorXd::Zero(3 * rows.points());
   for (int round = 0; round < kMaxRounds; ++round) {
     Eigen::VectorXd push = rows.J.transpose() * lambda_;
-    factor.solveInPlace(push);
+    if (n > 0) factor.solveInPlace(push);  // Eigen takes the address of the first element
     v = v_before;
     joints.solve(M_rows, v_free + push, graphs, dt_s, v, effort);
     if (round > 0 && joints.pieces() == pieces_) break;

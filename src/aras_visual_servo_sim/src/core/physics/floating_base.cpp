@@ -43,7 +43,7 @@ void FloatingBase::eliminate(double mass, const Vector3d& first, const Matrix3d&
   M_bb_.bottomRightCorner<3, 3>() = R_ * inertia_kg_m2_ * R_.transpose() + second + S * F + F * S - mass * S * S;
   response_ = M_bj_;
   factor_.compute(M_bb_);
-  factor_.solveInPlace(response_);
+  if (response_.cols() > 0) factor_.solveInPlace(response_);  // Eigen takes the address of the first element
   const int n = static_cast<int>(M_bj_.cols());
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j <= i; ++j) {

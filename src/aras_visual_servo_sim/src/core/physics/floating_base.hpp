@@ -34,6 +34,7 @@ class FloatingBase {
   void addImpulse(const Twist& impulse) { v_free_ += factor_.solve(impulse); }
   /** M_bb^-1 f, column by column; after eliminate(). */
   Eigen::Matrix<double, 6, Eigen::Dynamic> answer(const Eigen::Matrix<double, 6, Eigen::Dynamic>& f) const {
+    if (f.cols() == 0) return f;  // Eigen takes the address of the first element
     return factor_.solve(f);
   }
   /** What the base would do at the end of the step if the joints stood still then, having v_free freely. */
