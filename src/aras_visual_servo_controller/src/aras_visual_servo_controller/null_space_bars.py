@@ -2,6 +2,7 @@
 
 from math import copysign
 
+import cv2  # with the node, not with the first picture: loading it takes the interpreter, and an answer would wait
 import numpy as np
 
 #: Colours of the picture, RGB.
@@ -40,8 +41,6 @@ def draw(names, camera, null):
     Returns:
         (h, w, 3) uint8 RGB.
     """
-    import cv2  # only where somebody looks on
-
     picture = np.full((_TOP + _ROW * len(names) + _BOTTOM, _WIDTH, 3), _PAPER, np.uint8)
     bottom, middle, half = len(picture) - _BOTTOM, (_LEFT + _RIGHT) // 2, (_RIGHT - _LEFT) // 2
 
