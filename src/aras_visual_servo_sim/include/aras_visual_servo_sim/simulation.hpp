@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "aras_visual_servo_sim/exposure.hpp"
 #include "aras_visual_servo_sim/frame_schedule.hpp"
 #include "aras_visual_servo_sim/geometry_image.hpp"
 #include "aras_visual_servo_sim/mesh_loader.hpp"
@@ -75,7 +76,9 @@ class Simulation {
   std::uint64_t droppedFrames() const;
   /** Takes the frame of the present tick. @return its index @throws ParameterError if none is due */
   std::int64_t takeFrame(int camera);
-  /** What the camera sees now. The reference stays valid; its content until the next render of this camera.
+  /** What the camera sees now; at a frame's tick of a camera with an exposure, the mean over it, see Exposure. Joints
+   *  and models that are placed, spawned or deleted have no past: the exposure begins there. Poses, twists and geometry
+   *  are always those of the present. The reference stays valid; its content until the next render of this camera.
    *  @throws RenderError */
   const Image& render(int camera);
   /** Depth and ids of what the camera sees now, noise and blur apart; content until the next call for this camera.
@@ -100,7 +103,10 @@ class Simulation {
   void setGains(const std::string& controller, const PidGains& gains) { world_->setGains(controller, gains); }
 
   /** Places joints, at rest. @throws as MultibodyWorld::setJointPositions */
-  void setJointPositions(const std::map<std::string, double>& positions) { world_->setJointPositions(positions); }
+  void setJointPositions(const std::map<std::string, double>& positions) {
+    world_->setJointPositions(positions);
+    forgetPast();
+  }
 
   // --- models: what is in the scene besides the robot, flat ones and solids
   std::vector<std::string> modelNames() const;
@@ -140,14 +146,15 @@ class Simulation {
   struct Camera {
     CameraModel model;
     FrameSchedule schedule;
+    Exposure exposure;
     int link;
     std::int64_t next_frame = 0;       ///< smallest index neither taken nor missed
     std::int64_t unhashed_frame = -1;  ///< taken, image not hashed yet
     bool asked = false;                ///< of a triggered camera: one frame is wanted
     std::uint64_t drop_seed = 0;
     std::uint64_t dropped = 0;  ///< frames below next_frame that were dropped
-    Image image;
-    GeometryImage geometry;
+    Image image{};
+    GeometryImage geometry{};
   };
   /** Models, with the robot's own bodies among those of the scene. */
   struct ModelSet {
@@ -176,6 +183,11 @@ class Simulation {
   void touchModel(const std::string& model);
   void passFrame(Camera& camera);
   void placeBodies();
+  Moment presentMoment(int camera) const;
+  void showMoment(const Moment& moment);
+  std::int64_t noteExposure(int camera);
+  void forgetPast();
+  void expose(int camera);
   void holdStill();
   Pose& placeOf(const std::string& model);
   void keepBuilt();

@@ -125,7 +125,8 @@ void bindTimeAndCameras(py::class_<Simulation>& type) {
            "Returns:\n    its stamp, int [ns].\nRaises:\n    UnknownNameError: no such camera.")
       .def_property_readonly("camera_names", &Simulation::cameraNames, "Names of the cameras, as configured.")
       .def("render", &renderView, py::arg("camera") = "camera",
-           "What the camera sees now.\n\nReturns:\n    uint8 array (h, w, 3), or (h, w) for mono8, top row first; a\n"
+           "What the camera sees now; at a frame of a camera with exposure_s the mean over it.\n\n"
+           "Returns:\n    uint8 array (h, w, 3), or (h, w) for mono8, top row first; a\n"
            "    read-only view without a copy, its content valid until the next render of this camera.\n"
            "Raises:\n    UnknownNameError, RenderError.")
       .def(

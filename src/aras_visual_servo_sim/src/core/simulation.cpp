@@ -80,8 +80,8 @@ void Simulation::addCamera(const CameraConfig& config, std::vector<std::string>&
   }
   try {
     const int link = model_.linkIndex(config.mount.empty() ? config.frame : config.mount);
-    Camera camera{
-        CameraModel(config), FrameSchedule(config.rate_hz, period_ns_), link, 0, -1, false, 0, 0, Image(), {}};
+    Camera camera{CameraModel(config), FrameSchedule(config.rate_hz, period_ns_),
+                  Exposure(config.exposure_s, config.exposure_samples, period_ns_), link};
     camera.drop_seed = config_.seed + kDropSeed + cameras_.size();
     camera_names_.push_back(config.name);
     cameras_.push_back(std::move(camera));
@@ -132,7 +132,7 @@ void Simulation::step(std::int64_t n) {
     for (std::size_t k = 0; k < cameras_.size(); ++k) {
       if (frameDue(static_cast<int>(k))) passFrame(cameras_[k]);
       cameras_[k].unhashed_frame = -1;
-      next = std::min(next, nextFrameTick(static_cast<int>(k)));
+      next = std::min({next, nextFrameTick(static_cast<int>(k)), noteExposure(static_cast<int>(k))});
     }
     if (config_.world.contacts.any()) {
       stepTouching(next - ticks());
@@ -204,6 +204,7 @@ void Simulation::resetWorld() {
   world_->setJointPositions(positions);
   if (world_->floatingBase()) world_->setBasePose(initial_base_);
   startModels();
+  forgetPast();
 }
 
 void Simulation::reset() {

@@ -90,7 +90,7 @@ const GeometryImage& Simulation::renderGeometry(int camera) {
 const Image& Simulation::render(int index) {
   Camera& camera = cameras_[index];
   placeBodies();
-  renderer_->render(camera.model, cameraPose(index), models_.scene, camera.image);
+  expose(index);
   const CameraConfig& config = camera.model.config();
   if (config.noise_stddev > 0.0 || config.noise_mean != 0.0) {
     addGaussianNoise(camera.image, config.noise_stddev, config_.seed + kSeedStride * static_cast<std::uint64_t>(index),

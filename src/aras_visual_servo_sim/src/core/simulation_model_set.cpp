@@ -26,6 +26,7 @@ void Simulation::spawnModel(const YAML::Node& entry, const std::optional<Pose>& 
   text << YAML::Flow << entry;
   models_.spawned[name] = text.c_str();
   addModel(models_, std::move(added));
+  forgetPast();
   if (X_WM) placeOf(name) = *X_WM;
   models_.starts[name] = placeOf(name);
   const auto motion = models_.scene.motions.find(name);
@@ -50,6 +51,7 @@ void Simulation::deleteModel(const std::string& model) {
   }
   keepBuilt();
   removeModel(models_, model);
+  forgetPast();
   motions_.erase(model);
 }
 

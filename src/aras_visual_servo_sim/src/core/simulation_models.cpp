@@ -44,6 +44,7 @@ void Simulation::setModelPose(const std::string& model, const Pose& X_WM) {
   place.q.normalize();
   motions_.erase(model);
   touchModel(model);
+  forgetPast();
 }
 
 void Simulation::setModelMotion(const std::string& model, const std::optional<ModelMotion>& motion) {

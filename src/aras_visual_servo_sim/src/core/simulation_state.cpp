@@ -94,6 +94,35 @@ Pose getPose(Reader& in) {
   return pose;
 }
 
+void putPoses(Writer& out, const std::vector<Pose>& poses) {
+  out.put<std::uint64_t>(poses.size());
+  for (const Pose& pose : poses) putPose(out, pose);
+}
+
+/** @throws StateError unless there are `count` of them */
+std::vector<Pose> getPoses(Reader& in, std::size_t count) {
+  if (in.get<std::uint64_t>() != count) throw StateError("saved state: exposure of another scene");
+  std::vector<Pose> poses;
+  for (std::size_t k = 0; k < count; ++k) poses.push_back(getPose(in));
+  return poses;
+}
+
+void putMoment(Writer& out, const Moment& moment) {
+  out.put(moment.tick);
+  putPose(out, moment.X_WC);
+  putPoses(out, moment.models);
+  putPoses(out, moment.bodies);
+}
+
+Moment getMoment(Reader& in, const Scene& scene) {
+  Moment moment;
+  moment.tick = in.get<std::int64_t>();
+  moment.X_WC = getPose(in);
+  moment.models = getPoses(in, scene.models.size());
+  moment.bodies = getPoses(in, scene.bodies.size());
+  return moment;
+}
+
 }  // namespace
 
 std::string Simulation::saveState() const {
@@ -121,6 +150,11 @@ std::string Simulation::saveState() const {
     out.putText(run.motion.yaml());
     putPose(out, run.X_WM0);
     out.put(run.start_ns);
+  }
+  for (const Camera& camera : cameras_) {
+    if (!camera.exposure.blurs()) continue;
+    out.put<std::uint64_t>(camera.exposure.past().size());
+    for (const Moment& moment : camera.exposure.past()) putMoment(out, moment);
   }
   return out.take();
 }
@@ -155,6 +189,11 @@ void Simulation::restoreState(const std::string& state) {
     motions.emplace(name, MotionRun{motion, X_WM0, in.get<std::int64_t>()});
     if (models.starts.count(name) == 0) throw StateError("saved state: motion of '" + name + "', which is no model");
   }
+  std::vector<std::vector<Moment>> pasts(cameras_.size());
+  for (std::size_t k = 0; k < cameras_.size(); ++k) {
+    if (!cameras_[k].exposure.blurs()) continue;
+    for (auto left = in.get<std::uint64_t>(); left > 0; --left) pasts[k].push_back(getMoment(in, models.scene));
+  }
   if (!in.atEnd()) throw StateError("saved state: bytes left over");
 
   world_->restoreState(world);  // throws before anything else changed
@@ -166,6 +205,7 @@ void Simulation::restoreState(const std::string& state) {
     cameras_[k].unhashed_frame = frames[k].unhashed_frame;
     cameras_[k].asked = frames[k].asked != 0;
     cameras_[k].dropped = frames[k].dropped;
+    cameras_[k].exposure.setPast(std::move(pasts[k]));
   }
   if (changed) keepBuilt();
   models_ = std::move(models);

@@ -39,6 +39,10 @@ CameraModel::CameraModel(const CameraConfig& config) : config_(config) {
           "finite and > near_m");
   require(faults, config.drop_probability >= 0.0 && config.drop_probability <= 0.99, "drop_probability",
           config.drop_probability, "0 .. 0.99");
+  require(faults, config.exposure_s >= 0.0 && config.exposure_s < 1.0 / config.rate_hz, "exposure_s", config.exposure_s,
+          ">= 0 and < 1 / rate_hz");
+  require(faults, config.exposure_samples >= 1 && config.exposure_samples <= 256, "exposure_samples",
+          config.exposure_samples, "1 .. 256");
   require(faults, std::isfinite(config.baseline_m), "baseline_m", config.baseline_m, "finite");
   require(faults, std::isfinite(config.noise_mean), "noise_mean", config.noise_mean, "finite");
   require(faults, std::isfinite(config.noise_stddev) && config.noise_stddev >= 0.0, "noise_stddev", config.noise_stddev,

@@ -339,6 +339,8 @@ CameraConfig readCameraConfig(YamlReader& reader) {
   camera.far_m = reader.optional<double>("far_m", camera.far_m);
   camera.sampling = reader.optional<std::string>("sampling", camera.sampling);
   camera.noise_mean = reader.optional<double>("noise_mean", camera.noise_mean);
+  camera.exposure_s = reader.optional<double>("exposure_s", camera.exposure_s);
+  camera.exposure_samples = reader.optional<int>("exposure_samples", camera.exposure_samples);
   camera.drop_probability = reader.optional<double>("drop_probability", camera.drop_probability);
   camera.triggered = reader.optional<bool>("triggered", camera.triggered);
   camera.baseline_m = reader.optional<double>("baseline_m", camera.baseline_m);
