@@ -14,7 +14,7 @@ ROS_IMPORT = re.compile(r"^\s*(import|from)\s+(rospy|actionlib|roslib|rostopic|r
                         r"[a-z_]+_msgs)\b", re.MULTILINE)
 # The only Python modules that may know ROS (rosbag files are read without a master, by bag.py).
 ROS_MODULES = {"ros_conversions.py", "parameters.py", "controller_node.py", "experiment_node.py", "bag.py", "launch.py",
-               "teleop_node.py"}
+               "teleop_node.py", "null_space_topic.py"}
 ALLOWED = {
     "aras_description": set(),
     "aras_visual_servo_msgs": set(),
