@@ -44,7 +44,7 @@ def test_moments_of_a_rendered_polygon_are_those_of_its_projection(pose, lens):
     from aras_visual_servo_sim import Simulation
     from scipy.spatial.transform import Rotation
 
-    from aras_visual_servo_controller.scenario import load_yaml, package_paths, resolve_uri
+    from aras_visual_servo_controller.scenario_files import load_yaml, package_paths, resolve_uri
 
     target = "package://aras_description/targets/blob.yaml"
     # The camera hangs still; the target is placed where the camera pose asked for would see it.

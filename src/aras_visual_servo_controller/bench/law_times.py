@@ -18,7 +18,8 @@ from aras_visual_servo_controller.features import expand
 from aras_visual_servo_controller.interaction import plane_from_pose
 from aras_visual_servo_controller.kinematics import Kinematics
 from aras_visual_servo_controller.laws import known_laws
-from aras_visual_servo_controller.scenario import load_scenario, load_yaml, resolve_uri
+from aras_visual_servo_controller.scenario import load_scenario
+from aras_visual_servo_controller.scenario_files import load_yaml, resolve_uri
 from aras_visual_servo_controller.servo import Servo
 from aras_visual_servo_controller.target_pose import ORDER, PlanarTarget, exponential
 from aras_visual_servo_controller.types import Features, Observation

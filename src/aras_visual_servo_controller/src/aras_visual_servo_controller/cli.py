@@ -33,7 +33,8 @@ def run_main(argv=None):
     parser.add_argument("--verbose", action="store_true", help="show what the nodes say (only over ROS)")
     parser.add_argument("--list", action="store_true", help="list the scenarios that come with the package")
     arguments = parser.parse_args(argv)
-    from .scenario import load_scenario, scenario_names
+    from .scenario import load_scenario
+    from .scenario_files import scenario_names
     if arguments.list:
         for name in scenario_names():
             print(f"{name:<28} {load_scenario(name).description}")

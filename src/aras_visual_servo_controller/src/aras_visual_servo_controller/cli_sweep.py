@@ -62,7 +62,8 @@ def rerun_main(argv=None):
 
     def work():
         from .report import ResultFolderError, format_summary, save_results
-        from .sweep_run import Bench, scenario_of
+        from .sweep_run import Bench
+        from .sweep_worker import scenario_of
         from .sweep_store import SweepStore
         folder = Path(arguments.sweep) if arguments.sweep else _newest(Path(arguments.results) / FOLDER, "*/*")
         with SweepStore.open(folder) as store:
@@ -128,7 +129,7 @@ def _new_sweep(arguments):
     from .report import create_result_folder
     from .scenario import load_scenario
     from .sweep_plan import make_starts
-    from .sweep_run import make_setup
+    from .sweep_worker import make_setup
     from .sweep_store import FILE, StoreError, SweepStore
     from .versions import installed_versions
     scenario = load_scenario(arguments.scenario, parse_overrides(arguments.overrides))
@@ -148,7 +149,7 @@ def _new_sweep(arguments):
 def _old_sweep(arguments):
     """The sweep to go on with; what the command line says must be what it was begun with."""
     from .scenario import load_scenario
-    from .sweep_run import make_setup
+    from .sweep_worker import make_setup
     from .sweep_store import SweepStore
     scenario = None
     if arguments.scenario is not None:

@@ -17,7 +17,8 @@ from .feasibility import Feasibility
 from .kinematics import Kinematics
 from .outline import Outline
 from .reach import reach
-from .scenario import load_scenario, load_yaml, share_dir
+from .scenario import load_scenario
+from .scenario_files import load_yaml, share_dir
 from .sweep_plan import Start
 from .sweep_run import Bench, placed
 from .sweep_space import CAMERA_AXES, GOAL_AXES, pose_of, tilted_goal
@@ -100,7 +101,7 @@ def run_comparison(comparison, workers=1, progress=None):
     Args:
         comparison: `Comparison`.  workers: processes; 0: this one.  progress: called with (done, total), or None.
     Returns:
-        list of (task name, law name, row, `Track` or None) task by task; row as of `sweep_run.COLUMNS`.
+        list of (task name, law name, row, `Track` or None) task by task; row as of `sweep_judge.COLUMNS`.
     """
     jobs = [(law, scenario, comparison.tasks) for law, scenario in comparison.scenarios.items()]
     total, done, by_law = len(jobs), 0, {}

@@ -13,7 +13,7 @@ import numpy as np
 from .errors import ParameterError
 from .kinematics import Kinematics
 from .record import RecordBuilder
-from .scenario import package_paths
+from .scenario_files import package_paths
 from .sequence import ExperimentSequence
 from .servo import Servo
 from .types import Observation, ServoRecord, Status

@@ -5,7 +5,8 @@ import math
 import numpy as np
 
 from .errors import ArasError
-from .scenario import package_paths, scenario_from_dict
+from .scenario import scenario_from_dict
+from .scenario_files import package_paths
 
 NAME = "observer"
 AZIMUTH, ELEVATION = math.radians(-45.0), math.radians(11.0)   # from where it looks

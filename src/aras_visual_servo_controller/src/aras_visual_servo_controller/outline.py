@@ -6,7 +6,7 @@ from math import cos, inf, sin, tan
 import numpy as np
 
 from .errors import ParameterError
-from .scenario import load_yaml, resolve_uri
+from .scenario_files import load_yaml, resolve_uri
 
 
 class Outline:

@@ -12,7 +12,7 @@ import yaml
 from . import pictures, plots
 from .record import FEATURE_UNITS
 from .report import comparison_rows, is_number
-from .scenario import share_dir
+from .scenario_files import share_dir
 
 # A larger video stays beside the page instead of inside: mail and phones choke on more.
 EMBEDDED_VIDEO_BYTES = 8_000_000

@@ -1,6 +1,6 @@
 """Pages from the templates of config/."""
 
-from .scenario import share_dir
+from .scenario_files import share_dir
 
 
 def render(template, /, **values):

@@ -11,7 +11,7 @@ from .laws import BROYDEN_INITIALS, INTERACTIONS, POINT_DEPTHS, POSES, LawSetup,
 from .lost_target import LostTargetConfig
 from .motion_config import LimitsConfig, read_motion
 from .plugins import load_plugins
-from .scenario import load_yaml, resolve_uri
+from .scenario_files import load_yaml, resolve_uri
 from .target_pose import PlanarTarget
 from .types import FEATURE_NAMES
 from .visibility import VisibilityConfig

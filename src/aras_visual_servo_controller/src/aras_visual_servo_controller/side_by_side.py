@@ -24,7 +24,7 @@ from .page_template import render
 from .report import ResultFolderError
 from .run_measures import measures
 from .scenario import load_scenario, scenario_from_dict
-from .sweep_run import judge_row
+from .sweep_judge import judge_row
 from .track import track_of
 
 
@@ -65,7 +65,7 @@ def read_run(source):
 
 
 def rows_of(run):
-    """Result of a run as by `sweep_run.judge_row` with MEASURES."""
+    """Result of a run as by `sweep_judge.judge_row` with MEASURES."""
     return dict(judge_row(run.record), **measures(run.record, run.lower, run.upper, run.outline))
 
 

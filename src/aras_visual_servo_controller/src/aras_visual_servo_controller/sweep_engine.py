@@ -13,7 +13,8 @@ from concurrent.futures import CancelledError
 from multiprocessing import resource_tracker
 
 from .errors import ArasError
-from .sweep_run import COLUMNS, plain, run_chunk
+from .sweep_judge import COLUMNS
+from .sweep_worker import plain, run_chunk
 
 #: Runs handed out at once: about half a second of work.
 CHUNK = 8
@@ -66,7 +67,7 @@ def run_pending(store, setup, workers=None, scheduler=None, progress=None):
     """Do every run that is pending and save it.
 
     Args:
-        store: `SweepStore`, open for writing.  setup: of `sweep_run.make_setup`.
+        store: `SweepStore`, open for writing.  setup: of `sweep_worker.make_setup`.
         workers: processes on this machine; None: one a core; 0: this process, without Dask.
         scheduler: address of a Dask scheduler, "tcp://host:8786", instead of local workers.
     Raises:

@@ -13,7 +13,8 @@ from dataclasses import dataclass, fields
 from math import isfinite
 
 from .errors import ParameterError
-from .scenario import Scenario, load_yaml, resolve_uri
+from .scenario import Scenario
+from .scenario_files import load_yaml, resolve_uri
 
 KNOWN = {
     "z_star_error": "relative error of the depth estimate: z_star_m times 1 + value",

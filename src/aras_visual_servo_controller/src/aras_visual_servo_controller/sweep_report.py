@@ -8,9 +8,9 @@ import math
 from pathlib import Path
 
 from .report import ResultFolderError
-from .scenario import share_dir
+from .scenario_files import share_dir
 from .sweep_figure import DEFAULT_AXES, save_figures
-from .sweep_run import STRICT_DEG, STRICT_MM, SUCCESS_DEG, SUCCESS_PART
+from .sweep_judge import STRICT_DEG, STRICT_MM, SUCCESS_DEG, SUCCESS_PART
 from .sweep_statistics import aggregate, reasons
 
 CAPTIONS = {"map": "Over two axes: success, time to the end, final error. Cells are means of the runs in them.",

@@ -5,51 +5,27 @@ is driven there, which takes two thirds of an experiment (`drive_to_start: true`
 the servo does, or once the target has been out of view for LOST_LIMIT_S: the arm stands still then.
 """
 
-import ctypes
-import hashlib
-import os
-import threading
-import time
 from collections import OrderedDict
-from dataclasses import asdict, replace
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
 
 from .errors import ArasError, ParameterError
-from .experiment import judge, pose_error
+from .experiment import pose_error
 from .kinematics import Kinematics
 from .loop import DEFAULT_LIMIT_S, ServoLoop
 from .outline import Outline
 from .record import RecordBuilder
-from .run_measures import MEASURES, measures
-from .scenario import resolve_uri, scenario_from_dict
+from .run_measures import measures
 from .sequence import ExperimentConfig
+from .sweep_judge import COLUMNS, initial_columns, judge_row
 from .sweep_perturb import perturbed, simulator_key
-from .sweep_plan import Start
 from .sweep_space import CAMERA_AXES
-from .types import FEATURE_NAMES, Status
+from .types import Status
 
-#: A run has succeeded when this part of the initial distance is left, and less than this angle (the metric of recent
-#: visual-servoing benchmarks) ...
-SUCCESS_PART, SUCCESS_DEG = 0.1, 10.0
-#: ... and strictly so when this is left.
-STRICT_MM, STRICT_DEG = 1.0, 0.3
 LOST_LIMIT_S = 1.0
-#: Status that prevailed in the last part of a run that timed out.
-LAST_PART_S = 1.0
 #: Simulators kept by a worker: runs that differ in gains or start share one.
 KEPT_SIMULATORS = 4
-
-#: Columns of a run's result beside its start, and their type in SQLite.
-COLUMNS = {
-    "id": "INTEGER PRIMARY KEY", "outcome": "TEXT", "reason": "TEXT", "detail": "TEXT", "converged": "INTEGER",
-    "success": "INTEGER", "success_strict": "INTEGER", "duration_s": "REAL", "images": "INTEGER",
-    "distance0_mm": "REAL", "angle0_deg": "REAL", "x0_mm": "REAL", "y0_mm": "REAL", "z0_mm": "REAL",
-    "error_mm": "REAL", "x_mm": "REAL", "y_mm": "REAL", "z_mm": "REAL", "angle_deg": "REAL",
-    **dict.fromkeys(MEASURES, "REAL"), **{f"e_{name}": "REAL" for name in FEATURE_NAMES},
-    "run_hash": "TEXT", "trace_hash": "TEXT",
-}
 
 
 class Infeasible(ArasError):
@@ -158,11 +134,12 @@ class Bench:
         row.update(id=start.id, success=0, success_strict=0, converged=0)
         try:
             if start.joints is not None:
-                row.update(_initial(self._planned_error(start)))
+                row.update(initial_columns(self._planned_error(start)))
             elif start.offset:
                 offset = [start.offset.get(axis, 0.0) for axis in CAMERA_AXES]
-                row.update(_initial({"x_mm": 1e3 * offset[0], "y_mm": 1e3 * offset[1], "z_mm": 1e3 * offset[2],
-                                     "angle_deg": float(np.degrees(np.linalg.norm(offset[3:])))}))
+                angle_deg = float(np.degrees(np.linalg.norm(offset[3:])))
+                row.update(initial_columns({"x_mm": 1e3 * offset[0], "y_mm": 1e3 * offset[1], "z_mm": 1e3 * offset[2],
+                                            "angle_deg": angle_deg}))
         except ArasError:
             pass  # no robot, no distance: the reason is told already
         return row
@@ -186,128 +163,3 @@ def placed(scenario, start):
     experiment["goal"] = {"joints": dict(start.goal["joints"])}
     return replace(scenario, experiment=experiment,
                    servo=dict(scenario.servo, target_normal_C=list(start.goal["target_normal_C"])))
-
-
-def judge_row(record):
-    """Result of a run as a dict of COLUMNS, without id and MEASURES; a pure function of the record."""
-    judgement = judge(record)
-    error, row = judgement.final_error, dict.fromkeys(COLUMNS)
-    row.update(_initial(judgement.initial_error))
-    row.update({key: error[key] for key in ("x_mm", "y_mm", "z_mm", "angle_deg")})
-    row["error_mm"] = _length(error)
-    row["converged"] = int(judgement.converged)
-    near_mm = max(SUCCESS_PART * row["distance0_mm"], STRICT_MM)  # a turn on the spot begins at no distance
-    row["success"] = int(row["error_mm"] < near_mm and row["angle_deg"] < SUCCESS_DEG)
-    row["success_strict"] = int(row["error_mm"] < STRICT_MM and row["angle_deg"] < STRICT_DEG)
-    row.update(outcome="success" if row["success"] else "failure", reason=_reason(record, judgement, row["success"]),
-               detail=judgement.reason, duration_s=judgement.duration_s, images=judgement.images,
-               run_hash=record.run_hash, trace_hash=trace_hash(record))
-    row.update({f"e_{name}": value for name, value in judgement.final_feature_error.items() if f"e_{name}" in COLUMNS})
-    return row
-
-
-def trace_hash(record):
-    """SHA-256 of every number of the trace, hexadecimal: equal for equal runs, bit for bit."""
-    digest = hashlib.sha256(",".join(record.phase).encode())
-    for name in ("stamp_ns", "status", "s", "e", "twist", "q", "X_WC"):
-        digest.update(np.ascontiguousarray(getattr(record, name)).tobytes())
-    return digest.hexdigest()
-
-
-def _reason(record, judgement, success):
-    rows = record.servo_rows
-    status = record.status[rows]
-    last = Status(status[-1])
-    if judgement.converged:
-        return "converged" if success else "converged elsewhere"
-    if last == Status.TARGET_LOST:
-        return "target lost"
-    if last == Status.TIMED_OUT:
-        part = status[:-1][record.t_s[rows[:-1]] >= record.t_s[rows[-1]] - LAST_PART_S]
-        counts = np.bincount(part) if len(part) else np.zeros(1)
-        names = {Status.JOINT_LIMIT: ", at a joint limit", Status.NEAR_SINGULARITY: ", at a singularity",
-                 Status.TARGET_LOST: ", target lost"}
-        return "timed out" + names.get(int(np.argmax(counts)), "")
-    return last.name.lower().replace("_", " ")
-
-
-def _initial(error):
-    return {"distance0_mm": _length(error), "angle0_deg": error["angle_deg"], "x0_mm": error["x_mm"],
-            "y0_mm": error["y_mm"], "z0_mm": error["z_mm"]}
-
-
-def _length(error):
-    return float(np.sqrt(error["x_mm"] ** 2 + error["y_mm"] ** 2 + error["z_mm"] ** 2))
-
-
-# --- on workers -------------------------------------------------------------------------------------------------
-
-
-def make_setup(scenario, drive_to_start):
-    """What a worker must know of a sweep: a plain dict, with the hash of the files it must have too."""
-    return {"scenario": scenario.as_dict(), "base": str(scenario._base or "."), "path": str(scenario.path or ""),
-            "drive_to_start": bool(drive_to_start), "files": files_hash(scenario)}
-
-
-def files_hash(scenario):
-    """SHA-256 of robot, controllers and models of a scenario, hexadecimal."""
-    digest = hashlib.sha256(scenario.urdf_path.read_bytes() + scenario.controllers_path.read_bytes())
-    for model in scenario.sim.get("scene", {}).get("models", []):
-        if "file" in model:
-            digest.update(resolve_uri(model["file"], scenario._base).read_bytes())
-    return digest.hexdigest()
-
-
-def scenario_of(setup):
-    """The scenario of `make_setup`. Raises ParameterError if this machine's files are others."""
-    path = Path(setup["path"]) if setup["path"] else None
-    scenario = scenario_from_dict(setup["scenario"], source=setup["scenario"]["name"], base=Path(setup["base"]),
-                                  path=path)
-    if files_hash(scenario) != setup["files"]:
-        raise ParameterError("robot, controllers or target files differ from those the sweep was begun with: "
-                             f"{scenario.urdf_path}, {scenario.controllers_path}")
-    return scenario
-
-
-def run_chunk(setup, starts):
-    """Run some starts; what a worker calls.
-
-    Args:
-        setup: of `make_setup`.  starts: list of dicts, fields of `Start`.
-    Returns:
-        list of (row, wall_s).
-    Raises:
-        ParameterError: this machine cannot run the sweep at all.
-    """
-    bench = _bench(setup)
-    results = []
-    for start in starts:
-        began_s = time.perf_counter()
-        row, _ = bench.run(Start(**start))
-        results.append((row, time.perf_counter() - began_s))
-    return results
-
-
-def plain(start):
-    """A Start as a plain dict."""
-    return asdict(start)
-
-
-_kept = threading.local()  # simulators belong to one thread
-
-
-def _bench(setup):
-    if getattr(_kept, "setup", None) != setup:
-        _keep_memory()
-        _kept.bench, _kept.setup = Bench(scenario_of(setup), setup["drive_to_start"]), setup
-    return _kept.bench
-
-
-def _keep_memory():
-    """Undo what Dask asks of glibc on its workers, to return every freed image to the system: 10 000 page faults and
-    two thirds more time a run. M_TRIM_THRESHOLD is -1, M_MMAP_THRESHOLD -3 (malloc.h); 32 MiB is the most it takes."""
-    if "MALLOC_TRIM_THRESHOLD_" in os.environ:
-        mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
-        if mallopt is not None:
-            mallopt(-1, 256 * 2 ** 20)
-            mallopt(-3, 32 * 2 ** 20)

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from .errors import ArasError
 from .sweep_plan import Start
-from .sweep_run import COLUMNS
+from .sweep_judge import COLUMNS
 from .sweep_space import GOAL_AXES
 
 FILE = "sweep.db"

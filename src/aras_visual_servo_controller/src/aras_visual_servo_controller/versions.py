@@ -8,7 +8,7 @@ import re
 import xml.etree.ElementTree
 from importlib import metadata
 
-from .scenario import share_dir
+from .scenario_files import share_dir
 
 # Shared libraries of Debian's packages; the file name carries the version.
 _LIBRARIES = {"visp": "libvisp_core.so.*", "bullet": "libBulletDynamics*.so.*", "osmesa": "libOSMesa.so.*",

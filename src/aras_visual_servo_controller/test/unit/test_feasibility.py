@@ -9,7 +9,8 @@ from aras_visual_servo_controller.kinematics import Kinematics
 from aras_visual_servo_controller.loop import ServoLoop
 from aras_visual_servo_controller.outline import Outline
 from aras_visual_servo_controller.reach import reach, rotation
-from aras_visual_servo_controller.scenario import load_scenario, scenario_from_dict, scenario_names
+from aras_visual_servo_controller.scenario import load_scenario, scenario_from_dict
+from aras_visual_servo_controller.scenario_files import scenario_names
 
 GOAL = {"gantry": 0.0, "J1": 0.0, "J2": -0.5836, "J3": 1.6208, "J5": -1.0372, "J6": 0.0}
 #: The image's own outline is found on whole pixels: half a pixel each side, and what settling moves the camera by.

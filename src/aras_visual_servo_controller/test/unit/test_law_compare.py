@@ -12,7 +12,7 @@ from aras_visual_servo_controller.errors import ParameterError
 from aras_visual_servo_controller.law_compare import load_comparison, run_comparison
 from aras_visual_servo_controller.law_compare_report import ARRIVED_DEG, ARRIVED_MM, arrived, csv_text, verdict
 from aras_visual_servo_controller.reach import rotation_vector
-from aras_visual_servo_controller.scenario import share_dir
+from aras_visual_servo_controller.scenario_files import share_dir
 from aras_visual_servo_controller.side_by_side import differing, read_run, rows_of
 
 #: A law that turns on the spot leaves it by what the arm lags behind in the first images [mm].

@@ -10,7 +10,7 @@ from toy_plant import arm
 from aras_visual_servo_controller.errors import DegenerateFeature, NotFiniteError, ParameterError
 from aras_visual_servo_controller.features import FeatureSet
 from aras_visual_servo_controller.laws import LawSetup, make_law
-from aras_visual_servo_controller.scenario import check
+from aras_visual_servo_controller.scenario_check import check
 from aras_visual_servo_controller.servo import Servo
 from aras_visual_servo_controller.types import Observation, Reference, Status
 

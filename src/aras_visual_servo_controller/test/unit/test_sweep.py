@@ -11,7 +11,7 @@ import time
 import psutil
 import pytest
 
-from aras_visual_servo_controller import sweep_engine, sweep_run
+from aras_visual_servo_controller import sweep_engine, sweep_worker
 from aras_visual_servo_controller.cli_sweep import compare_main, rerun_main, sweep_main
 from aras_visual_servo_controller.sweep_engine import Progress
 from aras_visual_servo_controller.sweep_store import SweepStore
@@ -78,7 +78,7 @@ def test_a_sweep_leaves_rows_tables_figures_and_a_page(undisturbed):
 
 
 def test_an_interrupted_sweep_goes_on_and_repeats_nothing(undisturbed, tmp_path, monkeypatch, capsys):
-    run_chunk, calls = sweep_run.run_chunk, []
+    run_chunk, calls = sweep_worker.run_chunk, []
 
     def interrupted(setup, starts):
         if len(calls) == 5:
@@ -208,7 +208,7 @@ def deadly_chunk(setup, starts):
     """run_chunk on a machine where run 3 takes its process down."""
     if any(start["id"] == 3 for start in starts):
         os.kill(os.getpid(), signal.SIGKILL)
-    return sweep_run.run_chunk(setup, starts)
+    return sweep_worker.run_chunk(setup, starts)
 
 
 def test_a_run_that_always_kills_its_worker_is_a_row_that_says_so(tmp_path, monkeypatch):

@@ -10,7 +10,9 @@ from aras_visual_servo_controller.report import save_results
 from aras_visual_servo_controller.scenario import load_scenario
 from aras_visual_servo_controller.sweep_perturb import perturbed
 from aras_visual_servo_controller.sweep_plan import Start
-from aras_visual_servo_controller.sweep_run import Bench, make_setup, run_chunk, scenario_of, trace_hash
+from aras_visual_servo_controller.sweep_judge import trace_hash
+from aras_visual_servo_controller.sweep_run import Bench
+from aras_visual_servo_controller.sweep_worker import make_setup, run_chunk, scenario_of
 
 GOAL = {"gantry": 0.05, "J1": 0.0, "J2": -0.09, "J3": 0.045, "J5": 0.045, "J6": 0.0}
 NEAR = {**GOAL, "gantry": -0.02, "J2": 0.1, "J3": -0.05, "J6": 0.1}
