@@ -11,6 +11,17 @@ import tempfile
 import time
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[1]
+SIM_BENCH = WORKSPACE / "src/aras_visual_servo_sim/bench"
+# What other programs can be measured beside, our program that measures it, and whether more is better.
+IN_TURN = {
+    "physics": ("physics of the arm, Python, steps / s", ["rates.py", "physics"], True),
+    "camera": ("camera, flat scene fills the view, Python, frames / s", ["rates.py", "camera", "plane"], True),
+    "lit": ("camera, a shaded solid fills the view, frames / s", ["rates.py", "camera", "lit"], True),
+    "picture": ("camera, a picture fills the view, frames / s", ["rates.py", "camera", "picture"], True),
+    "boxes": ("camera, ten boxes on a flat scene, frames / s", ["rates.py", "camera", "boxes"], True),
+    "start": ("process start to first image, Python [s]", ["start_up.py"], False),
+    "start_solid": ("the same, a solid in view [s]", ["start_up.py", "--solid"], False),
+}
 # google-benchmark executables, and the rows of theirs that stand in the table: (program, row, what it is)
 MICRO = (
     ("build/aras_visual_servo_sim/physics_bench", "physics"),
@@ -57,22 +68,45 @@ def loop_factor():
     return record.real_time_factor, record.run_hash
 
 
-def in_process(runs, beside):
-    factors, hashes, others = [], set(), []
-    for _ in range(runs):   # in turn, so that a machine that slows down slows both
+def last_number(command):
+    """What a program measured: the last word it prints."""
+    return float(subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()[-1])
+
+
+def compare(what, ours, others, runs, more_is_better=True):
+    """Measures ours() and the other programs in turn, so that a machine that slows down slows all of them."""
+    values, theirs = [], {command: [] for command in others}
+    for _ in range(runs):
+        values.append(ours())
+        for command, found in theirs.items():
+            found.append(last_number(shlex.split(command)))
+    row(what, f"{statistics.median(values):,.2f}", f"[{min(values):,.2f} .. {max(values):,.2f}] of {runs} runs")
+    for command, found in theirs.items():
+        ratios = [a / b if more_is_better else b / a for a, b in zip(values, found)]
+        row(f"  {command[-50:]}", f"{statistics.median(found):,.2f}", f"[{min(found):,.2f} .. {max(found):,.2f}], "
+            f"ours is {statistics.median(ratios):.2f} times as good, run by run")
+
+
+def in_process(runs, others):
+    hashes = set()
+
+    def ours():
         factor, run_hash = loop_factor()
-        factors.append(factor)
         hashes.add(run_hash)
-        if beside:
-            output = subprocess.run(shlex.split(beside), check=True, capture_output=True, text=True).stdout
-            others.append(float(output.split()[-1]))
-    row("whole loop in process, simulated / wall seconds, one core", f"{statistics.median(factors):.1f}",
-        f"[{min(factors):.1f} .. {max(factors):.1f}] of {runs} runs")
-    if others:
-        ratios = [ours / other for ours, other in zip(factors, others)]
-        row("  the program beside it", f"{statistics.median(others):.1f}", f"[{min(others):.1f} .. {max(others):.1f}]")
-        row("  ours / its, run by run", f"{statistics.median(ratios):.2f}")
+        return factor
+
+    compare("whole loop in process, simulated / wall seconds, one core", ours, others, runs)
     row("in process, distinct run hashes", f"{len(hashes)}", f"of {runs} runs: {', '.join(sorted(hashes))}")
+
+
+def simulator(runs, beside):
+    for name, (what, (program, *arguments), more_is_better) in IN_TURN.items():
+        command = [sys.executable, SIM_BENCH / program, *arguments]
+        compare(what, lambda command=command: last_number(command), beside[name], runs, more_is_better)
+    for arguments in ([], ["--solid"], ["--blind"]):
+        output = subprocess.run([sys.executable, SIM_BENCH / "start_up.py", *arguments], check=True,
+                                capture_output=True, text=True).stdout
+        row(f"resident memory after the first image {' '.join(arguments)}", " ".join(output.split()[1:3]).rstrip(","))
 
 
 def over_ros(runs):
@@ -107,16 +141,33 @@ def laws():
     subprocess.run([sys.executable, WORKSPACE / "src/aras_visual_servo_controller/bench/law_times.py"], check=True)
 
 
+def read_beside(entries):
+    """WHAT=COMMAND entries as lists of commands by what they measure."""
+    beside = {name: [] for name in ("loop", *IN_TURN)}
+    for entry in entries:
+        name, _, command = entry.partition("=")
+        if name not in beside or not command.strip():
+            raise SystemExit(f"--beside: found '{entry}', allowed WHAT=COMMAND with WHAT one of {', '.join(beside)}")
+        beside[name].append(command)
+    return beside
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--runs", type=int, default=7, help="runs of each whole loop (default 7)")
+    parser.add_argument("--runs", type=int, default=7, help="runs of each measurement in turn (default 7)")
     parser.add_argument("--no-ros", action="store_true", help="leave out the runs over ROS")
-    parser.add_argument("--beside", metavar="COMMAND", help="another program to measure in turn with our loop")
+    parser.add_argument("--beside", metavar="WHAT=COMMAND", action="append", default=[],
+                        help=f"another program to measure in turn with ours; WHAT: loop, {', '.join(IN_TURN)}")
+    parser.add_argument("--in-turn-only", action="store_true", help="only what --beside can stand beside")
     arguments = parser.parse_args()
+    beside = read_beside(arguments.beside)
     row("SHA-256 of 4 MiB", f"{calibration_ms():.2f} ms", "to compare machines by")
+    in_process(arguments.runs, beside["loop"])
+    simulator(arguments.runs, beside)
+    if arguments.in_turn_only:
+        return
     accuracy(["experiment_1", "experiment_2", "experiment_1_paper", "experiment_2_paper", "experiment_1_binary",
               "experiment_2_binary"])
-    in_process(arguments.runs, arguments.beside)
     micro()
     laws()
     if not arguments.no_ros:

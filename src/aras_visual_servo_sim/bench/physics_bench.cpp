@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <memory>
-#include <string>
 
 #include "aras_visual_servo_sim/multibody_world.hpp"
 #include "aras_visual_servo_sim/urdf_loader.hpp"
@@ -11,12 +10,6 @@
 namespace {
 
 using namespace aras_visual_servo_sim;
-
-/** The arm of the unit tests, found from where this file was compiled. */
-std::string armUrdf() {
-  const std::string here = __FILE__;
-  return here.substr(0, here.rfind('/')) + "/../test/urdf/six_joint_arm.urdf";
-}
 
 MultibodyWorld& armWorld(Drive drive) {
   static std::unique_ptr<MultibodyWorld> world;
@@ -34,7 +27,7 @@ MultibodyWorld& armWorld(Drive drive) {
   add("J3", 4000, 200, 0);
   add("J5", 3500, 150, 0);
   add("J6", 70, 2, 0);
-  world = std::make_unique<MultibodyWorld>(loadRobotModelFile(armUrdf()), config);
+  world = std::make_unique<MultibodyWorld>(loadRobotModelFile(ARAS_SIM_TEST_DIR "/urdf/six_joint_arm.urdf"), config);
   return *world;
 }
 

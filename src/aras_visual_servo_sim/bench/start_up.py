@@ -24,24 +24,28 @@ def resident_mib():
         return int(statm.read().split()[1]) * PAGE_BYTES / 2**20
 
 
+def make_simulation(solid=False, camera=True):
+    """The arm over a flat target, which its camera sees; with a solid in view too if told."""
+    from aras_visual_servo_sim import Simulation
+    config = {"scene": {"models": [{"name": "target", "file": "package://aras_description/targets/blob.yaml",
+                                    "position_m": [0.03, 0.05, 0.19]}]}}
+    if solid:
+        config["scene"]["solids"] = [{"name": "ball", "sphere_m": 0.05, "position_m": [0.05, 0.05, 0.2]}]
+    if camera:
+        config["cameras"] = [{"name": "camera", "frame": "camera_optical_frame", "width": 320, "height": 240,
+                              "horizontal_fov_rad": 1.41}]
+    return Simulation("package://aras_description/urdf/aras_arm.urdf", config)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--solid", action="store_true")
     parser.add_argument("--blind", action="store_true")
     options = parser.parse_args()
-
-    from aras_visual_servo_sim import Simulation
-    config = {"scene": {"models": [{"name": "target", "file": "package://aras_description/targets/blob.yaml",
-                                    "position_m": [0.03, 0.05, 0.19]}]}}
-    if options.solid:
-        config["scene"]["solids"] = [{"name": "ball", "sphere_m": 0.05, "position_m": [0.05, 0.05, 0.2]}]
-    if not options.blind:
-        config["cameras"] = [{"name": "camera", "frame": "camera_optical_frame", "width": 320, "height": 240,
-                              "horizontal_fov_rad": 1.41}]
-    simulation = Simulation("package://aras_description/urdf/aras_arm.urdf", config)
+    simulation = make_simulation(options.solid, not options.blind)
     if not options.blind:
         simulation.render("camera")
-    print(f"{process_age_s():.2f} s, {resident_mib():.1f} MiB")
+    print(f"resident {resident_mib():.1f} MiB, seconds since the start: {process_age_s():.2f}")
 
 
 if __name__ == "__main__":

@@ -38,7 +38,7 @@ target_include_directories(sim_physics PUBLIC ${CMAKE_CURRENT_LIST_DIR}/../inclu
 target_include_directories(sim_physics SYSTEM PUBLIC ${EIGEN3_INCLUDE_DIRS} ${SIM_PHYSICS_INCLUDE_DIRS})
 # Bullet's headers are right only with the precision its library was built with: for all who see them.
 target_compile_definitions(sim_physics PUBLIC BT_USE_DOUBLE_PRECISION)
-target_compile_options(sim_physics PRIVATE -Wall -Wextra -Werror)
+target_compile_options(sim_physics PRIVATE -Wall -Wextra -Werror -fno-semantic-interposition)
 # The same bytes on every run and every x86-64: no contraction into fused multiply-add.
 target_compile_options(sim_physics PRIVATE -ffp-contract=off)
 target_link_libraries(sim_physics PUBLIC ${SIM_PHYSICS_LINK_LIBRARIES})

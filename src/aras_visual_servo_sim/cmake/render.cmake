@@ -8,7 +8,7 @@ find_library(STB_LIBRARY stb REQUIRED)  # reads PNG and JPEG: 0.5 MB, where Open
 
 file(GLOB render_sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/../src/core/render/*.cpp)
 add_library(sim_render OBJECT ${render_sources})
-target_compile_options(sim_render PRIVATE -Wall -Wextra -Werror)
+target_compile_options(sim_render PRIVATE -Wall -Wextra -Werror -fno-semantic-interposition)
 # The same bytes from every build: no fused multiply-add, no reordering.
 target_compile_options(sim_render PRIVATE -ffp-contract=off)
 target_include_directories(sim_render PUBLIC ${CMAKE_CURRENT_LIST_DIR}/../include)
