@@ -62,7 +62,8 @@ class Views:
         alpha = 0.5 * float(np.arctan2(2.0 * mu[1, 1], mu[2, 0] - mu[0, 2]))
         self._star = self._star or a
         an = Z_STAR_M * (self._star / a) ** 0.5
-        return Features(True, False, False, True, True, 1, a, xg, yg, alpha, an * xg, an * yg, an, Z_STAR_M, self._star,
+        return Features(target_visible=True, has_reference=True, valid=True, components=1, area=a, xg=xg, yg=yg,
+                        alpha=alpha, xn=an * xg, yn=an * yg, an=an, z_star_m=Z_STAR_M, area_star=self._star,
                         moment_names=self._names, m=[float(m[int(i), int(j)]) for i, j in self._names],
                         mu=[float(mu[int(i), int(j)]) for i, j in self._names],
                         point_x=(corners[:, 0] / corners[:, 2]).tolist(),

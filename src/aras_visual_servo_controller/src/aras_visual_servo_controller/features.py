@@ -106,7 +106,7 @@ class View:
 
     Attributes:
         features: `Features`, or any object with its attributes.
-        plane: (A, B, C) of the target in the camera frame [1/m], None when only values are asked for.
+        plane: (A, B, C) of the target in the camera frame [1/m], floats, None when only values are asked for.
         displacement: (6,) of the camera from the goal, p_CgC and theta u of R_CgC; None: at the goal.
         inverse_depths: (N,) 1/Z of the followed points [1/m]; None: that of the plane.
         reference_point: (x, y, ln(Z/Z*)) of the target's reference point; None: at the goal.
@@ -115,7 +115,8 @@ class View:
     __slots__ = ("features", "plane", "displacement", "inverse_depths", "reference_point", "_m", "_mu", "_known")
 
     def __init__(self, features, plane=None, displacement=None, inverse_depths=None, reference_point=None):
-        self.features, self.plane, self.displacement = features, plane, displacement
+        self.features, self.displacement = features, displacement
+        self.plane = plane if plane is None else tuple(map(float, plane))  # numpy's own scalars are slow
         self.inverse_depths, self.reference_point = inverse_depths, reference_point
         self._m = self._mu = None
         self._known = {}

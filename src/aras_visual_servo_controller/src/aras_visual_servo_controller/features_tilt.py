@@ -1,5 +1,6 @@
 """Two invariants each of the motions in the image plane: what is left of them tells tilt (docs/theory.md T18, T19)."""
 
+from . import interaction
 from .errors import DegenerateFeature
 from .features import Feature, register_feature
 
@@ -29,11 +30,14 @@ def _complex_moments(view):
     return z1, z2, T, a
 
 
+_ORDERS = ((2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3))
+
+
 def _complex_rows(view):
-    L = view.L_mu
-    L_z1 = L(2, 0) - L(0, 2) + 2.0j * L(1, 1)
-    L_z2 = L(0, 3) - 3.0 * L(2, 1) + 1.0j * (L(3, 0) - 3.0 * L(1, 2))
-    return L_z1, L_z2, L(2, 0) + L(0, 2)
+    L20, L11, L02, L30, L21, L12, L03 = interaction.centred_moments(view.m, view.mu, _ORDERS, view.plane)
+    L_z1 = L20 - L02 + 2.0j * L11
+    L_z2 = L03 - 3.0 * L21 + 1.0j * (L30 - 3.0 * L12)
+    return L_z1, L_z2, L20 + L02
 
 
 class _ThirdOrder(Feature):
@@ -74,8 +78,8 @@ class Px(_ThirdOrder):
 
     def row(self, view):
         z1, _, T, _ = _complex_moments(view)
-        L = view.L_mu
-        L_z1, L_T = L(2, 0) - L(0, 2) + 2.0j * L(1, 1), L(2, 0) + L(0, 2)
+        L20, L11, L02 = interaction.centred_moments(view.m, view.mu, _ORDERS[:3], view.plane)
+        L_z1, L_T = L20 - L02 + 2.0j * L11, L20 + L02
         return 2.0 * (z1.conjugate() * L_z1).real / T**2 - 2.0 * abs(z1) ** 2 / T**3 * L_T
 
 

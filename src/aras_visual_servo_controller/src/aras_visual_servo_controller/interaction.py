@@ -54,8 +54,18 @@ def raw_moment(m, i, j, plane):
 
 def centred_moment(m, mu, i, j, plane):
     """L of mu_ij, i + j >= 2 (T7); needs centred moments to order i + j + 1 and raw ones to order 2."""
+    return np.array(_centred_row(_shape(m), mu, i, j, plane))
+
+
+def centred_moments(m, mu, orders, plane):
+    """L of several mu_ij, (k, 6), `orders` their (i, j): rows of `centred_moment`."""
+    shape = _shape(m)
+    return np.array([_centred_row(shape, mu, i, j, plane) for i, j in orders])
+
+
+def _centred_row(shape, mu, i, j, plane):
     A, B, C = plane
-    xg, yg, n20, n11, n02 = _shape(m)
+    xg, yg, n20, n11, n02 = shape
     here, up_i, up_j = mu[_NAME[i][j]], mu[_NAME[i + 1][j]], mu[_NAME[i][j + 1]]
     down_i, to_j = (mu[_NAME[i - 1][j]], mu[_NAME[i - 1][j + 1]]) if i > 0 else (0.0, 0.0)
     down_j, to_i = (mu[_NAME[i][j - 1]], mu[_NAME[i + 1][j - 1]]) if j > 0 else (0.0, 0.0)
@@ -67,38 +77,48 @@ def centred_moment(m, mu, i, j, plane):
           + 4 * j * n11 * down_j)
     vz = -A * wy + B * wx + (i + j + 2) * C * here
     wz = i * to_j - j * to_i
-    return np.array([vx, vy, vz, wx, wy, wz])
+    return vx, vy, vz, wx, wy, wz
 
 
 def area(m, plane):
     """L of a = m00 (T8); needs raw moments to order 1."""
+    return np.array(_area_row(m, plane))
+
+
+def _area_row(m, plane):
     A, B, C = plane
     a = m["00"]
     if not a > 0.0:
         raise DegenerateFeature(f"area: found {a}, must be > 0")
     xg, yg = m["10"] / a, m["01"] / a
     over_Zg = A * xg + B * yg + C
-    return a * np.array([-A, -B, 3.0 * over_Zg - C, 3.0 * yg, -3.0 * xg, 0.0])
+    return [a * part for part in (-A, -B, 3.0 * over_Zg - C, 3.0 * yg, -3.0 * xg, 0.0)]
 
 
 def centroid(m, plane):
     """L of (xg, yg), (2, 6) (T8); needs raw moments to order 2."""
+    return np.array(_centroid_rows(m, plane))
+
+
+def _centroid_rows(m, plane):
     A, B, C = plane
     xg, yg, n20, n11, n02 = _shape(m)
     over_Zg = A * xg + B * yg + C
-    return np.array([
+    return [
         [-over_Zg, 0.0, xg * over_Zg + 4 * (A * n20 + B * n11), xg * yg + 4 * n11, -(1 + xg * xg + 4 * n20), yg],
         [0.0, -over_Zg, yg * over_Zg + 4 * (A * n11 + B * n02), 1 + yg * yg + 4 * n02, -xg * yg - 4 * n11, -xg],
-    ])  # fmt: skip
+    ]  # fmt: skip
 
 
 def normalised(m, plane, z_star_m, area_star):
     """L of (xn, yn, an), (3, 6) (T9); reference depth [m] and reference area as in T4."""
     a = m["00"]
-    L_a, L_g = area(m, plane), centroid(m, plane)
-    an = z_star_m * np.sqrt(area_star / a)
-    L_an = -(an / (2.0 * a)) * L_a
-    return np.array([an * L_g[0] + m["10"] / a * L_an, an * L_g[1] + m["01"] / a * L_an, L_an])
+    L_a, (L_x, L_y) = _area_row(m, plane), _centroid_rows(m, plane)
+    an = z_star_m * float(np.sqrt(area_star / a))
+    slope, xg, yg = -(an / (2.0 * a)), m["10"] / a, m["01"] / a
+    L_an = [slope * part for part in L_a]
+    return np.array([[an * part + xg * other for part, other in zip(L_x, L_an)],
+                     [an * part + yg * other for part, other in zip(L_y, L_an)], L_an])
 
 
 def orientation(m, mu, plane):

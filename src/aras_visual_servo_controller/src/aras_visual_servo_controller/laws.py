@@ -228,14 +228,18 @@ class Law:
         """
         if not isfinite(float(L.sum())):
             raise NotFiniteError("interaction matrix is not finite")
-        columns = slice(None) if self.features.sees_tilt else [0, 1, 2, 5]
-        U, sigmas, Vt = np.linalg.svd(L[:, columns], full_matrices=False)
-        self.condition = float(sigmas[0] / sigmas[-1]) if sigmas[-1] > 0.0 else float("inf")
+        sees_tilt, columns = self.features.sees_tilt, [0, 1, 2, 5]
+        U, sigmas, Vt = np.linalg.svd(L if sees_tilt else L[:, columns], full_matrices=False)
+        largest, least = float(sigmas[0]), float(sigmas[-1])
+        self.condition = largest / least if least > 0.0 else float("inf")
         if not self.condition < MAX_CONDITION:
             raise DegenerateFeature(f"features {', '.join(self.features.names)}: condition number of their interaction "
                                     f"matrix is {self.condition:.3g}, allowed < {MAX_CONDITION:g}")
+        seen = (Vt.T / sigmas) @ U.T
+        if sees_tilt:
+            return seen
         inverse = np.zeros((6, len(L)))
-        inverse[columns] = (Vt.T / sigmas) @ U.T
+        inverse[columns] = seen
         return inverse
 
     def current_condition(self):
