@@ -3,10 +3,7 @@
 The nodes do the same in the same order with the same objects; in lockstep they give the same bytes (tests/ros).
 """
 
-import math
 import time
-from collections import deque
-from fractions import Fraction
 
 import numpy as np
 
@@ -73,8 +70,9 @@ class ServoLoop:
         self.sequence = ExperimentSequence(self.kinematics, self.servo, scenario.experiment, self._set_reference)
         self.frame = -1
         self._image = None
+        self._placed_ns = 0
         self._target_moves = any("motion" in model for model in scenario.sim.get("scene", {}).get("models", [])[:1])
-        self._late = deque()  # answers that wait for their latency to pass
+        self._late = next((each.get("latency_s", 0.0) for each in cameras if each["name"] == self.camera), 0.0) > 0.0
         names = list(self.sim.joint_names)
         missing = [name for name in self.kinematics.joint_names if name not in names]
         if missing:
@@ -109,6 +107,7 @@ class ServoLoop:
         """
         self.sim.set_joint_positions(joints)
         self.sim.step(round(settle_s * 1e9 / self.sim.period_ns))
+        self._placed_ns = self.sim.time_ns
 
     def teach(self, z_star_m):
         """Make the next image the reference, without an experiment around it.
@@ -120,14 +119,13 @@ class ServoLoop:
         Raises:
             ParameterError: the target is not fit for a reference in this view.
         """
-        stamp_ns = self.sim.step_to_image(self.camera)
-        image = self._image = self.sim.render(self.camera)
+        stamp_ns = self._take()
+        image = self._image
         features, seen = self._see()
         self.frame += 1
         if not (seen.target_visible and seen.valid):
             raise ParameterError("target not in view at the goal")
-        q = self.sim.joint_positions
-        q = q if self._order is None else q[self._order]
+        q = self._joint_positions()
         self.servo.teach(self._set_reference(z_star_m, seen), q)
         features = self.extractor.features
         record = ServoRecord(stamp_ns, Status.IDLE, "taught", "teach", joint_names=self.kinematics.joint_names, q=q,
@@ -146,18 +144,30 @@ class ServoLoop:
             next step overwrites.
         """
         sim = self.sim
-        stamp_ns = sim.step_to_image(self.camera)
-        image = self._image = sim.render(self.camera)
+        stamp_ns = self._take()
+        image = self._image
         features, seen = self._see()
         self.frame += 1
-        q = sim.joint_positions
-        command, record = self.sequence.step(
-            Observation(stamp_ns, seen, q if self._order is None else q[self._order], self.frame))
-        self._late.append(command)
-        if len(self._late) > self.scenario.latency_images:
-            command = self._late.popleft()
-            sim.set_command(position=command.position, velocity=command.velocity, stamp_ns=stamp_ns)
+        command, record = self.sequence.step(Observation(stamp_ns, seen, self._joint_positions(), self.frame))
+        sim.set_command(position=command.position, velocity=command.velocity, stamp_ns=stamp_ns)
         return record, features, image
+
+    def _take(self):
+        """Take the next image that was not on its way while the arm was put elsewhere. Returns its stamp [ns]."""
+        stamp_ns = self.sim.step_to_image(self.camera)
+        while stamp_ns < self._placed_ns:
+            stamp_ns = self.sim.step_to_image(self.camera)
+        self._image = self.sim.render(self.camera)
+        return stamp_ns
+
+    def _joint_positions(self):
+        """(n,) of the instant that the image shows, in the order of the kinematics."""
+        q = self.sim.frame_state(self.camera)["joint_positions"] if self._late else self.sim.joint_positions
+        return q if self._order is None else q[self._order]
+
+    def camera_pose(self):
+        """X_WC, (4, 4), of the instant that the image answered last shows."""
+        return self.sim.frame_state(self.camera)["camera_pose"] if self._late else self.sim.camera_pose(self.camera)
 
     def run(self, progress=None, limit_s=DEFAULT_LIMIT_S, closing_s=CLOSING_S, keep_images=False):
         """Run the experiment from here to its end.
@@ -177,9 +187,10 @@ class ServoLoop:
         while not self.sequence.done and record.stamp_ns < limit_s * 1e9:
             record = self._row(builder, progress)
         if self.sequence.done:
-            last_frame = self._frames_until(record.stamp_ns + round(closing_s * 1e9))
-            while self.frame < last_frame:
+            end_ns = record.stamp_ns + round(closing_s * 1e9)
+            while self.sim.next_image_ns(self.camera) <= end_ns:
                 self._row(builder, progress)
+            self.sim.step(max(0, (end_ns - self.sim.time_ns) // self.sim.period_ns))
         else:
             builder.note(f"given up after {limit_s:g} s of simulated time in phase {record.phase}")
         wall_s = time.perf_counter() - started_s
@@ -189,18 +200,16 @@ class ServoLoop:
     def _row(self, builder, progress):
         record, features, image = self.step()
         X_WT = self._target_pose() if self._target_moves else None
-        builder.add_answer(record, self.sim.camera_pose(self.camera), features, image, X_WT)
+        builder.add_answer(record, self.camera_pose(), features, image, X_WT)
         if progress is not None and self.frame % PROGRESS_ROWS == 0:
             progress(record.stamp_ns * 1e-9, record.phase)
         return record
 
-    def _frames_until(self, stamp_ns):
-        """Index of the last frame not after a time that is a whole number of physics periods (frame k: >= k / rate)."""
-        cameras = {camera["name"]: camera for camera in self.scenario.sim["cameras"]}
-        rate_hz = Fraction(cameras[self.camera]["rate_hz"]).limit_denominator(1_000_000)
-        return math.floor(rate_hz * stamp_ns / 1_000_000_000)
-
     def _target_pose(self):
         """X_WT, (4, 4), of the scene's first model; None without one."""
         models = self.scenario.sim.get("scene", {}).get("models", [])
-        return np.asarray(self.sim.model_pose(models[0]["name"])) if models else None
+        if not models:
+            return None
+        name = models[0]["name"]
+        return np.asarray(self.sim.frame_state(self.camera)["model_poses"][name] if self._late
+                          else self.sim.model_pose(name))

@@ -54,9 +54,6 @@ class Scenario:
         """The robot's URDF as text."""
         return self.urdf_path.read_text(encoding="utf-8")
 
-    #: Images that an answer is late by: it takes effect when that many more have been taken. A sweep may vary it.
-    latency_images = 0
-
     def believed_camera_info(self, camera_info):
         """Intrinsics that the moments are computed with, of the true ones: the same, unless a sweep says otherwise."""
         return camera_info

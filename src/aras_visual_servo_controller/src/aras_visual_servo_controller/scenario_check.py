@@ -7,6 +7,7 @@ import re
 
 from .features import expand
 from .scenario_files import share_dir
+from .servo_config import ServoConfig
 from .types import FEATURE_NAMES
 
 
@@ -15,7 +16,7 @@ def check(document):
     faults = []
     for error in _validator().iter_errors(document):
         faults.extend(_describe(error))
-    return sorted(set(faults or _feature_faults(document)))
+    return sorted(set(faults or _feature_faults(document) + _latency_faults(document)))
 
 
 def _feature_faults(document):
@@ -29,6 +30,20 @@ def _feature_faults(document):
                    for key in given if key not in names]
     if "photometric" in names and "photometric" not in document["vision"]:
         faults.append("vision.photometric: missing, the feature 'photometric' is made there; {} for its defaults")
+    return faults
+
+
+def _latency_faults(document):
+    """An image must be answered before it is stale, and so must the next one: one frame and its rounding later."""
+    sim, faults = document["sim"], []
+    timeout_s = document["servo"].get("input_timeout_s", ServoConfig.input_timeout_s)
+    period_s = sim.get("period_s", 0.001)
+    for i, camera in enumerate(sim.get("cameras", [])):
+        latency_s, frame_s = camera.get("latency_s", 0.0), 1.0 / camera.get("rate_hz", 30.0)
+        longest_s = timeout_s - frame_s - 2.0 * period_s
+        if latency_s > max(0.0, longest_s):
+            faults.append(f"sim.cameras[{i}].latency_s: found {latency_s:g}, allowed <= servo.input_timeout_s - "
+                          f"1 / rate_hz - 2 sim.period_s = {longest_s:.4g}")
     return faults
 
 

@@ -24,7 +24,7 @@ KNOWN = {
     "noise_stddev": "noise of every camera [grey levels]",
     "focal_error": "relative error of the focal length that the moments are computed with",
     "principal_point_error_px": "error of the principal point that they are computed with, in u and in v [px]",
-    "latency_images": "images by which every answer takes effect late, rounded down to a whole number",
+    "latency_images": "images by which every image is delivered late, rounded down: added to the cameras' latency_s",
     "target": "shape: name of a file of aras_description/targets, or its URI",
     "target_scale": "factor on the size of every model of the scene that has outlines or an image",
 }
@@ -35,7 +35,7 @@ AT_LEAST = {"z_star_error": -0.95, "pid_gain_scale": 0.0, "friction_scale": 0.0,
             "latency_images": 0.0}
 #: Perturbations that no section of the scenario can say, with the value that changes nothing.
 BESIDE = {"pid_gain_scale": 1.0, "friction_scale": 1.0, "damping_scale": 1.0, "focal_error": 0.0,
-          "principal_point_error_px": 0.0, "latency_images": 0.0}
+          "principal_point_error_px": 0.0}
 
 
 @dataclass(frozen=True)
@@ -100,9 +100,8 @@ def perturbed(scenario, parameters):
     if "z_star_error" in parameters:
         z_star_m = overrides.get("experiment.z_star_m", scenario.experiment["z_star_m"])
         overrides["experiment.z_star_m"] = z_star_m * (1.0 + parameters["z_star_error"])
-    if "noise_stddev" in parameters:
-        overrides["sim.cameras"] = [dict(camera, noise_stddev=parameters["noise_stddev"])
-                                    for camera in scenario.sim["cameras"]]
+    if "noise_stddev" in parameters or "latency_images" in parameters:
+        overrides["sim.cameras"] = [_camera(camera, parameters) for camera in scenario.sim["cameras"]]
     if "target" in parameters or "target_scale" in parameters:
         overrides["sim.scene.models"] = _models(scenario, parameters)
     scenario = scenario.with_overrides(overrides) if overrides else scenario
@@ -124,10 +123,6 @@ class _PerturbedScenario(Scenario):
     """A scenario whose robot differs from its files, or whose loop has a wrong calibration or comes late."""
 
     beside: dict = None
-
-    @property
-    def latency_images(self):
-        return int(self.beside["latency_images"])
 
     def believed_camera_info(self, camera_info):
         believed = copy.deepcopy(camera_info)
@@ -189,6 +184,16 @@ def _is_path(name, scenario):
     for key in keys[:-1]:
         node = node.get(key, {}) if isinstance(node, Mapping) else None
     return isinstance(node, Mapping) and not isinstance(node.get(keys[-1]), (Mapping, list))
+
+
+def _camera(camera, parameters):
+    camera = dict(camera)
+    if "noise_stddev" in parameters:
+        camera["noise_stddev"] = parameters["noise_stddev"]
+    images = int(parameters.get("latency_images", 0))
+    if images:
+        camera["latency_s"] = camera.get("latency_s", 0.0) + images / camera["rate_hz"]
+    return camera
 
 
 def _models(scenario, parameters):

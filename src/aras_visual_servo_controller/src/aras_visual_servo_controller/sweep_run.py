@@ -101,7 +101,7 @@ class Bench:
             record, features, image = loop.teach(config.z_star_m)
         except ParameterError as error:
             raise Infeasible(str(error)) from error
-        builder.add_answer(record, loop.sim.camera_pose(loop.camera), features, image)
+        builder.add_answer(record, loop.camera_pose(), features, image)
         loop.place(start.joints, config.settle_s)
         loop.start(servo_only=True)
 
@@ -114,7 +114,7 @@ class Bench:
         lost_since_ns = None
         while not loop.sequence.done:
             record, features, image = loop.step()
-            builder.add_answer(record, loop.sim.camera_pose(loop.camera), features, image)
+            builder.add_answer(record, loop.camera_pose(), features, image)
             if record.status != Status.TARGET_LOST:
                 lost_since_ns = None
             elif lost_since_ns is None:

@@ -17,7 +17,7 @@ FEATURES = ("area", "xg", "yg", "alpha", "xn", "yn", "an", "orientation_conditio
 class ClosedLoop(unittest.TestCase):
     """One run; each test looks at another side of it."""
 
-    SCENARIO = "experiment_1"
+    SCENARIO, OVERRIDES = "experiment_1", None
     # Simulated seconds of servoing: from 0.15 m at 3 /s to the stop threshold of 0.05 mm takes ln(3000) / 3 = 2.7 s.
     DURATION_LIMIT_S = 5.0
 
@@ -44,7 +44,7 @@ class ClosedLoop(unittest.TestCase):
         self.assertTrue(self.result.converged, self.result.reason)
         self.assertEqual(self.result.status, ServoState.CONVERGED)
         self.assertLess(self.result.duration_s, self.DURATION_LIMIT_S)
-        thresholds = load_scenario(self.SCENARIO).servo["thresholds"]
+        thresholds = load_scenario(self.SCENARIO, self.OVERRIDES).servo["thresholds"]
         for name, e in zip(self.result.feature_names, self.result.e):
             self.assertLess(abs(e), thresholds[name])
 
@@ -57,7 +57,7 @@ class ClosedLoop(unittest.TestCase):
         self.assertLessEqual(set(self.watcher.features), set(self.watcher.joints))
 
     def test_gives_the_bytes_of_the_in_process_run(self):
-        loop = ServoLoop(load_scenario(self.SCENARIO))
+        loop = ServoLoop(load_scenario(self.SCENARIO, self.OVERRIDES))
         loop.start()
         for _ in range(self.sim.frames):
             record, features, _ = loop.step()
@@ -69,6 +69,7 @@ class ClosedLoop(unittest.TestCase):
             self.assertEqual((state.phase, state.status), (record.phase, record.status))
             np.testing.assert_array_equal(state.q, record.q)
             np.testing.assert_array_equal(state.e, record.e)
+        loop.sim.step(self.sim.ticks - loop.sim.ticks)  # to where it was paused
         self.assertEqual(loop.sim.run_hash, self.sim.run_hash)
 
     def compare_more(self, loop, stamp_ns):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from aras_visual_servo_controller import laws
+from aras_visual_servo_controller.errors import ParameterError
 from aras_visual_servo_controller.experiment import judge
 from aras_visual_servo_controller.loop import ServoLoop
 from aras_visual_servo_controller.record import PHASES
@@ -84,3 +85,49 @@ def test_idle_steps_command_nothing():
         assert answer.phase == "idle"
         assert image.shape[:2] == (240, 320)
     assert loop.sim.refused_commands == 0
+
+
+def late(latency_s):
+    cameras = load_scenario("experiment_1").sim["cameras"]
+    return load_scenario("experiment_1", {"sim.cameras": [dict(cameras[0], latency_s=latency_s)]})
+
+
+def test_late_images_are_paired_with_the_joints_and_the_camera_of_their_stamp(record):
+    loop = ServoLoop(late(0.08))
+    loop.start()
+    first_q = {}
+    for _ in range(40):   # commands come later, so the arm starts later, and from the same place
+        answer, _, _ = loop.step()
+        assert loop.sim.time_ns == answer.stamp_ns + 80_000_000
+        first_q[answer.stamp_ns] = answer.q
+        np.testing.assert_array_equal(loop.sim.frame_state("camera")["stamp_ns"], answer.stamp_ns)
+    np.testing.assert_array_equal(first_q[0], record.q[0])
+    # What is commanded on the first image acts 80 ms later: until then the arm has not been told to move.
+    moved = {stamp: np.abs(q - first_q[0]).max() for stamp, q in first_q.items()}
+    prompt = next(t for t, q in zip(record.stamp_ns, record.q) if np.abs(q - record.q[0]).max() > 1e-2)
+    assert next(stamp for stamp in moved if moved[stamp] > 1e-2) - prompt in (67_000_000, 66_000_000, 100_000_000)
+
+
+def test_late_images_from_before_the_arm_was_placed_are_not_answered():
+    scenario = late(0.1)
+    loop = ServoLoop(scenario)
+    loop.step()
+    loop.place({"gantry": 0.2}, settle_s=0.05)
+    placed_ns = loop.sim.time_ns
+    answer, _, _ = loop.step()
+    assert answer.stamp_ns >= placed_ns
+    assert loop.camera_pose()[1, 3] == pytest.approx(loop.sim.camera_pose("camera")[1, 3], abs=1e-3)
+
+
+def test_a_late_loop_converges_and_goes_on_for_the_closing_time():
+    loop = ServoLoop(late(0.12))
+    late_record = loop.run(closing_s=0.5)
+    assert judge(late_record).passed, judge(late_record).faults
+    done_ns = next(t for t, phase in zip(late_record.stamp_ns, late_record.phase) if phase == "done")
+    assert loop.sim.time_ns == done_ns + 500_000_000
+    assert late_record.stamp_ns[-1] <= loop.sim.time_ns - 120_000_000
+
+
+def test_a_latency_that_the_controller_would_call_stale_is_refused():
+    with pytest.raises(ParameterError, match=r"sim.cameras\[0\].latency_s: found 0.17, allowed .* 0.1647"):
+        late(0.17)

@@ -40,6 +40,7 @@ struct CameraConfig {
   double noise_stddev = 0.0;          ///< [grey levels], >= 0
   double exposure_s = 0.0;   ///< an image is the mean over this long before its stamp; 0 <= exposure_s < 1 / rate_hz
   int exposure_samples = 8;  ///< moments of the exposure that are drawn, 1 .. 256
+  double latency_s = 0.0;    ///< an image is delivered this long after its stamp, 0 .. 10
   double drop_probability = 0.0;  ///< of each frame, 0 .. 0.99: it is never taken; seeded by its index
   bool triggered = false;         ///< frames are taken only when asked for, at the next instant of rate_hz
   double baseline_m = 0.0;        ///< right of a stereo pair: distance to the left camera; P(0, 3) = -fx baseline_m

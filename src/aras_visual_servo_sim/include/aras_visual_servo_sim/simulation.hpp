@@ -3,7 +3,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <cstdint>
-#include <limits>
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,8 +12,10 @@
 
 #include "aras_visual_servo_sim/exposure.hpp"
 #include "aras_visual_servo_sim/frame_schedule.hpp"
+#include "aras_visual_servo_sim/frames_in_flight.hpp"
 #include "aras_visual_servo_sim/geometry_image.hpp"
 #include "aras_visual_servo_sim/mesh_loader.hpp"
+#include "aras_visual_servo_sim/model_set.hpp"
 #include "aras_visual_servo_sim/multibody_world.hpp"
 #include "aras_visual_servo_sim/renderer.hpp"
 #include "aras_visual_servo_sim/robot_model.hpp"
@@ -23,13 +25,18 @@
 
 namespace aras_visual_servo_sim {
 
+class StateReader;
+class StateWriter;
+
 /** Robot, scene and cameras under one clock of integer nanoseconds.
  *
  *  One tick: controllers and physics take the state from t to t + period. Frame k of a camera belongs to the first tick
  *  at or after k / rate, frame 0 to tick 0. A frame is *taken* by takeFrame or stepToImage, or missed by stepping past
  *  it; either way its joint state enters the run hash, and so does its image if it is rendered at that tick after it
- *  was taken. Same construction, same calls: same bytes. Frames: W world (of a fixed base, unless placed elsewhere, the
- * root link), C camera optical (x right, y down, z forward), M model. Not thread-safe.
+ *  was taken. A camera with latency exposes frame k at that tick by itself, and the frame can be taken when it is
+ * delivered, latency_s later: it shows what was when it was exposed. Same construction, same calls: same bytes. Frames:
+ * W world (of a fixed base, unless placed elsewhere, the root link), C camera optical (x right, y down, z forward), M
+ * model. Not thread-safe.
  */
 class Simulation {
  public:
@@ -54,7 +61,7 @@ class Simulation {
   /** Advances n >= 0 periods. Frames not taken before are missed. @throws ParameterError if n < 0 */
   void step(std::int64_t n = 1);
   /** Advances to the next frame of a camera that was neither taken nor missed, and takes it.
-   *  @return its stamp [ns] @throws UnknownNameError */
+   *  @return its stamp: when it was exposed [ns] @throws UnknownNameError */
   std::int64_t stepToImage(const std::string& camera);
 
   // --- cameras, by index in cameraNames()
@@ -62,28 +69,45 @@ class Simulation {
   /** @throws UnknownNameError naming the cameras there are */
   int cameraIndex(const std::string& camera) const;
   const CameraModel& camera(int index) const { return cameras_[index].model; }
-  /** True if a frame belongs to the present tick and was not taken yet. */
+  /** True if a frame can be taken at the present tick and was not taken yet. */
   bool frameDue(int camera) const;
-  /** True if a frame belongs to the present tick and was taken. */
+  /** True if a frame was taken at the present tick. */
   bool frameTaken(int camera) const;
-  static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
-  /** Tick of the next frame that was neither taken, missed nor dropped; kNever for a triggered camera nobody asked. */
+  /** True if a frame that is neither dropped nor missed is exposed at the present tick: without latency the one that
+   * is due. */
+  bool frameExposed(int camera) const;
+  static constexpr std::int64_t kNever = FramesInFlight::kNever;
+  /** Tick at which the next frame that was neither taken, missed nor dropped can be taken; kNever for a triggered
+   *  camera nobody asked. */
   std::int64_t nextFrameTick(int camera) const;
+  /** Tick at which the next frame is exposed that was not yet: without latency, nextFrameTick. */
+  std::int64_t nextExposureTick(int camera) const;
+  /** Exposes what is due of cameras with latency. step does it on its way: for those who show the present to others
+   *  before they let it be changed. */
+  void expose();
+  /** The frame taken last and those in flight of a camera with latency, oldest first; none of one without. */
+  std::vector<const ExposedFrame*> lateFrames(int camera) const;
+  /** The frame taken at the present tick of a camera with latency; null if there is none, or no latency. */
+  const ExposedFrame* takenFrame(int camera) const { return cameras_[camera].flight.taken(); }
   /** Asks a triggered camera for one frame: the next of its schedule after the present tick. Asking again before it was
    *  taken changes nothing, nor does asking a camera that is not triggered. */
   void trigger(int camera);
   /** Frames passed over so far because of drop_probability, of all cameras. */
   std::uint64_t droppedFrames() const;
-  /** Takes the frame of the present tick. @return its index @throws ParameterError if none is due */
+  /** Takes the frame that is due. @return its stamp: when it was exposed [ns] @throws ParameterError if none is due */
   std::int64_t takeFrame(int camera);
   /** What the camera sees now; at a frame's tick of a camera with an exposure, the mean over it, see Exposure. Joints
-   *  and models that are placed, spawned or deleted have no past: the exposure begins there. Poses, twists and geometry
-   *  are always those of the present. The reference stays valid; its content until the next render of this camera.
-   *  @throws RenderError */
+   *  and models that are placed, spawned or deleted have no past: the exposure begins there. Of a camera with latency,
+   *  at the tick at which a frame was taken, that frame. Poses and twists are always those of the present, see
+   *  takenFrame. The reference stays valid; its content until the next render of this camera. @throws RenderError */
   const Image& render(int camera);
-  /** Depth and ids of what the camera sees now, noise and blur apart; content until the next call for this camera.
-   *  segmentationIds(scene()) says what the ids mean. */
+  /** Depth and ids of what the image of this camera shows, noise and blur apart; content until the next call for this
+   *  camera. segmentationIds of the scene it shows, see shownScene, says what the ids mean. */
   const GeometryImage& renderGeometry(int camera);
+  /** The models that the image of a camera shows: those of a frame that was taken late, else those there are. */
+  const Scene& shownScene(int camera) const;
+  /** Where the models were when that image was exposed: X_WM by name. */
+  std::map<std::string, Pose> shownModels(int camera) const;
   Pose cameraPose(int camera) const;    ///< X_WC
   Twist cameraTwist(int camera) const;  ///< V_WC_C, [v; w]
 
@@ -91,7 +115,7 @@ class Simulation {
   /** Applies a command whole, or refuses it whole: then it is counted, every commanded velocity becomes 0 (the arm
    *  holds) and the reason is thrown.
    *  @param stamp_ns  time of the state it answers: neither in the future nor, unless the command is empty, older than
-   *                   command_timeout_s; nothing = now
+   *                   command_timeout_s and the longest latency of a camera; nothing = now
    *  @throws NotFiniteError, UnknownNameError, ParameterError */
   void setCommand(const JointCommand& command, std::optional<std::int64_t> stamp_ns = std::nullopt);
   /** As a Float64 on a controller's command topic; refused in the same way. */
@@ -147,25 +171,15 @@ class Simulation {
     CameraModel model;
     FrameSchedule schedule;
     Exposure exposure;
+    FramesInFlight flight;
     int link;
-    std::int64_t next_frame = 0;       ///< smallest index neither taken nor missed
+    std::int64_t next_frame = 0;       ///< smallest index neither taken nor missed; with latency, not exposed
     std::int64_t unhashed_frame = -1;  ///< taken, image not hashed yet
     bool asked = false;                ///< of a triggered camera: one frame is wanted
     std::uint64_t drop_seed = 0;
     std::uint64_t dropped = 0;  ///< frames below next_frame that were dropped
     Image image{};
     GeometryImage geometry{};
-  };
-  /** Models, with the robot's own bodies among those of the scene. */
-  struct ModelSet {
-    Scene scene;
-    std::vector<int> body_links;                 ///< link of each body of the scene, -1 for solids
-    std::map<std::string, Pose> starts;          ///< of each model
-    std::map<std::string, std::string> spawned;  ///< entry, as YAML, of each model that was spawned
-  };
-  struct SavedModel {
-    std::string name, entry;  ///< entry: empty unless it was spawned
-    Pose X_WM, X_WM0;         ///< where it is, where it started
   };
   struct MotionRun {
     ModelMotion motion;
@@ -184,10 +198,22 @@ class Simulation {
   void passFrame(Camera& camera);
   void placeBodies();
   Moment presentMoment(int camera) const;
-  void showMoment(const Moment& moment);
+  static void showMoment(const Moment& moment, Scene& scene);
   std::int64_t noteExposure(int camera);
   void forgetPast();
-  void expose(int camera);
+  void drawPresent(int camera);
+  void drawFrame(Camera& camera, const ExposedFrame& frame);
+  void passFramesInFlight();
+  void keepSeenModels();
+  static std::vector<SavedModel> savedModels(const ModelSet& set);
+  static void saveFrame(StateWriter& out, const ExposedFrame& frame);
+  ExposedFrame readFrame(StateReader& in, const Scene& scene) const;
+  static void saveFrames(StateWriter& out, const FramesInFlight& flight);
+  struct RestoredFrames {
+    std::optional<ExposedFrame> taken;
+    std::deque<ExposedFrame> in_flight;
+  };
+  RestoredFrames readFrames(StateReader& in, const Scene& scene) const;
   void holdStill();
   Pose& placeOf(const std::string& model);
   void keepBuilt();
@@ -211,6 +237,8 @@ class Simulation {
   std::map<std::string, MotionRun> motions_;  ///< of the models that move, by name
   std::vector<std::string> camera_names_;
   std::vector<Camera> cameras_;
+  bool any_late_ = false;  ///< some camera has latency
+  std::int64_t longest_latency_ns_ = 0;
   std::unique_ptr<Renderer> renderer_;
   GeometryRenderer geometry_renderer_;
   RunHash run_hash_;

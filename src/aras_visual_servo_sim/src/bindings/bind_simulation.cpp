@@ -85,6 +85,20 @@ py::dict cameraInfo(const Simulation& simulation, const std::string& camera) {
   return info;
 }
 
+py::dict frameState(const Simulation& simulation, const std::string& camera) {
+  const int index = simulation.cameraIndex(camera);
+  const ExposedFrame* late = simulation.takenFrame(index);
+  py::dict state, models;
+  state["stamp_ns"] = late ? late->tick() * simulation.periodNs() : simulation.timeNs();
+  state["joint_positions"] = late ? late->q : simulation.world().jointPositions();
+  state["joint_velocities"] = late ? late->v : simulation.world().jointVelocities();
+  state["camera_pose"] = late ? late->present.X_WC.matrix() : simulation.cameraPose(index).matrix();
+  state["camera_twist"] = late ? late->V_WC_C : simulation.cameraTwist(index);
+  for (const auto& [name, X_WM] : simulation.shownModels(index)) models[name.c_str()] = X_WM.matrix();
+  state["model_poses"] = models;
+  return state;
+}
+
 py::dict controllerState(const Simulation& simulation, const std::string& controller) {
   const ControllerState state = simulation.world().controllerState(controller);
   py::dict result;
@@ -121,11 +135,27 @@ void bindTimeAndCameras(py::class_<Simulation>& type) {
       .def("step", &Simulation::step, py::arg("n") = 1, ReleaseGil(),
            "Advances n physics periods (default 1). Frames due on the way and not taken are missed.")
       .def("step_to_image", &Simulation::stepToImage, py::arg("camera") = "camera", ReleaseGil(),
-           "Advances to the next frame of a camera (frame k at the first tick >= k / rate, frame 0 at tick 0).\n\n"
-           "Returns:\n    its stamp, int [ns].\nRaises:\n    UnknownNameError: no such camera.")
+           "Advances to the next frame of a camera (frame k at the first tick >= k / rate, frame 0 at tick 0), of one\n"
+           "with latency to its delivery, latency_s later.\n\n"
+           "Returns:\n    its stamp, when it was exposed, int [ns].\nRaises:\n    UnknownNameError: no such camera.")
+      .def(
+          "next_image_ns",
+          [](const Simulation& self, const std::string& camera) {
+            const std::int64_t tick = self.nextFrameTick(self.cameraIndex(camera));
+            return tick == Simulation::kNever ? tick : tick * self.periodNs();
+          },
+          py::arg("camera") = "camera",
+          "Time at which step_to_image would stop, int [ns]; 2^63 - 1 for a triggered camera that nobody asked.")
+      .def("frame_state", &frameState, py::arg("camera") = "camera",
+           "What was true when the image of this camera was exposed: of the frame taken last at the present tick if "
+           "the\n"
+           "camera has latency, else of the present.\n\n"
+           "Returns:\n    dict of stamp_ns [ns], joint_positions (n,) [m or rad], joint_velocities (n,), camera_pose\n"
+           "    X_WC (4, 4), camera_twist V_WC_C (6,), model_poses: dict of name -> X_WM (4, 4).")
       .def_property_readonly("camera_names", &Simulation::cameraNames, "Names of the cameras, as configured.")
       .def("render", &renderView, py::arg("camera") = "camera",
-           "What the camera sees now; at a frame of a camera with exposure_s the mean over it.\n\n"
+           "What the camera sees now; at a frame of a camera with exposure_s the mean over it; where a frame of a\n"
+           "camera with latency_s was taken, that frame.\n\n"
            "Returns:\n    uint8 array (h, w, 3), or (h, w) for mono8, top row first; a\n"
            "    read-only view without a copy, its content valid until the next render of this camera.\n"
            "Raises:\n    UnknownNameError, RenderError.")

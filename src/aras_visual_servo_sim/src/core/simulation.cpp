@@ -81,7 +81,10 @@ void Simulation::addCamera(const CameraConfig& config, std::vector<std::string>&
   try {
     const int link = model_.linkIndex(config.mount.empty() ? config.frame : config.mount);
     Camera camera{CameraModel(config), FrameSchedule(config.rate_hz, period_ns_),
-                  Exposure(config.exposure_s, config.exposure_samples, period_ns_), link};
+                  Exposure(config.exposure_s, config.exposure_samples, period_ns_),
+                  FramesInFlight(config.latency_s, period_ns_), link};
+    any_late_ = any_late_ || camera.flight.late();
+    longest_latency_ns_ = std::max(longest_latency_ns_, camera.flight.latencyTicks() * period_ns_);
     camera.drop_seed = config_.seed + kDropSeed + cameras_.size();
     camera_names_.push_back(config.name);
     cameras_.push_back(std::move(camera));
@@ -128,19 +131,22 @@ void Simulation::step(std::int64_t n) {
   if (n < 0) throw ParameterError("step: found " + std::to_string(n) + " periods, allowed >= 0");
   const std::int64_t end = ticks() + n;
   while (ticks() < end) {
+    if (any_late_) expose();
     std::int64_t next = end;
     for (std::size_t k = 0; k < cameras_.size(); ++k) {
-      if (frameDue(static_cast<int>(k))) passFrame(cameras_[k]);
+      if (!cameras_[k].flight.late() && frameDue(static_cast<int>(k))) passFrame(cameras_[k]);
       cameras_[k].unhashed_frame = -1;
-      next = std::min({next, nextFrameTick(static_cast<int>(k)), noteExposure(static_cast<int>(k))});
+      next = std::min({next, nextExposureTick(static_cast<int>(k)), noteExposure(static_cast<int>(k))});
     }
     if (config_.world.contacts.any()) {
       stepTouching(next - ticks());
     } else {
       world_->step(static_cast<int>(next - ticks()));
     }
+    if (any_late_) passFramesInFlight();
   }
   moveModels();
+  if (any_late_ && n > 0) expose();
 }
 
 std::int64_t Simulation::stepToImage(const std::string& camera) {
@@ -149,8 +155,7 @@ std::int64_t Simulation::stepToImage(const std::string& camera) {
     throw ParameterError("camera '" + camera + "': takes frames only when triggered, and nobody asked for one");
   }
   step(nextFrameTick(index) - ticks());
-  takeFrame(index);
-  return timeNs();
+  return takeFrame(index);
 }
 
 // --- commands -------------------------------------------------------------------------------------------------------
@@ -179,14 +184,17 @@ void Simulation::acceptOrRefuse(const Action& action) {
 
 void Simulation::setCommand(const JointCommand& command, std::optional<std::int64_t> stamp_ns) {
   acceptOrRefuse([&] {
-    const double age_s = 1e-9 * static_cast<double>(timeNs() - stamp_ns.value_or(timeNs()));
+    const std::int64_t age_ns = timeNs() - stamp_ns.value_or(timeNs());
+    const double age_s = 1e-9 * static_cast<double>(age_ns);
+    const double late_s = 1e-9 * static_cast<double>(age_ns - longest_latency_ns_);
     if (age_s < 0.0) {
       throw ParameterError("command: stamp is " + std::to_string(-age_s) + " s in the future, now is " +
                            std::to_string(timeS()) + " s of simulated time");
     }
-    if (!command.empty() && config_.command_timeout_s > 0.0 && age_s > config_.command_timeout_s) {
-      throw ParameterError("command: stamp is " + std::to_string(age_s) + " s old, allowed <= " +
-                           std::to_string(config_.command_timeout_s) + " s (sim/command_timeout_s)");
+    if (!command.empty() && config_.command_timeout_s > 0.0 && late_s > config_.command_timeout_s) {
+      throw ParameterError("command: stamp is " + std::to_string(age_s) +
+                           " s old, allowed <= " + std::to_string(config_.command_timeout_s + age_s - late_s) +
+                           " s (sim/command_timeout_s" + (any_late_ ? " and the longest latency_s of a camera)" : ")"));
     }
     world_->setCommand(command);
   });
@@ -216,6 +224,7 @@ void Simulation::reset() {
     camera.unhashed_frame = -1;
     camera.asked = false;
     camera.dropped = 0;
+    camera.flight.clear();
   }
   run_hash_.reset();
   refused_commands_ = 0;

@@ -26,14 +26,22 @@ bool Simulation::frameDue(int camera) const { return nextFrameTick(camera) == ti
 
 bool Simulation::frameTaken(int camera) const {
   const Camera& each = cameras_[camera];
+  if (each.flight.late()) return each.flight.taken() != nullptr;
   const std::int64_t last = each.next_frame - 1;
   return last >= 0 && !each.asked && each.schedule.tickOf(last) == ticks();
 }
 
-std::int64_t Simulation::nextFrameTick(int camera) const {
+std::int64_t Simulation::nextExposureTick(int camera) const {
   const Camera& each = cameras_[camera];
   if (each.model.config().triggered && !each.asked) return kNever;
   return each.schedule.tickOf(nextFrame(each));
+}
+
+std::int64_t Simulation::nextFrameTick(int camera) const {
+  const FramesInFlight& flight = cameras_[camera].flight;
+  if (!flight.inFlight().empty()) return flight.nextDelivery();
+  const std::int64_t exposure = nextExposureTick(camera);
+  return exposure == kNever ? kNever : exposure + flight.latencyTicks();
 }
 
 bool Simulation::isDropped(const Camera& camera, std::int64_t frame) {
@@ -69,10 +77,17 @@ std::int64_t Simulation::takeFrame(int camera) {
   if (!frameDue(camera)) {
     throw ParameterError("camera '" + camera_names_[camera] + "': no frame is due at tick " + std::to_string(ticks()));
   }
-  const std::int64_t frame = nextFrame(cameras_[camera]);
-  passFrame(cameras_[camera]);
-  cameras_[camera].unhashed_frame = frame;
-  return frame;
+  Camera& each = cameras_[camera];
+  if (any_late_) expose();  // before anything of this tick is taken
+  if (each.flight.late()) {
+    const ExposedFrame& frame = each.flight.take();
+    each.unhashed_frame = frame.index;
+    return frame.tick() * period_ns_;
+  }
+  const std::int64_t frame = nextFrame(each);
+  passFrame(each);
+  each.unhashed_frame = frame;
+  return timeNs();
 }
 
 void Simulation::placeBodies() {
@@ -81,20 +96,19 @@ void Simulation::placeBodies() {
   }
 }
 
-const GeometryImage& Simulation::renderGeometry(int camera) {
-  placeBodies();
-  geometry_renderer_.render(cameras_[camera].model, cameraPose(camera), models_.scene, cameras_[camera].geometry);
-  return cameras_[camera].geometry;
-}
-
 const Image& Simulation::render(int index) {
   Camera& camera = cameras_[index];
-  placeBodies();
-  expose(index);
+  const ExposedFrame* late = camera.flight.taken();
+  if (late) {
+    drawFrame(camera, *late);
+  } else {
+    drawPresent(index);
+  }
   const CameraConfig& config = camera.model.config();
   if (config.noise_stddev > 0.0 || config.noise_mean != 0.0) {
+    const std::int64_t frame = late ? late->index : camera.schedule.firstIndexFrom(ticks());
     addGaussianNoise(camera.image, config.noise_stddev, config_.seed + kSeedStride * static_cast<std::uint64_t>(index),
-                     static_cast<std::uint64_t>(camera.schedule.firstIndexFrom(ticks())), config.noise_mean);
+                     static_cast<std::uint64_t>(frame), config.noise_mean);
   }
   if (camera.unhashed_frame >= 0) {
     run_hash_.add(camera.image.data.data(), camera.image.data.size());

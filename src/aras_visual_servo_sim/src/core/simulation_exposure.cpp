@@ -12,9 +12,9 @@ Moment Simulation::presentMoment(int camera) const {
   return moment;
 }
 
-void Simulation::showMoment(const Moment& moment) {
-  for (std::size_t k = 0; k < moment.models.size(); ++k) models_.scene.models[k].X_WM = moment.models[k];
-  for (std::size_t k = 0; k < moment.bodies.size(); ++k) models_.scene.bodies[k].X_WB = moment.bodies[k];
+void Simulation::showMoment(const Moment& moment, Scene& scene) {
+  for (std::size_t k = 0; k < moment.models.size(); ++k) scene.models[k].X_WM = moment.models[k];
+  for (std::size_t k = 0; k < moment.bodies.size(); ++k) scene.bodies[k].X_WB = moment.bodies[k];
 }
 
 /** Notes the present tick if the next image has a sample there. Of every scheduled frame, dropped or not asked for too:
@@ -37,9 +37,10 @@ void Simulation::forgetPast() {
   for (Camera& camera : cameras_) camera.exposure.forget();
 }
 
-/** The image without noise. @pre placeBodies() */
-void Simulation::expose(int index) {
+/** The image of the present, without noise. */
+void Simulation::drawPresent(int index) {
   Camera& camera = cameras_[index];
+  placeBodies();
   const bool at_frame = camera.schedule.tickOf(camera.schedule.firstIndexFrom(ticks())) == ticks();
   if (!camera.exposure.blurs() || !at_frame) {
     renderer_->render(camera.model, cameraPose(index), models_.scene, camera.image);
@@ -49,15 +50,15 @@ void Simulation::expose(int index) {
   ImageMean mean;
   try {
     for (const Exposure::Sample& sample : camera.exposure.samplesOf(present)) {
-      showMoment(*sample.moment);
+      showMoment(*sample.moment, models_.scene);
       renderer_->render(camera.model, sample.moment->X_WC, models_.scene, camera.image);
       mean.add(camera.image, sample.count);
     }
   } catch (const ArasError&) {
-    showMoment(present);
+    showMoment(present, models_.scene);
     throw;
   }
-  showMoment(present);
+  showMoment(present, models_.scene);
   mean.write(camera.image);
 }
 

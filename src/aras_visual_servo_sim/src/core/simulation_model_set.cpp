@@ -22,6 +22,7 @@ void Simulation::spawnModel(const YAML::Node& entry, const std::optional<Pose>& 
     throw NotFiniteError("model '" + name + "': pose is not finite");
   }
   keepBuilt();
+  keepSeenModels();
   YAML::Emitter text;
   text << YAML::Flow << entry;
   models_.spawned[name] = text.c_str();
@@ -50,6 +51,7 @@ void Simulation::deleteModel(const std::string& model) {
     throw ParameterError("model '" + model + "': takes part in sim/contacts, must stay (it can be placed elsewhere)");
   }
   keepBuilt();
+  keepSeenModels();
   removeModel(models_, model);
   forgetPast();
   motions_.erase(model);
@@ -71,7 +73,7 @@ void Simulation::removeModel(ModelSet& set, const std::string& model) {
 }
 
 /** The models as they were when a state was saved. @throws StateError if one is neither built in nor was spawned */
-Simulation::ModelSet Simulation::composed(const std::vector<SavedModel>& saved) const {
+ModelSet Simulation::composed(const std::vector<SavedModel>& saved) const {
   ModelSet set = built_ ? *built_ : models_;
   const std::map<std::string, Pose> built = set.starts;
   for (const auto& [name, X_WM] : built) {

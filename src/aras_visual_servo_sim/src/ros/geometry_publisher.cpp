@@ -32,12 +32,12 @@ GeometryPublisher::GeometryPublisher(const ros::NodeHandle& node, Simulation& si
     cameras_.push_back({transport.advertise(name + "/depth/image_raw", kQueue),
                         transport.advertise(name + "/segmentation/image_raw", kQueue)});
   }
-  tellIds();
+  tellIds(simulation.scene());
 }
 
-void GeometryPublisher::tellIds() {
+void GeometryPublisher::tellIds(const Scene& scene) {
   std::map<std::string, int> ids;
-  for (const auto& [name, id] : segmentationIds(simulation_.scene())) ids[name] = id;
+  for (const auto& [name, id] : segmentationIds(scene)) ids[name] = id;
   if (ids == ids_) return;
   ids_ = ids;
   ros::NodeHandle("~").setParam("segmentation_ids", ids);
@@ -52,7 +52,7 @@ void GeometryPublisher::publish(int camera, const ros::Time& stamp) {
   namespace encodings = sensor_msgs::image_encodings;
   if (depth) send(output.depth, image, image.depth_m, encodings::TYPE_32FC1, frame, stamp);
   if (!ids) return;
-  tellIds();
+  tellIds(simulation_.shownScene(camera));
   send(output.ids, image, image.ids, encodings::TYPE_16UC1, frame, stamp);
 }
 

@@ -24,7 +24,7 @@ class GeometryPublisher {
   struct Output {
     image_transport::Publisher depth, ids;
   };
-  void tellIds();
+  void tellIds(const Scene& scene);
 
   Simulation& simulation_;
   std::map<std::string, int> ids_;

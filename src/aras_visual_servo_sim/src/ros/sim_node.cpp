@@ -81,13 +81,16 @@ void SimNode::sample() { hold(states_.publishDue()); }
 /** Images of these cameras went out: the lockstep waits for their answers. */
 void SimNode::hold(const std::vector<int>& cameras) {
   std::string names;
+  std::int64_t newest_ns = 0;
   for (const int camera : cameras) {
     const bool counts = std::count(lockstep_cameras_.begin(), lockstep_cameras_.end(), camera) > 0;
-    if (counts || lockstep_cameras_.empty()) names += (names.empty() ? "" : ", ") + simulation_.cameraNames()[camera];
+    if (!counts && !lockstep_cameras_.empty()) continue;
+    names += (names.empty() ? "" : ", ") + simulation_.cameraNames()[camera];
+    newest_ns = std::max(newest_ns, states_.imageNs(camera));
   }
   if (names.empty()) return;
-  gate_.imageSent(simulation_.timeNs());
-  held_image_ = "image of " + names + " at " + std::to_string(time_.now().toSec()) + " s";
+  gate_.imageSent(newest_ns);
+  held_image_ = "image of " + names + " at " + std::to_string(time_.at(newest_ns).toSec()) + " s";
   answerers_.clear();
   hold_report_ = ros::WallTime::now() + ros::WallDuration(config_.lockstep_timeout_s);
 }

@@ -6,6 +6,8 @@
 #include <rosgraph_msgs/Clock.h>
 
 #include <algorithm>
+#include <map>
+#include <utility>
 
 #include "aras_visual_servo_sim/errors.hpp"
 #include "conversions.hpp"
@@ -98,7 +100,8 @@ void StatePublisher::advertiseCamera(int camera) {
 std::int64_t StatePublisher::nextTick() const {
   std::int64_t next = std::min(clock_schedule_.tickOf(next_clock_), joint_schedule_.tickOf(next_joints_));
   for (std::size_t k = 0; k < cameras_.size(); ++k) {
-    next = std::min(next, simulation_.nextFrameTick(static_cast<int>(k)));
+    const int camera = static_cast<int>(k);
+    next = std::min({next, simulation_.nextFrameTick(camera), simulation_.nextExposureTick(camera)});
   }
   return next;
 }
@@ -109,40 +112,77 @@ std::vector<int> StatePublisher::publishDue() {
   sampled_tick_ = tick;
   const bool clock_due = clock_schedule_.tickOf(next_clock_) <= tick;
   const bool joints_due = joint_schedule_.tickOf(next_joints_) <= tick;
-  std::vector<int> due;
+  simulation_.expose();
+  std::vector<int> exposed, due;
   for (std::size_t k = 0; k < cameras_.size(); ++k) {
-    if (simulation_.frameDue(static_cast<int>(k))) due.push_back(static_cast<int>(k));
+    const int camera = static_cast<int>(k);
+    if (simulation_.frameExposed(camera)) exposed.push_back(camera);
+    if (simulation_.frameDue(camera)) due.push_back(camera);
   }
 
   next_clock_ = clock_schedule_.firstIndexFrom(tick + 1);
   next_joints_ = joint_schedule_.firstIndexFrom(tick + 1);
   const ros::Time stamp = time_.now();
-  if (clock_due || !due.empty()) publishClock();
-  if (joints_due || !due.empty()) publishJoints(stamp);
+  if (clock_due || !exposed.empty() || !due.empty()) publishClock();
+  if (joints_due || !exposed.empty()) publishPresentJoints();
   if (joints_due) publishControllers(stamp);
-  if (due.empty()) return due;
-
-  publishTarget(stamp);
-  for (const int camera : due) publishFrame(camera, stamp);
+  if (!exposed.empty()) publishTarget(stamp);
+  for (std::size_t k = 0; k < cameras_.size(); ++k) {
+    const int camera = static_cast<int>(k);
+    if (std::count(exposed.begin(), exposed.end(), camera)) {
+      publishCamera(camera, stamp, simulation_.cameraPose(camera), simulation_.cameraTwist(camera));
+    }
+    if (!std::count(due.begin(), due.end(), camera)) continue;
+    simulation_.takeFrame(camera);
+    ++frames_;
+    publishImage(camera);
+  }
   return due;
 }
 
 std::vector<int> StatePublisher::resume() {
   const std::int64_t tick = simulation_.ticks();
-  const ros::Time stamp = time_.now();
   sampled_tick_ = -1;
   next_clock_ = clock_schedule_.firstIndexFrom(tick);
   next_joints_ = joint_schedule_.firstIndexFrom(tick);
   path_message_.poses.clear();
   publishClock();
-  publishJoints(stamp);
+  publishLate();
+  publishPresentJoints();
   std::vector<int> taken;
   for (std::size_t k = 0; k < cameras_.size(); ++k) {
     if (simulation_.frameTaken(static_cast<int>(k))) taken.push_back(static_cast<int>(k));
   }
+  const ros::Time stamp = time_.now();
   if (!taken.empty()) publishTarget(stamp);
-  for (const int camera : taken) publishImage(camera, stamp);
+  for (const int camera : taken) {
+    if (!simulation_.takenFrame(camera)) {
+      publishCamera(camera, stamp, simulation_.cameraPose(camera), simulation_.cameraTwist(camera));
+    }
+    publishImage(camera);
+  }
   return taken;
+}
+
+/** What belongs to the images that are on their way, or went out just now, in the order of their stamps. */
+void StatePublisher::publishLate() {
+  std::multimap<std::int64_t, std::pair<int, const ExposedFrame*>> frames;
+  for (std::size_t k = 0; k < cameras_.size(); ++k) {
+    for (const ExposedFrame* frame : simulation_.lateFrames(static_cast<int>(k))) {
+      frames.emplace(frame->tick(), std::make_pair(static_cast<int>(k), frame));
+    }
+  }
+  for (const auto& [tick, entry] : frames) {
+    const auto& [camera, frame] = entry;
+    const ros::Time stamp = time_.at(tick * simulation_.periodNs());
+    publishJoints(stamp, frame->q, frame->v, frame->efforts);
+    publishCamera(camera, stamp, frame->present.X_WC, frame->V_WC_C);
+  }
+}
+
+std::int64_t StatePublisher::imageNs(int camera) const {
+  const ExposedFrame* late = simulation_.takenFrame(camera);
+  return late ? late->tick() * simulation_.periodNs() : simulation_.timeNs();
 }
 
 void StatePublisher::publishClock() {
@@ -158,11 +198,17 @@ void StatePublisher::reset() {
   path_message_.poses.clear();
 }
 
-void StatePublisher::publishJoints(const ros::Time& stamp) {
+void StatePublisher::publishPresentJoints() {
+  const MultibodyWorld& world = simulation_.world();
+  publishJoints(time_.now(), world.jointPositions(), world.jointVelocities(), world.jointEfforts());
+}
+
+void StatePublisher::publishJoints(const ros::Time& stamp, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                                   const Eigen::VectorXd& efforts) {
   joint_message_.header.stamp = stamp;
-  assign(joint_message_.position, simulation_.world().jointPositions());
-  assign(joint_message_.velocity, simulation_.world().jointVelocities());
-  assign(joint_message_.effort, simulation_.world().jointEfforts());
+  assign(joint_message_.position, q);
+  assign(joint_message_.velocity, v);
+  assign(joint_message_.effort, efforts);
   joints_.publish(joint_message_);
 }
 
@@ -201,26 +247,24 @@ void StatePublisher::publishTarget(const ros::Time& stamp) {
   target_twist_.publish(twist);
 }
 
-void StatePublisher::publishFrame(int camera, const ros::Time& stamp) {
-  simulation_.takeFrame(camera);
-  ++frames_;
-  publishImage(camera, stamp);
-}
-
-void StatePublisher::publishImage(int camera, const ros::Time& stamp) {
+void StatePublisher::publishCamera(int camera, const ros::Time& stamp, const Pose& X_WC, const Twist& V_WC_C) {
   CameraOutput& output = cameras_[camera];
   geometry_msgs::PoseStamped pose;
   pose.header.stamp = stamp;
   pose.header.frame_id = world_frame_;
-  pose.pose = toMessage(simulation_.cameraPose(camera));
+  pose.pose = toMessage(X_WC);
   output.pose.publish(pose);
   geometry_msgs::TwistStamped twist;
   twist.header.stamp = stamp;
   twist.header.frame_id = output.info_message.header.frame_id;
-  twist.twist = toMessage(simulation_.cameraTwist(camera));
+  twist.twist = toMessage(V_WC_C);
   output.twist.publish(twist);
   if (camera == 0) publishPath(stamp, pose.pose);
+}
 
+void StatePublisher::publishImage(int camera) {
+  CameraOutput& output = cameras_[camera];
+  const ros::Time stamp = time_.at(imageNs(camera));
   output.info_message.header.stamp = stamp;
   output.info.publish(output.info_message);
   geometry_.publish(camera, stamp);

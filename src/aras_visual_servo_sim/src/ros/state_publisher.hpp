@@ -20,7 +20,8 @@ namespace aras_visual_servo_sim {
 
 /** Puts on the wire what is due at a tick, each message with the stamp of the state it describes.
  *
- *  Order at an image: clock, joint_states, ground truth, camera_info, image. */
+ *  Order at an image: clock, joint_states, ground truth, camera_info, image. Of a camera with latency the last two come
+ * that much later, after the clock, with the stamp of the others. */
 class StatePublisher {
  public:
   StatePublisher(const ros::NodeHandle& node, Simulation& simulation, const TimeConfig& config, const WireTime& time);
@@ -29,15 +30,18 @@ class StatePublisher {
   std::int64_t nextTick() const;
 
   /** Publishes what is due at the present tick and was not published yet.
-   *  @return the cameras, by index, whose image instant it is */
+   *  @return the cameras, by index, whose images went out */
   std::vector<int> publishDue();
 
   void publishClock();
   /** Forgets the samples taken: after a reset of the simulation. */
   void reset();
-  /** After a restored state: samples it anew. A frame that was taken at its tick already is sent once more.
-   *  @return as publishDue */
+  /** After a restored state: samples it anew. A frame that was taken at its tick already is sent once more, and so are
+   *  joint states and camera poses of the frames that are on their way. @return as publishDue */
   std::vector<int> resume();
+
+  /** Stamp of the image of a camera that went out at the present tick, in the simulation's time [ns]. */
+  std::int64_t imageNs(int camera) const;
 
   std::uint64_t frames() const { return frames_; }
   /** Frames that could not be rendered, and those of drop_probability. */
@@ -57,11 +61,14 @@ class StatePublisher {
   };
 
   void advertiseCamera(int camera);
-  void publishJoints(const ros::Time& stamp);
+  void publishPresentJoints();
+  void publishJoints(const ros::Time& stamp, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                     const Eigen::VectorXd& efforts);
   void publishControllers(const ros::Time& stamp);
   void publishTarget(const ros::Time& stamp);
-  void publishFrame(int camera, const ros::Time& stamp);
-  void publishImage(int camera, const ros::Time& stamp);
+  void publishCamera(int camera, const ros::Time& stamp, const Pose& X_WC, const Twist& V_WC_C);
+  void publishImage(int camera);
+  void publishLate();
   void publishPath(const ros::Time& stamp, const geometry_msgs::Pose& pose);
 
   ros::NodeHandle node_;

@@ -41,6 +41,7 @@ CameraModel::CameraModel(const CameraConfig& config) : config_(config) {
           config.drop_probability, "0 .. 0.99");
   require(faults, config.exposure_s >= 0.0 && config.exposure_s < 1.0 / config.rate_hz, "exposure_s", config.exposure_s,
           ">= 0 and < 1 / rate_hz");
+  require(faults, config.latency_s >= 0.0 && config.latency_s <= 10.0, "latency_s", config.latency_s, "0 .. 10 s");
   require(faults, config.exposure_samples >= 1 && config.exposure_samples <= 256, "exposure_samples",
           config.exposure_samples, "1 .. 256");
   require(faults, std::isfinite(config.baseline_m), "baseline_m", config.baseline_m, "finite");

@@ -341,6 +341,7 @@ CameraConfig readCameraConfig(YamlReader& reader) {
   camera.noise_mean = reader.optional<double>("noise_mean", camera.noise_mean);
   camera.exposure_s = reader.optional<double>("exposure_s", camera.exposure_s);
   camera.exposure_samples = reader.optional<int>("exposure_samples", camera.exposure_samples);
+  camera.latency_s = reader.optional<double>("latency_s", camera.latency_s);
   camera.drop_probability = reader.optional<double>("drop_probability", camera.drop_probability);
   camera.triggered = reader.optional<bool>("triggered", camera.triggered);
   camera.baseline_m = reader.optional<double>("baseline_m", camera.baseline_m);
