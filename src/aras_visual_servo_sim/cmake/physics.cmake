@@ -7,6 +7,8 @@ add_library(sim_physics OBJECT
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/articulated_body.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/articulated_body_bullet.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/contact_config.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/contact_island.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/contact_points.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/contact_shapes.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/contact_solver.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/floating_base.cpp

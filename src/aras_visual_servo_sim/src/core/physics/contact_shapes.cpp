@@ -11,7 +11,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr std::size_t kPointsOfAFace = 4;
+constexpr int kTurns = 3;
 constexpr double kHullMargin = 1e-4;  // [m], by which Bullet lets hulls touch early: rounds their edges for its search
 
 btVector3 toBullet(const Vector3d& v) { return btVector3(v.x(), v.y(), v.z()); }
@@ -28,6 +28,13 @@ std::vector<Vector3d> boxCorners(const Vector3d& size) {
                          (k & 4 ? 0.5 : -0.5) * size.z());
   }
   return corners;
+}
+
+/** With its faces and edges known: only then Bullet cuts faces with each other, and finds all corners of a contact. */
+std::unique_ptr<btCollisionShape> boxOf(const Vector3d& size) {
+  auto box = std::make_unique<btBoxShape>(toBullet(Vector3d(0.5 * size)));
+  box->initializePolyhedralFeatures();
+  return box;
 }
 
 std::unique_ptr<btCollisionShape> hullOf(const std::vector<Vector3d>& points) {
@@ -62,7 +69,6 @@ struct Collector : public btCollisionWorld::ContactResultCallback {
 
 ContactShapes::ContactShapes(const ContactConfig& config)
     : config_(config), dispatcher_(&bullet_config_), world_(&dispatcher_, &broadphase_, &bullet_config_) {
-  bullet_config_.setConvexConvexMultipointIterations(3, 3);
   world_.getDispatchInfo().m_enableSatConvex = true;
 }
 
@@ -82,7 +88,7 @@ void ContactShapes::add(int body, const Geometry& geometry, const Pose& X_BS) {
   switch (geometry.type) {
     case Geometry::Type::kBox:
       shape->corners = boxCorners(geometry.size_m);
-      shape->shape = std::make_unique<btBoxShape>(toBullet(Vector3d(0.5 * geometry.size_m)));
+      shape->shape = boxOf(geometry.size_m);
       break;
     case Geometry::Type::kCylinder:
       shape->shape =
@@ -170,28 +176,7 @@ void ContactShapes::findOnGround(const Shape& shape) {
   } else {
     for (const Vector3d& corner : shape.corners) addGroundPoint(shape, X * corner);
   }
-  thinOut(first);
-}
-
-/** Of many points of one face keeps the deepest and those farthest from the ones kept. */
-void ContactShapes::thinOut(std::size_t first) {
-  if (points_.size() - first <= 2 * kPointsOfAFace) return;
-  const auto begin = points_.begin() + static_cast<std::ptrdiff_t>(first);
-  std::iter_swap(begin, std::max_element(begin, points_.end(), [](const auto& one, const auto& other) {
-                   return one.depth_m < other.depth_m;
-                 }));
-  for (std::size_t kept = 1; kept < kPointsOfAFace; ++kept) {
-    const auto distance = [&](const ContactPoint& point) {
-      double nearest = (point.point - begin->point).squaredNorm();
-      for (std::size_t k = 1; k < kept; ++k) nearest = std::min(nearest, (point.point - begin[k].point).squaredNorm());
-      return nearest;
-    };
-    const auto farthest =
-        std::max_element(begin + static_cast<std::ptrdiff_t>(kept), points_.end(),
-                         [&](const auto& one, const auto& other) { return distance(one) < distance(other); });
-    std::iter_swap(begin + static_cast<std::ptrdiff_t>(kept), farthest);
-  }
-  points_.resize(first + kPointsOfAFace);
+  thinOut(points_, first);
 }
 
 void ContactShapes::findBetween(const Pair& pair) {
@@ -210,8 +195,12 @@ void ContactShapes::findBetween(const Pair& pair) {
   collector.contact.a = a.body;
   collector.contact.b = b.body;
   collector.contact.friction = pair.friction;
+  // Bullet turns a shape a little to and fro to find more points of one face than one. A ball has one.
+  const bool ball = a.geometry.type == Geometry::Type::kSphere || b.geometry.type == Geometry::Type::kSphere;
+  bullet_config_.setConvexConvexMultipointIterations(ball ? 0 : kTurns, ball ? 0 : kTurns);
   world_.contactPairTest(a.object.get(), b.object.get(), collector);
-  thinOut(first);
+  keepCorners(points_, first);
+  thinOut(points_, first);
 }
 
 }  // namespace aras_visual_servo_sim

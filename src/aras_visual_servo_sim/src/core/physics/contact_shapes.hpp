@@ -8,18 +8,9 @@
 #include <vector>
 
 #include "aras_visual_servo_sim/contact_config.hpp"
+#include "contact_points.hpp"
 
 namespace aras_visual_servo_sim {
-
-/** One point where two bodies overlap. */
-struct ContactPoint {
-  int a = 0, b = 0;               ///< bodies, as given to ContactShapes::add; kGround for the plane
-  Eigen::Vector3d point, normal;  ///< in the world; the normal points from b to a
-  double depth_m = 0.0;           ///< > 0
-  double friction = 0.0;
-
-  static constexpr int kGround = -1;
-};
 
 /** Convex shapes on bodies and where they overlap. Bullet's narrow phase between shapes, with nothing remembered from
  *  one call to the next; exact points against the plane. */
@@ -60,7 +51,6 @@ class ContactShapes {
 
   void findOnGround(const Shape& shape);
   void addGroundPoint(const Shape& shape, const Eigen::Vector3d& p_W);
-  void thinOut(std::size_t first);
   void findBetween(const Pair& pair);
 
   ContactConfig config_;

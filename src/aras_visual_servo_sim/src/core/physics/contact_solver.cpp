@@ -1,16 +1,10 @@
 #include "contact_solver.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 namespace aras_visual_servo_sim {
 
 namespace {
 
 constexpr int kMaxRounds = 20;
-constexpr int kMaxSweeps = 1000;
-constexpr double kSettled = 1e-12;  // change of an impulse in a sweep, of the largest one
-constexpr double kImmovable = 1e-300;
 
 }  // namespace
 
@@ -31,8 +25,9 @@ const Eigen::VectorXd& ContactSolver::solve(const ContactRows& rows, const std::
     if (round > 0 && joints.pieces() == pieces_) break;
     pieces_ = joints.pieces();
     freeInverse(rows, M, graphs, dt_s, joints);
-    Eigen::VectorXd u = rows.J * v + rows.u0 + rows.S * lambda_;
-    sweep(rows, u, dt_s);
+    findIslands(rows.points());
+    const Eigen::VectorXd u = rows.J * v + rows.u0 + rows.S * lambda_;
+    for (int island = 0; island < islands_; ++island) solveIsland(rows, u, dt_s, island);
   }
   return lambda_;
 }
@@ -58,43 +53,47 @@ void ContactSolver::freeInverse(const ContactRows& rows, const Eigen::MatrixXd& 
   if (n > 0) D_ += J * A.llt().solve(J.transpose());
 }
 
-/** Change of the normal impulse of a point; its compliance is that of spring and damper over the step. */
-double ContactSolver::pushNormal(int row, double u, double depth_m, double dt_s) {
-  const double rate = dt_s * stiffness_ + damping_;
-  const double compliance = 1.0 / (dt_s * rate);
-  const double wanted = stiffness_ * depth_m / rate;
-  const double before = lambda_[row];
-  lambda_[row] = std::max(0.0, before - (u + compliance * before - wanted) / (D_(row, row) + compliance));
-  return lambda_[row] - before;
-}
-
-/** Change of the tangential impulse of a point: towards no slip, within the cone. */
-Eigen::Vector2d ContactSolver::pushTangent(int row, const Eigen::Vector2d& u, double radius) {
-  const double half_trace = 0.5 * (D_(row, row) + D_(row + 1, row + 1));
-  const double half_gap = 0.5 * (D_(row, row) - D_(row + 1, row + 1));
-  const double stiffest = half_trace + std::hypot(half_gap, D_(row, row + 1));
-  const Eigen::Vector2d before = lambda_.segment<2>(row);
-  Eigen::Vector2d after = before;
-  if (stiffest > kImmovable) after -= u / stiffest;
-  const double size = after.norm();
-  if (size > radius) after *= radius / size;
-  lambda_.segment<2>(row) = after;
-  return after - before;
-}
-
-void ContactSolver::sweep(const ContactRows& rows, Eigen::VectorXd& u, double dt_s) {
-  for (int count = 0; count < kMaxSweeps; ++count) {
-    double change = 0.0;
-    for (int point = 0; point < rows.points(); ++point) {
-      const int row = 3 * point;
-      const double normal = pushNormal(row, u[row], rows.depth_m[point], dt_s);
-      if (normal != 0.0) u += normal * D_.col(row);
-      const Eigen::Vector2d tangent = pushTangent(row + 1, u.segment<2>(row + 1), rows.friction[point] * lambda_[row]);
-      u += D_.middleCols<2>(row + 1) * tangent;
-      change = std::max({change, std::abs(normal), tangent.norm()});
+/** Points whose impulses answer to each other, directly or through others. */
+void ContactSolver::findIslands(int points) {
+  island_of_.assign(points, -1);
+  islands_ = 0;
+  for (int first = 0; first < points; ++first) {
+    if (island_of_[first] >= 0) continue;
+    island_of_[first] = islands_;
+    members_.assign(1, first);
+    while (!members_.empty()) {
+      const int point = members_.back();
+      members_.pop_back();
+      for (int other = first + 1; other < points; ++other) {
+        if (island_of_[other] >= 0 || D_.block<3, 3>(3 * point, 3 * other).isZero(0.0)) continue;
+        island_of_[other] = islands_;
+        members_.push_back(other);
+      }
     }
-    if (change <= kSettled * lambda_.lpNorm<Eigen::Infinity>()) return;
+    ++islands_;
   }
+}
+
+void ContactSolver::solveIsland(const ContactRows& rows, const Eigen::VectorXd& u, double dt_s, int island) {
+  members_.clear();
+  for (int point = 0; point < rows.points(); ++point) {
+    if (island_of_[point] == island) members_.push_back(point);
+  }
+  const int count = static_cast<int>(members_.size());
+  // Spring and damper over the step: k (d - dt u) - b u.
+  const double rate = dt_s * stiffness_ + damping_;
+  island_.resize(count);
+  for (int i = 0; i < count; ++i) {
+    const int from = 3 * members_[i];
+    for (int j = 0; j < count; ++j) island_.D.block<3, 3>(3 * i, 3 * j) = D_.block<3, 3>(from, 3 * members_[j]);
+    island_.u.segment<3>(3 * i) = u.segment<3>(from);
+    island_.lambda.segment<3>(3 * i) = lambda_.segment<3>(from);
+    island_.wanted[i] = stiffness_ * rows.depth_m[members_[i]] / rate;
+    island_.compliance[i] = 1.0 / (dt_s * rate);
+    island_.friction[i] = rows.friction[members_[i]];
+  }
+  island_.solve();
+  for (int i = 0; i < count; ++i) lambda_.segment<3>(3 * members_[i]) = island_.lambda.segment<3>(3 * i);
 }
 
 }  // namespace aras_visual_servo_sim

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "contact_island.hpp"
 #include "joint_graph.hpp"
 #include "joint_solver.hpp"
 
@@ -24,8 +25,8 @@ struct ContactRows {
 /** Contact impulses and the efforts of the joints, found together.
  *
  *  Normal force: max(0, k d - b v) with the depth d and the speed v at the end of the step; friction: Coulomb's cone,
- *  no slip inside it. Projected Gauss-Seidel over the points on the pieces the joints' graphs are on, anew until the
- *  pieces stay. Nothing is remembered from one step to the next. */
+ *  no slip inside it. The points are solved for on the pieces the joints' graphs are on, island by island, anew until
+ *  the pieces stay. Nothing is remembered from one step to the next. */
 class ContactSolver {
  public:
   ContactSolver(double stiffness_n_per_m, double damping_n_s_per_m)
@@ -39,12 +40,15 @@ class ContactSolver {
  private:
   void freeInverse(const ContactRows& rows, const Eigen::MatrixXd& M, const std::vector<JointGraph>& graphs,
                    double dt_s, const JointSolver& joints);
-  void sweep(const ContactRows& rows, Eigen::VectorXd& u, double dt_s);
-  double pushNormal(int row, double u, double depth_m, double dt_s);
-  Eigen::Vector2d pushTangent(int row, const Eigen::Vector2d& u, double radius);
+  void findIslands(int points);
+  void solveIsland(const ContactRows& rows, const Eigen::VectorXd& u, double dt_s, int island);
 
   double stiffness_, damping_;
   Eigen::MatrixXd D_;
+  std::vector<int> island_of_;  // of each point, counted from 0
+  int islands_ = 0;
+  std::vector<int> members_;
+  ContactIsland island_;
   Eigen::VectorXd lambda_;
   std::vector<JointSolver::Piece> pieces_;
 };

@@ -1,0 +1,161 @@
+#include "contact_island.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace aras_visual_servo_sim {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+
+namespace {
+
+constexpr int kMaxSweeps = 200;
+constexpr int kMaxShortenings = 4;  // of a step of Newton's that leads away
+constexpr double kShorter = 0.3;
+constexpr int kSweepsAfterRetreat = 3;
+constexpr double kSettled = 1e-10;  // change of an impulse in a sweep, of the largest one
+constexpr double kImmovable = 1e-300;
+// Four corners of a face hold more than a body's sideways motions: which of them holds how much is open. Newton's step
+// stays near what it was by this part of the stiffness, and leaves about this part of the slip there was.
+constexpr double kStay = 1e-7;
+
+}  // namespace
+
+void ContactIsland::resize(int points) {
+  const Eigen::Index rows = 3 * points;
+  D.resize(rows, rows);
+  u.resize(rows);
+  lambda.resize(rows);
+  wanted.resize(points);
+  compliance.resize(points);
+  friction.resize(points);
+}
+
+void ContactIsland::solve() {
+  if (lambda.isZero(0.0)) newtonStep(true);  // what rests is found at once, with the smallest impulses that hold it
+  double change_before = std::numeric_limits<double>::infinity();
+  int shortenings = 0;
+  int sweeps_alone = 0;
+  for (int count = 0; count < kMaxSweeps; ++count) {
+    const double change = sweep();
+    if (change <= kSettled * lambda.lpNorm<Eigen::Infinity>()) return;
+    if (sweeps_alone > 0) {
+      --sweeps_alone;
+    } else if (change <= change_before) {
+      change_before = change;
+      shortenings = 0;
+      lambda_swept_ = lambda;
+      u_swept_ = u;
+      newtonStep(false);
+    } else if (shortenings < kMaxShortenings) {
+      ++shortenings;
+      step_ *= kShorter;
+      lambda = lambda_swept_ + step_;
+      u = u_swept_ + D * step_;
+    } else {  // sweeps go on from before the step
+      lambda = lambda_swept_;
+      u = u_swept_;
+      change_before = std::numeric_limits<double>::infinity();
+      sweeps_alone = kSweepsAfterRetreat;
+    }
+  }
+  if (sweeps_alone > 0) return;
+  lambda = lambda_swept_;  // out of sweeps: the best there is, and within the cones
+  u = u_swept_;
+}
+
+/** @return the largest change of an impulse */
+double ContactIsland::sweep() {
+  ++sweeps_;
+  double change = 0.0;
+  for (int point = 0; point < points(); ++point) {
+    const double normal = pushNormal(point);
+    if (normal != 0.0) u += normal * D.col(3 * point);
+    const Vector2d tangent = pushTangent(point);
+    if (tangent != Vector2d::Zero()) u += D.middleCols<2>(3 * point + 1) * tangent;
+    change = std::max({change, std::abs(normal), tangent.norm()});
+  }
+  return change;
+}
+
+/** Change of the normal impulse of a point. */
+double ContactIsland::pushNormal(int point) {
+  const int row = 3 * point;
+  const double before = lambda[row];
+  const double pull = (u[row] + compliance[point] * before - wanted[point]) / (D(row, row) + compliance[point]);
+  lambda[row] = std::max(0.0, before - pull);
+  return lambda[row] - before;
+}
+
+/** Change of the tangential impulse of a point: towards no slip, within the cone. */
+Vector2d ContactIsland::pushTangent(int point) {
+  const int row = 3 * point + 1;
+  const double radius = friction[point] * lambda[row - 1];
+  const Vector2d before = lambda.segment<2>(row);
+  Vector2d after = before;
+  if (stiffest(row) > kImmovable) after -= u.segment<2>(row) / stiffest(row);
+  const double size = after.norm();
+  if (size > radius) after *= radius / size;
+  lambda.segment<2>(row) = after;
+  return after - before;
+}
+
+/** Larger eigenvalue of the 2 x 2 block of D at a row. */
+double ContactIsland::stiffest(int row) const {
+  const double half_trace = 0.5 * (D(row, row) + D(row + 1, row + 1));
+  const double half_gap = 0.5 * (D(row, row) - D(row + 1, row + 1));
+  return half_trace + std::hypot(half_gap, D(row, row + 1));
+}
+
+/** Solves the equations of the branches the sweep left the points on, or as if all points touched and held. */
+void ContactIsland::newtonStep(bool all_hold) {
+  A_ = D;
+  b_ = -u;
+  for (int point = 0; point < points(); ++point) {
+    const int row = 3 * point;
+    if (all_hold || lambda[row] > 0.0) {
+      A_(row, row) += compliance[point];
+      b_[row] += wanted[point] - compliance[point] * lambda[row];
+      linearizeTangent(point, all_hold);
+    } else {  // apart: nothing acts
+      A_.middleRows<3>(row).setZero();
+      A_.block<3, 3>(row, row).setIdentity();
+      b_.segment<3>(row) = -lambda.segment<3>(row);
+    }
+  }
+  factor_.compute(A_);
+  step_ = factor_.solve(b_);
+  if (!step_.allFinite()) step_.setZero();
+  lambda += step_;
+  u.noalias() += D * step_;
+}
+
+void ContactIsland::linearizeTangent(int point, bool hold) {
+  const int row = 3 * point + 1;
+  const double stiffness = stiffest(row);
+  if (!(stiffness > kImmovable)) {  // nothing moves along the tangents
+    A_.middleRows<2>(row).setZero();
+    A_.block<2, 2>(row, row).setIdentity();
+    b_.segment<2>(row).setZero();
+    return;
+  }
+  const double radius = friction[point] * lambda[row - 1];
+  const Vector2d reach = lambda.segment<2>(row) - u.segment<2>(row) / stiffness;
+  const double size = reach.norm();
+  if (hold || size < radius) {
+    A_.block<2, 2>(row, row) += kStay * stiffness * Matrix2d::Identity();
+    return;
+  }
+  // Slides: lambda = radius t, t the direction of reach.
+  const Vector2d t = size > 0.0 ? Vector2d(reach / size) : Vector2d(Vector2d::Zero());
+  const Matrix2d across =
+      size > 0.0 ? Matrix2d(radius / size * (Matrix2d::Identity() - t * t.transpose())) : Matrix2d(Matrix2d::Zero());
+  A_.middleRows<2>(row) = across / stiffness * D.middleRows<2>(row);
+  A_.block<2, 2>(row, row) += Matrix2d::Identity() - (1.0 - kStay) * across;
+  A_.block<2, 1>(row, row - 1) -= friction[point] * t;
+  b_.segment<2>(row) = radius * t - lambda.segment<2>(row);
+}
+
+}  // namespace aras_visual_servo_sim

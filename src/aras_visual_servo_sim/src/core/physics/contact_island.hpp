@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <vector>
+
+namespace aras_visual_servo_sim {
+
+/** Points of contact that answer to each other's impulses: one problem of its own.
+ *
+ *  Three rows for each point, the normal first: u = u_free + D lambda. Along the normal
+ *  lambda = max(0, lambda - (u + compliance lambda - wanted) / D), across it lambda is what the cone leaves of
+ *  lambda - u / D: Coulomb's friction. A fixed point of a sweep of projected Gauss-Seidel is a solution; Newton's
+ *  method on the same equations (Alart and Curnier, Comput. Methods Appl. Mech. Eng. 92, 1991) gets near it in a few
+ *  steps, and a sweep confirms it. */
+class ContactIsland {
+ public:
+  Eigen::MatrixXd D;
+  Eigen::VectorXd u, lambda;                         ///< u: at these impulses
+  std::vector<double> wanted, compliance, friction;  ///< of each point
+
+  void resize(int points);
+  int points() const { return static_cast<int>(wanted.size()); }
+
+  /** Finds lambda, starting from what it is; u follows. The same input gives the same bytes. */
+  void solve();
+
+  /** Sweeps of all calls so far, for tests and benchmarks. */
+  long sweeps() const { return sweeps_; }
+
+ private:
+  double sweep();
+  double pushNormal(int point);
+  Eigen::Vector2d pushTangent(int point);
+  double stiffest(int row) const;
+  void newtonStep(bool all_hold);
+  void linearizeTangent(int point, bool hold);
+
+  Eigen::MatrixXd A_;
+  Eigen::VectorXd b_, step_, lambda_swept_, u_swept_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
+  long sweeps_ = 0;
+};
+
+}  // namespace aras_visual_servo_sim
