@@ -32,8 +32,9 @@ class Texture {
 
   /** Running sums along rows, 2^k texel rows of the picture making one row of level k: what sums over areas are
    *  made of. Entry ((row * (width + 1)) + i) * channels + c is the sum of channel c over the first i texels of each of
-   *  the 2^k rows; rows beyond the last one repeat it. */
+   *  the 2^k rows; rows beyond the last one repeat it. kBeyond zeros follow, to be read four at a time. */
   struct Level {
+    static constexpr std::size_t kBeyond = 4;
     int rows = 0;
     std::vector<std::int32_t> sums;
   };

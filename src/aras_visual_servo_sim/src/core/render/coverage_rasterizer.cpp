@@ -19,8 +19,11 @@ void blendRun(std::uint8_t* pixel, int count, float coverage, const std::array<s
       std::memset(pixel, color[0], static_cast<std::size_t>(count) * channels);
       return;
     }
-    for (int i = 0; i < count * channels; i += channels) {
-      for (int c = 0; c < channels; ++c) pixel[i + c] = color[c];
+    // The first pixel, then what is there already, twice as much each time.
+    const std::size_t size = static_cast<std::size_t>(count) * channels;
+    std::memcpy(pixel, color.data(), channels);
+    for (std::size_t done = channels; done < size; done *= 2) {
+      std::memcpy(pixel + done, pixel, std::min(done, size - done));
     }
     return;
   }
@@ -46,13 +49,24 @@ void blendRun(std::uint8_t* pixel, int count, float coverage, const std::uint8_t
   }
 }
 
+/** Zeros at the beginning of count values; looks at four at a time. */
+int zerosOf(const float* values, int count) {
+  int i = 0;
+  for (; i + 4 <= count; i += 4) {
+    std::uint64_t bits[2];
+    std::memcpy(bits, values + i, sizeof bits);
+    if ((bits[0] | bits[1]) != 0) break;
+  }
+  while (i < count && values[i] == 0.0f) ++i;
+  return i;
+}
+
 /** @param colorsFrom  colour or colours of a run that begins at a pixel of the row */
 template <int channels, typename Colors>
 void blendRow(float* accumulator, int count, std::uint8_t* pixel, const Colors& colorsFrom) {
   float sum = 0.0f;
   for (int i = 0; i < count;) {
-    int j = i;
-    while (j < count && accumulator[j] == 0.0f) ++j;  // inside and outside: nothing changes
+    const int j = i + zerosOf(accumulator + i, count - i);  // inside and outside: nothing changes
     if (j > i) {
       blendRun<channels>(pixel + i * channels, j - i, std::min(std::abs(sum), 1.0f), colorsFrom(i));
       i = j;

@@ -37,7 +37,7 @@ const std::vector<Texture::Level>& Texture::levels(int channels) const {
 
 void Texture::build(int channels, std::vector<Level>& levels) const {
   const std::size_t row_size = std::size_t(width_ + 1) * channels;
-  Level finest{height_, std::vector<std::int32_t>(row_size * height_, 0)};
+  Level finest{height_, std::vector<std::int32_t>(row_size * height_ + Level::kBeyond, 0)};
   for (int j = 0; j < height_; ++j) {
     std::int32_t* sum = finest.sums.data() + j * row_size;
     for (int i = 0; i < width_; ++i, sum += channels) {
@@ -50,7 +50,7 @@ void Texture::build(int channels, std::vector<Level>& levels) const {
   while (levels.back().rows > 4) {  // fewer would not be used, and their sums might overflow
     const Level& fine = levels.back();
     Level coarse{(fine.rows + 1) / 2, {}};
-    coarse.sums.resize(row_size * coarse.rows);
+    coarse.sums.resize(row_size * coarse.rows + Level::kBeyond);
     for (int j = 0; j < coarse.rows; ++j) {
       const std::int32_t* first = fine.sums.data() + std::size_t(2 * j) * row_size;
       const std::int32_t* second = 2 * j + 1 < fine.rows ? first + row_size : first;

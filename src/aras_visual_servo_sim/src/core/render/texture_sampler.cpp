@@ -5,88 +5,9 @@
 #include <cmath>
 
 #include "pixel_color.hpp"
+#include "tile_integrals.hpp"
 
 namespace aras_visual_servo_sim {
-namespace {
-
-constexpr int kMostPieces = 4;  // of an edge within one row: exact below, sampled above
-
-/** The running sums of one row of a level. Positions x are 0 .. width, where border is said anything. */
-template <int channels, bool border>
-class Row {
- public:
-  Row(const Texture::Level& level, int width, int row)
-      : sums_(level.sums.data() + std::size_t(row) * (width + 1) * channels), width_(width) {}
-
-  /** Adds dy times the mean of the sums over x0 .. x1, and of min(max(x, 0), width) if border. */
-  void add(double x0, double x1, double dy, double* integral) const {
-    if (x0 > x1) std::swap(x0, x1);
-    const int first = floor(x0), last = floor(x1);
-    // Linear between texel edges, so the middle of each piece gives its mean.
-    if (first == last) {
-      addAt(0.5 * (x0 + x1), dy, integral);
-    } else if (last - first < kMostPieces) {
-      const double share = dy / (x1 - x0);
-      double left = x0;
-      for (int edge = first + 1; edge <= last; ++edge) {
-        addAt(0.5 * (left + edge), share * (edge - left), integral);
-        left = edge;
-      }
-      addAt(0.5 * (left + x1), share * (x1 - left), integral);
-    } else {
-      const double step = (x1 - x0) / kMostPieces;
-      for (int k = 0; k < kMostPieces; ++k) addAt(x0 + (k + 0.5) * step, dy / kMostPieces, integral);
-    }
-  }
-
- private:
-  static int floor(double x) {
-    const int i = static_cast<int>(x);
-    return border && x < i ? i - 1 : i;
-  }
-  void addAt(double x, double weight, double* integral) const {
-    if (border) {
-      x = std::clamp(x, 0.0, double(width_));
-      integral[channels] += weight * x;
-    }
-    const int i = std::min(static_cast<int>(x), width_ - 1);
-    const double part = x - i;
-    const std::int32_t* sum = sums_ + i * channels;
-    for (int c = 0; c < channels; ++c) integral[c] += weight * (sum[c] + part * (sum[c + channels] - sum[c]));
-  }
-
-  const std::int32_t* sums_;
-  int width_;
-};
-
-/** Integral of the running sum over dy along a straight edge; y in rows of the level, and nothing beyond its rows. */
-template <int channels, bool border>
-void integrateEdge(const Texture::Level& level, int width, const Eigen::Vector2d& a, const Eigen::Vector2d& b,
-                   double* integral) {
-  std::fill(integral, integral + channels + (border ? 1 : 0), 0.0);
-  const bool downwards = a.y() < b.y();
-  const Eigen::Vector2d &from = downwards ? a : b, &to = downwards ? b : a;
-  const double sign = downwards ? 1.0 : -1.0;
-  const double top = border ? std::max(from.y(), 0.0) : from.y();
-  const double bottom = border ? std::min(to.y(), double(level.rows)) : to.y();
-  if (!(bottom > top)) return;
-  int row = std::min(static_cast<int>(top), level.rows - 1);
-  if (!border && bottom <= row + 1.0) {
-    Row<channels, border>(level, width, row).add(from.x(), to.x(), sign * (bottom - top), integral);
-    return;
-  }
-  const double slope = (to.x() - from.x()) / (to.y() - from.y());
-  double y0 = top, x0 = from.x() + (top - from.y()) * slope;
-  for (; y0 < bottom; ++row) {
-    const double y1 = row + 1 >= level.rows ? bottom : std::min(bottom, row + 1.0);
-    const double x1 = from.x() + (y1 - from.y()) * slope;
-    Row<channels, border>(level, width, row).add(x0, x1, sign * (y1 - y0), integral);
-    y0 = y1;
-    x0 = x1;
-  }
-}
-
-}  // namespace
 
 void TextureSampler::sample(const CameraModel& camera, const Pose& X_CM, const PlanarModel::Picture& picture,
                             const PixelBox& box, Image& out) {
@@ -105,6 +26,10 @@ void TextureSampler::sample(const CameraModel& camera, const Pose& X_CM, const P
   plane.computeInverseWithCheck(inverse, visible, 1e-9);  // else seen from its own plane: it covers nothing
   if (!visible) return;
   T_ = texels * inverse;
+  Eigen::Matrix3d rays;  // of pixel coordinates (u, v, 1), without a lens
+  rays << 1.0 / camera.fx(), 0.0, -camera.cx() / camera.fx(), 0.0, 1.0 / camera.fy(), -camera.cy() / camera.fy(), 0.0,
+      0.0, 1.0;
+  pixels_ = T_ * rays;
   if (camera.sampling() == CameraModel::Sampling::kCenter) {
     sampleCenters(box, out);
     return;
@@ -161,80 +86,89 @@ void TextureSampler::sampleTile(const PixelBox& box, Image& out) {
   if (!tile.regular) {
     sampleRays(box, out);
   } else if (out.channels() == 3) {
-    tile.border ? integrateTile<3, true>(tile, out) : integrateTile<3, false>(tile, out);
+    tile.border ? integrateBorder<3>(tile, out) : integrateInside<3>(tile, out);
   } else {
-    tile.border ? integrateTile<1, true>(tile, out) : integrateTile<1, false>(tile, out);
+    tile.border ? integrateBorder<1>(tile, out) : integrateInside<1>(tile, out);
   }
 }
 
 TextureSampler::Tile TextureSampler::findCorners(const PixelBox& box) {
   Tile tile;
   tile.box = box;
-  const int columns = box.u1 - box.u0 + 1, rows = box.v1 - box.v0 + 1;
-  Eigen::Array2d low(1e300, 1e300), high(-1e300, -1e300);
-  for (int j = 0; j < rows; ++j) {
-    for (int i = 0; i < columns; ++i) {
-      const Eigen::Vector3d m = onPicture(box.u0 + i - 0.5, box.v0 + j - 0.5);
+  const bool pinhole = camera_->lens() == CameraModel::Lens::kNone;
+  const int columns = box.u1 - box.u0, rows = box.v1 - box.v0;
+  const Eigen::Vector3d step = pixels_.col(0);
+  for (int j = 0; j <= rows; ++j) {
+    const Eigen::Vector3d first = pixels_ * Eigen::Vector3d(box.u0 - 0.5, box.v0 + j - 0.5, 1.0);
+    Eigen::Vector2d* corner = corners_.data() + j * kStride;
+    for (int i = 0; i <= columns; ++i, ++corner) {
+      const Eigen::Vector3d m =
+          pinhole ? Eigen::Vector3d(first + double(i) * step) : onPicture(box.u0 + i - 0.5, box.v0 + j - 0.5);
       if (m.z() <= 0.0) {
         tile.regular = false;
         return tile;
       }
-      const Eigen::Vector2d corner = m.head<2>() / m.z();
-      corners_[j * (kTile + 1) + i] = corner;
-      low = low.min(corner.array());
-      high = high.max(corner.array());
-      if (i > 0) tile.rows = std::max(tile.rows, std::abs(corner.y() - corners_[j * (kTile + 1) + i - 1].y()));
-      if (j > 0) tile.rows = std::max(tile.rows, std::abs(corner.y() - corners_[(j - 1) * (kTile + 1) + i].y()));
+      *corner = m.head<2>() * (1.0 / m.z());
     }
   }
+  // Without a lens squares become convex, and smaller from one side to the other: the first and last ones tell all.
+  const int step_u = pinhole ? columns : 1, step_v = pinhole ? rows : 1;
+  Eigen::Array2d low = corners_[0], high = low;
+  for (int j = 0; j <= rows; j += step_v) {
+    for (int i = 0; i <= columns; i += step_u) {
+      const Eigen::Vector2d* corner = corners_.data() + j * kStride + i;
+      low = low.min(corner->array());
+      high = high.max(corner->array());
+      tile.rows = std::max({tile.rows, std::abs(corner->y() - corner[i > 0 ? -1 : 1].y()),
+                            std::abs(corner->y() - corner[j > 0 ? -kStride : kStride].y())});
+    }
+  }
+  constexpr double kSmall = 0.125;  // [texels] a whole tile: single precision would show
   const Eigen::Array2d size(texture_->width(), texture_->height());
-  tile.border = (low < 0.0).any() || (high > size).any();
+  tile.border = (low < 0.0).any() || (high > size).any() || (high - low).maxCoeff() < kSmall;
   tile.seen = !((high < 0.0).any() || (low > size).any());
+  tile.low = low;
   return tile;
 }
 
-template <int channels, bool border>
-void TextureSampler::integrateTile(const Tile& tile, Image& out) {
-  constexpr int kStride = kTile + 1;
+/** The level of which the largest pixel covers kRows rows at least; `merged` rows of the picture are one of it. */
+const Texture::Level& TextureSampler::levelOf(const Tile& tile, int channels, double& merged) const {
   const std::vector<Texture::Level>& levels = texture_->levels(channels);
   std::size_t k = 0;
   while (k + 1 < levels.size() && tile.rows >= 2.0 * kRows * double(1 << k)) ++k;
-  const double merged = double(1 << k);
-  for (Eigen::Vector2d& corner : corners_) corner.y() /= merged;
+  merged = double(1 << k);
+  return levels[k];
+}
+
+/** Edges of a row of pixels: their corners below those of the row before, the integrals of which are known. */
+template <int channels>
+void TextureSampler::integrateInside(const Tile& tile, Image& out) const {
+  using Integrals = TileIntegrals<channels>;
+  double merged = 1.0;
+  const Texture::Level& level = levelOf(tile, channels, merged);
   const int columns = tile.box.u1 - tile.box.u0, rows = tile.box.v1 - tile.box.v0;
-  const auto corner = [&](int i, int j) -> const Eigen::Vector2d& { return corners_[j * kStride + i]; };
+  const int column = static_cast<int>(tile.low.x()), row = static_cast<int>(tile.low.y() / merged);
+  Integrals integrals(level, texture_->width(), column, row);
+  std::array<float, Integrals::kMostEdges + 1> x[2]{}, y[2]{};
+  typename Integrals::Values across[2], down;
   for (int j = 0; j <= rows; ++j) {
+    const Eigen::Vector2d* corner = corners_.data() + j * kStride;
+    auto &x1 = x[j % 2], &y1 = y[j % 2], &x0 = x[1 - j % 2], &y0 = y[1 - j % 2];
     for (int i = 0; i <= columns; ++i) {
-      const Eigen::Vector2d here = corner(i, j);
-      const int at = 4 * (j * kStride + i);
-      if (i < columns)
-        integrateEdge<channels, border>(levels[k], texture_->width(), here, corner(i + 1, j), &across_[at]);
-      if (j < rows) integrateEdge<channels, border>(levels[k], texture_->width(), here, corner(i, j + 1), &down_[at]);
+      x1[i] = static_cast<float>(corner[i].x() - column);
+      y1[i] = static_cast<float>(corner[i].y() / merged - row);
     }
-  }
-  for (int j = 0; j < rows; ++j) {
-    std::uint8_t* pixel = out.pixel(tile.box.u0, tile.box.v0 + j);
+    integrals.along(x1.data(), y1.data(), x1.data() + 1, y1.data() + 1, columns, across[j % 2]);
+    if (j == 0) continue;
+    integrals.along(x0.data(), y0.data(), x1.data(), y1.data(), columns + 1, down);
+    std::uint8_t* pixel = out.pixel(tile.box.u0, tile.box.v0 + j - 1);
     for (int i = 0; i < columns; ++i, pixel += channels) {
-      const int at = 4 * (j * kStride + i), below = at + 4 * kStride, right = at + 4;
-      double sum[4];
-      for (int c = 0; c < channels + (border ? 1 : 0); ++c) {
-        sum[c] = across_[at + c] + down_[right + c] - across_[below + c] - down_[at + c];
-      }
-      const Eigen::Vector2d d1 = corner(i + 1, j + 1) - corner(i, j), d2 = corner(i, j + 1) - corner(i + 1, j);
-      const double area = 0.5 * (d1.x() * d2.y() - d1.y() * d2.x());
+      const auto sum = across[1 - j % 2][i] + down[i + 1] - across[j % 2][i] - down[i];
+      const float area = 0.5f * ((x1[i + 1] - x0[i]) * (y1[i] - y0[i + 1]) - (y1[i + 1] - y0[i]) * (x1[i] - x0[i + 1]));
       // Sums cover `merged` rows each, and so does a unit of y.
-      double weight = area;
-      if (border) {
-        constexpr double kSliver = 1e-6;  // of a pixel's area: changes no 8-bit value
-        if (std::abs(sum[channels]) <= kSliver * std::abs(area)) {
-          sampleCenter(tile.box.u0 + i, tile.box.v0 + j, out);
-          continue;
-        }
-        weight = sum[channels];
-      }
-      const double scale = 1.0 / (weight * merged);
+      const float scale = 1.0f / (area * static_cast<float>(merged));
       double mean[3];
-      for (int c = 0; c < channels; ++c) mean[c] = sum[c] * scale;
+      for (int c = 0; c < channels; ++c) mean[c] = SumLanes<channels>::at(sum, c) * scale;
       write(mean, pixel, out.encoding);
     }
   }
