@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "aras_visual_servo_sim/equidistant_lens.hpp"
 #include "aras_visual_servo_sim/image.hpp"
 #include "aras_visual_servo_sim/types.hpp"
 
@@ -21,7 +22,8 @@ struct CameraConfig {
   int width = 0;   ///< [px], 1 .. 16384
   int height = 0;  ///< [px], 1 .. 16384
   /** Either the horizontal field of view, in (0, pi), or fx_px and fy_px, > 0. The field is that of the lens without
-   *  distortion: fx = fy = (width / 2) / tan(field / 2), for the equidistant lens (width / 2) / (field / 2). */
+   *  distortion: fx = fy = (width / 2) / tan(field / 2), for the equidistant lens, whose field may reach 2 pi,
+   *  (width / 2) / (field / 2). */
   std::optional<double> horizontal_fov_rad;
   std::optional<double> fx_px;
   std::optional<double> fy_px;
@@ -31,9 +33,12 @@ struct CameraConfig {
    *  (k1 k2 k3 k4). Coefficients as in sensor_msgs/CameraInfo; empty = all zero. */
   std::string distortion_model = "none";
   std::vector<double> distortion;
+  /** Equidistant lens only: no ray farther from the axis is drawn, the image is black there; in (0, 2.18]. Default:
+   *  none, and black beyond 2.18. SDF's <cutoff_angle>. */
+  std::optional<double> cutoff_angle_rad;
   double rate_hz = 30.0;              ///< > 0
   std::string encoding = "rgb8";      ///< "rgb8", "bgr8" or "mono8"
-  double near_m = 0.02;               ///< > 0; nothing nearer is seen
+  double near_m = 0.02;               ///< > 0; nothing nearer is seen: Z, through a fisheye max(|X|, |Y|, |Z|)
   double far_m = 5.0;                 ///< > near_m; solids farther away are not drawn
   std::string sampling = "coverage";  ///< "coverage": pixel = mean over its square; "center": value at its centre
   double noise_mean = 0.0;            ///< [grey levels]
@@ -50,7 +55,9 @@ struct CameraConfig {
  *
  *  Pixel (u, v) covers [u - 1/2, u + 1/2] x [v - 1/2, v + 1/2]; u grows to the right, v downwards, (0, 0) is the centre
  *  of the top left pixel. A point p_C = (X, Y, Z) with Z > 0 has normalised coordinates x = X/Z, y = Y/Z, the lens maps
- *  them to (xd, yd), and u = fx xd + cx, v = fy yd + cy. Lens formulas: OpenCV calib3d and its fisheye namespace. */
+ *  them to (xd, yd), and u = fx xd + cx, v = fy yd + cy. Through the equidistant lens Z may have any sign: (xd, yd) is
+ *  (X, Y) scaled to the length that EquidistantLens gives for the angle from the axis. Lens formulas: OpenCV calib3d
+ * and its fisheye namespace. */
 class CameraModel {
  public:
   enum class Lens { kNone, kPlumbBob, kRational, kEquidistant };
@@ -73,19 +80,22 @@ class CameraModel {
   Encoding encoding() const { return encoding_; }
 
   /** Pixel coordinates (u, v) of p_C [m]; nothing where Z <= 0 or beyond the radius at which the lens folds over.
-   *  The image border does not matter: coordinates may lie outside. */
+   *  Through the equidistant lens: nothing beyond lensAngle(). The image border does not matter: coordinates may lie
+   *  outside. */
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& p_C) const;
 
-  /** Ray (x, y, 1) through pixel coordinates (u, v): project(unproject(u, v)) is (u, v) to 1e-12 of the image size.
+  /** Ray through pixel coordinates (u, v), (x, y, 1), for the equidistant lens a unit vector: project(unproject(u, v))
+   *  is (u, v) to 1e-12 of the image size.
    *  @throws NotFiniteError for NaN or infinity; ParameterError where no ray reaches (outside the lens's range) */
   Eigen::Vector3d unproject(double u, double v) const;
 
   /** Rays (as unproject's) through the corners of the pixels, (u - 1/2, v - 1/2) for u = 0 .. width, v = 0 .. height,
-   *  row by row. Made at the first call, shared by copies of this camera. Thread-safe. */
+   *  row by row; beyond lensAngle() some ray or other. Made at the first call, shared by copies of this camera.
+   *  Thread-safe. */
   const std::vector<Eigen::Vector3d>& cornerRays() const;
 
-  /** Ray (x, y, 1) through the centre of a pixel; through a lens the mean of those through its corners, which is the
-   *  same to 1e-5 for lenses that bend by less than a pixel in ten. */
+  /** Ray (as unproject's) through the centre of a pixel. Through polynomial lenses the mean of those through its
+   *  corners, which is the same to 1e-5 for lenses that bend by less than a pixel in ten. */
   Eigen::Vector3d pixelRay(int u, int v) const;
 
   /** Lens only: normalised (x, y) to distorted normalised (xd, yd), with no check of the range. */
@@ -97,11 +107,22 @@ class CameraModel {
     const Eigen::Vector2d d = distort(x, y);
     return {fx_ * d.x() + cx_, fy_ * d.y() + cy_};
   }
+  /** The same for a ray in any direction but (0, 0, -1), of any length. @pre lens() is kEquidistant */
+  Eigen::Vector2d toPixel(const Eigen::Vector3d& ray) const {
+    const Eigen::Vector2d d = distort(ray);
+    return {fx_ * d.x() + cx_, fy_ * d.y() + cy_};
+  }
 
-  /** Normalised radius sqrt(x^2 + y^2) below which the lens is one to one; infinity for no lens. */
-  double lensRadius() const { return lens_radius_; }
-  /** Largest normalised radius of the image's border, pixel edges included. */
+  /** Largest normalised radius of the image's border, pixel edges included. @pre lens() is not kEquidistant */
   double imageRadius() const { return image_radius_; }
+  /** Equidistant lens: rays up to this angle from the axis are drawn [rad]. */
+  double lensAngle() const { return fisheye_.reach(); }
+  /** Equidistant lens: the largest angle from the axis of a ray that is drawn and meets the image [rad]. */
+  double imageAngle() const { return image_angle_; }
+  /** Whether some of the image lies beyond lensAngle() and is black. */
+  bool showsLensCircle() const { return shows_lens_circle_; }
+  /** Whether a pixel position lies within lensAngle(); true for the other lenses. */
+  bool isWithinLens(double u, double v) const;
 
   /** Intrinsics as sensor_msgs/CameraInfo wants them: K 3 x 3, D (5, 8 or 4 numbers), R = I, P = [K p] with
    *  p = (-fx baseline_m, 0, 0). */
@@ -114,11 +135,15 @@ class CameraModel {
 
  private:
   void readLens(std::vector<std::string>& faults);
+  Eigen::Vector2d distort(const Eigen::Vector3d& ray) const;
   double radial(double r) const;
   std::optional<double> inverseRadial(double rd) const;
   std::optional<Eigen::Vector2d> undistort(const Eigen::Vector2d& distorted) const;
+  Eigen::Vector3d fisheyeRay(double u, double v) const;
+  double lensRadiusOf(double u, double v) const;
   void findLensRadius();
-  bool findImageRadius();
+  void findImageRadius(std::vector<std::string>& faults);
+  void findImageAngle(std::vector<std::string>& faults);
 
   CameraConfig config_;
   Lens lens_ = Lens::kNone;
@@ -126,12 +151,15 @@ class CameraModel {
   Encoding encoding_ = Encoding::kRgb8;
   std::vector<double> distortion_;
   double fx_ = 0.0, fy_ = 0.0, cx_ = 0.0, cy_ = 0.0;
-  double lens_radius_ = 0.0, image_radius_ = 0.0;
-  struct CornerRays {
-    std::once_flag once;
-    std::vector<Eigen::Vector3d> rays;
+  double lens_radius_ = 0.0, image_radius_ = 0.0;  // normalised; not of the equidistant lens
+  EquidistantLens fisheye_;
+  double image_angle_ = 0.0;
+  bool shows_lens_circle_ = false;
+  struct Rays {
+    std::once_flag corners_once, centers_once;
+    std::vector<Eigen::Vector3d> corners, centers;
   };
-  std::shared_ptr<CornerRays> corner_rays_ = std::make_shared<CornerRays>();
+  std::shared_ptr<Rays> rays_ = std::make_shared<Rays>();
 };
 
 }  // namespace aras_visual_servo_sim

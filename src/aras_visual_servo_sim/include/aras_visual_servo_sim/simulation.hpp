@@ -103,7 +103,7 @@ class Simulation {
   const Image& render(int camera);
   /** Depth and ids of what the image of this camera shows, noise and blur apart; content until the next call for this
    *  camera. segmentationIds of the scene it shows, see shownScene, says what the ids mean. */
-  const GeometryImage& renderGeometry(int camera);
+  const GeometryImage& renderGeometry(int camera, Distance distance = Distance::kDepth);
   /** The models that the image of a camera shows: those of a frame that was taken late, else those there are. */
   const Scene& shownScene(int camera) const;
   /** Where the models were when that image was exposed: X_WM by name. */

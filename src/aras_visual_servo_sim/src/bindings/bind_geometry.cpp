@@ -8,9 +8,10 @@ namespace py = pybind11;
 namespace aras_visual_servo_sim {
 namespace {
 
-const GeometryImage& geometryOf(Simulation& simulation, const std::string& camera) {
+const GeometryImage& geometryOf(Simulation& simulation, const std::string& camera,
+                                Distance distance = Distance::kDepth) {
   const py::gil_scoped_release release;
-  return simulation.renderGeometry(simulation.cameraIndex(camera));
+  return simulation.renderGeometry(simulation.cameraIndex(camera), distance);
 }
 
 template <typename T>
@@ -30,7 +31,17 @@ void bindGeometry(py::class_<Simulation>& type) {
           py::arg("camera") = "camera",
           "Depth of what the centre of each pixel sees now.\n\nReturns:\n    float32 array (h, w): Z along the "
           "optical\n"
-          "    axis [m], top row first, NaN where there is nothing.\nRaises:\n    UnknownNameError.")
+          "    axis [m], top row first, NaN where there is nothing, or where a fisheye sees what lies beside or\n"
+          "    behind the camera (Z <= 0).\nRaises:\n    UnknownNameError.")
+      .def(
+          "render_range",
+          [](Simulation& self, const std::string& camera) {
+            const GeometryImage& image = geometryOf(self, camera, Distance::kRange);
+            return copied(image, image.depth_m);
+          },
+          py::arg("camera") = "camera",
+          "Distance of what the centre of each pixel sees now, in any direction.\n\nReturns:\n    float32 array (h, w) "
+          "[m],\n    top row first, NaN where there is nothing.\nRaises:\n    UnknownNameError.")
       .def(
           "render_segmentation",
           [](Simulation& self, const std::string& camera) {

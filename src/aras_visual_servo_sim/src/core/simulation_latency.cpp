@@ -91,17 +91,17 @@ void Simulation::drawFrame(Camera& camera, const ExposedFrame& frame) {
   mean.write(camera.image);
 }
 
-const GeometryImage& Simulation::renderGeometry(int index) {
+const GeometryImage& Simulation::renderGeometry(int index, Distance distance) {
   Camera& camera = cameras_[index];
   const ExposedFrame* late = camera.flight.taken();
   if (!late) {
     placeBodies();
-    geometry_renderer_.render(camera.model, cameraPose(index), models_.scene, camera.geometry);
+    geometry_renderer_.render(camera.model, cameraPose(index), models_.scene, camera.geometry, distance);
     return camera.geometry;
   }
   Scene scene = shownScene(index);
   showMoment(late->present, scene);
-  geometry_renderer_.render(camera.model, late->present.X_WC, scene, camera.geometry);
+  geometry_renderer_.render(camera.model, late->present.X_WC, scene, camera.geometry, distance);
   return camera.geometry;
 }
 

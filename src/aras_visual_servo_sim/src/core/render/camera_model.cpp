@@ -2,16 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <sstream>
 
 #include "aras_visual_servo_sim/errors.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kLargestRadius = 1e3;  // 89.94 degrees off the axis: no lens here sees farther
 
 template <typename T>
 std::string fault(const char* key, const T& found, const char* allowed) {
@@ -64,9 +60,11 @@ CameraModel::CameraModel(const CameraConfig& config) : config_(config) {
     faults.push_back("horizontal_fov_rad: found together with fx_px or fy_px, allowed one or the other");
   } else if (config.horizontal_fov_rad) {
     const double field = *config.horizontal_fov_rad;
-    require(faults, positive(field) && field < M_PI, "horizontal_fov_rad", field, "in (0, pi)");
+    const bool fisheye = lens_ == Lens::kEquidistant;
+    require(faults, positive(field) && field < (fisheye ? 2.0 * M_PI : M_PI), "horizontal_fov_rad", field,
+            fisheye ? "in (0, 2 pi)" : "in (0, pi), or through an equidistant lens (0, 2 pi)");
     const double half = 0.5 * field;
-    fx_ = fy_ = 0.5 * config.width / (lens_ == Lens::kEquidistant ? half : std::tan(half));
+    fx_ = fy_ = 0.5 * config.width / (fisheye ? half : std::tan(half));
   } else if (config.fx_px && config.fy_px) {
     fx_ = *config.fx_px;
     fy_ = *config.fy_px;
@@ -80,13 +78,7 @@ CameraModel::CameraModel(const CameraConfig& config) : config_(config) {
   cy_ = config.cy_px.value_or(0.5 * (config.height - 1));
   require(faults, std::abs(cx_) <= 10.0 * config.width, "cx_px", cx_, "within 10 image widths of 0");
   require(faults, std::abs(cy_) <= 10.0 * config.height, "cy_px", cy_, "within 10 image heights of 0");
-  if (faults.empty()) {
-    findLensRadius();
-    if (!findImageRadius()) {
-      faults.push_back("distortion: found coefficients whose lens folds over inside the image, at " +
-                       std::to_string(lens_radius_) + " from the axis, allowed one to one over the image");
-    }
-  }
+  if (faults.empty()) lens_ == Lens::kEquidistant ? findImageAngle(faults) : findImageRadius(faults);
   if (faults.empty()) return;
   std::string text = "camera '" + config.name + "':";
   for (const std::string& line : faults) text += "\n  " + line;
@@ -121,163 +113,13 @@ void CameraModel::readLens(std::vector<std::string>& faults) {
   }
   if (name == "none" && !all_zero) faults.push_back("distortion: found coefficients, allowed only zeros for none");
   if (lens_ != Lens::kEquidistant && all_zero) lens_ = Lens::kNone;  // draws faster, same result
-}
-
-Eigen::Vector2d CameraModel::distort(double x, double y) const {
-  const double* d = distortion_.data();
-  const double r2 = x * x + y * y;
-  switch (lens_) {
-    case Lens::kNone:
-      return {x, y};
-    case Lens::kEquidistant: {
-      const double r = std::sqrt(r2);
-      const double scale = r > 1e-12 ? radial(r) / r : 1.0;
-      return {x * scale, y * scale};
-    }
-    default: {
-      double scale = 1.0 + r2 * (d[0] + r2 * (d[1] + r2 * d[4]));
-      if (lens_ == Lens::kRational) scale /= 1.0 + r2 * (d[5] + r2 * (d[6] + r2 * d[7]));
-      return {x * scale + 2.0 * d[2] * x * y + d[3] * (r2 + 2.0 * x * x),
-              y * scale + d[2] * (r2 + 2.0 * y * y) + 2.0 * d[3] * x * y};
-    }
+  if (!config_.cutoff_angle_rad) return;
+  const double cutoff = *config_.cutoff_angle_rad;
+  if (lens_ != Lens::kEquidistant) {
+    faults.push_back(fault("cutoff_angle_rad", cutoff, "only with distortion_model equidistant"));
+  } else {
+    require(faults, cutoff > 0.0 && cutoff <= EquidistantLens::kWidest, "cutoff_angle_rad", cutoff, "in (0, 2.18]");
   }
-}
-
-/** Distorted radius of a point at normalised radius r, tangential part left out. */
-double CameraModel::radial(double r) const {
-  const double* d = distortion_.data();
-  const double r2 = r * r;
-  switch (lens_) {
-    case Lens::kNone:
-      return r;
-    case Lens::kEquidistant: {
-      const double theta = std::atan(r), t2 = theta * theta;
-      return theta * (1.0 + t2 * (d[0] + t2 * (d[1] + t2 * (d[2] + t2 * d[3]))));
-    }
-    default: {
-      const double numerator = 1.0 + r2 * (d[0] + r2 * (d[1] + r2 * d[4]));
-      if (lens_ == Lens::kPlumbBob) return r * numerator;
-      const double denominator = 1.0 + r2 * (d[5] + r2 * (d[6] + r2 * d[7]));
-      return denominator > 0.0 ? r * numerator / denominator : -kInfinity;  // a pole counts as a fold
-    }
-  }
-}
-
-/** The radius up to which radial() grows: geometric steps of 0.2 %, so that a fold is placed to 0.2 %, from below. */
-void CameraModel::findLensRadius() {
-  lens_radius_ = kInfinity;
-  if (lens_ == Lens::kNone) return;
-  double before = 0.0;
-  for (double r = 1e-3; r < kLargestRadius; r *= 1.002) {
-    const double rd = radial(r);
-    if (!(rd > before)) {
-      lens_radius_ = r / 1.002 / 1.002;
-      return;
-    }
-    before = rd;
-  }
-  lens_radius_ = kLargestRadius;
-}
-
-/** Solves radial(r) = rd for r in [0, lens_radius_] by Newton's method kept inside a shrinking bracket. */
-std::optional<double> CameraModel::inverseRadial(double rd) const {
-  if (rd <= 0.0) return 0.0;
-  double low = 0.0, high = lens_radius_;
-  if (radial(high) < rd) return std::nullopt;
-  double r = std::min(rd, 0.5 * high);
-  for (int i = 0; i < 200; ++i) {
-    const double error = radial(r) - rd;
-    (error > 0.0 ? high : low) = r;
-    if (std::abs(error) <= 1e-16 * rd) break;
-    const double h = 1e-6 * std::max(r, 1e-6);
-    const double slope = (radial(r + h) - radial(r - h)) / (2.0 * h);
-    double next = r - error / slope;
-    if (!(next > low && next < high)) next = 0.5 * (low + high);
-    if (std::abs(next - r) <= 1e-16 * r) break;
-    r = next;
-  }
-  return r;
-}
-
-/** Fixed point on the tangential part, which is a small fraction of the radial one: each turn gains two digits. */
-std::optional<Eigen::Vector2d> CameraModel::undistort(const Eigen::Vector2d& distorted) const {
-  if (lens_ == Lens::kNone) return distorted;
-  const double* d = distortion_.data();
-  const bool tangential = lens_ != Lens::kEquidistant;
-  Eigen::Vector2d xy = Eigen::Vector2d::Zero(), before;
-  for (int i = 0; i < 100; ++i) {
-    before = xy;
-    Eigen::Vector2d rest = distorted;
-    if (tangential) {
-      const double x = xy.x(), y = xy.y(), r2 = xy.squaredNorm();
-      rest -= Eigen::Vector2d(2.0 * d[2] * x * y + d[3] * (r2 + 2.0 * x * x),
-                              d[2] * (r2 + 2.0 * y * y) + 2.0 * d[3] * x * y);
-    }
-    const double rd = rest.norm();
-    const std::optional<double> r = inverseRadial(rd);
-    if (!r) return std::nullopt;
-    xy = rd > 0.0 ? Eigen::Vector2d(rest * (*r / rd)) : rest;
-    if ((xy - before).norm() <= 1e-15 * (1.0 + xy.norm())) break;
-  }
-  if (!((distort(xy.x(), xy.y()) - distorted).norm() <= 1e-11 * (1.0 + distorted.norm()))) return std::nullopt;
-  return xy;
-}
-
-/** Walks the image border, pixel edges included. @return false if some border point has no ray */
-bool CameraModel::findImageRadius() {
-  constexpr int kSteps = 64;
-  image_radius_ = 0.0;
-  for (int side = 0; side < 4; ++side) {
-    for (int i = 0; i < kSteps; ++i) {
-      const double along = double(i) / kSteps;
-      const double across = side < 2 ? 0.0 : 1.0;
-      const double u = (side % 2 == 0 ? along : across) * width() - 0.5;
-      const double v = (side % 2 == 0 ? across : along) * height() - 0.5;
-      const auto xy = undistort({(u - cx_) / fx_, (v - cy_) / fy_});
-      if (!xy) return false;
-      image_radius_ = std::max(image_radius_, xy->norm());
-    }
-  }
-  const auto corner = undistort({(width() - 0.5 - cx_) / fx_, (height() - 0.5 - cy_) / fy_});
-  if (!corner) return false;
-  image_radius_ = std::max(image_radius_, corner->norm());
-  return image_radius_ * 1.01 < lens_radius_;
-}
-
-std::optional<Eigen::Vector2d> CameraModel::project(const Eigen::Vector3d& p_C) const {
-  if (!(p_C.z() > 0.0)) return std::nullopt;
-  const double x = p_C.x() / p_C.z(), y = p_C.y() / p_C.z();
-  if (x * x + y * y > lens_radius_ * lens_radius_) return std::nullopt;
-  return toPixel(x, y);
-}
-
-Eigen::Vector3d CameraModel::unproject(double u, double v) const {
-  if (!std::isfinite(u) || !std::isfinite(v)) {
-    throw NotFiniteError("unproject: pixel (" + std::to_string(u) + ", " + std::to_string(v) + ") is not finite");
-  }
-  const auto xy = undistort({(u - cx_) / fx_, (v - cy_) / fy_});
-  if (!xy) {
-    throw ParameterError("unproject: no ray of camera '" + config_.name + "' reaches pixel (" + std::to_string(u) +
-                         ", " + std::to_string(v) + "): outside the range of its lens");
-  }
-  return {xy->x(), xy->y(), 1.0};
-}
-
-const std::vector<Eigen::Vector3d>& CameraModel::cornerRays() const {
-  std::call_once(corner_rays_->once, [this] {
-    corner_rays_->rays.reserve(std::size_t(width() + 1) * (height() + 1));
-    for (int v = 0; v <= height(); ++v) {
-      for (int u = 0; u <= width(); ++u) corner_rays_->rays.push_back(unproject(u - 0.5, v - 0.5));
-    }
-  });
-  return corner_rays_->rays;
-}
-
-Eigen::Vector3d CameraModel::pixelRay(int u, int v) const {
-  if (lens_ == Lens::kNone) return {(u - cx_) / fx_, (v - cy_) / fy_, 1.0};
-  const Eigen::Vector3d* top = cornerRays().data() + std::size_t(v) * (width() + 1) + u;
-  const Eigen::Vector3d* bottom = top + width() + 1;
-  return 0.25 * (top[0] + top[1] + bottom[0] + bottom[1]);
 }
 
 Eigen::Matrix3d CameraModel::K() const {

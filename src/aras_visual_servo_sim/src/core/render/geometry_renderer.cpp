@@ -20,12 +20,12 @@ std::map<std::string, std::uint16_t> segmentationIds(const Scene& scene) {
 
 class GeometryRenderer::Implementation {
  public:
-  void render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, GeometryImage& out) {
+  void render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, GeometryImage& out, Distance distance) {
     out.width = camera.width();
     out.height = camera.height();
     out.depth_m.assign(std::size_t(out.width) * out.height, GeometryImage::kNothing);
     out.ids.assign(out.depth_m.size(), 0);
-    inverse_z_.assign(out.depth_m.size(), 0.0);
+    nearness_.assign(out.depth_m.size(), 0.0);
     const ViewVolume volume(camera);
     const Pose X_CW = X_WC.inverse();
     planar_.project(camera, volume, X_CW, scene);
@@ -34,8 +34,8 @@ class GeometryRenderer::Implementation {
     triangles_.addBodies(scene, X_CW);
     paintBodies(camera, scene, out);
     if (camera.lens() != CameraModel::Lens::kNone) closeCracks(out);
-    for (std::size_t i = 0; i < inverse_z_.size(); ++i) {
-      if (out.ids[i] != 0) out.depth_m[i] = static_cast<float>(1.0 / inverse_z_[i]);
+    for (int v = 0; v < out.height; ++v) {
+      for (int u = 0; u < out.width; ++u) finish(camera, u, v, distance, out);
     }
   }
 
@@ -43,10 +43,23 @@ class GeometryRenderer::Implementation {
   /** Faces of one plane differ by rounding only; the later ones lie on top. */
   static constexpr double kSamePlane = 1e-9;
 
-  void see(std::size_t at, double inverse_z, std::uint16_t id, GeometryImage& out) {
-    if (!(inverse_z > 0.0) || inverse_z < inverse_z_[at] * (1.0 - kSamePlane)) return;
-    inverse_z_[at] = inverse_z;
+  /** @param nearness  1 / s of what is seen at s times the pixel's ray: 1 / Z, of unit rays 1 / range */
+  void see(std::size_t at, double nearness, std::uint16_t id, GeometryImage& out) {
+    if (!(nearness > 0.0) || nearness < nearness_[at] * (1.0 - kSamePlane)) return;
+    nearness_[at] = nearness;
     out.ids[at] = id;
+  }
+
+  void finish(const CameraModel& camera, int u, int v, Distance distance, GeometryImage& out) {
+    const std::size_t at = out.at(u, v);
+    if (camera.showsLensCircle() && !camera.isWithinLens(u, v)) out.ids[at] = 0;
+    if (out.ids[at] == 0) return;
+    const Eigen::Vector3d ray = camera.pixelRay(u, v);
+    if (distance == Distance::kRange) {
+      out.depth_m[at] = static_cast<float>(ray.norm() / nearness_[at]);
+    } else if (ray.z() > 0.0) {
+      out.depth_m[at] = static_cast<float>(ray.z() / nearness_[at]);
+    }
   }
 
   void paintModels(const CameraModel& camera, const Scene& scene, GeometryImage& out) {
@@ -56,7 +69,7 @@ class GeometryRenderer::Implementation {
       rasterizer_.begin(out.width, out.height, CoverageRasterizer::Rule::kCenter);
       planar_.addEdges(face, rasterizer_);
       rasterizer_.forEachRun([&](int u0, int u1, int v) {
-        // On the plane normal . (Z ray) = offset, so 1 / Z is linear in the ray.
+        // On the plane normal . (s ray) = offset, so 1 / s is linear in the ray.
         for (int u = u0; u < u1; ++u) see(out.at(u, v), normal_C.dot(camera.pixelRay(u, v)) / offset, id, out);
       });
     });
@@ -91,14 +104,17 @@ class GeometryRenderer::Implementation {
         const double b = (dx * dy2 - dx2 * dy) / area, c = (dx1 * dy - dx * dy1) / area;
         constexpr double kOnEdge = 1e-6;  // rounding: a centre on an edge belongs to both triangles, not to none
         if (b < -kOnEdge || c < -kOnEdge || b + c > 1.0 + kOnEdge) continue;
-        const double inverse_z = plane_C.dot(camera.pixelRay(u, v));
-        if (inverse_z * camera.farM() >= 1.0) see(out.at(u, v), inverse_z, id, out);
+        const Eigen::Vector3d ray = camera.pixelRay(u, v);
+        const double nearness = plane_C.dot(ray);
+        const bool fisheye = camera.lens() == CameraModel::Lens::kEquidistant;
+        const double ahead = fisheye ? ray.cwiseAbs().maxCoeff() : 1.0;  // depth along its cell's axis, of s = 1
+        if (nearness * camera.farM() >= ahead) see(out.at(u, v), nearness, id, out);
       }
     }
   }
 
   /** Triangles cut for a lens may part by a hair along an edge. A pixel that sees nothing amid four that see one thing
-   *  sees it too, at the mean of their inverse depths, which is that of the plane. */
+   *  sees it too, at the mean of their nearness, which is that of the plane. */
   void closeCracks(GeometryImage& out) {
     const std::ptrdiff_t row = out.width;
     for (int v = 1; v + 1 < out.height; ++v) {
@@ -110,7 +126,7 @@ class GeometryRenderer::Implementation {
           continue;
         }
         out.ids[at] = id;
-        inverse_z_[at] = 0.25 * (inverse_z_[at - 1] + inverse_z_[at + 1] + inverse_z_[at - row] + inverse_z_[at + row]);
+        nearness_[at] = 0.25 * (nearness_[at - 1] + nearness_[at + 1] + nearness_[at - row] + nearness_[at + row]);
       }
     }
   }
@@ -118,17 +134,18 @@ class GeometryRenderer::Implementation {
   PlanarLayer planar_;
   CoverageRasterizer rasterizer_;
   TriangleList triangles_;
-  std::vector<double> inverse_z_;  // 0 where there is nothing
+  std::vector<double> nearness_;  // 0 where there is nothing
 };
 
 GeometryRenderer::GeometryRenderer() : implementation_(std::make_unique<Implementation>()) {}
 GeometryRenderer::~GeometryRenderer() = default;
 
-void GeometryRenderer::render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, GeometryImage& out) {
+void GeometryRenderer::render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, GeometryImage& out,
+                              Distance distance) {
   if (!X_WC.p.allFinite() || !X_WC.q.coeffs().allFinite()) {
     throw NotFiniteError("render: pose of camera '" + camera.config().name + "' is not finite");
   }
-  implementation_->render(camera, X_WC, scene, out);
+  implementation_->render(camera, X_WC, scene, out, distance);
 }
 
 }  // namespace aras_visual_servo_sim

@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "aras_visual_servo_sim/coverage_rasterizer.hpp"
+#include "image_circle.hpp"
 #include "pixel_color.hpp"
 #include "planar_layer.hpp"
 #include "tile_painter.hpp"
@@ -28,6 +29,14 @@ class OsmesaRenderer::Implementation {
 
   void render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
     statistics_ = {};
+    draw(camera, X_WC, scene, out);
+    if (camera.showsLensCircle()) blackenBeyondLens(camera, rasterizer_, out);
+  }
+
+  Statistics statistics_;
+
+ private:
+  void draw(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
     const ViewVolume volume(camera);
     planar_.project(camera, volume, X_WC.inverse(), scene);
     fill(pixelOf(scene.background, out.encoding), out);
@@ -52,9 +61,6 @@ class OsmesaRenderer::Implementation {
                    tiles_.supersampledTiles()};
   }
 
-  Statistics statistics_;
-
- private:
   Path path_;
   PlanarLayer planar_;
   CoverageRasterizer rasterizer_;

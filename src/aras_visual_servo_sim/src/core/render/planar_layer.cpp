@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "image_circle.hpp"
 #include "pixel_color.hpp"
 
 namespace aras_visual_servo_sim {
@@ -44,6 +45,7 @@ void PlanarLayer::project(const CameraModel& camera, const ViewVolume& volume, c
   for (const std::size_t index : order_) {
     for (Part& part : views_[index].parts) {
       if (part.face.kind == Face::Kind::kPicture) part.face.picture = static_cast<int>(pictures++);
+      part.face.rank = static_cast<int>(&part - views_[index].parts.data());
       faces_.push_back(part.face);
     }
   }
@@ -52,8 +54,11 @@ void PlanarLayer::project(const CameraModel& camera, const ViewVolume& volume, c
 
 bool PlanarLayer::addModel(const CameraModel& camera, const ViewVolume& volume, const Pose& X_CM,
                            const PlanarModel& model) {
-  if (volume.excludes(X_CM.p, model.radius())) return false;
-  const bool inside = volume.contains(X_CM.p, model.radius());
+  cells_.clear();
+  for (const ViewCell& cell : volume.cells()) {
+    if (!cell.excludes(X_CM.p, model.radius())) cells_.emplace_back(&cell, cell.contains(X_CM.p, model.radius()));
+  }
+  if (cells_.empty()) return false;
   const std::size_t begin = points_.size();
   View view;
   view.normal_C = X_CM.q * Eigen::Vector3d::UnitZ();
@@ -65,7 +70,9 @@ bool PlanarLayer::addModel(const CameraModel& camera, const ViewVolume& volume, 
   }
   const auto addPart = [&](Face::Kind kind, const Rgb& color, const std::vector<Polygon>& outlines) {
     Part part{{&model, kind, color}, X_CM, {}};
-    for (const Polygon& outline : outlines) addLoop(camera, volume, X_CM, inside, outline, view, part);
+    for (const Polygon& outline : outlines) {
+      for (const auto& [cell, inside] : cells_) addLoop(camera, *cell, X_CM, inside, outline, view, part);
+    }
     if (!part.loops.empty()) view.parts.push_back(std::move(part));
   };
   if (!model.outlines().empty()) addPart(Face::Kind::kOutlines, model.color(), model.outlines());
@@ -78,23 +85,23 @@ bool PlanarLayer::addModel(const CameraModel& camera, const ViewVolume& volume, 
   return true;
 }
 
-void PlanarLayer::addLoop(const CameraModel& camera, const ViewVolume& volume, const Pose& X_CM, bool inside,
+void PlanarLayer::addLoop(const CameraModel& camera, const ViewCell& cell, const Pose& X_CM, bool inside,
                           const Polygon& outline, View& view, Part& part) {
   polygon_.clear();
   const Eigen::Matrix3d R = X_CM.q.toRotationMatrix();
   for (const Eigen::Vector2d& corner : outline) {
     polygon_.push_back(X_CM.p + R.col(0) * corner.x() + R.col(1) * corner.y());
   }
-  if (!inside) volume.clip(polygon_);
+  if (!inside) cell.clip(polygon_);
   if (polygon_.size() < 3) return;
   view.corners_C.insert(view.corners_C.end(), polygon_.begin(), polygon_.end());
   const std::size_t begin = points_.size();
-  Eigen::Vector2d before = polygon_.back().head<2>() / polygon_.back().z();
-  Eigen::Vector2d before_px = camera.toPixel(before.x(), before.y());
+  Eigen::Vector2d before = cell.across(polygon_.back()) / cell.depth(polygon_.back());
+  Eigen::Vector2d before_px = cell.toPixel(camera, before);
   for (const Eigen::Vector3d& corner : polygon_) {
-    const Eigen::Vector2d xy = corner.head<2>() / corner.z();
-    const Eigen::Vector2d px = camera.toPixel(xy.x(), xy.y());
-    if (camera.lens() != CameraModel::Lens::kNone) addCurve(camera, before, xy, before_px, px, 0);
+    const Eigen::Vector2d xy = cell.across(corner) / cell.depth(corner);
+    const Eigen::Vector2d px = cell.toPixel(camera, xy);
+    if (camera.lens() != CameraModel::Lens::kNone) addCurve(camera, cell, before, xy, before_px, px, 0);
     points_.push_back(px);
     before = xy;
     before_px = px;
@@ -103,17 +110,19 @@ void PlanarLayer::addLoop(const CameraModel& camera, const ViewVolume& volume, c
 }
 
 /** Halves a straight line of the scene until its image through the lens is straight, ends excluded. */
-void PlanarLayer::addCurve(const CameraModel& camera, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
-                           const Eigen::Vector2d& from_px, const Eigen::Vector2d& to_px, int depth) {
+void PlanarLayer::addCurve(const CameraModel& camera, const ViewCell& cell, const Eigen::Vector2d& from,
+                           const Eigen::Vector2d& to, const Eigen::Vector2d& from_px, const Eigen::Vector2d& to_px,
+                           int depth) {
   constexpr int kAlways = 1, kDeepest = 10;  // halve once whatever the middle says: it may lie on an inflexion
   const Eigen::Vector2d middle = 0.5 * (from + to);
-  const Eigen::Vector2d middle_px = camera.toPixel(middle.x(), middle.y());
+  const Eigen::Vector2d middle_px = cell.toPixel(camera, middle);
   const Eigen::Vector2d chord = to_px - from_px, bow = middle_px - from_px;
-  const bool straight = std::abs(chord.x() * bow.y() - chord.y() * bow.x()) <= kChord * chord.norm();
+  const bool lengthy = camera.lens() == CameraModel::Lens::kEquidistant && (to - from).norm() > ViewCell::kLongest;
+  const bool straight = !lengthy && std::abs(chord.x() * bow.y() - chord.y() * bow.x()) <= kChord * chord.norm();
   if (depth >= kDeepest || (depth >= kAlways && straight)) return;
-  addCurve(camera, from, middle, from_px, middle_px, depth + 1);
+  addCurve(camera, cell, from, middle, from_px, middle_px, depth + 1);
   points_.push_back(middle_px);
-  addCurve(camera, middle, to, middle_px, to_px, depth + 1);
+  addCurve(camera, cell, middle, to, middle_px, to_px, depth + 1);
 }
 
 /** Puts views back to front by trying planes: a is behind b if a lies wholly on the far side of b's plane, or b wholly
@@ -196,8 +205,7 @@ void PlanarLayer::samplePictures(const CameraModel& camera, CoverageRasterizer& 
 }
 
 void PlanarLayer::paint(const CameraModel& camera, CoverageRasterizer& rasterizer, Image& image) const {
-  const auto rule = camera.sampling() == CameraModel::Sampling::kCenter ? CoverageRasterizer::Rule::kCenter
-                                                                        : CoverageRasterizer::Rule::kCoverage;
+  const CoverageRasterizer::Rule rule = ruleOf(camera);
   for (const std::size_t index : order_) {
     for (const Part& part : views_[index].parts) {
       rasterizer.begin(image.width, image.height, rule);

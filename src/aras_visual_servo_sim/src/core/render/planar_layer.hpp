@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "aras_visual_servo_sim/coverage_rasterizer.hpp"
@@ -31,6 +32,7 @@ class PlanarLayer {
     Kind kind;
     Rgb color;         ///< not of pictures
     int picture = -1;  ///< of pictures: index into pictures()
+    int rank = 0;      ///< number of faces of the model that it is painted over
   };
   /** Faces in view in the order of painting, farthest first. */
   const std::vector<Face>& faces() const { return faces_; }
@@ -67,9 +69,9 @@ class PlanarLayer {
     PixelBox box;
   };
   bool addModel(const CameraModel& camera, const ViewVolume& volume, const Pose& X_CM, const PlanarModel& model);
-  void addLoop(const CameraModel& camera, const ViewVolume& volume, const Pose& X_CM, bool inside,
-               const Polygon& outline, View& view, Part& part);
-  void addCurve(const CameraModel& camera, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+  void addLoop(const CameraModel& camera, const ViewCell& cell, const Pose& X_CM, bool inside, const Polygon& outline,
+               View& view, Part& part);
+  void addCurve(const CameraModel& camera, const ViewCell& cell, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
                 const Eigen::Vector2d& from_px, const Eigen::Vector2d& to_px, int depth);
   void sort();
 
@@ -79,8 +81,9 @@ class PlanarLayer {
   std::vector<PixelBox> conflicts_;
   std::vector<Image> pictures_;
   TextureSampler sampler_;
-  std::vector<Eigen::Vector2d> points_;   // pixel coordinates of all loops
-  std::vector<Eigen::Vector3d> polygon_;  // scratch
+  std::vector<Eigen::Vector2d> points_;                  // pixel coordinates of all loops
+  std::vector<Eigen::Vector3d> polygon_;                 // scratch
+  std::vector<std::pair<const ViewCell*, bool>> cells_;  // scratch: of the model being added, and whether it is inside
 };
 
 }  // namespace aras_visual_servo_sim

@@ -331,6 +331,7 @@ CameraConfig readCameraConfig(YamlReader& reader) {
   number("fy_px", camera.fy_px);
   number("cx_px", camera.cx_px);
   number("cy_px", camera.cy_px);
+  number("cutoff_angle_rad", camera.cutoff_angle_rad);
   camera.distortion_model = reader.optional<std::string>("distortion_model", camera.distortion_model);
   camera.distortion = reader.optional<std::vector<double>>("distortion", {});
   camera.rate_hz = reader.optional<double>("rate_hz", camera.rate_hz);

@@ -61,7 +61,12 @@ void TriangleList::addShape(const Shape& shape, const Pose& X_CS, const Eigen::V
   const TriangleMesh& mesh = *shape.mesh;
   const Eigen::Vector3d center = X_CS * (0.5f * (mesh.box_min + mesh.box_max)).cast<double>().eval();
   const double radius = 0.5 * (mesh.box_max - mesh.box_min).cast<double>().norm();
-  if (volume_->excludes(center, radius) || center.z() - radius > camera_->farM()) return;
+  cells_.clear();
+  for (const ViewCell& cell : volume_->cells()) {
+    if (cell.excludes(center, radius) || cell.depth(center) - radius > camera_->farM()) continue;
+    cells_.emplace_back(&cell, cell.contains(center, radius));
+  }
+  if (cells_.empty()) return;
   const Eigen::Matrix3d R = X_CS.q.toRotationMatrix();
   std::array<Eigen::Vector3d, 8> box;
   for (int k = 0; k < 8; ++k) {
@@ -70,8 +75,10 @@ void TriangleList::addShape(const Shape& shape, const Pose& X_CS, const Eigen::V
                                  k & 4 ? mesh.box_max.z() : mesh.box_min.z());
     box[k] = X_CS.p + R * corner.cast<double>();
   }
-  if (volume_->excludes(box.data(), box.size())) return;
-  const bool inside = volume_->contains(center, radius);
+  cells_.erase(std::remove_if(cells_.begin(), cells_.end(),
+                              [&box](const auto& each) { return each.first->excludes(box.data(), box.size()); }),
+               cells_.end());
+  if (cells_.empty()) return;
   points_.clear();
   colors_.clear();
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
@@ -82,9 +89,15 @@ void TriangleList::addShape(const Shape& shape, const Pose& X_CS, const Eigen::V
   for (const auto& [i, j, k] : mesh.triangles) {
     const Points points{points_[i], points_[j], points_[k]};
     const bool faces_away = (points[1] - points[0]).cross(points[2] - points[0]).dot(points[0]) >= 0.0;
-    if (faces_away || std::min({points[0].z(), points[1].z(), points[2].z()}) > camera_->farM()) continue;
-    if (!inside && volume_->excludes(points.data(), points.size())) continue;
-    addTriangle(points, {colors_[i], colors_[j], colors_[k]}, inside, number, 0.0);
+    if (faces_away) continue;
+    const std::size_t before = vertices_.size();
+    for (const auto& [cell, inside] : cells_) {
+      if (std::min({cell->depth(points[0]), cell->depth(points[1]), cell->depth(points[2])}) > camera_->farM())
+        continue;
+      if (!inside && cell->excludes(points.data(), points.size())) continue;
+      addTriangle(points, {colors_[i], colors_[j], colors_[k]}, *cell, inside, number, 0.0);
+    }
+    if (vertices_.size() == before) continue;
     const Eigen::Vector3d normal = (points[1] - points[0]).cross(points[2] - points[0]);
     planes_.push_back(normal / normal.dot(points[0]));
     plane_of_.resize(vertices_.size() / 3, static_cast<std::uint32_t>(planes_.size() - 1));
@@ -99,20 +112,24 @@ void TriangleList::addPlanar(const PlanarLayer& planar, const Pose& X_CW) {
   std::size_t index = 0;
   for (const PlanarLayer::Face& face : planar.faces()) {
     const Pose X_CM = X_CW * face.model->X_WM;
-    const double bias = kBias * static_cast<double>(index + 1);
+    const double bias = kBias * static_cast<double>(index + 1) + slack(X_CM) * static_cast<double>(face.rank);
     const bool is_picture = face.kind == PlanarLayer::Face::Kind::kPicture;
     const std::uint8_t number = is_picture ? pictureNumber(face.picture) : faceNumber(index);
     ++index;
     const Eigen::Vector3f rgb = is_picture ? Eigen::Vector3f::Zero() : colorOf(face.color);
-    const bool inside = volume_->contains(X_CM.p, face.model->radius());
+    cells_.clear();
+    for (const ViewCell& cell : volume_->cells()) {
+      cells_.emplace_back(&cell, cell.contains(X_CM.p, face.model->radius()));
+    }
     const auto add = [&](const Polygon& polygon, const std::array<std::uint32_t, 3>& triangle) {
       Points points;
       for (int k = 0; k < 3; ++k) {
         const Eigen::Vector2d& p = polygon[triangle[k]];
         points[k] = X_CM * Eigen::Vector3d(p.x(), p.y(), 0.0);
       }
-      if (inside || !volume_->excludes(points.data(), points.size())) {
-        addTriangle(points, {rgb, rgb, rgb}, inside, number, bias);
+      for (const auto& [cell, inside] : cells_) {
+        if (!inside && cell->excludes(points.data(), points.size())) continue;
+        addTriangle(points, {rgb, rgb, rgb}, *cell, inside, number, bias);
       }
     };
     if (face.kind != PlanarLayer::Face::Kind::kOutlines) {
@@ -127,15 +144,16 @@ void TriangleList::addPlanar(const PlanarLayer& planar, const Pose& X_CW) {
   }
 }
 
-void TriangleList::addTriangle(const Points& points_C, const Colors& colors, bool inside, std::uint8_t number,
-                               double bias) {
+void TriangleList::addTriangle(const Points& points_C, const Colors& colors, const ViewCell& cell, bool inside,
+                               std::uint8_t number, double bias) {
+  cell_ = &cell;
   if (inside) {
     cut(corner(points_C[0], colors[0]), corner(points_C[1], colors[1]), corner(points_C[2], colors[2]), number, bias,
         0);
     return;
   }
   polygon_.assign(points_C.begin(), points_C.end());
-  volume_->clip(polygon_);
+  cell.clip(polygon_);
   if (polygon_.size() < 3) return;
   // Colours of the new corners from their areal coordinates in the triangle.
   const Eigen::Vector3d e1 = points_C[1] - points_C[0], e2 = points_C[2] - points_C[0], normal = e1.cross(e2);
@@ -153,18 +171,36 @@ void TriangleList::addTriangle(const Points& points_C, const Colors& colors, boo
 
 TriangleList::Corner TriangleList::corner(const Eigen::Vector3d& p_C, const Eigen::Vector3f& rgb) const {
   Corner corner;
-  corner.inverse_z = 1.0 / p_C.z();
-  corner.xy = p_C.head<2>() * corner.inverse_z;
+  corner.inverse_z = 1.0 / cell_->depth(p_C);
+  corner.xy = cell_->across(p_C) * corner.inverse_z;
   corner.rgb = rgb;
-  corner.px = camera_->toPixel(corner.xy.x(), corner.xy.y());
+  corner.px = cell_->toPixel(*camera_, corner.xy);
   return corner;
+}
+
+/** Depths are interpolated over triangles that stray from the lens's image by up to kChord; two faces of one plane, cut
+ *  otherwise, may differ by that much of the change of near plane / depth from pixel to pixel. On a plane at a distance
+ *  h that is at most near / h for each unit of normalised coordinates, which the fisheye draws f / 3 wide or more. */
+double TriangleList::slack(const Pose& X_CM) const {
+  if (camera_->lens() != CameraModel::Lens::kEquidistant) return 0.0;
+  const double h = std::abs((X_CM.q * Eigen::Vector3d::UnitZ()).dot(X_CM.p));
+  const double change = camera_->nearM() / std::max(h, camera_->nearM()) * 3.0 / std::min(camera_->fx(), camera_->fy());
+  return 2.0 * kChord * change;
+}
+
+/** How far the middle of an edge lies off its chord [px]; through the fisheye off the chord's middle, for that also
+ *  compresses along straight edges, and depth and colour are interpolated between the ends. */
+double TriangleList::bend(const Corner& from, const Corner& to, const Eigen::Vector2d& middle_px) const {
+  if (camera_->lens() != CameraModel::Lens::kEquidistant) return bow(from.px, to.px, middle_px);
+  if ((to.xy - from.xy).norm() > ViewCell::kLongest) return (to.px - from.px).norm();
+  return (0.5 * (from.px + to.px) - middle_px).norm();
 }
 
 /** Halves the most bent edge until none is bent. Each decision depends on that edge alone, so the triangles on both
  *  sides of an edge are cut alike and leave no gap. */
 void TriangleList::cut(const Corner& a, const Corner& b, const Corner& c, std::uint8_t number, double bias, int depth) {
-  constexpr int kDeepest = 16;
-  if (camera_->lens() != CameraModel::Lens::kNone && depth < kDeepest) {
+  const int deepest = camera_->lens() == CameraModel::Lens::kEquidistant ? 24 : 16;
+  if (camera_->lens() != CameraModel::Lens::kNone && depth < deepest) {
     const std::array<const Corner*, 3> corners{&a, &b, &c};
     double worst = kChord;
     int split = -1;
@@ -172,8 +208,8 @@ void TriangleList::cut(const Corner& a, const Corner& b, const Corner& c, std::u
     for (int k = 0; k < 3; ++k) {
       const Corner &from = *corners[k], &to = *corners[(k + 1) % 3];
       const Eigen::Vector2d xy = 0.5 * (from.xy + to.xy);
-      const Eigen::Vector2d px = camera_->toPixel(xy.x(), xy.y());
-      const double bent = bow(from.px, to.px, px);
+      const Eigen::Vector2d px = cell_->toPixel(*camera_, xy);
+      const double bent = bend(from, to, px);
       if (bent <= worst) continue;
       worst = bent;
       split = k;

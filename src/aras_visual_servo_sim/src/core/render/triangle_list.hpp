@@ -34,7 +34,8 @@ class TriangleList {
   const std::vector<Vertex>& vertices() const { return vertices_; }
 
  private:
-  /** Corner on its way through lens and cutting: normalised coordinates, inverse depth, colour, pixel. */
+  /** Corner on its way through lens and cutting: normalised coordinates and inverse depth in the frame of its cell,
+   *  colour, pixel. */
   struct Corner {
     Eigen::Vector2d xy;
     double inverse_z;
@@ -45,19 +46,24 @@ class TriangleList {
   using Colors = std::array<Eigen::Vector3f, 3>;
 
   void addShape(const Shape& shape, const Pose& X_CS, const Eigen::Vector3d& light_C, std::uint8_t number);
-  void addTriangle(const Points& points_C, const Colors& colors, bool inside, std::uint8_t number, double bias);
+  void addTriangle(const Points& points_C, const Colors& colors, const ViewCell& cell, bool inside, std::uint8_t number,
+                   double bias);
   Corner corner(const Eigen::Vector3d& p_C, const Eigen::Vector3f& rgb) const;
+  double slack(const Pose& X_CM) const;
+  double bend(const Corner& from, const Corner& to, const Eigen::Vector2d& middle_px) const;
   void cut(const Corner& a, const Corner& b, const Corner& c, std::uint8_t number, double bias, int depth);
   Vertex vertex(const Corner& corner, std::uint8_t number, double bias) const;
 
   const CameraModel* camera_ = nullptr;
   const ViewVolume* volume_ = nullptr;
+  const ViewCell* cell_ = nullptr;  // of the triangle being added
   std::vector<Vertex> vertices_;
   std::vector<std::pair<std::size_t, std::size_t>> bodies_;
   std::vector<Eigen::Vector3d> planes_;
   std::vector<std::uint32_t> plane_of_;
-  std::vector<Eigen::Vector3d> points_, polygon_;  // scratch
-  std::vector<Eigen::Vector3f> colors_;            // scratch
+  std::vector<Eigen::Vector3d> points_, polygon_;        // scratch
+  std::vector<Eigen::Vector3f> colors_;                  // scratch
+  std::vector<std::pair<const ViewCell*, bool>> cells_;  // scratch: of the shape or face, and whether it is inside
 };
 
 }  // namespace aras_visual_servo_sim

@@ -5,49 +5,100 @@
 
 namespace aras_visual_servo_sim {
 
+void ViewCell::add(const Eigen::Vector3d& normal_F, double offset) {
+  const Eigen::Vector3d normal = normal_F.normalized();
+  planes_.push_back({ahead_ ? normal : Eigen::Vector3d(R_FC_.transpose() * normal), offset});
+}
+
 ViewVolume::ViewVolume(const CameraModel& camera) {
-  planes_.push_back({Eigen::Vector3d::UnitZ(), camera.nearM()});
-  const auto add = [this](const Eigen::Vector3d& normal) { planes_.push_back({normal.normalized(), 0.0}); };
-  if (camera.lens() == CameraModel::Lens::kNone) {
-    const double margin = 1.0;  // [px] beyond the outer pixels' edges
-    const double x_min = (-0.5 - margin - camera.cx()) / camera.fx();
-    const double x_max = (camera.width() - 0.5 + margin - camera.cx()) / camera.fx();
-    const double y_min = (-0.5 - margin - camera.cy()) / camera.fy();
-    const double y_max = (camera.height() - 0.5 + margin - camera.cy()) / camera.fy();
-    add({1.0, 0.0, -x_min});
-    add({-1.0, 0.0, x_max});
-    add({0.0, 1.0, -y_min});
-    add({0.0, -1.0, y_max});
-    return;
+  switch (camera.lens()) {
+    case CameraModel::Lens::kNone:
+      addPinhole(camera);
+      break;
+    case CameraModel::Lens::kEquidistant:
+      addCube(camera);
+      break;
+    default:
+      addCone(camera);
   }
-  // Through a lens straight lines bend, so the border is no pyramid: take a cone about the image's largest radius as a
-  // polygon of 32 sides, whose corners are 0.5 % farther out; CameraModel saw to it that the lens reaches 1 % farther.
+}
+
+void ViewVolume::addPinhole(const CameraModel& camera) {
+  ViewCell& cell = cells_.emplace_back();
+  cell.planes_.reserve(5);
+  cell.add(Eigen::Vector3d::UnitZ(), camera.nearM());
+  const double margin = 1.0;  // [px] beyond the outer pixels' edges
+  const double x_min = (-0.5 - margin - camera.cx()) / camera.fx();
+  const double x_max = (camera.width() - 0.5 + margin - camera.cx()) / camera.fx();
+  const double y_min = (-0.5 - margin - camera.cy()) / camera.fy();
+  const double y_max = (camera.height() - 0.5 + margin - camera.cy()) / camera.fy();
+  cell.add({1.0, 0.0, -x_min});
+  cell.add({-1.0, 0.0, x_max});
+  cell.add({0.0, 1.0, -y_min});
+  cell.add({0.0, -1.0, y_max});
+}
+
+/** Through a polynomial lens straight lines bend, so the border is no pyramid: take a cone about the image's largest
+ *  radius as a polygon of 32 sides, whose corners are 0.5 % farther out; CameraModel saw to it that the lens reaches
+ *  1 % farther. */
+void ViewVolume::addCone(const CameraModel& camera) {
+  ViewCell& cell = cells_.emplace_back();
+  cell.add(Eigen::Vector3d::UnitZ(), camera.nearM());
   constexpr int kSides = 32;
   const double radius = 1.002 * camera.imageRadius();
   for (int i = 0; i < kSides; ++i) {
     const double angle = 2.0 * M_PI * i / kSides;
-    add({-std::cos(angle), -std::sin(angle), radius});
+    cell.add({-std::cos(angle), -std::sin(angle), radius});
   }
 }
 
-bool ViewVolume::excludes(const Eigen::Vector3d& center_C, double radius) const {
+void ViewVolume::addCube(const CameraModel& camera) {
+  const double angle = camera.imageAngle() + 0.01;  // [rad] of margin
+  const double slope = angle < 0.25 * M_PI ? std::tan(angle) : 1.0;
+  const auto addFace = [&](const Eigen::Matrix3d& R_FC) -> ViewCell& {
+    ViewCell& cell = cells_.emplace_back();
+    cell.ahead_ = false;
+    cell.R_FC_ = R_FC;
+    cell.add(Eigen::Vector3d::UnitZ(), camera.nearM());
+    for (const double side : {1.0, -1.0}) {
+      cell.add({side, 0.0, slope});
+      cell.add({0.0, side, slope});
+    }
+    return cell;
+  };
+  addFace(Eigen::Matrix3d::Identity());
+  if (angle < 0.25 * M_PI) return;
+  const Eigen::Vector3d forward = Eigen::Vector3d::UnitZ();
+  for (const Eigen::Vector3d& axis :
+       {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(-1, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, -1, 0)}) {
+    Eigen::Matrix3d R_FC;  // the optical axis is y of F
+    R_FC << forward.cross(axis).transpose(), forward.transpose(), axis.transpose();
+    ViewCell& cell = addFace(R_FC);
+    // Rays within the angle have Z >= cot(angle) sqrt(X^2 + Y^2) in C. In F that is, for one axis, at least
+    // cot(angle) times the depth, or sqrt(2) times as much where it is negative.
+    const double cotangent = 1.0 / std::tan(angle);
+    cell.add({0.0, 1.0, -cotangent * (cotangent < 0.0 ? std::sqrt(2.0) : 1.0)});
+  }
+}
+
+bool ViewCell::excludes(const Eigen::Vector3d& center_C, double radius) const {
   return std::any_of(planes_.begin(), planes_.end(),
                      [&](const Plane& plane) { return plane.normal.dot(center_C) < plane.offset - radius; });
 }
 
-bool ViewVolume::contains(const Eigen::Vector3d& center_C, double radius) const {
+bool ViewCell::contains(const Eigen::Vector3d& center_C, double radius) const {
   return std::all_of(planes_.begin(), planes_.end(),
                      [&](const Plane& plane) { return plane.normal.dot(center_C) >= plane.offset + radius; });
 }
 
-bool ViewVolume::excludes(const Eigen::Vector3d* points_C, std::size_t count) const {
+bool ViewCell::excludes(const Eigen::Vector3d* points_C, std::size_t count) const {
   return std::any_of(planes_.begin(), planes_.end(), [&](const Plane& plane) {
     return std::all_of(points_C, points_C + count,
                        [&](const Eigen::Vector3d& point) { return plane.normal.dot(point) < plane.offset; });
   });
 }
 
-void ViewVolume::clip(std::vector<Eigen::Vector3d>& polygon_C) const {
+void ViewCell::clip(std::vector<Eigen::Vector3d>& polygon_C) const {
   for (const Plane& plane : planes_) {
     if (polygon_C.empty()) return;
     scratch_.clear();

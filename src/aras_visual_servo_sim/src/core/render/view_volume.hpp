@@ -7,20 +7,18 @@
 
 namespace aras_visual_servo_sim {
 
-/** What a camera can see, in its frame C: beyond the near plane and inside a cone about the image, slightly widened.
+/** Part of what a camera can see: a pyramid with its apex in the origin of the camera's frame C, cut off by the near
+ *  plane across its axis.
  *
- *  Everything drawn is clipped to it, so that projecting never divides by zero nor leaves the radius at which a lens
- *  folds over. The planes beyond the near one meet in the origin. */
-class ViewVolume {
+ *  Everything drawn is clipped to it, so that dividing by the depth along the axis never fails and straight lines stay
+ *  straight in coordinates (x, y) = (X, Y) / Z of its own frame F, whose Z is the axis. */
+class ViewCell {
  public:
-  explicit ViewVolume(const CameraModel& camera);
-
-  /** Half-space normal . p >= offset, |normal| = 1. */
+  /** Half-space normal . p >= offset, |normal| = 1, in C. */
   struct Plane {
     Eigen::Vector3d normal;
     double offset;
   };
-  const std::vector<Plane>& planes() const { return planes_; }
 
   /** Whether a ball lies wholly outside one of the planes. */
   bool excludes(const Eigen::Vector3d& center_C, double radius) const;
@@ -31,9 +29,51 @@ class ViewVolume {
   /** Cuts a polygon (Sutherland and Hodgman): what is left may be empty. Concave ones keep edges of no area. */
   void clip(std::vector<Eigen::Vector3d>& polygon_C) const;
 
+  /** Through the fisheye, edges longer than this in (x, y) are cut whatever their middle says: it may lie on an
+   *  inflexion. */
+  static constexpr double kLongest = 0.25;
+
+  /** Depth along the axis [m]. */
+  double depth(const Eigen::Vector3d& p_C) const { return ahead_ ? p_C.z() : R_FC_.row(2).dot(p_C); }
+  /** (X, Y) of F. */
+  Eigen::Vector2d across(const Eigen::Vector3d& p_C) const {
+    return ahead_ ? p_C.head<2>() : Eigen::Vector2d(R_FC_.topRows<2>() * p_C);
+  }
+  /** Where the ray (x, y, 1) of F meets the image [px]. */
+  Eigen::Vector2d toPixel(const CameraModel& camera, const Eigen::Vector2d& xy) const {
+    if (ahead_) return camera.toPixel(xy.x(), xy.y());
+    // Seams between faces of the cube run along diagonals of the image, exactly through centres of pixels. Moved by a
+    // hair, they leave no centre to rounding, which would give it to neither face or to both.
+    constexpr double kHair = 1e-7;  // [px]
+    const Eigen::Vector2d px =
+        camera.toPixel(Eigen::Vector3d(R_FC_.transpose() * Eigen::Vector3d(xy.x(), xy.y(), 1.0)));
+    return {px.x() + kHair, px.y()};
+  }
+
  private:
+  friend class ViewVolume;
+  void add(const Eigen::Vector3d& normal_F, double offset = 0.0);
+
+  bool ahead_ = true;  // F is C, and this is the only cell
+  Eigen::Matrix3d R_FC_ = Eigen::Matrix3d::Identity();
   std::vector<Plane> planes_;
   mutable std::vector<Eigen::Vector3d> scratch_;
+};
+
+/** What a camera can see, slightly widened: one cell ahead; through the equidistant lens, where that sees farther than
+ *  45 degrees from its axis, the faces of a cube about the camera, five of them at most, as lensAngle() < 125 degrees.
+ */
+class ViewVolume {
+ public:
+  explicit ViewVolume(const CameraModel& camera);
+  const std::vector<ViewCell>& cells() const { return cells_; }
+
+ private:
+  void addPinhole(const CameraModel& camera);
+  void addCone(const CameraModel& camera);
+  void addCube(const CameraModel& camera);
+
+  std::vector<ViewCell> cells_;
 };
 
 }  // namespace aras_visual_servo_sim

@@ -95,6 +95,9 @@ std::vector<View> views() {
   CameraConfig fisheye = cameraConfig();
   fisheye.distortion_model = "equidistant";
   fisheye.distortion = {-0.02, 0.004, -0.001, 0.0002};
+  CameraConfig wide = cameraConfig();
+  wide.distortion_model = "equidistant";
+  wide.horizontal_fov_rad = 3.3;  // 118 degrees from the axis in the corners
   CameraConfig color = cameraConfig();
   color.encoding = "rgb8";
   CameraConfig bgr = distortedConfig();
@@ -107,6 +110,7 @@ std::vector<View> views() {
       {"near", cameraConfig(), lookingDown({0.02, 0.03, 0.05}, 0.1, 0.2, -1.1)},
       {"plumb bob", bgr, lookingDown({0.1, 0.08, 0.4}, 0.1, -0.15, 2.0)},
       {"fisheye", fisheye, lookingDown({0.1, -0.08, 0.3}, 0.1, 0.15, 0.5)},
+      {"beside a fisheye", wide, lookingDown({0.06, 0.02, 0.08}, 1.7, 0.1, 0.5)},
       {"from behind",
        color,
        {{0.03, 0.02, -0.3}, Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d(0.3, 0.2, 1.0).normalized()))}}};
