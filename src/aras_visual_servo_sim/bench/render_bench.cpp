@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "aras_visual_servo_sim/osmesa_renderer.hpp"
+#include "aras_visual_servo_sim/coverage_renderer.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -55,15 +55,15 @@ Pose poseOf(std::int64_t frame) {
 }
 
 void run(benchmark::State& state, const CameraModel& model, const Scene& scene,
-         OsmesaRenderer::Path path = OsmesaRenderer::Path::kAutomatic) {
-  OsmesaRenderer renderer(path);
+         CoverageRenderer::Path path = CoverageRenderer::Path::kAutomatic) {
+  CoverageRenderer renderer(path);
   Image image;
   std::int64_t frame = 0;
   for (auto _ : state) {
     renderer.render(model, poseOf(frame++), scene, image);
     benchmark::DoNotOptimize(image.data.data());
   }
-  state.counters["tiles64"] = renderer.statistics().supersampled_tiles;
+  state.counters["sampled"] = renderer.statistics().sampled_pixels;
   state.counters["triangles"] = renderer.statistics().triangles;
 }
 
@@ -87,12 +87,14 @@ void picture(benchmark::State& state, const char* encoding) {
 }
 void pictureRgb(benchmark::State& state) { picture(state, "rgb8"); }
 void pictureMono(benchmark::State& state) { picture(state, "mono8"); }
-void glBlobOnly(benchmark::State& state) { run(state, camera("rgb8", false), blobScene(), OsmesaRenderer::Path::kGl); }
+void glBlobOnly(benchmark::State& state) {
+  run(state, camera("rgb8", false), blobScene(), CoverageRenderer::Path::kSampled);
+}
 void occludedByTwo(benchmark::State& state) { run(state, camera("rgb8", false), occludedScene(2)); }
 void occluded(benchmark::State& state) { run(state, camera("rgb8", false), occludedScene(10)); }
 void occludedLens(benchmark::State& state) { run(state, camera("rgb8", true), occludedScene(10)); }
 void noise(benchmark::State& state) {
-  OsmesaRenderer renderer;
+  CoverageRenderer renderer;
   Image image;
   renderer.render(camera("rgb8", false), poseOf(0), blobScene(), image);
   std::uint64_t frame = 0;

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Wall time from the start of the process to the first image, and resident memory after it, of the simulator in Python.
 
-    python3 start_up.py            a flat target in view: no OpenGL is loaded
-    python3 start_up.py --solid    a solid in view too: OSMesa and LLVM are
+    python3 start_up.py            a flat target in view
+    python3 start_up.py --solid    a solid in view too
     python3 start_up.py --blind    no camera at all
 """
 import argparse

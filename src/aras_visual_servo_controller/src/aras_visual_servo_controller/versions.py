@@ -11,7 +11,7 @@ from importlib import metadata
 from .scenario_files import share_dir
 
 # Shared libraries of Debian's packages; the file name carries the version.
-_LIBRARIES = {"visp": "libvisp_core.so.*", "bullet": "libBulletDynamics*.so.*", "osmesa": "libOSMesa.so.*",
+_LIBRARIES = {"visp": "libvisp_core.so.*", "bullet": "libBulletDynamics*.so.*",
               "kdl": "liborocos-kdl.so.*", "opencv": "libopencv_core.so.*"}
 _FOLDERS = ("/usr/lib/*-linux-gnu", "/usr/lib", "/usr/local/lib")
 
@@ -35,7 +35,7 @@ def _installed():
 
 
 def installed_versions():
-    """Dict of name -> version: this package, ViSP, Bullet, OSMesa, KDL, OpenCV, numpy, matplotlib, Python, system."""
+    """Dict of name -> version: this package, ViSP, Bullet, KDL, OpenCV, numpy, matplotlib, Python, system."""
     return dict(_installed())
 
 

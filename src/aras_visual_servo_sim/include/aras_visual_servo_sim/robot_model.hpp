@@ -27,6 +27,7 @@ struct Visual {
   Geometry geometry;
   Rgba color;
   bool has_color = false;  ///< false: the URDF gave no material, `color` is the default grey
+  std::string texture;     ///< picture of the URDF's material, as written; empty: none
 };
 
 /** One <collision> of a link. */

@@ -59,5 +59,7 @@ using TexturePtr = std::shared_ptr<const Texture>;
 
 /** Reads a PNG, JPEG, BMP or TGA file; transparency is ignored. @throws ModelError naming the file and the reason */
 TexturePtr loadTexture(const std::string& path);
+/** The same from the bytes of such a file. @param name  for messages */
+TexturePtr loadTexture(const std::string& name, const std::uint8_t* bytes, std::size_t size);
 
 }  // namespace aras_visual_servo_sim

@@ -5,8 +5,8 @@
 #include <map>
 #include <utility>
 
+#include "aras_visual_servo_sim/coverage_renderer.hpp"
 #include "aras_visual_servo_sim/errors.hpp"
-#include "aras_visual_servo_sim/osmesa_renderer.hpp"
 #include "aras_visual_servo_sim/scene_loader.hpp"
 
 namespace aras_visual_servo_sim {
@@ -39,7 +39,7 @@ Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::No
       config_(std::move(config)),
       period_ns_(wholeNanoseconds(config_.world.period_s)),
       packages_(packages),
-      renderer_(std::make_unique<OsmesaRenderer>()) {
+      renderer_(std::make_unique<CoverageRenderer>()) {
   std::vector<std::string> faults;
   const auto collect = [&faults](const auto& action) {
     try {

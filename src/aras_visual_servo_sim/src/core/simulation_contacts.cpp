@@ -33,7 +33,8 @@ void Simulation::readContacts(const PackagePaths& packages) {
   const auto needMesh = [&](const Geometry& geometry) {
     if (geometry.type != Geometry::Type::kMesh || contacts.mesh_points.count(geometry.filename)) return;
     std::vector<Eigen::Vector3d>& points = contacts.mesh_points[geometry.filename];
-    for (const Eigen::Vector3f& point : loadMesh(packages.resolve(geometry.filename))->points) {
+    const MeshPtr mesh = loadMesh(packages.resolve(geometry.filename), Eigen::Vector3d::Ones(), packages);
+    for (const Eigen::Vector3f& point : mesh->points) {
       points.push_back(point.cast<double>());
     }
   };

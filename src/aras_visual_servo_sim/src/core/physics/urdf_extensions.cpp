@@ -24,6 +24,7 @@ bool paintLink(const std::string& material, const std::string& link, RobotModel&
   for (Visual& visual : model.links[model.linkIndex(link)].visuals) {
     visual.color = *color;
     visual.has_color = true;
+    visual.texture.clear();
   }
   return true;
 }

@@ -73,7 +73,8 @@ Visual toVisual(const urdf::Visual& from, const std::string& link) {
   to.link = link;
   to.X_link_visual = toPose(from.origin);
   to.geometry = toGeometry(*from.geometry);
-  if (from.material && from.material->texture_filename.empty()) {
+  if (from.material) to.texture = from.material->texture_filename;
+  if (from.material && to.texture.empty()) {
     const auto& color = from.material->color;
     to.color = {color.r, color.g, color.b, color.a};
     to.has_color = true;

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "aras_visual_servo_sim/errors.hpp"
+#include "mesh_pictures.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -29,11 +30,9 @@ bool materialColor(const aiScene& scene, const aiMesh& mesh, Rgb& color) {
 /** Collects the meshes of a scene graph into one, everything in the frame of its root. */
 class Collector {
  public:
-  Collector(const aiScene& scene, const Eigen::Vector3d& scale, bool keep_colors)
-      : scene_(scene),
-        scale_(scale.cast<float>()),
-        keep_colors_(keep_colors),
-        mesh_(std::make_shared<TriangleMesh>()) {}
+  /** @param pictures  null: colours and pictures are left out */
+  Collector(const aiScene& scene, const Eigen::Vector3d& scale, MeshPictures* pictures)
+      : scene_(scene), scale_(scale.cast<float>()), pictures_(pictures), mesh_(std::make_shared<TriangleMesh>()) {}
 
   void addNode(const aiNode& node, const aiMatrix4x4& parent) {
     const aiMatrix4x4 transform = parent * node.mTransformation;
@@ -43,7 +42,12 @@ class Collector {
 
   std::shared_ptr<TriangleMesh> finish() {
     if (!any_color_) mesh_->colors.clear();
-    mesh_->updateBox();
+    if (pictures_) mesh_->pictures = pictures_->all();
+    if (mesh_->pictures.empty()) {
+      mesh_->texture_coordinates.clear();
+      mesh_->picture_of.clear();
+    }
+    mesh_->finish();
     return mesh_;
   }
 
@@ -55,13 +59,17 @@ class Collector {
     cofactor.Inverse().Transpose();
     const bool mirrored = (linear.Determinant() < 0.0f) != (scale_.prod() < 0.0f);
     Rgb color{178, 178, 178};
-    if (keep_colors_ && materialColor(scene_, mesh, color)) any_color_ = true;
+    if (pictures_ && materialColor(scene_, mesh, color)) any_color_ = true;
+    const MeshPictures::Use use = pictures_ ? pictures_->of(mesh) : MeshPictures::Use{};
+    if (use.replaces_color) color = {255, 255, 255};
+    any_color_ = any_color_ || use.index >= 0;
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
       const aiVector3D p = transform * mesh.mVertices[i];
       const aiVector3D n = cofactor * mesh.mNormals[i];
       mesh_->points.push_back(Eigen::Vector3f(p.x, p.y, p.z).cwiseProduct(scale_));
       mesh_->normals.push_back(Eigen::Vector3f(n.x, n.y, n.z).cwiseQuotient(scale_).normalized());
       mesh_->colors.push_back(color);
+      mesh_->texture_coordinates.push_back(use.coordinates(mesh, i));
     }
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
       const aiFace& face = mesh.mFaces[i];
@@ -70,19 +78,20 @@ class Collector {
                                             first + face.mIndices[2]};
       if (mirrored) std::swap(triangle[1], triangle[2]);
       mesh_->triangles.push_back(triangle);
+      mesh_->picture_of.push_back(use.index);
     }
   }
 
   const aiScene& scene_;
   Eigen::Vector3f scale_;
-  bool keep_colors_;
+  MeshPictures* pictures_;
   bool any_color_ = false;
   std::shared_ptr<TriangleMesh> mesh_;
 };
 
 }  // namespace
 
-MeshPtr loadMesh(const std::string& path, const Eigen::Vector3d& scale) {
+MeshPtr loadMesh(const std::string& path, const Eigen::Vector3d& scale, const PackagePaths& packages) {
   if (!scale.allFinite() || (scale.array() == 0.0).any()) {
     throw ModelError("mesh '" + path + "': scale must be finite and not zero");
   }
@@ -95,10 +104,12 @@ MeshPtr loadMesh(const std::string& path, const Eigen::Vector3d& scale) {
   // STL carries a normal for each face only: drop them and smooth anew where faces meet at a blunt angle.
   if (stl) importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_COLORS);
   const unsigned flags = aiProcess_Triangulate | aiProcess_JoinIdenticalVertices | aiProcess_GenSmoothNormals |
-                         aiProcess_SortByPType | (stl ? unsigned{aiProcess_RemoveComponent} : 0u);
+                         aiProcess_SortByPType | aiProcess_TransformUVCoords |
+                         (stl ? unsigned{aiProcess_RemoveComponent} : 0u);
   const aiScene* scene = importer.ReadFile(path, flags);
   if (!scene || !scene->mRootNode) throw ModelError("mesh '" + path + "': " + importer.GetErrorString());
-  Collector collector(*scene, scale, !stl);
+  MeshPictures pictures(*scene, path, packages);
+  Collector collector(*scene, scale, stl ? nullptr : &pictures);
   collector.addNode(*scene->mRootNode, aiMatrix4x4());
   const auto mesh = collector.finish();
   if (mesh->triangles.empty()) throw ModelError("mesh '" + path + "': has no triangles");

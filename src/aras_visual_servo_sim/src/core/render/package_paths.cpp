@@ -27,6 +27,15 @@ bool isPackage(const fs::path& folder) {
   return fs::exists(folder / "package.xml", ignored);
 }
 
+/** Folder of one of Gazebo's models; "" if there is none. */
+std::string findModel(const std::string& name) {
+  for (const std::string& entry : pathList("GAZEBO_MODEL_PATH")) {
+    std::error_code ignored;
+    if (fs::is_directory(fs::path(entry) / name, ignored)) return (fs::path(entry) / name).string();
+  }
+  return "";
+}
+
 }  // namespace
 
 std::string PackagePaths::findPackage(const std::string& name) const {
@@ -47,9 +56,20 @@ std::string PackagePaths::findPackage(const std::string& name) const {
 }
 
 std::string PackagePaths::resolve(const std::string& uri, const std::string& base_dir) const {
-  const std::string package_scheme = "package://", file_scheme = "file://";
+  const std::string package_scheme = "package://", model_scheme = "model://", file_scheme = "file://";
   fs::path path;
-  if (startsWith(uri, package_scheme)) {
+  if (startsWith(uri, model_scheme)) {
+    const std::string rest = uri.substr(model_scheme.size());
+    const std::string model = rest.substr(0, rest.find('/'));
+    std::string folder = findModel(model);
+    if (folder.empty()) folder = findPackage(model);
+    if (folder.empty()) {
+      throw ModelError("file '" + uri + "': model '" + model +
+                       "' not found in GAZEBO_MODEL_PATH, nor as a package in package_paths, ROS_PACKAGE_PATH or "
+                       "CMAKE_PREFIX_PATH");
+    }
+    path = fs::path(folder) / rest.substr(std::min(rest.size(), model.size() + 1));
+  } else if (startsWith(uri, package_scheme)) {
     const std::string rest = uri.substr(package_scheme.size());
     const std::string package = rest.substr(0, rest.find('/'));
     const std::string folder = findPackage(package);

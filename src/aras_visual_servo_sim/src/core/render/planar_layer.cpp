@@ -45,7 +45,6 @@ void PlanarLayer::project(const CameraModel& camera, const ViewVolume& volume, c
   for (const std::size_t index : order_) {
     for (Part& part : views_[index].parts) {
       if (part.face.kind == Face::Kind::kPicture) part.face.picture = static_cast<int>(pictures++);
-      part.face.rank = static_cast<int>(&part - views_[index].parts.data());
       faces_.push_back(part.face);
     }
   }

@@ -32,7 +32,6 @@ class PlanarLayer {
     Kind kind;
     Rgb color;         ///< not of pictures
     int picture = -1;  ///< of pictures: index into pictures()
-    int rank = 0;      ///< number of faces of the model that it is painted over
   };
   /** Faces in view in the order of painting, farthest first. */
   const std::vector<Face>& faces() const { return faces_; }

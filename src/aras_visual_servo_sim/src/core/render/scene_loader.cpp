@@ -113,13 +113,21 @@ class MeshCache {
     const std::string path = packages_.resolve(uri);
     MeshPtr& mesh = meshes_[path + ' ' + std::to_string(scale.x()) + ' ' + std::to_string(scale.y()) + ' ' +
                             std::to_string(scale.z())];
-    if (!mesh) mesh = loadMesh(path, scale);
+    if (!mesh) mesh = loadMesh(path, scale, packages_);
     return mesh;
+  }
+
+  TexturePtr picture(const std::string& uri) {
+    const std::string path = packages_.resolve(uri);
+    TexturePtr& texture = textures_[path];
+    if (!texture) texture = loadTexture(path);
+    return texture;
   }
 
  private:
   const PackagePaths& packages_;
   std::map<std::string, MeshPtr> meshes_;
+  std::map<std::string, TexturePtr> textures_;
 };
 
 MeshPtr meshOf(const Geometry& geometry, MeshCache& meshes) {
@@ -302,13 +310,19 @@ void addRobotBodies(const RobotModel& robot, const PackagePaths& packages, Scene
     for (const Visual& visual : link.visuals) {
       try {
         MeshPtr mesh = meshOf(visual.geometry, meshes);
-        if (visual.has_color && !mesh->colors.empty()) {  // the URDF's material wins over the mesh file's
+        // The URDF's material wins over the mesh file's.
+        if (!visual.texture.empty()) {
+          mesh = withPicture(*mesh, meshes.picture(visual.texture));
+        } else if (visual.has_color && !mesh->colors.empty()) {
           auto plain = std::make_shared<TriangleMesh>(*mesh);
           plain->colors.clear();
+          plain->pictures.clear();
+          plain->picture_of.clear();
           mesh = plain;
         }
-        body.shapes.push_back(
-            {visual.X_link_visual, mesh, {byte(visual.color.r), byte(visual.color.g), byte(visual.color.b)}});
+        Rgb color{byte(visual.color.r), byte(visual.color.g), byte(visual.color.b)};
+        if (!visual.texture.empty()) color = {255, 255, 255};
+        body.shapes.push_back({visual.X_link_visual, mesh, color});
       } catch (const ModelError& error) {
         throw ModelError("link '" + link.name + "': <visual>: " + error.what() + " (" + robot.source_name + ")");
       }

@@ -60,14 +60,27 @@ void Texture::build(int channels, std::vector<Level>& levels) const {
   }
 }
 
+namespace {
+
+TexturePtr textureOf(const std::string& name, std::uint8_t* pixels, int width, int height) {
+  const std::unique_ptr<std::uint8_t, void (*)(void*)> owner(pixels, stbi_image_free);
+  if (!pixels) throw ModelError("picture '" + name + "': " + stbi_failure_reason());
+  return std::make_shared<Texture>(name, width, height,
+                                   std::vector<std::uint8_t>(pixels, pixels + std::size_t(3) * width * height));
+}
+
+}  // namespace
+
 TexturePtr loadTexture(const std::string& path) {
   int width = 0, height = 0, channels = 0;
-  const std::unique_ptr<std::uint8_t, void (*)(void*)> pixels(stbi_load(path.c_str(), &width, &height, &channels, 3),
-                                                              stbi_image_free);
-  if (!pixels) throw ModelError("picture '" + path + "': " + stbi_failure_reason());
-  const std::uint8_t* begin = pixels.get();
-  return std::make_shared<Texture>(path, width, height,
-                                   std::vector<std::uint8_t>(begin, begin + std::size_t(3) * width * height));
+  std::uint8_t* pixels = stbi_load(path.c_str(), &width, &height, &channels, 3);
+  return textureOf(path, pixels, width, height);
+}
+
+TexturePtr loadTexture(const std::string& name, const std::uint8_t* bytes, std::size_t size) {
+  int width = 0, height = 0, channels = 0;
+  std::uint8_t* pixels = stbi_load_from_memory(bytes, static_cast<int>(size), &width, &height, &channels, 3);
+  return textureOf(name, pixels, width, height);
 }
 
 }  // namespace aras_visual_servo_sim

@@ -1,68 +1,95 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <map>
-#include <memory>
-#include <utility>
 #include <vector>
 
-#include "aras_visual_servo_sim/coverage_rasterizer.hpp"
-#include "osmesa_canvas.hpp"
+#include "pixel_rays.hpp"
+#include "pixel_samples.hpp"
+#include "texture_area.hpp"
+#include "tile_bins.hpp"
+#include "triangle_list.hpp"
 
 namespace aras_visual_servo_sim {
 
-/** Redraws square tiles of an image from projected triangles: at pixel centres first, then with 8 x 8 samples a pixel
- *  each tile in which that picture shows an edge.
+/** Paints the marked tiles of an image from projected triangles, nearest on top: a pixel is the mean over its square.
  *
- *  A straight edge that crosses a pixel always separates its centre from that of one of its four neighbours, so no
- *  edge escapes but those of things thinner than a pixel. Tiles to be sampled are gathered in an atlas, with triangles
- *  cut to each tile, so that one drawing call does many of them. */
+ *  A pixel wholly covered by one surface in front of all others has that surface's colour in its middle. Where several
+ *  are seen, or the background, PixelSamples says how much of it each triangle has. Edges shared by triangles have each
+ *  sample on one side of them only; edges beyond which a surface goes on smoothly are no reason to sample. */
 class TilePainter {
  public:
-  static constexpr int kTile = 8;     ///< [px]
-  static constexpr int kSamples = 8;  ///< along each axis of a pixel
+  /** What the last frame took. */
+  struct Statistics {
+    int tiles = 0;           ///< painted
+    int sampled_pixels = 0;  ///< in which more than one thing is seen
+  };
 
-  /** Starts a frame: no tile is marked. */
-  void begin(int width, int height);
-  void markAll();
-  void mark(const PixelBox& box);
-  /** Marks what the triangles may touch. */
-  void mark(const std::vector<Vertex>& vertices);
+  /** @param bins      marked, and triangles sorted into them
+   *  @param pictures  what pixels see of planar models' pictures
+   *  @param image     planar models and background are painted already: where the mark is kBodies, pixels that see no
+   *                   body are left alone */
+  void paint(const CameraModel& camera, const TriangleList& triangles, const TileBins& bins, const Rgb& background,
+             const std::vector<Image>& pictures, Image& image);
 
-  /** Draws the marked tiles.
-   *  @param pictures     their pixels take the place of black vertices numbered TriangleList::pictureNumber(index)
-   *  @param supersample  false: pixel centres only */
-  void paint(const std::vector<Vertex>& vertices, const Rgb& background, const std::vector<Image>& pictures,
-             bool supersample, Image& image);
-
-  int markedTiles() const { return marked_tiles_; }
-  int supersampledTiles() const { return supersampled_tiles_; }
+  const Statistics& statistics() const { return statistics_; }
 
  private:
-  PixelBox tilesOf(const Vertex* triangle) const;
-  template <typename Visit>
-  void forEachTile(const Vertex* triangle, const Visit& visit) const;
-  bool showsEdge(const std::uint32_t* picture, int tile_u, int tile_v) const;
-  void copyTile(const std::uint32_t* picture, int tile_u, int tile_v, Image& image) const;
-  void sortIntoTiles(const std::vector<Vertex>& vertices, const std::vector<int>& tiles);
-  void paintAtlas(const std::vector<Vertex>& vertices, const std::vector<int>& tiles, std::size_t first,
-                  std::size_t last, const Rgb& background, Image& image);
-  void addToAtlas(const Vertex* triangle, int tile, int slot);
-  void filterTile(const std::uint32_t* atlas, int slot, int tile, Image& image) const;
+  static constexpr int kTile = TileBins::kTile;
+  static constexpr int kPixels = kTile * kTile;
 
-  const Image* pictureOf(std::uint8_t number) const;
-  void addPictures(const std::uint32_t* samples, int u, int v, double* rgb) const;
+  /** A triangle's edges as half-planes a x + b y + c >= least, x and y from the tile's corner [px]; and near_m / Z. */
+  struct Candidate {
+    std::uint32_t triangle;
+    std::array<float, 3> a, b, c, least;
+    std::array<bool, 3> seam;
+    std::uint32_t surface;
+    float plane[3], bias;
+  };
+  /** A triangle that a pixel may see. */
+  struct Fragment {
+    std::uint32_t candidate;
+    int next;       // of the same pixel, -1: none
+    float nearest;  // upper bound of near_m / Z
+    bool smooth;    // no edges cross the pixel but seams
+  };
+  struct Pixel {
+    PixelRays rays;
+    float middle[3], across[3], down[3];  // rays, rounded
+  };
 
+  void paintTile(int tile);
+  void setUp(int tile);
+  void collect(std::uint32_t candidate);
+  void collectCenters(std::uint32_t candidate);
+  void paintPixel(int pixel);
+  int smoothFront(int pixel) const;
+  void samplePixel(int pixel, double* rgb);
+  Eigen::Vector3d colorOf(const Candidate& candidate, int pixel, const PixelSamples::Share& share);
+  Eigen::Vector3d textureOf(const Candidate& candidate, int pixel, const PixelSamples::Share& share);
+
+  const CameraModel* camera_ = nullptr;
+  const TriangleList* list_ = nullptr;
+  const TileBins* bins_ = nullptr;
   const std::vector<Image>* pictures_ = nullptr;
-  int width_ = 0, height_ = 0;
-  int tiles_u_ = 0, tiles_v_ = 0;
-  int marked_tiles_ = 0, supersampled_tiles_ = 0;
-  std::vector<char> marked_;
-  std::vector<int> slot_of_tile_;                  // -1: not sampled
-  std::vector<std::uint32_t> starts_, triangles_;  // triangles of each sampled tile, one after the other
-  std::vector<Vertex> atlas_vertices_;
-  std::map<std::pair<int, int>, std::unique_ptr<OsmesaCanvas>> canvases_;  // by size of the image
-  std::unique_ptr<OsmesaCanvas> atlas_;
+  Image* image_ = nullptr;
+  Rgb background_;
+  Statistics statistics_;
+
+  // Of the tile being painted.
+  PixelBox box_;
+  bool keep_ = false;
+  std::vector<Candidate> candidates_;
+  std::vector<Fragment> fragments_;
+  std::vector<std::uint32_t> seen_;  // scratch: candidates of one pixel
+  PixelSamples samples_;             // scratch
+  TextureArea texture_area_;
+  std::vector<Eigen::Vector2d> outline_;  // scratch: of what a pixel sees of a triangle
+  std::array<Pixel, kPixels> pixels_;
+  std::array<int, kPixels> first_;    // fragment of each pixel, -1: none
+  std::array<int, kPixels> front_;    // candidate that covers the pixel, the one whose farthest point is nearest
+  std::array<float, kPixels> floor_;  // that point: what lies wholly behind it is not seen
+  std::array<float, kPixels> front_nearest_;
 };
 
 }  // namespace aras_visual_servo_sim

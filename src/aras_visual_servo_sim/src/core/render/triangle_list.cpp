@@ -3,19 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "aras_visual_servo_sim/errors.hpp"
-
 namespace aras_visual_servo_sim {
 namespace {
 
 constexpr double kChord = 1e-2;  // [px] an edge seen through the lens may stray from straight
-constexpr double kBias =
-    1e-6;  // in units of Vertex::z, 16 steps of the depth buffer: 17 um at 0.6 m, near plane 0.02 m
-
-// Objects are told apart by numbers of one byte: 0 the background, 1 .. 64 pictures, 65 .. 128 other faces of planar
-// models, 129 .. 255 bodies' shapes, over again when there are more.
-std::uint8_t faceNumber(std::size_t index) { return static_cast<std::uint8_t>(65 + index % 64); }
-std::uint8_t shapeNumber(std::size_t index) { return static_cast<std::uint8_t>(129 + index % 127); }
+constexpr double kBias = 1e-6;   // in units of near_m / Z, 250 roundings of a float: 17 um at 0.6 m, near plane 0.02 m
 
 Eigen::Vector3f colorOf(const Rgb& color) { return {float(color.r), float(color.g), float(color.b)}; }
 
@@ -41,23 +33,23 @@ void TriangleList::begin(const CameraModel& camera, const ViewVolume& volume) {
   volume_ = &volume;
   vertices_.clear();
   bodies_.clear();
-  planes_.clear();
-  plane_of_.clear();
+  facets_.clear();
+  facet_of_.clear();
+  surfaces_ = 0;
 }
 
 bool TriangleList::addBodies(const Scene& scene, const Pose& X_CW) {
   const Eigen::Vector3d light_C = X_CW.q * scene.light_direction_W.normalized();
-  std::size_t index = 0;
   for (const Body& body : scene.bodies) {
     if (!body.visible) continue;
     const Pose X_CB = X_CW * body.X_WB;
-    for (const Shape& shape : body.shapes) addShape(shape, X_CB * shape.X_BS, light_C, shapeNumber(index++));
+    for (const Shape& shape : body.shapes) addShape(shape, X_CB * shape.X_BS, light_C);
     bodies_.emplace_back(vertices_.size(), &body - scene.bodies.data());
   }
   return !vertices_.empty();
 }
 
-void TriangleList::addShape(const Shape& shape, const Pose& X_CS, const Eigen::Vector3d& light_C, std::uint8_t number) {
+void TriangleList::addShape(const Shape& shape, const Pose& X_CS, const Eigen::Vector3d& light_C) {
   const TriangleMesh& mesh = *shape.mesh;
   const Eigen::Vector3d center = X_CS * (0.5f * (mesh.box_min + mesh.box_max)).cast<double>().eval();
   const double radius = 0.5 * (mesh.box_max - mesh.box_min).cast<double>().norm();
@@ -86,54 +78,70 @@ void TriangleList::addShape(const Shape& shape, const Pose& X_CS, const Eigen::V
     const float light = shade(R * mesh.normals[i].cast<double>(), light_C, points_.back());
     colors_.push_back(light * colorOf(mesh.colors.empty() ? shape.color : mesh.colors[i]));
   }
-  for (const auto& [i, j, k] : mesh.triangles) {
+  drawn_.assign(mesh.triangles.size(), 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& [i, j, k] = mesh.triangles[t];
     const Points points{points_[i], points_[j], points_[k]};
     const bool faces_away = (points[1] - points[0]).cross(points[2] - points[0]).dot(points[0]) >= 0.0;
-    if (faces_away) continue;
-    const std::size_t before = vertices_.size();
-    for (const auto& [cell, inside] : cells_) {
-      if (std::min({cell->depth(points[0]), cell->depth(points[1]), cell->depth(points[2])}) > camera_->farM())
-        continue;
-      if (!inside && cell->excludes(points.data(), points.size())) continue;
-      addTriangle(points, {colors_[i], colors_[j], colors_[k]}, *cell, inside, number, 0.0);
+    drawn_[t] = !faces_away && std::any_of(cells_.begin(), cells_.end(),
+                                           [&](const auto& each) { return isSeen(points, *each.first, each.second); });
+  }
+  Facet facet;
+  facet.surface = surfaces_++;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!drawn_[t]) continue;
+    const auto& [i, j, k] = mesh.triangles[t];
+    facet.rgb = {colors_[i], colors_[j], colors_[k]};
+    facet.one_color = colors_[i] == colors_[j] && colors_[i] == colors_[k];
+    const std::int32_t picture = mesh.picture_of.empty() ? -1 : mesh.picture_of[t];
+    facet.texture = picture < 0 ? nullptr : &mesh.pictures[picture];
+    if (facet.texture) {
+      const Eigen::Vector2d size(facet.texture->texture->width(), facet.texture->texture->height());
+      const std::array<std::uint32_t, 3> corners{i, j, k};
+      for (int e = 0; e < 3; ++e) {
+        facet.texels[e] = mesh.texture_coordinates[corners[e]].cast<double>().cwiseProduct(size);
+      }
     }
-    if (vertices_.size() == before) continue;
-    const Eigen::Vector3d normal = (points[1] - points[0]).cross(points[2] - points[0]);
-    planes_.push_back(normal / normal.dot(points[0]));
-    plane_of_.resize(vertices_.size() / 3, static_cast<std::uint32_t>(planes_.size() - 1));
+    Seams seams;
+    for (int e = 0; e < 3; ++e) {
+      const std::uint32_t beyond = mesh.neighbours[t][e];
+      seams[e] = beyond != TriangleMesh::kNone && drawn_[beyond];
+    }
+    const Points points{points_[i], points_[j], points_[k]};
+    for (const auto& [cell, inside] : cells_) {
+      if (isSeen(points, *cell, inside)) addTriangle(points, seams, *cell, inside, facet);
+    }
   }
 }
 
 void TriangleList::addPlanar(const PlanarLayer& planar, const Pose& X_CW) {
-  if (planar.pictures().size() > std::size_t(kMostPictures)) {
-    throw RenderError("planar models with images in view: found " + std::to_string(planar.pictures().size()) +
-                      ", allowed " + std::to_string(kMostPictures) + " where bodies are in view too");
-  }
   std::size_t index = 0;
   for (const PlanarLayer::Face& face : planar.faces()) {
     const Pose X_CM = X_CW * face.model->X_WM;
-    const double bias = kBias * static_cast<double>(index + 1) + slack(X_CM) * static_cast<double>(face.rank);
-    const bool is_picture = face.kind == PlanarLayer::Face::Kind::kPicture;
-    const std::uint8_t number = is_picture ? pictureNumber(face.picture) : faceNumber(index);
-    ++index;
-    const Eigen::Vector3f rgb = is_picture ? Eigen::Vector3f::Zero() : colorOf(face.color);
+    Facet facet;
+    facet.planar = facet.one_color = true;
+    facet.picture = face.picture;
+    facet.surface = surfaces_++;
+    facet.bias = kBias * static_cast<double>(++index);
+    facet.rgb.fill(colorOf(face.color));
     cells_.clear();
     for (const ViewCell& cell : volume_->cells()) {
       cells_.emplace_back(&cell, cell.contains(X_CM.p, face.model->radius()));
     }
     const auto add = [&](const Polygon& polygon, const std::array<std::uint32_t, 3>& triangle) {
       Points points;
+      Seams seams;
       for (int k = 0; k < 3; ++k) {
-        const Eigen::Vector2d& p = polygon[triangle[k]];
-        points[k] = X_CM * Eigen::Vector3d(p.x(), p.y(), 0.0);
+        const std::uint32_t here = triangle[k], next = triangle[(k + 1) % 3];
+        points[k] = X_CM * Eigen::Vector3d(polygon[here].x(), polygon[here].y(), 0.0);
+        seams[k] = (here + 1) % polygon.size() != next && (next + 1) % polygon.size() != here;
       }
       for (const auto& [cell, inside] : cells_) {
-        if (!inside && cell->excludes(points.data(), points.size())) continue;
-        addTriangle(points, {rgb, rgb, rgb}, *cell, inside, number, bias);
+        if (inside || !cell->excludes(points.data(), points.size())) addTriangle(points, seams, *cell, inside, facet);
       }
     };
     if (face.kind != PlanarLayer::Face::Kind::kOutlines) {
-      const Polygon corners = is_picture ? face.model->pictureCorners() : face.model->boardCorners();
+      const Polygon corners = face.picture >= 0 ? face.model->pictureCorners() : face.model->boardCorners();
       add(corners, {0, 1, 2});
       add(corners, {0, 2, 3});
       continue;
@@ -144,95 +152,77 @@ void TriangleList::addPlanar(const PlanarLayer& planar, const Pose& X_CW) {
   }
 }
 
-void TriangleList::addTriangle(const Points& points_C, const Colors& colors, const ViewCell& cell, bool inside,
-                               std::uint8_t number, double bias) {
+/** Whether some of a body's triangle may be seen in a cell. */
+bool TriangleList::isSeen(const Points& points, const ViewCell& cell, bool inside) const {
+  if (std::min({cell.depth(points[0]), cell.depth(points[1]), cell.depth(points[2])}) > camera_->farM()) return false;
+  return inside || !cell.excludes(points.data(), points.size());
+}
+
+void TriangleList::addTriangle(const Points& points_C, const Seams& seams, const ViewCell& cell, bool inside,
+                               Facet facet) {
+  if (!facet.place(points_C)) return;
   cell_ = &cell;
+  const std::size_t first = vertices_.size();
   if (inside) {
-    cut(corner(points_C[0], colors[0]), corner(points_C[1], colors[1]), corner(points_C[2], colors[2]), number, bias,
-        0);
-    return;
+    cut({corner(points_C[0]), corner(points_C[1]), corner(points_C[2])}, seams, 0);
+  } else {
+    polygon_.assign(points_C.begin(), points_C.end());
+    cell.clip(polygon_);
+    if (polygon_.size() < 3) return;
+    corners_.clear();
+    for (const Eigen::Vector3d& p : polygon_) corners_.push_back(corner(p));
+    for (std::size_t i = 2; i < corners_.size(); ++i) {
+      // What became of the triangle's own edges is not known: none of them is a seam.
+      cut({corners_[0], corners_[i - 1], corners_[i]}, {i > 2, false, i + 1 < corners_.size()}, 0);
+    }
   }
-  polygon_.assign(points_C.begin(), points_C.end());
-  cell.clip(polygon_);
-  if (polygon_.size() < 3) return;
-  // Colours of the new corners from their areal coordinates in the triangle.
-  const Eigen::Vector3d e1 = points_C[1] - points_C[0], e2 = points_C[2] - points_C[0], normal = e1.cross(e2);
-  const double scale = 1.0 / std::max(normal.squaredNorm(), 1e-300);
-  std::vector<Corner> corners;
-  for (const Eigen::Vector3d& p : polygon_) {
-    const Eigen::Vector3d d = p - points_C[0];
-    const float b = static_cast<float>(d.cross(e2).dot(normal) * scale);
-    const float c = static_cast<float>(e1.cross(d).dot(normal) * scale);
-    const Eigen::Vector3f rgb = colors[0] + b * (colors[1] - colors[0]) + c * (colors[2] - colors[0]);
-    corners.push_back(corner(p, rgb.cwiseMax(0.0f).cwiseMin(255.0f)));
-  }
-  for (std::size_t i = 2; i < corners.size(); ++i) cut(corners[0], corners[i - 1], corners[i], number, bias, 0);
+  facets_.push_back(facet);
+  facet_of_.insert(facet_of_.end(), (vertices_.size() - first) / 3, static_cast<std::uint32_t>(facets_.size() - 1));
 }
 
-TriangleList::Corner TriangleList::corner(const Eigen::Vector3d& p_C, const Eigen::Vector3f& rgb) const {
-  Corner corner;
-  corner.inverse_z = 1.0 / cell_->depth(p_C);
-  corner.xy = cell_->across(p_C) * corner.inverse_z;
-  corner.rgb = rgb;
-  corner.px = cell_->toPixel(*camera_, corner.xy);
-  return corner;
+TriangleList::Corner TriangleList::corner(const Eigen::Vector3d& p_C) const {
+  const Eigen::Vector2d xy = cell_->across(p_C) / cell_->depth(p_C);
+  return {xy, cell_->toPixel(*camera_, xy)};
 }
 
-/** Depths are interpolated over triangles that stray from the lens's image by up to kChord; two faces of one plane, cut
- *  otherwise, may differ by that much of the change of near plane / depth from pixel to pixel. On a plane at a distance
- *  h that is at most near / h for each unit of normalised coordinates, which the fisheye draws f / 3 wide or more. */
-double TriangleList::slack(const Pose& X_CM) const {
-  if (camera_->lens() != CameraModel::Lens::kEquidistant) return 0.0;
-  const double h = std::abs((X_CM.q * Eigen::Vector3d::UnitZ()).dot(X_CM.p));
-  const double change = camera_->nearM() / std::max(h, camera_->nearM()) * 3.0 / std::min(camera_->fx(), camera_->fy());
-  return 2.0 * kChord * change;
-}
-
-/** How far the middle of an edge lies off its chord [px]; through the fisheye off the chord's middle, for that also
- *  compresses along straight edges, and depth and colour are interpolated between the ends. */
+/** How far the middle of an edge lies off its chord [px]; long edges through the fisheye are bent whatever that says.
+ */
 double TriangleList::bend(const Corner& from, const Corner& to, const Eigen::Vector2d& middle_px) const {
-  if (camera_->lens() != CameraModel::Lens::kEquidistant) return bow(from.px, to.px, middle_px);
-  if ((to.xy - from.xy).norm() > ViewCell::kLongest) return (to.px - from.px).norm();
-  return (0.5 * (from.px + to.px) - middle_px).norm();
+  if (camera_->lens() == CameraModel::Lens::kEquidistant && (to.xy - from.xy).norm() > ViewCell::kLongest) {
+    return (to.px - from.px).norm();
+  }
+  return bow(from.px, to.px, middle_px);
 }
 
 /** Halves the most bent edge until none is bent. Each decision depends on that edge alone, so the triangles on both
  *  sides of an edge are cut alike and leave no gap. */
-void TriangleList::cut(const Corner& a, const Corner& b, const Corner& c, std::uint8_t number, double bias, int depth) {
+void TriangleList::cut(const std::array<Corner, 3>& corners, const Seams& seams, int depth) {
   const int deepest = camera_->lens() == CameraModel::Lens::kEquidistant ? 24 : 16;
   if (camera_->lens() != CameraModel::Lens::kNone && depth < deepest) {
-    const std::array<const Corner*, 3> corners{&a, &b, &c};
     double worst = kChord;
     int split = -1;
     Corner middle;
     for (int k = 0; k < 3; ++k) {
-      const Corner &from = *corners[k], &to = *corners[(k + 1) % 3];
+      const Corner &from = corners[k], &to = corners[(k + 1) % 3];
       const Eigen::Vector2d xy = 0.5 * (from.xy + to.xy);
       const Eigen::Vector2d px = cell_->toPixel(*camera_, xy);
       const double bent = bend(from, to, px);
       if (bent <= worst) continue;
       worst = bent;
       split = k;
-      middle = {xy, 0.5 * (from.inverse_z + to.inverse_z), 0.5f * (from.rgb + to.rgb), px};
+      middle = {xy, px};
     }
     if (split >= 0) {
-      const Corner &from = *corners[split], &to = *corners[(split + 1) % 3], &apex = *corners[(split + 2) % 3];
-      cut(from, middle, apex, number, bias, depth + 1);
-      cut(middle, to, apex, number, bias, depth + 1);
+      const int next = (split + 1) % 3, apex = (split + 2) % 3;
+      cut({corners[split], middle, corners[apex]}, {seams[split], true, seams[apex]}, depth + 1);
+      cut({middle, corners[next], corners[apex]}, {seams[split], seams[next], true}, depth + 1);
       return;
     }
   }
-  for (const Corner* corner : {&a, &b, &c}) vertices_.push_back(vertex(*corner, number, bias));
-}
-
-Vertex TriangleList::vertex(const Corner& corner, std::uint8_t number, double bias) const {
-  const auto byte = [](float value) { return static_cast<std::uint8_t>(value + 0.5f); };
-  // At most 1: rounding must not push what was clipped at the near plane out of the depth range.
-  const double z = std::min(1.0, camera_->nearM() * corner.inverse_z + bias);
-  return {static_cast<float>(corner.px.x() + 0.5),
-          static_cast<float>(corner.px.y() + 0.5),
-          static_cast<float>(z),
-          {byte(corner.rgb.x()), byte(corner.rgb.y()), byte(corner.rgb.z()), number}};
+  for (int k = 0; k < 3; ++k) {
+    vertices_.push_back(
+        {static_cast<float>(corners[k].px.x() + 0.5), static_cast<float>(corners[k].px.y() + 0.5), seams[k]});
+  }
 }
 
 }  // namespace aras_visual_servo_sim

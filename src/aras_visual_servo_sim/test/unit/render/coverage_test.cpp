@@ -127,7 +127,7 @@ TEST(Coverage, ColoursAreExactInEveryEncoding) {
     scene.models.clear();
     scene.models.emplace_back("t", std::vector<Polygon>{{{-0.05, -0.05}, {0.05, -0.05}, {0.05, 0.05}, {-0.05, 0.05}}},
                               Rgb{250, 100, 7}, PlanarModel::Board{{0.2, 0.15}, {60, 70, 80}});
-    for (const auto path : {OsmesaRenderer::Path::kAutomatic, OsmesaRenderer::Path::kGl}) {
+    for (const auto path : {CoverageRenderer::Path::kAutomatic, CoverageRenderer::Path::kSampled}) {
       const Image image = render(camera, lookingDown({0, 0, 0.4}), scene, path);
       const auto expect = [&](int u, int v, int r, int g, int b) {
         const std::uint8_t* pixel = image.pixel(u, v);
@@ -152,7 +152,7 @@ TEST(Coverage, BoardHidesTheOutlinesFromBehind) {
   scene.models.emplace_back("t", std::vector<Polygon>{lShape()}, Rgb{20, 20, 20},
                             PlanarModel::Board{{0.3, 0.3}, {100, 100, 100}});
   const Pose below{{-0.04, 0.0, -0.4}, Eigen::Quaterniond::Identity()};
-  for (const auto path : {OsmesaRenderer::Path::kAutomatic, OsmesaRenderer::Path::kGl}) {
+  for (const auto path : {CoverageRenderer::Path::kAutomatic, CoverageRenderer::Path::kSampled}) {
     EXPECT_EQ(*render(camera, below, scene, path).pixel(160, 120), 100);
     EXPECT_EQ(*render(camera, lookingDown({-0.04, 0.0, 0.4}), scene, path).pixel(160, 120), 20);
   }
@@ -183,10 +183,10 @@ TEST(Coverage, NearerOfTwoModelsIsOnTopWhateverTheirOrder) {
     scene.models.emplace_back("high", std::vector<Polygon>{square}, Rgb{90, 90, 90});
     scene.models[1].X_WM.p.z() = 0.1;
     if (swapped) std::swap(scene.models[0], scene.models[1]);
-    OsmesaRenderer renderer;
+    CoverageRenderer renderer;
     Image image;
     renderer.render(camera, lookingDown({0, 0, 0.5}, 0.1), scene, image);
-    EXPECT_FALSE(renderer.statistics().used_gl);
+    EXPECT_FALSE(renderer.statistics().tiles > 0);
     EXPECT_EQ(*image.pixel(160, static_cast<int>(120 + 0.1 * 195)), 90);
   }
 }
@@ -198,10 +198,10 @@ TEST(Coverage, CrossingPlanesAreLeftToOpenGl) {
   scene.models.emplace_back("a", std::vector<Polygon>{square}, Rgb{50, 50, 50});
   scene.models.emplace_back("b", std::vector<Polygon>{square}, Rgb{90, 90, 90});
   scene.models[1].X_WM.q = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY());  // dives below a where x > 0
-  OsmesaRenderer renderer;
+  CoverageRenderer renderer;
   Image image;
   renderer.render(camera, lookingDown({0, 0, 0.5}), scene, image);
-  EXPECT_TRUE(renderer.statistics().used_gl);
+  EXPECT_TRUE(renderer.statistics().tiles > 0);
   EXPECT_EQ(*image.pixel(150, 120), 90);
   EXPECT_EQ(*image.pixel(170, 120), 50);
 }
@@ -209,7 +209,7 @@ TEST(Coverage, CrossingPlanesAreLeftToOpenGl) {
 TEST(Coverage, HistoryLeavesNoTrace) {
   const CameraModel camera(distortedConfig());
   const Scene scene = sceneWith(lShape());
-  OsmesaRenderer renderer;
+  CoverageRenderer renderer;
   Image first, other, again;
   renderer.render(camera, lookingDown({0.02, 0.01, 0.4}, 0.2), scene, first);
   renderer.render(camera, lookingDown({-0.2, 0.1, 0.2}, 0.3, 0.4, 1.0), scene, other);

@@ -102,7 +102,7 @@ TEST(Fisheye, AFloorAcrossZZeroFillsAllBelowTheHorizon) {
     const double c = std::cos(tilt * kDegree), s = std::sin(tilt * kDegree);
     const Pose X_WC = lookingAlong({0.3, -0.2, 0.5}, {0.3 * c, 0.95 * c, -s}, {0.95, -0.3, 0.0});
     const Scene scene = sceneWith({{-900, -900}, {900, -900}, {900, 900}, {-900, 900}});
-    for (const auto path : {OsmesaRenderer::Path::kAutomatic, OsmesaRenderer::Path::kGl}) {
+    for (const auto path : {CoverageRenderer::Path::kAutomatic, CoverageRenderer::Path::kSampled}) {
       const Image image = render(camera, X_WC, scene, path);
       for (int v = 0; v < image.height; ++v) {
         for (int u = 0; u < image.width; ++u) {
@@ -174,7 +174,8 @@ TEST(Fisheye, TrianglesAgreeWithExactCoverage) {
   scene.models.emplace_back("floor", std::vector<Polygon>{{{-2, -2}, {2, -2}, {2, 0.3}, {-2, 0.3}}}, Rgb{20, 20, 20},
                             PlanarModel::Board{{5.0, 5.0}, {120, 120, 120}});
   const Pose X_WC = lookingAlong({0.1, 0.0, 0.5}, {0.3, 0.9, 0.1}, {0.9, -0.3, 0.2});
-  const Image exact = render(camera, X_WC, scene), drawn = render(camera, X_WC, scene, OsmesaRenderer::Path::kGl);
+  const Image exact = render(camera, X_WC, scene),
+              drawn = render(camera, X_WC, scene, CoverageRenderer::Path::kSampled);
   int worse = 0;
   for (std::size_t i = 0; i < exact.data.size(); ++i) {
     worse += std::abs(int(exact.data[i]) - int(drawn.data[i])) > kSampling;

@@ -189,7 +189,7 @@ TEST(Picture, IsTheSameBesideABody) {
     const Pose X_WC = lookingDown({0.02, 0.03, 0.25}, 0.1, 0.2, -1.1);
     const Scene scene = photoScene(photo(640, 480));
     const Image alone = render(camera, X_WC, scene);
-    const Image by_tiles = render(camera, X_WC, scene, OsmesaRenderer::Path::kGl);
+    const Image by_tiles = render(camera, X_WC, scene, CoverageRenderer::Path::kSampled);
     // At the picture's border tiles have 64 samples: 1/8 of the contrast of 220 at the very worst; elsewhere rounding.
     int off = 0;
     for (std::size_t i = 0; i < alone.data.size(); ++i) {
@@ -228,7 +228,7 @@ TEST(Picture, LiesBetweenOutlinesAndBoard) {
   scene.models.emplace_back("all", std::vector<Polygon>{{{-0.02, -0.02}, {0.02, -0.02}, {0.02, 0.02}, {-0.02, 0.02}}},
                             Rgb{1, 2, 3}, PlanarModel::Board{{0.3, 0.2}, {240, 241, 242}},
                             PlanarModel::Picture{red, {0.1, 0.1}});
-  for (const auto path : {OsmesaRenderer::Path::kAutomatic, OsmesaRenderer::Path::kGl}) {
+  for (const auto path : {CoverageRenderer::Path::kAutomatic, CoverageRenderer::Path::kSampled}) {
     const Image front = render(camera, lookingDown({0, 0, 0.4}), scene, path);
     EXPECT_EQ(front.pixel(160, 120)[0], 1);
     EXPECT_EQ(front.pixel(160 + 15, 120)[0], 200);
@@ -259,7 +259,7 @@ TEST(Picture, TopOfTheFileIsAtPlusYAndItsRightAtPlusX) {
 TEST(Picture, HistoryLeavesNoTrace) {
   const CameraModel camera(distortedConfig());
   const Scene scene = photoScene(photo(640, 480));
-  OsmesaRenderer renderer;
+  CoverageRenderer renderer;
   Image image;
   for (const double x : {0.2, -0.1, 0.03}) renderer.render(camera, lookingDown({x, 0.0, 0.3}, x), scene, image);
   EXPECT_EQ(image.data, render(camera, lookingDown({0.03, 0.0, 0.3}, 0.03), scene).data);

@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "aras_visual_servo_sim/camera_model.hpp"
-#include "aras_visual_servo_sim/osmesa_renderer.hpp"
+#include "aras_visual_servo_sim/coverage_renderer.hpp"
 #include "aras_visual_servo_sim/scene.hpp"
 
 namespace aras_visual_servo_sim::testing {
@@ -48,8 +48,8 @@ inline Scene sceneWith(const Polygon& outline) {
 }
 
 inline Image render(const CameraModel& camera, const Pose& X_WC, const Scene& scene,
-                    OsmesaRenderer::Path path = OsmesaRenderer::Path::kAutomatic) {
-  OsmesaRenderer renderer(path);
+                    CoverageRenderer::Path path = CoverageRenderer::Path::kAutomatic) {
+  CoverageRenderer renderer(path);
   Image image;
   renderer.render(camera, X_WC, scene, image);
   return image;

@@ -16,7 +16,7 @@ Body boxAt(const char* name, const Eigen::Vector3d& p_W, const Eigen::Vector3d& 
   return body;
 }
 
-TEST(OpenGl, AgreesWithExactCoverageWithinItsSampling) {
+TEST(Solids, AgreesWithExactCoverageWithinItsSampling) {
   // A regular 8 x 8 grid misjudges the coverage of a pixel by one straight edge by at most 1/16; plus corners (two
   // edges), rounding, and OpenGL's snapping of corners to 1/256 of a sample.
   constexpr double kSampling = 2.0 / 16.0 * 210.0 + 1.0;
@@ -27,7 +27,7 @@ TEST(OpenGl, AgreesWithExactCoverageWithinItsSampling) {
     const Scene scene = sceneWith(lShape());
     const Pose X_WC = lookingDown({0.05, -0.06, 0.4}, 0.2, 0.1, 0.4);
     const Image exact = render(camera, X_WC, scene);
-    const Image sampled = render(camera, X_WC, scene, OsmesaRenderer::Path::kGl);
+    const Image sampled = render(camera, X_WC, scene, CoverageRenderer::Path::kSampled);
     int worst = 0;
     for (std::size_t i = 0; i < exact.data.size(); ++i) {
       worst = std::max(worst, std::abs(int(exact.data[i]) - int(sampled.data[i])));
@@ -39,27 +39,27 @@ TEST(OpenGl, AgreesWithExactCoverageWithinItsSampling) {
   }
 }
 
-TEST(OpenGl, IsNotTouchedWhileNoBodyIsInView) {
+TEST(Solids, IsNotTouchedWhileNoBodyIsInView) {
   const CameraModel camera(cameraConfig());
   Scene scene = sceneWith(lShape());
   scene.bodies.push_back(boxAt("behind", {0, 0, 1.0}, {0.1, 0.1, 0.1}, {255, 0, 0}));
   scene.bodies.push_back(boxAt("beside", {2.0, 0, 0.0}, {0.1, 0.1, 0.1}, {255, 0, 0}));
   scene.bodies.push_back(boxAt("housing", {0, 0, 0.4}, {0.1, 0.1, 0.1}, {255, 0, 0}));  // the camera is inside
   scene.bodies.push_back(boxAt("far", {0, 0, -9.0}, {0.1, 0.1, 0.1}, {255, 0, 0}));
-  OsmesaRenderer renderer;
+  CoverageRenderer renderer;
   Image image;
   renderer.render(camera, lookingDown({0, 0, 0.4}), scene, image);
-  EXPECT_FALSE(renderer.statistics().used_gl);
+  EXPECT_FALSE(renderer.statistics().tiles > 0);
   EXPECT_EQ(image.data, render(camera, lookingDown({0, 0, 0.4}), sceneWith(lShape())).data);
 }
 
-TEST(OpenGl, BodiesHideWhatIsBehindThemAndNothingElse) {
+TEST(Solids, BodiesHideWhatIsBehindThemAndNothingElse) {
   const CameraModel camera(cameraConfig());
   const Polygon square{{-0.05, -0.05}, {0.05, -0.05}, {0.05, 0.05}, {-0.05, 0.05}};
   for (const double z : {0.1, -0.1}) {
     Scene scene = sceneWith(square);
     scene.bodies.push_back(boxAt("box", {0.03, 0.03, z}, {0.02, 0.02, 0.02}, {120, 120, 120}));
-    OsmesaRenderer renderer;
+    CoverageRenderer renderer;
     Image image;
     renderer.render(camera, lookingDown({0, 0, 0.4}), scene, image);
     const Eigen::Vector2d box = *camera.project({0.03, -0.03, 0.4 - z - 0.01});
@@ -74,7 +74,7 @@ TEST(OpenGl, BodiesHideWhatIsBehindThemAndNothingElse) {
   }
 }
 
-TEST(OpenGl, TilesAwayFromBodiesKeepTheExactCoverage) {
+TEST(Solids, TilesAwayFromBodiesKeepTheExactCoverage) {
   const CameraModel camera(cameraConfig());
   Scene scene = sceneWith(lShape());
   const Pose X_WC = lookingDown({0.0, 0.0, 0.4}, 0.1, 0.2, 0.3);
@@ -87,7 +87,7 @@ TEST(OpenGl, TilesAwayFromBodiesKeepTheExactCoverage) {
   EXPECT_LT(differing, 1000);  // and nothing else changed
 }
 
-TEST(OpenGl, SphereCoversTheAreaOfItsOutline) {
+TEST(Solids, SphereCoversTheAreaOfItsOutline) {
   const CameraModel camera(cameraConfig());
   Scene scene;
   scene.background = {0, 0, 0};
@@ -102,21 +102,21 @@ TEST(OpenGl, SphereCoversTheAreaOfItsOutline) {
   EXPECT_NEAR(lit, M_PI * radius_px * radius_px, kRing * M_PI * radius_px * radius_px);
 }
 
-TEST(OpenGl, SameFrameSameBytesWhateverWasDrawnBefore) {
+TEST(Solids, SameFrameSameBytesWhateverWasDrawnBefore) {
   const CameraModel camera(distortedConfig());
   Scene scene = sceneWith(lShape());
   scene.bodies.push_back(boxAt("box", {0.02, 0.02, 0.05}, {0.03, 0.02, 0.04}, {120, 60, 10}));
-  OsmesaRenderer renderer;
+  CoverageRenderer renderer;
   Image first, other, again;
   renderer.render(camera, lookingDown({0, 0, 0.4}), scene, first);
   renderer.render(camera, lookingDown({0.1, 0, 0.2}, 0.5, 0.2), scene, other);
   renderer.render(camera, lookingDown({0, 0, 0.4}), scene, again);
-  EXPECT_TRUE(renderer.statistics().used_gl);
+  EXPECT_TRUE(renderer.statistics().tiles > 0);
   EXPECT_EQ(first.data, again.data);
   EXPECT_EQ(first.data, render(camera, lookingDown({0, 0, 0.4}), scene).data);
 }
 
-TEST(OpenGl, TwoRenderersDoNotDisturbEachOther) {
+TEST(Solids, TwoRenderersDoNotDisturbEachOther) {
   const CameraModel small(cameraConfig());
   CameraConfig config = cameraConfig();
   config.width = 100;
@@ -125,7 +125,7 @@ TEST(OpenGl, TwoRenderersDoNotDisturbEachOther) {
   const CameraModel odd(config);
   Scene scene = sceneWith(lShape());
   scene.bodies.push_back(boxAt("box", {0.02, 0.02, 0.05}, {0.03, 0.02, 0.04}, {120, 60, 10}));
-  OsmesaRenderer a, b;
+  CoverageRenderer a, b;
   Image image_a, image_b, again;
   a.render(small, lookingDown({0, 0, 0.4}), scene, image_a);
   b.render(odd, lookingDown({0, 0, 0.4}), scene, image_b);
@@ -134,7 +134,7 @@ TEST(OpenGl, TwoRenderersDoNotDisturbEachOther) {
   EXPECT_EQ(image_b.data.size(), 3u * 100 * 77);
 }
 
-TEST(OpenGl, BodyCutByTheNearPlaneAndTheBordersIsDrawn) {
+TEST(Solids, BodyCutByTheNearPlaneAndTheBordersIsDrawn) {
   const CameraModel camera(distortedConfig());
   Scene scene;
   scene.bodies.push_back(boxAt("floor", {0, 0, -0.5}, {4, 4, 1}, {100, 100, 100}));

@@ -10,10 +10,10 @@
 namespace aras_visual_servo_sim {
 
 /** Corner of a triangle, projected. */
-struct Vertex {
+struct GlVertex {
   float x, y;  ///< [px], image edges at 0 and width or height, y down
   float z;     ///< near plane / depth: 1 at the near plane, 0 at infinity; linear over a plane's image
-  std::array<std::uint8_t, 4> rgba;  ///< a: the object's number, 1 .. 255
+  std::array<std::uint8_t, 4> rgba;
 };
 
 /** An OSMesa context with a picture of fixed size: draws projected triangles at pixel centres, nearest on top. */
@@ -31,7 +31,7 @@ class OsmesaCanvas {
   /** Clears to background (a = 0) and draws every three vertices.
    *  @return height x width pixels, top row first, valid until the next call; bytes r, g, b, a in memory
    *  @throws RenderError */
-  const std::uint32_t* draw(const std::vector<Vertex>& vertices, const Rgb& background);
+  const std::uint32_t* draw(const std::vector<GlVertex>& vertices, const Rgb& background);
 
  private:
   const OsmesaLibrary& gl_;

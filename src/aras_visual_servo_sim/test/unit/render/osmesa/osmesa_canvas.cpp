@@ -30,15 +30,15 @@ OsmesaCanvas::OsmesaCanvas(int width, int height)
 
 OsmesaCanvas::~OsmesaCanvas() { gl_.destroyContext(context_); }
 
-const std::uint32_t* OsmesaCanvas::draw(const std::vector<Vertex>& vertices, const Rgb& background) {
+const std::uint32_t* OsmesaCanvas::draw(const std::vector<GlVertex>& vertices, const Rgb& background) {
   if (!gl_.makeCurrent(context_, pixels_.data(), GL_UNSIGNED_BYTE, width_, height_)) {
     throw RenderError("OSMesa: the context was lost");
   }
   gl_.clearColor(background.r / 255.0f, background.g / 255.0f, background.b / 255.0f, 0.0f);
   gl_.clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   if (!vertices.empty()) {
-    gl_.vertexPointer(3, GL_FLOAT, sizeof(Vertex), &vertices[0].x);
-    gl_.colorPointer(4, GL_UNSIGNED_BYTE, sizeof(Vertex), vertices[0].rgba.data());
+    gl_.vertexPointer(3, GL_FLOAT, sizeof(GlVertex), &vertices[0].x);
+    gl_.colorPointer(4, GL_UNSIGNED_BYTE, sizeof(GlVertex), vertices[0].rgba.data());
     gl_.drawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(vertices.size()));
   }
   gl_.finish();  // copies the picture to pixels_

@@ -1,4 +1,4 @@
-#include "aras_visual_servo_sim/osmesa_renderer.hpp"
+#include "aras_visual_servo_sim/coverage_renderer.hpp"
 
 #include <cstring>
 
@@ -23,7 +23,7 @@ void fill(const std::array<std::uint8_t, 3>& pixel, Image& image) {
 
 }  // namespace
 
-class OsmesaRenderer::Implementation {
+class CoverageRenderer::Implementation {
  public:
   explicit Implementation(Path path) : path_(path) {}
 
@@ -40,42 +40,40 @@ class OsmesaRenderer::Implementation {
     const ViewVolume volume(camera);
     planar_.project(camera, volume, X_WC.inverse(), scene);
     fill(pixelOf(scene.background, out.encoding), out);
-    const bool everything = path_ == Path::kGl;
+    const bool everything = path_ == Path::kSampled;
     planar_.samplePictures(camera, rasterizer_);
     if (!everything) planar_.paint(camera, rasterizer_, out);
     triangles_.begin(camera, volume);
     const bool bodies_in_view = triangles_.addBodies(scene, X_WC.inverse());
     if (!everything && !bodies_in_view && planar_.conflicts().empty()) return;
 
-    tiles_.begin(out.width, out.height);
-    if (everything) {
-      tiles_.markAll();
-    } else {
-      tiles_.mark(triangles_.vertices());
-      for (const PixelBox& box : planar_.conflicts()) tiles_.mark(box);
-    }
+    bins_.begin(out.width, out.height);
+    if (everything) bins_.markEverything();
+    for (const PixelBox& box : planar_.conflicts()) bins_.markEverything(box);
+    bins_.markBodies(triangles_.vertices());
     triangles_.addPlanar(planar_, X_WC.inverse());
-    tiles_.paint(triangles_.vertices(), scene.background, planar_.pictures(),
-                 camera.sampling() == CameraModel::Sampling::kCoverage, out);
-    statistics_ = {true, static_cast<int>(triangles_.vertices().size() / 3), tiles_.markedTiles(),
-                   tiles_.supersampledTiles()};
+    bins_.sort(triangles_.vertices());
+    tiles_.paint(camera, triangles_, bins_, scene.background, planar_.pictures(), out);
+    statistics_ = {static_cast<int>(triangles_.vertices().size() / 3), tiles_.statistics().tiles,
+                   tiles_.statistics().sampled_pixels};
   }
 
   Path path_;
   PlanarLayer planar_;
   CoverageRasterizer rasterizer_;
   TriangleList triangles_;
+  TileBins bins_;
   TilePainter tiles_;
 };
 
-OsmesaRenderer::OsmesaRenderer(Path path) : implementation_(std::make_unique<Implementation>(path)) {}
-OsmesaRenderer::~OsmesaRenderer() = default;
-OsmesaRenderer::OsmesaRenderer(OsmesaRenderer&&) noexcept = default;
-OsmesaRenderer& OsmesaRenderer::operator=(OsmesaRenderer&&) noexcept = default;
+CoverageRenderer::CoverageRenderer(Path path) : implementation_(std::make_unique<Implementation>(path)) {}
+CoverageRenderer::~CoverageRenderer() = default;
+CoverageRenderer::CoverageRenderer(CoverageRenderer&&) noexcept = default;
+CoverageRenderer& CoverageRenderer::operator=(CoverageRenderer&&) noexcept = default;
 
-const OsmesaRenderer::Statistics& OsmesaRenderer::statistics() const { return implementation_->statistics_; }
+const CoverageRenderer::Statistics& CoverageRenderer::statistics() const { return implementation_->statistics_; }
 
-void OsmesaRenderer::doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
+void CoverageRenderer::doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
   implementation_->render(camera, X_WC, scene, out);
 }
 

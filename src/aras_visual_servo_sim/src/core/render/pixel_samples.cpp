@@ -1,0 +1,80 @@
+#include "pixel_samples.hpp"
+
+// The same additions, products and comparisons in wider registers where the processor has them: the same bytes.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+#define ARAS_WIDE __attribute__((target_clones("avx2", "default")))
+#else
+#define ARAS_WIDE
+#endif
+
+namespace aras_visual_servo_sim {
+namespace {
+
+constexpr int kCount = PixelSamples::kCount;
+
+/** Where the samples are: column and row in 64ths of a pixel, and from its middle [px]. */
+struct Pattern {
+  std::array<std::int32_t, kCount> column{}, row{};
+  std::array<float, kCount> x{}, y{};
+};
+
+constexpr Pattern makePattern() {
+  Pattern pattern;
+  for (int k = 0; k < kCount; ++k) {
+    const int i = k % PixelSamples::kSide, j = k / PixelSamples::kSide;
+    pattern.column[k] = i * PixelSamples::kSide + j;
+    pattern.row[k] = j * PixelSamples::kSide + i;
+    pattern.x[k] = (pattern.column[k] + 0.5f) / kCount - 0.5f;
+    pattern.y[k] = (pattern.row[k] + 0.5f) / kCount - 0.5f;
+  }
+  return pattern;
+}
+constexpr Pattern kPattern = makePattern();
+
+ARAS_WIDE void seeTriangle(const PixelSamples::Triangle& t, std::int32_t index, float* nearest, std::int32_t* seen) {
+  const float a0 = t.a[0], a1 = t.a[1], a2 = t.a[2], b0 = t.b[0], b1 = t.b[1], b2 = t.b[2];
+  const float c0 = t.c[0], c1 = t.c[1], c2 = t.c[2], l0 = t.least[0], l1 = t.least[1], l2 = t.least[2];
+  const float z0 = t.z, z_x = t.z_x, z_y = t.z_y;
+  for (int i = 0; i < kCount; ++i) {
+    const float x = kPattern.x[i], y = kPattern.y[i];
+    const float z = z0 + z_x * x + z_y * y;
+    const std::int32_t inside = -std::int32_t(a0 * x + b0 * y + c0 >= l0) & -std::int32_t(a1 * x + b1 * y + c1 >= l1) &
+                                -std::int32_t(a2 * x + b2 * y + c2 >= l2) & -std::int32_t(z > nearest[i]);
+    nearest[i] = inside != 0 ? z : nearest[i];
+    seen[i] = inside != 0 ? index : seen[i];
+  }
+}
+
+ARAS_WIDE void countSamples(std::int32_t index, const std::int32_t* seen, std::int32_t* sums) {
+  std::int32_t count = 0, columns = 0, rows = 0;
+  for (int i = 0; i < kCount; ++i) {
+    const std::int32_t mine = -std::int32_t(seen[i] == index);
+    count -= mine;
+    columns += mine & kPattern.column[i];
+    rows += mine & kPattern.row[i];
+  }
+  sums[0] = count;
+  sums[1] = columns;
+  sums[2] = rows;
+}
+
+}  // namespace
+
+void PixelSamples::clear(std::int32_t nothing) {
+  nearest_.fill(0.0f);
+  seen_.fill(nothing);
+}
+
+void PixelSamples::see(const Triangle& triangle, std::int32_t index) {
+  seeTriangle(triangle, index, nearest_.data(), seen_.data());
+}
+
+PixelSamples::Share PixelSamples::shareOf(std::int32_t index) const {
+  std::int32_t sums[3];
+  countSamples(index, seen_.data(), sums);
+  if (sums[0] == 0) return {0, 0.0, 0.0};
+  const double scale = 1.0 / kCount, mean = 1.0 / sums[0];
+  return {sums[0], (sums[1] * mean + 0.5) * scale - 0.5, (sums[2] * mean + 0.5) * scale - 0.5};
+}
+
+}  // namespace aras_visual_servo_sim
