@@ -34,9 +34,10 @@ std::optional<ShapeSignature> shapeOf(const ObjectMask& mask) {
   std::vector<double> mu(momentCount(3), 0.0);
   const auto add = [&](int u, int v, double weight) {
     const double x = u - mask.u_px, y = v - mask.v_px;
+    const double x_powers[] = {1.0, x, x * x, x * x * x}, y_powers[] = {1.0, y, y * y, y * y * y};
     m00 += weight;
     for (int n = 1; n <= 3; ++n)
-      for (int j = 0; j <= n; ++j) mu[momentIndex(n - j, j)] += weight * std::pow(x, n - j) * std::pow(y, j);
+      for (int j = 0; j <= n; ++j) mu[momentIndex(n - j, j)] += weight * x_powers[n - j] * y_powers[j];
   };
   for (const Span& s : mask.spans)
     for (int u = s.u_begin; u < s.u_end; ++u) add(u, s.v, 1.0);
@@ -57,7 +58,8 @@ std::optional<ShapeSignature> shapeOf(const ObjectMask& mask) {
 }
 
 double dissimilarity(const ShapeSignature& a, const ShapeSignature& b) {
-  return std::sqrt(std::pow(a.spread - b.spread, 2) + std::pow(a.c21 - b.c21, 2) + std::pow(a.c30 - b.c30, 2));
+  const double spread = a.spread - b.spread, c21 = a.c21 - b.c21, c30 = a.c30 - b.c30;
+  return std::sqrt(spread * spread + c21 * c21 + c30 * c30);
 }
 
 }  // namespace aras_visual_servo_camera
