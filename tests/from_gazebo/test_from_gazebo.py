@@ -35,6 +35,23 @@ def test_its_own_node_turns_the_head_and_sees(graph):
     node.send_signal(signal.SIGINT)
 
 
+def test_joint_states_come_as_its_joint_state_controller_says(graph):
+    said = graph.output("rostopic", "echo", "-p", "-n", "130", "/pan_tilt/joint_states")
+    rows = [line.split(",") for line in said.splitlines() if line and line[0].isdigit()]
+    assert len(rows) == 130
+    stamps_ms = sorted({int(row[2]) // 10**6 for row in rows})
+    # Fifty a second, and one with each of the twenty images a second.
+    assert all(ms % 20 == 0 or ms % 50 == 0 for ms in stamps_ms), stamps_ms
+    within = [ms for ms in stamps_ms if stamps_ms[0] <= ms < stamps_ms[0] + 1000]
+    assert len(within) == 60, within
+    assert "head_screw_joint" in rows[0], rows[0]
+
+
+def test_its_parameters_are_where_gazebo_has_them(graph):
+    assert graph.output("rosparam", "get", "/pan_tilt/tilt_position_controller/pid/i_clamp").strip() == "5.0"
+    assert "/pan_tilt/pan_tilt" not in graph.output("rosparam", "list")
+
+
 def test_gazebos_services_answer_with_its_meaning(graph):
     graph.output("rosservice", "call", "/gazebo/pause_physics")
     before = graph.output("rostopic", "echo", "-n", "1", "/clock")

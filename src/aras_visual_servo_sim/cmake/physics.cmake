@@ -21,6 +21,7 @@ add_library(sim_physics OBJECT
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_graph.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_limits.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_limits_reader.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_state_config.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/joint_solver.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/multibody_world.cpp
   ${CMAKE_CURRENT_LIST_DIR}/../src/core/physics/pid.cpp

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -78,6 +79,7 @@ struct Link {
  */
 struct CameraTag {
   std::string link, sensor_name, camera_name, image_topic, camera_info_topic, trigger_topic, frame, format;
+  std::optional<std::string> robot_namespace;
   Pose X_link_sensor;  ///< the sensor looks along its x, z up
   double update_rate_hz = 0.0, horizontal_fov_rad = 0.0, near_m = 0.0, far_m = 0.0;
   int width = 0, height = 0;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "aras_visual_servo_sim/simulation.hpp"
+#include "camera_topics.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -13,7 +14,7 @@ namespace aras_visual_servo_sim {
  *  plugin's <triggerTopicName> is the topic's name where the URDF has that camera. */
 class CameraTriggers {
  public:
-  CameraTriggers(ros::NodeHandle& node, Simulation& simulation);
+  CameraTriggers(ros::NodeHandle& node, Simulation& simulation, const std::vector<CameraTopics>& topics);
 
  private:
   std::vector<ros::Subscriber> subscribers_;

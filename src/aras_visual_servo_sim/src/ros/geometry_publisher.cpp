@@ -26,11 +26,12 @@ void send(image_transport::Publisher& publisher, const GeometryImage& image, con
 
 }  // namespace
 
-GeometryPublisher::GeometryPublisher(const ros::NodeHandle& node, Simulation& simulation) : simulation_(simulation) {
+GeometryPublisher::GeometryPublisher(const ros::NodeHandle& node, Simulation& simulation,
+                                     const std::vector<CameraTopics>& topics)
+    : simulation_(simulation) {
   image_transport::ImageTransport transport(node);
-  for (const std::string& name : simulation.cameraNames()) {
-    cameras_.push_back({transport.advertise(name + "/depth/image_raw", kQueue),
-                        transport.advertise(name + "/segmentation/image_raw", kQueue)});
+  for (const CameraTopics& camera : topics) {
+    cameras_.push_back({transport.advertise(camera.depth, kQueue), transport.advertise(camera.segmentation, kQueue)});
   }
   tellIds(simulation.scene());
 }

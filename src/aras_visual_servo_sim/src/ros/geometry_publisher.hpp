@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "aras_visual_servo_sim/simulation.hpp"
+#include "camera_topics.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -16,7 +17,7 @@ namespace aras_visual_servo_sim {
  *  numbers of the parameter ~segmentation_ids) with the frames of every camera, drawn only for those who listen. */
 class GeometryPublisher {
  public:
-  GeometryPublisher(const ros::NodeHandle& node, Simulation& simulation);
+  GeometryPublisher(const ros::NodeHandle& node, Simulation& simulation, const std::vector<CameraTopics>& topics);
 
   void publish(int camera, const ros::Time& stamp);
 

@@ -11,7 +11,7 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-const std::vector<std::string> kPrivateKeys = {"gazebo_names", "scenario", "sim", "time"};
+const std::vector<std::string> kPrivateKeys = {"gazebo_camera_names", "gazebo_names", "scenario", "sim", "time"};
 const std::string kControllerSuffix = "Controller";
 
 bool endsWith(const std::string& text, const std::string& suffix) {
@@ -27,18 +27,21 @@ YAML::Node section(const ros::NodeHandle& node, const ros::NodeHandle& private_n
   return YAML::Node();
 }
 
-/** Controllers of the namespace, or of one in it that has its name: what comes of a file that begins with the robot's
- *  name, as Gazebo packages have it, loaded into the robot's namespace. */
+/** A file that begins with the robot's name, as Gazebo packages have it, loaded into the robot's namespace: everything
+ *  is put where it would be in Gazebo, for whoever else reads it. */
+void liftNested(const ros::NodeHandle& node) {
+  XmlRpc::XmlRpcValue nested;
+  const std::string name = node.getNamespace().substr(node.getNamespace().rfind('/') + 1);
+  if (name.empty() || !node.getParam(name, nested) || nested.getType() != XmlRpc::XmlRpcValue::TypeStruct) return;
+  node.deleteParam(name);
+  for (auto& [key, value] : nested) node.setParam(key, value);
+}
+
 YAML::Node findControllers(const ros::NodeHandle& node) {
   YAML::Node controllers(YAML::NodeType::Map);
   XmlRpc::XmlRpcValue tree;
   if (!node.getParam(node.getNamespace(), tree) || tree.getType() != XmlRpc::XmlRpcValue::TypeStruct) {
     return controllers;
-  }
-  const std::string name = node.getNamespace().substr(node.getNamespace().rfind('/') + 1);
-  if (tree.hasMember(name) && tree[name].getType() == XmlRpc::XmlRpcValue::TypeStruct) {
-    const XmlRpc::XmlRpcValue inner = tree[name];
-    tree = inner;
   }
   if (tree.hasMember("joint_limits")) controllers["joint_limits"] = toYaml(tree["joint_limits"]);
   for (auto& [name, value] : tree) {
@@ -57,7 +60,7 @@ void refuseUnknownKeys(const ros::NodeHandle& private_node, std::vector<std::str
   if (tree.getType() != XmlRpc::XmlRpcValue::TypeStruct) return;
   for (auto& member : tree) {
     if (std::find(kPrivateKeys.begin(), kPrivateKeys.end(), member.first) == kPrivateKeys.end()) {
-      faults.push_back("~" + member.first + ": unknown key, allowed gazebo_names, scenario, sim, time");
+      faults.push_back("~" + member.first + ": unknown key, allowed gazebo_camera_names, gazebo_names, scenario, sim, time");
     }
   }
 }
@@ -76,8 +79,11 @@ NodeParameters loadParameters(const ros::NodeHandle& node, const ros::NodeHandle
   };
   refuseUnknownKeys(private_node, faults);
   private_node.param("gazebo_names", parameters.gazebo_names, false);
+  private_node.param("gazebo_camera_names", parameters.gazebo_camera_names, false);
   collect([&] { parameters.simulation = SimulationConfig::fromYaml(section(node, private_node, "sim")); });
-  collect([&] { parameters.time = TimeConfig::fromYaml(section(node, private_node, "time")); });
+  const YAML::Node time = section(node, private_node, "time");
+  collect([&] { parameters.time = TimeConfig::fromYaml(time); });
+  liftNested(node);
   parameters.controllers = findControllers(node);
 
   std::string urdf, key;
@@ -87,7 +93,12 @@ NodeParameters loadParameters(const ros::NodeHandle& node, const ros::NodeHandle
     collect([&] {
       parameters.robot = loadRobotModel(urdf, key);
       parseControllers(parameters.controllers, parameters.robot);
+      parameters.joint_states = parseJointStates(parameters.controllers, parameters.robot);
     });
+  }
+  const bool rate_given = time.IsMap() && time["joint_state_rate_hz"].IsDefined();
+  if (!rate_given && parameters.joint_states.publish_rate_hz) {
+    parameters.time.joint_state_rate_hz = *parameters.joint_states.publish_rate_hz;
   }
   if (!faults.empty()) {
     std::string text;

@@ -3,6 +3,7 @@
 #include <ros/node_handle.h>
 #include <yaml-cpp/yaml.h>
 
+#include "aras_visual_servo_sim/joint_state_config.hpp"
 #include "aras_visual_servo_sim/robot_model.hpp"
 #include "aras_visual_servo_sim/simulation_config.hpp"
 
@@ -14,11 +15,14 @@ struct NodeParameters {
   SimulationConfig simulation;
   TimeConfig time;
   YAML::Node controllers;  ///< every map of the namespace whose `type` ends in "Controller"
-  bool gazebo_names = false;
+  JointStateConfig joint_states;
+  bool gazebo_names = false;         ///< also answer /gazebo/pause_physics and the like
+  bool gazebo_camera_names = false;  ///< the URDF's cameras have the topics that Gazebo gives them
 };
 
 /** Reads `robot_description` (searched upwards), the controllers of the namespace, and of the private namespace the
- *  sections `sim` and `time`, which may also stand under `scenario/` there or in the namespace, and `gazebo_names`.
+ *  sections `sim` and `time`, which may also stand under `scenario/` there or in the namespace, `gazebo_names` and
+ *  `gazebo_camera_names`.
  *  @throws ParameterError listing every fault of all of them */
 NodeParameters loadParameters(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
 

@@ -22,26 +22,6 @@ constexpr double kPathPeriodS = 0.5;         // wall
 constexpr double kErrorPeriodS = 5.0;        // wall, between two reports of the same failure
 const std::string kTargetModel = "target";
 
-struct CameraTopics {
-  std::string image, info;
-};
-
-std::string withoutSlashes(std::string name) {
-  name.erase(0, name.find_first_not_of('/'));
-  return name;
-}
-
-/** Names of the URDF's camera plugin where it describes this camera, else image_raw and camera_info. */
-CameraTopics topicsOf(const RobotModel& robot, const std::string& camera) {
-  CameraTopics topics{"image_raw", "camera_info"};
-  for (const CameraTag& tag : robot.cameras) {
-    if (withoutSlashes(tag.camera_name) != camera) continue;
-    if (!tag.image_topic.empty()) topics.image = withoutSlashes(tag.image_topic);
-    if (!tag.camera_info_topic.empty()) topics.info = withoutSlashes(tag.camera_info_topic);
-  }
-  return {camera + "/" + topics.image, camera + "/" + topics.info};
-}
-
 /** The model named `target`, else the first; empty without any. */
 std::string targetOf(const std::vector<std::string>& models) {
   if (std::find(models.begin(), models.end(), kTargetModel) != models.end()) return kTargetModel;
@@ -52,17 +32,18 @@ void assign(std::vector<double>& to, const Eigen::VectorXd& from) { to.assign(fr
 
 }  // namespace
 
-StatePublisher::StatePublisher(const ros::NodeHandle& node, Simulation& simulation, const TimeConfig& config,
-                               const WireTime& time)
+StatePublisher::StatePublisher(const ros::NodeHandle& node, Simulation& simulation, const NodeParameters& parameters,
+                               const std::vector<CameraTopics>& topics, const WireTime& time)
     : node_(node),
       transport_(node_),
       simulation_(simulation),
       time_(time),
-      render_always_(config.render_always),
+      render_always_(parameters.time.render_always),
       world_frame_(simulation.model().links.front().name),
-      clock_schedule_(std::min(config.clock_rate_hz, 1e9 / simulation.periodNs()), simulation.periodNs()),
-      joint_schedule_(std::min(config.joint_state_rate_hz, 1e9 / simulation.periodNs()), simulation.periodNs()),
-      geometry_(node_, simulation) {
+      clock_schedule_(std::min(parameters.time.clock_rate_hz, 1e9 / simulation.periodNs()), simulation.periodNs()),
+      joint_schedule_(std::min(parameters.time.joint_state_rate_hz, 1e9 / simulation.periodNs()), simulation.periodNs()),
+      geometry_(node_, simulation, topics),
+      extra_joints_(parameters.joint_states.extra_joints) {
   clock_ = node_.advertise<rosgraph_msgs::Clock>("/clock", kSmallQueue);
   joints_ = node_.advertise<sensor_msgs::JointState>("joint_states", kSmallQueue);
   target_pose_ = node_.advertise<geometry_msgs::PoseStamped>("ground_truth/target_pose", kSmallQueue);
@@ -70,7 +51,8 @@ StatePublisher::StatePublisher(const ros::NodeHandle& node, Simulation& simulati
   path_ = node_.advertise<nav_msgs::Path>("camera_path", 1);
   path_message_.header.frame_id = world_frame_;
   joint_message_.name = simulation.model().joint_names;
-  for (std::size_t k = 0; k < simulation.cameraNames().size(); ++k) advertiseCamera(static_cast<int>(k));
+  for (const ExtraJoint& joint : extra_joints_) joint_message_.name.push_back(joint.name);
+  for (std::size_t k = 0; k < topics.size(); ++k) advertiseCamera(static_cast<int>(k), topics[k]);
   for (const ControllerConfig& controller : simulation.config().world.controllers) {
     controllers_.push_back(
         {controller.name, controller.publish_state,
@@ -78,10 +60,9 @@ StatePublisher::StatePublisher(const ros::NodeHandle& node, Simulation& simulati
   }
 }
 
-void StatePublisher::advertiseCamera(int camera) {
+void StatePublisher::advertiseCamera(int camera, const CameraTopics& topics) {
   const std::string& name = simulation_.cameraNames()[camera];
   const CameraModel& model = simulation_.camera(camera);
-  const CameraTopics topics = topicsOf(simulation_.model(), name);
   const std::string truth = camera == 0 ? "ground_truth/" : "ground_truth/" + name + "/";
   CameraOutput output;
   output.image = transport_.advertise(topics.image, kImageQueue);
@@ -209,6 +190,11 @@ void StatePublisher::publishJoints(const ros::Time& stamp, const Eigen::VectorXd
   assign(joint_message_.position, q);
   assign(joint_message_.velocity, v);
   assign(joint_message_.effort, efforts);
+  for (const ExtraJoint& joint : extra_joints_) {
+    joint_message_.position.push_back(joint.position);
+    joint_message_.velocity.push_back(joint.velocity);
+    joint_message_.effort.push_back(joint.effort);
+  }
   joints_.publish(joint_message_);
 }
 

@@ -13,7 +13,9 @@
 
 #include "aras_visual_servo_sim/frame_schedule.hpp"
 #include "aras_visual_servo_sim/simulation.hpp"
+#include "camera_topics.hpp"
 #include "geometry_publisher.hpp"
+#include "parameters.hpp"
 #include "wire_time.hpp"
 
 namespace aras_visual_servo_sim {
@@ -24,7 +26,9 @@ namespace aras_visual_servo_sim {
  * that much later, after the clock, with the stamp of the others. */
 class StatePublisher {
  public:
-  StatePublisher(const ros::NodeHandle& node, Simulation& simulation, const TimeConfig& config, const WireTime& time);
+  /** @param topics  of every camera of the simulation */
+  StatePublisher(const ros::NodeHandle& node, Simulation& simulation, const NodeParameters& parameters,
+                 const std::vector<CameraTopics>& topics, const WireTime& time);
 
   /** Tick of the next sample after the present one. */
   std::int64_t nextTick() const;
@@ -60,7 +64,7 @@ class StatePublisher {
     ros::Publisher state;
   };
 
-  void advertiseCamera(int camera);
+  void advertiseCamera(int camera, const CameraTopics& topics);
   void publishPresentJoints();
   void publishJoints(const ros::Time& stamp, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                      const Eigen::VectorXd& efforts);
@@ -84,6 +88,7 @@ class StatePublisher {
   ros::Publisher clock_, joints_, target_pose_, target_twist_, path_;
   std::vector<CameraOutput> cameras_;
   GeometryPublisher geometry_;
+  std::vector<ExtraJoint> extra_joints_;
   std::vector<ControllerOutput> controllers_;
   sensor_msgs::JointState joint_message_;
   nav_msgs::Path path_message_;

@@ -69,6 +69,7 @@ void readPlugin(const UrdfSource& source, const XMLElement& plugin, CameraTag& t
   tag.image_topic = childText(&plugin, "imageTopicName");
   tag.camera_info_topic = childText(&plugin, "cameraInfoTopicName");
   tag.trigger_topic = childText(&plugin, "triggerTopicName");
+  if (plugin.FirstChildElement("robotNamespace")) tag.robot_namespace = childText(&plugin, "robotNamespace");
   tag.frame = childText(&plugin, "frameName");
   tag.cx = childNumber(source, &plugin, "Cx");
   tag.cy = childNumber(source, &plugin, "Cy");
@@ -91,7 +92,7 @@ void readPlugin(const UrdfSource& source, const XMLElement& plugin, CameraTag& t
       tag.distortion.push_back(childNumber(source, &plugin, key));
     }
   }
-  // CxPrime is read by Gazebo's plugin and used nowhere; a robotNamespace is the node's own namespace here.
+  // CxPrime is read by Gazebo's plugin and used nowhere.
   warnOfOthers(
       source, &plugin,
       {"robotNamespace",   "alwaysOn",       "updateRate", "cameraName",   "imageTopicName", "cameraInfoTopicName",

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "aras_visual_servo_sim/errors.hpp"
+#include "aras_visual_servo_sim/joint_state_config.hpp"
 #include "aras_visual_servo_sim/yaml_reader.hpp"
 
 namespace aras_visual_servo_sim {
@@ -108,8 +109,7 @@ std::vector<ControllerConfig> parseControllers(const YAML::Node& node, const Rob
     for (const auto& known : knownTypes()) names.push_back(known.first);
     const std::string type = reader.requiredChoice("type", names);
     if (type == kJointState) {
-      reader.raw("publish_rate");
-      reader.raw("extra_joints");
+      readJointStates(reader, model);
     } else {
       for (const auto& known : knownTypes()) {
         if (known.first == type) config.type = known.second;
