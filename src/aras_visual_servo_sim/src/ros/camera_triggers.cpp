@@ -8,10 +8,8 @@ CameraTriggers::CameraTriggers(ros::NodeHandle& node, Simulation& simulation, co
   for (std::size_t k = 0; k < topics.size(); ++k) {
     const int camera = static_cast<int>(k);
     if (!simulation.camera(camera).config().triggered) continue;
-    subscribers_.push_back(
-        node.subscribe<std_msgs::Empty>(topics[k].trigger, 1, [&simulation, camera](const std_msgs::EmptyConstPtr&) {
-          simulation.trigger(camera);
-        }));
+    subscribers_.push_back(node.subscribe<std_msgs::Empty>(
+        topics[k].trigger, 1, [&simulation, camera](const std_msgs::EmptyConstPtr&) { simulation.trigger(camera); }));
   }
 }
 

@@ -60,7 +60,8 @@ void refuseUnknownKeys(const ros::NodeHandle& private_node, std::vector<std::str
   if (tree.getType() != XmlRpc::XmlRpcValue::TypeStruct) return;
   for (auto& member : tree) {
     if (std::find(kPrivateKeys.begin(), kPrivateKeys.end(), member.first) == kPrivateKeys.end()) {
-      faults.push_back("~" + member.first + ": unknown key, allowed gazebo_camera_names, gazebo_names, scenario, sim, time");
+      faults.push_back("~" + member.first +
+                       ": unknown key, allowed gazebo_camera_names, gazebo_names, scenario, sim, time");
     }
   }
 }

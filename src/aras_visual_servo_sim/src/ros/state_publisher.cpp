@@ -41,7 +41,8 @@ StatePublisher::StatePublisher(const ros::NodeHandle& node, Simulation& simulati
       render_always_(parameters.time.render_always),
       world_frame_(simulation.model().links.front().name),
       clock_schedule_(std::min(parameters.time.clock_rate_hz, 1e9 / simulation.periodNs()), simulation.periodNs()),
-      joint_schedule_(std::min(parameters.time.joint_state_rate_hz, 1e9 / simulation.periodNs()), simulation.periodNs()),
+      joint_schedule_(std::min(parameters.time.joint_state_rate_hz, 1e9 / simulation.periodNs()),
+                      simulation.periodNs()),
       geometry_(node_, simulation, topics),
       extra_joints_(parameters.joint_states.extra_joints) {
   clock_ = node_.advertise<rosgraph_msgs::Clock>("/clock", kSmallQueue);

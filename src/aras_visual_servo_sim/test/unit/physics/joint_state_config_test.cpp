@@ -7,15 +7,16 @@ namespace aras_visual_servo_sim {
 namespace {
 
 JointStateConfig parse(const std::string& entry) {
-  return parseJointStates(YAML::Load("{gains: {p: 1}, states: " + entry + "}"), modelOf(readUrdf("two_link_full.urdf")));
+  return parseJointStates(YAML::Load("{gains: {p: 1}, states: " + entry + "}"),
+                          modelOf(readUrdf("two_link_full.urdf")));
 }
 
 const std::string kType = "type: joint_state_controller/JointStateController";
 
 TEST(JointStateConfig, HasTheRateAndTheExtraJointsOfTheFile) {
-  const JointStateConfig config =
-      parse("{" + kType + ", publish_rate: 50, extra_joints: [{name: wheel, position: 0.1, velocity: 0.2, effort: 0.3}, " +
-            "{name: b_swing, position: 9}, {name: wheel, position: 8}, {name: caster}]}");
+  const JointStateConfig config = parse(
+      "{" + kType + ", publish_rate: 50, extra_joints: [{name: wheel, position: 0.1, velocity: 0.2, effort: 0.3}, " +
+      "{name: b_swing, position: 9}, {name: wheel, position: 8}, {name: caster}]}");
   EXPECT_EQ(config.publish_rate_hz, 50.0);
   ASSERT_EQ(config.extra_joints.size(), 2u) << "a joint of the robot and one given before are passed over";
   EXPECT_EQ(config.extra_joints[0].name, "wheel");
