@@ -51,9 +51,9 @@ class PlanarModel {
   /** Radius about the origin of M that holds everything [m]. */
   double radius() const { return radius_; }
   /** Corners of the board, counter-clockwise seen from +z. @pre board() */
-  Polygon boardCorners() const;
+  const Polygon& boardCorners() const { return board_corners_; }
   /** The same of the picture. @pre picture() */
-  Polygon pictureCorners() const;
+  const Polygon& pictureCorners() const { return picture_corners_; }
 
   Pose X_WM;  ///< pose of the model in the world
   bool visible = true;
@@ -64,6 +64,7 @@ class PlanarModel {
   Rgb color_;
   std::optional<Board> board_;
   std::optional<Picture> picture_;
+  Polygon board_corners_, picture_corners_;
   std::vector<std::vector<std::array<std::uint32_t, 3>>> triangles_;
   double radius_ = 0.0;
 };

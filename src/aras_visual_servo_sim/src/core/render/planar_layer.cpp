@@ -33,6 +33,7 @@ PixelBox boxOf(const std::vector<Eigen::Vector2d>& points, std::size_t begin, co
 }  // namespace
 
 void PlanarLayer::project(const CameraModel& camera, const ViewVolume& volume, const Pose& X_CW, const Scene& scene) {
+  for (auto view = views_.rbegin(); view != views_.rend(); ++view) giveBack(std::move(*view));
   views_.clear();
   faces_.clear();
   conflicts_.clear();
@@ -51,6 +52,34 @@ void PlanarLayer::project(const CameraModel& camera, const ViewVolume& volume, c
   pictures_.resize(pictures);
 }
 
+PlanarLayer::View PlanarLayer::takeView() {
+  if (spare_views_.empty()) return {};
+  View view = std::move(spare_views_.back());
+  spare_views_.pop_back();
+  return view;
+}
+
+PlanarLayer::Part PlanarLayer::takePart(const Face& face, const Pose& X_CM) {
+  Part part;
+  if (!spare_parts_.empty()) {
+    part = std::move(spare_parts_.back());
+    spare_parts_.pop_back();
+  }
+  part.face = face;
+  part.X_CM = X_CM;
+  return part;
+}
+
+void PlanarLayer::giveBack(View&& view) {
+  for (auto part = view.parts.rbegin(); part != view.parts.rend(); ++part) {
+    part->loops.clear();
+    spare_parts_.push_back(std::move(*part));
+  }
+  view.parts.clear();
+  view.corners_C.clear();
+  spare_views_.push_back(std::move(view));
+}
+
 bool PlanarLayer::addModel(const CameraModel& camera, const ViewVolume& volume, const Pose& X_CM,
                            const PlanarModel& model) {
   cells_.clear();
@@ -59,7 +88,7 @@ bool PlanarLayer::addModel(const CameraModel& camera, const ViewVolume& volume, 
   }
   if (cells_.empty()) return false;
   const std::size_t begin = points_.size();
-  View view;
+  View view = takeView();
   view.normal_C = X_CM.q * Eigen::Vector3d::UnitZ();
   view.offset = view.normal_C.dot(X_CM.p);
   const bool from_front = view.offset < 0.0;
@@ -67,19 +96,24 @@ bool PlanarLayer::addModel(const CameraModel& camera, const ViewVolume& volume, 
     view.normal_C = -view.normal_C;
     view.offset = -view.offset;
   }
-  const auto addPart = [&](Face::Kind kind, const Rgb& color, const std::vector<Polygon>& outlines) {
-    Part part{{&model, kind, color}, X_CM, {}};
-    for (const Polygon& outline : outlines) {
-      for (const auto& [cell, inside] : cells_) addLoop(camera, *cell, X_CM, inside, outline, view, part);
+  const auto addPart = [&](Face::Kind kind, const Rgb& color, const Polygon* outlines, std::size_t count) {
+    Part part = takePart({&model, kind, color}, X_CM);
+    for (std::size_t k = 0; k < count; ++k) {
+      for (const auto& [cell, inside] : cells_) addLoop(camera, *cell, X_CM, inside, outlines[k], view, part);
     }
-    if (!part.loops.empty()) view.parts.push_back(std::move(part));
+    (part.loops.empty() ? spare_parts_ : view.parts).push_back(std::move(part));
   };
-  if (!model.outlines().empty()) addPart(Face::Kind::kOutlines, model.color(), model.outlines());
-  if (model.picture()) addPart(Face::Kind::kPicture, {}, {model.pictureCorners()});
-  if (model.board()) addPart(Face::Kind::kBoard, model.board()->color, {model.boardCorners()});
+  if (!model.outlines().empty()) {
+    addPart(Face::Kind::kOutlines, model.color(), model.outlines().data(), model.outlines().size());
+  }
+  if (model.picture()) addPart(Face::Kind::kPicture, {}, &model.pictureCorners(), 1);
+  if (model.board()) addPart(Face::Kind::kBoard, model.board()->color, &model.boardCorners(), 1);
   if (from_front) std::reverse(view.parts.begin(), view.parts.end());
   view.box = boxOf(points_, begin, camera);
-  if (view.box.empty()) return false;
+  if (view.box.empty()) {
+    giveBack(std::move(view));
+    return false;
+  }
   views_.push_back(std::move(view));
   return true;
 }
@@ -134,35 +168,35 @@ void PlanarLayer::sort() {
                        [&](const Eigen::Vector3d& p) { return a.normal_C.dot(p) >= a.offset - kCoplanar; });
   };
   const std::size_t n = views_.size();
-  std::vector<char> must_precede(n * n, 0);  // [i * n + j]: i is painted before j
+  must_precede_.assign(n * n, 0);  // [i * n + j]: i is painted before j
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = i + 1; j < n; ++j) {
       if (!views_[i].box.overlaps(views_[j].box)) continue;
       if (isBehind(views_[i], views_[j])) {  // also when coplanar: later ones lie on top
-        must_precede[i * n + j] = 1;
+        must_precede_[i * n + j] = 1;
       } else if (isBehind(views_[j], views_[i])) {
-        must_precede[j * n + i] = 1;
+        must_precede_[j * n + i] = 1;
       } else {
         conflicts_.push_back(intersection(views_[i].box, views_[j].box));
       }
     }
   }
   order_.clear();
-  std::vector<char> done(n, 0);
+  done_.assign(n, 0);
   while (order_.size() < n) {
     std::size_t next = n, any = n;
     for (std::size_t j = 0; j < n && next == n; ++j) {
-      if (done[j]) continue;
+      if (done_[j]) continue;
       if (any == n) any = j;
       bool free = true;
-      for (std::size_t i = 0; i < n; ++i) free = free && (done[i] || !must_precede[i * n + j]);
+      for (std::size_t i = 0; i < n; ++i) free = free && (done_[i] || !must_precede_[i * n + j]);
       if (free) next = j;
     }
     if (next == n) {  // a ring of three or more: no order is right
       next = any;
       conflicts_.push_back(views_[any].box);
     }
-    done[next] = 1;
+    done_[next] = 1;
     order_.push_back(next);
   }
 }

@@ -67,6 +67,9 @@ class PlanarLayer {
     double offset = 0.0;       // normal_C . p for points p of the plane
     PixelBox box;
   };
+  View takeView();
+  Part takePart(const Face& face, const Pose& X_CM);
+  void giveBack(View&& view);
   bool addModel(const CameraModel& camera, const ViewVolume& volume, const Pose& X_CM, const PlanarModel& model);
   void addLoop(const CameraModel& camera, const ViewCell& cell, const Pose& X_CM, bool inside, const Polygon& outline,
                View& view, Part& part);
@@ -75,7 +78,10 @@ class PlanarLayer {
   void sort();
 
   std::vector<View> views_;
+  std::vector<View> spare_views_;  // of earlier frames, and their parts: their memory is used again
+  std::vector<Part> spare_parts_;
   std::vector<std::size_t> order_;
+  std::vector<char> must_precede_, done_;  // scratch of sort()
   std::vector<Face> faces_;
   std::vector<PixelBox> conflicts_;
   std::vector<Image> pictures_;

@@ -45,20 +45,17 @@ PlanarModel::PlanarModel(std::string name, std::vector<Polygon> outlines, Rgb co
     if (area < 0.0) std::reverse(outline.begin(), outline.end());
     triangles_.push_back(triangulate(outline));
   }
-  const auto addRectangle = [&](const char* which, const Eigen::Vector2d& size_m) {
+  const auto addRectangle = [&](const char* which, const Eigen::Vector2d& size_m, Polygon& corners) {
     if (!size_m.allFinite() || !(size_m.minCoeff() > 0.0)) {
       fail(which + (": found size " + std::to_string(size_m.x()) + " x " + std::to_string(size_m.y())) +
            " m, allowed > 0");
     }
     radius_ = std::max(radius_, 0.5 * size_m.norm());
+    corners = rectangle(size_m);
   };
-  if (board_) addRectangle("board", board_->size_m);
-  if (picture_) addRectangle("image", picture_->size_m);
+  if (board_) addRectangle("board", board_->size_m, board_corners_);
+  if (picture_) addRectangle("image", picture_->size_m, picture_corners_);
 }
-
-Polygon PlanarModel::boardCorners() const { return rectangle(board_->size_m); }
-
-Polygon PlanarModel::pictureCorners() const { return rectangle(picture_->size_m); }
 
 PlanarModel& Scene::model(const std::string& name) {
   return const_cast<PlanarModel&>(static_cast<const Scene*>(this)->model(name));

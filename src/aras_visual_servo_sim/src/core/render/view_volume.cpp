@@ -7,7 +7,7 @@ namespace aras_visual_servo_sim {
 
 void ViewCell::add(const Eigen::Vector3d& normal_F, double offset) {
   const Eigen::Vector3d normal = normal_F.normalized();
-  planes_.push_back({ahead_ ? normal : Eigen::Vector3d(R_FC_.transpose() * normal), offset});
+  planes_[count_++] = {ahead_ ? normal : Eigen::Vector3d(R_FC_.transpose() * normal), offset};
 }
 
 ViewVolume::ViewVolume(const CameraModel& camera) {
@@ -24,8 +24,7 @@ ViewVolume::ViewVolume(const CameraModel& camera) {
 }
 
 void ViewVolume::addPinhole(const CameraModel& camera) {
-  ViewCell& cell = cells_.emplace_back();
-  cell.planes_.reserve(5);
+  ViewCell& cell = addCell();
   cell.add(Eigen::Vector3d::UnitZ(), camera.nearM());
   const double margin = 1.0;  // [px] beyond the outer pixels' edges
   const double x_min = (-0.5 - margin - camera.cx()) / camera.fx();
@@ -42,7 +41,7 @@ void ViewVolume::addPinhole(const CameraModel& camera) {
  *  radius as a polygon of 32 sides, whose corners are 0.5 % farther out; CameraModel saw to it that the lens reaches
  *  1 % farther. */
 void ViewVolume::addCone(const CameraModel& camera) {
-  ViewCell& cell = cells_.emplace_back();
+  ViewCell& cell = addCell();
   cell.add(Eigen::Vector3d::UnitZ(), camera.nearM());
   constexpr int kSides = 32;
   const double radius = 1.002 * camera.imageRadius();
@@ -56,7 +55,7 @@ void ViewVolume::addCube(const CameraModel& camera) {
   const double angle = camera.imageAngle() + 0.01;  // [rad] of margin
   const double slope = angle < 0.25 * M_PI ? std::tan(angle) : 1.0;
   const auto addFace = [&](const Eigen::Matrix3d& R_FC) -> ViewCell& {
-    ViewCell& cell = cells_.emplace_back();
+    ViewCell& cell = addCell();
     cell.ahead_ = false;
     cell.R_FC_ = R_FC;
     cell.add(Eigen::Vector3d::UnitZ(), camera.nearM());
@@ -82,26 +81,27 @@ void ViewVolume::addCube(const CameraModel& camera) {
 }
 
 bool ViewCell::excludes(const Eigen::Vector3d& center_C, double radius) const {
-  return std::any_of(planes_.begin(), planes_.end(),
+  return std::any_of(begin(), end(),
                      [&](const Plane& plane) { return plane.normal.dot(center_C) < plane.offset - radius; });
 }
 
 bool ViewCell::contains(const Eigen::Vector3d& center_C, double radius) const {
-  return std::all_of(planes_.begin(), planes_.end(),
+  return std::all_of(begin(), end(),
                      [&](const Plane& plane) { return plane.normal.dot(center_C) >= plane.offset + radius; });
 }
 
 bool ViewCell::excludes(const Eigen::Vector3d* points_C, std::size_t count) const {
-  return std::any_of(planes_.begin(), planes_.end(), [&](const Plane& plane) {
+  return std::any_of(begin(), end(), [&](const Plane& plane) {
     return std::all_of(points_C, points_C + count,
                        [&](const Eigen::Vector3d& point) { return plane.normal.dot(point) < plane.offset; });
   });
 }
 
 void ViewCell::clip(std::vector<Eigen::Vector3d>& polygon_C) const {
-  for (const Plane& plane : planes_) {
+  thread_local std::vector<Eigen::Vector3d> kept;  // its memory is used again
+  for (const Plane& plane : *this) {
     if (polygon_C.empty()) return;
-    scratch_.clear();
+    kept.clear();
     Eigen::Vector3d before = polygon_C.back();
     double before_side = plane.normal.dot(before) - plane.offset;
     for (const Eigen::Vector3d& point : polygon_C) {
@@ -111,13 +111,13 @@ void ViewCell::clip(std::vector<Eigen::Vector3d>& polygon_C) const {
         const double inner = std::max(side, before_side), outer = std::min(side, before_side);
         const Eigen::Vector3d& a = side >= 0.0 ? point : before;
         const Eigen::Vector3d& b = side >= 0.0 ? before : point;
-        scratch_.push_back(a + inner / (inner - outer) * (b - a));
+        kept.push_back(a + inner / (inner - outer) * (b - a));
       }
-      if (side >= 0.0) scratch_.push_back(point);
+      if (side >= 0.0) kept.push_back(point);
       before = point;
       before_side = side;
     }
-    polygon_C.swap(scratch_);
+    polygon_C.swap(kept);
   }
 }
 

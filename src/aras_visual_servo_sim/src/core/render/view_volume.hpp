@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "aras_visual_servo_sim/camera_model.hpp"
@@ -56,8 +57,11 @@ class ViewCell {
 
   bool ahead_ = true;  // F is C, and this is the only cell
   Eigen::Matrix3d R_FC_ = Eigen::Matrix3d::Identity();
-  std::vector<Plane> planes_;
-  mutable std::vector<Eigen::Vector3d> scratch_;
+  static constexpr int kMostPlanes = 33;
+  const Plane* begin() const { return planes_.data(); }
+  const Plane* end() const { return planes_.data() + count_; }
+  std::array<Plane, kMostPlanes> planes_;
+  std::size_t count_ = 0;
 };
 
 /** What a camera can see, slightly widened: one cell ahead; through the equidistant lens, where that sees farther than
@@ -66,14 +70,23 @@ class ViewCell {
 class ViewVolume {
  public:
   explicit ViewVolume(const CameraModel& camera);
-  const std::vector<ViewCell>& cells() const { return cells_; }
+  /** To be gone through by for (... : ...). Nothing here is allocated: there is one of these for each frame. */
+  struct Cells {
+    const ViewCell *first, *last;
+    const ViewCell* begin() const { return first; }
+    const ViewCell* end() const { return last; }
+  };
+  Cells cells() const { return {cells_.data(), cells_.data() + count_}; }
 
  private:
   void addPinhole(const CameraModel& camera);
   void addCone(const CameraModel& camera);
   void addCube(const CameraModel& camera);
 
-  std::vector<ViewCell> cells_;
+  static constexpr int kMostCells = 5;
+  ViewCell& addCell() { return cells_[count_++]; }
+  std::array<ViewCell, kMostCells> cells_;
+  std::size_t count_ = 0;
 };
 
 }  // namespace aras_visual_servo_sim

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "../allocations.hpp"
+#include "aras_visual_servo_sim/coverage_renderer.hpp"
 #include "fixture.hpp"
 
 namespace aras_visual_servo_sim {
@@ -46,6 +47,44 @@ TEST(Allocation, ASimulationsStepMakesNoneBetweenFrames) {
   simulation.stepToImage("camera");
   simulation.step(1);
   EXPECT_EQ(allocationsOf([&] { simulation.step(10); }), 0u);
+}
+
+/** A flat target on a board over a picture; the camera moves, and its view is filled by the picture or has its border
+ * in it. */
+TEST(Allocation, AFrameOfFlatModelsMakesNone) {
+  for (const char* encoding : {"mono8", "rgb8"}) {
+    CameraConfig config;
+    config.width = 64;
+    config.height = 48;
+    config.horizontal_fov_rad = 1.2;
+    config.encoding = encoding;
+    for (const char* lens : {"none", "plumb_bob", "equidistant"}) {
+      config.distortion_model = lens;
+      config.distortion.assign(std::string(lens) == "none" ? 0 : 5, 0.0);
+      if (std::string(lens) == "equidistant") config.distortion.resize(4);
+      if (std::string(lens) == "plumb_bob") config.distortion[0] = -0.2;
+      const CameraModel camera(config);
+      Scene scene;
+      const Polygon triangle{{-0.1, -0.1}, {0.1, -0.1}, {0.0, 0.2}};
+      const auto texture = std::make_shared<Texture>("grey", 4, 4, std::vector<std::uint8_t>(48, 90));
+      scene.models.emplace_back("photo", std::vector<Polygon>{}, Rgb{}, std::nullopt,
+                                PlanarModel::Picture{texture, {0.8, 0.6}});
+      scene.models.emplace_back("target", std::vector<Polygon>{triangle}, Rgb{20, 20, 20},
+                                PlanarModel::Board{{0.4, 0.4}, {250, 240, 230}});
+      scene.models.back().X_WM.p.z() = 0.05;
+      CoverageRenderer renderer;
+      Image image;
+      const auto pass = [&] {
+        for (int k = 0; k < 40; ++k) {
+          const Eigen::Quaterniond down(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()));
+          const Eigen::AngleAxisd tilt(0.005 * k, Eigen::Vector3d(0.6, 0.8, 0.0));
+          renderer.render(camera, {{0.01 * k, 0.005 * k, 0.5}, down * tilt}, scene, image);
+        }
+      };
+      pass();
+      EXPECT_EQ(allocationsOf(pass), 0u) << encoding << ", lens " << lens;
+    }
+  }
 }
 
 }  // namespace
