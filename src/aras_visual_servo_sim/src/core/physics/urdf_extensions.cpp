@@ -29,6 +29,15 @@ bool paintLink(const std::string& material, const std::string& link, RobotModel&
   return true;
 }
 
+/** Material that a child of <gazebo> gives to its link by name, in <material> or in <visual><material><script><name>;
+ *  "" if it gives none. */
+std::string materialName(const XMLElement& child) {
+  const std::string tag = child.Name();
+  if (tag == "material") return textOf(&child);
+  const XMLElement* material = tag == "visual" ? child.FirstChildElement("material") : nullptr;
+  return childText(material ? material->FirstChildElement("script") : nullptr, "name");
+}
+
 }  // namespace
 
 void readTransmissions(const UrdfSource& source, const XMLElement& robot, RobotModel& model) {
@@ -71,11 +80,12 @@ void readGazeboTags(const UrdfSource& source, const XMLElement& robot, RobotMode
           source.fail(*gazebo, "reference is '" + reference + "', must be a <link> of this file");
         }
         model.cameras.push_back(readCameraSensor(source, *child, reference));
-      } else if (tag == "material" && paintLink(textOf(child), reference, model)) {
         continue;
-      } else {
-        source.warn(*child, "in <gazebo reference='" + reference + "'>: ignored");
       }
+      const std::string material = materialName(*child);
+      if (!material.empty() && paintLink(material, reference, model)) continue;
+      const std::string why = material.empty() ? "" : "material '" + material + "' is not a plain colour of Gazebo's: ";
+      source.warn(*child, "in <gazebo reference='" + reference + "'>: " + why + "ignored");
     }
   }
 }

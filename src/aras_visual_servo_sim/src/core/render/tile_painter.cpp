@@ -61,36 +61,14 @@ void TilePainter::setUp(int tile) {
   }
   candidates_.clear();
   for (const std::uint32_t* triangle = bins_->begin(tile); triangle != bins_->end(tile); ++triangle) {
-    const Vertex* t = &list_->vertices()[3 * std::size_t(*triangle)];
-    const double area =
-        (double(t[1].x) - t[0].x) * (double(t[2].y) - t[0].y) - (double(t[1].y) - t[0].y) * (double(t[2].x) - t[0].x);
-    if (area == 0.0) continue;
-    Candidate candidate;
-    candidate.triangle = *triangle;
-    for (int i = 0, j = 2; i < 3; j = i++) {
-      // From the same end whichever triangle asks, so that both get the same numbers of opposite signs.
-      const bool turned = t[j].x > t[i].x || (t[j].x == t[i].x && t[j].y > t[i].y);
-      const Vertex &from = turned ? t[i] : t[j], &to = turned ? t[j] : t[i];
-      const double dx = double(to.x) - from.x, dy = double(to.y) - from.y;
-      const double c = dx * (box_.v0 - double(from.y)) - dy * (box_.u0 - double(from.x));
-      const bool inner = turned == (area < 0.0);  // the inside is where it is positive
-      candidate.a[i] = static_cast<float>(inner ? -dy : dy);
-      candidate.b[i] = static_cast<float>(inner ? dx : -dx);
-      candidate.c[i] = static_cast<float>(inner ? c : -c);
-      candidate.seam[i] = t[j].seam;
-      candidate.least[i] = inner ? 0.0f : std::numeric_limits<float>::denorm_min();  // on the edge: one of them only
-    }
-    const Facet& facet = list_->facet(*triangle);
-    candidate.surface = facet.surface;
-    for (int k = 0; k < 3; ++k) candidate.plane[k] = static_cast<float>(camera_->nearM() * facet.plane[k]);
-    candidate.bias = static_cast<float>(facet.bias);
-    candidates_.push_back(candidate);
+    TileTriangle candidate;
+    if (candidate.set(*list_, *triangle, camera_->nearM(), box_)) candidates_.push_back(candidate);
   }
 }
 
 /** Notes the pixels that a triangle may be seen in. */
 void TilePainter::collect(std::uint32_t index) {
-  const Candidate& t = candidates_[index];
+  const TileTriangle& t = candidates_[index];
   const std::array<float, 3> half{0.5f * (std::abs(t.a[0]) + std::abs(t.b[0])),
                                   0.5f * (std::abs(t.a[1]) + std::abs(t.b[1])),
                                   0.5f * (std::abs(t.a[2]) + std::abs(t.b[2]))};
@@ -131,7 +109,7 @@ void TilePainter::collect(std::uint32_t index) {
 
 /** All or nothing, by the middle of the pixel. */
 void TilePainter::collectCenters(std::uint32_t index) {
-  const Candidate& t = candidates_[index];
+  const TileTriangle& t = candidates_[index];
   for (int v = 0; v < box_.v1 - box_.v0; ++v) {
     for (int u = 0; u < box_.u1 - box_.u0; ++u) {
       bool inside = true;
@@ -180,13 +158,13 @@ void TilePainter::paintPixel(int p) {
  *  about one colour, front_ is of it too or behind it. */
 int TilePainter::smoothFront(int p) const {
   const float x = p % kTile + 0.5f, y = p / kTile + 0.5f;
-  const Candidate& first = candidates_[seen_.front()];
+  const TileTriangle& first = candidates_[seen_.front()];
   const Eigen::Vector3f& color = list_->facet(first.triangle).rgb[0];
   int front = -1;
   float nearest = 0.0f;
   const bool alone = front_[p] < 0 || candidates_[front_[p]].surface == first.surface;
   const auto look = [&](std::uint32_t index) {
-    const Candidate& t = candidates_[index];
+    const TileTriangle& t = candidates_[index];
     const float z = dot(t.plane, pixels_[p].middle) + t.bias;
     const float reach = 0.5f * (std::abs(dot(t.plane, pixels_[p].across)) + std::abs(dot(t.plane, pixels_[p].down)));
     if (!alone && z - reach <= front_nearest_[p]) return false;
@@ -215,7 +193,7 @@ void TilePainter::samplePixel(int p, double* rgb) {
   const auto nothing = static_cast<std::int32_t>(seen_.size());
   samples_.clear(nothing);
   for (std::int32_t k = nothing - 1; k >= 0; --k) {
-    const Candidate& t = candidates_[seen_[k]];
+    const TileTriangle& t = candidates_[seen_[k]];
     PixelSamples::Triangle triangle{t.a,
                                     t.b,
                                     {},
@@ -239,7 +217,7 @@ void TilePainter::samplePixel(int p, double* rgb) {
 }
 
 /** Of the part of a pixel that sees a triangle. */
-Eigen::Vector3d TilePainter::colorOf(const Candidate& candidate, int p, const PixelSamples::Share& share) {
+Eigen::Vector3d TilePainter::colorOf(const TileTriangle& candidate, int p, const PixelSamples::Share& share) {
   const Facet& facet = list_->facet(candidate.triangle);
   if (facet.picture < 0) {
     const Eigen::Vector3d color = facet.color(pixels_[p].rays.at(share.x, share.y));
@@ -252,7 +230,7 @@ Eigen::Vector3d TilePainter::colorOf(const Candidate& candidate, int p, const Pi
 }
 
 /** Mean of the texels over the part of the pixel's square that lies in the triangle, hidden or not. */
-Eigen::Vector3d TilePainter::textureOf(const Candidate& t, int p, const PixelSamples::Share& share) {
+Eigen::Vector3d TilePainter::textureOf(const TileTriangle& t, int p, const PixelSamples::Share& share) {
   const Facet& facet = list_->facet(t.triangle);
   const PixelRays& rays = pixels_[p].rays;
   Eigen::Vector2d middle;

@@ -8,6 +8,7 @@
 #include "pixel_samples.hpp"
 #include "texture_area.hpp"
 #include "tile_bins.hpp"
+#include "tile_triangle.hpp"
 #include "triangle_list.hpp"
 
 namespace aras_visual_servo_sim {
@@ -38,14 +39,6 @@ class TilePainter {
   static constexpr int kTile = TileBins::kTile;
   static constexpr int kPixels = kTile * kTile;
 
-  /** A triangle's edges as half-planes a x + b y + c >= least, x and y from the tile's corner [px]; and near_m / Z. */
-  struct Candidate {
-    std::uint32_t triangle;
-    std::array<float, 3> a, b, c, least;
-    std::array<bool, 3> seam;
-    std::uint32_t surface;
-    float plane[3], bias;
-  };
   /** A triangle that a pixel may see. */
   struct Fragment {
     std::uint32_t candidate;
@@ -65,8 +58,8 @@ class TilePainter {
   void paintPixel(int pixel);
   int smoothFront(int pixel) const;
   void samplePixel(int pixel, double* rgb);
-  Eigen::Vector3d colorOf(const Candidate& candidate, int pixel, const PixelSamples::Share& share);
-  Eigen::Vector3d textureOf(const Candidate& candidate, int pixel, const PixelSamples::Share& share);
+  Eigen::Vector3d colorOf(const TileTriangle& candidate, int pixel, const PixelSamples::Share& share);
+  Eigen::Vector3d textureOf(const TileTriangle& candidate, int pixel, const PixelSamples::Share& share);
 
   const CameraModel* camera_ = nullptr;
   const TriangleList* list_ = nullptr;
@@ -79,7 +72,7 @@ class TilePainter {
   // Of the tile being painted.
   PixelBox box_;
   bool keep_ = false;
-  std::vector<Candidate> candidates_;
+  std::vector<TileTriangle> candidates_;
   std::vector<Fragment> fragments_;
   std::vector<std::uint32_t> seen_;  // scratch: candidates of one pixel
   PixelSamples samples_;             // scratch

@@ -162,8 +162,23 @@ TEST(GazeboMaterials, PaintEveryVisualOfTheirLinkAndOthersAreWarnedAbout) {
   EXPECT_DOUBLE_EQ(orange.links[0].visuals[0].color.g, 0.5088);
   const RobotModel wood = load("Gazebo/Wood");
   ASSERT_EQ(wood.warnings.size(), 1u);
-  EXPECT_NE(wood.warnings[0].find("material"), std::string::npos);
+  EXPECT_NE(wood.warnings[0].find("'Gazebo/Wood'"), std::string::npos) << wood.warnings[0];
   EXPECT_DOUBLE_EQ(wood.links[0].visuals[0].color.g, 1.0);
+}
+
+TEST(CameraTags, MaterialScriptsOfVisualsAreColoursOrNamedInAWarning) {
+  const auto load = [](const std::string& name) {
+    return loadRobotModel(
+        "<robot name='r'><link name='a'><visual><geometry><box size='1 1 1'/></geometry></visual></link>"
+        "<gazebo reference='a'><visual><material><script><uri>file://own.material</uri><name>" +
+            name + "</name></script></material></visual></gazebo></robot>",
+        "test.urdf");
+  };
+  EXPECT_DOUBLE_EQ(load("Gazebo/Orange").links[0].visuals[0].color.g, 0.5088);
+  EXPECT_TRUE(load("Gazebo/Orange").warnings.empty());
+  const RobotModel own = load("Own/Checkers");
+  ASSERT_EQ(own.warnings.size(), 1u);
+  EXPECT_NE(own.warnings[0].find("'Own/Checkers'"), std::string::npos) << own.warnings[0];
 }
 
 TEST(CameraTags, PoseAndTwistOfAnOffsetCameraAreThoseOfItsOwnPoint) {
