@@ -32,7 +32,8 @@ Eigen::Vector3d Facet::color(const Eigen::Vector3d& ray) const {
 bool Facet::texel(const Eigen::Vector3d& ray, Eigen::Vector2d& point) const {
   const Eigen::Vector3d b = areal * ray;
   const double sum = b.sum();
-  if (!(sum > 0.0)) return false;
+  constexpr double kGrazing = 1e-9;  // sine of the angle to the plane: beyond, texture coordinates mean nothing
+  if (!(sum > kGrazing * plane.norm() * ray.norm())) return false;
   point = (b[0] * texels[0] + b[1] * texels[1] + b[2] * texels[2]) / sum;
   return true;
 }

@@ -31,7 +31,8 @@ struct Facet {
   Eigen::Vector3d weights(const Eigen::Vector3d& ray) const;
   /** Of the corners, texture left out. */
   Eigen::Vector3d color(const Eigen::Vector3d& ray) const;
-  /** Texture coordinates of the point of its plane on a ray, inside or not. @return false if there is none ahead */
+  /** Texture coordinates of the point of its plane on a ray, inside or not. @return false if there is none ahead,
+   *  or but a grazing one */
   bool texel(const Eigen::Vector3d& ray, Eigen::Vector2d& point) const;
 };
 

@@ -326,6 +326,31 @@ TEST_F(MeshPicture, OfAUrdfsMaterialLiesOnABoxAsInGazebo) {
   EXPECT_LE(worst, kTwoRoundings);
 }
 
+/** A floor seen along itself: no repetition of the picture is nearer to a pixel's size than any other. */
+TEST_F(MeshPicture, FadesToItsMeanTowardsTheHorizon) {
+  const TexturePtr texture = loadTexture(path("blocks.png"));
+  auto floor = std::make_shared<TriangleMesh>(*withPicture(*makeBox({200, 200, 0.1}), texture));
+  for (Eigen::Vector2f& point : floor->texture_coordinates) point *= 2000.0f;
+  CameraConfig config = colorConfig(cameraConfig());
+  config.far_m = 500.0;
+  const CameraModel camera(config);
+  Scene scene = sceneOf(floor);
+  scene.bodies[0].X_WB.p = {0.0, 0.0, -0.05};
+  for (const double height : {1e-9, 0.1}) {
+    Pose X_WC;  // along +y, the horizon in the middle of the image
+    X_WC.p = {0.0, 0.0, height};
+    X_WC.q = Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitX());
+    const Image image = unlit(camera, X_WC, scene);
+    if (height < 0.01) continue;  // nothing to be seen, and nothing to go wrong
+    const Rgb mean = texture->meanColor();
+    constexpr double kRest = 12.0;  // [grey levels] of blocks half as wide as the pixel's longer side
+    for (int u = 100; u < 220; ++u) {
+      EXPECT_NEAR(image.pixel(u, 122)[0], mean.r, kRest);
+      EXPECT_NEAR(image.pixel(u, 122)[1], mean.g, kRest);
+    }
+  }
+}
+
 TEST_F(MeshPicture, OfAUrdfsMaterialNeedsTextureCoordinates) {
   EXPECT_THROW(withPicture(TriangleMesh{{{0, 0, 0}}, {}, {}, {}, {}, {}, {}, {}}, loadTexture(path("blocks.png"))),
                ModelError);
