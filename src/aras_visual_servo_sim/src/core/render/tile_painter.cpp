@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "pixel_color.hpp"
+#include "whole_tile.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -32,7 +33,15 @@ void TilePainter::paint(const CameraModel& camera, const TriangleList& triangles
 }
 
 void TilePainter::paintTile(int tile) {
-  setUp(tile);
+  box_ = bins_->pixels(tile);
+  keep_ = bins_->mark(tile) == TileBins::Mark::kBodies;
+  candidates_.clear();
+  for (const std::uint32_t* triangle = bins_->begin(tile); triangle != bins_->end(tile); ++triangle) {
+    TileTriangle candidate;
+    if (candidate.set(*list_, *triangle, camera_->nearM(), box_)) candidates_.push_back(candidate);
+  }
+  if (paintWhole()) return;
+  setUp();
   const bool centers = camera_->sampling() == CameraModel::Sampling::kCenter;
   for (std::uint32_t k = 0; k < candidates_.size(); ++k) centers ? collectCenters(k) : collect(k);
   for (int v = box_.v0; v < box_.v1; ++v) {
@@ -40,9 +49,18 @@ void TilePainter::paintTile(int tile) {
   }
 }
 
-void TilePainter::setUp(int tile) {
-  box_ = bins_->pixels(tile);
-  keep_ = bins_->mark(tile) == TileBins::Mark::kBodies;
+/** The short way for a tile that sees nothing but one facet. @return false if it is none, or has a picture */
+bool TilePainter::paintWhole() {
+  const TileTriangle* front = wholeFront(*camera_, candidates_, box_);
+  if (!front) return false;
+  const Facet& facet = list_->facet(front->triangle);
+  if (keep_ && facet.planar) return true;
+  if (facet.picture >= 0 || facet.texture) return false;
+  shadeTile(*camera_, facet, box_, *image_);
+  return true;
+}
+
+void TilePainter::setUp() {
   fragments_.clear();
   first_.fill(-1);
   front_.fill(-1);
@@ -58,11 +76,6 @@ void TilePainter::setUp(int tile) {
         pixel.down[k] = static_cast<float>(pixel.rays.down[k]);
       }
     }
-  }
-  candidates_.clear();
-  for (const std::uint32_t* triangle = bins_->begin(tile); triangle != bins_->end(tile); ++triangle) {
-    TileTriangle candidate;
-    if (candidate.set(*list_, *triangle, camera_->nearM(), box_)) candidates_.push_back(candidate);
   }
 }
 

@@ -52,7 +52,8 @@ class TilePainter {
   };
 
   void paintTile(int tile);
-  void setUp(int tile);
+  bool paintWhole();
+  void setUp();
   void collect(std::uint32_t candidate);
   void collectCenters(std::uint32_t candidate);
   void paintPixel(int pixel);
