@@ -13,6 +13,12 @@
 
 namespace aras_visual_servo_sim {
 
+/** What camera_info says where that is not how the image is drawn: a plumb_bob camera with f = fx = fy [px]. */
+struct ToldIntrinsics {
+  double f_px = 0.0, cx_px = 0.0, cy_px = 0.0;
+  std::vector<double> distortion;  ///< k1 k2 p1 p2 k3
+};
+
 /** A camera as a scenario or a URDF describes it; CameraModel checks it. Units are in the names; px = pixel. */
 struct CameraConfig {
   std::string name = "camera";
@@ -49,6 +55,7 @@ struct CameraConfig {
   double drop_probability = 0.0;  ///< of each frame, 0 .. 0.99: it is never taken; seeded by its index
   bool triggered = false;         ///< frames are taken only when asked for, at the next instant of rate_hz
   double baseline_m = 0.0;        ///< right of a stereo pair: distance to the left camera; P(0, 3) = -fx baseline_m
+  std::optional<ToldIntrinsics> told;  ///< for `compatibility: gazebo`; nothing: camera_info says how it is drawn
 };
 
 /** Geometry of a camera: pinhole with any principal point, and a lens.
@@ -125,9 +132,9 @@ class CameraModel {
   bool isWithinLens(double u, double v) const;
 
   /** Intrinsics as sensor_msgs/CameraInfo wants them: K 3 x 3, D (5, 8 or 4 numbers), R = I, P = [K p] with
-   *  p = (-fx baseline_m, 0, 0). */
+   *  p = (-fx baseline_m, 0, 0). Those of config().told if there are any. */
   Eigen::Matrix3d K() const;
-  const std::vector<double>& D() const { return distortion_; }
+  const std::vector<double>& D() const { return config_.told ? config_.told->distortion : distortion_; }
   Eigen::Matrix3d R() const { return Eigen::Matrix3d::Identity(); }
   Eigen::Matrix<double, 3, 4> P() const;
   /** "plumb_bob", "rational_polynomial" or "equidistant"; "plumb_bob" with five zeros for no lens. */

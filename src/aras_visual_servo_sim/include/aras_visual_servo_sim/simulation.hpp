@@ -141,8 +141,8 @@ class Simulation {
   void spawnModel(const YAML::Node& entry, const std::optional<Pose>& X_WM = std::nullopt);
   /** Removes a model; one of the configuration is back after a reset. @throws UnknownNameError */
   void deleteModel(const std::string& model);
-  /** True if some model has a motion. */
-  bool modelsMove() const { return !motions_.empty(); }
+  /** True if some model has a motion, or is a free body. */
+  bool modelsMove() const { return !motions_.empty() || !config_.world.contacts.free_bodies.empty(); }
   /** Places a model, which then stays there: a motion it had ends.
    *  @throws UnknownNameError naming the models there are, NotFiniteError */
   void setModelPose(const std::string& model, const Pose& X_WM);
@@ -250,8 +250,12 @@ class Simulation {
  *
  *  camera_info is what Gazebo's plugin publishes where the tags say so (focalLength, Cx, Cy, distortionK1 ...,
  * hackBaseline), and the image always agrees with it; where Gazebo's own image would not, there is a warning.
- *  @param warnings  gets a line for each thing that Gazebo does otherwise
+ *  @param as_gazebo  camera_info is Gazebo's even where Gazebo's image is not drawn with it, and so is the image: the
+ *                    principal point told is (w + 1) / 2 without Cx, the one drawn with (w - 1) / 2; focalLength, Cx,
+ * Cy and the plugin's distortion are told and not drawn
+ *  @param warnings  gets a line for each thing that Gazebo does otherwise, or where image and camera_info disagree
  *  @throws ModelError for an image format there is not */
-std::vector<CameraConfig> camerasFromTags(const RobotModel& model, std::vector<std::string>& warnings);
+std::vector<CameraConfig> camerasFromTags(const RobotModel& model, std::vector<std::string>& warnings,
+                                          bool as_gazebo = false);
 
 }  // namespace aras_visual_servo_sim

@@ -19,7 +19,8 @@ struct SimulationConfig {
   std::map<std::string, double> initial_positions;  ///< by joint name [m or rad]; joints not named start at 0
   double command_timeout_s = 0.1;  ///< simulated age at which a velocity command stops acting, >= 0; 0 = never
   std::vector<CameraConfig> cameras;
-  YAML::Node scene;  ///< read by loadScene
+  bool gazebo_cameras = false;  ///< `compatibility`: "gazebo"; cameras of the URDF are as Gazebo has them
+  YAML::Node scene;             ///< read by loadScene
 
   /** @param node  the section; null gives the defaults
    *  @throws ParameterError listing every fault (unknown key, wrong type, out of range), all at once */

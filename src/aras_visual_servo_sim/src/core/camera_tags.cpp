@@ -28,7 +28,7 @@ class TagReader {
     camera_.name.erase(0, camera_.name.find_first_not_of('/'));
   }
 
-  CameraConfig read() {
+  CameraConfig read(bool as_gazebo) {
     camera_.width = tag_.width;
     camera_.height = tag_.height;
     camera_.encoding = encoding();
@@ -43,10 +43,14 @@ class TagReader {
     camera_.noise_stddev = kGreyLevels * tag_.noise_stddev;
     camera_.baseline_m = tag_.baseline;
     camera_.triggered = tag_.triggered;
-    readFocalLength();
-    readCenter("Cx", tag_.cx, tag_.width, camera_.cx_px);
-    readCenter("Cy", tag_.cy, tag_.height, camera_.cy_px);
-    readLens();
+    if (as_gazebo) {
+      readAsGazebo();
+    } else {
+      readFocalLength();
+      readCenter("Cx", tag_.cx, tag_.width, camera_.cx_px);
+      readCenter("Cy", tag_.cy, tag_.height, camera_.cy_px);
+      readLens();
+    }
     readPlace();
     return camera_;
   }
@@ -62,6 +66,26 @@ class TagReader {
     if (format == "B8G8R8" || format == "BGR_INT8") return "bgr8";
     if (format == "L8" || format == "L_INT8") return "mono8";
     throw ModelError("camera '" + camera_.name + "': <format> is " + format + ", allowed R8G8B8, B8G8R8, L8");
+  }
+
+  /** The image by the sensor alone, camera_info by the plugin's keys and defaults (gazebo_ros_camera_utils.cpp, Init).
+   */
+  void readAsGazebo() {
+    const double field = tag_.horizontal_fov_rad;
+    if (field > 0.0) camera_.horizontal_fov_rad = field;
+    const std::vector<double> none(5, 0.0);
+    if (!tag_.sensor_distortion.empty()) {
+      camera_.distortion = tag_.sensor_distortion;
+      camera_.distortion_model = "plumb_bob";
+    }
+    ToldIntrinsics told;
+    told.f_px = tag_.focal_length != 0.0 ? tag_.focal_length : 0.5 * tag_.width / std::tan(0.5 * field);
+    told.cx_px = tag_.cx != 0.0 ? tag_.cx : 0.5 * (tag_.width + 1);
+    told.cy_px = tag_.cy != 0.0 ? tag_.cy : 0.5 * (tag_.height + 1);
+    told.distortion = tag_.auto_distortion ? tag_.sensor_distortion : tag_.distortion;
+    if (told.distortion.empty()) told.distortion = none;
+    camera_.told = told;
+    warn("sim/compatibility: gazebo: camera_info says what Gazebo's does, which is not how the image is drawn");
   }
 
   void readFocalLength() {
@@ -141,9 +165,9 @@ class TagReader {
 
 }  // namespace
 
-std::vector<CameraConfig> camerasFromTags(const RobotModel& model, std::vector<std::string>& warnings) {
+std::vector<CameraConfig> camerasFromTags(const RobotModel& model, std::vector<std::string>& warnings, bool as_gazebo) {
   std::vector<CameraConfig> cameras;
-  for (const CameraTag& tag : model.cameras) cameras.push_back(TagReader(model, tag, warnings).read());
+  for (const CameraTag& tag : model.cameras) cameras.push_back(TagReader(model, tag, warnings).read(as_gazebo));
   return cameras;
 }
 

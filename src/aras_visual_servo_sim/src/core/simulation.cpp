@@ -64,7 +64,8 @@ Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::No
   for (const auto& [joint, position] : config_.initial_positions) {
     collect([&, &joint = joint, &position = position] { initial_q_[model_.jointIndex(joint)] = position; });
   }
-  if (config_.cameras.empty()) collect([&] { config_.cameras = camerasFromTags(model_, model_.warnings); });
+  if (config_.cameras.empty())
+    collect([&] { config_.cameras = camerasFromTags(model_, model_.warnings, config_.gazebo_cameras); });
   for (const CameraConfig& camera : config_.cameras) addCamera(camera, faults);
   if (faults.empty()) collect([&] { makeWorld(); });
   if (!faults.empty()) throw ParameterError(joined(faults, "\n"));

@@ -69,6 +69,7 @@ SimulationConfig SimulationConfig::fromYaml(const YAML::Node& node) {
     config.initial_positions[joint] = positions.required<double>(joint);
   }
   readCameras(reader.raw("cameras"), config.cameras, faults);
+  config.gazebo_cameras = reader.optionalChoice("compatibility", "none", {"none", "gazebo"}) == "gazebo";
   try {
     config.world.contacts = contactConfigFromYaml(reader.raw("contacts"));
   } catch (const ParameterError& error) {

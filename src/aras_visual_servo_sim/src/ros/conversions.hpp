@@ -15,6 +15,9 @@
 
 namespace aras_visual_servo_sim {
 
+/** Frame id of the world frame W, whatever the robot's root link is called. */
+inline const std::string kWorldFrame = "world";
+
 /** Simulated nanoseconds since the last reset, as a ROS time and back. */
 ros::Time toRosTime(std::int64_t time_ns);
 std::int64_t toNanoseconds(const ros::Time& time);

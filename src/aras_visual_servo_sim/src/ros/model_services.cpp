@@ -50,7 +50,7 @@ bool ModelServices::answer(Response& response, const Action& action) {
   try {
     action();
     response.success = true;
-    markers_.publish(simulation_.scene());
+    markers_.publish();
   } catch (const ArasError& error) {
     response.success = false;
     response.status_message = error.what();
@@ -60,7 +60,7 @@ bool ModelServices::answer(Response& response, const Action& action) {
 
 /** Pose of a model or link in the world; empty or "world": the world itself. @throws UnknownNameError */
 Pose ModelServices::frame(const std::string& name) const {
-  if (name.empty() || name == "world") return Pose();
+  if (name.empty() || name == kWorldFrame) return Pose();
   for (const Link& link : simulation_.model().links) {
     if (link.name == name) return simulation_.world().linkPose(name);
   }
@@ -91,8 +91,7 @@ bool ModelServices::onSetState(SetModelState::Request& request, SetModelState::R
 bool ModelServices::onGetState(GetModelState::Request& request, GetModelState::Response& response) {
   return answer(response, [&] {
     response.header.stamp = time_.now();
-    response.header.frame_id =
-        request.relative_entity_name.empty() ? simulation_.model().links.front().name : request.relative_entity_name;
+    response.header.frame_id = request.relative_entity_name.empty() ? kWorldFrame : request.relative_entity_name;
     response.pose =
         toMessage(frame(request.relative_entity_name).inverse() * simulation_.modelPose(request.model_name));
     response.twist = toMessage(simulation_.modelTwist(request.model_name));

@@ -11,7 +11,8 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-const std::vector<std::string> kPrivateKeys = {"gazebo_camera_names", "gazebo_names", "scenario", "sim", "time"};
+const std::vector<std::string> kPrivateKeys = {"base_tf", "gazebo_camera_names", "gazebo_names", "scenario", "sim",
+                                               "time"};
 const std::string kControllerSuffix = "Controller";
 
 bool endsWith(const std::string& text, const std::string& suffix) {
@@ -61,7 +62,7 @@ void refuseUnknownKeys(const ros::NodeHandle& private_node, std::vector<std::str
   for (auto& member : tree) {
     if (std::find(kPrivateKeys.begin(), kPrivateKeys.end(), member.first) == kPrivateKeys.end()) {
       faults.push_back("~" + member.first +
-                       ": unknown key, allowed gazebo_camera_names, gazebo_names, scenario, sim, time");
+                       ": unknown key, allowed base_tf, gazebo_camera_names, gazebo_names, scenario, sim, time");
     }
   }
 }
@@ -81,6 +82,7 @@ NodeParameters loadParameters(const ros::NodeHandle& node, const ros::NodeHandle
   refuseUnknownKeys(private_node, faults);
   private_node.param("gazebo_names", parameters.gazebo_names, false);
   private_node.param("gazebo_camera_names", parameters.gazebo_camera_names, false);
+  private_node.param("base_tf", parameters.base_tf, true);
   collect([&] { parameters.simulation = SimulationConfig::fromYaml(section(node, private_node, "sim")); });
   const YAML::Node time = section(node, private_node, "time");
   collect([&] { parameters.time = TimeConfig::fromYaml(time); });

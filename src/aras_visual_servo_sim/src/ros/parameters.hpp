@@ -18,11 +18,12 @@ struct NodeParameters {
   JointStateConfig joint_states;
   bool gazebo_names = false;         ///< also answer /gazebo/pause_physics and the like
   bool gazebo_camera_names = false;  ///< the URDF's cameras have the topics that Gazebo gives them
+  bool base_tf = true;               ///< say where the base is on /tf and /tf_static
 };
 
 /** Reads `robot_description` (searched upwards), the controllers of the namespace, and of the private namespace the
- *  sections `sim` and `time`, which may also stand under `scenario/` there or in the namespace, `gazebo_names` and
- *  `gazebo_camera_names`.
+ *  sections `sim` and `time`, which may also stand under `scenario/` there or in the namespace, `gazebo_names`,
+ *  `gazebo_camera_names` and `base_tf`.
  *  @throws ParameterError listing every fault of all of them */
 NodeParameters loadParameters(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
 

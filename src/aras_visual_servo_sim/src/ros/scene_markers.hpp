@@ -3,24 +3,24 @@
 #include <ros/node_handle.h>
 #include <visualization_msgs/MarkerArray.h>
 
-#include <string>
-
-#include "aras_visual_servo_sim/scene.hpp"
+#include "aras_visual_servo_sim/simulation.hpp"
 
 namespace aras_visual_servo_sim {
 
-/** The planar models of a scene for rviz; bodies of the robot are rviz's own RobotModel.
- *  @param world_frame  frame id of W */
-visualization_msgs::MarkerArray sceneMarkers(const Scene& scene, const std::string& world_frame);
+/** The models of a simulation for rviz, flat ones and solids; links of the robot are rviz's own RobotModel. Solids have
+ *  their colours, no pictures. In the frame `world`. */
+visualization_msgs::MarkerArray sceneMarkers(const Simulation& simulation);
 
 /** Latched topic `scene_markers`. */
 class SceneMarkers {
  public:
-  SceneMarkers(ros::NodeHandle& node, std::string world_frame);
-  void publish(const Scene& scene);
+  SceneMarkers(ros::NodeHandle& node, const Simulation& simulation);
+  void publish();
+  /** The same, if somebody listens: for what changes often. */
+  void refresh();
 
  private:
-  std::string world_frame_;
+  const Simulation& simulation_;
   ros::Publisher publisher_;
 };
 

@@ -28,7 +28,7 @@ SimNode::SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, const NodePar
       commands_(node_, simulation_, gate_, time_),
       triggers_(node_, simulation_, cameraTopics(simulation_, parameters.gazebo_camera_names)),
       pids_(node_, simulation_),
-      markers_(node_, simulation_.model().links.front().name),
+      markers_(node_, simulation_),
       models_(node_, simulation_, markers_, time_),
       status_(node_.advertise<aras_visual_servo_msgs::SimStatus>("sim/status", 1000, true)),
       paused_(parameters.time.start_paused) {
@@ -37,7 +37,7 @@ SimNode::SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, const NodePar
     lockstep_cameras_.push_back(simulation_.cameraIndex(camera));
   }
   advertiseServices(parameters.gazebo_names);
-  markers_.publish(simulation_.scene());
+  markers_.publish();
 }
 
 /** Who has to answer each image, by full name. */
@@ -103,7 +103,7 @@ void SimNode::timeJumped(std::int64_t before_ns) {
   pacer_.restart(simulation_.timeNs());
   meter_.restart(simulation_.timeNs());
   pids_.refresh();
-  markers_.publish(simulation_.scene());
+  markers_.publish();
 }
 
 void SimNode::advance(std::int64_t limit_ticks) {
@@ -134,7 +134,7 @@ void SimNode::beat() {
   const auto ticks = static_cast<std::uint64_t>(simulation_.ticks());
   if (paused_ || gate_.holding() || ticks == clock_beats_at_) states_.publishClock();
   clock_beats_at_ = ticks;
-  if (simulation_.modelsMove()) markers_.publish(simulation_.scene());
+  if (simulation_.modelsMove()) markers_.refresh();
   publishStatus();
 }
 

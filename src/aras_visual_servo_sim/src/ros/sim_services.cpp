@@ -82,7 +82,7 @@ bool SimNode::onReset(Empty::Request&, Empty::Response&) {
 
 bool SimNode::onResetWorld(Empty::Request&, Empty::Response&) {
   simulation_.resetWorld();
-  markers_.publish(simulation_.scene());
+  markers_.publish();
   return true;
 }
 
@@ -112,7 +112,7 @@ bool SimNode::onSetJointPositions(SetJointPositions::Request& request, SetJointP
 bool SimNode::onSetTargetPose(SetTargetPose::Request& request, SetTargetPose::Response& response) {
   return answer(response, [&] {
     simulation_.setModelPose(request.model.empty() ? kTargetModel : request.model, fromMessage(request.pose));
-    markers_.publish(simulation_.scene());
+    markers_.publish();
   });
 }
 

@@ -39,18 +39,18 @@ StatePublisher::StatePublisher(const ros::NodeHandle& node, Simulation& simulati
       simulation_(simulation),
       time_(time),
       render_always_(parameters.time.render_always),
-      world_frame_(simulation.model().links.front().name),
       clock_schedule_(std::min(parameters.time.clock_rate_hz, 1e9 / simulation.periodNs()), simulation.periodNs()),
       joint_schedule_(std::min(parameters.time.joint_state_rate_hz, 1e9 / simulation.periodNs()),
                       simulation.periodNs()),
       geometry_(node_, simulation, topics),
+      base_frames_(node_, simulation, parameters.base_tf),
       extra_joints_(parameters.joint_states.extra_joints) {
   clock_ = node_.advertise<rosgraph_msgs::Clock>("/clock", kSmallQueue);
   joints_ = node_.advertise<sensor_msgs::JointState>("joint_states", kSmallQueue);
   target_pose_ = node_.advertise<geometry_msgs::PoseStamped>("ground_truth/target_pose", kSmallQueue);
   target_twist_ = node_.advertise<geometry_msgs::TwistStamped>("ground_truth/target_twist", kSmallQueue);
   path_ = node_.advertise<nav_msgs::Path>("camera_path", 1);
-  path_message_.header.frame_id = world_frame_;
+  path_message_.header.frame_id = kWorldFrame;
   joint_message_.name = simulation.model().joint_names;
   for (const ExtraJoint& joint : extra_joints_) joint_message_.name.push_back(joint.name);
   for (std::size_t k = 0; k < topics.size(); ++k) advertiseCamera(static_cast<int>(k), topics[k]);
@@ -183,6 +183,7 @@ void StatePublisher::reset() {
 void StatePublisher::publishPresentJoints() {
   const MultibodyWorld& world = simulation_.world();
   publishJoints(time_.now(), world.jointPositions(), world.jointVelocities(), world.jointEfforts());
+  base_frames_.publish(time_.now());
 }
 
 void StatePublisher::publishJoints(const ros::Time& stamp, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
@@ -225,7 +226,7 @@ void StatePublisher::publishTarget(const ros::Time& stamp) {
   if (target.empty()) return;
   geometry_msgs::PoseStamped pose;
   pose.header.stamp = stamp;
-  pose.header.frame_id = world_frame_;
+  pose.header.frame_id = kWorldFrame;
   pose.pose = toMessage(simulation_.modelPose(target));
   target_pose_.publish(pose);
   geometry_msgs::TwistStamped twist;
@@ -238,7 +239,7 @@ void StatePublisher::publishCamera(int camera, const ros::Time& stamp, const Pos
   CameraOutput& output = cameras_[camera];
   geometry_msgs::PoseStamped pose;
   pose.header.stamp = stamp;
-  pose.header.frame_id = world_frame_;
+  pose.header.frame_id = kWorldFrame;
   pose.pose = toMessage(X_WC);
   output.pose.publish(pose);
   geometry_msgs::TwistStamped twist;
@@ -272,7 +273,7 @@ void StatePublisher::publishPath(const ros::Time& stamp, const geometry_msgs::Po
   if (path_message_.poses.size() >= kLongestPath) path_message_.poses.erase(path_message_.poses.begin());
   geometry_msgs::PoseStamped entry;
   entry.header.stamp = stamp;
-  entry.header.frame_id = world_frame_;
+  entry.header.frame_id = kWorldFrame;
   entry.pose = pose;
   path_message_.poses.push_back(entry);
   const ros::WallTime now = ros::WallTime::now();

@@ -13,6 +13,7 @@
 
 #include "aras_visual_servo_sim/frame_schedule.hpp"
 #include "aras_visual_servo_sim/simulation.hpp"
+#include "base_frames.hpp"
 #include "camera_topics.hpp"
 #include "geometry_publisher.hpp"
 #include "parameters.hpp"
@@ -80,7 +81,6 @@ class StatePublisher {
   Simulation& simulation_;
   const WireTime& time_;
   bool render_always_;
-  std::string world_frame_;
   FrameSchedule clock_schedule_, joint_schedule_;
   std::int64_t next_clock_ = 0, next_joints_ = 0;  ///< indices into the schedules
   std::int64_t sampled_tick_ = -1;
@@ -88,6 +88,7 @@ class StatePublisher {
   ros::Publisher clock_, joints_, target_pose_, target_twist_, path_;
   std::vector<CameraOutput> cameras_;
   GeometryPublisher geometry_;
+  BaseFrames base_frames_;
   std::vector<ExtraJoint> extra_joints_;
   std::vector<ControllerOutput> controllers_;
   sensor_msgs::JointState joint_message_;

@@ -7,7 +7,7 @@ import rostest
 from aras_visual_servo_msgs.srv import (DeleteModel, GetModelState, SetModelMotion, SetModelState, SpawnModel, Step)
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, Twist, TwistStamped, Vector3
 from std_srvs.srv import Empty
-from visualization_msgs.msg import MarkerArray
+from visualization_msgs.msg import Marker, MarkerArray
 
 from listening import Listener, service, until
 
@@ -91,6 +91,34 @@ class Models(unittest.TestCase):
         until(lambda: "sheet" in {marker.ns for marker in markers.messages[-1].markers}, "the sheet is drawn")
         self.assertTrue(self.delete(model_name="sheet").success)
         until(lambda: "sheet" not in {marker.ns for marker in markers.messages[-1].markers}, "the sheet is gone")
+
+    def test_solids_are_drawn_where_they_are_and_go_when_they_are_deleted(self):
+        markers = Listener("scene_markers", MarkerArray)
+        markers.wait()
+
+        def drawn(name):
+            return [marker for marker in markers.messages[-1].markers if marker.ns == name]
+
+        for name, description, shapes in (("ball", "sphere_m: 0.02", 1), ("crate", "box_m: [0.1, 0.2, 0.3]", 1),
+                                          ("drum", "cylinder_m: [0.1, 0.2]", 1), ("table", TABLE, 2)):
+            answer = self.spawn(model_name=name, model_xml=description, initial_pose=pose(0.1, 0.0, 0.05))
+            self.assertTrue(answer.success, answer.status_message)
+            until(lambda name=name: drawn(name), name + " is drawn")
+            self.assertEqual(len(drawn(name)), shapes)
+            for marker in drawn(name):
+                self.assertEqual((marker.header.frame_id, marker.type), ("world", Marker.TRIANGLE_LIST))
+                self.assertEqual(len(marker.points) % 3, 0)
+            self.assertEqual(drawn(name)[0].pose.position.x, 0.1)
+        corners = {(round(p.x, 9), round(p.y, 9), round(p.z, 9)) for p in drawn("crate")[0].points}
+        self.assertEqual(corners, {(x, y, z) for x in (-0.05, 0.05) for y in (-0.1, 0.1) for z in (-0.15, 0.15)})
+        motion = "{type: constant_velocity, linear_m_per_s: [0, 0.2, 0]}"
+        self.assertTrue(self.move(model_name="ball", motion=motion).success)
+        self.step(steps=500)
+        until(lambda: abs(drawn("ball")[0].pose.position.y - 0.1) < 1e-9, "the ball is drawn where it went")
+        self.assertTrue(self.delete(model_name="ball").success)
+        until(lambda: not drawn("ball"), "the ball is gone")
+        self.assertTrue(drawn("table"))
+        self.assertFalse(drawn("base"), "links of the robot are no markers")
 
 
 if __name__ == "__main__":

@@ -124,22 +124,23 @@ void CameraModel::readLens(std::vector<std::string>& faults) {
 
 Eigen::Matrix3d CameraModel::K() const {
   Eigen::Matrix3d K = Eigen::Matrix3d::Identity();
-  K(0, 0) = fx_;
-  K(1, 1) = fy_;
-  K(0, 2) = cx_;
-  K(1, 2) = cy_;
+  const std::optional<ToldIntrinsics>& told = config_.told;
+  K(0, 0) = told ? told->f_px : fx_;
+  K(1, 1) = told ? told->f_px : fy_;
+  K(0, 2) = told ? told->cx_px : cx_;
+  K(1, 2) = told ? told->cy_px : cy_;
   return K;
 }
 
 Eigen::Matrix<double, 3, 4> CameraModel::P() const {
   Eigen::Matrix<double, 3, 4> P = Eigen::Matrix<double, 3, 4>::Zero();
   P.leftCols<3>() = K();
-  P(0, 3) = -fx_ * config_.baseline_m;
+  P(0, 3) = -P(0, 0) * config_.baseline_m;
   return P;
 }
 
 std::string CameraModel::distortionModel() const {
-  return config_.distortion_model == "none" ? "plumb_bob" : config_.distortion_model;
+  return config_.told || config_.distortion_model == "none" ? "plumb_bob" : config_.distortion_model;
 }
 
 }  // namespace aras_visual_servo_sim

@@ -102,6 +102,46 @@ TEST(CameraTags, CameraInfoIsThatOfGazeboWhereKeysSaySoAndTheImageAgrees) {
   EXPECT_EQ(reading.warnings.find("<Cy>"), std::string::npos);  // 23.5 is the middle of 48
 }
 
+TEST(CameraTags, AsGazeboCameraInfoIsThePluginsAndTheImageTheSensors) {
+  RobotModel robot = loadRobotModel(urdfWith(kCamera + std::string("</camera>") + plugin("")), "test.urdf");
+  std::vector<std::string> warnings;
+  const CameraModel plain(camerasFromTags(robot, warnings, true).front());
+  EXPECT_DOUBLE_EQ(plain.K()(0, 0), 32.0 / std::tan(0.6));
+  EXPECT_EQ(plain.K()(0, 2), 32.5);  // (64 + 1) / 2
+  EXPECT_EQ(plain.K()(1, 2), 24.5);
+  EXPECT_EQ(plain.P()(1, 2), 24.5);
+  EXPECT_EQ(plain.cx(), 31.5);  // what it is drawn with
+  EXPECT_EQ(plain.cy(), 23.5);
+  EXPECT_EQ(plain.D(), std::vector<double>(5, 0.0));
+  EXPECT_NE(warnings.back().find("sim/compatibility"), std::string::npos);
+
+  const std::string lens =
+      "<distortion><k1>-0.2</k1><k2>0.03</k2><p1>0.001</p1><p2>0.002</p2><k3>0.004</k3></distortion>";
+  const std::string keys =
+      "<focalLength>70</focalLength><Cx>30</Cx><hackBaseline>0.07</hackBaseline><distortionK1>-0.1</distortionK1>";
+  robot = loadRobotModel(urdfWith(kCamera + lens + "</camera>" + plugin(keys)), "test.urdf");
+  const CameraModel told(camerasFromTags(robot, warnings, true).front());
+  EXPECT_EQ(told.K()(0, 0), 70.0);
+  EXPECT_EQ(told.K()(1, 1), 70.0);
+  EXPECT_EQ(told.K()(0, 2), 30.0);
+  EXPECT_DOUBLE_EQ(told.P()(0, 3), -70.0 * 0.07);
+  EXPECT_EQ(told.D(), (std::vector<double>{-0.1, 0.0, 0.0, 0.0, 0.0}));
+  EXPECT_EQ(told.config().distortion, (std::vector<double>{-0.2, 0.03, 0.001, 0.002, 0.004}));
+  EXPECT_DOUBLE_EQ(told.fx(), 32.0 / std::tan(0.6));
+  EXPECT_EQ(told.cx(), 31.5);
+
+  robot = loadRobotModel(urdfWith(kCamera + lens + "</camera>" + plugin("<autoDistortion>true</autoDistortion>")),
+                         "test.urdf");
+  const CameraModel automatic(camerasFromTags(robot, warnings, true).front());
+  EXPECT_EQ(automatic.D(), automatic.config().distortion);
+}
+
+TEST(CameraTags, CompatibilityIsOffUnlessAskedFor) {
+  EXPECT_FALSE(SimulationConfig::fromYaml(YAML::Load("{}")).gazebo_cameras);
+  EXPECT_TRUE(SimulationConfig::fromYaml(YAML::Load("{compatibility: gazebo}")).gazebo_cameras);
+  EXPECT_THROW(SimulationConfig::fromYaml(YAML::Load("{compatibility: yes}")), ParameterError);
+}
+
 TEST(CameraTags, FocalLengthOfTheFieldIsNoNews) {
   const Reading reading =
       read(urdfWith(kCamera + std::string("</camera>") + plugin("<focalLength>46.774</focalLength>")));

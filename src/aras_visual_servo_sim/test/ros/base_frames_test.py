@@ -1,0 +1,81 @@
+#!/usr/bin/env python3
+"""Where the base is, on /tf and /tf_static, against the true pose of the camera on it."""
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+from aras_visual_servo_msgs.srv import Step
+from geometry_msgs.msg import PoseStamped
+from sensor_msgs.msg import JointState
+from tf2_msgs.msg import TFMessage
+
+from listening import Listener, service, until
+
+BASE = {"position": [0.3, -0.2, 2.0], "rpy": (0.2, -0.4, 0.7)}
+P_BC = np.array([0.05, 0.02, -0.1])            # of the URDF
+R_BC = np.diag([1.0, -1.0, -1.0])
+FALL_MS, GRAVITY = 200, 9.81
+ROUNDING = 1e-12                               # of a few products of numbers near 1
+STEP_ERROR_M = 0.5 * GRAVITY * 0.2 * 1e-3 * 1.01   # of a fall integrated in steps of 1 ms: g t h / 2
+
+
+def rotation(q):
+    x, y, z, w = q.x, q.y, q.z, q.w
+    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+
+
+def vector(v):
+    return np.array([v.x, v.y, v.z])
+
+
+class BaseFrames(unittest.TestCase):
+    def check_camera(self, transform, pose):
+        """The camera is where the base's transform and the URDF put it."""
+        R_WB, p_WB = rotation(transform.rotation), vector(transform.translation)
+        np.testing.assert_allclose(vector(pose.position), p_WB + R_WB @ P_BC, atol=ROUNDING)
+        np.testing.assert_allclose(rotation(pose.orientation), R_WB @ R_BC, atol=ROUNDING)
+
+    def test_free_base_is_published_with_the_stamp_of_every_joint_state_and_agrees_with_the_truth(self):
+        transforms, joints = Listener("free/tf", TFMessage), Listener("free/joint_states", JointState)
+        poses = Listener("free/ground_truth/camera_pose", PoseStamped)
+        for listener in (transforms, joints, poses):
+            until(listener.subscriber.get_num_connections, "the subscriptions")
+        service("free/sim/step", Step)(steps=FALL_MS)
+        until(lambda: any(s == FALL_MS * 1_000_000 for s in joints.stamps()), "the joint state at the end")
+        by_stamp = {}
+        for message in list(transforms.messages):
+            (transform,) = message.transforms
+            self.assertEqual((transform.header.frame_id, transform.child_frame_id), ("world", "base_link"))
+            by_stamp[transform.header.stamp] = transform.transform
+        self.assertEqual({stamp.to_nsec() for stamp in by_stamp}, set(joints.stamps()))
+        self.assertGreaterEqual(len(poses.messages), 6)
+        for message in poses.messages:
+            self.assertEqual(message.header.frame_id, "world")
+            self.check_camera(by_stamp[message.header.stamp], message.pose)
+        first, last = (by_stamp[stamp] for stamp in (min(by_stamp), max(by_stamp)))
+        np.testing.assert_allclose(vector(first.translation), BASE["position"], atol=ROUNDING)
+        fallen = first.translation.z - last.translation.z
+        self.assertAlmostEqual(fallen, 0.5 * GRAVITY * (FALL_MS * 1e-3) ** 2, delta=STEP_ERROR_M)
+
+    def test_a_base_that_stands_is_static_and_agrees_with_the_truth(self):
+        poses = Listener("placed/ground_truth/camera_pose", PoseStamped)
+        until(poses.subscriber.get_num_connections, "the subscription")
+        (transform,) = rospy.wait_for_message("placed/tf_static", TFMessage, 30.0).transforms
+        self.assertEqual((transform.header.frame_id, transform.child_frame_id), ("world", "base_link"))
+        np.testing.assert_allclose(vector(transform.transform.translation), BASE["position"], atol=ROUNDING)
+        service("placed/sim/step", Step)(steps=1)
+        self.check_camera(transform.transform, poses.wait()[0].pose)
+        self.assertNotIn("/placed/tf", {name for name, _ in rospy.get_published_topics()})
+
+    def test_nothing_is_published_where_somebody_else_says_it(self):
+        until(lambda: "/told_elsewhere/joint_states" in {name for name, _ in rospy.get_published_topics()}, "it is up")
+        names = {name for name, _ in rospy.get_published_topics()}
+        self.assertFalse({"/told_elsewhere/tf", "/told_elsewhere/tf_static"} & names)
+
+
+if __name__ == "__main__":
+    rospy.init_node("tester", anonymous=True)
+    rostest.rosrun("aras_visual_servo_sim", "base_frames", BaseFrames)
