@@ -66,7 +66,11 @@ class FreshStart(unittest.TestCase):
         service("sim/step", Step)(steps=STEPS - 1)
         status = cls.status.newer(lambda m: m.ticks == STEPS, "the end")
         end = start + genpy.Duration(0, STEPS * 1_000_000)
-        until(lambda: cls.listeners["joint_states"].messages[-1].header.stamp == end, "the last joint state")
+        for name, listener in cls.listeners.items():
+            if name in ("joint_states", "pan_controller/state"):
+                until(lambda listener=listener: listener.messages[-1].header.stamp == end, "the last of " + name)
+            else:
+                until(lambda listener=listener: len(listener.messages) == status.frames, "every frame's " + name)
         return {name: [shifted(message, start) for message in listener.messages]
                 for name, listener in cls.listeners.items()}, status, start
 

@@ -109,7 +109,7 @@ class Models(unittest.TestCase):
                 self.assertEqual((marker.header.frame_id, marker.type), ("world", Marker.TRIANGLE_LIST))
                 self.assertEqual(len(marker.points) % 3, 0)
             self.assertEqual(drawn(name)[0].pose.position.x, 0.1)
-        corners = {(round(p.x, 9), round(p.y, 9), round(p.z, 9)) for p in drawn("crate")[0].points}
+        corners = {(round(p.x, 6), round(p.y, 6), round(p.z, 6)) for p in drawn("crate")[0].points}
         self.assertEqual(corners, {(x, y, z) for x in (-0.05, 0.05) for y in (-0.1, 0.1) for z in (-0.15, 0.15)})
         motion = "{type: constant_velocity, linear_m_per_s: [0, 0.2, 0]}"
         self.assertTrue(self.move(model_name="ball", motion=motion).success)
