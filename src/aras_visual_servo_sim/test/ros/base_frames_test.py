@@ -44,7 +44,10 @@ class BaseFrames(unittest.TestCase):
         for listener in (transforms, joints, poses):
             until(listener.subscriber.get_num_connections, "the subscriptions")
         service("free/sim/step", Step)(steps=FALL_MS)
-        until(lambda: any(s == FALL_MS * 1_000_000 for s in joints.stamps()), "the joint state at the end")
+        end_ns = FALL_MS * 1_000_000
+        for listener in (joints, poses):
+            until(lambda listener=listener: end_ns in listener.stamps(), "joint state and image at the end")
+        until(lambda: transforms.messages[-1].transforms[0].header.stamp.to_nsec() == end_ns, "the last transform")
         by_stamp = {}
         for message in list(transforms.messages):
             (transform,) = message.transforms
