@@ -17,9 +17,10 @@ namespace aras_visual_servo_sim {
 /** Something solid that is no link of the robot: at rest, or free to move when it has mass. */
 struct Obstacle {
   std::string name;
-  Geometry geometry;     ///< in the frame of the obstacle
+  Geometry geometry;
   Pose X_WO;             ///< at the start
   double mass_kg = 0.0;  ///< 0: it stays where it is put; else uniform, a mesh as its bounding box
+  Pose X_OG{};           ///< of the geometry; identity if it has mass. Obstacles of one name are one thing, at one pose
 };
 
 /** The plane z = z_m, solid below. */

@@ -95,6 +95,11 @@ class MultibodyWorld {
   std::vector<ContactForce> contacts() const;
   /** Pose of an obstacle of the contacts. @throws UnknownNameError */
   Pose obstaclePose(const std::string& obstacle) const;
+  /** Its twist [v; w] in world axes, of its frame; zero for one without mass. @throws UnknownNameError */
+  Twist obstacleTwist(const std::string& obstacle) const;
+  /** What touches what from now on. Obstacles that were there before stay where they are and keep their velocity.
+   *  @throws ParameterError, ModelError; nothing changes then. */
+  void setContacts(const ContactConfig& config);
   /** Places an obstacle, at rest. @throws UnknownNameError, NotFiniteError */
   void setObstaclePose(const std::string& obstacle, const Pose& X_WO);
 

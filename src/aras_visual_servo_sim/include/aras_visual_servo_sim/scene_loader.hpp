@@ -42,6 +42,10 @@ YAML::Node modelEntry(const std::string& name, const std::string& description);
  *  @param urdf  the document, or the name of a file @throws ModelError, also for joints that move */
 Body bodyFromUrdf(const std::string& name, const std::string& urdf, const PackagePaths& packages);
 
+/** The <collision> shapes of all its links, in the frame of the root link. @throws as bodyFromUrdf */
+std::vector<Collision> collisionsFromUrdf(const std::string& name, const std::string& urdf,
+                                          const PackagePaths& packages);
+
 /** Adds one body for each link of the robot that has visuals, named as the link. @throws ModelError */
 void addRobotBodies(const RobotModel& robot, const PackagePaths& packages, Scene& scene);
 

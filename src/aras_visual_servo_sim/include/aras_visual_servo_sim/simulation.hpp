@@ -150,7 +150,8 @@ class Simulation {
   void setModelMotion(const std::string& model, const std::optional<ModelMotion>& motion);
   /** X_WM at the present tick. @throws UnknownNameError */
   Pose modelPose(const std::string& model) const;
-  /** V_WM_W at the present tick, as in ModelPlacement; zero for a model without motion. @throws UnknownNameError */
+  /** V_WM_W at the present tick, as in ModelPlacement; zero for a model without motion or mass. @throws
+   * UnknownNameError */
   Twist modelTwist(const std::string& model) const;
 
   // --- whole state
@@ -191,7 +192,12 @@ class Simulation {
   void makeWorld();
   static bool isDropped(const Camera& camera, std::int64_t frame);
   static std::int64_t nextFrame(const Camera& camera);
-  void readContacts(const PackagePaths& packages);
+  ContactConfig touchable(const ModelSet& set) const;
+  void checkTouched(const YAML::Node& solid, const ModelSet& set) const;
+  bool isThere(const std::string& name, const ModelSet& set) const;
+  void touch(const ModelSet& set);
+  void restoreWorld(const std::string& state, const ModelSet& models, bool changed);
+  bool touches(const std::string& model) const;
   void stepTouching(std::int64_t n);
   void showSolids();
   void touchModel(const std::string& model);
@@ -231,6 +237,7 @@ class Simulation {
   std::unique_ptr<MultibodyWorld> world_;
   Eigen::VectorXd initial_q_;
   Pose initial_base_;
+  ContactConfig touching_;  ///< what touches now, spawned solids included
   PackagePaths packages_;
   ModelSet models_;
   std::unique_ptr<const ModelSet> built_;     ///< as constructed, kept when models come or go

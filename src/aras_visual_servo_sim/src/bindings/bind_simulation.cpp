@@ -14,6 +14,7 @@
 #include "aras_visual_servo_sim/errors.hpp"
 #include "aras_visual_servo_sim/simulation.hpp"
 #include "aras_visual_servo_sim/urdf_loader.hpp"
+#include "bind_contacts.hpp"
 #include "bind_geometry.hpp"
 #include "yaml_from_python.hpp"
 
@@ -227,7 +228,8 @@ void bindScene(py::class_<Simulation>& type) {
       .def(
           "model_twist", [](const Simulation& self, const std::string& name) -> Twist { return self.modelTwist(name); },
           py::arg("name") = "target",
-          "V_WM_W, (6,): twist of a model in W, expressed in W, [v; w] [m/s; rad/s]; zero unless it has a motion.")
+          "V_WM_W, (6,): twist of a model in W, expressed in W, [v; w] [m/s; rad/s]; zero unless it has a motion or a "
+          "mass.")
       .def_property_readonly("model_names", &Simulation::modelNames, "Names of the models and solids of the scene.")
       .def(
           "spawn_model",
@@ -280,6 +282,7 @@ void bindSimulation(py::module_& module) {
            "Raises:\n    ModelError, ParameterError: every fault found, a line each.");
   bindTimeAndCameras(type);
   bindGeometry(type);
+  bindContacts(type);
   bindRobot(type);
   bindScene(type);
   bindState(type);

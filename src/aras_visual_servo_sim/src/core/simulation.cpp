@@ -58,7 +58,11 @@ Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::No
   }
   for (const std::string& name : modelNames()) models_.starts[name] = placeOf(name);
 
-  if (faults.empty()) collect([&] { readContacts(packages); });
+  if (faults.empty())
+    collect([&] {
+      for (const auto& solid : config_.scene["solids"]) checkTouched(solid, models_);
+      touching_ = touchable(models_);
+    });
 
   initial_q_ = Eigen::VectorXd::Zero(model_.dofs());
   for (const auto& [joint, position] : config_.initial_positions) {
@@ -95,7 +99,9 @@ void Simulation::addCamera(const CameraConfig& config, std::vector<std::string>&
 }
 
 void Simulation::makeWorld() {
-  auto world = std::make_unique<MultibodyWorld>(model_, config_.world);
+  WorldConfig world_config = config_.world;
+  world_config.contacts = touching_;
+  auto world = std::make_unique<MultibodyWorld>(model_, world_config);
   // Joints whose limits exclude 0 start at the nearer limit unless the configuration names them.
   for (int i = 0; i < model_.dofs(); ++i) {
     if (config_.initial_positions.count(model_.joint_names[i]) == 0) {
@@ -139,7 +145,7 @@ void Simulation::step(std::int64_t n) {
       cameras_[k].unhashed_frame = -1;
       next = std::min({next, nextExposureTick(static_cast<int>(k)), noteExposure(static_cast<int>(k))});
     }
-    if (config_.world.contacts.any()) {
+    if (touching_.any()) {
       stepTouching(next - ticks());
     } else {
       world_->step(static_cast<int>(next - ticks()));
@@ -217,7 +223,10 @@ void Simulation::resetWorld() {
 }
 
 void Simulation::reset() {
-  if (built_) models_ = *built_;
+  if (built_) {
+    models_ = *built_;
+    touching_ = touchable(models_);
+  }
   makeWorld();
   resetWorld();
   for (Camera& camera : cameras_) {

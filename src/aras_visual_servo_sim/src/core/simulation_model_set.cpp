@@ -21,15 +21,22 @@ void Simulation::spawnModel(const YAML::Node& entry, const std::optional<Pose>& 
   if (X_WM && (!X_WM->p.allFinite() || !X_WM->q.coeffs().allFinite())) {
     throw NotFiniteError("model '" + name + "': pose is not finite");
   }
-  keepBuilt();
-  keepSeenModels();
   YAML::Emitter text;
   text << YAML::Flow << entry;
-  models_.spawned[name] = text.c_str();
-  addModel(models_, std::move(added));
+  ModelSet next = models_;
+  next.spawned[name] = text.c_str();
+  next.starts[name] = X_WM ? *X_WM : added.models.empty() ? added.bodies.front().X_WB : added.models.front().X_WM;
+  const bool solid = added.models.empty();
+  addModel(next, std::move(added));
+  if (solid) {
+    checkTouched(entry, next);
+    touch(next);
+  }
+  keepBuilt();
+  keepSeenModels();
+  models_ = std::move(next);
   forgetPast();
-  if (X_WM) placeOf(name) = *X_WM;
-  models_.starts[name] = placeOf(name);
+  placeOf(name) = models_.starts[name];
   const auto motion = models_.scene.motions.find(name);
   if (motion != models_.scene.motions.end()) setModelMotion(name, motion->second);
 }
@@ -46,13 +53,12 @@ void Simulation::addModel(ModelSet& set, Scene added) {
 
 void Simulation::deleteModel(const std::string& model) {
   placeOf(model);  // throws
-  for (const Obstacle& solid : config_.world.contacts.obstacles) {
-    if (solid.name != model) continue;
-    throw ParameterError("model '" + model + "': takes part in sim/contacts, must stay (it can be placed elsewhere)");
-  }
+  ModelSet next = models_;
+  removeModel(next, model);
+  if (touches(model)) touch(next);
   keepBuilt();
   keepSeenModels();
-  removeModel(models_, model);
+  models_ = std::move(next);
   forgetPast();
   motions_.erase(model);
 }

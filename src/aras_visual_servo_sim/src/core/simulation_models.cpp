@@ -30,7 +30,7 @@ Pose Simulation::modelPose(const std::string& model) const { return const_cast<S
 Twist Simulation::modelTwist(const std::string& model) const {
   modelPose(model);  // throws
   const auto run = motions_.find(model);
-  if (run == motions_.end()) return Twist::Zero();
+  if (run == motions_.end()) return touches(model) ? world_->obstacleTwist(model) : Twist(Twist::Zero());
   const double t_s = 1e-9 * static_cast<double>(timeNs() - run->second.start_ns);
   return run->second.motion.at(run->second.X_WM0, t_s).V_WM_W;
 }

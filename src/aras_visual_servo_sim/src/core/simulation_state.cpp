@@ -123,6 +123,21 @@ std::string Simulation::saveState() const {
   return out.take();
 }
 
+/** The state of the world, what touches in it being that of a set of models. @throws StateError; nothing changes then
+ */
+void Simulation::restoreWorld(const std::string& state, const ModelSet& models, bool changed) {
+  if (!changed) return world_->restoreState(state);
+  const std::string before = world_->saveState();
+  touch(models);
+  try {
+    world_->restoreState(state);
+  } catch (const ArasError&) {
+    touch(models_);
+    world_->restoreState(before);
+    throw;
+  }
+}
+
 void Simulation::restoreState(const std::string& state) {
   StateReader in(state);
   if (in.get<std::uint64_t>() != kMagic) throw StateError("saved state: not written by this version");
@@ -156,7 +171,7 @@ void Simulation::restoreState(const std::string& state) {
   }
   if (!in.atEnd()) throw StateError("saved state: bytes left over");
 
-  world_->restoreState(world);  // throws before anything else changed
+  restoreWorld(world, models, changed);  // throws before anything else changed
   run_hash_.setState(hash);
   refused_commands_ = refused;
   last_refusal_ = refusal;

@@ -229,6 +229,19 @@ def test_a_free_body_of_the_scene_falls_on_the_ground_and_starts_again_after_res
     assert sim.model_pose("crate")[2, 3] == 0.2
 
 
+def test_a_spawned_body_touches_is_seen_touching_and_is_gone_after_reset():
+    sim = make(contacts={"ground_plane": {"z_m": 0.0}})
+    sim.spawn_model({"name": "ball", "sphere_m": 0.05, "mass_kg": 2.0, "position_m": [0.5, 0.5, 0.1]})
+    assert sim.contacts == []
+    sim.step(1500)
+    (contact,) = sim.contacts
+    assert (contact["a"], contact["b"]) == ("ball", "ground_plane")
+    assert contact["force_n"] == pytest.approx([0, 0, 2.0 * 9.81], abs=1e-5)
+    assert contact["normal"] == pytest.approx([0, 0, 1])
+    sim.reset()
+    assert "ball" not in sim.model_names
+
+
 def test_memory_does_not_grow_with_steps():
     def resident_kib():
         with open("/proc/self/statm") as file:

@@ -1,10 +1,12 @@
 #include "contact_solver.hpp"
 
+#include <algorithm>
+
 namespace aras_visual_servo_sim {
 
 namespace {
 
-constexpr int kMaxRounds = 20;
+constexpr int kMaxRounds = 40;
 
 }  // namespace
 
@@ -17,18 +19,30 @@ const Eigen::VectorXd& ContactSolver::solve(const ContactRows& rows, const std::
   const Eigen::LLT<Eigen::MatrixXd> factor(M);
   const Eigen::VectorXd v_before = v;
   lambda_ = Eigen::VectorXd::Zero(3 * rows.points());
-  for (int round = 0; round < kMaxRounds; ++round) {
+  const auto moveJoints = [&] {
     Eigen::VectorXd push = rows.J.transpose() * lambda_;
     if (n > 0) factor.solveInPlace(push);  // Eigen takes the address of the first element
     v = v_before;
     joints.solve(M_rows, v_free + push, graphs, dt_s, v, effort);
-    if (round > 0 && joints.pieces() == pieces_) break;
+  };
+  failed_.clear();
+  bool solved = false;  // whether the impulses are those of the pieces the joints were on last
+  int averages = 0;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    moveJoints();
+    if (solved && joints.pieces() == pieces_) return lambda_;
+    if (solved) failed_.push_back(pieces_);
     pieces_ = joints.pieces();
     freeInverse(rows, M, graphs, dt_s, joints);
     findIslands(rows.points());
     const Eigen::VectorXd u = rows.J * v + rows.u0 + rows.S * lambda_;
+    const Eigen::VectorXd lambda_before = lambda_;
     for (int island = 0; island < islands_; ++island) solveIsland(rows, u, dt_s, island);
+    // Held by its speed limit a joint pushes without end, and is pushed to its stop: the pieces between are on the way.
+    solved = std::find(failed_.begin(), failed_.end(), pieces_) == failed_.end();
+    if (!solved) lambda_ = lambda_before + (lambda_ - lambda_before) / (++averages + 1.0);
   }
+  moveJoints();  // not settled: at least the velocities are those of the impulses
   return lambda_;
 }
 

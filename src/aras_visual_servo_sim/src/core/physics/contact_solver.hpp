@@ -51,6 +51,7 @@ class ContactSolver {
   ContactIsland island_;
   Eigen::VectorXd lambda_;
   std::vector<JointSolver::Piece> pieces_;
+  std::vector<std::vector<JointSolver::Piece>> failed_;  // pieces whose impulses lead to others
 };
 
 }  // namespace aras_visual_servo_sim

@@ -79,9 +79,21 @@ class LimitReader {
   RobotModel& model_;
 };
 
+/** gazebo_ros_control drives position and velocity joints by a PID where it finds these gains. */
+void warnOfServoGains(const YAML::Node& node, RobotModel& model) {
+  if (!node.IsMap() || !node["gazebo_ros_control"].IsDefined() || !node["gazebo_ros_control"].IsMap()) return;
+  const YAML::Node gains = node["gazebo_ros_control"]["pid_gains"];
+  if (!gains.IsDefined() || !gains.IsMap()) return;
+  std::string joints;
+  for (const auto& item : gains) joints += (joints.empty() ? "" : ", ") + YAML::Dump(item.first);
+  model.warnings.push_back("gazebo_ros_control/pid_gains (" + joints +
+                           "): ignored, position and velocity joints are servos here; an effort controller has a PID");
+}
+
 }  // namespace
 
 void applyJointLimits(const YAML::Node& node, RobotModel& model) {
+  warnOfServoGains(node, model);
   if (!node.IsMap() || !node["joint_limits"].IsDefined() || node["joint_limits"].IsNull()) return;
   YamlReader all(node["joint_limits"], "joint_limits");
   for (const std::string& name : all.keys()) {

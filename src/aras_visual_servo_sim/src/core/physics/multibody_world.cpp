@@ -79,8 +79,17 @@ void MultibodyWorld::setObstaclePose(const std::string& obstacle, const Pose& X_
   if (!X_WO.p.allFinite() || !X_WO.q.coeffs().allFinite()) {
     throw NotFiniteError("solid '" + obstacle + "': pose is not finite");
   }
-  impl_->contacts->placeObstacle(index, {X_WO.p, X_WO.q.normalized()});
+  const auto& obstacles = impl_->contacts->obstacles();
+  for (std::size_t k = index; k < obstacles.size(); ++k) {
+    if (obstacles[k].name == obstacle) impl_->contacts->placeObstacle(k, {X_WO.p, X_WO.q.normalized()});
+  }
 }
+
+Twist MultibodyWorld::obstacleTwist(const std::string& obstacle) const {
+  return impl_->contacts->obstacleVelocity(impl_->obstacle(obstacle));
+}
+
+void MultibodyWorld::setContacts(const ContactConfig& config) { impl_->setContacts(config); }
 
 bool MultibodyWorld::floatingBase() const { return impl_->body.base() != nullptr; }
 

@@ -81,7 +81,7 @@ void WorldContacts::addObstacles() {
   const int first = static_cast<int>(model_.links.size());
   for (std::size_t k = 0; k < config_.obstacles.size(); ++k) {
     const Obstacle& obstacle = config_.obstacles[k];
-    shapes_.add(first + static_cast<int>(k), obstacle.geometry, Pose{});
+    shapes_.add(first + static_cast<int>(k), obstacle.geometry, obstacle.X_OG);
     X_WO_.push_back(obstacle.X_WO);
     free_body_.push_back(-1);
     if (obstacle.mass_kg > 0.0) {
@@ -239,7 +239,14 @@ void WorldContacts::finish(ArticulatedBody& body) {
         sides_[i].rows.transpose() * lambda_.segment<3>(static_cast<Eigen::Index>(3 * (i / 2)));
   }
   for (std::size_t k = 0; k < free_.size(); ++k) {
-    free_[k].advance(free_velocity_[k] + free_[k].answer(impulses[k]), period_s_);
+    const Twist velocity = free_velocity_[k] + free_[k].answer(impulses[k]);
+    if (!velocity.allFinite()) {
+      const auto found = std::find(free_body_.begin(), free_body_.end(), static_cast<int>(k));
+      throw NotFiniteError(
+          "solid '" + config_.obstacles[found - free_body_.begin()].name +
+          "': its velocity is not finite, must be finite (mass or stiffness too far from the others?)");
+    }
+    free_[k].advance(velocity, period_s_);
   }
 }
 
@@ -259,6 +266,21 @@ void WorldContacts::placeObstacle(std::size_t k, const Pose& X_WO) {
 void WorldContacts::restoreObstacle(std::size_t k, const Pose& X_WO) {
   X_WO_[k] = X_WO;
   if (free_body_[k] >= 0) free_[free_body_[k]].restore(X_WO, free_[free_body_[k]].velocity());
+}
+
+void WorldContacts::takeOver(WorldContacts& other) {
+  for (std::size_t k = 0; k < config_.obstacles.size(); ++k) {
+    for (std::size_t i = 0; i < other.config_.obstacles.size(); ++i) {
+      if (other.config_.obstacles[i].name != config_.obstacles[k].name) continue;
+      placeObstacle(k, other.obstaclePose(i));
+      if (free_body_[k] >= 0) free_[free_body_[k]].restore(other.obstaclePose(i), other.obstacleVelocity(i));
+      break;
+    }
+  }
+}
+
+Twist WorldContacts::obstacleVelocity(std::size_t k) const {
+  return free_body_[k] < 0 ? Twist(Twist::Zero()) : free_[free_body_[k]].velocity();
 }
 
 void WorldContacts::reset() {

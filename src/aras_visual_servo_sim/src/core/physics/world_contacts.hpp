@@ -40,6 +40,10 @@ class WorldContacts {
   /** At rest. */
   void placeObstacle(std::size_t k, const Pose& X_WO);
   std::vector<FreeBody>& freeBodies() { return free_; }
+  /** [linear; angular] in world axes, of the centre of mass; zero without mass. */
+  Twist obstacleVelocity(std::size_t k) const;
+  /** Poses and velocities of those obstacles that another one has too, by name. */
+  void takeOver(WorldContacts& other);
   void reset();
 
  private:

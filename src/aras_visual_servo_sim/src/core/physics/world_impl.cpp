@@ -51,9 +51,7 @@ MultibodyWorld::Impl::Impl(const RobotModel& the_model, const WorldConfig& the_c
   M_c.resize(static_cast<std::size_t>(coordinates) * coordinates);
   makeDrives();
   body.setPositions(q);
-  if (config.contacts.any()) {
-    contacts = std::make_unique<WorldContacts>(model, config.contacts, body, config.gravity_m_s2, config.period_s);
-  }
+  setContacts(config.contacts);
   start();
 }
 
@@ -180,6 +178,15 @@ std::size_t MultibodyWorld::Impl::obstacle(const std::string& name) const {
     }
   }
   throw UnknownNameError("solid '" + name + "': takes no part in the contacts, those that do are: " + known);
+}
+
+void MultibodyWorld::Impl::setContacts(const ContactConfig& wanted) {
+  std::unique_ptr<WorldContacts> next;
+  if (wanted.any()) {
+    next = std::make_unique<WorldContacts>(model, wanted, body, config.gravity_m_s2, config.period_s);
+    if (contacts) next->takeOver(*contacts);
+  }
+  contacts = std::move(next);
 }
 
 void MultibodyWorld::Impl::checkBase(const std::string& what, bool finite) const {

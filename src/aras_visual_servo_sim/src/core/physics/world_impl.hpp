@@ -40,6 +40,7 @@ class MultibodyWorld::Impl {
 
   /** Index of an obstacle of the contacts. @throws UnknownNameError */
   std::size_t obstacle(const std::string& name) const;
+  void setContacts(const ContactConfig& config);
   void checkBase(const std::string& what, bool finite) const;
   /** A mimic joint that is named must be where what it follows puts it. */
   void checkFollower(int joint, const Eigen::VectorXd& wanted) const;

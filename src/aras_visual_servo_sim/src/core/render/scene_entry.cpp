@@ -27,12 +27,29 @@ std::vector<Pose> linkPoses(const RobotModel& robot, const std::string& name) {
   return poses;
 }
 
+RobotModel loadUrdf(const std::string& name, const std::string& urdf, const PackagePaths& packages) {
+  const bool is_document = urdf.find('<') != std::string::npos;
+  return is_document ? loadRobotModel(urdf, "model '" + name + "'") : loadRobotModelFile(packages.resolve(urdf));
+}
+
 }  // namespace
 
+std::vector<Collision> collisionsFromUrdf(const std::string& name, const std::string& urdf,
+                                          const PackagePaths& packages) {
+  const RobotModel robot = loadUrdf(name, urdf, packages);
+  const std::vector<Pose> X_RL = linkPoses(robot, name);
+  std::vector<Collision> collisions;
+  for (std::size_t link = 0; link < robot.links.size(); ++link) {
+    for (Collision collision : robot.links[link].collisions) {
+      collision.X_link_collision = X_RL[link] * collision.X_link_collision;
+      collisions.push_back(std::move(collision));
+    }
+  }
+  return collisions;
+}
+
 Body bodyFromUrdf(const std::string& name, const std::string& urdf, const PackagePaths& packages) {
-  const bool is_document = urdf.find('<') != std::string::npos;
-  const RobotModel robot =
-      is_document ? loadRobotModel(urdf, "model '" + name + "'") : loadRobotModelFile(packages.resolve(urdf));
+  const RobotModel robot = loadUrdf(name, urdf, packages);
   const std::vector<Pose> X_RL = linkPoses(robot, name);
   Scene parts;
   addRobotBodies(robot, packages, parts);

@@ -212,6 +212,21 @@ ModelEntry readModel(YamlReader& reader) {
   return entry;
 }
 
+/** What only contacts use: checked here, read where they are made. */
+void checkTouching(YamlReader& reader) {
+  reader.optional<double>("mass_kg", 1.0, Range::positive());
+  if (reader.has("mass_kg") && reader.has("urdf")) {
+    reader.fault("mass_kg", "it beside urdf", "it with one shape: box_m, cylinder_m, sphere_m or mesh");
+  }
+  if (!reader.has("touches")) return;
+  const YAML::Node touches = reader.raw("touches");
+  bool good = touches.IsScalar() || touches.IsSequence();
+  if (touches.IsSequence()) {
+    for (const auto& name : touches) good = good && name.IsScalar();
+  }
+  if (!good) reader.fault("touches", "something else", "all, robot, or a list of links and solids by name");
+}
+
 SolidEntry readSolid(YamlReader& reader) {
   SolidEntry entry;
   entry.name = reader.required<std::string>("name");
@@ -220,6 +235,7 @@ SolidEntry readSolid(YamlReader& reader) {
   entry.motion = readMotion(reader);
   entry.urdf = reader.optional<std::string>("urdf", "");
   if (entry.urdf.empty()) entry.geometry = readGeometry(reader);
+  checkTouching(reader);
   return entry;
 }
 

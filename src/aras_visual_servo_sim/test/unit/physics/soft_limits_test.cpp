@@ -202,6 +202,16 @@ TEST(JointLimitOverrides, WhatIsIncompleteIsPassedOverWithAWarning) {
   EXPECT_HAS(all, "joint_limits/elbow: no moving joint of that name");
 }
 
+TEST(JointLimitOverrides, GainsOfTheSimulatedHardwareAreWarnedAbout) {
+  RobotModel model = sliderModel();
+  const std::size_t before = model.warnings.size();
+  applyJointLimits(YAML::Load("{gazebo_ros_control: {pid_gains: {slide: {p: 100.0}}}}"), model);
+  ASSERT_EQ(model.warnings.size(), before + 1);
+  EXPECT_HAS(model.warnings.back(), "gazebo_ros_control/pid_gains (slide): ignored");
+  applyJointLimits(YAML::Load("{gazebo_ros_control: 3}"), model);
+  EXPECT_EQ(model.warnings.size(), before + 1);
+}
+
 TEST(JointLimitOverrides, FaultsAreListed) {
   RobotModel model = softModel();
   const std::string text = messageOf<ParameterError>([&] {

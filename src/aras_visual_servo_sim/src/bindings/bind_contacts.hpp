@@ -1,0 +1,12 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include "aras_visual_servo_sim/simulation.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** Adds what touches to the Python class. */
+void bindContacts(pybind11::class_<Simulation>& type);
+
+}  // namespace aras_visual_servo_sim
