@@ -11,7 +11,11 @@ ALPHA_RAD = 3e-4
 POSES = [               # camera over the target: x, y, z [m], roll, pitch, yaw [rad] of the camera
     (0.0, 0.0, 0.60, 0.0, 0.0, 0.0), (0.11, -0.07, 0.55, 0.0, 0.0, 0.5), (-0.05, 0.04, 0.70, 0.15, -0.1, -1.0),
     (0.03, 0.08, 0.65, -0.2, 0.12, 2.5)]
-LENSES = [[0.0, 0.0, 0.0, 0.0, 0.0], [-0.3306, 0.117, 0.001, -0.0008, 0.0]]
+NARROW = {"width": 320, "height": 240, "horizontal_fov_rad": 1.41, "distortion_model": "plumb_bob"}
+FISHEYE = {"width": 640, "height": 640, "horizontal_fov_rad": np.radians(200.0), "cutoff_angle_rad": np.radians(100.0),
+           "distortion_model": "equidistant", "distortion": [-0.03, 0.004, -0.0005, 0.00002]}
+CAMERAS = [{**NARROW, "distortion": [0.0, 0.0, 0.0, 0.0, 0.0]},
+           {**NARROW, "distortion": [-0.3306, 0.117, 0.001, -0.0008, 0.0]}, FISHEYE]
 
 URDF = """<robot name="eye"><link name="world"/>
 <joint name="mount" type="fixed"><parent link="world"/><child link="camera_optical_frame"/>
@@ -37,9 +41,12 @@ def polygon_moments(xy):
     return abs(area), xg, yg, 0.5 * np.arctan2(2 * sign * mu11, sign * (mu20 - mu02))
 
 
-@pytest.mark.parametrize("lens", LENSES)
-@pytest.mark.parametrize("pose", POSES)
-def test_moments_of_a_rendered_polygon_are_those_of_its_projection(pose, lens):
+def seen_and_projected(X_CT, camera):
+    """What the camera node's core makes of a rendered target, the moments of its projection, and fx.
+
+    Args:
+        X_CT: (4, 4) pose of the target in the camera's frame; camera: size, field and lens.
+    """
     from aras_visual_servo_camera import MomentExtractor
     from aras_visual_servo_sim import Simulation
     from scipy.spatial.transform import Rotation
@@ -47,15 +54,11 @@ def test_moments_of_a_rendered_polygon_are_those_of_its_projection(pose, lens):
     from aras_visual_servo_controller.scenario_files import load_yaml, package_paths, resolve_uri
 
     target = "package://aras_description/targets/blob.yaml"
-    # The camera hangs still; the target is placed where the camera pose asked for would see it.
-    X_TC = np.eye(4)
-    X_TC[:3, :3] = np.diag([1.0, -1.0, -1.0]) @ rotation(*pose[3:])
-    X_TC[:3, 3] = pose[:3]
+    # The camera hangs still.
     X_WC = np.eye(4)
     X_WC[:3, :3], X_WC[:3, 3] = np.diag([1.0, -1.0, -1.0]), (0, 0, 1)
-    X_WT = X_WC @ np.linalg.inv(X_TC)
-    camera = {"name": "camera", "frame": "camera_optical_frame", "width": 320, "height": 240,
-              "horizontal_fov_rad": 1.41, "rate_hz": 30.0, "distortion_model": "plumb_bob", "distortion": lens}
+    X_WT = X_WC @ X_CT
+    camera = {"name": "camera", "frame": "camera_optical_frame", "rate_hz": 30.0, **camera}
     config = {"cameras": [camera], "scene": {"background_rgb": [230, 230, 230],
                                              "models": [{"name": "target", "file": target}]}}
     simulation = Simulation(URDF, config, {}, package_paths())
@@ -70,12 +73,40 @@ def test_moments_of_a_rendered_polygon_are_those_of_its_projection(pose, lens):
     outline = np.array(load_yaml(resolve_uri(target))["outlines_m"][0])
     # The sides are subdivided: projection keeps them straight, the moments are integrated exactly either way.
     points_T = np.column_stack([outline, np.zeros(len(outline)), np.ones(len(outline))])
-    points_C = (np.linalg.inv(X_TC) @ points_T.T)[:3]
-    area, xg, yg, alpha = polygon_moments((points_C[:2] / points_C[2]).T)
+    points_C = (X_CT @ points_T.T)[:3]
+    return seen, polygon_moments((points_C[:2] / points_C[2]).T), simulation.camera_info("camera")["K"][0]
 
-    focal = simulation.camera_info("camera")["K"][0]
+
+@pytest.mark.parametrize("camera", CAMERAS, ids=["pinhole", "plumb_bob", "fisheye"])
+@pytest.mark.parametrize("pose", POSES)
+def test_moments_of_a_rendered_polygon_are_those_of_its_projection(pose, camera):
+    X_TC = np.eye(4)
+    X_TC[:3, :3] = np.diag([1.0, -1.0, -1.0]) @ rotation(*pose[3:])
+    X_TC[:3, 3] = pose[:3]
+    seen, (area, xg, yg, alpha), focal = seen_and_projected(np.linalg.inv(X_TC), camera)
     assert seen.target_visible and seen.valid and not seen.touches_border
     assert seen.xg * focal == pytest.approx(xg * focal, abs=CENTROID_PX)
     assert seen.yg * focal == pytest.approx(yg * focal, abs=CENTROID_PX)
     assert seen.area == pytest.approx(area, rel=AREA_SHARE)
     assert np.sin(seen.alpha - alpha) == pytest.approx(0.0, abs=ALPHA_RAD)
+
+
+@pytest.mark.parametrize("azimuth", [0.3, 2.0])
+def test_a_target_on_its_way_out_of_a_wide_view_is_measured_right_or_not_at_all(azimuth):
+    from scipy.spatial.transform import Rotation
+    valid = []
+    for degrees in (40, 55, 66, 75, 82, 90, 98, 103):
+        theta = np.radians(degrees)
+        ray = np.array([np.sin(theta) * np.cos(azimuth), np.sin(theta) * np.sin(azimuth), np.cos(theta)])
+        X_CT = np.eye(4)
+        X_CT[:3, :3] = np.diag([1.0, -1.0, -1.0])  # its front to the camera
+        axis = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
+        X_CT[:3, :3] = Rotation.from_rotvec(theta * axis).as_matrix() @ X_CT[:3, :3]
+        X_CT[:3, 3] = 0.5 * ray
+        seen, (area, xg, yg, _), focal = seen_and_projected(X_CT, FISHEYE)
+        valid.append(seen.valid)
+        if seen.valid:
+            # In pixels about the target: normalised coordinates stretch by 1 / cos^2 along the radius.
+            assert np.hypot(seen.xg - xg, seen.yg - yg) * focal * np.cos(theta) ** 2 < CENTROID_PX, degrees
+            assert seen.area == pytest.approx(area, rel=AREA_SHARE), degrees
+    assert valid[:2] == [True, True] and not any(valid[4:])  # the limit is 80 degrees

@@ -16,6 +16,11 @@ namespace aras_visual_servo_camera {
  *  Normalised coordinates: x = X/Z to the right, y = Y/Z down, frame C (optical). Immutable once built. */
 class CameraIntrinsics {
  public:
+  /** [rad] from the optical axis, 80 degrees: x = X/Z is 5.7 there and without end at 90. A fisheye may see farther,
+   * but its pixels beyond have no coordinates here (Undistorted::valid is false), and what reaches there has no
+   * features. */
+  static constexpr double kWidestAngle = 80.0 * 3.14159265358979323846 / 180.0;
+
   /** @param K  row-major 3 x 3 [px]: fx, 0, cx, 0, fy, cy, 0, 0, 1; cx, cy may lie outside the image
    *  @param distortion_model  "" or "none" (D empty or zero), "plumb_bob" (k1 k2 p1 p2 [k3]),
    *      "rational_polynomial" (k1 k2 p1 p2 k3 k4 k5 k6) or "equidistant" (k1 k2 k3 k4)
@@ -38,7 +43,7 @@ class CameraIntrinsics {
     double x = 0.0, y = 0.0;  ///< normalised coordinates [-]
     /** d(x, y)/d(u, v) [1/px], row-major. */
     std::array<double, 4> jacobian{};
-    bool valid = false;  ///< false: no ray of the lens model reaches this pixel
+    bool valid = false;  ///< false: no ray of the lens model reaches this pixel, or one beyond kWidestAngle
   };
 
   /** The ray of a pixel position; Newton's method on the lens model, to rounding. */
@@ -54,6 +59,7 @@ class CameraIntrinsics {
   void distort(double x, double y, double xd[2], double J[4]) const;
   void distortPolynomial(double x, double y, double xd[2], double J[4]) const;
   void distortEquidistant(double x, double y, double xd[2], double J[4]) const;
+  double angleOf(double rd) const;
 
   int width_, height_;
   double fx_ = 0.0, fy_ = 0.0, cx_ = 0.0, cy_ = 0.0;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "aras_visual_servo_camera/image_view.hpp"
+#include "aras_visual_servo_camera/pixel_map.hpp"
 #include "aras_visual_servo_camera/vision_config.hpp"
 
 namespace aras_visual_servo_camera {
@@ -26,7 +27,7 @@ struct EdgePixel {
 struct ObjectMask {
   int width_px = 0, height_px = 0;
   bool visible = false;           ///< an object of at least min_area_px is in view
-  bool touches_border = false;    ///< ... and lies on the first or last row or column
+  bool touches_border = false;    ///< ... and lies on the first or last row or column, or reaches pixels without a ray
   bool soft_edges = false;        ///< weights are area coverage, else every weight is 1
   bool ambiguous = false;         ///< there are objects, and it is not clear which one is the target: none is taken
   int components = 0;             ///< objects that pass the area filter
@@ -54,6 +55,10 @@ class Segmentation {
 
   /** @return the object; valid until the next call. @throws ShapeError if the view has no pixels */
   const ObjectMask& process(const ImageView& image);
+
+  /** Pixels without a ray in the map are never of an object, nor of the background. Until it is called all have one.
+   *  @pre images of the map's size from now on */
+  void setMap(const PixelMap& map);
 
   /** With points = blobs: every object of the last image that passes the area filter, from the top left; else empty. */
   const std::vector<ObjectMask>& objects() const;

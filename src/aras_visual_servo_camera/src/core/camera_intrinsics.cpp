@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "aras_visual_servo_camera/errors.hpp"
@@ -15,7 +16,6 @@ namespace {
 constexpr int kMaxSide = 1 << 15;
 constexpr int kNewtonSteps = 50;
 constexpr double kNewtonResidual = 1e-13;  // normalised coordinates are of order 1: some hundred roundings
-constexpr double kHalfPi = 1.57079632679489661923;
 
 std::string text(double value) {
   std::ostringstream stream;
@@ -128,13 +128,36 @@ std::array<double, 2> CameraIntrinsics::project(double x, double y) const {
   return {fx_ * xd[0] + cx_, fy_ * xd[1] + cy_};
 }
 
+/** The angle from the axis at which the equidistant lens draws at rd, or infinity: steps up to where it would pass rd,
+ *  fold over or leave the widest angle, then bisection. */
+double CameraIntrinsics::angleOf(double rd) const {
+  constexpr double kStep = 0.02;  // [rad]
+  const auto drawn = [this](double theta) {
+    const double t2 = theta * theta;
+    return theta * (1.0 + t2 * (D_[0] + t2 * (D_[1] + t2 * (D_[2] + t2 * D_[3]))));
+  };
+  double low = 0.0, high = kStep;
+  while (drawn(high) < rd) {
+    if (high > kWidestAngle || drawn(high) <= drawn(low)) return std::numeric_limits<double>::infinity();
+    low = high;
+    high += kStep;
+  }
+  for (int k = 0; k < kNewtonSteps; ++k) {  // to rounding: 0.02 / 2^50
+    const double middle = 0.5 * (low + high);
+    (drawn(middle) < rd ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
 CameraIntrinsics::Undistorted CameraIntrinsics::undistort(double u_px, double v_px) const {
   const double xd = (u_px - cx_) / fx_, yd = (v_px - cy_) / fy_;
   Undistorted out;
   out.x = xd;
   out.y = yd;
-  if (lens_ == Lens::kEquidistant) {  // a start on the right side of tan's pole
-    const double rd = std::hypot(xd, yd), theta = std::min(rd, kHalfPi - 0.05);
+  if (lens_ ==
+      Lens::kEquidistant) {  // the angle, found by itself, is the solution to rounding; what follows polishes it
+    const double rd = std::hypot(xd, yd), theta = angleOf(rd);
+    if (theta > kWidestAngle) return out;
     if (rd > 0.0) {
       out.x *= std::tan(theta) / rd;
       out.y *= std::tan(theta) / rd;

@@ -18,6 +18,7 @@ MomentExtractor::~MomentExtractor() = default;
 
 void MomentExtractor::setIntrinsics(const CameraIntrinsics& intrinsics) {
   map_ = std::make_unique<PixelMap>(intrinsics);
+  segmentation_.setMap(*map_);
   accumulator_ = std::make_unique<MomentAccumulator>(*map_, config_.order);
   if (config_.kernel) kernel_ = std::make_unique<KernelProjection>(*map_, config_.kernel->p, config_.kernel->q);
   if (config_.points != PointSource::kNone) {

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "aras_visual_servo_camera/errors.hpp"
+#include "blind_area.hpp"
 #include "components.hpp"
 #include "edge_weights.hpp"
 #include "grey_image.hpp"
@@ -20,7 +21,7 @@ namespace {
 // An edge pixel of the first or last row or column that is covered more than this says that the object goes on beyond.
 constexpr double kBorderWeight = 0.1;
 
-std::array<int, 256> histogramOf(const cv::Mat& grey) {
+std::array<int, 256> countGreys(const cv::Mat& grey) {
   std::array<std::array<int, 256>, 4> parts{};  // four, so that equal neighbours do not wait for each other
   for (int v = 0; v < grey.rows; ++v) {
     const std::uint8_t* row = grey.ptr(v);
@@ -59,7 +60,8 @@ void ObjectMask::render(std::uint8_t* out) const {
 
 struct Segmentation::Work {
   VisionConfig config;
-  cv::Mat grey_buffer, mean, binary;
+  cv::Mat grey_buffer, seeing, mean, binary;
+  BlindArea blind;
   ComponentFinder finder;
   EdgeWeights edge_weights;
   ObjectMask mask;
@@ -70,6 +72,9 @@ struct Segmentation::Work {
   std::vector<int> component_of;  // of each candidate
   bool was_cut = false;           // by the border, and not clear of it since
 
+  /** The image with what is blind as far from the object's grey as there is. */
+  cv::Mat withoutBlind(const cv::Mat& grey);
+  std::array<int, 256> histogramOf(const cv::Mat& grey) const;
   std::optional<GreyLevels> levelsOf(const cv::Mat& grey) const;
   std::optional<Threshold> thresholdOf(const cv::Mat& grey) const;
   void makeAdaptiveBinary(const cv::Mat& grey);
@@ -89,6 +94,8 @@ Segmentation::~Segmentation() = default;
 Segmentation::Segmentation(Segmentation&&) noexcept = default;
 Segmentation& Segmentation::operator=(Segmentation&&) noexcept = default;
 
+void Segmentation::setMap(const PixelMap& map) { work_->blind = BlindArea(map); }
+
 void Segmentation::forgetPrevious() {
   work_->selector.forget();
   work_->was_cut = false;
@@ -101,6 +108,19 @@ void Segmentation::setReferenceShape(double m00, const std::vector<double>& mu) 
 void Segmentation::clearReferenceShape() { work_->reference_shape.reset(); }
 
 const std::vector<ObjectMask>& Segmentation::objects() const { return work_->objects; }
+
+cv::Mat Segmentation::Work::withoutBlind(const cv::Mat& grey) {
+  if (blind.empty()) return grey;
+  grey.copyTo(seeing);
+  blind.fill(config.object == ObjectShade::kDark ? 255 : 0, &seeing);
+  return seeing;
+}
+
+std::array<int, 256> Segmentation::Work::histogramOf(const cv::Mat& grey) const {
+  std::array<int, 256> histogram = countGreys(grey);
+  histogram[config.object == ObjectShade::kDark ? 255 : 0] -= blind.count();
+  return histogram;
+}
 
 std::optional<GreyLevels> Segmentation::Work::levelsOf(const cv::Mat& grey) const {
   if (config.object_grey && config.background_grey) return GreyLevels{*config.object_grey, *config.background_grey};
@@ -150,7 +170,8 @@ void Segmentation::Work::listCandidates(const cv::Mat& grey, const std::optional
     const Component& c = finder.components()[k];
     if (c.area_px < least) continue;
     const double n = static_cast<double>(c.area_px);
-    const bool cut = c.u_min == 0 || c.v_min == 0 || c.u_max == mask.width_px - 1 || c.v_max == mask.height_px - 1;
+    const bool cut = c.u_min == 0 || c.v_min == 0 || c.u_max == mask.width_px - 1 || c.v_max == mask.height_px - 1 ||
+                     blind.meets(finder.runs(), static_cast<int>(k));
     candidates.push_back({static_cast<double>(c.sum_u) / n, static_cast<double>(c.sum_v) / n, n, c.u_min, c.u_max,
                           c.v_min, c.v_max, cut, c.area_px < config.min_area_px,
                           dissimilarityOf(grey, levels, static_cast<int>(k))});
@@ -185,7 +206,8 @@ void Segmentation::Work::extract(const cv::Mat& grey, const std::optional<GreyLe
   out->area_px = static_cast<int>(c.area_px);
   out->u_px = static_cast<double>(c.sum_u) / static_cast<double>(c.area_px);
   out->v_px = static_cast<double>(c.sum_v) / static_cast<double>(c.area_px);
-  out->touches_border = c.u_min == 0 || c.v_min == 0 || c.u_max == u_last || c.v_max == v_last;
+  out->touches_border =
+      c.u_min == 0 || c.v_min == 0 || c.u_max == u_last || c.v_max == v_last || blind.meets(finder.runs(), component);
   for (const EdgePixel& e : out->edge)
     if (e.weight > kBorderWeight && (e.u == 0 || e.v == 0 || e.u == u_last || e.v == v_last))
       out->touches_border = true;
@@ -215,7 +237,7 @@ void Segmentation::Work::applyBorderMargin(int component) {
 
 const ObjectMask& Segmentation::process(const ImageView& image) {
   Work& w = *work_;
-  const cv::Mat grey = greyOf(image, &w.grey_buffer);
+  const cv::Mat grey = w.withoutBlind(greyOf(image, &w.grey_buffer));
   const bool soft = w.config.segmentation == SegmentationMethod::kCoverage;
   ObjectMask empty;
   empty.width_px = image.width_px;

@@ -73,6 +73,19 @@ TEST(CameraIntrinsics, EquidistantLensMapsAngleToRadius) {
   EXPECT_NEAR(camera.project(std::tan(theta), 0.0)[0], 150.0 + 195.05 * theta, kRoundTrip);
 }
 
+TEST(CameraIntrinsics, AFisheyeHasCoordinatesUpToTheWidestAngleOnly) {
+  const double f = 100.0;
+  const CameraIntrinsics camera(400, 400, {f, 0, 199.5, 0, f, 199.5, 0, 0, 1}, "equidistant", {0, 0, 0, 0});
+  for (const double theta : {0.1, 0.9, 1.3, 1.39}) {
+    const auto ray = camera.undistort(199.5 + f * theta * 0.6, 199.5 + f * theta * 0.8);
+    ASSERT_TRUE(ray.valid) << theta;
+    EXPECT_NEAR(ray.x / (0.6 * std::tan(theta)), 1.0, 1e-11);
+    EXPECT_NEAR(ray.y / (0.8 * std::tan(theta)), 1.0, 1e-11);
+  }
+  for (const double theta : {1.40, 1.5707963, 1.6, 1.75})  // 80 degrees are 1.3963
+    EXPECT_FALSE(camera.undistort(199.5 + f * theta, 199.5).valid) << theta;
+}
+
 TEST(CameraIntrinsics, PixelsBeyondTheFoldOfTheLensHaveNoRay) {
   // r (1 - 0.8 r^2) grows up to r = 0.645, where it is 0.43: no ray is bent to 0.8.
   const CameraIntrinsics camera(320, 240, kK, "plumb_bob", {-0.8, 0, 0, 0});

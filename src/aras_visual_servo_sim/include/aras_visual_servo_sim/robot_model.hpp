@@ -88,6 +88,8 @@ struct CameraTag {
   std::vector<double> sensor_distortion;                          ///< k1 k2 p1 p2 k3 of the sensor's <distortion>
   std::vector<double> distortion;                                 ///< the same of the plugin's keys
   bool auto_distortion = false, triggered = false;
+  bool fisheye = false;           ///< <sensor type="wideanglecamera"> with an equidistant <lens>
+  double cutoff_angle_rad = 0.0;  ///< of that lens
 };
 
 /** What a URDF says, checked; constant after loading. Links come parents first. */

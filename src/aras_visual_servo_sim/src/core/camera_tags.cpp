@@ -92,7 +92,7 @@ class TagReader {
     const double field = tag_.horizontal_fov_rad;
     if (field > 0.0) camera_.horizontal_fov_rad = field;
     if (tag_.focal_length == 0.0) return;
-    const double expected = 0.5 * tag_.width / std::tan(0.5 * field);
+    const double expected = 0.5 * tag_.width / (tag_.fisheye ? 0.5 * field : std::tan(0.5 * field));
     if (std::abs(tag_.focal_length - expected) <= kSameFocal) return;
     camera_.horizontal_fov_rad.reset();
     camera_.fx_px = camera_.fy_px = tag_.focal_length;
@@ -113,6 +113,17 @@ class TagReader {
       return std::any_of(lens.begin(), lens.end(), [](double coefficient) { return coefficient != 0.0; });
     };
     const std::vector<double>&drawn = tag_.sensor_distortion, &told = tag_.distortion;
+    if (tag_.fisheye) {
+      camera_.distortion_model = "equidistant";
+      camera_.cutoff_angle_rad = std::min(tag_.cutoff_angle_rad, EquidistantLens::kWidest);
+      if (tag_.cutoff_angle_rad > EquidistantLens::kWidest) {
+        warn("<cutoff_angle> " + std::to_string(tag_.cutoff_angle_rad) + " rad: nothing beyond 2.18 rad is drawn");
+      }
+      if (bends(drawn) || bends(told)) {
+        warn("<distortion> and distortionK1 ... are ignored: image and camera_info have the equidistant lens");
+      }
+      return;
+    }
     if (!drawn.empty()) {
       camera_.distortion = drawn;
       if (!tag_.auto_distortion && bends(drawn) && drawn != told) {

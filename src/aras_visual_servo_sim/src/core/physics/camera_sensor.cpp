@@ -62,6 +62,19 @@ void readLens(const UrdfSource& source, const XMLElement* distortion, CameraTag&
   warnOfOthers(source, distortion, {"k1", "k2", "k3", "p1", "p2", "center"});
 }
 
+void readWideLens(const UrdfSource& source, const XMLElement* lens, CameraTag& tag) {
+  constexpr double kDefaultCutoff = 1.5707;  // SDF's
+  if (!lens) return;
+  tag.fisheye = true;
+  const double cutoff = childNumber(source, lens, "cutoff_angle");
+  tag.cutoff_angle_rad = cutoff > 0.0 ? cutoff : kDefaultCutoff;
+  if (!childFlag(source, lens, "scale_to_hfov", true)) {
+    source.warn(*lens->FirstChildElement("scale_to_hfov"), "false is ignored: the image's width is the horizontal_fov");
+  }
+  // The size of Gazebo's cube of textures has no meaning here: there is none.
+  warnOfOthers(source, lens, {"type", "scale_to_hfov", "cutoff_angle", "env_texture_size"});
+}
+
 void readPlugin(const UrdfSource& source, const XMLElement& plugin, CameraTag& tag) {
   const char* file = plugin.Attribute("filename");
   tag.triggered = file && std::string(file).find("triggered_camera") != std::string::npos;
@@ -103,6 +116,15 @@ void readPlugin(const UrdfSource& source, const XMLElement& plugin, CameraTag& t
 
 }  // namespace
 
+bool hasEquidistantLens(const UrdfSource& source, const XMLElement& sensor) {
+  const XMLElement* camera = sensor.FirstChildElement("camera");
+  const XMLElement* lens = camera ? camera->FirstChildElement("lens") : nullptr;
+  const std::string type = lens ? childText(lens, "type") : "";
+  if (type == "equidistant") return true;
+  source.warn(sensor, "of type wideanglecamera is ignored: its <lens> is '" + type + "', there is equidistant");
+  return false;
+}
+
 CameraTag readCameraSensor(const UrdfSource& source, const XMLElement& sensor, const std::string& link) {
   CameraTag tag;
   tag.link = link;
@@ -122,7 +144,14 @@ CameraTag readCameraSensor(const UrdfSource& source, const XMLElement& sensor, c
     tag.far_m = childNumber(source, clip, "far");
     readNoise(source, camera->FirstChildElement("noise"), tag);
     readLens(source, camera->FirstChildElement("distortion"), tag);
-    warnOfOthers(source, camera, {"horizontal_fov", "image", "clip", "noise", "distortion", "pose", "save"});
+    const XMLElement* lens = camera->FirstChildElement("lens");
+    const char* type = sensor.Attribute("type");
+    if (type && std::string(type) == "wideanglecamera") {
+      readWideLens(source, lens, tag);
+    } else if (lens) {
+      source.warn(*lens, "in <camera>: ignored");
+    }
+    warnOfOthers(source, camera, {"horizontal_fov", "image", "clip", "noise", "distortion", "lens", "pose", "save"});
     warnOfOthers(source, image, {"width", "height", "format"});
     warnOfOthers(source, clip, {"near", "far"});
   }

@@ -75,13 +75,15 @@ void readGazeboTags(const UrdfSource& source, const XMLElement& robot, RobotMode
     for (const XMLElement* child = gazebo->FirstChildElement(); child; child = child->NextSiblingElement()) {
       const std::string tag = child->Name();
       const char* type = child->Attribute("type");
-      if (tag == "sensor" && type && std::string(type) == "camera") {
+      const std::string sensor = tag == "sensor" && type ? type : "";
+      if (sensor == "camera" || (sensor == "wideanglecamera" && hasEquidistantLens(source, *child))) {
         if (!hasLink(model, reference)) {
           source.fail(*gazebo, "reference is '" + reference + "', must be a <link> of this file");
         }
         model.cameras.push_back(readCameraSensor(source, *child, reference));
         continue;
       }
+      if (sensor == "wideanglecamera") continue;  // warned of
       const std::string material = materialName(*child);
       if (!material.empty() && paintLink(material, reference, model)) continue;
       const std::string why = material.empty() ? "" : "material '" + material + "' is not a plain colour of Gazebo's: ";

@@ -75,6 +75,35 @@ TEST(CameraTags, UnknownImageFormatIsRefused) {
   EXPECT_THROW(camerasFromTags(robotWithCamera("BAYER_RGGB8"), warnings), ModelError);
 }
 
+/** Gazebo's own fisheye. */
+std::string wideAngle(const std::string& lens) {
+  std::string urdf = urdfWith(kCamera + ("<lens>" + lens + "</lens></camera>") + plugin(""));
+  const std::string plain = R"(type="camera")";
+  return urdf.replace(urdf.find(plain), plain.size(), R"(type="wideanglecamera")");
+}
+
+TEST(CameraTags, AWideAngleCameraIsTheEquidistantLens) {
+  const Reading reading =
+      read(wideAngle("<type>equidistant</type><scale_to_hfov>true</scale_to_hfov>"
+                     "<cutoff_angle>1.7</cutoff_angle><env_texture_size>512</env_texture_size>"));
+  EXPECT_EQ(reading.warnings, "");
+  EXPECT_EQ(reading.camera.distortion_model, "equidistant");
+  EXPECT_EQ(reading.camera.cutoff_angle_rad, 1.7);
+  EXPECT_NEAR(CameraModel(reading.camera).fx(), 64 / 1.2, 1e-12 * 64);
+  EXPECT_EQ(read(wideAngle("<type>equidistant</type>")).camera.cutoff_angle_rad, 1.5707);  // SDF's default
+  const Reading farther = read(wideAngle("<type>equidistant</type><cutoff_angle>3.1</cutoff_angle><c1>1</c1>"));
+  EXPECT_EQ(farther.camera.cutoff_angle_rad, 2.18);
+  EXPECT_NE(farther.warnings.find("<cutoff_angle> 3.1"), std::string::npos) << farther.warnings;
+  EXPECT_NE(farther.warnings.find("c1"), std::string::npos) << farther.warnings;
+}
+
+TEST(CameraTags, AWideAngleCameraOfAnotherLensIsNamedInAWarning) {
+  RobotModel model = loadRobotModel(wideAngle("<type>stereographic</type>"), "test.urdf");
+  EXPECT_TRUE(model.cameras.empty());
+  ASSERT_EQ(model.warnings.size(), 1U);
+  EXPECT_NE(model.warnings[0].find("'stereographic', there is equidistant"), std::string::npos) << model.warnings[0];
+}
+
 TEST(CameraTags, NoiseIsOfIntensitiesAndThePlainCameraIsSilent) {
   const Reading reading = read(urdfWith(kCamera + std::string("</camera>") + plugin("<CxPrime>32.5</CxPrime>")));
   EXPECT_EQ(reading.warnings, "");
