@@ -2,7 +2,7 @@
 """Resident memory after 10^4 physics steps and after --steps (10^7), with a frame of 320 x 240 every hundred steps.
 
     python3 long_run.py            a flat target in view
-    python3 long_run.py --solid    a solid in view too: OpenGL draws
+    python3 long_run.py --solid    a solid in view too
 """
 import argparse
 import time
