@@ -16,6 +16,7 @@
 #include "aras_visual_servo_sim/lockstep_gate.hpp"
 #include "aras_visual_servo_sim/simulation.hpp"
 #include "aras_visual_servo_sim/snapshots.hpp"
+#include "camera_topics.hpp"
 #include "camera_triggers.hpp"
 #include "command_inputs.hpp"
 #include "model_services.hpp"
@@ -75,6 +76,7 @@ class SimNode {
   TimeConfig config_;
   Simulation simulation_;
   WireTime time_;
+  std::vector<CameraTopics> camera_topics_;
   LockstepGate gate_;
   Pacer pacer_;
   RateMeter meter_;

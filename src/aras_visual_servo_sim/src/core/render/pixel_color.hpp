@@ -7,10 +7,11 @@
 
 namespace aras_visual_servo_sim {
 
+/** Nearest byte of a colour's part, 0 .. 255. */
+inline std::uint8_t byteOf(double part) { return static_cast<std::uint8_t>(part + 0.5); }
+
 /** Grey of a colour: ITU-R BT.601 luma, as OpenCV's cvtColor. */
-inline std::uint8_t greyOf(double r, double g, double b) {
-  return static_cast<std::uint8_t>(0.299 * r + 0.587 * g + 0.114 * b + 0.5);
-}
+inline std::uint8_t greyOf(double r, double g, double b) { return byteOf(0.299 * r + 0.587 * g + 0.114 * b); }
 
 /** Bytes of one pixel of this colour; mono8 uses the first only. */
 inline std::array<std::uint8_t, 3> pixelOf(const Rgb& color, Encoding encoding) {

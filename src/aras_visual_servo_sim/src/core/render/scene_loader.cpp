@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <map>
 
 #include "aras_visual_servo_sim/errors.hpp"
+#include "mesh_cache.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -101,45 +101,6 @@ YAML::Node readFile(const std::string& path) {
     return YAML::LoadFile(path);
   } catch (const YAML::Exception& error) {
     throw ModelError("file '" + path + "': " + error.what());
-  }
-}
-
-/** Loads each mesh file once, however many shapes use it. */
-class MeshCache {
- public:
-  explicit MeshCache(const PackagePaths& packages) : packages_(packages) {}
-
-  MeshPtr load(const std::string& uri, const Eigen::Vector3d& scale) {
-    const std::string path = packages_.resolve(uri);
-    MeshPtr& mesh = meshes_[path + ' ' + std::to_string(scale.x()) + ' ' + std::to_string(scale.y()) + ' ' +
-                            std::to_string(scale.z())];
-    if (!mesh) mesh = loadMesh(path, scale, packages_);
-    return mesh;
-  }
-
-  TexturePtr picture(const std::string& uri) {
-    const std::string path = packages_.resolve(uri);
-    TexturePtr& texture = textures_[path];
-    if (!texture) texture = loadTexture(path);
-    return texture;
-  }
-
- private:
-  const PackagePaths& packages_;
-  std::map<std::string, MeshPtr> meshes_;
-  std::map<std::string, TexturePtr> textures_;
-};
-
-MeshPtr meshOf(const Geometry& geometry, MeshCache& meshes) {
-  switch (geometry.type) {
-    case Geometry::Type::kBox:
-      return makeBox(geometry.size_m);
-    case Geometry::Type::kCylinder:
-      return makeCylinder(geometry.radius_m, geometry.length_m);
-    case Geometry::Type::kSphere:
-      return makeSphere(geometry.radius_m);
-    default:
-      return meshes.load(geometry.filename, geometry.scale);
   }
 }
 
@@ -300,7 +261,7 @@ Scene loadScene(const YAML::Node& node, const PackagePaths& packages) {
     Body body;
     if (entry.urdf.empty()) {
       body.name = entry.name;
-      body.shapes.push_back({Pose{}, meshOf(entry.geometry, meshes), entry.color});
+      body.shapes.push_back({Pose{}, meshes.of(entry.geometry), entry.color});
     } else {
       body = bodyFromUrdf(entry.name, entry.urdf, packages);
     }
@@ -309,83 +270,6 @@ Scene loadScene(const YAML::Node& node, const PackagePaths& packages) {
     if (entry.motion) scene.motions.emplace(entry.name, *entry.motion);
   }
   return scene;
-}
-
-void addRobotBodies(const RobotModel& robot, const PackagePaths& packages, Scene& scene) {
-  MeshCache meshes(packages);
-  const auto byte = [](double value) {
-    return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 1.0) * 255));
-  };
-  for (const Link& link : robot.links) {
-    if (link.visuals.empty()) continue;
-    if (scene.findBody(link.name)) {
-      throw ModelError("link '" + link.name + "': a solid of the scene has the same name (" + robot.source_name + ")");
-    }
-    Body body;
-    body.name = link.name;
-    for (const Visual& visual : link.visuals) {
-      try {
-        MeshPtr mesh = meshOf(visual.geometry, meshes);
-        // The URDF's material wins over the mesh file's.
-        if (!visual.texture.empty()) {
-          mesh = withPicture(*mesh, meshes.picture(visual.texture));
-        } else if (visual.has_color && !mesh->colors.empty()) {
-          auto plain = std::make_shared<TriangleMesh>(*mesh);
-          plain->colors.clear();
-          plain->pictures.clear();
-          plain->picture_of.clear();
-          mesh = plain;
-        }
-        Rgb color{byte(visual.color.r), byte(visual.color.g), byte(visual.color.b)};
-        if (!visual.texture.empty()) color = {255, 255, 255};
-        body.shapes.push_back({visual.X_link_visual, mesh, color});
-      } catch (const ModelError& error) {
-        throw ModelError("link '" + link.name + "': <visual>: " + error.what() + " (" + robot.source_name + ")");
-      }
-    }
-    scene.bodies.push_back(std::move(body));
-  }
-}
-
-CameraConfig readCameraConfig(YamlReader& reader) {
-  CameraConfig camera;
-  const auto number = [&reader](const char* key, std::optional<double>& value) {
-    if (reader.has(key)) value = reader.required<double>(key);
-  };
-  camera.name = reader.required<std::string>("name");
-  camera.frame = reader.required<std::string>("frame");
-  camera.width = reader.required<int>("width");
-  camera.height = reader.required<int>("height");
-  number("horizontal_fov_rad", camera.horizontal_fov_rad);
-  number("fx_px", camera.fx_px);
-  number("fy_px", camera.fy_px);
-  number("cx_px", camera.cx_px);
-  number("cy_px", camera.cy_px);
-  number("cutoff_angle_rad", camera.cutoff_angle_rad);
-  camera.distortion_model = reader.optional<std::string>("distortion_model", camera.distortion_model);
-  camera.distortion = reader.optional<std::vector<double>>("distortion", {});
-  camera.rate_hz = reader.optional<double>("rate_hz", camera.rate_hz);
-  camera.encoding = reader.optional<std::string>("encoding", camera.encoding);
-  camera.near_m = reader.optional<double>("near_m", camera.near_m);
-  camera.far_m = reader.optional<double>("far_m", camera.far_m);
-  camera.sampling = reader.optional<std::string>("sampling", camera.sampling);
-  camera.noise_mean = reader.optional<double>("noise_mean", camera.noise_mean);
-  camera.exposure_s = reader.optional<double>("exposure_s", camera.exposure_s);
-  camera.exposure_samples = reader.optional<int>("exposure_samples", camera.exposure_samples);
-  camera.latency_s = reader.optional<double>("latency_s", camera.latency_s);
-  camera.drop_probability = reader.optional<double>("drop_probability", camera.drop_probability);
-  camera.triggered = reader.optional<bool>("triggered", camera.triggered);
-  camera.baseline_m = reader.optional<double>("baseline_m", camera.baseline_m);
-  camera.noise_stddev = reader.optional<double>("noise_stddev", camera.noise_stddev);
-  return camera;
-}
-
-CameraConfig cameraConfigFromYaml(const YAML::Node& node) {
-  YamlReader reader(node);
-  const CameraConfig camera = readCameraConfig(reader);
-  reader.finish();
-  CameraModel{camera};  // its ranges
-  return camera;
 }
 
 }  // namespace aras_visual_servo_sim

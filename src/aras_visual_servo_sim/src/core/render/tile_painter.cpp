@@ -157,13 +157,12 @@ void TilePainter::paintPixel(int p) {
     ++statistics_.sampled_pixels;
     samplePixel(p, rgb);
   }
-  const auto byte = [](double x) { return static_cast<std::uint8_t>(x + 0.5); };
   std::uint8_t* out = image_->pixel(box_.u0 + p % kTile, box_.v0 + p / kTile);
   if (image_->encoding == Encoding::kMono8) {
     *out = greyOf(rgb[0], rgb[1], rgb[2]);
     return;
   }
-  const auto bytes = pixelOf({byte(rgb[0]), byte(rgb[1]), byte(rgb[2])}, image_->encoding);
+  const auto bytes = pixelOf({byteOf(rgb[0]), byteOf(rgb[1]), byteOf(rgb[2])}, image_->encoding);
   std::copy(bytes.begin(), bytes.end(), out);
 }
 

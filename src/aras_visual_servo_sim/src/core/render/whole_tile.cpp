@@ -62,7 +62,6 @@ void shadeTile(const CameraModel& camera, const Facet& facet, const PixelBox& ti
   const int width = tile.u1 - tile.u0;
   double x[kTile] = {}, red[kTile], green[kTile], blue[kTile];
   for (int i = 0; i < width; ++i) x[i] = (tile.u0 + i - camera.cx()) / camera.fx();
-  const auto byte = [](double value) { return static_cast<std::uint8_t>(value + 0.5); };
   for (int v = tile.v0; v < tile.v1; ++v) {
     const double y = (v - camera.cy()) / camera.fy();
     const Eigen::Vector3d over_row = over.col(1) * y + over.col(2);
@@ -81,9 +80,9 @@ void shadeTile(const CameraModel& camera, const Facet& facet, const PixelBox& ti
     const double* first = image.encoding == Encoding::kBgr8 ? blue : red;
     const double* last = image.encoding == Encoding::kBgr8 ? red : blue;
     for (int i = 0; i < width; ++i, out += 3) {
-      out[0] = byte(first[i]);
-      out[1] = byte(green[i]);
-      out[2] = byte(last[i]);
+      out[0] = byteOf(first[i]);
+      out[1] = byteOf(green[i]);
+      out[2] = byteOf(last[i]);
     }
   }
 }

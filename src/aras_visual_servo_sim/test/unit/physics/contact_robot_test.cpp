@@ -13,17 +13,10 @@ MultibodyWorld armOverTable(double bend, double depth_m) {
   const std::string tool =
       replaced(readUrdf("six_joint_arm.urdf"), "<link name=\"camera\"/>",
                "<link name=\"camera\"><collision><geometry><sphere radius=\"0.02\"/></geometry></collision></link>");
-  WorldConfig config;
-  const auto add = [&](const char* joint, double p, double i, double d) {
-    config.controllers.push_back(
-        controllerOf(joint, ControllerType::kEffortPosition, PidGains{p, i, d, -1000.0, 1000.0, false}));
-  };
-  add("gantry", 15000, 5, 400);
-  add("J1", 3000, 40, 40);
-  add("J2", 7000, 0, 165);
-  add("J3", 4000, 0, 0);
-  add("J5", 3500, 0, 0);
-  add("J6", 70, 2, 0);
+  WorldConfig config = publishedDrives();
+  for (ControllerConfig& controller : config.controllers) {  // at rest only friction is left beside the springs
+    if (controller.joint == "J2" || controller.joint == "J3" || controller.joint == "J5") controller.gains.i = 0.0;
+  }
   const double tip_m = 1.6263 - (0.19688 + 0.132 + 0.41 * std::cos(bend) + 0.0718 + 0.0334) - 0.02;
   Obstacle table;
   table.name = "table";

@@ -91,4 +91,21 @@ std::string messageOf(Act act) {
 #define EXPECT_HAS(text, part) \
   EXPECT_NE((text).find(part), std::string::npos) << "'" << (part) << "' not in: " << (text)
 
+/** The published gains, for six_joint_arm.urdf. */
+inline WorldConfig publishedDrives(Drive drive = Drive::kImplicit) {
+  WorldConfig config;
+  config.drive = drive;
+  const auto add = [&](const char* joint, double p, double i, double d) {
+    config.controllers.push_back(
+        controllerOf(joint, ControllerType::kEffortPosition, PidGains{p, i, d, -1000.0, 1000.0, false}));
+  };
+  add("gantry", 15000, 5, 400);
+  add("J1", 3000, 40, 40);
+  add("J2", 7000, 1000, 165);
+  add("J3", 4000, 200, 0);
+  add("J5", 3500, 150, 0);
+  add("J6", 70, 2, 0);
+  return config;
+}
+
 }  // namespace aras_visual_servo_sim

@@ -75,17 +75,18 @@ inline Blob blobOf(const Image& image) {
   return blob;
 }
 
-/** The same of the model's first outline, projected point by point along its edges: no rendering involved. */
-inline Blob exactBlob(const CameraModel& camera, const Pose& X_WC, const PlanarModel& model) {
+/** The same of the model's first outline, projected point by point along its edges: no rendering involved.
+ *  @param project  of a point in the camera's frame [m] to [px] */
+template <typename Project>
+Blob exactBlob(const Project& project, const Pose& X_CM, const PlanarModel& model) {
   constexpr int kPieces = 2000;  // an edge of 60 px bends by less than 1e-6 px between points
-  const Pose X_CM = X_WC.inverse() * model.X_WM;
   const Polygon& outline = model.outlines().front();
   std::vector<Eigen::Vector2d> points;
   for (std::size_t i = 0; i < outline.size(); ++i) {
     const Eigen::Vector2d from = outline[i], to = outline[(i + 1) % outline.size()];
     for (int k = 0; k < kPieces; ++k) {
       const Eigen::Vector2d p = from + double(k) / kPieces * (to - from);
-      points.push_back(camera.project(X_CM * Eigen::Vector3d(p.x(), p.y(), 0.0)).value());
+      points.push_back(project(X_CM * Eigen::Vector3d(p.x(), p.y(), 0.0)));
     }
   }
   Blob blob;
@@ -97,6 +98,11 @@ inline Blob exactBlob(const CameraModel& camera, const Pose& X_WC, const PlanarM
   blob.centroid /= blob.area;
   blob.area = std::abs(blob.area);
   return blob;
+}
+
+inline Blob exactBlob(const CameraModel& camera, const Pose& X_WC, const PlanarModel& model) {
+  const auto project = [&camera](const Eigen::Vector3d& p_C) { return camera.project(p_C).value(); };
+  return exactBlob(project, X_WC.inverse() * model.X_WM, model);
 }
 
 /** Rounding to 8 bits is an error of at most half a level on each pixel an edge crosses, of either sign. With n such

@@ -39,14 +39,6 @@ std::vector<std::uint8_t> frameOne(Simulation& simulation) {
   return simulation.render(0).data;
 }
 
-std::string hashOf(Simulation& simulation, int frames) {
-  for (int k = 0; k < frames; ++k) {
-    simulation.stepToImage("camera");
-    simulation.render(0);
-  }
-  return simulation.runHash();
-}
-
 TEST(Exposure, SamplesAreTheTicksNearestToTheMiddlesOfItsParts) {
   const Exposure exposure(0.02, 4, kMillisecond);
   std::vector<int> ticks;
@@ -128,7 +120,7 @@ TEST(Exposure, NothingThatMovesNoPastOrNoFrameIsSharp) {
   blurred.step(30);
   EXPECT_EQ(blurred.render(0).data, sharp.render(0).data);  // between frames
   Simulation sharp_still = moving("", "[0, 0, 0]"), still = moving(kBlur, "[0, 0, 0]");
-  EXPECT_EQ(hashOf(still, 4), hashOf(sharp_still, 4));
+  EXPECT_EQ(fixture::hashOf(still, 4), fixture::hashOf(sharp_still, 4));
 }
 
 TEST(Exposure, BeginsAnewWhereSomethingIsPlaced) {
@@ -158,11 +150,11 @@ TEST(Exposure, SavedStateHoldsWhatIsExposed) {
     simulation.setControllerCommand("pan_controller", 1.0);
     simulation.step(tick);
     const std::string state = simulation.saveState();
-    const std::string hash = hashOf(simulation, 3);
+    const std::string hash = fixture::hashOf(simulation, 3);
     simulation.restoreState(state);
-    EXPECT_EQ(hashOf(simulation, 3), hash) << "tick " << tick;
+    EXPECT_EQ(fixture::hashOf(simulation, 3), hash) << "tick " << tick;
     other.restoreState(state);
-    EXPECT_EQ(hashOf(other, 3), hash) << "tick " << tick;
+    EXPECT_EQ(fixture::hashOf(other, 3), hash) << "tick " << tick;
     Simulation sharp = moving("");
     EXPECT_THROW(sharp.restoreState(state), StateError);
     EXPECT_THROW(simulation.restoreState(sharp.saveState()), StateError);
@@ -171,7 +163,7 @@ TEST(Exposure, SavedStateHoldsWhatIsExposed) {
 
 TEST(Exposure, SameBytesHoweverItIsSteppedAndAfterAReset) {
   Simulation once = moving(kBlur), again = moving(kBlur);
-  const std::string hash = hashOf(once, 4);
+  const std::string hash = fixture::hashOf(once, 4);
   for (int k = 0; k < 4; ++k) {
     while (!again.frameDue(0)) again.step(1);
     again.takeFrame(0);
@@ -179,7 +171,7 @@ TEST(Exposure, SameBytesHoweverItIsSteppedAndAfterAReset) {
   }
   EXPECT_EQ(again.runHash(), hash);
   once.reset();
-  EXPECT_EQ(hashOf(once, 4), hash);
+  EXPECT_EQ(fixture::hashOf(once, 4), hash);
 }
 
 TEST(Exposure, TriggerInTheMiddleOfItGetsTheWholeOfIt) {

@@ -20,4 +20,13 @@ inline Simulation panLift(const std::string& extra_sim_yaml = "{}") {
                     YAML::LoadFile(file("controllers.yaml")));
 }
 
+/** Hash of the run after so many more images of `camera`, each of them drawn. */
+inline std::string hashOf(Simulation& simulation, int frames) {
+  for (int k = 0; k < frames; ++k) {
+    simulation.stepToImage("camera");
+    simulation.render(0);
+  }
+  return simulation.runHash();
+}
+
 }  // namespace aras_visual_servo_sim::fixture

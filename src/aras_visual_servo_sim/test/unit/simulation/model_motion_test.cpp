@@ -127,14 +127,6 @@ const char* const kScene =
     " solids: [{name: box, box_m: [0.1, 0.1, 0.1], position_m: [0, 1, 0],"
     " motion: {type: random_walk, interval_s: 0.1, speed_stddev_m_per_s: [0.1, 0.1, 0], seed: 3}}]}";
 
-std::string hashOf(Simulation& simulation, int frames) {
-  for (int k = 0; k < frames; ++k) {
-    simulation.stepToImage("camera");
-    simulation.render(0);
-  }
-  return simulation.runHash();
-}
-
 TEST(MovingModels, FollowSimulatedTimeAndTheirTwistIsKnown) {
   Simulation simulation = fixture::panLift(kScene);
   simulation.step(500);
@@ -146,16 +138,16 @@ TEST(MovingModels, FollowSimulatedTimeAndTheirTwistIsKnown) {
 
 TEST(MovingModels, ResetStartsThemAgainAndRestoreContinuesThem) {
   Simulation simulation = fixture::panLift(kScene);
-  const std::string hash = hashOf(simulation, 6);
+  const std::string hash = fixture::hashOf(simulation, 6);
   simulation.setModelMotion("target", motion(everyMotion()[1]));
-  hashOf(simulation, 2);
+  fixture::hashOf(simulation, 2);
   const std::string state = simulation.saveState();
-  const std::string later = hashOf(simulation, 9);
+  const std::string later = fixture::hashOf(simulation, 9);
   simulation.setModelPose("box", Pose());
   simulation.restoreState(state);
-  EXPECT_EQ(hashOf(simulation, 9), later);
+  EXPECT_EQ(fixture::hashOf(simulation, 9), later);
   simulation.reset();
-  EXPECT_EQ(hashOf(simulation, 6), hash);
+  EXPECT_EQ(fixture::hashOf(simulation, 6), hash);
 }
 
 TEST(MovingModels, MotionGivenLaterStartsThenAndPlacingEndsIt) {

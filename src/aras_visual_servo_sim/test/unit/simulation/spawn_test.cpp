@@ -16,14 +16,6 @@ const char* const kTable =
     "<joint name='j' type='fixed'><parent link='top'/><child link='leg'/><origin xyz='0.05 0 -0.06' rpy='1.5 0 0'/>"
     "</joint></robot>";
 
-std::string hashOf(Simulation& simulation, int frames) {
-  for (int k = 0; k < frames; ++k) {
-    simulation.stepToImage("camera");
-    simulation.render(0);
-  }
-  return simulation.runHash();
-}
-
 TEST(SpawnedModels, AreSeenPlacedAndGoneAgain) {
   Simulation simulation = fixture::panLift();
   const std::vector<std::uint8_t> before = simulation.render(0).data;
@@ -49,13 +41,13 @@ TEST(SpawnedModels, LookAsIfTheyHadBeenThereFromTheStart) {
 
 TEST(SpawnedModels, ResetBringsBackTheSceneOfTheConfiguration) {
   Simulation simulation = fixture::panLift();
-  const std::string fresh = hashOf(simulation, 4);
+  const std::string fresh = fixture::hashOf(simulation, 4);
   simulation.spawnModel(YAML::Load(kBox));
   simulation.deleteModel("target");
-  EXPECT_NE(hashOf(simulation, 4), fresh);
+  EXPECT_NE(fixture::hashOf(simulation, 4), fresh);
   simulation.reset();
   EXPECT_EQ(simulation.modelNames(), std::vector<std::string>{"target"});
-  EXPECT_EQ(hashOf(simulation, 4), fresh);
+  EXPECT_EQ(fixture::hashOf(simulation, 4), fresh);
 }
 
 TEST(SpawnedModels, AreInTheSavedState) {
@@ -63,19 +55,19 @@ TEST(SpawnedModels, AreInTheSavedState) {
   simulation.spawnModel(modelEntry("table", kTable), Pose{{0.0, 0.05, 0.1}, quaternionFromRpy({0.1, 0.2, 0.3})});
   YAML::Node box = YAML::Load(kBox);
   box["motion"] = YAML::Load("{type: circle, radius_m: 0.05, angular_speed_rad_per_s: 3.0}");
-  hashOf(simulation, 2);
+  fixture::hashOf(simulation, 2);
   simulation.spawnModel(box);
   simulation.deleteModel("target");
-  hashOf(simulation, 2);
+  fixture::hashOf(simulation, 2);
   const std::string state = simulation.saveState();
-  const std::string later = hashOf(simulation, 5);
+  const std::string later = fixture::hashOf(simulation, 5);
   simulation.reset();
   simulation.restoreState(state);
   EXPECT_EQ(simulation.modelNames(), (std::vector<std::string>{"table", "box"}));
-  EXPECT_EQ(hashOf(simulation, 5), later);
+  EXPECT_EQ(fixture::hashOf(simulation, 5), later);
   Simulation other = fixture::panLift();
   other.restoreState(state);
-  EXPECT_EQ(hashOf(other, 5), later);
+  EXPECT_EQ(fixture::hashOf(other, 5), later);
   other.reset();
   EXPECT_EQ(other.modelNames(), std::vector<std::string>{"target"});
 }
