@@ -44,8 +44,8 @@ def calibration_ms():
 
 
 def accuracy(names):
-    from aras_visual_servo_controller.experiment import judge, run_in_process
-    from aras_visual_servo_controller.scenario import load_scenario
+    from aras_visual_servo_controller.run.judge import judge, run_in_process
+    from aras_visual_servo_controller.scenario.scenario import load_scenario
 
     for name in names:
         result = judge(run_in_process(load_scenario(name)))
@@ -60,8 +60,8 @@ def accuracy(names):
 
 
 def loop_factor():
-    from aras_visual_servo_controller.loop import ServoLoop
-    from aras_visual_servo_controller.scenario import load_scenario
+    from aras_visual_servo_controller.run.loop import ServoLoop
+    from aras_visual_servo_controller.scenario.scenario import load_scenario
 
     loop = ServoLoop(load_scenario("experiment_1"))
     record = loop.run()

@@ -8,12 +8,12 @@ import tempfile
 
 import cv2
 
-from aras_visual_servo_controller.experiment import run_in_process
-from aras_visual_servo_controller.law_compare import load_comparison, run_comparison
-from aras_visual_servo_controller.law_compare_figure import save_figure
-from aras_visual_servo_controller.observer import Observer
-from aras_visual_servo_controller.report import save_results
-from aras_visual_servo_controller.scenario import load_scenario
+from aras_visual_servo_controller.run.judge import run_in_process
+from aras_visual_servo_controller.compare.laws import load_comparison, run_comparison
+from aras_visual_servo_controller.compare.laws_figure import save_figure
+from aras_visual_servo_controller.report.observer import Observer
+from aras_visual_servo_controller.report.report import save_results
+from aras_visual_servo_controller.scenario.scenario import load_scenario
 
 
 def main(folder):

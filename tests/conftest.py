@@ -6,8 +6,8 @@ import pytest
 
 @functools.lru_cache(maxsize=None)
 def _run(name, changes):
-    from aras_visual_servo_controller.experiment import run_in_process
-    from aras_visual_servo_controller.scenario import load_scenario
+    from aras_visual_servo_controller.run.judge import run_in_process
+    from aras_visual_servo_controller.scenario.scenario import load_scenario
 
     return run_in_process(load_scenario(name, overrides=dict(changes)))
 

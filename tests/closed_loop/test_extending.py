@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 import yaml
 
-from aras_visual_servo_controller.errors import ParameterError
-from aras_visual_servo_controller.experiment import judge, run_in_process
-from aras_visual_servo_controller.loop import ServoLoop
-from aras_visual_servo_controller.scenario import load_scenario
+from aras_visual_servo_controller.ground.errors import ParameterError
+from aras_visual_servo_controller.run.judge import judge, run_in_process
+from aras_visual_servo_controller.run.loop import ServoLoop
+from aras_visual_servo_controller.scenario.scenario import load_scenario
 
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "extending.md"
 MAX_LINES = 40
@@ -28,7 +28,8 @@ def block(language):
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """A folder with my_servo.py in it, where Python looks for modules; what it registers is forgotten afterwards."""
-    from aras_visual_servo_controller import features, laws
+    from aras_visual_servo_controller.features import base as features
+    from aras_visual_servo_controller.laws import base as laws
 
     (tmp_path / "my_servo.py").write_text(block("python"))
     monkeypatch.syspath_prepend(str(tmp_path))
@@ -60,7 +61,7 @@ def test_its_feature_and_its_law_arrive_at_the_true_pose_no_faster_than_they_say
 
 
 def test_its_row_is_that_of_the_depth_over_the_depth(folder):
-    from aras_visual_servo_controller.features import FeatureSet, View
+    from aras_visual_servo_controller.features.base import FeatureSet, View
 
     importlib.import_module("my_servo")
     loop = ServoLoop(load_scenario("experiment_1", overrides()))
@@ -73,8 +74,8 @@ def test_its_row_is_that_of_the_depth_over_the_depth(folder):
 def test_it_is_found_by_name_through_pythonpath(folder):
     scenario = load_scenario("experiment_1", overrides()).as_dict()
     (folder / "mine.yaml").write_text(yaml.safe_dump({**scenario, "name": "mine"}))
-    code = ("from aras_visual_servo_controller.experiment import judge, run_in_process\n"
-            "from aras_visual_servo_controller.scenario import load_scenario\n"
+    code = ("from aras_visual_servo_controller.run.judge import judge, run_in_process\n"
+            "from aras_visual_servo_controller.scenario.scenario import load_scenario\n"
             "assert judge(run_in_process(load_scenario('mine.yaml'))).converged")
     environment = {**os.environ, "PYTHONPATH": f"{folder}:{os.environ.get('PYTHONPATH', '')}"}
     subprocess.run([sys.executable, "-c", code], cwd=folder, env=environment, check=True, timeout=120)

@@ -7,8 +7,8 @@ the reference (E. Malis, ICRA 2004); the image alone has the smaller domain.
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.experiment import judge
-from aras_visual_servo_controller.types import Status
+from aras_visual_servo_controller.run.judge import judge
+from aras_visual_servo_controller.ground.types import Status
 
 # Dry friction of the joints leaves a few hundredths of a millimetre in one place and up to two tenths in another.
 MM_DEG = {"x_mm": 0.3, "y_mm": 0.3, "z_mm": 0.3, "angle_deg": 0.05}
@@ -54,7 +54,7 @@ def test_without_the_pyramid_the_same_start_is_too_far(run):
 
 
 def test_arrives_through_a_distorting_lens(run):
-    from aras_visual_servo_controller.scenario import load_scenario
+    from aras_visual_servo_controller.scenario.scenario import load_scenario
     cameras = load_scenario("six_dof_photometric").sim["cameras"]
     cameras[0]["distortion"] = LENS
     assert_arrives(judge(_run("six_dof_photometric", {"sim.cameras": cameras})))
@@ -62,8 +62,8 @@ def test_arrives_through_a_distorting_lens(run):
 
 def _run(name, changes):
     """A run whose changes cannot be a key of the cache."""
-    from aras_visual_servo_controller.experiment import run_in_process
-    from aras_visual_servo_controller.scenario import load_scenario
+    from aras_visual_servo_controller.run.judge import run_in_process
+    from aras_visual_servo_controller.scenario.scenario import load_scenario
     return run_in_process(load_scenario(name, changes))
 
 

@@ -3,12 +3,12 @@ import math
 
 import pytest
 
-from aras_visual_servo_controller.errors import ParameterError
-from aras_visual_servo_controller.experiment import judge, run_in_process
-from aras_visual_servo_controller.kinematics import Kinematics
-from aras_visual_servo_controller.loop import ServoLoop
-from aras_visual_servo_controller.scenario import load_scenario
-from aras_visual_servo_controller.types import Status
+from aras_visual_servo_controller.ground.errors import ParameterError
+from aras_visual_servo_controller.run.judge import judge, run_in_process
+from aras_visual_servo_controller.arm.kinematics import Kinematics
+from aras_visual_servo_controller.run.loop import ServoLoop
+from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo_controller.ground.types import Status
 
 # Coverage images leave about 0.1 mm and 0.01 deg, dry friction of the joints a few tenths of a millimetre.
 SIX_MM_DEG = {"x_mm": 1.0, "y_mm": 1.0, "z_mm": 1.0, "angle_deg": 0.2}

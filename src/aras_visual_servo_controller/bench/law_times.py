@@ -14,15 +14,15 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # one core, as stated
 
 import numpy as np
 
-from aras_visual_servo_controller.features import expand
-from aras_visual_servo_controller.interaction import plane_from_pose
-from aras_visual_servo_controller.kinematics import Kinematics
-from aras_visual_servo_controller.laws import known_laws
-from aras_visual_servo_controller.scenario import load_scenario
-from aras_visual_servo_controller.scenario_files import load_yaml, resolve_uri
-from aras_visual_servo_controller.servo import Servo
-from aras_visual_servo_controller.target_pose import ORDER, PlanarTarget, exponential
-from aras_visual_servo_controller.types import Features, Observation
+from aras_visual_servo_controller.features.base import expand
+from aras_visual_servo_controller.features.interaction import plane_from_pose
+from aras_visual_servo_controller.arm.kinematics import Kinematics
+from aras_visual_servo_controller.laws.base import known_laws
+from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo_controller.config.files import load_yaml, resolve_uri
+from aras_visual_servo_controller.servo.servo import Servo
+from aras_visual_servo_controller.target.target_pose import ORDER, PlanarTarget, exponential
+from aras_visual_servo_controller.ground.types import Features, Observation
 
 DT_S, Z_STAR_M = 1.0 / 30.0, 0.6
 GOAL = {"gantry": 0.05, "J1": 0.0, "J2": -0.5, "J3": 0.9, "J4": 0.0, "J5": -0.4, "J6": 0.0}

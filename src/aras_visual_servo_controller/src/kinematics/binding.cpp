@@ -14,7 +14,7 @@ namespace {
 
 /** Raises the class of that name of the package's errors.py. */
 void raise(const char* name, const std::exception& error) {
-  const py::object errors = py::module_::import("aras_visual_servo_controller.errors");
+  const py::object errors = py::module_::import("aras_visual_servo_controller.ground.errors");
   PyErr_SetString(py::object(errors.attr(name)).ptr(), error.what());
 }
 

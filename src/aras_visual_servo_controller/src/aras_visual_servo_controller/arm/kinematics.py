@@ -1,0 +1,48 @@
+"""Kinematics of the chain from the robot base B to the camera C (KDL, through the C++ module `_kinematics`)."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from .._kinematics import ChainKinematics
+from ..ground.errors import ParameterError
+
+
+class Kinematics:
+    """Chain base_link -> tip_link of a URDF.
+
+    Attributes:
+        joint_names: tuple of the moving joints of the chain, SORTED BY NAME: the order of every joint vector.
+        lower, upper: (n,) position limits [m or rad], +-inf where the URDF has none (continuous joints).
+        velocity: (n,) velocity limits [m/s or rad/s], inf where the URDF has none.
+    """
+
+    def __init__(self, urdf_xml: str, base_link: str, tip_link: str):
+        """Raises ModelError: bad URDF, unknown link, tip not below base, joint types the chain cannot represent."""
+        self._chain = ChainKinematics(urdf_xml, base_link, tip_link)
+        self.joint_names = tuple(self._chain.joint_names)
+        self.lower, self.upper, self.velocity = self._chain.lower, self._chain.upper, self._chain.velocity
+        #: q -> X_BC, (4, 4) homogeneous. Raises ShapeError, NotFiniteError.
+        self.pose = self._chain.pose
+        #: q -> J_BC_C, (6, n): twist of C in B, taken at C's origin, expressed in C, [v; w]. Same errors.
+        self.jacobian = self._chain.jacobian
+        #: q, length_m, rows of the twist -> (w, (n,) gradient of ln w): Yoshikawa's manipulability of these rows,
+        #: linear ones divided by length_m (docs/theory.md T42); (0, zeros) where it vanishes. Same errors.
+        self.manipulability = self._chain.manipulability
+
+    def vector(self, q):
+        """Joint vector, never shared with the caller, from an array in the order of joint_names or a mapping by name.
+
+        A mapping may hold more joints than the chain has. Raises ParameterError when one is missing.
+        """
+        if not isinstance(q, Mapping):
+            return np.array(q, dtype=float)
+        try:
+            return np.array([q[name] for name in self.joint_names], dtype=float)
+        except KeyError:
+            missing = [name for name in self.joint_names if name not in q]
+            raise ParameterError(f"joints: found {sorted(q)}, missing {missing}") from None
+
+    def by_name(self, vector):
+        """{name: value} of a joint vector."""
+        return dict(zip(self.joint_names, vector.tolist()))

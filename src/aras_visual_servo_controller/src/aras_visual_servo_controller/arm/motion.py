@@ -1,0 +1,173 @@
+"""From the twist wanted to joint velocities that the arm may do: inverse, spare motion, limits, tilt hold."""
+
+from math import asin, inf
+from typing import NamedTuple
+
+import numpy as np
+
+from .limits import accelerated, braking_factor, position_factor, velocity_factor
+from .redundancy import TwistInverse, Wish, norm_part
+from ..ground.types import Status
+
+#: NEAR_SINGULARITY is reported when this part of the twist cannot be achieved, and it is above noise [rad/s].
+LOST_PART, LOST_FLOOR = 0.1, 1e-3
+#: A joint may use up its room to the limit within this many periods at the soonest.
+LIMIT_HORIZON = 2.0
+#: Largest part of the joint velocity that the correction for a turning Jacobian may add.
+TURNING_PART = 0.25
+
+
+class Motion(NamedTuple):
+    """Joint velocities of a twist, within all limits.
+
+    Attributes:
+        q_dot: (n,) [m/s, rad/s].  twist: (6,) the twist as scaled by the limits.
+        status, text: what kept it from being done in full; None and "" if nothing did.
+    """
+
+    q_dot: np.ndarray
+    twist: np.ndarray
+    status: Status = None
+    text: str = ""
+
+
+class ArmMotion:
+    """The arm as the servo sees it.
+
+    Attributes:
+        lower, upper: (n,) limits that are kept, the margin taken off [m, rad].
+        posture: (n,) joint positions that the spare motion returns to, or None.
+        optical_axis_B: (3,) direction to which the optical axis is held, or None.
+    """
+
+    def __init__(self, kinematics, config, sees_tilt):
+        """Args: kinematics: `Kinematics`. config: `ServoConfig`. sees_tilt: all six rows of the twist are servoed."""
+        self._kinematics = kinematics
+        weights = [config.joint_weights.get(name, 1.0) for name in kinematics.joint_names]
+        self._invert = TwistInverse(weights, config.length_m, config.singular_value_threshold, config.damping,
+                                    config.method)
+        self._length_m, self._rows = config.length_m, list(range(6)) if sees_tilt else [0, 1, 2, 5]
+        self._manipulability_gain, self._large_from = config.manipulability_gain_per_s, config.large_from
+        self._limits, self._others_go_on = config.limits, config.at_limits == "saturate"
+        self._acceleration = np.array([config.limits.joint_acceleration.get(name, inf)
+                                       for name in kinematics.joint_names])
+        self._accelerates = bool(config.limits.joint_acceleration)
+        self._before = np.zeros(len(kinematics.joint_names))
+        lower, upper = kinematics.lower, kinematics.upper
+        self._wish = Wish(lower, upper, config.posture_gain_per_s, config.joint_limit_gain_per_s, config.max_speed)
+        self.lower, self.upper = lower + config.joint_limit_margin, upper - config.joint_limit_margin
+        self.posture = self.optical_axis_B = None
+
+    def set_reference(self, reference):
+        """Take over the posture and the optical axis of a `Reference`."""
+        self.posture = None if reference.posture is None else self._kinematics.vector(reference.posture)
+        self.optical_axis_B = reference.optical_axis_B
+
+    def rest(self):
+        """The arm was told to stand still: motion begins at zero velocity."""
+        self._before = np.zeros_like(self._before)
+
+    def at(self, q):
+        """(jacobian, inverse) at joint positions q, (n,)."""
+        jacobian = self._kinematics.jacobian(q)
+        return jacobian, self._invert(jacobian)
+
+    def tilt(self, q, inverse, gain, target_C):
+        """Twist that turns the optical axis towards the taught one, as far as the arm can; zeros without one.
+
+        Args: gain: part of the angle [1/s], or of one move.  target_C: (x, y, z) of a point that keeps its place [m].
+        """
+        if self.optical_axis_B is None:
+            return np.zeros(6)
+        a, b, _ = (self.optical_axis_B @ self._kinematics.pose(q)[:3, :3]).tolist()  # the taught axis in C
+        sine = (a * a + b * b) ** 0.5
+        if sine > 0.0:
+            gain *= asin(min(1.0, sine)) / sine
+        _, _, _, wx, wy, _ = inverse.achieved(np.array([0.0, 0.0, 0.0, -gain * b, gain * a, 0.0])).tolist()
+        x, y, z = target_C  # v = -w x P keeps the point P where it is
+        return np.array([-wy * z, wx * z, wy * x - wx * y, wx, wy, 0.0])
+
+    def joint_velocity(self, q, twist, jacobian, inverse, dt_s):
+        """`Motion` of a twist V_C, (6,), held for dt_s at q, (n,); jacobian and inverse as of `at`."""
+        if self._limits.camera_speed_m_s < inf or self._limits.camera_turn_rad_s < inf:
+            speed, turn = float(twist[:3] @ twist[:3]) ** 0.5, float(twist[3:] @ twist[3:]) ** 0.5
+            twist = twist / max(1.0, speed / self._limits.camera_speed_m_s, turn / self._limits.camera_turn_rad_s)
+        q_dot = self.unlimited(q, twist, inverse)
+        factor = velocity_factor(q_dot, self._kinematics.velocity)
+        if factor < 1.0:
+            q_dot = q_dot * factor
+        q_dot = q_dot + self.turning(q, q_dot, jacobian, inverse, dt_s)
+        again = velocity_factor(q_dot, self._kinematics.velocity)
+        if self._accelerates:
+            q_dot, again = q_dot * again, 1.0
+            q_dot = q_dot * braking_factor(q, q_dot, self.lower, self.upper, self._acceleration, dt_s)
+            q_dot = accelerated(self._before, q_dot, self._acceleration * dt_s)
+        room, joint = position_factor(q, q_dot, self.lower, self.upper, LIMIT_HORIZON * dt_s)
+        if joint is not None and self._others_go_on:
+            return self._without_blocked(q, q_dot * again, joint, twist, jacobian, dt_s)
+        scale = min(again, room)
+        if scale < 1.0:
+            q_dot = q_dot * scale
+        scaled = twist * (factor * scale) if factor * scale < 1.0 else twist
+        if self._accelerates:
+            self._before, scaled = q_dot, jacobian @ q_dot
+        if joint is not None:
+            name = self._kinematics.joint_names[joint]
+            return Motion(q_dot, scaled, Status.JOINT_LIMIT, f"joint '{name}' at its limit, speed times {room:.2f}")
+        lost = inverse.lost(twist)
+        if lost > LOST_FLOOR and lost > LOST_PART * float(twist @ twist) ** 0.5:
+            return Motion(q_dot, scaled, Status.NEAR_SINGULARITY, "part of the twist cannot be achieved here")
+        return Motion(q_dot, scaled)
+
+    def _without_blocked(self, q, q_dot, joint, twist, jacobian, dt_s):
+        """`Motion` of the joints that are left when those at their limits go no further: saturation in the null space.
+
+        One joint after the other is held to the room it has, and the rest of the twist is inverted without it, until
+        all keep their limits (T44).
+        Args: q_dot: (n,) that violates a limit.  joint: index of the one that violates it most.
+        """
+        horizon_s, names = LIMIT_HORIZON * dt_s, []
+        held, others = np.zeros_like(q), np.ones_like(q)
+        while joint is not None:
+            room = self.upper[joint] - q[joint] if q_dot[joint] > 0.0 else self.lower[joint] - q[joint]
+            held[joint] = room / horizon_s if room * q_dot[joint] > 0.0 else 0.0
+            others[joint] = 0.0
+            names.append(self._kinematics.joint_names[joint])
+            inverse = self._invert(jacobian * others)
+            q_dot = others * self.unlimited(q, twist - jacobian @ held, inverse)
+            _, joint = position_factor(q, q_dot, self.lower, self.upper, horizon_s)
+        q_dot = held + q_dot
+        if self._accelerates:
+            q_dot = accelerated(self._before, q_dot, self._acceleration * dt_s)
+        factor = velocity_factor(q_dot, self._kinematics.velocity)
+        factor = min(factor, position_factor(q, q_dot, self.lower, self.upper, dt_s)[0])
+        q_dot = self._before = q_dot * factor
+        text = f"at their limits, the others go on: {', '.join(names)}"
+        return Motion(q_dot, jacobian @ q_dot, Status.JOINT_LIMIT, text)
+
+    def unlimited(self, q, twist, inverse):
+        """(n,) joint velocities of the twist and of the spare motion, whatever the limits."""
+        more = None
+        if self._manipulability_gain > 0.0:
+            more = self._manipulability_gain * self._kinematics.manipulability(q, self._length_m, self._rows)[1]
+        wish = self._wish(q, self.posture, more)
+        free = inverse.free(wish)
+        if self._large_from is not None:
+            part = norm_part(inverse.size(twist), *self._large_from)
+            free = (1.0 - part) * free + part * inverse.free_of_norm(wish, twist)
+        return inverse.joint_velocity(twist) + free
+
+    def split(self, q, q_dot):
+        """((n,), (n,)): what of the joint velocities q_dot at q moves the camera, and what is null-space motion."""
+        null = self.at(q)[1].null_part(q_dot)
+        return q_dot - null, null
+
+    def turning(self, q, q_dot, jacobian, inverse, dt_s):
+        """Correction of q_dot for the Jacobian turning while it is held: makes the twist right half-way.
+
+        Next to the stretched elbow the Jacobian turns fast. At most TURNING_PART of q_dot.
+        """
+        half_way = self._kinematics.jacobian(q + (0.5 * dt_s) * q_dot)
+        correction = inverse.joint_velocity((jacobian - half_way) @ q_dot)
+        most, size = TURNING_PART * float(q_dot @ q_dot) ** 0.5, float(correction @ correction) ** 0.5
+        return correction if size <= most else correction * (most / size)

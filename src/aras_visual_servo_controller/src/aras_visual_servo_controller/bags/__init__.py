@@ -1,0 +1,1 @@
+"""Bags: what is recorded, reading a run back from a recording, and replaying its images."""

@@ -1,0 +1,198 @@
+"""RunRecord from the bags of a run, read offline: no master, no rospy node.
+
+Topics are found by the ends of their names, under any namespace: those of `REQUIRED` must be there, those of
+`OPTIONAL` add to the record. Everything is paired by stamp; one row per ServoState, in order of its stamp.
+"""
+
+import numpy as np
+import yaml
+
+from .files import BagError, BagFiles
+from ..run.record import RecordBuilder
+from .record_groups import lacking
+from ..ground.types import FEATURE_NAMES
+
+__all__ = ["BagError", "read_bag"]
+REQUIRED = ("servo_state",)
+OPTIONAL = ("ground_truth/camera_pose", "camera/image_raw", "camera/features", "camera/camera_info",
+            "ground_truth/target_pose", "sim/status", "scenario", "camera/photometric")
+
+
+def read_bag(paths, namespace=None, scenario=None, keep_images=False):
+    """Read a run from its bags.
+
+    Args:
+        paths: of a bag, of a folder of bags, or a list of bags; one part of a split bag stands for all. A bag that was
+            cut (not closed) is indexed anew on a copy and read as far as it goes.
+        namespace: of the run, e.g. "/aras_visual_servo"; None: the only one in the bag.
+        scenario: `Scenario` the run had, or None: taken from the topic `scenario` (std_msgs/String, YAML) if recorded.
+        keep_images: keep every image of the servo phase in the record, for a video.
+    Returns:
+        RunRecord; what was not recorded, missing or cut is in its `notes`.
+    Raises:
+        BagError: no such file, no bag, topics missing (all are listed), several runs to choose from, no rows.
+    """
+    with BagFiles(paths) as bags:
+        return _read(bags, find_topics(bags, namespace), scenario, keep_images)
+
+
+def find_topics(bags, namespace=None):
+    """Dict of name (without namespace) -> topic, of an open `BagFiles`. Raises BagError as `read_bag`."""
+    present = bags.topics
+    if namespace is None:
+        spaces = sorted({topic[:-len("servo_state")] for topic in present if topic.endswith("/servo_state")})
+        if len(spaces) > 1:
+            raise BagError(f"bag '{bags.name}': holds several runs, choose one namespace of "
+                           + ", ".join(space.rstrip("/") or "/" for space in spaces))
+        if not spaces:  # then judge by the topics that are there
+            spaces = sorted({topic[:-len(name)] for topic in present for name in OPTIONAL
+                             if topic.endswith("/" + name)})
+        prefix = spaces[0] if spaces else "/"
+    else:
+        prefix = "/" + namespace.strip("/") + "/" if namespace.strip("/") else "/"
+    missing = [prefix + name for name in REQUIRED if prefix + name not in present]
+    if missing:
+        raise BagError(f"bag '{bags.name}': topics missing: {', '.join(missing)}; "
+                       f"found: {', '.join(sorted(present)) or 'none'}")
+    return {name: prefix + name for name in REQUIRED + OPTIONAL if prefix + name in present}
+
+
+def _read(bags, topics, scenario, keep_images):
+    states, features, poses, statuses = [], {}, {}, []
+    camera_info, targets, document = None, {}, None
+    names = {topic: name for name, topic in topics.items() if name != "camera/image_raw"}
+    for topic, message in bags.messages(names):
+        name = names[topic]
+        if name == "servo_state":
+            states.append(message)
+        elif name == "camera/features":
+            features[message.header.stamp.to_nsec()] = message
+        elif name == "ground_truth/camera_pose":
+            poses[message.header.stamp.to_nsec()] = pose_matrix(message.pose)
+        elif name == "ground_truth/target_pose":
+            targets[message.header.stamp.to_nsec()] = pose_matrix(message.pose)
+        elif name == "camera/camera_info":
+            camera_info = camera_info or camera_info_of(message)
+        elif name == "sim/status":
+            statuses.append(message)
+        elif name == "scenario":
+            document = message.data
+    states = _unique_rows(states)
+    if not states:
+        raise BagError(f"bag '{bags.name}': {topics['servo_state']} holds no image's row")
+    notes = bags.notes + lacking(topics)
+    settings, scenario_name = settings_of(scenario, document, notes)
+    images = {}
+    if "camera/image_raw" in topics:
+        stamps = _stamps_to_keep(states, every=keep_images)
+        images = _images(bags, topics["camera/image_raw"], stamps)
+        if len(images) < len(stamps):
+            notes.append(f"{len(stamps) - len(images)} of the {len(stamps)} images to show are not in the bag")
+    joint_names = max((tuple(sorted(state.joint_names)) for state in states), key=len)
+    # Those of the law that servoed; the usual four in their usual order.
+    feature_names = max((tuple(state.feature_names) for state in states), key=len)
+    if set(feature_names) <= set(FEATURE_NAMES):
+        feature_names = FEATURE_NAMES
+    builder = RecordBuilder(scenario_name, joint_names, settings=settings, keep_images=keep_images,
+                            feature_names=feature_names)
+    unpaired = 0
+    X_WT = next(reversed(targets.values()), None)
+    if all(np.array_equal(X, X_WT) for X in targets.values()):
+        targets = {}  # it rests
+    for state in states:
+        stamp_ns = state.header.stamp.to_nsec()
+        unpaired += stamp_ns not in poses
+        builder.add_answer(_Answer(state, stamp_ns, feature_names), poses.get(stamp_ns), features.get(stamp_ns),
+                           images.get(stamp_ns), targets.get(stamp_ns))
+    if unpaired and "ground_truth/camera_pose" in topics:
+        notes.append(f"{unpaired} of {len(states)} images have no true camera pose of the same stamp")
+    if all(state.phase != "done" for state in states):
+        notes.append(f"the recording ends before the run did, in phase {states[-1].phase}")
+    for note in dict.fromkeys(notes + bags.notes):
+        builder.note(note)
+    factors = [s.real_time_factor for s in statuses if not s.paused and s.real_time_factor > 0.0]
+    return builder.finish(run_hash=statuses[-1].run_hash if statuses else "",
+                          real_time_factor=float(np.median(factors)) if factors else float("nan"),
+                          camera_info=camera_info, X_WT=X_WT)
+
+
+class _Answer:
+    """ServoState message with the attributes of `types.ServoRecord`."""
+
+    def __init__(self, message, stamp_ns, feature_names):
+        self.stamp_ns, self.phase = stamp_ns, message.phase
+        self.status, self.status_text = message.status, message.status_text
+        self.feature_names = feature_names
+        by_name = {name: i for i, name in enumerate(message.feature_names)}
+        self.s, self.s_star, self.e = ([row[by_name[name]] if name in by_name and by_name[name] < len(row) else np.nan
+                                        for name in feature_names] for row in (message.s, message.s_star, message.e))
+        v, w = message.twist.linear, message.twist.angular
+        self.twist = [v.x, v.y, v.z, w.x, w.y, w.z]
+        self.joint_names, self.q, self.set_point = message.joint_names, message.q, message.set_point
+
+
+def _unique_rows(states):
+    """Sorted by stamp, the last one of each stamp: a respawned controller may answer an image again."""
+    by_stamp = {state.header.stamp.to_nsec(): state for state in states}
+    return [by_stamp[stamp] for stamp in sorted(by_stamp)]
+
+
+def _stamps_to_keep(states, every):
+    """Stamps of the rows whose images the record keeps: taught, first and last (or every) servo row, and done."""
+    servo = [s for s in states if s.phase == "servo"]
+    done = [s for s in states if s.phase == "done"]
+    kept = [s for s in states if s.phase == "teach"] + (servo if every else servo[:1] + servo[-1:]) + done[:1]
+    return {state.header.stamp.to_nsec() for state in kept}
+
+
+def _images(bags, topic, stamps):
+    images = {}
+    for _, message in bags.messages([topic]):
+        stamp_ns = message.header.stamp.to_nsec()
+        if stamp_ns in stamps:
+            images[stamp_ns] = decode(message)
+            if len(images) == len(stamps):
+                break
+    return images
+
+
+def decode(message):
+    """The uint8 image, (h, w) or (h, w, 3) rgb, of a sensor_msgs/Image. Raises BagError for other encodings."""
+    channels = {"rgb8": 3, "bgr8": 3, "mono8": 1}.get(message.encoding)
+    if channels is None:
+        raise BagError(f"image encoding: found '{message.encoding}', allowed rgb8 | bgr8 | mono8")
+    rows = np.frombuffer(message.data, dtype=np.uint8).reshape(message.height, message.step)
+    image = rows[:, :message.width * channels].reshape(message.height, message.width, channels)
+    image = image[..., ::-1] if message.encoding == "bgr8" else image
+    return image[..., 0] if channels == 1 else image
+
+
+def camera_info_of(message):
+    """A sensor_msgs/CameraInfo as the dict of `Simulation.camera_info`."""
+    return {"width": message.width, "height": message.height, "K": list(message.K), "D": list(message.D),
+            "distortion_model": message.distortion_model, "P": list(message.P), "R": list(message.R),
+            "frame_id": message.header.frame_id}
+
+
+def settings_of(scenario, document, notes):
+    """(settings, name): of the scenario given, else of the recorded text, else empty."""
+    if scenario is not None:
+        return scenario.as_dict(), scenario.name
+    settings = yaml.safe_load(document) if document else None
+    if isinstance(settings, dict):
+        return settings, str(settings.get("name", "unknown"))
+    notes.append("the bag does not say which scenario ran: nothing to judge the final error against")
+    return {}, "unknown"
+
+
+def pose_matrix(pose):
+    """(4, 4) matrix of a geometry_msgs/Pose; the quaternion is normalised, NaN if it is zero."""
+    q = np.array([pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w])
+    norm = np.linalg.norm(q)
+    x, y, z, w = q / norm if norm > 0.0 else np.full(4, np.nan)
+    X = np.eye(4)
+    X[:3, :3] = [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                 [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                 [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]
+    X[:3, 3] = [pose.position.x, pose.position.y, pose.position.z]
+    return X

@@ -1,0 +1,180 @@
+"""Bag files of a run: found, opened, repaired on a copy, read as one. Uses rosbag's Python API, no master.
+
+A run may be in one bag, in the parts that `rosbag record --split` made (run_0.bag, run_1.bag, ...), in bags of several
+recorders, or in what a recorder left that was killed (run.bag.active).
+"""
+
+import os
+import re
+import shutil
+import tempfile
+from pathlib import Path
+
+from ..ground.errors import ArasError
+
+MAGIC = b"#ROSBAG V2.0"
+HEADER_BYTES = 4096          # the file header record is padded to this
+PART = re.compile(r"(.+)_(\d+)\.bag(?:\.active)?$")
+NAMES = ("*.bag", "*.bag.active")
+
+
+class BagError(ArasError):
+    """A bag cannot be read, or lacks what a record needs."""
+
+
+class BagFiles:
+    """Context: the bags of a run, opened and in order of time.
+
+    Args:
+        paths: of a bag, of a folder of bags, or a list of bags. One part of a split bag stands for all of it.
+    Attributes:
+        name: of the run, for messages.  notes: what was joined or repaired, in words.
+    Raises:
+        BagError: no such file, no bag, or one that cannot be repaired.
+    """
+
+    def __init__(self, paths):
+        paths = [paths] if isinstance(paths, (str, os.PathLike)) else list(paths)
+        self._paths, self.notes = find_bags(paths)
+        self.name = ", ".join(str(path) for path in paths)
+        self._bags, self._folders = [], []
+
+    def __enter__(self):
+        try:
+            self._bags = [self._open(path) for path in self._paths]
+        except BaseException:
+            self.__exit__()
+            raise
+        self._bags.sort(key=_start)  # stable: of the same start, the order given
+        return self
+
+    def __exit__(self, *_):
+        for bag in self._bags:
+            bag.close()
+        for folder in self._folders:
+            shutil.rmtree(folder, ignore_errors=True)
+
+    @property
+    def topics(self):
+        """Names of all topics, a set."""
+        return {topic for bag in self._bags for topic in bag.get_type_and_topic_info().topics}
+
+    def messages(self, topics):
+        """(topic, message) of these topics in order; a broken bag ends early, with a note."""
+        for bag in self._bags:
+            try:
+                for topic, message, _ in bag.read_messages(topics=list(topics)):
+                    yield topic, message
+            except Exception as error:  # a chunk cut in two: struct.error, roslz4 and bz2 errors, ROSBagFormatException
+                note = f"the bag is broken and was read up to there: {error}"
+                if note not in self.notes:
+                    self.notes.append(note)
+
+    def _open(self, path):
+        import rosbag  # only here: the package is usable without ROS otherwise
+        try:
+            return rosbag.Bag(str(path))
+        except Exception as error:  # struct.error, ROSBagException and others: no bag at all, or one that was cut
+            reason = error
+        if not _is_bag(path):
+            raise BagError(f"bag '{path}': cannot be read: {reason}") from reason
+        folder = tempfile.mkdtemp(prefix="aras_bag_")
+        self._folders.append(folder)
+        copy = os.path.join(folder, "copy.bag")
+        try:
+            shutil.copyfile(path, copy)
+            _forget_index(copy)
+            with rosbag.Bag(copy, "a", allow_unindexed=True) as bag:
+                for _ in bag.reindex():
+                    pass
+            bag = rosbag.Bag(copy)
+        except Exception as error:
+            raise BagError(f"bag '{path}': was not closed and cannot be repaired: {error}") from error
+        self.notes.append(f"the bag {path.name} was not closed, or was cut: a copy was indexed anew and read as far as "
+                          "it goes")
+        return bag
+
+
+def find_bags(paths):
+    """The files of a run and notes on them: (list of Path, list of str).
+
+    Args:
+        paths: list of bags and folders.
+    Raises:
+        BagError: a file or a folder's bags are missing.
+    """
+    found, notes = [], []
+    for path in map(Path, paths):
+        if path.is_dir():
+            inside = sorted((p for pattern in NAMES for p in path.glob(pattern)), key=_number)
+            if not inside:
+                raise BagError(f"folder '{path}': holds no bag (*.bag, *.bag.active)")
+            found += inside
+        elif not path.is_file():
+            beside = path.with_name(path.name + ".active")
+            split = _parts(path.with_name(path.stem + "_0.bag"))
+            hint = f"; there is {beside.name}, left by a recorder that was killed" if beside.is_file() else \
+                f"; there are {', '.join(p.name for p in split)}, of a split recording" if split else ""
+            raise BagError(f"bag '{path}': no such file{hint}")
+        else:
+            found.append(path)
+    if len(paths) == 1 and len(found) == 1:
+        parts = _parts(found[0])
+        if len(parts) > 1 and _follow_each_other(parts):
+            found = parts
+            notes.append("read as one run: " + ", ".join(part.name for part in parts))
+    numbers = [int(match.group(2)) for match in (PART.match(path.name) for path in found) if match]
+    missing = sorted(set(range(max(numbers, default=-1) + 1)) - set(numbers)) if len(numbers) == len(found) else []
+    if missing:
+        notes.append("parts of the split bag are missing: " + ", ".join(map(str, missing)))
+    return list(dict.fromkeys(found)), notes
+
+
+def _parts(path):
+    """The parts of the split bag that `path` is one of, in order; [] if it is none."""
+    match = PART.match(path.name)
+    if not match:
+        return []
+    parts = [other for other in path.parent.iterdir() if (found := PART.match(other.name))
+             and found.group(1) == match.group(1)]
+    return sorted(parts, key=_number)
+
+
+def _follow_each_other(parts):
+    """Does each part begin when the one before has ended? Bags of other runs with like names do not."""
+    import rosbag
+    end = -1.0
+    for part in parts:
+        try:
+            with rosbag.Bag(str(part)) as bag:
+                if bag.get_message_count() == 0:
+                    continue
+                if bag.get_start_time() < end:
+                    return False
+                end = bag.get_end_time()
+        except Exception:  # not closed: it can only be the last one
+            return part == parts[-1]
+    return True
+
+
+def _number(path):
+    match = PART.match(path.name)
+    return (match.group(1), int(match.group(2))) if match else (path.name, -1)
+
+
+def _start(bag):
+    return bag.get_start_time() if bag.get_message_count() else float("inf")
+
+
+def _is_bag(path):
+    with open(path, "rb") as stream:
+        return stream.read(len(MAGIC)) == MAGIC
+
+
+def _forget_index(path):
+    """Write 0 where the header says where the index begins: of a bag that was cut, it lies behind the end."""
+    with open(path, "r+b") as stream:
+        at = stream.read(HEADER_BYTES).find(b"index_pos=")
+        if at >= 0:
+            stream.seek(at + len(b"index_pos="))
+            stream.write(bytes(8))

@@ -1,0 +1,67 @@
+"""Which topics a run records: groups switched on and off by name, and what a report lacks without each. No ROS."""
+
+from ..ground.errors import ParameterError
+
+# Group -> its topics without the namespace, "name/" for all below it; a topic belongs to the first group that fits.
+GROUPS = {
+    "servo": ("servo_state", "servo/", "scenario"),
+    "images": ("camera/image_raw", "camera/converted_image"),
+    "features": ("camera/features", "camera/photometric", "camera/camera_info"),
+    "joints": ("joint_states", "joint_command"),
+    "truth": ("ground_truth/",),
+    "tf": ("tf", "tf_static"),
+    "clock": ("clock",),
+    "status": ("sim/status",),
+    "other": (),
+}
+ALWAYS = "servo"       # without it there is no run to report on
+# What a report lacks without a topic: (topic, group, what).
+NEEDED = (("ground_truth/camera_pose", "truth", "the true camera pose: nothing to judge by, no path"),
+          ("camera/image_raw", "images", "the camera's images, the video and --replay"),
+          ("camera/features", "features", "the features drawn into the video and --replay"),
+          ("camera/camera_info", "features", "the features drawn into the video and --replay"),
+          ("sim/status", "status", "run hash and real-time factor"))
+
+
+def parse_groups(value):
+    """Names of the groups to record.
+
+    Args:
+        value: "all", names with commas between ("images, truth"), a list of names, or names with a minus to leave out
+            of all ("-images,-tf"). The group `servo` is always among them.
+    Returns:
+        tuple of names, in the order of GROUPS.
+    Raises:
+        ParameterError: unknown names (all are listed), or names with and without a minus mixed.
+    """
+    names = [str(name).strip() for name in (value.split(",") if isinstance(value, str) else value)]
+    names = [name for name in names if name]
+    known = ", ".join(GROUPS)
+    faults = [f"record_groups: found '{name}', allowed all | {known}, or -NAME to leave one out"
+              for name in names if name.lstrip("-") not in (*GROUPS, "all") or name == "-all"]
+    without = {name[1:] for name in names if name.startswith("-")}
+    chosen = {name for name in names if not name.startswith("-")}
+    if without and chosen - {"all"}:
+        faults.append("record_groups: names with and without a minus do not go together")
+    if ALWAYS in without:
+        faults.append(f"record_groups: {ALWAYS} cannot be left out, a report is made of it")
+    if faults:
+        raise ParameterError(faults)
+    if without or not chosen or "all" in chosen:
+        chosen = set(GROUPS) - without
+    return tuple(name for name in GROUPS if name in chosen or name == ALWAYS)
+
+
+def group_of(topic, namespace="/"):
+    """Group of a resolved topic name; namespace: of the run, e.g. "/aras_visual_servo/"."""
+    name = (topic[len(namespace):] if topic.startswith(namespace) else topic).lstrip("/")
+    for group, starts in GROUPS.items():
+        if any(name == start or start.endswith("/") and name.startswith(start) for start in starts):
+            return group
+    return "other"
+
+
+def lacking(present):
+    """Sentences: what a report lacks that has only the topics `present` (names without namespace)."""
+    gone = [(topic, group, what) for topic, group, what in NEEDED if topic not in present]
+    return [f"not recorded: {topic} (group {group}); the report lacks {what}" for topic, group, what in gone]

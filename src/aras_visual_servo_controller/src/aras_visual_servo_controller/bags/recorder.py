@@ -1,0 +1,97 @@
+"""The recorder node (src/ros/recorder.cpp) as a child process that is stopped properly."""
+
+import ctypes
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+from ..ground.errors import ArasError
+
+
+COMPRESSIONS = {"lz4": ("--lz4",), "bz2": ("--bz2",), "none": ()}
+PR_SET_PDEATHSIG = 1  # linux/prctl.h
+
+
+class RecorderError(ArasError):
+    """The recorder could not start, died, or left no bag."""
+
+
+class Recorder:
+    """Records topics to a bag, without a limit on the buffer: a run is recorded whole or not at all.
+
+    Args:
+        bag: path of the bag, must not exist.  topics: resolved names.  node: absolute name for the recorder's node.
+        clock: resolved name of /clock; the bag is in simulated time.
+        split_mb: a new bag NAME_0.bag, NAME_1.bag ... after this size [MiB]; 0: one bag.
+        compression: one of COMPRESSIONS.
+    """
+
+    def __init__(self, bag, topics, node, clock="/clock", split_mb=0, compression="lz4"):
+        self.bag, self.node, self.topics, self._split = Path(bag), node, list(topics), bool(split_mb)
+        namespace, _, name = node.rpartition("/")
+        command = ["rosrun", "aras_visual_servo_controller", "recorder", *COMPRESSIONS[compression]]
+        command += ["--split", "--size", str(int(split_mb))] if split_mb else []
+        command += ["-O", str(self.bag)]
+        command += self.topics + [f"__name:={name}"] + ([f"/clock:={clock}"] if clock != "/clock" else [])
+        # A group of its own: Ctrl-C in the terminal must not close the bag before the run has ended.
+        self._process = subprocess.Popen(command, env=dict(os.environ, ROS_NAMESPACE=namespace or "/"),
+                                         start_new_session=True, preexec_fn=_end_with_parent)
+
+    def check(self):
+        """Raises RecorderError if the recorder has ended."""
+        code = self._process.poll()
+        if code is not None:
+            raise RecorderError(f"the recorder ended by itself with exit code {code}")
+
+    def bags(self):
+        """The bags written so far, closed ones and the one being written, in order: list of paths."""
+        names = [f"{self.bag.stem}_*.bag", f"{self.bag.stem}_*.bag.active"] if self._split else \
+            [self.bag.name, f"{self.bag.name}.active"]
+        found = [path for name in names for path in self.bag.parent.glob(name)]
+        return sorted(found, key=lambda path: (len(path.name.partition(".")[0]), path.name))
+
+    def written_bytes(self):
+        """Size of the recording so far [B]."""
+        size = 0
+        for path in self.bags():
+            try:
+                size += path.stat().st_size
+            except FileNotFoundError:
+                pass  # renamed meanwhile
+        return size
+
+    def stop(self, timeout_s=60.0):
+        """End the recording and wait until the bag is closed; harmless when it has ended already.
+
+        Args:
+            timeout_s: of wall time, until it is killed [s].
+        Raises:
+            RecorderError: the bag was not closed.
+        """
+        if self._process.poll() is None:
+            # rosrun may be a wrapper that waits for the real recorder: both are in the group.
+            _signal_group(self._process.pid, signal.SIGINT)
+            try:
+                self._process.wait(timeout_s)
+            except subprocess.TimeoutExpired:
+                _signal_group(self._process.pid, signal.SIGKILL)
+                self._process.wait()
+        deadline = time.monotonic() + 5.0  # the wrapper may end a moment before the recorder renames the file
+        while not self.bags() or any(path.suffix == ".active" for path in self.bags()):
+            if time.monotonic() > deadline:
+                raise RecorderError(f"{self.bag}: the recorder did not close the bag")
+            time.sleep(0.02)
+
+
+def _end_with_parent():
+    """In the child: be interrupted when the parent dies, however it dies, so that no recorder is left behind."""
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGINT)
+
+
+def _signal_group(pid, number):
+    try:
+        os.killpg(pid, number)
+    except ProcessLookupError:
+        pass

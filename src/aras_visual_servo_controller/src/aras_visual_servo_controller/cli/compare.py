@@ -1,0 +1,97 @@
+"""Command lines `compare_laws` and `compare_runs`. Exit codes: 0 done, 2 bad input, 3 could not run."""
+
+import argparse
+import os
+import shlex
+import sys
+from pathlib import Path
+
+from .run import EXIT_PASSED, guarded, parse_overrides
+from ..ground.errors import ParameterError
+
+FOLDER = "comparisons"
+
+
+def compare_laws_main(argv=None):
+    """`compare_laws canonical --laws A,B`: laws side by side on the same tasks. Returns the exit code."""
+    parser = argparse.ArgumentParser(prog="compare_laws", description="Run several laws on the same tasks; one table "
+                                     "(comparison.csv, comparison.html) and one figure.")
+    parser.add_argument("comparison", nargs="?", default="canonical",
+                        help="name of a comparison of this package, or path of a YAML file (default: canonical)")
+    parser.add_argument("--laws", type=_names, default=(), metavar="A,B,...",
+                        help="laws of the file, in this order; NAME:INTERACTION takes another matrix (default: all)")
+    parser.add_argument("--tasks", type=_names, default=(), metavar="A,B,...", help="tasks of the file (default: all)")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
+                        help="replace a value of the base scenario, e.g. --set sim.seed=3")
+    parser.add_argument("--workers", type=int, metavar="N",
+                        help="processes (default: one a core; 0: this process)")
+    parser.add_argument("--output", default="results", metavar="DIR", help="root of the results (default: results)")
+    parser.add_argument("--name", help="name of the folder DIR/comparisons/COMPARISON/NAME (default: the time)")
+    parser.add_argument("--list", action="store_true", help="list the laws and tasks of the comparison")
+    arguments = parser.parse_args(argv)
+
+    def work():
+        from ..compare.laws import load_comparison, run_comparison
+        if arguments.workers is not None and arguments.workers < 0:
+            raise ParameterError(f"--workers: found {arguments.workers}, allowed >= 0")
+        comparison = load_comparison(arguments.comparison, arguments.laws, arguments.tasks,
+                                     parse_overrides(arguments.overrides))
+        if arguments.list:
+            for law, scenario in comparison.scenarios.items():
+                print(f"law   {law:<20} {scenario.servo['law']} on {', '.join(scenario.servo.get('features', []))}")
+            for task in comparison.tasks:
+                print(f"task  {task.name:<20} {task.title}")
+            return EXIT_PASSED
+        from ..compare.laws_report import format_table, save_comparison
+        from ..report.report import create_result_folder
+        folder = create_result_folder(Path(os.path.expanduser(arguments.output)) / FOLDER, comparison.name,
+                                      arguments.name)
+        workers = (os.cpu_count() or 1) if arguments.workers is None else arguments.workers
+        results = run_comparison(comparison, workers, _say)
+        command = "rosrun aras_visual_servo_controller compare_laws " + _words(arguments)
+        path = save_comparison(comparison, results, folder, command)
+        print(format_table(comparison, results))
+        print(f"\n{'report':<20}{path}")
+        return EXIT_PASSED
+
+    return guarded(work)
+
+
+def compare_runs_main(argv=None):
+    """`compare_runs A B`: two or more runs on one page. Returns the exit code."""
+    parser = argparse.ArgumentParser(prog="compare_runs", description="Two or more runs side by side on one page "
+                                     "(runs.html): camera path, errors, joints against their limits, what differs.")
+    parser.add_argument("runs", nargs="+", metavar="RUN", help="name of a scenario or path of a YAML file, which is "
+                        "run in this process; or a bag, or a folder of bags")
+    parser.add_argument("--output", default="results", metavar="DIR", help="root of the results (default: results)")
+    parser.add_argument("--name", help="name of the folder DIR/comparisons/runs/NAME (default: the time)")
+    arguments = parser.parse_args(argv)
+
+    def work():
+        from ..report.report import create_result_folder
+        from ..compare.side_by_side import format_runs, read_run, save_side_by_side
+        if len(arguments.runs) < 2:
+            raise ParameterError(f"found {len(arguments.runs)} run, allowed two or more")
+        runs = [read_run(source) for source in arguments.runs]
+        folder = create_result_folder(Path(os.path.expanduser(arguments.output)) / FOLDER, "runs", arguments.name)
+        command = "rosrun aras_visual_servo_controller compare_runs " + " ".join(map(shlex.quote, arguments.runs))
+        path = save_side_by_side(runs, folder, command)
+        print(format_runs(runs))
+        print(f"{'report':<20}{path}")
+        return EXIT_PASSED
+
+    return guarded(work)
+
+
+def _words(arguments):
+    words = [shlex.quote(arguments.comparison)]
+    words += [f"--{key} {','.join(getattr(arguments, key))}" for key in ("laws", "tasks") if getattr(arguments, key)]
+    return " ".join(words + [f"--set {shlex.quote(text)}" for text in arguments.overrides])
+
+
+def _names(text):
+    return tuple(name.strip() for name in text.split(",") if name.strip())
+
+
+def _say(done, total):
+    print(f"{done}/{total} laws", file=sys.stderr)

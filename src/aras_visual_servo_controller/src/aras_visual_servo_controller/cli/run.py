@@ -1,0 +1,161 @@
+"""Command lines: `run SCENARIO` and `report BAG`. Exit codes: 0 passed, 1 not passed, 2 bad input, 3 could not run."""
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+import yaml
+
+from ..ground.errors import ArasError, ParameterError
+from ..bags.record_groups import GROUPS, parse_groups
+from ..bags.recorder import COMPRESSIONS
+
+EXIT_PASSED, EXIT_FAILED, EXIT_PARAMETERS, EXIT_BROKEN = range(4)
+EXIT_INTERRUPTED = 130   # what a shell reports of SIGINT
+
+
+def run_main(argv=None):
+    """`run SCENARIO`: over ROS through roslaunch, or without ROS with --in-process. Returns the exit code."""
+    parser = argparse.ArgumentParser(prog="run", description="Run a scenario and write its result folder.")
+    parser.add_argument("scenario", nargs="?", help="name of a scenario of this package, or path of a YAML file")
+    parser.add_argument("--in-process", action="store_true",
+                        help="no ROS: simulator, camera and controller in this process")
+    parser.add_argument("--output", default="results", metavar="DIR",
+                        help="root of the result folders (default: results)")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
+                        help="replace a value of the scenario, e.g. --set servo.gains_per_s.xn=2.0 (only --in-process)")
+    parser.add_argument("--video", action="store_true", help="make video.mp4 too and show it in the report (ffmpeg)")
+    parser.add_argument("--record", metavar="GROUPS", help="groups of topics to record (only over ROS), e.g. "
+                        "images,features,truth or --record=-images; all of them: " + ", ".join(GROUPS))
+    parser.add_argument("--split", type=int, metavar="MB", help="split the bag after this size (only over ROS)")
+    parser.add_argument("--compression", choices=tuple(COMPRESSIONS), help="of the bag (only over ROS; default: lz4)")
+    parser.add_argument("--verbose", action="store_true", help="show what the nodes say (only over ROS)")
+    parser.add_argument("--list", action="store_true", help="list the scenarios that come with the package")
+    arguments = parser.parse_args(argv)
+    from ..scenario.scenario import load_scenario
+    from ..scenario.files import scenario_names
+    if arguments.list:
+        for name in scenario_names():
+            print(f"{name:<28} {load_scenario(name).description}")
+        return EXIT_PASSED
+    if not arguments.scenario:
+        parser.error("SCENARIO is missing; --list shows the known ones")
+    if arguments.overrides and not arguments.in_process:
+        parser.error("--set needs --in-process; over ROS change the scenario file")
+    if arguments.in_process and (arguments.record or arguments.split or arguments.compression):
+        parser.error("--record, --split and --compression are of the bag; --in-process writes none")
+    if arguments.split is not None and arguments.split < 1:
+        parser.error(f"--split: found {arguments.split}, allowed >= 1")
+
+    def work():
+        from ..scenario.feasibility import check_feasible
+        scenario = load_scenario(arguments.scenario, parse_overrides(arguments.overrides))
+        check_feasible(scenario)
+        return _run_in_process(scenario, arguments) if arguments.in_process else _run_over_ros(scenario, arguments)
+
+    return guarded(work)
+
+
+def report_main(argv=None):
+    """`report BAG`: rebuild summary, trace, figure and report from a rosbag. Returns the exit code."""
+    parser = argparse.ArgumentParser(prog="report", description="Rebuild summary.json, trace.csv, figure.{png,pdf} "
+                                                                "and report.html of a run from its bag.")
+    parser.add_argument("bag", nargs="+", help="a rosbag of a run, under any namespace; all parts of a split one are "
+                                               "read; a folder of bags, or several bags, are read as one run")
+    parser.add_argument("--output", metavar="DIR", help="folder to write to (default: the folder of the bag; files of "
+                                                        "an earlier report there are replaced)")
+    parser.add_argument("--scenario", help="name or path of the scenario that ran, if the bag does not say")
+    parser.add_argument("--namespace", help="namespace of the run, if the bag holds several")
+    parser.add_argument("--video", action="store_true", help="make video.mp4 too and show it in the report (ffmpeg)")
+    parser.add_argument("--panels", action="store_true", help="write each panel of the figure as panel_NAME.pdf too")
+    parser.add_argument("--replay", action="store_true",
+                        help="process the images again and compare the features with the recorded ones, bit for bit")
+    arguments = parser.parse_args(argv)
+
+    def work():
+        from ..bags.bag import read_bag
+        from ..report.report import ResultFolderError, format_summary, save_results
+        from ..scenario.scenario import load_scenario
+        first = os.path.abspath(arguments.bag[0])
+        folder = Path(arguments.output or (first if os.path.isdir(first) else os.path.dirname(first)))
+        scenario = load_scenario(arguments.scenario) if arguments.scenario else None
+        record = read_bag(arguments.bag, arguments.namespace, scenario, keep_images=arguments.video)
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise ResultFolderError(f"results folder '{folder}': cannot be made: {error.strerror}") from error
+        summary = save_results(record, folder, video=arguments.video, panels=arguments.panels)
+        print(format_summary(summary))
+        passed = summary["passed"]
+        if arguments.replay:
+            from ..bags.replay import replay
+            result = replay(arguments.bag, arguments.namespace, scenario)
+            print(result.text())
+            passed = passed and result.same
+        return EXIT_PASSED if passed else EXIT_FAILED
+
+    return guarded(work)
+
+
+def parse_overrides(texts):
+    """Dict of dotted path -> value of texts `key=value`, values in YAML. Raises ParameterError listing the bad ones."""
+    overrides, faults = {}, []
+    for text in texts:
+        key, equals, value = text.partition("=")
+        try:
+            if not equals or not key:
+                raise ValueError
+            overrides[key] = yaml.safe_load(value)
+        except (ValueError, yaml.YAMLError):
+            faults.append(f"--set {text}: allowed is KEY=VALUE, e.g. sim.seed=3")
+    if faults:
+        raise ParameterError(faults)
+    return overrides
+
+
+def _run_in_process(scenario, arguments):
+    from ..run.judge import run_in_process
+    from ..report.report import create_result_folder, format_summary, save_results
+    folder = create_result_folder(arguments.output, scenario.name)
+    record = run_in_process(scenario, progress=_progress() if sys.stderr.isatty() else None,
+                            **({"keep_images": True} if arguments.video else {}))
+    words = [f"--set {text}" for text in arguments.overrides]
+    command = " ".join(["rosrun aras_visual_servo_controller run", arguments.scenario, "--in-process"] + words)
+    summary = save_results(record, folder, command, video=arguments.video)
+    print(format_summary(summary))
+    return EXIT_PASSED if summary["passed"] else EXIT_FAILED
+
+
+def _run_over_ros(scenario, arguments):
+    from ..nodes.launch import run_over_ros
+    extra = []
+    if arguments.record:
+        extra.append("record_groups:=" + ",".join(parse_groups(arguments.record)))
+    if arguments.split:
+        extra.append(f"record_split_mb:={arguments.split}")
+    if arguments.compression:
+        extra.append(f"record_compression:={arguments.compression}")
+    if arguments.video:
+        extra.append("video:=true")
+    return run_over_ros(scenario, os.path.expanduser(arguments.output), extra, verbose=arguments.verbose)
+
+
+def _progress():
+    def show(t_s, phase):
+        print(f"\r{t_s:7.2f} s  {phase:<14}", end="" if phase != "done" else "\n", file=sys.stderr, flush=True)
+    return show
+
+
+def guarded(work):
+    """What `work()` returns, or the exit code that says how it failed; the reason is printed."""
+    try:
+        return work()
+    except ParameterError as error:
+        print(f"bad input:\n{error}", file=sys.stderr)
+        return EXIT_PARAMETERS
+    except (ArasError, RuntimeError, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return EXIT_BROKEN
+    except KeyboardInterrupt:
+        return EXIT_INTERRUPTED

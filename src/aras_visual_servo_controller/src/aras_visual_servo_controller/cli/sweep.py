@@ -1,0 +1,237 @@
+"""Command lines `sweep`, `rerun`, `compare`. Exit codes: 0 done, 1 a gate fired or bytes differ, 2 bad input,
+3 could not run, 130 interrupted (what was done is kept)."""
+
+import argparse
+import os
+import shlex
+import signal
+import sys
+from dataclasses import asdict
+from pathlib import Path
+
+from .run import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_PASSED, guarded, parse_overrides
+from ..ground.errors import ParameterError
+
+FOLDER = "sweeps"
+
+
+def sweep_main(argv=None):
+    """`sweep SCENARIO --starts N`: many starts, one row each. Returns the exit code."""
+    parser = argparse.ArgumentParser(prog="sweep", description="Run a scenario from many starts; one row per run in "
+                                     "sweep.db and runs.csv, figures and sweep.html beside them.")
+    parser.add_argument("scenario", nargs="?", help="name of a scenario of this package, or path of a YAML file")
+    parser.add_argument("--starts", type=int, metavar="N", help="number of runs (default: sweep.starts, else 100)")
+    parser.add_argument("--method", help="latin_hypercube (default), grid or random")
+    parser.add_argument("--space", help="camera (default), joint, ball or view: where starts are sampled")
+    parser.add_argument("--seed", type=int, help="of the samples (default: sweep.seed, else 0)")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
+                        help="replace a value of the scenario, e.g. --set servo.law=paper")
+    parser.add_argument("--drive", action="store_true", default=None,
+                        help="drive to goal and start as `run` does, instead of placing the arm there")
+    parser.add_argument("--workers", type=int, metavar="N",
+                        help="processes on this machine (default: one a core; 0: this process, without Dask)")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="use the workers of a Dask scheduler: tcp://host:8786")
+    parser.add_argument("--output", default="results", metavar="DIR", help="root of the results (default: results)")
+    parser.add_argument("--name", help="name of the folder DIR/sweeps/SCENARIO/NAME (default: the time)")
+    parser.add_argument("--resume", nargs="?", const="", metavar="FOLDER",
+                        help="go on with a sweep (default: the newest of the scenario); saved runs are not repeated")
+    parser.add_argument("--axes", nargs=2, metavar=("X", "Y"), help="columns of the maps (default: x0_mm y0_mm)")
+    arguments = parser.parse_args(argv)
+    if arguments.scenario is None and not arguments.resume:
+        parser.error("SCENARIO is missing (or --resume FOLDER)")
+
+    def work():
+        if arguments.workers is not None and arguments.workers < 0:
+            raise ParameterError(f"--workers: found {arguments.workers}, allowed >= 0")
+        store = _new_sweep(arguments) if arguments.resume is None else _old_sweep(arguments)
+        with store:
+            return _run(store, arguments)
+
+    return guarded(work)
+
+
+def rerun_main(argv=None):
+    """`rerun ID`: one run of a sweep again, with its full result folder. Returns the exit code."""
+    parser = argparse.ArgumentParser(prog="rerun", description="Repeat one run of a sweep: checks that it gives the "
+                                     "same bytes, and writes its summary, trace, figure and report.")
+    parser.add_argument("id", type=int, help="of the run: column id")
+    parser.add_argument("--sweep", metavar="FOLDER", help="of the sweep (default: the newest one in DIR)")
+    parser.add_argument("--results", default="results", metavar="DIR", help="root of the results (default: results)")
+    parser.add_argument("--output", metavar="DIR", help="folder to write to (default: FOLDER/runs/ID)")
+    arguments = parser.parse_args(argv)
+
+    def work():
+        from ..report.report import ResultFolderError, format_summary, save_results
+        from ..sweep.run import Bench
+        from ..sweep.worker import scenario_of
+        from ..sweep.store import SweepStore
+        folder = Path(arguments.sweep) if arguments.sweep else _newest(Path(arguments.results) / FOLDER, "*/*")
+        with SweepStore.open(folder) as store:
+            start = store.start(arguments.id)
+            saved = next((row for row in store.rows() if row["id"] == arguments.id), None)
+            setup, home = store.meta["setup"], store.folder
+        row, record = Bench(scenario_of(setup), setup["drive_to_start"]).run(start)
+        if record is not None:
+            target = Path(arguments.output or home / "runs" / str(arguments.id))
+            try:
+                target.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise ResultFolderError(f"results folder '{target}': cannot be made: {error.strerror}") from error
+            command = f"rosrun aras_visual_servo_controller rerun {arguments.id} --sweep {shlex.quote(str(home))}"
+            print(format_summary(save_results(record, target, command)))
+        else:
+            print(f"run {arguments.id}: {row['outcome']}: {row['detail']}")
+        if saved is None:
+            print(f"{'sweep':<20}the run was not done there: nothing to compare with")
+            return EXIT_PASSED
+        different = [name for name in row if row[name] != saved[name]]
+        print(f"{'sweep':<20}" + (f"other values than in the sweep: {', '.join(different)}" if different
+                                  else f"same bytes as in the sweep, trace {row['trace_hash']}"))
+        return EXIT_FAILED if different else EXIT_PASSED
+
+    return guarded(work)
+
+
+def compare_main(argv=None):
+    """`compare A B [C]`: sweeps side by side, and gates on their numbers. Returns the exit code."""
+    parser = argparse.ArgumentParser(prog="compare", description="Sweeps side by side, with paired statistics on the "
+                                     "same starts: McNemar's test for success, Wilcoxon's for time and error.")
+    parser.add_argument("sweeps", nargs="+", metavar="FOLDER", help="sweeps A, B, C ...; A is what others are held to")
+    parser.add_argument("--fail-if", action="append", default=[], metavar="EXPRESSION",
+                        help="exit with 1 if it holds, e.g. \"success<0.98\" or "
+                             "\"B.time_median_s>1.1*A.time_median_s\"; names without a letter are of the last sweep")
+    arguments = parser.parse_args(argv)
+
+    def work():
+        from ..compare.sweeps import LETTERS, format_comparison, gate_fires, numbers_of
+        from ..sweep.store import SweepStore
+        if len(arguments.sweeps) > len(LETTERS):
+            raise ParameterError(f"found {len(arguments.sweeps)} sweeps, allowed {len(LETTERS)}")
+        sweeps, names = [], []
+        for folder in arguments.sweeps:
+            with SweepStore.open(folder) as store:
+                sweeps.append(store.rows())
+                names.append(store.folder.resolve().name)
+                missing = len(store.starts()) - len(sweeps[-1])
+            if missing:
+                print(f"note: {folder}: {missing} runs are still missing", file=sys.stderr)
+        numbers = numbers_of(sweeps)
+        gates = [(text, *gate_fires(text, numbers)) for text in arguments.fail_if]
+        print(format_comparison(names, sweeps))
+        for text, fires, why in gates:
+            print(f"{'FAILED' if fires else 'passed'}: {text}   ({why})")
+        return EXIT_FAILED if any(fires for _, fires, _ in gates) else EXIT_PASSED
+
+    return guarded(work)
+
+
+def _new_sweep(arguments):
+    from ..report.report import create_result_folder
+    from ..scenario.scenario import load_scenario
+    from ..sweep.plan import make_starts
+    from ..sweep.worker import make_setup
+    from ..sweep.store import FILE, StoreError, SweepStore
+    from ..report.versions import installed_versions
+    scenario = load_scenario(arguments.scenario, parse_overrides(arguments.overrides))
+    settings, kinematics = _settings(arguments, scenario)
+    if arguments.name and (Path(arguments.output) / FOLDER / scenario.name / arguments.name / FILE).exists():
+        raise StoreError(f"sweep '{arguments.name}' is there already; go on with --resume, or choose another --name")
+    starts = make_starts(settings, scenario, kinematics)
+    folder = create_result_folder(Path(os.path.expanduser(arguments.output)) / FOLDER, scenario.name, arguments.name)
+    words = [arguments.scenario, f"--starts {settings.starts} --method {settings.method} --space {settings.space} "
+                                 f"--seed {settings.seed}"]
+    words += [f"--set {shlex.quote(text)}" for text in arguments.overrides] + ["--drive"] * settings.drive_to_start
+    meta = {"setup": make_setup(scenario, settings.drive_to_start), "settings": _plain(settings),
+            "command": f"rosrun aras_visual_servo_controller sweep {' '.join(words)}", "versions": installed_versions()}
+    return SweepStore.create(folder, meta, starts)
+
+
+def _old_sweep(arguments):
+    """The sweep to go on with; what the command line says must be what it was begun with."""
+    from ..scenario.scenario import load_scenario
+    from ..sweep.worker import make_setup
+    from ..sweep.store import SweepStore
+    scenario = None
+    if arguments.scenario is not None:
+        scenario = load_scenario(arguments.scenario, parse_overrides(arguments.overrides))
+    root = Path(os.path.expanduser(arguments.output)) / FOLDER
+    if arguments.resume:
+        folder = Path(arguments.resume)
+    else:
+        folder = root / scenario.name / arguments.name if arguments.name else _newest(root / scenario.name, "*")
+    store = SweepStore.open(folder, writing=True)
+    try:
+        faults = []
+        if scenario is not None:
+            settings, _ = _settings(arguments, scenario)
+            faults = [f"{key}: found {value}, the sweep was begun with {store.meta['settings'][key]}"
+                      for key, value in _plain(settings).items() if value != store.meta["settings"][key]]
+            if not faults and make_setup(scenario, settings.drive_to_start) != store.meta["setup"]:
+                faults = [f"scenario '{scenario.name}' or its files have changed since the sweep was begun"]
+        elif arguments.overrides or any(getattr(arguments, key) is not None
+                                        for key in ("starts", "method", "space", "seed", "drive")):
+            faults = ["a sweep goes on as it was begun: leave the other options away"]
+        if faults:
+            raise ParameterError([f"--resume {store.folder}: {fault}" for fault in faults])
+    except BaseException:
+        store.close()
+        raise
+    return store
+
+
+def _run(store, arguments):
+    from ..sweep.engine import run_pending
+    from ..sweep.figure import DEFAULT_AXES, check_axes
+    from ..sweep.report import format_summary, save_csv, save_report
+    columns = [dict.fromkeys(store.extra)]
+    axes = check_axes(arguments.axes, columns) if arguments.axes else DEFAULT_AXES
+    print(f"sweep: {store.folder}", file=sys.stderr)
+    # SIGINT too: a job in the background of a script would ignore it.
+    before = {number: signal.signal(number, _interrupt) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        run_pending(store, store.meta["setup"], arguments.workers, arguments.scheduler)
+    except KeyboardInterrupt:
+        save_csv(store)
+        left = len(store.pending())
+        print(f"interrupted: {left} runs are left; go on with: sweep --resume {shlex.quote(str(store.folder))}",
+              file=sys.stderr)
+        return EXIT_INTERRUPTED
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    path = save_report(store, axes)
+    print(format_summary(store))
+    print(f"{'report':<20}{path}")
+    return EXIT_PASSED
+
+
+def _settings(arguments, scenario):
+    from ..run.loop import ServoLoop
+    from ..sweep.plan import SweepSettings
+    kinematics = ServoLoop(scenario).kinematics  # what is wrong with the scenario shows here, not in every row
+    settings = SweepSettings.from_scenario(scenario, kinematics, starts=arguments.starts, method=arguments.method,
+                                           space=arguments.space, seed=arguments.seed, drive_to_start=arguments.drive)
+    return settings, kinematics
+
+
+def _plain(settings):
+    """Settings as JSON gives them back."""
+    values = asdict(settings)
+    values["ranges"] = {name: list(ends) for name, ends in settings.ranges.items()}
+    values["goal"] = {name: list(ends) for name, ends in settings.goal.items()}
+    values["perturb"] = {p.name: ", ".join(map(str, p.values)) if p.values else f"{p.low:g} to {p.high:g}"
+                         for p in settings.perturbations}
+    del values["perturbations"]
+    return values
+
+
+def _newest(root, pattern):
+    from ..sweep.store import FILE, StoreError
+    found = sorted(root.glob(f"{pattern}/{FILE}"), key=lambda path: path.stat().st_mtime)
+    if not found:
+        raise StoreError(f"{root}: no sweep there")
+    return found[-1].parent
+
+
+def _interrupt(*_):
+    raise KeyboardInterrupt

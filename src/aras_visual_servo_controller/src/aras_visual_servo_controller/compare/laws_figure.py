@@ -1,0 +1,85 @@
+"""Figure of a comparison of laws: a row per task, a line per law. The same runs give the same picture."""
+
+import io
+
+import matplotlib.lines
+import numpy as np
+from matplotlib.figure import Figure
+
+from ..report.figure import GREY, STYLE
+
+#: Okabe and Ito's eight, then again dashed.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#AA4499", "#E69F00", "#56B4E9", "#000000", "#997700")
+STYLES = ("-", (0, (4, 1.5)), (0, (1, 1.2)))
+#: Below, a run has arrived for the eye [mm, deg].
+FLOOR_MM, FLOOR_DEG = 0.01, 0.001
+PANELS = ("distance from the goal [mm]", "angle left [deg]", "retreat along the axis [mm]", "target in the image [px]")
+
+
+#: Laws in a row of the legend; room above the panels for each row, and around them [inch].
+LEGEND_COLUMNS, LEGEND_ROW_IN, LEGEND_IN = 8, 0.2, 0.15
+
+
+def line_of(index):
+    """Colour and dash of the law of this place."""
+    return {"color": COLOURS[index % len(COLOURS)], "linestyle": STYLES[index // len(COLOURS) % len(STYLES)]}
+
+
+def make_figure(comparison, results):
+    """Figure of `run_comparison`'s results."""
+    laws, tasks = list(comparison.scenarios), comparison.tasks
+    tracks = {(task, law): track for task, law, _, track in results}
+    camera = next(iter(comparison.scenarios.values())).sim["cameras"][0]
+    with matplotlib.rc_context(dict(STYLE, **{"lines.linewidth": 1.2})):
+        figure = Figure(figsize=(12.0, 0.6 + 2.05 * len(tasks)), constrained_layout=True)
+        panels = figure.subplots(len(tasks), len(PANELS), squeeze=False)
+        for row, task in zip(panels, tasks):
+            for i, law in enumerate(laws):
+                track = tracks[task.name, law]
+                if track is not None:
+                    _draw(row, track, line_of(i))
+            _dress(row, task, camera, last=task is tasks[-1])
+        for panel, title in zip(panels[0], PANELS):
+            panel.set_title(title, loc="left")
+        # Lines for the legend, of laws without any run too.
+        handles = [matplotlib.lines.Line2D([], [], label=law, **line_of(i)) for i, law in enumerate(laws)]
+        legend_in = LEGEND_IN + LEGEND_ROW_IN * -(-len(laws) // LEGEND_COLUMNS)
+        figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - legend_in / figure.get_figheight()))
+        figure.legend(handles=handles, loc="upper center", ncol=min(len(laws), LEGEND_COLUMNS))
+    return figure
+
+
+def save_figure(comparison, results, folder):
+    """Write comparison.png and comparison.pdf; the PNG as bytes. OSError: cannot be written."""
+    figure, stream = make_figure(comparison, results), io.BytesIO()
+    with matplotlib.rc_context(STYLE):
+        figure.savefig(stream, format="png", dpi=110, metadata={"Software": None})
+        figure.savefig(folder / "comparison.pdf", metadata={"CreationDate": None})
+    (folder / "comparison.png").write_bytes(stream.getvalue())
+    return stream.getvalue()
+
+
+def _draw(row, track, line):
+    distance, angle, retreat, image = row
+    distance.plot(track.t_s, np.maximum(track.distance_mm, FLOOR_MM), **line)
+    angle.plot(track.t_s, np.maximum(track.angle_deg, FLOOR_DEG), **line)
+    retreat.plot(track.t_s, track.retreat_mm, **line)
+    if track.u_px:
+        image.plot(track.u_px, track.v_px, **line)
+        image.plot(track.u_px[:1], track.v_px[:1], linestyle="", marker="o", markersize=4.5, markerfacecolor="none",
+                   color=GREY)
+
+
+def _dress(row, task, camera, last):
+    distance, angle, retreat, image = row
+    distance.set_ylabel(task.title, fontweight="bold")
+    distance.set_yscale("log")
+    angle.set_yscale("log")
+    retreat.axhline(0.0, color=GREY, linewidth=0.7)
+    image.set(xlim=(-0.5, camera["width"] - 0.5), ylim=(camera["height"] - 0.5, -0.5), aspect="equal")
+    image.grid(False)
+    for spine in image.spines.values():
+        spine.set_visible(True)
+    if last:
+        for panel in (distance, angle, retreat):
+            panel.set_xlabel("time since the servo started [s]")

@@ -1,0 +1,94 @@
+"""Where files are found and read: those of this package, `package://` addresses, YAML read strictly."""
+
+import functools
+import os
+from pathlib import Path
+
+import yaml
+
+from ..ground.errors import ParameterError
+
+PACKAGE = "aras_visual_servo_controller"
+
+
+def load_yaml(path):
+    """A YAML file's content. Raises ParameterError with file and line if it is no YAML or no mapping."""
+    try:
+        with open(path, encoding="utf-8") as stream:
+            document = yaml.load(stream, Loader=_UniqueKeyLoader)
+    except yaml.YAMLError as error:
+        raise ParameterError(f"{path}: not YAML: {error}") from error
+    if not isinstance(document, dict):
+        raise ParameterError(f"{path}: found {type(document).__name__}, allowed is a mapping of sections")
+    return document
+
+
+def resolve_uri(uri, base=None, key="file"):
+    """Path of `package://PACKAGE/REST`, `file://PATH`, an absolute path, or a path relative to `base`.
+
+    Raises:
+        ParameterError: no such package or file; the text starts with `key`.
+    """
+    text = str(uri)
+    if text.startswith("package://"):
+        name, _, rest = text[len("package://"):].partition("/")
+        folder = package_path(name)
+        if folder is None:
+            raise ParameterError(f"{key}: found '{text}', package '{name}' is neither beside this one nor in "
+                                 "ROS_PACKAGE_PATH")
+        path = folder / rest
+    else:
+        path = Path(text[len("file://"):] if text.startswith("file://") else os.path.expanduser(text))
+        if not path.is_absolute():
+            path = Path(base or ".") / path
+    if not path.is_file():
+        raise ParameterError(f"{key}: found '{text}', no such file: {path}")
+    return path
+
+
+@functools.lru_cache(maxsize=None)
+def _package_path(name, ros_package_path):
+    folders = [Path(entry) for entry in ros_package_path.split(os.pathsep) if entry]
+    for folder in folders + [share_dir().parent]:
+        if (folder / name / "package.xml").is_file():
+            return folder / name
+    try:
+        import rospkg  # the crawl through nested folders is slow: last
+        return Path(rospkg.RosPack().get_path(name))
+    except Exception:  # rospkg not installed, or ResourceNotFound: either way the package is not known
+        return None
+
+
+def package_path(name):
+    """Folder of a ROS package: in ROS_PACKAGE_PATH, else beside this package; None if unknown."""
+    return _package_path(name, os.environ.get("ROS_PACKAGE_PATH", ""))
+
+
+def package_paths(*names):
+    """Dict of package name -> folder (str) of the known ones, for `Simulation(package_paths=...)`."""
+    names = names or ("aras_description", PACKAGE)
+    return {name: str(package_path(name)) for name in names if package_path(name) is not None}
+
+
+@functools.lru_cache(maxsize=None)
+def share_dir():
+    """Folder of this package's config: in the source tree, else PREFIX/share of the installed package."""
+    for parent in Path(__file__).resolve().parents:
+        if (parent / "package.xml").is_file() and (parent / "config").is_dir():
+            return parent
+        if (parent / "share" / PACKAGE / "config").is_dir():
+            return parent / "share" / PACKAGE
+    raise ParameterError(f"the config folder of {PACKAGE} is missing: the package is not installed whole")
+
+
+class _UniqueKeyLoader(yaml.SafeLoader):
+    """SafeLoader that refuses a key given twice (YAML would silently take the last)."""
+
+    def construct_mapping(self, node, deep=False):
+        seen = set()
+        for key_node, _ in node.value:
+            key = self.construct_object(key_node, deep=True)
+            if key in seen:
+                raise yaml.constructor.ConstructorError(None, None, f"key '{key}' is given twice", key_node.start_mark)
+            seen.add(key)
+        return super().construct_mapping(node, deep=deep)

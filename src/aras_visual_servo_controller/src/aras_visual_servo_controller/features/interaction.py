@@ -1,0 +1,159 @@
+"""Interaction matrices of image moments of a planar target: s_dot = L V_C, V_C = [v; w] of the camera, target at rest.
+
+Moments are of normalised image coordinates, as a mapping by name "ij" (`Features.raw_moments()`,
+`Features.centred_moments()`). `plane` is (A, B, C) of 1/Z = A x + B y + C in the camera frame [1/m]
+(docs/theory.md T5). Rows have shape (6,), columns [vx vy vz wx wy wz]. All are checked against central differences of
+exact polygon moments.
+"""
+
+import numpy as np
+
+from ..ground.errors import DegenerateFeature
+
+
+#: Names of the moments, by i and j.
+_NAME = tuple(tuple(f"{i}{j}" for j in range(10)) for i in range(10))
+
+
+def _at(moments, i, j):
+    """m_ij; moments of negative order only ever occur multiplied by zero."""
+    return moments[_NAME[i][j]] if i >= 0 and j >= 0 else 0.0
+
+
+def _shape(m):
+    """Centroid and n20, n11, n02 of raw moments m. Raises DegenerateFeature for an empty object."""
+    area = m["00"]
+    if not area > 0.0:
+        raise DegenerateFeature(f"area: found {area}, must be > 0")
+    xg, yg = m["10"] / area, m["01"] / area
+    return xg, yg, m["20"] / area - xg * xg, m["11"] / area - xg * yg, m["02"] / area - yg * yg
+
+
+def plane_from_pose(normal_C, point_C):
+    """(A, B, C) of the plane through point_C with normal_C, both (3,) in the camera frame (T5)."""
+    normal_C = np.asarray(normal_C, dtype=float)
+    distance = float(normal_C @ point_C)
+    if distance == 0.0:
+        raise DegenerateFeature("plane: passes through the optical centre")
+    return normal_C / distance
+
+
+def raw_moment(m, i, j, plane):
+    """L of m_ij (T6); needs raw moments to order i + j + 1."""
+    A, B, C = plane
+    k = i + j + 3
+    return np.array([
+        -(i + 1) * A * _at(m, i, j) - i * B * _at(m, i - 1, j + 1) - i * C * _at(m, i - 1, j),
+        -j * A * _at(m, i + 1, j - 1) - (j + 1) * B * _at(m, i, j) - j * C * _at(m, i, j - 1),
+        k * (A * _at(m, i + 1, j) + B * _at(m, i, j + 1)) + (k - 1) * C * _at(m, i, j),
+        k * _at(m, i, j + 1) + j * _at(m, i, j - 1),
+        -k * _at(m, i + 1, j) - i * _at(m, i - 1, j),
+        i * _at(m, i - 1, j + 1) - j * _at(m, i + 1, j - 1),
+    ])  # fmt: skip
+
+
+def centred_moment(m, mu, i, j, plane):
+    """L of mu_ij, i + j >= 2 (T7); needs centred moments to order i + j + 1 and raw ones to order 2."""
+    return np.array(_centred_row(_shape(m), mu, i, j, plane))
+
+
+def centred_moments(m, mu, orders, plane):
+    """L of several mu_ij, (k, 6), `orders` their (i, j): rows of `centred_moment`."""
+    shape = _shape(m)
+    return np.array([_centred_row(shape, mu, i, j, plane) for i, j in orders])
+
+
+def _centred_row(shape, mu, i, j, plane):
+    A, B, C = plane
+    xg, yg, n20, n11, n02 = shape
+    here, up_i, up_j = mu[_NAME[i][j]], mu[_NAME[i + 1][j]], mu[_NAME[i][j + 1]]
+    down_i, to_j = (mu[_NAME[i - 1][j]], mu[_NAME[i - 1][j + 1]]) if i > 0 else (0.0, 0.0)
+    down_j, to_i = (mu[_NAME[i][j - 1]], mu[_NAME[i + 1][j - 1]]) if j > 0 else (0.0, 0.0)
+    vx = -(i + 1) * A * here - i * B * to_j
+    vy = -j * A * to_i - (j + 1) * B * here
+    wx = ((i + j + 3) * up_j + i * xg * to_j + (i + 2 * j + 3) * yg * here - 4 * i * n11 * down_i
+          - 4 * j * n02 * down_j)
+    wy = (-(i + j + 3) * up_i - (2 * i + j + 3) * xg * here - j * yg * to_i + 4 * i * n20 * down_i
+          + 4 * j * n11 * down_j)
+    vz = -A * wy + B * wx + (i + j + 2) * C * here
+    wz = i * to_j - j * to_i
+    return vx, vy, vz, wx, wy, wz
+
+
+def area(m, plane):
+    """L of a = m00 (T8); needs raw moments to order 1."""
+    return np.array(_area_row(m, plane))
+
+
+def _area_row(m, plane):
+    A, B, C = plane
+    a = m["00"]
+    if not a > 0.0:
+        raise DegenerateFeature(f"area: found {a}, must be > 0")
+    xg, yg = m["10"] / a, m["01"] / a
+    over_Zg = A * xg + B * yg + C
+    return [a * part for part in (-A, -B, 3.0 * over_Zg - C, 3.0 * yg, -3.0 * xg, 0.0)]
+
+
+def centroid(m, plane):
+    """L of (xg, yg), (2, 6) (T8); needs raw moments to order 2."""
+    return np.array(_centroid_rows(m, plane))
+
+
+def _centroid_rows(m, plane):
+    A, B, C = plane
+    xg, yg, n20, n11, n02 = _shape(m)
+    over_Zg = A * xg + B * yg + C
+    return [
+        [-over_Zg, 0.0, xg * over_Zg + 4 * (A * n20 + B * n11), xg * yg + 4 * n11, -(1 + xg * xg + 4 * n20), yg],
+        [0.0, -over_Zg, yg * over_Zg + 4 * (A * n11 + B * n02), 1 + yg * yg + 4 * n02, -xg * yg - 4 * n11, -xg],
+    ]  # fmt: skip
+
+
+def normalised(m, plane, z_star_m, area_star):
+    """L of (xn, yn, an), (3, 6) (T9); reference depth [m] and reference area as in T4."""
+    a = m["00"]
+    L_a, (L_x, L_y) = _area_row(m, plane), _centroid_rows(m, plane)
+    an = z_star_m * float(np.sqrt(area_star / a))
+    slope, xg, yg = -(an / (2.0 * a)), m["10"] / a, m["01"] / a
+    L_an = [slope * part for part in L_a]
+    return np.array([[an * part + xg * other for part, other in zip(L_x, L_an)],
+                     [an * part + yg * other for part, other in zip(L_y, L_an)], L_an])
+
+
+def orientation(m, mu, plane):
+    """L of alpha (T10); needs raw and centred moments to order 3. Raises DegenerateFeature for an isotropic object."""
+    A, B, _ = plane
+    xg, yg, _, _, _ = _shape(m)
+    mu20, mu11, mu02 = mu["20"], mu["11"], mu["02"]
+    mu30, mu21, mu12, mu03 = mu["30"], mu["21"], mu["12"], mu["03"]
+    difference = mu20 - mu02
+    D = difference * difference + 4.0 * mu11 * mu11
+    if not D > 0.0:
+        raise DegenerateFeature("orientation: the second-order moments are isotropic")
+    p = mu11 * (mu20 + mu02) / D
+    q = (2.0 * mu11 * mu11 - mu02 * difference) / D
+    r = (2.0 * mu11 * mu11 + mu20 * difference) / D
+    d = 5.0 * (mu12 * difference + mu11 * (mu03 - mu21)) / D
+    e = 5.0 * (-mu21 * difference + mu11 * (mu30 - mu12)) / D
+    wx, wy = -q * xg + p * yg + d, p * xg - r * yg + e
+    return np.array([p * A + q * B, -r * A - p * B, -A * wy + B * wx, wx, wy, -1.0])
+
+
+def features(m, mu, plane, z_star_m, area_star):
+    """L of s = (xn, yn, an, alpha), (4, 6): rows of `normalised` and `orientation`."""
+    return np.vstack([normalised(m, plane, z_star_m, area_star), orientation(m, mu, plane)])
+
+
+def parallel(xn, yn):
+    """L of s for a target parallel to the image, columns (vx, vy, vz, wz), (4, 4): exact at any depth (T11).
+
+    References: the published eq. (16).
+    """
+    return np.array([[-1.0, 0.0, 0.0, yn], [0.0, -1.0, 0.0, -xn], [0.0, 0.0, -1.0, 0.0], [0.0, 0.0, 0.0, -1.0]])
+
+
+def parallel_condition(xn, yn):
+    """Condition number of `parallel(xn, yn)`, in closed form: its determinant is 1."""
+    r2 = xn * xn + yn * yn
+    return 0.5 * (2.0 + r2 + (r2 * (r2 + 4.0)) ** 0.5)

@@ -1,0 +1,134 @@
+"""Features of followed points: coordinates, and segments from each to the next (docs/theory.md T26, T27).
+
+`xN`, `yN` are the normalised coordinates of point N = 1, 2, ... (`MomentFeatures.point_x`, `.point_y`); `points4` in a
+list of features stands for x1, y1, ..., x4, y4. `xmN`, `ymN`, `lN`, `alphaN` are middle, length and direction of the
+segment from point N to the next one, from the last to the first.
+
+1/Z of a point is that of the target's plane, or the view's `inverse_depths`.
+"""
+
+from math import atan2, hypot
+
+import numpy as np
+
+from ..ground.errors import DegenerateFeature
+from .base import Feature, register_family
+
+
+def points(view):
+    """[(x, y)] of the followed points. Raises DegenerateFeature when none are found."""
+    x, y = view.features.point_x, view.features.point_y
+    if not 0 < len(x) == len(y):
+        raise DegenerateFeature(f"points: found {len(x)} x and {len(y)} y in this view, needed at least one of each")
+    return list(zip(x, y))
+
+
+def point_rows(view):
+    """L of (x1, y1, ..., xN, yN), (2 N, 6)."""
+    rows, depths = [], view.inverse_depths
+    seen = view.shared(points)
+    if depths is None:
+        A, B, C = view.plane
+        depths = [A * x + B * y + C for x, y in seen]
+    elif len(depths) != len(seen):
+        raise DegenerateFeature(f"points: found {len(seen)} in this view, {len(depths)} at the goal")
+    for (x, y), over_Z in zip(seen, depths):
+        rows.append((-over_Z, 0.0, x * over_Z, x * y, -(1.0 + x * x), y))
+        rows.append((0.0, -over_Z, y * over_Z, 1.0 + y * y, -x * y, -x))
+    return np.array(rows)
+
+
+class _OfPoints(Feature):
+    sees_tilt = True
+
+    def _ends(self, view):
+        """Indices of this point and of the next one. Raises DegenerateFeature when the first is not there."""
+        count = len(view.shared(points))
+        if self.number > count:
+            raise DegenerateFeature(f"{self.name}: found {count} points in this view")
+        return self.number - 1, self.number % count
+
+
+@register_family("x")
+class PointX(_OfPoints):
+    """x of a point [-]."""
+
+    axis = 0
+
+    def value(self, view):
+        return view.shared(points)[self._ends(view)[0]][self.axis]
+
+    def row(self, view):
+        return view.shared(point_rows)[2 * self._ends(view)[0] + self.axis]
+
+
+@register_family("y")
+class PointY(PointX):
+    """y of a point [-]."""
+
+    axis = 1
+
+
+class _OfSegment(_OfPoints):
+    """From a point to the next: `_value(dx, dy)` and `_row(cosine, sine, length, L_dx, L_dy)`."""
+
+    def value(self, view):
+        (x, y), (x_next, y_next) = (view.shared(points)[end] for end in self._ends(view))
+        return self._value(x_next - x, y_next - y)
+
+    def row(self, view):
+        here, following = self._ends(view)
+        seen, L = view.shared(points), view.shared(point_rows)
+        dx, dy = seen[following][0] - seen[here][0], seen[following][1] - seen[here][1]
+        length = hypot(dx, dy)
+        if not length > 0.0:
+            raise DegenerateFeature(f"{self.name}: the segment has no length")
+        L_dx, L_dy = L[2 * following] - L[2 * here], L[2 * following + 1] - L[2 * here + 1]
+        return self._row(dx / length, dy / length, length, L_dx, L_dy)
+
+
+@register_family("l")
+class SegmentLength(_OfSegment):
+    """Length of a segment [-]."""
+
+    def _value(self, dx, dy):
+        return hypot(dx, dy)
+
+    def _row(self, cosine, sine, length, L_dx, L_dy):
+        return cosine * L_dx + sine * L_dy
+
+
+@register_family("alpha")
+class SegmentDirection(_OfSegment):
+    """Direction of a segment, from its first point to the next [rad]. The order of the points makes it unambiguous."""
+
+    angle = directed = True
+
+    def _value(self, dx, dy):
+        return atan2(dy, dx)
+
+    def _row(self, cosine, sine, length, L_dx, L_dy):
+        return (cosine * L_dy - sine * L_dx) / length
+
+
+@register_family("xm")
+class SegmentX(_OfPoints):
+    """x of the middle of a segment [-]."""
+
+    axis = 0
+
+    def value(self, view):
+        seen = view.shared(points)
+        return 0.5 * sum(seen[end][self.axis] for end in self._ends(view))
+
+    def row(self, view):
+        here, following = self._ends(view)
+        L = view.shared(point_rows)
+        return 0.5 * (L[2 * here + self.axis] + L[2 * following + self.axis])
+
+
+@register_family("ym")
+class SegmentY(SegmentX):
+    """y of the middle of a segment [-]."""
+
+    axis = 1

@@ -1,0 +1,286 @@
+"""Control laws: from image features to a camera twist, behind one small interface, found by name.
+
+A new law is a subclass with one method and a name:
+
+    @register("proportional")
+    class Proportional(Law):
+        def _twist(self, s, e, dt_s):
+            return np.array([...])                  # V_C, (6,), [v; w]
+
+    law = make_law("proportional", [1.0, 1.0, 1.0, 1.0])
+    law.reset(s_star)
+    V_C = law.step(features, dt_s)                  # once per image
+
+s are the features of the scenario (`features.FeatureSet`), e = s - s_star, gains one per feature [1/s]; by default
+s = (xn, yn, an [m], alpha [rad]). dt_s is the time the twist will be held; 0 asks for the instantaneous twist, which
+look-then-move multiplies by its sample time. A law that inverts an interaction matrix sets `needs_plane` and takes
+`self.invert(self.features.matrix(self.view))`: docs/extending.md.
+"""
+
+from dataclasses import dataclass
+from math import exp, expm1, isfinite, sin
+from typing import Optional, Tuple
+
+import numpy as np
+
+from ..config.plugins import load_room
+from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError, ShapeError
+from ..features.base import FeatureSet, View
+from ..features.interaction import parallel_condition
+from ..target.target_pose import PlanarTarget
+from ..ground.types import FEATURE_NAMES, Reference
+
+INTERACTIONS = ("desired", "current", "mean")
+POINT_DEPTHS = ("plane", "goal")
+POSES = ("moments", "points")
+BROYDEN_INITIALS = ("desired", "moves")
+#: A matrix with a larger condition number is not inverted: the view does not tell six motions apart.
+MAX_CONDITION = 1e6
+_LAWS = {}
+
+
+@dataclass(frozen=True)
+class LawSetup:
+    """What a scenario says about a law beside its gains.
+
+    Attributes:
+        features: names of the features.  interaction: which matrix is inverted, one of INTERACTIONS.
+        adaptive: (part, slope) of `adaptive_factor`, None: constant gains.
+        smooth_start_per_s: rate at which the first twist is let in [1/s]; 0: at once.
+        target: the known target, for laws that want its pose.  target_normal_C: guess of its normal at the goal.
+        point_depth: depth of followed points, one of POINT_DEPTHS: of the target's plane, or always that at the goal.
+        pose_from: what laws of the pose measure, one of POSES.
+        sliding: (switching_per_s, boundary per feature), for law sliding.
+        broyden: (initial, forgetting, move), for law broyden.
+        symmetric_target: the target is the same after half a turn: alpha counts modulo pi, whatever the view says.
+        photometric: (damping, rest_m_per_s, rest_rad_per_s), for law photometric.
+    """
+
+    features: Tuple[str, ...] = FEATURE_NAMES
+    interaction: str = "desired"
+    adaptive: Optional[Tuple[float, float]] = None
+    smooth_start_per_s: float = 0.0
+    target: Optional[PlanarTarget] = None
+    target_normal_C: Tuple[float, ...] = (0.0, 0.0, 1.0)
+    point_depth: str = "plane"
+    pose_from: str = "moments"
+    sliding: Optional[Tuple[float, Tuple[float, ...]]] = None
+    broyden: Tuple[str, float, float] = ("desired", 0.95, 0.01)
+    symmetric_target: bool = False
+    photometric: Tuple[float, float, float] = (0.01, 0.0005, 0.001)
+
+
+def register(name):
+    """Class decorator: make a law known by name."""
+
+    def add(law):
+        _LAWS[name] = law
+        law.name = name
+        return law
+
+    return add
+
+
+def known_laws():
+    """Names of the registered laws, sorted."""
+    load_room(__package__)
+    return sorted(_LAWS)
+
+
+def make_law(name, gains_per_s, setup=LawSetup()):
+    """Law of that name.
+
+    Raises ParameterError: unknown name (lists the known ones), a gain that is not > 0, features it does not work on.
+    """
+    known = known_laws()
+    if name not in known:
+        raise ParameterError(f"law: found '{name}', allowed {', '.join(known)}")
+    return _LAWS[name](gains_per_s, setup)
+
+
+def adaptive_factor(size, part, slope):
+    """Factor on the gains for an error of this size: 1 at zero, `part` far away, falling at first by `slope` (T22).
+
+    Args: size: largest |e_i|, in the units of the features.  part: 0 < part < 1.  slope: > 0, per unit of e.
+    """
+    return (1.0 - part) * exp(-slope / (1.0 - part) * size) + part
+
+
+def sampled_gains(gains_per_s, dt_s):
+    """Gains that let a twist held for dt_s do what the rates do in that time (T14)."""
+    return [-expm1(-gain * dt_s) / dt_s for gain in gains_per_s] if dt_s > 0.0 else gains_per_s
+
+
+class Law:
+    """Base of the laws: checks, feature error, then `_twist` of the subclass.
+
+    Attributes:
+        name.  works_on: the features it is made for, None: any.
+        needs_plane: at each step, the target's plane.  needs_pose: `X_CgC` by the kinematics, set before each step.
+        settled: it asks for no motion worth mentioning; else the servo is not done yet, however small e.
+        continuous_only: not for look-then-move.  applied: twist carried out since the last step; None: stopped since.
+        features: `FeatureSet`.  gains_per_s: tuple of k.  s, e: tuples of k, of the last step; view: its `View`.
+        condition: of the interaction matrix used last.
+    """
+
+    name, works_on, needs_plane, needs_pose = "", FEATURE_NAMES, False, False
+    X_CgC, applied, continuous_only, settled = None, None, False, True
+
+    def __init__(self, gains_per_s, setup=LawSetup()):
+        """Args: gains_per_s: (k,), > 0, in the order of the features [1/s]. setup: `LawSetup`. ParameterError."""
+        self.features, self._setup = FeatureSet(setup.features), setup
+        names = self.features.names
+        self.gains_per_s = tuple(float(gain) for gain in gains_per_s)
+        faults = []
+        if self.works_on is not None and names != tuple(self.works_on):
+            faults.append(f"features: found {', '.join(names)}, allowed with law '{self.name}': "
+                          f"{', '.join(self.works_on)}")
+        if len(self.gains_per_s) != len(names):
+            faults.append(f"gains_per_s: found {len(self.gains_per_s)} gains, allowed {len(names)}")
+        faults += [
+            f"gains_per_s/{name}: found {gain}, allowed > 0"
+            for name, gain in zip(names, self.gains_per_s)
+            if not (isfinite(gain) and gain > 0.0)
+        ]
+        if setup.interaction not in INTERACTIONS:
+            faults.append(f"interaction: found '{setup.interaction}', allowed {', '.join(INTERACTIONS)}")
+        if setup.point_depth not in POINT_DEPTHS:
+            faults.append(f"point_depth: found '{setup.point_depth}', allowed {', '.join(POINT_DEPTHS)}")
+        if setup.pose_from not in POSES:
+            faults.append(f"pose_from: found '{setup.pose_from}', allowed {', '.join(POSES)}")
+        if faults:
+            raise ParameterError(faults)
+        self._rates, self.view = self.gains_per_s, None
+        self.s = self.e = self._s_star = self._inverse_depths = None
+        self._first, self._t_s, self.condition = None, 0.0, float("nan")
+
+    def reset(self, reference):
+        """Forget the past; servo to `reference`, s_star (k,) or an object with that attribute (`Reference`)."""
+        s_star = tuple(float(value) for value in getattr(reference, "s_star", reference))
+        if len(s_star) != len(self.features):
+            raise ShapeError(f"s_star: {len(s_star)} values, expected {len(self.features)}")
+        if not all(map(isfinite, s_star)):
+            raise NotFiniteError(f"s_star: {s_star}")
+        self.s = self.e = None
+        self._s_star = s_star
+        self._first, self._t_s = None, 0.0
+        if self._setup.point_depth == "goal":
+            view, (A, B, C) = self.taught_view(reference)
+            self._inverse_depths = [A * x + B * y + C for x, y in zip(view.point_x, view.point_y)]
+
+    def step(self, features, dt_s, plane=None):
+        """Camera twist for this image.
+
+        Args:
+            features: `Features`, or an object with its attributes.  dt_s: time the twist is held, >= 0 [s].
+            plane: (A, B, C) of the target in the camera frame [1/m], only where needs_plane.
+        Returns:
+            V_C, (6,), [v; w] in the camera frame [m/s; rad/s].
+        Raises:
+            NotFiniteError: a feature or dt_s is not finite.  DegenerateFeature: a feature does not exist in this view.
+        """
+        self.view = self._look(features, plane)
+        s = self.features.values(self.view)
+        if not (isfinite(sum(s)) and isfinite(dt_s)):
+            raise NotFiniteError(f"features {s}, dt_s {dt_s}")
+        symmetric = getattr(features, "symmetric", False) or self._setup.symmetric_target
+        self.s, self.e = s, self.features.error(s, self._s_star, symmetric)
+        if self._setup.adaptive is not None:
+            factor = adaptive_factor(max(map(abs, self.e)), *self._setup.adaptive)
+            self.gains_per_s = tuple([factor * rate for rate in self._rates])
+        twist = self._twist(self.s, self.e, dt_s)
+        if self._setup.smooth_start_per_s > 0.0:
+            twist = self._let_in(twist, dt_s)
+        self.applied = twist
+        return twist
+
+    def _look(self, features, plane):
+        return View(features, plane, None, self._inverse_depths)
+
+    def taught_view(self, reference):
+        """(view, plane_C) of a `Reference`. Raises ParameterError when it has none."""
+        if not isinstance(reference, Reference) or reference.view is None or reference.plane_C is None:
+            raise ParameterError(f"law '{self.name}': the reference holds no view with its moments: teach it again")
+        return reference.view, reference.plane_C
+
+    def _let_in(self, twist, dt_s):
+        """Take the first twist away, and give it back at the rate smooth_start_per_s (T23)."""
+        if self._first is None:
+            self._first = np.array(twist, dtype=float)
+        self._t_s += dt_s  # to the end of the time the twist is held: the first image moves already
+        return twist - exp(-self._setup.smooth_start_per_s * self._t_s) * self._first
+
+    def _twist(self, s, e, dt_s):
+        raise NotImplementedError
+
+    def goal_matrix(self, view, plane):
+        """L, (k, 6), of the taught view and plane."""
+        return self.features.matrix(View(view, plane))
+
+    def invert(self, L):
+        """Pseudo-inverse (6, k) of an interaction matrix (k, 6) of these features.
+
+        Features that do not see tilt leave w_x, w_y alone: the servo holds the attitude from the joint positions.
+        Raises: DegenerateFeature: (nearly) singular.  NotFiniteError.
+        """
+        if not isfinite(float(L.sum())):
+            raise NotFiniteError("interaction matrix is not finite")
+        sees_tilt, columns = self.features.sees_tilt, [0, 1, 2, 5]
+        U, sigmas, Vt = np.linalg.svd(L if sees_tilt else L[:, columns], full_matrices=False)
+        largest, least = float(sigmas[0]), float(sigmas[-1])
+        self.condition = largest / least if least > 0.0 else float("inf")
+        if not self.condition < MAX_CONDITION:
+            raise DegenerateFeature(f"features {', '.join(self.features.names)}: condition number of their interaction "
+                                    f"matrix is {self.condition:.3g}, allowed < {MAX_CONDITION:g}")
+        seen = (Vt.T / sigmas) @ U.T
+        if sees_tilt:
+            return seen
+        inverse = np.zeros((6, len(L)))
+        inverse[columns] = seen
+        return inverse
+
+    def current_condition(self):
+        """Condition number of the interaction matrix that the last step rests on."""
+        return self.condition
+
+
+@register("paper")
+class Paper(Law):
+    """The published eq. (17) and (18): v = -Lambda L^-1 e, L of eq. (16) (docs/theory.md T12). Unequal gains couple."""
+
+    def current_condition(self):
+        return parallel_condition(self.s[0], self.s[1])
+
+    def _twist(self, s, e, dt_s):
+        kx, ky, kz, ka = self.gains_per_s
+        return np.array([kx * (e[0] + s[1] * e[3]), ky * (e[1] - s[0] * e[3]), kz * e[2], 0.0, 0.0, ka * e[3]])
+
+
+@register("decoupled")
+class Decoupled(Law):
+    """v = -L^-1 Lambda e: each feature decays on its own as exp(-lambda t), exactly so when sampled (T13, T14).
+
+    The gain is (1 - exp(-lambda dt)) / dt, and v is corrected for the camera turning while the twist is held: with
+    phi = wz dt a point P of the target moves to Rz(-phi) P - dt S v, where S = [[sin phi, 1 - cos phi],
+    [cos phi - 1, sin phi]] / phi; solved for v. Exact for a target parallel to the image.
+    """
+
+    def current_condition(self):
+        return parallel_condition(self.s[0], self.s[1])
+
+    def _twist(self, s, e, dt_s):
+        gains = self.gains_per_s
+        if dt_s > 0.0:
+            gains = [-expm1(-gain * dt_s) / dt_s for gain in gains]
+        x, y = s[0], s[1]
+        wz = gains[3] * e[3]
+        dx, dy = gains[0] * e[0] + y * wz, gains[1] * e[1] - x * wz
+        phi = wz * dt_s
+        if abs(phi) > 1e-6:  # below, S = 1 and the second-order terms of Rz vanish in rounding
+            one_minus_c, sine = 2.0 * sin(0.5 * phi) ** 2, sin(phi)
+            dx = gains[0] * e[0] + (y * sine - x * one_minus_c) / dt_s
+            dy = gains[1] * e[1] - (x * sine + y * one_minus_c) / dt_s
+            a, b = sine / phi, one_minus_c / phi
+            scale = 1.0 / (a * a + b * b)
+            dx, dy = scale * (a * dx - b * dy), scale * (b * dx + a * dy)
+        return np.array([dx, dy, gains[2] * e[2], 0.0, 0.0, wz])

@@ -1,0 +1,112 @@
+"""Law `broyden`: the image Jacobian learnt on the way, without calibration (docs/theory.md T32)."""
+
+import numpy as np
+
+from ..ground.errors import ParameterError
+from .base import BROYDEN_INITIALS, Law, LawSetup, register, sampled_gains
+
+#: Test moves: images of motion, then images at rest until the joints have followed.
+MOVE_IMAGES, REST_IMAGES = 3, 4
+#: No image asks for more than this many times `move`: what was learnt holds nearby.
+TRUST = 5.0
+
+
+@register("broyden")
+class Broyden(Law):
+    """v = -J^+ Lambda e, with J from what the features did after each twist: recursive least squares that forgets.
+
+    Of camera, depth and plane it knows what the first J holds: that of the goal (`desired`), or nothing (`moves`: one
+    small test move along each axis first). Motions are counted in radians, translations in parts of Z*.
+
+    References: M. Jagersand, O. Fuentes, R. Nelson, "Experimental evaluation of uncalibrated visual servoing for
+    precision manipulation", ICRA 1997. K. Hosoda, M. Asada, "Versatile visual servoing without knowledge of true
+    Jacobian", IROS 1994. J. Piepmeier, G. McMurray, H. Lipkin, "Uncalibrated dynamic visual servoing", IEEE T-RA 20(1),
+    2004 (forgetting).
+    """
+
+    works_on, continuous_only = None, True
+
+    def __init__(self, gains_per_s, setup=LawSetup()):
+        super().__init__(gains_per_s, setup)
+        self._initial, self._forgetting, self._move = setup.broyden
+        faults = []
+        if self._initial not in BROYDEN_INITIALS:
+            faults.append(f"broyden/initial: found '{self._initial}', allowed {', '.join(BROYDEN_INITIALS)}")
+        if not 0.0 < self._forgetting <= 1.0:
+            faults.append(f"broyden/forgetting: found {self._forgetting}, allowed > 0 and <= 1")
+        if not self._move > 0.0:
+            faults.append(f"broyden/move: found {self._move}, allowed > 0")
+        if faults:
+            raise ParameterError(faults)
+        self._columns = np.arange(6) if self.features.sees_tilt else np.array([0, 1, 2, 5])
+        self._J = self._units = None
+
+    @property
+    def L(self):
+        """Estimate of the interaction matrix, (k, 6); None until the test moves are done."""
+        if self._J is None:
+            return None
+        L = np.zeros((len(self.features), 6))
+        L[:, self._columns] = self._J / self._units
+        return L
+
+    def reset(self, reference):
+        """Takes a `Reference` with view and plane."""
+        super().reset(reference)
+        view, plane = self.taught_view(reference)
+        self._units = np.array([view.z_star_m] * 3 + [1.0] * 3)[self._columns]
+        n = len(self._columns)
+        self._P, self._P_trace = np.eye(n) / self._move**2, n / self._move**2
+        self._s_last = self._dt_last = self.applied = None
+        self._images, self._motions, self._changes = 0, np.zeros((n, n)), np.zeros((len(self.features), n))
+        self._J = None
+        if self._initial == "desired":
+            self._J = self.goal_matrix(view, plane)[:, self._columns] * self._units
+
+    def _twist(self, s, e, dt_s):
+        if dt_s <= 0.0:
+            raise ParameterError(f"law '{self.name}': found dt_s {dt_s}, allowed > 0: it learns from motion in time")
+        motion, change = self._since_the_last_image(s)
+        self._s_last, self._dt_last = s, dt_s
+        if self._J is None:
+            self._note(motion, change)
+        elif motion is not None:
+            self._learn(motion, change)
+        if self._J is None:
+            return self._test_move(dt_s)
+        twist = -(self.invert(self.L) @ (np.array(sampled_gains(self.gains_per_s, dt_s)) * e))
+        motion = twist[self._columns] / self._units
+        return twist * min(1.0, TRUST * self._move / max(float(motion @ motion) ** 0.5 * dt_s, 1e-12))
+
+    def _since_the_last_image(self, s):
+        """(motion (n,), change of the features (k,)); None each when the arm was stopped in between."""
+        if self.applied is None or self._s_last is None:
+            return None, None
+        motion = self.applied[self._columns] / self._units * self._dt_last
+        return motion, np.array(self.features.error(s, self._s_last, self.view.features.symmetric))
+
+    def _learn(self, motion, change):
+        """Recursive least squares; the covariance grows no larger than it was, however long the arm rests."""
+        Ph = self._P @ motion
+        scale = 1.0 / (self._forgetting + float(motion @ Ph))
+        self._J = self._J + np.outer(change - self._J @ motion, scale * Ph)
+        P = (self._P - np.outer(Ph, scale * Ph)) / self._forgetting
+        self._P = P * min(1.0, self._P_trace / float(np.trace(P)))
+
+    def _note(self, motion, change):
+        """Add up what the test move under way did; after the last one solve for the matrix."""
+        n = len(self._columns)
+        axis = (self._images - 1) // (MOVE_IMAGES + REST_IMAGES)
+        if motion is not None and 0 <= axis < n:
+            self._motions[:, axis] += motion
+            self._changes[:, axis] += change
+        if self._images == n * (MOVE_IMAGES + REST_IMAGES):
+            self._J = self._changes @ np.linalg.pinv(self._motions)
+        self._images += 1
+
+    def _test_move(self, dt_s):
+        axis, image = divmod(self._images - 1, MOVE_IMAGES + REST_IMAGES)
+        twist = np.zeros(6)
+        if image < MOVE_IMAGES:
+            twist[self._columns[axis]] = self._move * self._units[axis] / (MOVE_IMAGES * dt_s)
+        return twist

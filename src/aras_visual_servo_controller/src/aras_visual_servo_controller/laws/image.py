@@ -1,0 +1,42 @@
+"""Law `ibvs`, on any features (docs/theory.md T20, T21)."""
+
+import numpy as np
+
+from .base import Law, LawSetup, register, sampled_gains
+
+
+@register("ibvs")
+class ImageBased(Law):
+    """v = -L^+ Lambda e for any features, L at the goal, at the current view or the mean of both (T20, T21).
+
+    With L at the goal the way there is not straight, but |e| -> 0 means the goal more often: see docs/theory.md.
+    """
+
+    works_on = None
+
+    def __init__(self, gains_per_s, setup=LawSetup()):
+        super().__init__(gains_per_s, setup)
+        self.needs_plane = setup.interaction != "desired"
+        self._L_star = self._inverse = None
+
+    def reset(self, reference):
+        """Takes a `Reference` with view and plane, unless L is always the current one."""
+        super().reset(reference)
+        self._L_star = self._inverse = None
+        if self._setup.interaction == "current":
+            return
+        self._L_star = self.goal_matrix(*self.taught_view(reference))
+        if self._setup.interaction == "desired":
+            self._inverse = self.invert(self._L_star)
+
+    def _twist(self, s, e, dt_s):
+        inverse = self._inverse
+        if inverse is None:
+            L = self.features.matrix(self.view)
+            inverse = self.invert(L if self._L_star is None else 0.5 * (L + self._L_star))
+        return -(inverse @ self._wanted(e, dt_s))
+
+    def _wanted(self, e, dt_s):
+        """-e_dot wanted, (k,)."""
+        gains = sampled_gains(self.gains_per_s, dt_s)
+        return np.array([gain * error for gain, error in zip(gains, e)])

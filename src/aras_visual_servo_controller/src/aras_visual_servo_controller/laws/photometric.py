@@ -1,0 +1,63 @@
+"""Law `photometric`: the luminance of the whole image, by Levenberg and Marquardt (docs/theory.md T33 to T35, T46)."""
+
+import numpy as np
+
+from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError
+from .base import MAX_CONDITION, Law, LawSetup, register, sampled_gains
+
+_UPPER = np.triu_indices(6)
+
+
+@register("photometric")
+class Photometric(Law):
+    """v = -lambda (H + mu diag(H))^-1 b, with H = L^T L, b = L^T (I - I*) as the camera sums them up.
+
+    mu is `damping` at the first image and falls with the cost, so that the last steps are those of Gauss and Newton:
+    mu = damping rms^2 / rms_0^2. Whose gradient L has, and so the order of the minimisation, is for the camera to say
+    (`vision.photometric.interaction`). Settled when the twist is small, whatever noise leaves of the cost.
+
+    References: C. Collewet, E. Marchand, "Photometric visual servoing", IEEE T-RO 27(4), 2011. E. Malis, "Improving
+    vision-based control using efficient second-order minimization techniques", ICRA 2004. J. Fan, Y. Yuan, "On the
+    quadratic convergence of the Levenberg-Marquardt method without nonsingularity assumption", Computing 74, 2005 (mu
+    as a power of the residual).
+    """
+
+    works_on = ("photometric",)
+
+    def __init__(self, gains_per_s, setup=LawSetup()):
+        super().__init__(gains_per_s, setup)
+        self._damping, self._rest_m_per_s, self._rest_rad_per_s = setup.photometric
+        if setup.interaction != LawSetup.interaction:
+            raise ParameterError(f"interaction: found '{setup.interaction}', law '{self.name}' takes what "
+                                 "vision.photometric.interaction says")
+        self._first_rms = None
+
+    def reset(self, reference):
+        """The reference image is the camera's; s_star is the rms there, 0."""
+        super().reset(reference)
+        self._first_rms, self.settled = None, False
+
+    def _twist(self, s, e, dt_s):
+        features = self.view.features
+        if len(features.H) != len(_UPPER[0]) or len(features.b) != 6:
+            raise DegenerateFeature(f"photometric: found {len(features.H)} numbers of H and {len(features.b)} of b")
+        H, b = np.zeros((6, 6)), np.array(features.b)
+        H[_UPPER] = features.H
+        H += np.triu(H, 1).T
+        if not np.isfinite(H.sum() + b.sum()):
+            raise NotFiniteError("photometric: H or b is not finite")
+        self.condition = float(features.condition)
+        if not self.condition < MAX_CONDITION:
+            raise DegenerateFeature(f"photometric: condition number of the interaction matrix is {self.condition:.3g}, "
+                                    f"allowed < {MAX_CONDITION:g}")
+        if self._first_rms is None:
+            self._first_rms = s[0]
+        mu = self._damping * min(1.0, (s[0] / self._first_rms) ** 2) if self._first_rms > 0.0 else 0.0
+        try:
+            step = np.linalg.solve(H + mu * np.diag(np.diag(H)), b)
+        except np.linalg.LinAlgError as error:
+            raise DegenerateFeature(f"photometric: {error}") from error
+        twist = -sampled_gains(self.gains_per_s, dt_s)[0] * step
+        self.settled = bool(np.linalg.norm(twist[:3]) < self._rest_m_per_s
+                            and np.linalg.norm(twist[3:]) < self._rest_rad_per_s)
+        return twist

@@ -1,0 +1,340 @@
+"""Node `controller`: one answer per image. ROS wiring only; what is answered is decided by `session` and the core.
+
+Threads: rospy calls back from one thread per connection, a worker of our own runs goals, preempts and the watchdog.
+All of them take `_lock` first and the action server's lock second; the action server's callbacks, which hold its lock,
+only put work into the worker's queue.
+"""
+
+import queue
+import sys
+import threading
+import time
+import traceback
+import warnings
+
+import actionlib
+import rospy
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64
+from std_srvs.srv import Trigger, TriggerResponse
+
+from aras_visual_servo_msgs.msg import (MomentFeatures, PhotometricFeatures, ServoState, SimStatus, VisualServoAction,
+                                        VisualServoFeedback, VisualServoResult)
+from aras_visual_servo_msgs.srv import SetReference, SetReferenceRequest, Teach, TeachResponse
+
+from . import conversions as convert
+from ..ground.errors import ArasError, ParameterError
+from ..arm.float_commands import SetPointIntegrator
+from .null_space_topic import NullSpaceTopic
+from ..run.pairing import StampPairer
+from .parameters import ControllerSetup
+from ..run.session import Session
+from ..ground.types import Reference, ServoRecord, Status
+
+SERVICE_TIMEOUT_S = 5.0   # wall time; camera/set_reference
+WORKER_PERIOD_S = 0.05    # wall time; watchdog
+STATUS_PERIOD_S = 0.2     # wall time; actionlib's status topic
+HELD_S = 0.5              # wall time; a simulator that holds this long at start-up waits for an answer that is lost
+EXIT_STOPPED, EXIT_PARAMETERS = 0, 2
+# What the servo works on: topic and message.
+FEATURES = {"moments": ("camera/features", MomentFeatures), "photometric": ("camera/photometric", PhotometricFeatures)}
+
+
+class ControllerNode:
+    """Subscribes, answers, serves. Raises ParameterError listing every fault."""
+
+    def __init__(self):
+        self._lock = threading.RLock()
+        self._work = queue.Queue()  # not SimpleQueue: interrupted by a slow signal handler, its get waits forever
+        self._read_parameters()
+        self._pairer = StampPairer()
+        self._joints = convert.JointReader(self._kinematics.joint_names)
+        self._preempted = False
+        self._frame_id = ""
+        self._feedback_wall_s = self._status_wall_s = time.monotonic()
+        self._time_restarts = 0
+        self._held = None             # (stamp the simulator holds at or -1, wall time since), while looked at
+        self._restore_reference()
+        self._advertise()
+
+    # --- set-up -------------------------------------------------------------------------------------------------
+
+    def _read_parameters(self):
+        setup = ControllerSetup(self._set_reference)
+        self._kinematics, self._servo, self._sequence = setup.kinematics, setup.servo, setup.sequence
+        self._feedback_period_s = 1.0 / setup.feedback_rate_hz
+        self._float_publishers = {joint: rospy.Publisher(name + "/command", Float64, queue_size=10, tcp_nodelay=True)
+                                  for joint, name in setup.controllers.items()}
+        limits = setup.servo.config
+        self._session = Session(setup.kinematics, setup.servo, setup.sequence, limits.input_timeout_s,
+                                limits.time_limit_s)
+        self._integrator = SetPointIntegrator(setup.kinematics.joint_names, setup.kinematics.lower,
+                                              setup.kinematics.upper, round(limits.input_timeout_s * 1e9))
+
+    def _restore_reference(self):
+        """Take the reference that a predecessor of ours taught."""
+        stored = rospy.get_param("~taught_reference", None)
+        if stored is None:
+            return
+        try:
+            self._servo.set_reference(Reference.from_dict(stored))
+            rospy.loginfo("took over the reference taught before")
+        except ArasError as error:
+            rospy.logwarn("the reference on the parameter server cannot be used: %s", error)
+
+    def _store_reference(self):
+        """Keep what was taught for a successor of ours."""
+        rospy.set_param("~taught_reference", self._servo.reference.to_dict())
+
+    def _advertise(self):
+        with warnings.catch_warnings():
+            # Published from the calling thread: the answer must not wait for another thread to wake up.
+            warnings.simplefilter("ignore", SyntaxWarning)
+            self._command_publisher = rospy.Publisher("joint_command", JointState, queue_size=None, tcp_nodelay=True)
+        self._state_publisher = rospy.Publisher("servo_state", ServoState, queue_size=200, tcp_nodelay=True)
+        self._bars = NullSpaceTopic(self._kinematics, self._servo)
+        # actionlib's own timer would run on simulated time, a hundred times a second in a fast run: the worker does it.
+        rospy.set_param("~actionlib_status_frequency", 0.0)
+        self._server = actionlib.SimpleActionServer("servo", VisualServoAction, auto_start=False)
+        self._server.register_goal_callback(lambda: self._work.put(self._accept_goal))
+        self._server.register_preempt_callback(lambda: self._work.put(self._preempt))
+        self._camera_reference = rospy.ServiceProxy("camera/set_reference", SetReference)
+        self._server.start()
+        rospy.Service("teach", Teach, self._on_teach)
+        rospy.Service("stop", Trigger, self._on_stop)
+        rospy.Subscriber("joint_states", convert.LazyJointState, self._on_joints, tcp_nodelay=True)
+        topic, kind = FEATURES[self._servo.source]
+        rospy.Subscriber(topic, kind, self._on_features, tcp_nodelay=True)
+        self._status_subscriber = rospy.Subscriber("sim/status", SimStatus, self._on_sim_status)
+
+    # --- one image, one answer ----------------------------------------------------------------------------------
+
+    def _on_joints(self, message):
+        with self._lock:
+            stamp_ns = message.stamp_ns
+            pairs = self._pairer.add_joints(stamp_ns, message)
+            if self._pairer.restarts != self._time_restarts:
+                self._time_restarts = self._pairer.restarts
+                rospy.logwarn("time went back: starting anew")
+                self._integrator.reset()
+                self._stop("time went back")
+                self._session.restart_time()
+            for pair in pairs:
+                self._answer(*pair)
+            if self._float_publishers:
+                for joint, set_point in self._integrator.advance(stamp_ns).items():
+                    self._float_publishers[joint].publish(set_point)
+
+    def _on_features(self, message):
+        with self._lock:
+            for pair in self._pairer.add_features(convert.stamp_ns(message.header), message):
+                self._answer(*pair)
+
+    def _answer(self, stamp_ns, features, joints):
+        """Answer one image: command first, then what was seen and done. Never raises."""
+        self._frame_id = features.header.frame_id
+        session = self._session
+        try:
+            q = None if joints is None else self._joints.positions(joints.unpack())
+            command, record = session.answer(stamp_ns, features, q, convert.now_ns(), time.monotonic())
+            self._send(command)
+            if record.status == Status.STALE_INPUT:
+                rospy.logwarn_throttle(1.0, record.status_text)
+            self._publish_state(record)
+            if self._sequence.teach_stamp_ns == stamp_ns:
+                self._store_reference()
+            if session.active and self._sequence.done:
+                session.active = False
+                self._finish(record)
+        except Exception as error:  # whatever it is, the arm must stop and the node must live
+            rospy.logerr("image %.3f s: %s\n%s", stamp_ns * 1e-9, error, traceback.format_exc())
+            self._fault(stamp_ns, f"{type(error).__name__}: {error}")
+
+    def _fault(self, stamp_ns, reason):
+        """Stop with status FAULT."""
+        try:
+            was_active = self._session.active
+            command, record = self._session.end(stamp_ns, reason, Status.FAULT)
+            self._send(command)
+            self._publish_state(record or ServoRecord(stamp_ns, Status.FAULT, reason))
+            if was_active:
+                self._finish(record)
+        except Exception as error:
+            rospy.logerr("the arm could not be told to stop: %s\n%s", error, traceback.format_exc())
+
+    def _send(self, command):
+        message = convert.command_message(command)
+        if self._float_publishers:
+            if message.name and self._session.view is not None:
+                self._integrator.command(command, self._session.view[1])
+            message = convert.acknowledgement(command.stamp_ns)
+        self._command_publisher.publish(message)
+
+    def _publish_state(self, record):
+        message = convert.state_message(record, self._frame_id)
+        self._state_publisher.publish(message)
+        self._bars.show(record, self._frame_id)
+        if self._session.active:
+            now_s = time.monotonic()
+            if now_s - self._feedback_wall_s >= self._feedback_period_s:
+                self._feedback_wall_s = now_s
+                self._server.publish_feedback(VisualServoFeedback(message))
+
+    def _finish(self, record):
+        """Report the end of the goal."""
+        converged, status, reason, e, duration_s = self._session.outcome(record)
+        result = VisualServoResult(converged=bool(converged), status=int(status), reason=reason,
+                                   feature_names=list(record.feature_names), e=[float(value) for value in e],
+                                   duration_s=float(duration_s))
+        rospy.loginfo("servo: %s, %s", Status(status).name, reason)
+        report = self._server.set_aborted
+        if converged:
+            report = self._server.set_succeeded
+        elif self._preempted:
+            report = self._server.set_preempted
+        report(result, reason)
+
+    # --- goals, services, watchdog (worker and service threads) -------------------------------------------------
+
+    def spin(self):
+        """Work until shutdown."""
+        while not rospy.is_shutdown():
+            try:
+                task = self._work.get(timeout=WORKER_PERIOD_S)
+            except queue.Empty:
+                task = None
+            try:
+                with self._lock:
+                    if task is not None:
+                        task()
+                    self._watch()
+            except Exception:  # a publisher that is closed by the shutdown, or a mistake of ours: neither ends the node
+                if not rospy.is_shutdown():
+                    rospy.logerr(traceback.format_exc())
+
+    def _accept_goal(self):
+        goal = self._server.accept_new_goal() if self._server.is_new_goal_available() else None
+        if goal is None:
+            return
+        if self._session.active:  # the action server has told the client of the old goal
+            self._send(self._session.end(convert.now_ns(), "another goal came")[0])
+        self._preempted = False
+        try:
+            self._session.begin(goal.reference, goal.law, goal.gains_per_s, goal.thresholds, goal.time_limit_s,
+                                convert.now_ns(), time.monotonic())
+        except ParameterError as error:
+            rospy.logerr("goal refused:\n%s", error)
+            reason = "; ".join(error.faults)
+            self._server.set_aborted(VisualServoResult(status=int(Status.FAULT), reason=reason), reason)
+            return
+        # From here on the simulator waits for our answers (lockstep). Stamped with the image answered last, or 0: it
+        # answers nothing and releases nothing.
+        self._command_publisher.publish(convert.acknowledgement(self._session.last_ns))
+        rospy.loginfo("goal accepted: %s", goal.reference)
+
+    def _preempt(self):
+        if self._session.active and self._server.is_preempt_requested() and not self._server.is_new_goal_available():
+            self._preempted = True
+            self._stop("preempted")
+
+    def _stop(self, reason):
+        """Stop the arm and end the goal, between two images; without a goal the arm is told to stand still."""
+        command, record = self._session.end(convert.now_ns(), reason)
+        self._send(command)
+        if record is not None:
+            self._publish_state(record)
+            self._finish(record)
+
+    def _on_stop(self, _request):
+        with self._lock:
+            was_active = self._session.active
+            self._stop("stopped by service")
+            return TriggerResponse(True, "stopped" if was_active else "was not servoing; the arm stands still")
+
+    def _on_teach(self, request):
+        with self._lock:
+            if self._session.active:
+                return TeachResponse(False, "a goal is active: stop it first", MomentFeatures())
+            if self._session.view is None:
+                return TeachResponse(False, "no image yet", MomentFeatures())
+            features, q = self._session.view
+            try:
+                reference = self._set_reference(request.z_star_m or self._sequence.config.z_star_m, features)
+                self._servo.teach(reference, q)
+                self._store_reference()
+            except (ArasError, rospy.ROSException, rospy.ServiceException) as error:
+                return TeachResponse(False, str(error), MomentFeatures())
+            moments = reference if isinstance(reference, MomentFeatures) else MomentFeatures()
+            return TeachResponse(True, "this view is the goal", moments)
+
+    def _set_reference(self, z_star_m, features):
+        """Make this view the camera node's reference and return its features normalised by it.
+
+        The camera node takes the image it processed last, with all its moments. That is the one being answered while
+        the simulator waits for us; in a free run it may be a later one, of an arm that stands still.
+        Raises:
+            ParameterError: the camera node refused.  rospy.ROSException, ServiceException: it does not answer.
+        """
+        self._camera_reference.wait_for_service(SERVICE_TIMEOUT_S)
+        response = self._camera_reference(SetReferenceRequest(z_star_m=z_star_m, from_current_view=True))
+        if not response.success:
+            raise ParameterError(f"camera/set_reference: {response.message}")
+        if self._servo.source == "photometric":
+            return response.photometric
+        if response.reference.area != features.area:
+            rospy.logdebug("taught a later view: m00 %g instead of %g", response.reference.area, features.area)
+        return response.reference
+
+    def _watch(self):
+        wall_s, now_ns = time.monotonic(), convert.now_ns()
+        if wall_s - self._status_wall_s > STATUS_PERIOD_S:
+            self._status_wall_s = wall_s
+            self._server.action_server.publish_status()
+        if self._held is not None:
+            self._release_simulator(wall_s)
+        was_stale = self._session.stale
+        answer = self._session.watch(now_ns, wall_s)
+        if answer is None:
+            return
+        command, record = answer
+        if command is not None:
+            self._send(command)
+        if not was_stale:
+            rospy.logwarn(record.status_text)
+        self._publish_state(record)
+        if not self._session.active:
+            self._finish(record)
+
+    def _on_sim_status(self, message):
+        """At start-up only: is the simulator waiting for the answer to an image that our predecessor got?"""
+        with self._lock:
+            if self._session.frame >= 0:
+                self._held = None
+                self._work.put(self._status_subscriber.unregister)
+                return
+            stamp_ns = convert.stamp_ns(message.header) if message.holding else -1
+            if self._held is None or self._held[0] != stamp_ns:
+                self._held = (stamp_ns, time.monotonic())
+
+    def _release_simulator(self, wall_s):
+        stamp_ns, since_s = self._held
+        if self._session.frame < 0 and stamp_ns >= 0 and wall_s - since_s > HELD_S:
+            rospy.logwarn("the simulator waits at %.3f s for an answer that is lost: released", stamp_ns * 1e-9)
+            self._held = (-1, wall_s)
+            self._command_publisher.publish(convert.acknowledgement(stamp_ns))
+
+
+def main():
+    """Entry of scripts/controller. Returns the exit code: 0 after a shutdown, 2 for bad parameters."""
+    rospy.init_node("controller")
+    try:
+        node = ControllerNode()
+    except ParameterError as error:
+        rospy.logfatal("bad parameters:\n%s", error)
+        return EXIT_PARAMETERS
+    node.spin()
+    return EXIT_STOPPED
+
+
+if __name__ == "__main__":
+    sys.exit(main())

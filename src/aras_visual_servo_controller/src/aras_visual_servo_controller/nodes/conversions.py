@@ -1,0 +1,125 @@
+"""Between the core's data and ROS messages, field by field. Times are integer nanoseconds, joints go by name."""
+
+import math
+import struct
+
+import numpy as np
+import rospy
+from sensor_msgs.msg import JointState
+
+from aras_visual_servo_msgs.msg import ServoState
+
+from ..ground.errors import NotFiniteError, ShapeError
+
+_SEQ_SECS_NSECS = struct.Struct("<3I")
+_NS_PER_S = 1_000_000_000
+
+
+def stamp_ns(header):
+    """Stamp of a header [ns]."""
+    return header.stamp.secs * _NS_PER_S + header.stamp.nsecs
+
+
+def to_time(time_ns):
+    """rospy.Time of integer nanoseconds, those before 0 as 0."""
+    return rospy.Time(*divmod(max(int(time_ns), 0), _NS_PER_S))
+
+
+def now_ns():
+    """ROS time now [ns]; 0 before the first /clock message."""
+    now = rospy.get_rostime()
+    return now.secs * _NS_PER_S + now.nsecs
+
+
+class LazyJointState(JointState):
+    """JointState that is unpacked only when asked for: of the joint states that come, few belong to an image."""
+
+    def __init__(self):  # not the generated one: it fills six fields that nobody reads
+        self._data = b""
+
+    def deserialize(self, data):
+        self._data = data
+        return self
+
+    @property
+    def stamp_ns(self):
+        """Stamp, without unpacking the rest [ns]."""
+        _, secs, nsecs = _SEQ_SECS_NSECS.unpack_from(self._data)
+        return secs * _NS_PER_S + nsecs
+
+    def unpack(self):
+        """The whole message as a JointState."""
+        return JointState().deserialize(self._data)
+
+
+class JointReader:
+    """Takes joint vectors in a fixed order out of JointState messages, whatever the order in the message."""
+
+    def __init__(self, joint_names):
+        self._names = tuple(joint_names)
+        self._order = {}
+
+    def positions(self, message):
+        """(n,) positions [m or rad]. Raises ShapeError: a joint is missing or arrays have other lengths than names."""
+        key = tuple(message.name)
+        order = self._order.get(key)
+        if order is None:
+            missing = [name for name in self._names if name not in key]
+            if missing:
+                raise ShapeError(f"joint_states: found {', '.join(key) or 'no joint'}, missing {', '.join(missing)}")
+            self._order = {key: [key.index(name) for name in self._names]}
+            order = self._order[key]
+        if len(message.position) != len(key):
+            raise ShapeError(f"joint_states: found {len(message.position)} positions, allowed {len(key)}")
+        return np.array([message.position[index] for index in order])
+
+
+def command_message(command):
+    """JointState of a Command: NaN where a joint has no position or no velocity; empty for a pure acknowledgement.
+
+    Raises:
+        NotFiniteError: a position or velocity is NaN or infinite. Nothing of such a command may be sent.
+    """
+    message = JointState()
+    message.header.stamp = to_time(command.stamp_ns)
+    position, velocity = command.position, command.velocity
+    for kind, values in (("position", position), ("velocity", velocity)):
+        if not all(map(math.isfinite, values.values())):
+            raise NotFiniteError(f"{kind} command {values}: allowed are finite numbers")
+    if position:
+        message.name = sorted(set(position) | set(velocity))
+        message.position = [float(position.get(name, math.nan)) for name in message.name]
+    else:
+        message.name = list(velocity)
+    if velocity:
+        message.velocity = [float(velocity.get(name, math.nan)) for name in message.name]
+    return message
+
+
+def acknowledgement(time_ns):
+    """Empty JointState: "seen", nothing commanded."""
+    message = JointState()
+    message.header.stamp = to_time(time_ns)
+    return message
+
+
+def state_message(record, frame_id):
+    """ServoState of a ServoRecord."""
+    message = ServoState()
+    message.header.stamp = to_time(record.stamp_ns)
+    message.header.frame_id = frame_id
+    message.status = int(record.status)
+    message.status_text, message.phase, message.converged = record.status_text, record.phase, bool(record.converged)
+    message.feature_names = record.feature_names
+    message.s, message.s_star, message.e = _plain(record.s), _plain(record.s_star), _plain(record.e)
+    twist = message.twist
+    (twist.linear.x, twist.linear.y, twist.linear.z,
+     twist.angular.x, twist.angular.y, twist.angular.z) = _plain(record.twist)
+    message.joint_names = record.joint_names
+    message.q, message.q_dot, message.set_point = _plain(record.q), _plain(record.q_dot), _plain(record.set_point)
+    message.manipulability, message.cond_l = float(record.manipulability), float(record.cond_l)
+    return message
+
+
+def _plain(array):
+    return array.tolist() if isinstance(array, np.ndarray) else [float(value) for value in array]

@@ -1,0 +1,327 @@
+"""Node `experiment`: runs the scenario's experiment once, records it, judges it, and ends with an exit code.
+
+Exit codes: 0 converged and within the scenario's judge limits; 1 ran to its end, but not that; 2 bad parameters;
+3 the run could not be made (no result folder, no simulator, recorder died, ...).
+
+Waits on wall time: simulated time stands still while the simulator is paused.
+"""
+
+import dataclasses
+import os
+import sys
+import threading
+import time
+from pathlib import Path
+
+import rospy
+import yaml
+from actionlib_msgs.msg import GoalStatus, GoalStatusArray
+from std_msgs.msg import String
+from std_srvs.srv import Empty
+
+from aras_visual_servo_msgs.msg import (ServoState, SimStatus, VisualServoActionGoal, VisualServoActionResult,
+                                        VisualServoGoal)
+from aras_visual_servo_msgs.srv import Step
+
+from ..bags.bag import read_bag
+from ..ground.errors import ArasError, ParameterError
+from .graph import Graph
+from ..run.loop import CLOSING_S
+from .parameters import Parameters
+from ..bags.record_groups import group_of, lacking, parse_groups
+from ..bags.recorder import COMPRESSIONS, Recorder
+from ..report.report import create_result_folder, format_summary, save_results
+from ..scenario.scenario import scenario_from_dict
+
+NODES = ("sim", "camera_node", "controller")
+# Topics of the namespace that are not recorded: they cost the run time and can be made from what is.
+NOT_RECORDED = ("camera/overlay", "camera/depth/", "null_space_bars", "/parameter_descriptions", "/parameter_updates",
+                "/compressed", "/theora", "/state")
+OUTSIDE = ("/clock", "/tf", "/tf_static")
+PRIVATE_PARAMETERS = ("results_dir", "record", "record_groups", "record_split_mb", "record_compression", "video",
+                      "startup_timeout_s", "stall_timeout_s", "exit_code_file")
+POLL_S = 0.05             # wall time between looks
+GRAPH_POLL_S = 0.5        # wall time between looks at the master while running
+SETTLED_BYTES = 16384     # a bag that grows by less than this in a moment gets no more images, only the clock
+SETTLE_LIMIT_S = 10.0     # wall time that the recorder gets for what it was sent
+EXIT_PASSED, EXIT_FAILED, EXIT_PARAMETERS, EXIT_BROKEN = range(4)
+
+
+class RunError(ArasError):
+    """The run cannot be made or cannot go on; the text says what is missing."""
+
+
+class ExperimentNode:
+    """One run, from an empty folder to a report. Raises ParameterError listing every fault."""
+
+    def __init__(self):
+        parameters = Parameters()
+        self._results = Path(os.path.expanduser(parameters.value("~results_dir", "results")))
+        self._record = parameters.value("~record", True)
+        self._split_mb = parameters.value("~record_split_mb", 0, minimum=0)
+        self._compression = parameters.choice("~record_compression", "lz4", tuple(COMPRESSIONS))
+        self._video = parameters.value("~video", False)
+        self._groups = ()
+        try:
+            self._groups = parse_groups(rospy.get_param("~record_groups", "all"))
+        except (ParameterError, TypeError) as error:
+            parameters.add(error)
+        self._startup_timeout_s = parameters.value("~startup_timeout_s", 60.0, minimum=1.0)
+        self._stall_timeout_s = parameters.value("~stall_timeout_s", 60.0, minimum=1.0)
+        parameters.known(PRIVATE_PARAMETERS)
+        try:
+            self._scenario = scenario_from_dict(rospy.get_param("scenario", {}), source="scenario")
+        except ParameterError as error:
+            parameters.add(error)
+        parameters.check()
+        self._graph = Graph(rospy.get_name(), os.environ["ROS_MASTER_URI"])
+        self._recorder = None
+        self._changed = threading.Condition()
+        self._status = self._state = self._result = None
+        self._done_ns = None
+        self._accepted = set()
+        self._goal_ids = []
+        self.folder = None
+
+    # ---- parts of a run -----------------------------------------------------------------------------------------
+
+    def run(self):
+        """The whole run. Returns the exit code; raises RunError, RecorderError."""
+        self.folder = create_result_folder(self._results.absolute(), self._scenario.name)
+        rospy.loginfo("results go to %s", self.folder)
+        self._subscribe()
+        self._wait("the nodes " + ", ".join(NODES), self._missing_parts, self._startup_timeout_s)
+        try:
+            if self._record:
+                self._recorder = Recorder(self.folder / "run.bag", self._topics(), rospy.get_name() + "_recorder",
+                                          rospy.resolve_name("/clock"), self._split_mb, self._compression)
+            self._wait("all connections", self._missing_connections, self._startup_timeout_s)
+            wall_s = self._drive()
+        finally:
+            if self._recorder is not None:
+                self._recorder.stop()
+        return self._report(wall_s)
+
+    def _subscribe(self):
+        rospy.Subscriber("sim/status", SimStatus, self._on_status)
+        rospy.Subscriber("servo_state", ServoState, self._on_state, tcp_nodelay=True)
+        rospy.Subscriber("servo/result", VisualServoActionResult, self._on_result)
+        rospy.Subscriber("servo/status", GoalStatusArray, self._on_goals)
+        # The settings travel in the bag, so that any bag can be judged again.
+        self._settings = rospy.Publisher("scenario", String, queue_size=1, latch=True)
+        self._settings.publish(yaml.safe_dump(self._scenario.as_dict(), sort_keys=False))
+        self._goals = rospy.Publisher("servo/goal", VisualServoActionGoal, queue_size=10, latch=False)
+        self._step = rospy.ServiceProxy("sim/step", Step)
+        self._pause, self._unpause = (rospy.ServiceProxy(f"sim/{name}", Empty) for name in ("pause", "unpause"))
+
+    def _missing_parts(self):
+        missing = [name for name in NODES if self._graph.node_uri(rospy.resolve_name(name)) is None]
+        services = self._graph.services()
+        wanted = ("sim/pause", "sim/unpause", "camera/set_reference", "teach")
+        missing += [f"service {name}" for name in wanted if rospy.resolve_name(name) not in services]
+        topics = self._graph.topics()
+        wanted = ("camera/image_raw", "camera/features", "joint_states", "joint_command", "servo_state", "servo/result")
+        missing += [f"topic {name}" for name in wanted if rospy.resolve_name(name) not in topics]
+        return missing + ([] if self._status is not None else ["sim/status"])
+
+    def _topics(self):
+        """Resolved names of the topics to record."""
+        namespace = rospy.get_namespace()
+        mine = [topic for topic in self._graph.topics(namespace)
+                if not any(part in topic[len(namespace) - 1:] for part in NOT_RECORDED)]
+        topics = sorted(topic for topic in set(mine) | {rospy.resolve_name(topic) for topic in OUTSIDE}
+                        if group_of(topic, namespace) in self._groups)
+        for sentence in lacking({topic[len(namespace):] for topic in topics}):
+            rospy.logwarn("%s", sentence)
+        return topics
+
+    def _missing_connections(self):
+        nodes = {rospy.resolve_name(name) for name in NODES} | {rospy.get_name()}
+        missing = []
+        if self._recorder is not None:
+            self._recorder.check()
+            nodes.add(self._recorder.node)
+            missing = [f"{topic} -> recorder" for topic in
+                       self._graph.subscribed_not(self._recorder.node, self._recorder.topics)]
+        return missing + [f"{topic}: {publisher} -> {subscriber}"
+                          for topic, publisher, subscriber in self._graph.missing_connections(nodes)]
+
+    def _wait(self, what, missing, timeout_s):
+        """Wait on wall time until missing() is empty. Raises RunError naming what is still missing."""
+        deadline = time.monotonic() + timeout_s
+        while True:
+            lacking = missing()
+            if not lacking:
+                return
+            if rospy.is_shutdown():
+                raise RunError(f"shut down while waiting for {what}")
+            if time.monotonic() > deadline:
+                raise RunError(f"{what}: after {timeout_s:g} s still missing: {', '.join(lacking[:10])}")
+            time.sleep(POLL_S)
+
+    # ---- the run itself -----------------------------------------------------------------------------------------
+
+    def _drive(self):
+        """Goal, unpause, result, pause. Returns the wall time between unpause and result [s]."""
+        controller = rospy.resolve_name("controller")
+        uri = self._graph.node_uri(controller)
+        self._send_goal(VisualServoGoal.EXPERIMENT)
+        lockstep = bool(self._scenario.time.get("lockstep", False))
+        self._wait("the controller to take the goal" + (" and to arm the lockstep" if lockstep else ""),
+                   lambda: [] if self._taken(lockstep) else ["goal taken" if not self._accepted else "lockstep armed"],
+                   self._startup_timeout_s)
+        started_s = time.monotonic()
+        self._unpause()
+        last_time, moved_s, looked_s = None, started_s, started_s
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._result is not None or rospy.is_shutdown(), POLL_S)
+            now_s = time.monotonic()
+            if self._result is not None:
+                break
+            if rospy.is_shutdown():
+                raise RunError("shut down before the result")
+            if self._recorder is not None:
+                self._recorder.check()
+            if now_s - looked_s > GRAPH_POLL_S:
+                looked_s = now_s
+                uri = self._follow_controller(controller, uri)
+            stamp = self._status.header.stamp
+            if stamp != last_time:
+                last_time, moved_s = stamp, now_s
+            elif now_s - moved_s > self._stall_timeout_s:
+                raise RunError(f"simulated time stands still at {stamp.to_sec():.3f} s, held by "
+                               f"{self._status.held_by or 'nobody'}")
+        self._pause()
+        wall_s = now_s - started_s
+        if lockstep:
+            self._close_run()
+        self._settle_recording()
+        return wall_s
+
+    def _taken(self, lockstep):
+        if self._result is not None:
+            raise RunError(f"the controller refused the goal: {self._result.reason}")
+        return self._accepted and (not lockstep or self._status.lockstep_armed)
+
+    def _send_goal(self, reference):
+        goal = VisualServoActionGoal()
+        goal.header.stamp = rospy.get_rostime()
+        goal.goal_id.id = f"{rospy.get_name()}-{os.getpid()}-{len(self._goal_ids)}"
+        goal.goal_id.stamp = goal.header.stamp
+        goal.goal.reference = reference
+        with self._changed:
+            self._goal_ids.append(goal.goal_id.id)
+        self._goals.publish(goal)
+
+    def _follow_controller(self, controller, uri):
+        """If the controller was started again, give it the goal again: the taught one if it was servoing."""
+        now = self._graph.node_uri(controller)
+        if now is None or now == uri:
+            return uri
+        ready = not self._graph.missing_connections({rospy.resolve_name(name) for name in NODES} | {rospy.get_name()})
+        if not ready or self._goals.get_num_connections() == 0:
+            return uri
+        phase = self._state.phase if self._state is not None else "idle"
+        reference = VisualServoGoal.TAUGHT if phase == "servo" else VisualServoGoal.EXPERIMENT
+        rospy.logwarn("the controller was started again in phase %s: goal %s", phase, reference)
+        self._send_goal(reference)
+        return now
+
+    def _close_run(self):
+        """Step the paused simulator to CLOSING_S after the end: where it was paused is chance, where it ends is not."""
+        self._wait("the last servo_state", lambda: [] if self._done_ns is not None else ["phase done"], 10.0)
+        self._wait("the pause", lambda: [] if self._status.paused else ["sim/status paused"], 10.0)
+        end_ns = self._done_ns + round(CLOSING_S * 1e9)
+        period_ns = round(self._scenario.sim.get("period_s", 0.001) * 1e9)
+        steps = (end_ns - self._status.header.stamp.to_nsec()) // period_ns
+        if steps < 0:
+            rospy.logwarn("paused late: the run hash is not that of other runs")
+            return
+        self._step(steps)
+        self._wait("the end", lambda: [] if self._status.header.stamp.to_nsec() >= end_ns else ["sim/status"], 10.0)
+
+    def _settle_recording(self):
+        """Let the last messages reach the recorder: wait until the bag has all but stopped growing.
+
+        It never stops for good: the paused simulator goes on publishing its clock.
+        """
+        if self._recorder is None:
+            return
+        size, since_s = -SETTLED_BYTES, time.monotonic()
+        deadline_s = since_s + SETTLE_LIMIT_S
+        while time.monotonic() - since_s < 0.3 and time.monotonic() < deadline_s:
+            if self._recorder.written_bytes() - size >= SETTLED_BYTES:
+                size, since_s = self._recorder.written_bytes(), time.monotonic()
+            time.sleep(POLL_S)
+
+    def _on_status(self, message):
+        with self._changed:
+            self._status = message
+
+    def _on_state(self, message):
+        if message.phase == "done" and self._done_ns is None and self._state is not None:
+            self._done_ns = message.header.stamp.to_nsec()
+        if message.phase not in ("idle", "done"):  # of a controller that was just started again: not where we were
+            self._state = message
+
+    def _on_result(self, message):
+        with self._changed:
+            if self._goal_ids and message.status.goal_id.id == self._goal_ids[-1]:
+                self._result = message.result
+                self._changed.notify_all()
+
+    def _on_goals(self, message):
+        with self._changed:
+            self._accepted |= {entry.goal_id.id for entry in message.status_list
+                               if entry.status != GoalStatus.PENDING and entry.goal_id.id in self._goal_ids}
+
+    # ---- afterwards ---------------------------------------------------------------------------------------------
+
+    def _report(self, wall_s):
+        """Print the result table. Returns the exit code."""
+        result = self._result
+        rospy.loginfo("%s after %.2f s of servoing: %s", "converged" if result.converged else "not converged",
+                      result.duration_s, result.reason)
+        if self._recorder is None:
+            rospy.logwarn("nothing was recorded (record:=false): not judged by the true pose")
+            return EXIT_PASSED if result.converged else EXIT_FAILED
+        record = read_bag(self._recorder.bags(), rospy.get_namespace(), keep_images=self._video)
+        simulated_s = float(record.t_s[-1]) if self._done_ns is None else self._done_ns * 1e-9
+        record = dataclasses.replace(record, wall_s=wall_s, real_time_factor=simulated_s / wall_s)
+        summary = save_results(record, self.folder, "roslaunch aras_visual_servo_controller servo.launch "
+                                                    f"scenario:={self._scenario.path or self._scenario.name}",
+                               self._video)
+        print(format_summary(summary), flush=True)
+        if "truth" not in self._groups:
+            rospy.logwarn("the true camera pose was not recorded: not judged by it")
+            return EXIT_PASSED if summary["converged"] else EXIT_FAILED
+        return EXIT_PASSED if summary["passed"] else EXIT_FAILED
+
+
+def main():
+    """Entry of scripts/experiment. Returns the exit code, and leaves it in the file ~exit_code_file if that is given.
+
+    roslaunch ends with 0 whatever its nodes ended with; the file is for who started roslaunch.
+    """
+    rospy.init_node("experiment")
+    path = rospy.get_param("~exit_code_file", "")
+    code = _run()
+    if path:
+        Path(path).write_text(f"{code}\n", encoding="ascii")
+    return code
+
+
+def _run():
+    try:
+        return ExperimentNode().run()
+    except ParameterError as error:
+        rospy.logfatal("bad parameters:\n%s", error)
+        return EXIT_PARAMETERS
+    except (ArasError, rospy.ROSException, rospy.ServiceException) as error:
+        rospy.logfatal("%s", error)
+        return EXIT_BROKEN
+
+
+if __name__ == "__main__":
+    sys.exit(main())

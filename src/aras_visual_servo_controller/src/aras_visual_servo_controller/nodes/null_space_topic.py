@@ -1,0 +1,35 @@
+"""Topic `null_space_bars`: an image of what each joint does for the camera and in the null space, for rviz."""
+
+import time
+
+import rospy
+from sensor_msgs.msg import Image
+
+from ..arm.null_space_bars import draw, shares
+from .conversions import to_time
+
+PERIOD_S = 0.1  # wall time between two images
+
+
+class NullSpaceTopic:
+    """Publishes while somebody listens, and costs nothing else.
+
+    Args: kinematics: `Kinematics`.  servo: `Servo`, whose inverse splits the joint velocities.
+    """
+
+    def __init__(self, kinematics, servo):
+        self._kinematics, self._servo = kinematics, servo
+        self._wall_s = -PERIOD_S
+        self._publisher = rospy.Publisher("null_space_bars", Image, queue_size=1)
+
+    def show(self, record, frame_id):
+        """Show a `ServoRecord`, at most every PERIOD_S of wall time."""
+        if not self._publisher.get_num_connections() or time.monotonic() - self._wall_s < PERIOD_S:
+            return
+        self._wall_s = time.monotonic()
+        bars = shares(self._servo.split, record.q, record.q_dot, self._kinematics.velocity)
+        picture = draw(self._kinematics.joint_names, *bars)
+        height, width, channels = picture.shape
+        message = Image(height=height, width=width, encoding="rgb8", step=width * channels, data=picture.tobytes())
+        message.header.stamp, message.header.frame_id = to_time(record.stamp_ns), frame_id
+        self._publisher.publish(message)

@@ -1,0 +1,143 @@
+"""ROS parameters to plain values: sections of the scenario, and the few parameters that belong to a node."""
+
+import rospy
+
+from ..ground.errors import ArasError, ParameterError
+from ..arm.kinematics import Kinematics
+from ..run.sequence import ExperimentSequence
+from ..servo.servo import Servo
+
+CONTROLLER_PARAMETERS = ("command_interface", "feedback_rate_hz", "taught_reference", "scenario", "servo", "experiment",
+                         "robot", "actionlib_status_frequency")
+
+_TYPES = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}
+
+
+class Parameters:
+    """Reads parameters and collects every fault, so that one message lists them all.
+
+    >>> parameters = Parameters()
+    >>> servo = parameters.section("servo")
+    >>> interface = parameters.choice("~command_interface", "joint_command", ("joint_command", "float64"))
+    >>> parameters.check()
+    """
+
+    def __init__(self):
+        self.faults = []
+
+    def section(self, name):
+        """A section of the scenario: private parameter `~name`, else `scenario/name` in the node's namespace.
+
+        Returns:
+            dict, {} if it is missing (which is a fault).
+        """
+        for key in ("~" + name, "scenario/" + name):
+            if rospy.has_param(key):
+                value = rospy.get_param(key)
+                if isinstance(value, dict):
+                    return value
+                self.faults.append(f"{rospy.resolve_name(key)}: found {value!r}, allowed a mapping of keys")
+                return {}
+        self.faults.append(f"{name}: missing, allowed {rospy.resolve_name('~' + name)} or "
+                           f"{rospy.resolve_name('scenario/' + name)}")
+        return {}
+
+    def searched(self, name):
+        """Text parameter found here or in a namespace above, "" if missing (which is a fault)."""
+        key = rospy.search_param(name)
+        value = rospy.get_param(key) if key else None
+        if not isinstance(value, str) or not value.strip():
+            self.faults.append(f"{name}: missing or not text, searched from {rospy.get_name()} upwards")
+            return ""
+        return value
+
+    def value(self, key, default, minimum=None):
+        """A parameter with a default; its type is that of the default, numbers may have a minimum."""
+        value, kind = rospy.get_param(key, default), type(default)
+        if kind is float and isinstance(value, int) and not isinstance(value, bool):
+            value = float(value)
+        if not isinstance(value, kind) or (kind is not bool and isinstance(value, bool)):
+            self.faults.append(f"{key}: found {value!r}, allowed {_TYPES[kind]}")
+            return default
+        if minimum is not None and not value >= minimum:
+            self.faults.append(f"{key}: found {value!r}, allowed >= {minimum}")
+            return default
+        return value
+
+    def choice(self, key, default, allowed):
+        """A text parameter out of a few."""
+        value = self.value(key, default)
+        if value not in allowed:
+            self.faults.append(f"{key}: found {value!r}, allowed {' | '.join(allowed)}")
+            return default
+        return value
+
+    def add(self, error):
+        """Count the faults of an error raised by a core class."""
+        self.faults.extend(getattr(error, "faults", None) or [str(error)])
+
+    def build(self, factory, *arguments):
+        """factory(*arguments), or None if it finds faults in them, which are then counted."""
+        try:
+            return factory(*arguments)
+        except ArasError as error:
+            self.add(error)
+            return None
+
+    def known(self, names, prefix="~"):
+        """Fault for every private parameter that is not one of `names`."""
+        tree = rospy.get_param(prefix, {})
+        for key in sorted(set(tree if isinstance(tree, dict) else {}) - set(names)):
+            self.faults.append(f"{rospy.resolve_name(prefix + key)}: unknown, known are {', '.join(sorted(names))}")
+
+    def check(self):
+        """Raises ParameterError with every fault found, if any."""
+        if self.faults:
+            raise ParameterError(self.faults)
+
+
+class ControllerSetup:
+    """The controller node's parameters, made into the objects of the core.
+
+    Args:
+        set_reference: as `ExperimentSequence` wants it.
+    Raises:
+        ParameterError: listing every fault.
+
+    Attributes:
+        kinematics, servo, sequence: the core.  feedback_rate_hz: of the action, wall time [1/s].
+        controllers: joint -> name of its ros_control controller, {} unless the command interface is float64.
+    """
+
+    def __init__(self, set_reference):
+        parameters = Parameters()
+        robot, servo = parameters.section("robot"), parameters.section("servo")
+        experiment = parameters.section("experiment")
+        urdf = parameters.searched("robot_description")
+        interface = parameters.choice("~command_interface", "joint_command", ("joint_command", "float64"))
+        self.feedback_rate_hz = parameters.value("~feedback_rate_hz", 10.0, minimum=0.1)
+        parameters.known(CONTROLLER_PARAMETERS)
+        for key in ("base_link", "tip_link"):
+            if robot and not isinstance(robot.get(key), str):
+                parameters.faults.append(f"robot/{key}: missing or not text")
+        self.kinematics = self.servo = self.sequence = None
+        self.controllers = {}
+        if not parameters.faults:
+            self.kinematics = parameters.build(Kinematics, urdf, robot["base_link"], robot["tip_link"])
+        if self.kinematics is not None:
+            self.servo = parameters.build(Servo, self.kinematics, servo)
+            self.sequence = parameters.build(ExperimentSequence, self.kinematics, self.servo, experiment, set_reference)
+            if interface == "float64":
+                self.controllers = _controllers(parameters, self.kinematics.joint_names)
+        parameters.check()
+
+
+def _controllers(parameters, joint_names):
+    """Joint -> controller of the ros_control parameters in our namespace; a joint without one is a fault."""
+    tree = rospy.get_param(rospy.get_namespace(), {})
+    found = {value["joint"]: name for name, value in sorted(tree.items())
+             if isinstance(value, dict) and "joint" in value and str(value.get("type", "")).endswith("Controller")}
+    missing = [name for name in joint_names if name not in found]
+    if missing:
+        parameters.faults.append(f"command_interface: float64 needs a controller for {', '.join(missing)}")
+    return {joint: found[joint] for joint in joint_names if joint in found}

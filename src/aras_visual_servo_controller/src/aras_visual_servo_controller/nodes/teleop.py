@@ -1,0 +1,79 @@
+"""Node `teleop`: joint_states in, joint_command out while keys are held."""
+
+import sys
+import threading
+import time
+
+import rospy
+from sensor_msgs.msg import JointState
+
+from . import conversions as convert
+from ..ground.errors import ArasError, ParameterError
+from ..arm.kinematics import Kinematics
+from .parameters import Parameters
+from ..arm.teleop import HELP, Keys, Teleop
+
+READ_S = 0.05  # wall time of one look at the keyboard
+EXIT_STOPPED, EXIT_PARAMETERS = 0, 2
+
+
+class TeleopNode:
+    """Answers each joint state with velocities while a key is held, and once with zeros when it is let go.
+
+    It stays silent otherwise: another controller may have the arm, and a simulator in lockstep is not armed by it.
+    """
+
+    def __init__(self):
+        """Raises ParameterError listing every fault."""
+        parameters = Parameters()
+        urdf = parameters.searched("robot_description")
+        base = parameters.value("~base_link", "world")
+        tip = parameters.value("~camera_frame", "camera_optical_frame")
+        speeds = [parameters.value("~" + name, default) for name, default in
+                  (("joint_speed", 0.3), ("linear_m_per_s", 0.05), ("angular_rad_per_s", 0.2))]
+        parameters.check()
+        kinematics = Kinematics(urdf, base, tip)
+        self.teleop = Teleop(kinematics, *speeds)
+        self.lock = threading.Lock()
+        self._names, self._moving = kinematics.joint_names, False
+        self._joints = convert.JointReader(kinematics.joint_names)
+        self._command = rospy.Publisher("joint_command", JointState, queue_size=1, tcp_nodelay=True)
+        rospy.Subscriber("joint_states", JointState, self._on_joints, queue_size=1, tcp_nodelay=True)
+
+    def _on_joints(self, message):
+        with self.lock:
+            try:
+                velocity = self.teleop.velocity(self._joints.positions(message), time.monotonic())
+            except ArasError as error:
+                rospy.logwarn_throttle(5.0, "teleop: the arm is left alone: %s", error)
+                return
+            moves = bool(velocity.any())
+            if moves or self._moving:
+                command = JointState(name=list(self._names), velocity=velocity.tolist())
+                command.header.stamp = message.header.stamp
+                self._command.publish(command)
+            self._moving = moves
+
+
+def main(descriptor=0):
+    """Runs until the key for the end, or the end of ROS. Returns the exit code."""
+    rospy.init_node("teleop", disable_signals=False)
+    try:
+        node = TeleopNode()
+        with Keys(descriptor) as keys:
+            print(HELP)
+            shown = None
+            while not rospy.is_shutdown() and not node.teleop.quit:
+                for key in keys.read(READ_S):
+                    with node.lock:
+                        node.teleop.press(key, time.monotonic())
+                if node.teleop.status() != shown:
+                    shown = node.teleop.status()
+                    print(shown, flush=True)
+    except ParameterError as error:
+        rospy.logfatal("teleop: cannot run:\n%s", error)
+        return EXIT_PARAMETERS
+    except ArasError as error:
+        print(error, file=sys.stderr)
+        return EXIT_PARAMETERS
+    return EXIT_STOPPED

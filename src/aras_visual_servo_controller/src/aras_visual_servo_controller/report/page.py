@@ -1,0 +1,121 @@
+"""report.html of a run: one self-contained page, readable on a phone and on paper, whole without a script."""
+
+import base64
+import json
+import math
+import struct
+import zlib
+
+import numpy as np
+import yaml
+
+from . import pictures
+
+from . import plots
+from ..run.record import FEATURE_UNITS
+from .rows import comparison_rows, is_number
+from ..config.files import share_dir
+
+# A larger video stays beside the page instead of inside: mail and phones choke on more.
+EMBEDDED_VIDEO_BYTES = 8_000_000
+
+
+def report_html(record, summary, command=None, film=None):
+    """The report as one page, str: pictures, plots, their script and a small video inside.
+
+    Args:
+        record: RunRecord.  summary: `report.summarise(record)`.  command: how to repeat the run, None: in process.
+        film: `video.Film` of the run, or None.
+    """
+    import jinja2
+
+    config = share_dir() / "config"
+    environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True,
+                                     undefined=jinja2.StrictUndefined)
+    template = environment.from_string((config / "report.html.j2").read_text(encoding="utf-8"))
+    drawn = plots.plots_of(record, pictures.panel_title(record, "velocity"))
+    for plot in drawn:
+        # "<" could end the script element it stands in.
+        plot["json"] = json.dumps(plot.pop("data"), ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
+    scenario = yaml.safe_dump(record.settings, sort_keys=False, allow_unicode=True) if record.settings else ""
+    return template.render(
+        summary=summary, images=_images(record), plots=drawn, film=film and _film(film),
+        script=(config / "report.js").read_text(encoding="utf-8") if drawn else "",
+        rows=comparison_rows(summary), features=_feature_rows(summary), settings=flat_settings(record),
+        scenario=scenario, scenario_src=data_uri(scenario.encode(), "text/yaml"),
+        command=command or f"rosrun aras_visual_servo_controller run {summary['scenario']} --in-process")
+
+
+def data_uri(content, kind):
+    """Bytes as an address that holds them, str."""
+    return f"data:{kind};base64," + base64.b64encode(content).decode("ascii")
+
+
+def png_bytes(image):
+    """A PNG file, bytes, of a uint8 image (h, w) or (h, w, 3) rgb. Always the same bytes for the same pixels."""
+    height, width = image.shape[:2]
+    colour = 2 if image.ndim == 3 else 0
+    rows = np.ascontiguousarray(image, dtype=np.uint8).reshape(height, -1)
+    raw = np.concatenate([np.zeros((height, 1), np.uint8), rows], axis=1).tobytes()  # 0: no filter, at each row
+
+    def chunk(name, content):
+        return struct.pack(">I", len(content)) + name + content + struct.pack(">I", zlib.crc32(name + content))
+
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, colour, 0, 0, 0))
+            + chunk(b"IDAT", zlib.compress(raw, 9)) + chunk(b"IEND", b""))
+
+
+def _images(record):
+    """The camera's own pixels: title and address (None: not in the record) of each picture."""
+    shown = []
+    for letter, panel in (("a", "desired"), ("b", "initial"), ("c", "difference"), ("", "final")):
+        image = pictures.image_of(record, panel)
+        if panel == "final" and image is None:
+            continue
+        title = "at the end, final − desired" if panel == "final" else \
+            f"({letter}) " + pictures.panel_title(record, panel).replace("$-$", "−")
+        shown.append({"title": title, "src": None if image is None else data_uri(png_bytes(image), "image/png")})
+    return shown
+
+
+def _film(film):
+    small = film.path.stat().st_size <= EMBEDDED_VIDEO_BYTES
+    return {"src": data_uri(film.path.read_bytes(), "video/mp4") if small else film.path.name,
+            "poster": data_uri(png_bytes(film.poster), "image/png"), "beside": not small,
+            "width": film.poster.shape[1], "height": film.poster.shape[0], "speed": film.speed}
+
+
+def _feature_rows(summary):
+    names = {"xn": "x<sub>n</sub>", "yn": "y<sub>n</sub>", "an": "a<sub>n</sub>", "alpha": "α"}
+    rows = []
+    for name, value in summary["final_feature_error"].items():
+        unit = FEATURE_UNITS.get(name, "")
+        scale, unit = {"m": (1e3, "mm"), "rad": (180.0 / math.pi, "deg")}.get(unit, (1.0, unit))
+        threshold = summary["thresholds"].get(name)
+        rate, asked = summary["measured_decay_per_s"].get(name), summary["promised_decay_per_s"].get(name)
+        rows.append({"name": names.get(name, name), "unit": unit,
+                     "value": f"{value * scale:+.4f}" if is_number(value) else "unknown",
+                     "threshold": f"{threshold * scale:.4g}" if threshold is not None else "",
+                     "gain": f"{asked:g}" if asked is not None else "",
+                     "rate": f"{rate:.2f}" if is_number(rate) else ""})
+    return rows
+
+
+def flat_settings(record):
+    """(key, value as text) of every setting of the record's scenario that shapes the result, flat."""
+    rows = []
+    for section in ("robot", "sim", "vision", "servo", "experiment"):
+        rows += _flatten(section, record.settings.get(section, {}))
+    return rows
+
+
+def _flatten(prefix, value):
+    if isinstance(value, dict) and any(isinstance(v, (dict, list)) for v in value.values()):
+        return [row for key, item in value.items() for row in _flatten(f"{prefix}.{key}", item)]
+    if isinstance(value, dict) and len(prefix.split(".")) < 2:
+        return [row for key, item in value.items() for row in _flatten(f"{prefix}.{key}", item)]
+    if isinstance(value, list) and any(isinstance(v, dict) for v in value):
+        return [row for i, item in enumerate(value) for row in _flatten(f"{prefix}[{i}]", item)]
+    if isinstance(value, dict):
+        return [(prefix, ", ".join(f"{key} {item}" for key, item in value.items()))] if value else []
+    return [(prefix, ", ".join(map(str, value)) if isinstance(value, list) else str(value))]

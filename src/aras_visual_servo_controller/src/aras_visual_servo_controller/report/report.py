@@ -1,0 +1,235 @@
+"""Result folder of a run: summary.json, trace.csv, figure.{png,pdf}, report.html. Reads a RunRecord, writes files.
+
+    folder = create_result_folder("results", scenario.name)      # before the run: a full or read-only disk shows now
+    summary = save_results(record, folder)
+    print(format_summary(summary))
+
+Everything but `real_time_factor`, `wall_s` and `versions` is a function of the record: the same run gives the same
+bytes. No wall-clock date is written into any file; the folder's name carries it.
+"""
+
+import csv
+import hashlib
+import io
+import json
+import math
+import os
+import time
+from pathlib import Path
+
+import numpy as np
+
+from ..ground.errors import ArasError
+from ..run.judge import judge, tracking
+from ..run.record import FEATURE_UNITS, TWIST_NAMES
+from .rows import comparison_rows, is_number
+from .versions import installed_versions
+
+# The results published with the two experiments.
+PUBLISHED = {
+    "experiment_1": {"label": "paper, experiment 1",
+                     "x_mm": 2.0, "y_mm": 4.7, "z_mm": 2.6, "angle_deg": 0.003},
+    "experiment_2": {"label": "paper, experiment 2",
+                     "x_mm": 4.0, "y_mm": 8.9, "z_mm": 7.2, "angle_deg": 0.03},
+}
+FEATURE_SYMBOLS = {"xn": "x_n", "yn": "y_n", "an": "a_n", "alpha": "alpha"}
+
+
+class ResultFolderError(ArasError):
+    """The folder for the results cannot be made or written."""
+
+
+def create_result_folder(output, scenario_name, stamp=None):
+    """Make the empty folder OUTPUT/SCENARIO/STAMP and prove that it can be written.
+
+    Args:
+        output: root folder of all results.  scenario_name: name of the scenario.
+        stamp: name of the folder; None: local wall time, e.g. 20260131-142501, with -2, -3 ... when taken.
+    Returns:
+        Path of the new folder.
+    Raises:
+        ResultFolderError: it cannot be made or written, with the system's reason.
+    """
+    parent = Path(os.path.expanduser(str(output))) / scenario_name
+    name = stamp or time.strftime("%Y%m%d-%H%M%S")
+    try:
+        parent.mkdir(parents=True, exist_ok=True)
+        folder, number = parent / name, 1
+        while True:
+            try:
+                folder.mkdir(exist_ok=stamp is not None)
+                break
+            except FileExistsError:
+                number += 1
+                folder = parent / f"{name}-{number}"
+        probe = folder / ".writable"
+        probe.write_text("")
+        probe.unlink()
+    except OSError as error:
+        raise ResultFolderError(f"results folder '{parent}': cannot be written: {error.strerror} "
+                                f"({error.filename}); choose another with --output") from error
+    return folder
+
+
+def save_results(record, folder, command=None, video=False, panels=False):
+    """Judge a run and write its result folder, the numbers before the pictures.
+
+    Args:
+        record: RunRecord.  folder: existing folder.  command: how to repeat the run, for the report.
+        video: write video.mp4 too (needs the images of the servo phase in the record, and ffmpeg) and show it in the
+            report; what stands in its way becomes a note of the report, which is written all the same.
+        panels: write each of the six panels as panel_NAME.pdf too.
+    Returns:
+        The summary, as written to summary.json (see `summarise`), with `report`, the path of report.html (str).
+    Raises:
+        ResultFolderError: a file cannot be written.  NothingToJudge (trace.csv is there already).
+    """
+    from . import figure
+    from . import page  # matplotlib and jinja2 take half a second to import
+    folder = Path(folder)
+    _write(folder / "trace.csv", trace_csv(record))
+    summary = summarise(record)
+    film = None
+    if video:
+        film, notes = _save_video(record, folder / "video.mp4")
+        summary["notes"] += notes
+    else:
+        (folder / "video.mp4").unlink(missing_ok=True)  # of an earlier report of another run
+    _write(folder / "summary.json", json.dumps(_json_safe(summary), indent=2) + "\n")
+    try:
+        figure.save_figure(record, folder / "figure.png", folder / "figure.pdf")
+        if panels:
+            figure.save_panels(record, folder)
+    except OSError as error:
+        raise ResultFolderError(f"{folder}: the figure cannot be written: {error}") from error
+    _write(folder / "report.html", page.report_html(record, summary, command, film))
+    return dict(summary, report=str(folder / "report.html"))
+
+
+def _save_video(record, path):
+    """(`video.Film` or None, notes)."""
+    from .video import VideoError, save_video
+    try:
+        return save_video(record, path), []
+    except VideoError as error:
+        return None, [f"no video: {error}"]
+
+
+def summarise(record):
+    """Summary of a run as a JSON-able dict; judged by `experiment.judge`, keys in the order they are read."""
+    result = judge(record)
+    servo = record.settings.get("servo", {})
+    base = published_name(record.scenario)
+    return {
+        "scenario": record.scenario,
+        "converged": result.converged,
+        "reason": result.reason,
+        "passed": result.passed,
+        "faults": list(result.faults),
+        "duration_s": result.duration_s,
+        "images": result.images,
+        "final_error": result.final_error,
+        "initial_error": result.initial_error,
+        "judge": result.limits,
+        "tracking": tracking(record) if servo.get("track") else None,
+        "published": PUBLISHED.get(base),
+        "final_feature_error": result.final_feature_error,
+        "thresholds": dict(servo.get("thresholds", {})),
+        "gains_per_s": dict(servo.get("gains_per_s", {})),
+        "promised_decay_per_s": result.gains_per_s,
+        "measured_decay_per_s": result.decay_per_s,
+        "law": servo.get("law"),
+        "mode": servo.get("mode"),
+        "seed": record.settings.get("sim", {}).get("seed"),
+        "run_hash": record.run_hash,
+        "trace_sha256": hashlib.sha256(trace_csv(record).encode()).hexdigest(),
+        "notes": list(record.notes),
+        "real_time_factor": record.real_time_factor,
+        "wall_s": record.wall_s,
+        "versions": record.versions or installed_versions(),
+    }
+
+
+def published_name(scenario):
+    """The published experiment a scenario is a variant of ("experiment_1_binary" -> "experiment_1"), or ""."""
+    return next((name for name in PUBLISHED if scenario == name or scenario.startswith(name + "_")), "")
+
+
+def trace_csv(record):
+    """The record as CSV text: one row per image. Empty cells are values that did not exist at that image.
+
+    Columns: t_s, phase, status, e_<feature>, V_<vx..wz>, q_<joint>, p_WC_{x,y,z}_m and q_WC_{x,y,z,w} (true pose of
+    the camera in the world, unit quaternion with w >= 0).
+    """
+    header = (["t_s", "phase", "status"]
+              + [f"e_{name}_{FEATURE_UNITS.get(name, '')}".rstrip("_") for name in record.feature_names]
+              + [f"V_{name}_{'m_s' if name[0] == 'v' else 'rad_s'}" for name in TWIST_NAMES]
+              + [f"q_{name}" for name in record.joint_names]
+              + [f"p_WC_{axis}_m" for axis in "xyz"] + [f"q_WC_{axis}" for axis in "xyzw"])
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(header)
+    for i in range(len(record)):
+        numbers = np.concatenate([record.e[i], record.twist[i], record.q[i], record.X_WC[i, :3, 3],
+                                  quaternion_xyzw(record.X_WC[i, :3, :3])])
+        writer.writerow([f"{record.stamp_ns[i] // 10**9}.{record.stamp_ns[i] % 10**9:09d}", record.phase[i],
+                         int(record.status[i])] + [f"{x:.9g}" if math.isfinite(x) else "" for x in numbers])
+    return stream.getvalue()
+
+
+def quaternion_xyzw(R):
+    """Unit quaternion (x, y, z, w), w >= 0, of a rotation matrix, shape (4,); NaN for a matrix with NaN."""
+    if not np.all(np.isfinite(R)):
+        return np.full(4, np.nan)
+    # Eigenvector of the largest eigenvalue (Bar-Itzhack 2000): no case distinctions, well conditioned everywhere.
+    K = np.array([[R[0, 0] - R[1, 1] - R[2, 2], R[0, 1] + R[1, 0], R[0, 2] + R[2, 0], R[2, 1] - R[1, 2]],
+                  [0.0, R[1, 1] - R[0, 0] - R[2, 2], R[1, 2] + R[2, 1], R[0, 2] - R[2, 0]],
+                  [0.0, 0.0, R[2, 2] - R[0, 0] - R[1, 1], R[1, 0] - R[0, 1]],
+                  [0.0, 0.0, 0.0, R[0, 0] + R[1, 1] + R[2, 2]]]) / 3.0
+    q = np.linalg.eigh(np.triu(K) + np.triu(K, 1).T)[1][:, -1]
+    return q if q[3] >= 0.0 else -q
+
+
+def format_summary(summary):
+    """The summary as a table for the terminal, ASCII, at most 79 columns wide, str."""
+    lines = [f"{summary['scenario']}: {'PASSED' if summary['passed'] else 'FAILED'} ({summary['reason']})", ""]
+    lines.append(f"{'final camera pose error':<31}{'x [mm]':>10}{'y [mm]':>10}{'z [mm]':>10}{'angle [deg]':>14}")
+    for row in comparison_rows(summary):
+        cells = zip(row["cells"], (10, 10, 10, 14))
+        lines.append(f"{row['label']:<31}" + "".join(f"{cell:>{width}}" for cell, width in cells))
+    lines += ["", f"{'time to converge' if summary['converged'] else 'servo time':<20}{summary['duration_s']:.2f} s "
+                  f"simulated, {summary['images']} images"]
+    rates = {name: rate for name, rate in summary["measured_decay_per_s"].items() if is_number(rate)}
+    if rates and summary["promised_decay_per_s"]:
+        asked = summary["promised_decay_per_s"]
+        text = ", ".join(f"{FEATURE_SYMBOLS.get(name, name)} {rate:.2f} (asked {asked[name]:g})"
+                         for name, rate in rates.items() if name in asked)
+        lines.append(f"{'decay [1/s]':<20}{text}")
+    if is_number(summary["real_time_factor"]):
+        lines.append(f"{'real-time factor':<20}{summary['real_time_factor']:.1f}")
+    if summary["run_hash"]:
+        lines.append(f"{'run hash':<20}{summary['run_hash']}")
+    lines += [f"{'!':<20}{fault}" for fault in summary["faults"]]
+    lines += [f"{'note':<20}{note}" for note in summary["notes"]]
+    if summary.get("report"):
+        lines.append(f"{'report':<20}{summary['report']}")
+    return "\n".join(lines)
+
+
+def _json_safe(value):
+    """NaN and infinity as null: JSON has neither."""
+    if isinstance(value, dict):
+        return {key: _json_safe(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_json_safe(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _write(path, text):
+    """Write a whole file or none: a run that is cut leaves no half of a file."""
+    partial = path.with_name(path.name + ".part")
+    try:
+        partial.write_text(text, encoding="utf-8")
+        partial.replace(path)
+    except OSError as error:
+        raise ResultFolderError(f"{path}: cannot be written: {error.strerror}") from error

@@ -1,0 +1,34 @@
+"""The table of final errors that every report shows, as text."""
+
+import math
+
+ERROR_KEYS = ("x_mm", "y_mm", "z_mm", "angle_deg")
+
+
+def comparison_rows(summary):
+    """Rows of the table of final errors: dicts of label, kind ("ours", "limit", "paper", "start") and cells (text)."""
+    rows = [{"label": "this run", "kind": "ours",
+             "cells": [_signed(summary["final_error"], key) for key in ERROR_KEYS]}]
+    if summary["judge"]:
+        rows.append({"label": "allowed (experiment.judge)", "kind": "limit",
+                     "cells": [f"{summary['judge'][key]:g}" for key in ERROR_KEYS]})
+    if summary["published"]:
+        rows.append({"label": summary["published"]["label"], "kind": "paper",
+                     "cells": [f"{summary['published'][key]:g}" for key in ERROR_KEYS]})
+    rows.append({"label": "at the start of the servo", "kind": "start",
+                 "cells": [_signed(summary["initial_error"], key) for key in ERROR_KEYS]})
+    return rows
+
+
+def _signed(error, key):
+    value = error[key]
+    if not is_number(value):
+        return "unknown"
+    if key == "angle_deg":
+        return f"{value:.4f}" if value < 1.0 else f"{value:.2f}"
+    return f"{value:+.3f}" if abs(value) < 10.0 else f"{value:+.1f}"
+
+
+def is_number(value):
+    """Is it there and finite?"""
+    return value is not None and math.isfinite(value)

@@ -1,0 +1,57 @@
+"""Versions of what a result depends on, read from the installed files; no ROS."""
+
+import functools
+import glob
+import os
+import platform
+import re
+import xml.etree.ElementTree
+from importlib import metadata
+
+from ..config.files import share_dir
+
+# Shared libraries of Debian's packages; the file name carries the version.
+_LIBRARIES = {"visp": "libvisp_core.so.*", "bullet": "libBulletDynamics*.so.*",
+              "kdl": "liborocos-kdl.so.*", "opencv": "libopencv_core.so.*"}
+_FOLDERS = ("/usr/lib/*-linux-gnu", "/usr/lib", "/usr/local/lib")
+
+
+@functools.lru_cache(maxsize=None)
+def _installed():
+    versions = {"aras_visual_servo": package_version(share_dir() / "package.xml")}
+    for name, pattern in _LIBRARIES.items():
+        found = [os.path.basename(path) for folder in _FOLDERS for path in glob.glob(os.path.join(folder, pattern))]
+        numbers = [match.group(1) for match in (re.search(r"\.so\.([0-9.]+)$", file) for file in found) if match]
+        if numbers:
+            versions[name] = max(numbers, key=lambda number: (number.count("."), number))
+    for name in ("numpy", "matplotlib"):
+        try:
+            versions[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            versions[name] = "unknown"
+    versions["python"] = platform.python_version()
+    versions["system"] = _system()
+    return versions
+
+
+def installed_versions():
+    """Dict of name -> version: this package, ViSP, Bullet, KDL, OpenCV, numpy, matplotlib, Python, system."""
+    return dict(_installed())
+
+
+def package_version(path):
+    """The <version> of a package.xml, "unknown" if there is none."""
+    try:
+        version = xml.etree.ElementTree.parse(path).findtext("version")
+    except (OSError, xml.etree.ElementTree.ParseError):
+        version = None
+    return version.strip() if version else "unknown"
+
+
+def _system():
+    try:
+        with open("/etc/os-release", encoding="utf-8") as stream:
+            names = dict(line.rstrip().split("=", 1) for line in stream if "=" in line)
+        return f"{names.get('PRETTY_NAME', '').strip(chr(34))}, {platform.machine()}"
+    except OSError:
+        return f"{platform.system()}, {platform.machine()}"

@@ -1,0 +1,225 @@
+"""Video of a run: the camera's image with the features drawn in, an observer's view of the arm, and the feature errors.
+
+    film = save_video(record, folder / "video.mp4")      # a record made with keep_images=True
+
+Frames come from the record alone (images, features, joint positions), so a run in process and its bag give the same
+video. ffmpeg encodes it as a child process. No ROS, no display.
+"""
+
+import shutil
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..ground.errors import ArasError
+from .plots import FEATURES
+
+WIDTH, VIEW_HEIGHT, CURVES_HEIGHT = 1280, 480, 240
+HALF = WIDTH // 2
+HOLD_S = 0.8                  # the last frame stands still for this long
+SEEN_RGB, WANTED_RGB, TRAIL_RGB = (230, 80, 0), (0, 158, 115), (0, 114, 178)
+SUBPIXEL_BITS = 4             # cv2 draws at fractions of a pixel
+ENCODER = ("-c:v", "libx264", "-preset", "veryfast", "-crf", "21", "-pix_fmt", "yuv420p", "-movflags", "+faststart",
+           "-fflags", "+bitexact", "-flags:v", "+bitexact", "-map_metadata", "-1")
+
+
+class VideoError(ArasError):
+    """The video cannot be made; the text says what is missing."""
+
+
+@dataclass(frozen=True)
+class Film:
+    """A video that was written: its path, a frame of it (h, w, 3), frames, and its speed against simulated time."""
+
+    path: Path
+    poster: np.ndarray
+    frames: int
+    speed: float = 1.0
+
+
+def save_video(record, path, ffmpeg="ffmpeg"):
+    """Write the video of the servo phase, one frame per image, at the speed of simulated time.
+
+    Args:
+        record: RunRecord with `images`.  path: of the .mp4 to write, replaced whole or not at all.
+        ffmpeg: name or path of the encoder.
+    Returns:
+        Film.
+    Raises:
+        VideoError: no ffmpeg, no images in the record, no robot to show, or ffmpeg failed, with its words.
+    """
+    program = shutil.which(ffmpeg)
+    if program is None:
+        raise VideoError(f"{ffmpeg} is not installed; on Debian: apt install ffmpeg")
+    rows = [row for row in record.servo_rows if row in record.images]
+    if len(rows) < 2:
+        raise VideoError("the record has no images of the servo phase (record the group images)")
+    path = Path(path)
+    partial = path.with_name(path.name + ".part")
+    spans = np.diff(record.stamp_ns[rows]) * 1e-9
+    rate_hz = 1.0 / float(np.median(spans))
+    command = [program, "-nostdin", "-v", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24",
+               "-s", f"{WIDTH}x{VIEW_HEIGHT + CURVES_HEIGHT}", "-r", f"{rate_hz:.6f}", "-i", "-", *ENCODER,
+               "-f", "mp4", str(partial)]
+    frames, poster, words = 0, None, b""
+    composer = Composer(record, rows)
+    try:
+        process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+        try:
+            for index in range(len(rows)):
+                frame = composer.frame(index)
+                poster = frame if index == len(rows) // 8 else poster
+                for _ in range(1 if index + 1 < len(rows) else max(1, round(HOLD_S * rate_hz))):
+                    process.stdin.write(frame.tobytes())
+                    frames += 1
+        except BrokenPipeError:
+            pass  # it died: its words say why
+        except BaseException:
+            process.kill()
+            raise
+        finally:
+            _, words = process.communicate()
+        if process.returncode:
+            raise VideoError(f"ffmpeg ended with exit code {process.returncode}: "
+                             + words.decode(errors="replace").strip()[-400:])
+        partial.replace(path)
+    except OSError as error:
+        raise VideoError(f"{path}: cannot be written: {error.strerror or error}") from error
+    finally:
+        partial.unlink(missing_ok=True)
+    return Film(path, frame if poster is None else poster, frames)
+
+
+class Composer:
+    """Makes the frames of a video.
+
+    Args:
+        record: RunRecord with images.  rows: its rows to show.
+    Raises:
+        VideoError: the robot of the record cannot be shown.
+    """
+
+    def __init__(self, record, rows):
+        from .observer import Observer, ObserverError
+        self._record, self._rows = record, rows
+        try:
+            self._observer = Observer(record, HALF, VIEW_HEIGHT)
+        except ObserverError as error:
+            raise VideoError(str(error)) from error
+        self._t_s = (record.stamp_ns[rows] - record.stamp_ns[rows[0]]) * 1e-9
+        self._features = project(record.raw[rows, 1:3], record.camera_info)
+        taught = record.rows("teach")
+        self._wanted = project(record.raw[taught[-1:], 1:3], record.camera_info) if len(taught) else np.empty((0, 2))
+        self._wanted_alpha = record.raw[taught[-1], 3] if len(taught) else np.nan
+        self._faint, self._full, self._left, self._right = self._curves()
+
+    def frame(self, index):
+        """Frame `index`: uint8 (VIEW_HEIGHT + CURVES_HEIGHT, WIDTH, 3)."""
+        frame = np.empty((VIEW_HEIGHT + CURVES_HEIGHT, WIDTH, 3), np.uint8)
+        frame[:VIEW_HEIGHT, :HALF] = self._camera_view(index)
+        frame[:VIEW_HEIGHT, HALF:] = self._observer.picture(self._record.q[self._rows[index]])
+        frame[:VIEW_HEIGHT, HALF - 1:HALF + 1] = 255
+        share = self._t_s[index] / max(self._t_s[-1], 1e-9)
+        column = int(round(self._left + share * (self._right - self._left)))
+        curves = frame[VIEW_HEIGHT:]
+        curves[:] = self._faint
+        curves[:, :column] = self._full[:, :column]
+        curves[8:-44, column:column + 2] = 90
+        return frame
+
+    def _camera_view(self, index):
+        """The camera's image, as large as fits, with what was seen and what is wanted."""
+        import cv2
+        image = self._record.images[self._rows[index]]
+        image = np.repeat(image[..., None], 3, axis=2) if image.ndim == 2 else image
+        scale = min(HALF / image.shape[1], VIEW_HEIGHT / image.shape[0])
+        size = (round(image.shape[1] * scale), round(image.shape[0] * scale))
+        view = np.full((VIEW_HEIGHT, HALF, 3), 40, np.uint8)
+        x0, y0 = (HALF - size[0]) // 2, (VIEW_HEIGHT - size[1]) // 2
+        picture = np.ascontiguousarray(cv2.resize(image, size, interpolation=cv2.INTER_NEAREST))
+
+        def at(p):
+            """Corner of cv2's fixed-point pixels for (u, v) of the camera's image."""
+            return tuple(int(round(((x + 0.5) * scale - 0.5) * (1 << SUBPIXEL_BITS))) for x in p)
+
+        def line(a, b, color, width):
+            cv2.line(picture, at(a), at(b), color, width, cv2.LINE_AA, SUBPIXEL_BITS)
+
+        trail = self._features[:index + 1]
+        for a, b in zip(trail[:-1], trail[1:]):
+            if np.all(np.isfinite([a, b])):
+                line(a, b, TRAIL_RGB, 2)
+        length = 0.11 * image.shape[1]
+        for p, alpha, color, seen in [(w, self._wanted_alpha, WANTED_RGB, False) for w in self._wanted] + [
+                (self._features[index], self._record.raw[self._rows[index], 3], SEEN_RGB, True)]:
+            if not np.all(np.isfinite(p)):
+                continue
+            if np.isfinite(alpha):
+                d = length * np.array([np.cos(alpha), np.sin(alpha)])
+                line(p - (d if seen else 0.6 * d), p + d, color, 2)
+            if seen:
+                arm = 0.02 * image.shape[1]
+                for d in ([arm, 0], [0, arm]):
+                    line(p - np.array(d), p + np.array(d), color, 3)
+            else:
+                cv2.circle(picture, at(p), int(round(9 * (1 << SUBPIXEL_BITS))), color, 2, cv2.LINE_AA, SUBPIXEL_BITS)
+        cv2.putText(picture, f"t = {self._t_s[index]:.2f} s", (12, size[1] - 14), cv2.FONT_HERSHEY_SIMPLEX, 0.75,
+                    (60, 60, 60), 1, cv2.LINE_AA)
+        view[y0:y0 + size[1], x0:x0 + size[0]] = picture
+        return view
+
+    def _curves(self):
+        """Feature errors, faint and full, (CURVES_HEIGHT, WIDTH, 3) each, and the columns of the time axis' ends."""
+        import matplotlib
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
+        from .figure import FEATURE_COLORS, FEATURE_LABELS, STYLE
+        pictures, dpi = [], 100
+        for strength in (0.22, 1.0):
+            with matplotlib.rc_context(dict(STYLE, **{"font.size": 13, "axes.labelsize": 14, "xtick.labelsize": 13,
+                                                      "ytick.labelsize": 13, "legend.fontsize": 14})):
+                figure = Figure(figsize=(WIDTH / dpi, CURVES_HEIGHT / dpi), dpi=dpi)
+                canvas = FigureCanvasAgg(figure)
+                axes = figure.add_axes((0.08, 0.24, 0.9, 0.72))
+                for column, name in enumerate(self._record.feature_names):
+                    axes.plot(self._t_s, self._record.e[self._rows, column], alpha=strength, linewidth=2.4,
+                              color=FEATURE_COLORS.get(name))
+                    axes.plot([], [], color=FEATURE_COLORS.get(name), linewidth=2.4,
+                              label=FEATURE_LABELS.get(name, name))
+                axes.set_xlim(0.0, max(self._t_s[-1], 1e-9))
+                axes.set_xlabel("time since the servo started [s]", labelpad=1)
+                axes.set_ylabel(r"$\mathbf{e}$")
+                axes.legend(loc="upper right", ncol=len(FEATURES), handlelength=1.4)
+                canvas.draw()
+                pictures.append(np.array(canvas.buffer_rgba())[:, :, :3])
+        return (*pictures, 0.08 * WIDTH, 0.98 * WIDTH)
+
+
+def project(xy, camera_info):
+    """Pixels (n, 2) of normalised image coordinates (n, 2) of a camera; NaN stays NaN.
+
+    Args:
+        camera_info: dict as `Simulation.camera_info`: K, D, distortion_model (plumb_bob, rational_polynomial,
+            equidistant, none).
+    Raises:
+        VideoError: the record has no camera_info.
+    """
+    import cv2
+    if not camera_info:
+        raise VideoError("the record has no camera_info (record the group features)")
+    K = np.array(camera_info["K"], dtype=float).reshape(3, 3)
+    D = np.array(camera_info.get("D") or [], dtype=float)
+    pixels = np.full((len(xy), 2), np.nan)
+    seen = np.all(np.isfinite(xy), axis=1)
+    if not seen.any():
+        return pixels
+    points = np.column_stack([xy[seen], np.ones(seen.sum())])
+    zero = np.zeros(3)
+    if camera_info.get("distortion_model") == "equidistant":
+        pixels[seen] = cv2.fisheye.projectPoints(points[:, None], zero, zero, K, D[:4])[0].reshape(-1, 2)
+    else:
+        pixels[seen] = cv2.projectPoints(points, zero, zero, K, D if len(D) else None)[0].reshape(-1, 2)
+    return pixels

@@ -1,0 +1,1 @@
+"""One run: the sequence of an experiment, the loop in process, its record and its judgement."""

@@ -1,0 +1,174 @@
+"""Judge a run by the true camera pose, not by what the servo saw; numpy only.
+
+`judge(record)` is a pure function of the record. `run_in_process(scenario)` makes such a record without ROS.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..ground.errors import ArasError
+from ..ground.types import FEATURE_NAMES, Status
+
+# A decay is fitted while the error is above this share of its largest value ...
+FIT_FLOOR_SHARE = 0.05
+# ... and above this many times its stop threshold: below, the pixels and not the law shape it.
+FIT_FLOOR_THRESHOLDS = 3.0
+FIT_MIN_ROWS = 8
+
+
+class NothingToJudge(ArasError):
+    """The run has no taught view or no servo phase; the text says how it ended."""
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What came out of a run.
+
+    Attributes:
+        converged: the stop rule was met.  reason: the last status in words.
+        passed: converged, and the true final error is within the scenario's `experiment.judge`.
+        faults: why not passed, one line each.
+        duration_s: simulated seconds from the first servo image to the one that ended it.
+        final_error: x_mm, y_mm, z_mm of p_CgC in the goal camera frame Cg and the total angle_deg of R_CgC.
+        initial_error: the same at the first servo image.
+        final_feature_error: feature name -> e at the end [m, alpha in rad].
+        decay_per_s: feature name -> rate of the fitted exponential [1/s], NaN where the error is too small to tell.
+        gains_per_s: feature name -> lambda asked for; {} if the law promises no exponential.
+        limits: the scenario's judge thresholds, {} if it has none.
+        images: number of servo images.
+    """
+
+    converged: bool
+    reason: str
+    passed: bool
+    faults: tuple
+    duration_s: float
+    final_error: dict
+    initial_error: dict
+    final_feature_error: dict
+    decay_per_s: dict
+    gains_per_s: dict
+    limits: dict
+    images: int
+
+
+def run_in_process(scenario, progress=None, keep_images=False):
+    """Run a scenario without ROS: simulator, moments and sequence in this process.
+
+    Args:
+        scenario: a `Scenario`.  progress: called with each row's (t_s, phase), or None.
+        keep_images: keep every image of the servo phase in the record, for a video.
+    Returns:
+        RunRecord.
+    """
+    from .loop import ServoLoop  # binds to the C++ modules: only when really run
+    return ServoLoop(scenario).run(progress=progress, keep_images=keep_images)
+
+
+def judge(record):
+    """Judge a run.
+
+    Args:
+        record: RunRecord; needs a `teach` row and servo rows with true camera poses.
+    Returns:
+        Judgement.
+    Raises:
+        NothingToJudge: the record has no taught view or no servo row.
+    """
+    rows = record.servo_rows
+    if not len(rows) or not len(record.rows("teach")):
+        have = ", ".join(dict.fromkeys(record.phase.tolist())) or "none"
+        end = f"; it ended with: {record.status_text[-1] or Status(record.status[-1]).name}" if len(record) else ""
+        raise NothingToJudge(f"run '{record.scenario}': no taught view or no servo image, phases found: {have}{end}")
+    first, last = rows[0], rows[-1]
+    converged = bool(record.status[last] == Status.CONVERGED)
+    final_error = pose_error(goal_pose(record, last), record.X_WC[last])
+    limits = dict(record.settings.get("experiment", {}).get("judge", {}))
+    reason = str(record.status_text[last]) or Status(record.status[last]).name
+    faults = [] if converged else [f"not converged: {reason}"]
+    for key, limit in limits.items():
+        if not abs(final_error[key]) <= limit:
+            faults.append(f"{key}: found {final_error[key]:.4g}, allowed +-{limit:g}")
+    return Judgement(
+        converged=converged, reason=reason, passed=not faults, faults=tuple(faults),
+        duration_s=float((record.stamp_ns[last] - record.stamp_ns[first]) * 1e-9),
+        final_error=final_error, initial_error=pose_error(goal_pose(record, first), record.X_WC[first]),
+        final_feature_error=dict(zip(record.feature_names, record.e[_last_finite(record.e, rows)].tolist())),
+        decay_per_s=fit_decay(record), gains_per_s=_promised_rates(record), limits=limits, images=len(rows))
+
+
+def taught_pose(record):
+    """X_WCg, (4, 4): the true camera pose at the taught image."""
+    return record.X_WC[record.rows("teach")[-1]]
+
+
+def goal_pose(record, row):
+    """X_WCg, (4, 4), at an image: the taught pose of the camera relative to the target, where the target is then."""
+    X_WCg = taught_pose(record)
+    if record.target_poses is None:
+        return X_WCg
+    then, now = record.target_poses[record.rows("teach")[-1]], record.target_poses[row]
+    return X_WCg if np.array_equal(then, now) else now @ np.linalg.solve(then, X_WCg)
+
+
+def tracking(record):
+    """How well a goal was followed, over the second half of the servo images: root mean squares.
+
+    Returns:
+        dict e (feature name -> rms of e), position_mm and angle_deg (of the true X_CgC, Cg moving with the target).
+    """
+    rows = record.servo_rows
+    rows = rows[len(rows) // 2:-1]  # the last one is the stop
+    errors = [pose_error(goal_pose(record, row), record.X_WC[row]) for row in rows]
+    squares = [[sum(error[axis]**2 for axis in ("x_mm", "y_mm", "z_mm")), error["angle_deg"]**2] for error in errors]
+    position_mm, angle_deg = np.sqrt(np.mean(squares, axis=0)).tolist() if len(rows) else (math.nan, math.nan)
+    e = np.sqrt(np.nanmean(np.square(record.e[rows]), axis=0)).tolist() if len(rows) else []
+    return {"e": dict(zip(record.feature_names, e)), "position_mm": position_mm, "angle_deg": angle_deg}
+
+
+def pose_error(X_WCg, X_WC):
+    """Error of a camera pose C against the goal Cg, X_CgC.
+
+    Returns:
+        dict x_mm, y_mm, z_mm (p_CgC in the goal camera frame) and angle_deg (rotation angle of R_CgC, >= 0).
+    """
+    X_CgC = np.linalg.solve(X_WCg, X_WC) if np.all(np.isfinite(X_WCg)) else np.full((4, 4), np.nan)
+    R, p = X_CgC[:3, :3], X_CgC[:3, 3] * 1e3
+    # atan2 of both: acos of the trace alone loses half the digits near zero.
+    sine = 0.5 * math.sqrt((R[2, 1] - R[1, 2]) ** 2 + (R[0, 2] - R[2, 0]) ** 2 + (R[1, 0] - R[0, 1]) ** 2)
+    angle = math.degrees(math.atan2(sine, 0.5 * (np.trace(R) - 1.0)))
+    return {"x_mm": float(p[0]), "y_mm": float(p[1]), "z_mm": float(p[2]), "angle_deg": angle}
+
+
+def fit_decay(record):
+    """Rates of the exponentials through |e|, by a straight line through ln |e| over the servo images [1/s].
+
+    Returns:
+        dict feature name -> rate, NaN if fewer than FIT_MIN_ROWS images stand above the floor.
+    """
+    rows = record.servo_rows
+    t_s, thresholds = record.t_s[rows], record.settings.get("servo", {}).get("thresholds", {})
+    rates = {}
+    for column, name in enumerate(record.feature_names):
+        size = np.abs(record.e[rows, column])
+        floor = max(FIT_FLOOR_SHARE * np.nanmax(size, initial=0.0),
+                    FIT_FLOOR_THRESHOLDS * thresholds.get(name, 0.0))
+        below = np.flatnonzero(~(size > floor))
+        end = below[0] if len(below) else len(size)
+        fits = end >= FIT_MIN_ROWS
+        rates[name] = float(-np.polyfit(t_s[:end], np.log(size[:end]), 1)[0]) if fits else math.nan
+    return rates
+
+
+def _promised_rates(record):
+    servo = record.settings.get("servo", {})
+    if servo.get("mode") != "continuous" or servo.get("law") != "decoupled":
+        return {}
+    return {name: float(servo["gains_per_s"][name]) for name in FEATURE_NAMES if name in servo["gains_per_s"]}
+
+
+def _last_finite(e, rows):
+    finite = [row for row in rows if np.all(np.isfinite(e[row]))]
+    return finite[-1] if finite else rows[-1]

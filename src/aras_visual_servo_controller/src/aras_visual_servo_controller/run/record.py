@@ -1,0 +1,252 @@
+"""RunRecord: everything one run left behind, one row per image.
+
+The record is the border between running and judging: the in-process loop fills it row by row through
+`RecordBuilder`, `bags.bag` fills it from a rosbag with the same builder, and the judge, the figures and the reports
+read nothing else. No ROS, no wall clock except in `wall_s`.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..ground.errors import ShapeError
+from ..ground.types import FEATURE_NAMES, Status
+
+FEATURE_UNITS = {"xn": "m", "yn": "m", "an": "m", "alpha": "rad", "photometric": "grey"}
+TWIST_NAMES = ("vx", "vy", "vz", "wx", "wy", "wz")
+RAW_NAMES = ("area", "xg", "yg", "alpha")
+
+# Steps of an experiment, in order (ServoState.phase); "idle" before it starts.
+PHASES = ("idle", "to_goal", "settle_goal", "teach", "to_start", "settle_start", "servo", "done")
+
+# Status of the image that ended the servo phase.
+TERMINAL = (Status.CONVERGED, Status.TIMED_OUT, Status.STOPPED, Status.FAULT)
+
+
+@dataclass(frozen=True)
+class RunRecord:
+    """What one run left behind; n images, k features, m joints. Missing values are NaN, missing images None.
+
+    Attributes:
+        scenario: name of the scenario.
+        settings: the scenario as a nested dict (`Scenario.as_dict`), {} if unknown.
+        joint_names: m names, sorted: the columns of q and set_point.  feature_names: k names.
+        stamp_ns: (n,) int64, simulated time of the state each image shows [ns].
+        phase: (n,) str, one of PHASES.  status: (n,) int, codes of ServoState.  status_text: (n,) str.
+        s, s_star, e: (n, k), features, reference, e = s - s_star [m, alpha in rad].
+        twist: (n, 6), commanded V_C = [v; w] in the camera frame [m/s, rad/s].
+        q: (n, m) measured at the stamp, set_point: (n, m) sent in answer [m or rad].
+        raw: (n, 4), columns RAW_NAMES: m00, centroid, orientation; normalised image coordinates [-], [rad].
+        X_WC: (n, 4, 4), true pose of the camera optical frame in the world.
+        X_WT: (4, 4) true pose of the target in the world at the end, or None.
+        target_poses: (n, 4, 4) of a target that moves, at each image, NaN where unknown; None if it rests.
+        desired_image, initial_image, final_image: uint8 (h, w) or (h, w, 3): the taught view, the first and the
+            last view of the servo phase.
+        images: {row: uint8 image} of the servo phase, for a video; {} unless they were asked for.
+        camera_info: dict as `Simulation.camera_info`, {} if unknown.
+        run_hash: of joint trajectory and images, hexadecimal, "" if unknown.
+        real_time_factor: simulated over wall seconds, NaN if unknown.  wall_s: of the whole run, NaN if unknown.
+        versions: package or library name -> version.
+        notes: what was missing or repaired while the record was made, in words.
+    """
+
+    scenario: str
+    settings: dict
+    joint_names: tuple
+    feature_names: tuple
+    stamp_ns: np.ndarray
+    phase: np.ndarray
+    status: np.ndarray
+    status_text: np.ndarray
+    s: np.ndarray
+    s_star: np.ndarray
+    e: np.ndarray
+    twist: np.ndarray
+    q: np.ndarray
+    set_point: np.ndarray
+    raw: np.ndarray
+    X_WC: np.ndarray
+    X_WT: np.ndarray = None
+    target_poses: np.ndarray = None
+    desired_image: np.ndarray = None
+    initial_image: np.ndarray = None
+    final_image: np.ndarray = None
+    images: dict = field(default_factory=dict)
+    camera_info: dict = field(default_factory=dict)
+    run_hash: str = ""
+    real_time_factor: float = float("nan")
+    wall_s: float = float("nan")
+    versions: dict = field(default_factory=dict)
+    notes: tuple = ()
+
+    def __len__(self):
+        return len(self.stamp_ns)
+
+    @property
+    def t_s(self):
+        """(n,) simulated time of each image [s]."""
+        return self.stamp_ns * 1e-9
+
+    def rows(self, *phases):
+        """Indices of the images of these phases, in order: (j,) int."""
+        return np.flatnonzero(np.isin(self.phase, phases))
+
+    @property
+    def servo_rows(self):
+        """Indices of the images of the servo phase, the one that ended it included: (j,) int.
+
+        The end may be reported by the last `servo` row (its status is in TERMINAL) or by the `done` row after it.
+        """
+        rows = self.rows("servo")
+        if not len(rows):
+            return rows
+        ended = np.flatnonzero(np.isin(self.status[rows], TERMINAL))
+        if len(ended):
+            return rows[:ended[0] + 1]
+        follows = rows[-1] + 1
+        return np.append(rows, follows) if follows < len(self) and self.phase[follows] == "done" else rows
+
+
+class RecordBuilder:
+    """Builds a RunRecord row by row.
+
+    In-process use, once per image::
+
+        builder = RecordBuilder(scenario.name, sim.joint_names, settings=scenario.as_dict())
+        builder.add_answer(servo_record, X_WC=sim.camera_pose("camera"), features=features, image=image)
+        record = builder.finish(run_hash=sim.run_hash, wall_s=wall_s, camera_info=..., X_WT=...)
+
+    keep_images: keep every image of the servo phase, not only the first and the last one.
+    """
+
+    def __init__(self, scenario, joint_names, settings=None, feature_names=FEATURE_NAMES, keep_images=False):
+        self.scenario = str(scenario)
+        self.settings = dict(settings or {})
+        self.joint_names = tuple(joint_names)
+        self.feature_names = tuple(feature_names)
+        self._rows, self._moving = [], False
+        self._images = {}
+        self._keep_images, self._all_images = keep_images, {}
+        self._notes = []
+
+    def __len__(self):
+        return len(self._rows)
+
+    def add_row(self, stamp_ns, phase, status=0, status_text="", s=None, s_star=None, e=None, twist=None, q=None,
+                set_point=None, X_WC=None, raw=None, image=None, X_WT=None):
+        """Append one image's row; what is None becomes NaN.
+
+        Args:
+            stamp_ns: simulated time of the image [ns].  phase: one of PHASES.  status: code of ServoState.
+            s, s_star, e: (k,).  twist: (6,).  q, set_point: (m,) in the order of joint_names.  X_WC: (4, 4).
+            raw: (area, xg, yg, alpha).  X_WT: (4, 4) of a target that moves.
+            image: uint8 (h, w) or (h, w, 3); copied only where the record keeps it (see `keep_image`).
+        Raises:
+            ShapeError: an array has not the length its names have.
+        """
+        k, m = len(self.feature_names), len(self.joint_names)
+        self._rows.append((
+            int(stamp_ns), str(phase), int(status), str(status_text), _vector("s", s, k),
+            _vector("s_star", s_star, k), _vector("e", e, k), _vector("twist", twist, 6), _vector("q", q, m),
+            _vector("set_point", set_point, m), _vector("raw", raw, len(RAW_NAMES)), _pose(X_WC), _pose(X_WT)))
+        self._moving |= X_WT is not None
+        if image is not None:
+            self.keep_image(phase, image)
+
+    def add_answer(self, answer, X_WC=None, features=None, image=None, X_WT=None):
+        """Append the row of one answered image.
+
+        Args:
+            answer: `types.ServoRecord` (or an object with its fields), joints by name in any order.
+            X_WC: (4, 4) true camera pose at the image.  features: `Features` of the image, or None.
+            image: uint8 (h, w) or (h, w, 3), or None.  X_WT: (4, 4) true pose of a target that moves, or None.
+        """
+        names = tuple(answer.joint_names)
+        by_name = [names.index(name) if name in names else None for name in self.joint_names]
+
+        def joints(values):
+            return [np.nan if i is None or i >= len(values) else values[i] for i in by_name]
+
+        raw = None if features is None else [getattr(features, name) for name in RAW_NAMES]
+        same = tuple(getattr(answer, "feature_names", self.feature_names)) == self.feature_names
+        s, s_star, e = (answer.s, answer.s_star, answer.e) if same else (None, None, None)
+        self.add_row(answer.stamp_ns, answer.phase, answer.status, answer.status_text, s, s_star, e, answer.twist,
+                     joints(answer.q), joints(answer.set_point), X_WC, raw, image, X_WT)
+
+    def keep_image(self, phase, image):
+        """Keep the image of the row just added if it is the taught view, or the first or last one of the servo.
+
+        The `done` row's image is the last one only if no servo row before it reported the end (see `servo_rows`).
+        """
+        ends = phase == "done" and len(self._rows) > 1 and self._rows[-2][1] == "servo" and \
+            self._rows[-2][2] not in TERMINAL
+        if self._keep_images and (phase == "servo" or ends):
+            self._all_images[len(self._rows) - 1] = np.array(image, dtype=np.uint8)
+        if phase == "teach":
+            self._images["desired"] = np.array(image, dtype=np.uint8)
+        elif phase == "servo":
+            self._images.setdefault("initial", np.array(image, dtype=np.uint8))
+        if phase == "servo" or ends:
+            self._images["final"] = np.array(image, dtype=np.uint8)
+
+    def note(self, text):
+        """Remember something a reader of the report must know."""
+        self._notes.append(str(text))
+
+    def _end(self):
+        """Number of rows up to the one that says how the run ended.
+
+        What follows is the time until the simulator stands: what a node says of it is a matter of wall time. It is left
+        out, so that a run over ROS and one in process give the same trace, byte for byte.
+        """
+        active = [i for i, row in enumerate(self._rows) if row[1] not in ("idle", "done")]
+        if not active:
+            return len(self._rows)
+        last = active[-1] + 1
+        return last + (last < len(self._rows) and self._rows[last][1] == "done")
+
+    def finish(self, run_hash="", wall_s=float("nan"), real_time_factor=None, camera_info=None, X_WT=None,
+               versions=None):
+        """The record, up to the end of the run. real_time_factor: None takes simulated time of all rows over wall_s."""
+        if real_time_factor is None:
+            simulated_s = (self._rows[-1][0] - self._rows[0][0]) * 1e-9 if self._rows else np.nan
+            real_time_factor = simulated_s / wall_s
+        rows = self._rows[:self._end()]
+        columns = list(zip(*rows)) if rows else [()] * 13
+        k, m = len(self.feature_names), len(self.joint_names)
+        stamp_ns = np.array(columns[0], dtype=np.int64)
+
+        def table(index, *shape):
+            return np.array(columns[index], dtype=float).reshape((-1,) + shape)
+
+        return RunRecord(
+            scenario=self.scenario, settings=self.settings, joint_names=self.joint_names,
+            feature_names=self.feature_names, stamp_ns=stamp_ns, phase=np.array(columns[1], dtype=str),
+            status=np.array(columns[2], dtype=int), status_text=np.array(columns[3], dtype=str),
+            s=table(4, k), s_star=table(5, k), e=table(6, k), twist=table(7, 6), q=table(8, m),
+            set_point=table(9, m), raw=table(10, len(RAW_NAMES)), X_WC=table(11, 4, 4),
+            X_WT=None if X_WT is None else np.array(X_WT, dtype=float),
+            target_poses=table(12, 4, 4) if self._moving else None,
+            desired_image=self._images.get("desired"), initial_image=self._images.get("initial"),
+            final_image=self._images.get("final"), images=dict(self._all_images),
+            camera_info=dict(camera_info or {}), run_hash=str(run_hash),
+            real_time_factor=float(real_time_factor), wall_s=float(wall_s), versions=dict(versions or {}),
+            notes=tuple(self._notes))
+
+
+def _vector(name, value, length):
+    if value is None:
+        return np.full(length, np.nan)
+    array = np.array(value, dtype=float).reshape(-1)
+    if len(array) != length:
+        raise ShapeError(f"{name}: expected {length} values, got {len(array)}")
+    return array
+
+
+def _pose(X):
+    if X is None:
+        return np.full((4, 4), np.nan)
+    array = np.array(X, dtype=float)
+    if array.shape != (4, 4):
+        raise ShapeError(f"X_WC: expected shape (4, 4), got {array.shape}")
+    return array

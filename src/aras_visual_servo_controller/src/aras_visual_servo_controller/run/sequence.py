@@ -1,0 +1,233 @@
+"""The experiment as a state machine: one `Observation` per image in, one `Command` per image out.
+
+    idle -> to_goal -> settle_goal -> teach -> to_start -> settle_start -> servo -> done      start()
+    idle -> servo -> done                                                                     start(servo_only=True)
+
+to_goal, to_start: quintic joint trajectories. settle_*: at least settle_s, then until the joints rest. teach: one
+image, whose view becomes the reference. servo: `Servo` decides, until it has finished. An image that ends a phase is
+answered in the next phase already. A pure function of the observations: in process and over ROS give the same bytes.
+"""
+
+from dataclasses import dataclass, replace
+from math import isfinite, nan
+from typing import Callable, Mapping, Optional, Tuple
+
+import numpy as np
+
+from ..config.reader import ConfigReader
+from ..ground.errors import ArasError, ParameterError
+from ..arm.trajectory import JointTrajectory
+from ..ground.types import Command, Observation, ServoRecord, Status
+
+PHASES = ("idle", "to_goal", "settle_goal", "teach", "to_start", "settle_start", "servo", "done")
+
+
+@dataclass(frozen=True)
+class ExperimentConfig:
+    """The scenario's section `experiment`, checked against the arm; key `judge` is somebody else's."""
+
+    goal: Mapping[str, float]  # joint positions [m, rad]; a joint not named stays
+    start: Mapping[str, float]
+    z_star_m: float  # depth of the target in the goal view
+    settle_s: float = 0.5  # wait at least
+    settle_limit_s: float = 2.0  # wait at most this much longer for the joints to rest
+    settle_speed: float = 0.002  # slower than this is at rest [m/s, rad/s]
+    speed_part: float = 0.3  # of the joints' velocity limits, used by trajectories
+    acceleration: float = 2.0  # of trajectories [m/s^2, rad/s^2]
+    image_period_s: float = 1.0 / 30.0  # taken for the first image only, then measured
+
+    @classmethod
+    def from_dict(cls, source, kinematics):
+        """Read the section. Raises ParameterError listing every fault."""
+        reader = ConfigReader(source, "experiment")
+        reader.ignore("judge")
+        values = {"z_star_m": reader.number("z_star_m", above=0.0)}
+        for key in ("goal", "start"):
+            place = reader.section(key, required=True)
+            joints = place.section("joints", required=True)
+            place.close()
+            values[key] = {}
+            for i, name in enumerate(kinematics.joint_names):
+                if name in joints.keys():
+                    lower, upper = float(kinematics.lower[i]), float(kinematics.upper[i])
+                    values[key][name] = joints.number(name, at_least=lower, at_most=upper)
+            joints.close()
+        values["settle_s"] = reader.number("settle_s", cls.settle_s, at_least=0.0)
+        for key in ("settle_limit_s", "settle_speed", "acceleration", "image_period_s"):
+            values[key] = reader.number(key, getattr(cls, key), above=0.0)
+        values["speed_part"] = reader.number("speed_part", cls.speed_part, above=0.0, at_most=1.0)
+        reader.finish()
+        return cls(**values)
+
+
+@dataclass
+class SequenceResult:
+    """How an experiment ended: the result of VisualServo.action."""
+
+    converged: bool
+    status: Status
+    reason: str
+    e: np.ndarray  # (k,) final feature error, NaN when never servoed
+    duration_s: float  # simulated seconds of servoing
+
+
+class ExperimentSequence:
+    """Runs the scenario's experiment.
+
+    Attributes:
+        phase: one of PHASES.  result: `SequenceResult`, None until done.
+        teach_stamp_ns: stamp of the image that was taught, or None.  servo_stamp_ns: of the first one servoed on.
+    """
+
+    def __init__(self, kinematics, servo, config: Mapping, set_reference: Callable):
+        """Set up.
+
+        Args:
+            kinematics: `Kinematics`.  servo: `Servo`.  config: the scenario's section `experiment` (dict).
+            set_reference: called once, in phase teach, as set_reference(z_star_m, features); must return the features
+                of this same view normalised by the new reference (object with the fields of MomentFeatures,
+                has_reference true). Over ROS: the service camera/set_reference; in process:
+                MomentExtractor.set_reference. An exception it raises ends the experiment with status FAULT.
+        Raises: ParameterError.
+        """
+        self.config = ExperimentConfig.from_dict(config, kinematics)
+        self._kinematics, self._servo, self._set_reference = kinematics, servo, set_reference
+        self._no_velocity = dict.fromkeys(kinematics.joint_names, 0.0)
+        self._n = len(kinematics.joint_names)
+        self._reset("idle")
+
+    def _reset(self, phase):
+        self.phase = phase
+        self.result: Optional[SequenceResult] = None
+        self.teach_stamp_ns = self.servo_stamp_ns = None
+        self._last_ns = self._since_ns = self._trajectory = self._set_point = self._last_q = None
+        self._e, self._speed = np.full(len(self._servo.feature_names), nan), np.inf
+        self._dt_s = self.config.image_period_s
+
+    @property
+    def done(self) -> bool:
+        """True once `result` is there."""
+        return self.phase == "done"
+
+    def start(self, servo_only: bool = False) -> None:
+        """Begin with the next step. servo_only: servo to the reference taught last. ParameterError without one."""
+        if servo_only and self._servo.reference is None:
+            raise ParameterError("servo: no reference, teach one first")
+        self._reset("settle_start" if servo_only else "to_goal")
+        self._servo_only = servo_only
+
+    def step(self, observation: Observation) -> Tuple[Command, ServoRecord]:
+        """Answer to one image. Idle and done: an empty command (pure acknowledgement, set-points hold)."""
+        stamp_ns = observation.stamp_ns
+        if self.phase in ("idle", "done"):
+            text = self.phase if self.result is None else self.result.reason
+            return Command(stamp_ns), self._record(stamp_ns, np.full(self._n, nan), text)
+        if self._last_ns is not None and stamp_ns > self._last_ns:
+            self._dt_s = 1e-9 * (stamp_ns - self._last_ns)
+        try:
+            q = self._kinematics.vector(observation.q)
+            if q.shape != (self._n,) or not isfinite(float(q.sum())):
+                raise ParameterError(f"joint positions {q} are not {self._n} finite numbers")
+            if self._last_q is not None:
+                self._speed = float(np.abs(q - self._last_q).max()) / self._dt_s
+            self._last_ns, self._last_q = stamp_ns, q
+            return self._advance(observation, q)
+        except ArasError as error:
+            return self._end(stamp_ns, Status.FAULT, f"{self.phase}: {error}")
+
+    def stop(self, stamp_ns: int, reason: str = "stopped") -> Tuple[Command, ServoRecord]:
+        """End now with status STOPPED; the command returned stops the arm."""
+        if self.phase == "servo":
+            self._servo.stop(stamp_ns, reason)
+        return self._end(stamp_ns, Status.STOPPED, reason)
+
+    # --- phases -------------------------------------------------------------------------------------------------
+
+    def _advance(self, observation, q):
+        stamp_ns = observation.stamp_ns
+        if self.phase in ("to_goal", "to_start"):
+            if self._trajectory is None:
+                self._plan(stamp_ns, q, self.config.goal if self.phase == "to_goal" else self.config.start)
+            if stamp_ns - self._since_ns < 1e9 * self._trajectory.duration_s:
+                return self._follow(stamp_ns)
+            self.phase = self.phase.replace("to_", "settle_")
+            self._since_ns = stamp_ns
+        settling = self.phase in ("settle_goal", "settle_start") and self._trajectory is not None
+        if settling and not self._settled(stamp_ns):
+            return self._follow(stamp_ns)
+        if self.phase == "settle_goal":
+            return self._teach(observation, q)
+        if self.phase == "settle_start":
+            if not self._fit(observation.features):
+                where = "where servoing starts" if self._servo_only else "at the start"
+                return self._end(stamp_ns, Status.TARGET_LOST, f"target not in view {where}")
+            self.phase, self.servo_stamp_ns = "servo", stamp_ns
+            self._servo.start(stamp_ns, self._set_point)
+        return self._servo_step(observation)
+
+    def _plan(self, stamp_ns, q, joints):
+        begin = q if self._set_point is None else self._set_point
+        end = self._kinematics.vector({**self._kinematics.by_name(begin), **joints})
+        velocity = self.config.speed_part * self._kinematics.velocity
+        self._trajectory = JointTrajectory(begin, end, velocity, self.config.acceleration)
+        self._since_ns = self._begin_ns = stamp_ns
+
+    def _follow(self, stamp_ns):
+        t_s = 1e-9 * (stamp_ns - self._begin_ns)
+        self._set_point, q_dot = self._trajectory.position(t_s), self._trajectory.velocity(t_s, self._dt_s)
+        by_name = self._kinematics.by_name
+        return Command(stamp_ns, by_name(self._set_point), by_name(q_dot)), self._record(stamp_ns, q_dot, self.phase)
+
+    def _settled(self, stamp_ns):
+        waited_s = 1e-9 * (stamp_ns - self._since_ns) - self.config.settle_s
+        return waited_s >= 0.0 and (self._speed < self.config.settle_speed or waited_s >= self.config.settle_limit_s)
+
+    @staticmethod
+    def _fit(features):
+        return features is not None and features.target_visible and features.valid
+
+    def _teach(self, observation, q):
+        stamp_ns = observation.stamp_ns
+        self.phase = "teach"
+        if not self._fit(observation.features):
+            return self._end(stamp_ns, Status.TARGET_LOST, "target not in view at the goal")
+        try:
+            self._servo.teach(self._set_reference(self.config.z_star_m, observation.features), q)
+        except Exception as error:  # the callback may be a service call: whatever it raises is the reason
+            return self._end(stamp_ns, Status.FAULT, f"teach: {error}")
+        self.teach_stamp_ns = stamp_ns
+        answer = self._follow(stamp_ns)
+        self.phase, self._trajectory = "to_start", None
+        return answer
+
+    def _servo_step(self, observation):
+        command, record = self._servo.step(observation, self._dt_s)
+        if np.isfinite(record.e).all():
+            self._e = record.e
+        if not self._servo.finished:
+            return command, record
+        _, last = self._end(observation.stamp_ns, record.status, record.status_text)
+        return command, replace(record, phase=last.phase)
+
+    def _end(self, stamp_ns, status, reason):
+        since = stamp_ns if self.servo_stamp_ns is None else self.servo_stamp_ns
+        self.result = SequenceResult(status == Status.CONVERGED, status, reason, self._e, 1e-9 * (stamp_ns - since))
+        self.phase = "done"
+        position = {}
+        if self._trajectory is not None and self._set_point is not None and self.servo_stamp_ns is None:
+            # break off where the integrated set-point now is
+            self._set_point = self._trajectory.position(1e-9 * (stamp_ns - self._begin_ns))
+            position = self._kinematics.by_name(self._set_point)
+        return Command(stamp_ns, position, dict(self._no_velocity)), self._record(stamp_ns, np.zeros(self._n), reason)
+
+    def _record(self, stamp_ns, q_dot, text):
+        nans = np.full(self._n, nan)
+        status = Status.IDLE if self.result is None else self.result.status
+        q = nans if self._last_q is None else self._last_q
+        set_point = nans if self._set_point is None else self._set_point
+        names = self._servo.feature_names
+        none = np.full(len(names), nan)
+        return ServoRecord(
+            stamp_ns, status, text, self.phase, status == Status.CONVERGED, names, none, none.copy(), self._e,
+            joint_names=self._kinematics.joint_names, q=q, q_dot=q_dot, set_point=set_point,
+        )  # fmt: skip

@@ -1,0 +1,159 @@
+"""What the controller node decides, without ROS: refuse or answer an image, stop, watch for missing input.
+
+The node brings messages, clocks and threads; every rule of what is answered is here, and is tested without a master.
+Times: `stamp_ns`, `now_ns` are ROS time (simulated with a simulator), `wall_s` is a monotonic wall clock.
+"""
+
+import numpy as np
+
+from ..ground.errors import ArasError, ParameterError
+from ..ground.types import Command, Observation, ServoRecord, Status
+
+#: Wall time without features, while ROS time stands still too, after which that is reported [s].
+STANDSTILL_S = 2.0
+
+
+class Session:
+    """One sequence and what surrounds it.
+
+    Args:
+        kinematics: `Kinematics`.  servo: `Servo`.  sequence: `ExperimentSequence` over both.
+        input_timeout_s: features older than this are refused, and without any for this long the arm is stopped.
+        time_limit_s: of a goal that gets no features at all and does not bring its own limit.
+    Attributes:
+        active: a goal is being worked on.
+        frame: index of the image answered last, -1 before the first.
+        last_ns: stamp of the image answered last, -1 before the first.
+        view: (features, q) answered last, or None.
+        stale: input is missing, and that was reported.
+    """
+
+    def __init__(self, kinematics, servo, sequence, input_timeout_s, time_limit_s):
+        self._kinematics, self._servo, self._sequence = kinematics, servo, sequence
+        self._input_timeout_s, self._input_timeout_ns = input_timeout_s, round(input_timeout_s * 1e9)
+        self._time_limit_ns = self._goal_limit_ns = round(time_limit_s * 1e9)
+        self._fresh_ns, self._fresh_wall_s = 0, 0.0
+        self.active = self.stale = False
+        self._forget()
+
+    def _forget(self):
+        self.last_ns, self.frame, self.view = -1, -1, None
+
+    # --- one image, one answer ----------------------------------------------------------------------------------
+
+    def answer(self, stamp_ns, features, q, now_ns, wall_s):
+        """Answer one image.
+
+        Args:
+            features: of the image.  q: (n,) joint positions of the same stamp [m or rad], None if there is none.
+        Returns:
+            (Command, ServoRecord): always, whatever is wrong; the command of a refused image stops the arm.
+        """
+        refusal = self._refusal(stamp_ns, q, now_ns)
+        if refusal:
+            if self.active:
+                return self._hold(stamp_ns, refusal)
+            return Command(stamp_ns), ServoRecord(stamp_ns, Status.IDLE, f"refused: {refusal}")
+        self.last_ns, self.view, self.stale = stamp_ns, (features, q), False
+        self.frame += 1
+        self._fresh_ns, self._fresh_wall_s = stamp_ns, wall_s
+        return self._sequence.step(Observation(stamp_ns, features, q, self.frame))
+
+    def _refusal(self, stamp_ns, q, now_ns):
+        if stamp_ns <= self.last_ns:
+            return f"features of {stamp_ns * 1e-9:.3f} s came after those of {self.last_ns * 1e-9:.3f} s"
+        if q is None:
+            return f"no joint state has the stamp of the image, {stamp_ns * 1e-9:.6f} s"
+        if now_ns - stamp_ns > self._input_timeout_ns:
+            return f"features are {(now_ns - stamp_ns) * 1e-9:.3f} s old, allowed {self._input_timeout_s:g} s"
+        return ""
+
+    def _hold(self, stamp_ns, reason):
+        """Zero velocity, STALE_INPUT; goes on with the next good image."""
+        _, record = self._servo.stale(stamp_ns, reason)
+        record.status, record.status_text, record.phase = Status.STALE_INPUT, reason, self._sequence.phase
+        return self.standstill(stamp_ns), record
+
+    def standstill(self, stamp_ns):
+        """Command of zero velocity for every joint: set-points hold."""
+        return Command(stamp_ns, velocity=dict.fromkeys(self._kinematics.joint_names, 0.0))
+
+    # --- goals --------------------------------------------------------------------------------------------------
+
+    def begin(self, reference, law, gains_per_s, thresholds, time_limit_s, now_ns, wall_s):
+        """Begin a goal with the next image.
+
+        Args:
+            reference: "taught" or "experiment"; the others as in VisualServo.action.
+        Raises:
+            ParameterError: listing every fault of the goal; nothing is active then.
+        """
+        self.active = False
+        faults = []
+        if reference not in ("taught", "experiment"):
+            faults.append(f"reference: found '{reference}', allowed taught | experiment")
+        if reference == "taught" and self._servo.reference is None:
+            faults.append("reference: nothing was taught yet")
+        try:
+            self._servo.configure(law, gains_per_s, thresholds, time_limit_s)
+        except ArasError as error:
+            faults.extend(getattr(error, "faults", [str(error)]))
+        if faults:
+            raise ParameterError(faults)
+        self._sequence.start(servo_only=reference == "taught")
+        self._goal_limit_ns = round(time_limit_s * 1e9) or self._time_limit_ns
+        self._fresh_ns, self._fresh_wall_s = now_ns, wall_s
+        self.active, self.stale = True, False
+
+    def end(self, now_ns, reason, status=Status.STOPPED):
+        """End the goal now, between two images.
+
+        Returns:
+            (Command, ServoRecord), the command stops the arm; without a goal a standstill and None.
+        """
+        if not self.active:
+            return self.standstill(now_ns), None
+        try:
+            command, record = self._sequence.stop(now_ns, reason)
+        except Exception as error:  # the arm must stop, whatever is broken
+            command, reason = self.standstill(now_ns), f"{reason} ({error})"
+            record = ServoRecord(now_ns, status, phase="done")
+        record.status, record.status_text = status, reason
+        self.active = False
+        return command, record
+
+    def restart_time(self):
+        """Time went back: the simulator was reset. Stamps start anew."""
+        self._forget()
+
+    def outcome(self, record):
+        """How the goal ended: (converged, status, reason, e, duration_s), from the record that ended it."""
+        result = self._sequence.result
+        e, duration_s = (record.e, 0.0) if result is None else (result.e, result.duration_s)
+        if result is not None and result.status != Status.STOPPED:
+            return result.converged, result.status, result.reason, e, duration_s
+        return False, record.status, record.status_text, np.asarray(e), duration_s
+
+    # --- watchdog -----------------------------------------------------------------------------------------------
+
+    def watch(self, now_ns, wall_s):
+        """Look for missing input; to be called a few times in input_timeout_s.
+
+        Returns:
+            None if all is well, else (command or None, record). The goal is over when `active` has become False.
+        """
+        if not self.active:
+            return None
+        age_ns = now_ns - self._fresh_ns
+        if age_ns > self._input_timeout_ns:
+            reason = f"no features for {age_ns * 1e-9:.3f} s, allowed {self._input_timeout_s:g} s"
+            if age_ns > self._goal_limit_ns:
+                return self.end(now_ns, reason + "; the time limit is over", Status.TIMED_OUT)
+            self.stale = True
+            return self._hold(now_ns, reason)
+        if self.last_ns >= 0 and wall_s - self._fresh_wall_s > STANDSTILL_S:
+            # The simulator is paused or waits: nothing moves. No command, it would answer an image that was not seen.
+            self._fresh_wall_s, self.stale = wall_s, True
+            text = f"no features for {STANDSTILL_S:g} s of wall time, and ROS time stands still"
+            return None, self._hold(now_ns, text)[1]
+        return None

@@ -1,0 +1,1 @@
+"""Scenarios: loading, checking, and whether a run can be done at all."""

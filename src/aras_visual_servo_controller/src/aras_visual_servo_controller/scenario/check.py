@@ -1,0 +1,100 @@
+"""What a scenario may say: the schema's verdict in our words, and what no schema can say."""
+
+import functools
+import json
+import math
+import re
+
+from ..features.base import expand
+from ..config.files import share_dir
+from ..servo.settings import ServoConfig
+from ..ground.types import FEATURE_NAMES
+
+
+def check(document):
+    """Faults of a scenario document, `path: what, allowed` each, sorted by path; [] if there are none."""
+    faults = []
+    for error in _validator().iter_errors(document):
+        faults.extend(_describe(error))
+    return sorted(set(faults or _feature_faults(document) + _latency_faults(document)))
+
+
+def _feature_faults(document):
+    """Gains and thresholds are one per feature, by name; the camera is told to make what the features are of."""
+    servo = document["servo"]
+    names, faults = expand(servo.get("features", FEATURE_NAMES)), []
+    for section in ("gains_per_s", "thresholds"):
+        given = expand(servo[section])
+        faults += [f"servo.{section}.{name}: missing" for name in names if name not in given]
+        faults += [f"servo.{section}.{key}: unknown key, known are {', '.join(names)}"
+                   for key in given if key not in names]
+    if "photometric" in names and "photometric" not in document["vision"]:
+        faults.append("vision.photometric: missing, the feature 'photometric' is made there; {} for its defaults")
+    return faults
+
+
+def _latency_faults(document):
+    """An image must be answered before it is stale, and so must the next one: one frame and its rounding later."""
+    sim, faults = document["sim"], []
+    timeout_s = document["servo"].get("input_timeout_s", ServoConfig.input_timeout_s)
+    period_s = sim.get("period_s", 0.001)
+    for i, camera in enumerate(sim.get("cameras", [])):
+        latency_s, frame_s = camera.get("latency_s", 0.0), 1.0 / camera.get("rate_hz", 30.0)
+        longest_s = timeout_s - frame_s - 2.0 * period_s
+        if latency_s > max(0.0, longest_s):
+            faults.append(f"sim.cameras[{i}].latency_s: found {latency_s:g}, allowed <= servo.input_timeout_s - "
+                          f"1 / rate_hz - 2 sim.period_s = {longest_s:.4g}")
+    return faults
+
+
+@functools.lru_cache(maxsize=None)
+def _validator():
+    import jsonschema
+    with open(share_dir() / "config" / "scenario.schema.json", encoding="utf-8") as stream:
+        schema = json.load(stream)
+    jsonschema.Draft7Validator.check_schema(schema)
+    # YAML knows .nan and .inf, JSON does not: a number is a finite one.
+    is_number = jsonschema.Draft7Validator.TYPE_CHECKER.is_type
+    checker = jsonschema.Draft7Validator.TYPE_CHECKER.redefine(
+        "number", lambda _, value: is_number(value, "number") and math.isfinite(value))
+    return jsonschema.validators.extend(jsonschema.Draft7Validator, type_checker=checker)(schema)
+
+
+def _describe(error):
+    """Lines for one jsonschema error, in our words."""
+    where = _dotted(error.absolute_path)
+    if error.validator == "additionalProperties":
+        known = sorted(error.schema.get("properties", {}))
+        unknown = sorted(set(error.instance) - set(known))
+        return [f"{_dotted(list(error.absolute_path) + [key])}: unknown key, known are {', '.join(known)}"
+                for key in unknown]
+    if error.validator == "required":
+        missing = [key for key in error.validator_value if key not in error.instance]
+        return [f"{_dotted(list(error.absolute_path) + [key])}: missing" for key in missing]
+    allowed = {
+        "type": lambda v: "a finite number" if v == "number" else v,
+        "enum": lambda v: " | ".join(map(str, v)),
+        "minimum": lambda v: f">= {v}", "maximum": lambda v: f"<= {v}",
+        "exclusiveMinimum": lambda v: f"> {v}", "exclusiveMaximum": lambda v: f"< {v}",
+        "minItems": lambda v: f"at least {v} entries", "maxItems": lambda v: f"at most {v} entries",
+        "minProperties": lambda v: f"at least {v} key(s)", "pattern": lambda v: f"text like {v}",
+    }.get(error.validator, lambda v: f"{error.validator} {v}")(error.validator_value)
+    return [f"{where}: found {_short(error.instance)}, allowed {allowed}{_number_hint(error.instance)}"]
+
+
+def _number_hint(value):
+    """YAML 1.1 takes 5e-5 for text: say how to write it."""
+    if isinstance(value, str) and re.fullmatch(r"[+-]?\d+[eE][+-]?\d+", value):
+        mantissa, exponent = re.split("[eE]", value)
+        return f"; to YAML this is text, write {mantissa}.0e{int(exponent):+d}"
+    return ""
+
+
+def _dotted(path):
+    text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
+    return text.lstrip(".") or "scenario"
+
+
+def _short(value):
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -1,0 +1,90 @@
+"""Can this run be done at all? Asked before anything moves, by kinematics and the target's outline. No ROS.
+
+Refused, with the reason by name: a goal or start outside joint limits; a target that the image does not show whole at
+the goal or at the start; a wrist that would have to pass its limits, because the shorter turn home leads beyond them.
+"""
+
+from math import pi
+
+import numpy as np
+
+from ..ground.errors import ParameterError
+from ..arm.kinematics import Kinematics
+from ..target.outline import Outline
+from ..arm.reach import outside_limits
+
+#: The target is refused as not in view when it is cut by more than this: within, the image decides [px].
+CUT_PX = 1.0
+#: The last joint turns the camera about its optical axis when the two are this nearly one (cosine, distance).
+ALIGNED, ON_AXIS_M = 0.999, 1e-6
+#: The last joint alone turns the camera home when the others add less than this part of a full turn.
+OTHERS_TURN = 0.02
+
+
+def check_feasible(scenario):
+    """Raises ParameterError, naming the reason, if the scenario's experiment cannot be done as it stands."""
+    kinematics = Kinematics(scenario.urdf_xml(), scenario.robot["base_link"], scenario.robot["tip_link"])
+    stay = {**dict.fromkeys(kinematics.joint_names, 0.0), **scenario.sim.get("initial_positions", {})}
+    stay.update(scenario.experiment["goal"]["joints"])
+    places = [kinematics.vector({**stay, **scenario.experiment[place]["joints"]}) for place in ("goal", "start")]
+    refusal = Feasibility(scenario, kinematics).refusal(*places)
+    if refusal:
+        raise ParameterError(f"scenario '{scenario.name}' refused, nothing has moved: {refusal}")
+
+
+class Feasibility:
+    """What can be said of goals and starts of one scenario.
+
+    Attributes:
+        outline: `Outline`, None where the target's place in the image cannot be told beforehand.
+    """
+
+    def __init__(self, scenario, kinematics, look=True):
+        """Args: scenario: `Scenario`. kinematics: `Kinematics` of its robot. look: ask too what the image will show."""
+        self._kinematics, self._look = kinematics, look
+        self.outline = Outline.of(scenario)
+
+    def refusal(self, goal, start):
+        """Why a run cannot be done, "REASON: detail", "" if nothing speaks against it.
+
+        Args: goal, start: (n,) joint positions.
+        """
+        by_name = self._kinematics.by_name
+        for place, joints in (("goal ", goal), ("", start)):
+            fault = outside_limits(self._kinematics, by_name(np.asarray(joints, dtype=float)))
+            if fault:
+                return place + fault
+        for place, joints in (("at the goal", goal), ("at the start", start)):
+            if self._look and self.outline is not None:
+                border_px = self.outline.border_px(self._kinematics.pose(joints))
+                if border_px < -CUT_PX:
+                    behind = border_px == -np.inf
+                    how = "behind the camera" if behind else f"beyond the image border by {-border_px:.0f} px"
+                    return f"target not in view {place}: {how}"
+        return self._wound_up(np.asarray(goal, dtype=float), np.asarray(start, dtype=float))
+
+    def _wound_up(self, goal, start):
+        """The servo turns the camera home the shorter way round; a limited last joint may not have that way."""
+        last, sign = self._wrist()
+        if last is None:
+            return ""
+        name = self._kinematics.joint_names[last]
+        lower, upper = self._kinematics.lower[last], self._kinematics.upper[last]
+        X = np.linalg.solve(self._kinematics.pose(start), self._kinematics.pose(goal))
+        turn = float(np.arctan2(X[1, 0] - X[0, 1], X[0, 0] + X[1, 1])) * sign
+        turns_more = (goal[last] - start[last] - turn) / (2.0 * pi)
+        if abs(turns_more - round(turns_more)) > OTHERS_TURN:
+            return ""  # other joints turn the camera too, and may take over
+        end = goal[last] - 2.0 * pi * round(turns_more)
+        if lower <= end <= upper:
+            return ""
+        return (f"goal posture outside joint limits after the shorter turn: {name} would end at {end:.4g}, not in "
+                f"[{lower:.4g}, {upper:.4g}]")
+
+    def _wrist(self):
+        """(index of the joint that turns the camera about its own axis, its sign), (None, 0) if there is none."""
+        J = self._kinematics.jacobian(np.linspace(0.2, 0.5, len(self._kinematics.joint_names)))  # nothing in line
+        for i in range(J.shape[1]):
+            if abs(J[5, i]) > ALIGNED and float(np.abs(J[:3, i]).max()) < ON_AXIS_M:
+                return i, float(np.sign(J[5, i]))
+        return None, 0.0

@@ -1,0 +1,1 @@
+"""The servo: one observation in, one command out, with everything that decides in between."""

@@ -1,0 +1,324 @@
+"""The servo: one observation in, one joint command and one record out. No ROS, no wall time, no random numbers.
+
+    servo = Servo(kinematics, scenario["servo"])
+    servo.teach(features, q)                     # this view is the goal (features normalised by its own reference)
+    servo.start(stamp_ns)                        # or start(stamp_ns, set_point=q_last_commanded)
+    command, record = servo.step(Observation(stamp_ns, features, q), dt_s)
+    ... until servo.finished
+
+The four default features say nothing about tilt, and 0.006 degrees of it look like 0.05 mm at 0.5 m. So the optical
+axis is held at its taught direction from the measured joint positions: w_xy turns it there at tilt_gain_per_s. Features
+that see tilt (`FeatureSet.sees_tilt`) turn it themselves.
+
+Nothing moves on data that is missing, not valid, late or not finite: zero velocity, and a status that says why.
+"""
+
+from math import expm1, inf, isfinite, nan
+from typing import Mapping, Optional, Tuple
+
+import numpy as np
+
+from ..arm.motion import ArmMotion
+from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError
+from .feed_forward import TargetMotion
+from ..features.base import FeatureSet, View
+from ..features.interaction import plane_from_pose
+from ..laws.base import make_law
+from .look_then_move import LookThenMove
+from .lost_target import LostTarget
+from .settings import ServoConfig
+from ..ground.types import Command, Features, Observation, Reference, ServoRecord, Status
+from .visibility import keep_in_view
+
+_FINAL = (Status.CONVERGED, Status.TIMED_OUT, Status.STOPPED, Status.FAULT)
+_MOVING_STATUSES = (Status.SERVOING, Status.JOINT_LIMIT, Status.NEAR_SINGULARITY)
+
+
+class Servo:
+    """Drives the camera to the taught view.
+
+    Attributes:
+        config: `ServoConfig` in use.  reference: `Reference` or None.  status: `Status` of the last step.
+        finished: only start() moves again (CONVERGED, TIMED_OUT, STOPPED or FAULT).
+    """
+
+    def __init__(self, kinematics, config: Mapping):
+        """Args: kinematics: `Kinematics`. config: the scenario's section `servo` (dict). Raises ParameterError."""
+        names = kinematics.joint_names
+        self._kinematics = kinematics
+        self._scenario_config = self.config = ServoConfig.from_dict(config, names)
+        self._features = FeatureSet(self.config.features)
+        self._arm = ArmMotion(kinematics, self.config, self._features.sees_tilt)
+        self._look = LookThenMove(kinematics, self._arm, self.config)
+        self._lost = LostTarget(kinematics, self._arm, self.config.lost_target)
+        forward = self.config.feed_forward
+        self._target_motion = None if forward is None else TargetMotion(forward, self._features)
+        self._law = self._make_law()
+        self._no_velocity = dict.fromkeys(names, 0.0)
+        self._zeros, self._nans = np.zeros(len(names)), np.full(len(names), nan)
+        self._s_star, self._X_CgB = np.full(len(self._features), nan), None
+        self.reference: Optional[Reference] = None
+        self.status = Status.IDLE
+        self._clear(0, None)
+
+    @property
+    def finished(self) -> bool:
+        """True when only start() moves again."""
+        return self.status in _FINAL
+
+    @property
+    def feature_names(self) -> Tuple[str, ...]:
+        """Names of s, s_star and e."""
+        return self._features.names
+
+    @property
+    def source(self) -> str:
+        """What of the camera it wants: `moments` (MomentFeatures) or `photometric` (PhotometricFeatures)."""
+        return self._features.source
+
+    def split(self, q, q_dot):
+        """((n,), (n,)): what of the joint velocities q_dot at q moves the camera, and what is null-space motion."""
+        return self._arm.split(q, q_dot)
+
+    def _make_law(self):
+        return make_law(self.config.law, self.config.gains_per_s, self.config.law_setup)
+
+    def configure(self, law="", gains_per_s=(), thresholds=(), time_limit_s=0.0) -> None:
+        """Override the scenario's values from the next start on; empty or 0 takes the scenario's. ParameterError."""
+        self.config = self._scenario_config.with_overrides(law, gains_per_s, thresholds, time_limit_s)
+
+    def teach(self, features, q) -> Reference:
+        """This view, seen at joint positions q, is the goal. ParameterError when the features are not fit for it."""
+        fit = features is not None and features.target_visible and features.valid and features.has_reference
+        try:
+            s_star = np.array(self._features.values(View(features)) if fit else [nan])
+        except DegenerateFeature as error:
+            raise ParameterError(f"teach: {error}") from error
+        q = self._kinematics.vector(q)
+        if not (np.isfinite(s_star).all() and np.isfinite(q).all()):
+            raise ParameterError("teach: the view has no valid, normalised features of the target")
+        view = plane = None
+        if hasattr(features, "moment_names"):
+            view, t = Features.from_object(features), features.z_star_m * np.array([features.xg, features.yg, 1.0])
+            plane = plane_from_pose(self.config.target_normal_C, t)
+        axis_B = self._kinematics.pose(q)[:3, 2].copy()
+        self.set_reference(Reference(s_star, axis_B, self._kinematics.by_name(q), view, plane))
+        return self.reference
+
+    def set_reference(self, reference: Reference) -> None:
+        """Use a reference taught before."""
+        self._law.reset(reference)
+        self._s_star = np.array(reference.s_star, dtype=float)
+        if self._target_motion is not None:
+            self._target_motion.set_reference(reference)
+        self._arm.set_reference(reference)
+        posture = self._arm.posture
+        self._X_CgB = None if posture is None else np.linalg.inv(self._kinematics.pose(posture))
+        self.reference = reference
+
+    def start(self, stamp_ns: int, set_point=None) -> None:
+        """Begin servoing.
+
+        Args: stamp_ns: start of the time limit. set_point: joint set-points last commanded, by name or as an array
+        (look_then_move moves them; default: the positions measured at the first step).
+        Raises: ParameterError without a reference.
+        """
+        if self.reference is None:
+            raise ParameterError("servo: no reference, teach one first")
+        self._law = self._make_law()
+        self._law.reset(self.reference)
+        self._clear(stamp_ns, None if set_point is None else self._kinematics.vector(set_point))
+        self.status = Status.SERVOING
+
+    def stop(self, stamp_ns: int, reason: str = "stopped") -> Tuple[Command, ServoRecord]:
+        """End servoing: zero velocity, STOPPED."""
+        return self._rest(stamp_ns, Status.STOPPED, reason)
+
+    def stale(self, stamp_ns: int, reason: str) -> Tuple[Command, ServoRecord]:
+        """Watchdog: input is late. Zero velocity, STALE_INPUT; servoing goes on with the next step."""
+        if self.status == Status.IDLE or self.finished:
+            return self._rest(stamp_ns, self.status, self._text)
+        return self._rest(stamp_ns, Status.STALE_INPUT, reason)
+
+    def step(self, observation: Observation, dt_s: float) -> Tuple[Command, ServoRecord]:
+        """Answer to one image.
+
+        Args: observation: at this image. dt_s: time to the next image, through which the command holds [s].
+        """
+        stamp_ns, features = observation.stamp_ns, observation.features
+        if self.status == Status.IDLE:
+            return Command(stamp_ns), self._record(stamp_ns, "not started", self._zeros, self._nans)
+        if self.finished:
+            return self._rest(stamp_ns, self.status, self._text)
+        q, self._q = self._kinematics.vector(observation.q), self._nans
+        if q.shape != self._zeros.shape or not isfinite(float(q.sum())):
+            return self._rest(stamp_ns, Status.FAULT, f"joint positions {q} are not {len(self._zeros)} finite numbers")
+        self._q = q
+        gap_s = nan if self._last_ns is None else 1e-9 * (stamp_ns - self._last_ns)
+        if gap_s <= 0.0 or not 0.0 < dt_s < inf:
+            return self._rest(stamp_ns, Status.STALE_INPUT, f"stamp advanced by {gap_s} s, period {dt_s} s")
+        self._last_ns = stamp_ns
+        if stamp_ns - self._start_ns >= 1e9 * self.config.time_limit_s:
+            if self.config.track and self._below_ns is not None:
+                return self._rest(stamp_ns, Status.CONVERGED, "followed to the end, every |e| below its threshold")
+            return self._rest(stamp_ns, Status.TIMED_OUT, f"not converged after {self.config.time_limit_s} s")
+        if gap_s > self.config.input_timeout_s or features is None:
+            text = "no image" if features is None else f"no image for {gap_s:.3f} s"
+            return self._rest(stamp_ns, Status.STALE_INPUT, text)
+        if self._look.under_way and self._look.goes_on(stamp_ns, q, gap_s):
+            return self._follow(stamp_ns, dt_s)
+        if not (features.target_visible and features.valid):
+            text = _why_lost(features)
+            return self._without_target(stamp_ns, q, dt_s, text)
+        if not self._lost.found(stamp_ns):
+            return self._without_target(stamp_ns, q, dt_s, "", visible=True)
+        return self._servo(stamp_ns, features, q, dt_s)
+
+    def _servo(self, stamp_ns, features, q, dt_s):
+        """One look at valid features."""
+        look, law = self.config.mode == "look_then_move", self._law
+        try:
+            if law.needs_pose:
+                law.X_CgC = self._displacement(q)
+            if law.needs_plane:
+                twist = law.step(features, 0.0 if look else dt_s, self._plane(q))
+            else:
+                twist = law.step(features, 0.0 if look else dt_s)
+        except NotFiniteError as error:
+            return self._rest(stamp_ns, Status.FAULT, f"not finite: {error}")
+        except DegenerateFeature as error:
+            return self._without_target(stamp_ns, q, dt_s, str(error))
+        except Exception as error:  # a law or feature of somebody else: the arm must stand still, whatever it raises
+            return self._rest(stamp_ns, Status.FAULT, f"law '{law.name}': {type(error).__name__}: {error}")
+        if np.shape(twist) != (6,) or not isfinite(float(twist.sum())):
+            return self._rest(stamp_ns, Status.FAULT, f"law '{law.name}' gave a twist that is not six finite numbers")
+        self._lost.servoed(q, features)
+        if self._lost.recoveries:
+            twist = twist * self._lost.factor
+        self._s, self._e = law.s, law.e
+        self._cond_l = law.current_condition()
+        below = law.settled and all([abs(error) < most for error, most in zip(self._e, self.config.thresholds)])
+        if not below:
+            self._below_ns = None
+        elif self._below_ns is None:
+            self._below_ns = stamp_ns
+        if below and not self.config.track and stamp_ns - self._below_ns >= 1e9 * self.config.hold_s:
+            return self._rest(stamp_ns, Status.CONVERGED, "every |e| below its threshold")
+        self.status, self._text = Status.SERVOING, "servoing"
+        if self._target_motion is not None:
+            twist = twist + self._target_motion.twist(stamp_ns, self._kinematics.pose(q), self._s, self._e)
+        gain, target_C = self.config.tilt_gain_per_s, None
+        if gain > 0.0 and not self._features.sees_tilt:
+            target_C = features.xn, features.yn, features.an
+        if look:
+            return self._rest_until_held(stamp_ns) if below else self._plan(stamp_ns, q, twist, target_C, dt_s)
+        jacobian, inverse = self._arm.at(q)
+        self._manipulability = inverse.manipulability
+        if target_C is not None:
+            twist += self._arm.tilt(q, inverse, -expm1(-gain * dt_s) / dt_s, target_C)
+        if self.config.visibility is not None:
+            twist, bent = keep_in_view(self.config.visibility, features, twist)
+            self._text = "servoing, kept in view" if bent else self._text
+        q_dot, self._twist, status, text = self._arm.joint_velocity(q, twist, jacobian, inverse, dt_s)
+        if status is not None:
+            self.status, self._text = status, text
+        law.applied = self._twist
+        velocity = self._kinematics.by_name(q_dot)
+        return Command(stamp_ns, {}, velocity), self._record(stamp_ns, self._text, q_dot, self._nans)
+
+    def _plane(self, q):
+        """(A, B, C) of the target, at rest, in the camera frame at q: the taught one, moved by the kinematics (T21)."""
+        if self.reference.plane_C is None:
+            raise ParameterError("the reference holds no plane: teach it again")
+        X_CgC = self._displacement(q)
+        return (self.reference.plane_C @ X_CgC[:3, :3]) / (1.0 - self.reference.plane_C @ X_CgC[:3, 3])
+
+    def _displacement(self, q):
+        """X_CgC, (4, 4): pose of the camera at q in that of the goal, by the kinematics."""
+        if self._X_CgB is None:
+            raise ParameterError("the reference holds no posture: teach it again")
+        return self._X_CgB @ self._kinematics.pose(q)
+
+    def _without_target(self, stamp_ns, q, dt_s, text, visible=False):
+        """TARGET_LOST: the arm holds still, or does what `on_lost` says until the target is found again."""
+        self._law.applied = None
+        recovery = self._lost.step(stamp_ns, q, dt_s, visible)
+        if recovery is None:
+            return self._rest(stamp_ns, Status.TARGET_LOST, text)
+        if recovery.gave_up:
+            return self._rest(stamp_ns, Status.STOPPED, recovery.text)
+        command, record = self._rest(stamp_ns, Status.TARGET_LOST, recovery.text)
+        self._look.shift(recovery.q_dot * dt_s)
+        command.velocity = self._kinematics.by_name(recovery.q_dot)
+        record.q_dot, record.twist = recovery.q_dot, recovery.twist
+        return command, record
+
+    # --- look then move -----------------------------------------------------------------------------------------
+
+    def _plan(self, stamp_ns, q, twist, target_C, dt_s):
+        """Begin the move that one look asks for."""
+        self._twist, self._manipulability, joint = self._look.plan(stamp_ns, q, twist, target_C)
+        if joint is not None:
+            self.status, self._text = Status.JOINT_LIMIT, f"joint '{joint}' at its limit"
+        return self._follow(stamp_ns, dt_s)
+
+    def _follow(self, stamp_ns, dt_s):
+        """Command of the move under way."""
+        set_point, q_dot = self._look.follow(stamp_ns, dt_s)
+        by_name = self._kinematics.by_name
+        if self.status not in _MOVING_STATUSES:
+            self.status, self._text = Status.SERVOING, "moving"
+        record = self._record(stamp_ns, self._text, q_dot, set_point)
+        return Command(stamp_ns, by_name(set_point), by_name(q_dot)), record
+
+    def _rest_until_held(self, stamp_ns):
+        self._twist = np.zeros(6)
+        record = self._record(stamp_ns, "holding", self._zeros, self._nans)
+        return Command(stamp_ns, {}, dict(self._no_velocity)), record
+
+    # --- common -------------------------------------------------------------------------------------------------
+
+    def _clear(self, stamp_ns, set_point):
+        self._text = ""
+        self._start_ns, self._last_ns, self._below_ns = stamp_ns, None, None
+        self._look.clear(set_point)
+        self._lost.clear()
+        if self._target_motion is not None:
+            self._target_motion.clear()
+        self._arm.rest()
+        self._forget()
+        self._q = self._nans
+
+    def _forget(self):
+        self._s = self._e = (nan,) * len(self._features)
+        self._twist, self._manipulability, self._cond_l = np.zeros(6), nan, nan
+
+    def _rest(self, stamp_ns, status, text):
+        """Zero velocity. The record of CONVERGED keeps s and e; every other one has nothing to show."""
+        if status not in _FINAL:
+            self._below_ns = None
+            self._forget()
+        self._twist, self._law.applied = np.zeros(6), None
+        self._arm.rest()
+        self.status, self._text = status, text
+        if not self._look.under_way:
+            return Command(stamp_ns, {}, dict(self._no_velocity)), self._record(stamp_ns, text, self._zeros, self._nans)
+        set_point = self._look.break_off(stamp_ns)
+        record = self._record(stamp_ns, text, self._zeros, set_point)
+        return Command(stamp_ns, self._kinematics.by_name(set_point), dict(self._no_velocity)), record
+
+    def _record(self, stamp_ns, text, q_dot, set_point):
+        return ServoRecord(
+            stamp_ns, self.status, text, "servo", self.status == Status.CONVERGED, self._features.names,
+            np.array(self._s), self._s_star, np.array(self._e), self._twist, self._kinematics.joint_names, self._q,
+            q_dot, set_point, self._manipulability, self._cond_l,
+        )  # fmt: skip
+
+
+def _why_lost(features):
+    """What is wrong with features that are not fit to servo on."""
+    if getattr(features, "fault", ""):
+        return features.fault
+    if getattr(features, "ambiguous", False):
+        return "several objects in view, and it is not clear which is the target"
+    return "target cut by the border or not orientable" if features.target_visible else "target not in view"

@@ -1,0 +1,75 @@
+"""The object is kept in view: a barrier that bends the way of the camera where the object comes too near to the border.
+
+The edges of the object in the image are its centroid +- `extent` standard deviations along x and along y. Each has some
+room h to the border of the view, the margin taken off, and may use up at most rate_per_s of it a second: L_edge V <=
+rate h (T43). Where the twist of the law asks for more, the camera moves along with the object sideways, by as much as
+is needed. The law loses some of its way to the side, and none of its turn and of its height: it does not stall.
+
+References:
+    P. I. Corke and S. A. Hutchinson, IEEE T-RA 17(4), 2001 (repelled by the border of the image).
+    A. D. Ames et al., European Control Conference, 2019 (control barrier functions).
+"""
+
+from typing import NamedTuple, Optional
+
+import numpy as np
+
+from ..features.base import View
+from ..features.interaction import centroid
+
+#: An edge is moved by moving the camera sideways only where that moves it: at least this part of the centroid's motion.
+LEAST_EFFECT = 0.2
+
+
+class VisibilityConfig(NamedTuple):
+    """Keys of the section `servo/visibility`."""
+
+    half_width: float  # of the view, in normalised coordinates: tangent of half the field of view
+    half_height: float
+    margin: float = 0.05  # in normalised coordinates
+    extent: float = 2.0  # edges of the object, in standard deviations from its centroid
+    rate_per_s: float = 3.0
+
+    @classmethod
+    def read(cls, reader) -> Optional["VisibilityConfig"]:
+        """From the `ConfigReader` of the section `servo`; None without it."""
+        section = reader.section("visibility")
+        if not section.keys():
+            return None
+        values = [section.number(key, above=0.0) for key in ("half_width", "half_height")]
+        values.append(section.number("margin", cls._field_defaults["margin"], at_least=0.0))
+        values += [section.number(key, cls._field_defaults[key], above=0.0) for key in ("extent", "rate_per_s")]
+        section.close()
+        return cls(*values)
+
+
+def keep_in_view(config, features, twist):
+    """(twist, bent): V_C, (6,), with the sideways motion that keeps the object in view, and whether it has any.
+
+    Args: config: `VisibilityConfig`. features: valid `MomentFeatures` with centred moments of order 3. twist: (6,).
+    The target is taken as parallel to the image, an away.
+    """
+    view = View(features, np.array([0.0, 0.0, 1.0 / features.an]))
+    area, L_g, L_area = features.area, centroid(view.m, view.plane), view.L_area()
+    result, bent = twist, False
+    sides = (config.half_width, config.half_height)
+    for axis, (half, at, name) in enumerate(zip(sides, (features.xg, features.yg), ("20", "02"))):
+        n = view.mu[name] / area
+        if not n > 0.0:
+            continue
+        spread = config.extent * n**0.5
+        L_n = (view.L_mu(int(name[0]), int(name[1])) - n * L_area) / area
+        L_spread = L_n * (0.5 * config.extent / n**0.5)
+        rooms = [half - config.margin - (side * at + spread) for side in (1.0, -1.0)]
+        excess = [float((side * L_g[axis] + L_spread) @ result) - config.rate_per_s * room
+                  for side, room in zip((1.0, -1.0), rooms)]
+        if max(excess) <= 0.0 or min(rooms) < 0.0 > max(rooms):  # nothing to do, or an object larger than the view
+            continue
+        side = 0 if excess[0] >= excess[1] else 1
+        effect = float(((1.0, -1.0)[side] * L_g[axis] + L_spread)[axis])
+        if abs(effect) < LEAST_EFFECT / features.an:
+            continue
+        if not bent:
+            result, bent = np.array(twist), True
+        result[axis] -= excess[side] / effect
+    return result, bent

@@ -1,0 +1,1 @@
+"""Many runs: where they start, running them on every core, storing, judging and showing them."""

@@ -1,0 +1,191 @@
+"""Runs what a sweep has pending: in this process, on the cores of this machine, or on a Dask scheduler's workers.
+
+Every run is a pure function of its start, so it matters to no row where it ran, in what order, or how often.
+"""
+
+import contextlib
+import os
+import signal
+import sys
+import tempfile
+import time
+from concurrent.futures import CancelledError
+from multiprocessing import resource_tracker
+
+from ..ground.errors import ArasError
+from .judge import COLUMNS
+from .worker import plain, run_chunk
+
+#: Runs handed out at once: about half a second of work.
+CHUNK = 8
+#: A run whose worker died this often is a row that says so.
+DEATHS = 3
+CONNECT_S = 10.0
+
+
+class EngineError(ArasError):
+    """No worker can do the runs."""
+
+
+class Progress:
+    """A line on stderr: runs done, rate, time left. On a terminal it is rewritten, else a new one every `every_s`."""
+
+    def __init__(self, total, done=0, stream=None, every_s=10.0, clock=time.monotonic):
+        self.total, self.already = total, done
+        self.done = done
+        self._stream, self._clock = stream or sys.stderr, clock
+        self._terminal = self._stream.isatty()
+        self._every_s = 0.2 if self._terminal else every_s
+        self._counts = {}
+        self._began_s = self._shown_s = clock()
+
+    def add(self, rows):
+        """Count runs that are done."""
+        self.done += len(rows)
+        for row in rows:
+            self._counts[row["outcome"]] = self._counts.get(row["outcome"], 0) + 1
+        if self._clock() - self._shown_s >= self._every_s or self.done == self.total:
+            self._shown_s = self._clock()
+            print(("\r" if self._terminal else "") + self.line(), end="" if self._terminal else "\n",
+                  file=self._stream, flush=True)
+
+    def line(self):
+        """The line as text."""
+        elapsed_s = self._clock() - self._began_s
+        rate = (self.done - self.already) / elapsed_s if elapsed_s > 0.0 else 0.0
+        left = f"{_duration((self.total - self.done) / rate)} left" if rate > 0.0 else "time left unknown"
+        counts = ", ".join(f"{count} {name}" for name, count in self._counts.items())
+        return f"{self.done}/{self.total} runs  {rate:.1f} runs/s  {left}  {counts}"
+
+    def end(self):
+        """Leave the line."""
+        if self._terminal:
+            print(file=self._stream, flush=True)
+
+
+def run_pending(store, setup, workers=None, scheduler=None, progress=None):
+    """Do every run that is pending and save it.
+
+    Args:
+        store: `SweepStore`, open for writing.  setup: of `sweep_worker.make_setup`.
+        workers: processes on this machine; None: one a core; 0: this process, without Dask.
+        scheduler: address of a Dask scheduler, "tcp://host:8786", instead of local workers.
+    Raises:
+        EngineError: no scheduler or no worker.  ParameterError: workers refuse the sweep.  KeyboardInterrupt: what was
+        done is saved.
+    """
+    pending = store.pending()
+    if not pending:
+        return
+    progress = progress or Progress(len(store.starts()), len(store.starts()) - len(pending))
+    by_id = {start.id: start for start in pending}
+
+    def save(results):
+        store.add(results, by_id)
+        progress.add([row for row, _ in results])
+
+    try:
+        if workers == 0 and scheduler is None:
+            for start in pending:
+                save(run_chunk(setup, [plain(start)]))
+        else:
+            _with_dask(setup, pending, workers, scheduler, save)
+    finally:
+        progress.end()
+
+
+def _with_dask(setup, pending, workers, scheduler, save):
+    # BLAS threads of several workers on the same cores only wait for each other; set before anything is spawned.
+    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
+    import dask  # these take a second to import
+    from distributed import Client, LocalCluster
+    with tempfile.TemporaryDirectory(prefix="aras-sweep-") as folder, dask.config.set({
+            "distributed.scheduler.allowed-failures": DEATHS - 1, "temporary-directory": folder,
+            "distributed.comm.timeouts.connect": f"{CONNECT_S:g}s", "distributed.worker.profile.enabled": False}):
+        if scheduler:
+            with _client(Client, scheduler) as client:
+                if not client.scheduler_info()["workers"]:
+                    raise EngineError(f"scheduler {scheduler}: it has no workers; start some: dask-worker {scheduler}")
+                _collect(client, setup, pending, save)
+            return
+        count = min(workers or os.cpu_count() or 1, len(pending))
+        with _interrupts_held():
+            cluster = LocalCluster(n_workers=count, threads_per_worker=1, processes=True, host="127.0.0.1",
+                                   dashboard_address=None, memory_limit=0, silence_logs=50, local_directory=folder)
+        try:
+            with Client(cluster) as client:
+                _collect(client, setup, pending, save)
+        finally:
+            cluster.close(timeout=5)
+
+
+@contextlib.contextmanager
+def _interrupts_held():
+    """Processes spawned inside, or later by threads started inside, never see Ctrl-C: this process ends them.
+
+    A terminal sends it to all of them, and each worker would print a traceback. The mask is inherited by threads and
+    processes; starting the resource tracker lifts it, so that comes first.
+    """
+    resource_tracker.ensure_running()
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+
+
+def _client(Client, scheduler):
+    try:
+        return Client(scheduler, timeout=f"{CONNECT_S:g}s")
+    except (OSError, ValueError) as error:  # TimeoutError is an OSError
+        raise EngineError(f"scheduler {scheduler}: cannot be reached: {error}") from error
+
+
+def _collect(client, setup, pending, save):
+    from distributed import as_completed
+    from distributed.scheduler import KilledWorker
+    count = max(1, sum(client.nthreads().values()))
+    size = max(1, min(CHUNK, len(pending) // (4 * count)))
+    chunks = [pending[i:i + size] for i in range(0, len(pending), size)]
+    # The scenario goes to the workers once with each chunk: 5 kB, less than the results.
+    futures = {_submit(client, setup, chunk): chunk for chunk in chunks}
+    suspects = []
+    for future in as_completed(list(futures)):
+        chunk = futures.pop(future)
+        try:
+            save(_result(future))
+        except KilledWorker:
+            suspects += chunk
+    # Dask suspects all that waited on a worker that died. One at a time, none is blamed for another.
+    for start in suspects:
+        try:
+            save(_result(_submit(client, setup, [start])))
+        except KilledWorker:
+            save([(_killed(start), 0.0)])
+
+
+def _submit(client, setup, chunk):
+    return client.submit(run_chunk, setup, [plain(start) for start in chunk], pure=False)
+
+
+def _result(future):
+    try:
+        return future.result()
+    except (ImportError, AttributeError) as error:
+        raise EngineError(f"a worker cannot run this package: {error}; source the same workspace there") from error
+    except CancelledError as error:
+        raise EngineError("the scheduler dropped the runs: connection lost") from error
+
+
+def _killed(start):
+    row = dict.fromkeys(COLUMNS)
+    row.update(id=start.id, outcome="error", reason="error: worker died", converged=0, success=0, success_strict=0,
+               detail=f"the worker process died {DEATHS} times in this run")
+    return row
+
+
+def _duration(seconds):
+    minutes, seconds = divmod(int(round(seconds)), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours} h {minutes} min" if hours else f"{minutes} min {seconds} s" if minutes else f"{seconds} s"

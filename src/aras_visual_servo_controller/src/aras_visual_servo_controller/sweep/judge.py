@@ -1,0 +1,80 @@
+"""What a run of a sweep came to: one row of results, a pure function of its record."""
+
+import hashlib
+
+import numpy as np
+
+from ..run.judge import judge
+from ..run.measures import MEASURES
+from ..ground.types import FEATURE_NAMES, Status
+
+#: A run has succeeded when this part of the initial distance is left, and less than this angle (the metric of recent
+#: visual-servoing benchmarks) ...
+SUCCESS_PART, SUCCESS_DEG = 0.1, 10.0
+#: ... and strictly so when this is left.
+STRICT_MM, STRICT_DEG = 1.0, 0.3
+#: Status that prevailed in the last part of a run that timed out.
+LAST_PART_S = 1.0
+
+#: Columns of a run's result beside its start, and their type in SQLite.
+COLUMNS = {
+    "id": "INTEGER PRIMARY KEY", "outcome": "TEXT", "reason": "TEXT", "detail": "TEXT", "converged": "INTEGER",
+    "success": "INTEGER", "success_strict": "INTEGER", "duration_s": "REAL", "images": "INTEGER",
+    "distance0_mm": "REAL", "angle0_deg": "REAL", "x0_mm": "REAL", "y0_mm": "REAL", "z0_mm": "REAL",
+    "error_mm": "REAL", "x_mm": "REAL", "y_mm": "REAL", "z_mm": "REAL", "angle_deg": "REAL",
+    **dict.fromkeys(MEASURES, "REAL"), **{f"e_{name}": "REAL" for name in FEATURE_NAMES},
+    "run_hash": "TEXT", "trace_hash": "TEXT",
+}
+
+
+def judge_row(record):
+    """Result of a run as a dict of COLUMNS, without id and MEASURES; a pure function of the record."""
+    judgement = judge(record)
+    error, row = judgement.final_error, dict.fromkeys(COLUMNS)
+    row.update(initial_columns(judgement.initial_error))
+    row.update({key: error[key] for key in ("x_mm", "y_mm", "z_mm", "angle_deg")})
+    row["error_mm"] = _length(error)
+    row["converged"] = int(judgement.converged)
+    near_mm = max(SUCCESS_PART * row["distance0_mm"], STRICT_MM)  # a turn on the spot begins at no distance
+    row["success"] = int(row["error_mm"] < near_mm and row["angle_deg"] < SUCCESS_DEG)
+    row["success_strict"] = int(row["error_mm"] < STRICT_MM and row["angle_deg"] < STRICT_DEG)
+    row.update(outcome="success" if row["success"] else "failure", reason=_reason(record, judgement, row["success"]),
+               detail=judgement.reason, duration_s=judgement.duration_s, images=judgement.images,
+               run_hash=record.run_hash, trace_hash=trace_hash(record))
+    row.update({f"e_{name}": value for name, value in judgement.final_feature_error.items() if f"e_{name}" in COLUMNS})
+    return row
+
+
+def trace_hash(record):
+    """SHA-256 of every number of the trace, hexadecimal: equal for equal runs, bit for bit."""
+    digest = hashlib.sha256(",".join(record.phase).encode())
+    for name in ("stamp_ns", "status", "s", "e", "twist", "q", "X_WC"):
+        digest.update(np.ascontiguousarray(getattr(record, name)).tobytes())
+    return digest.hexdigest()
+
+
+def _reason(record, judgement, success):
+    rows = record.servo_rows
+    status = record.status[rows]
+    last = Status(status[-1])
+    if judgement.converged:
+        return "converged" if success else "converged elsewhere"
+    if last == Status.TARGET_LOST:
+        return "target lost"
+    if last == Status.TIMED_OUT:
+        part = status[:-1][record.t_s[rows[:-1]] >= record.t_s[rows[-1]] - LAST_PART_S]
+        counts = np.bincount(part) if len(part) else np.zeros(1)
+        names = {Status.JOINT_LIMIT: ", at a joint limit", Status.NEAR_SINGULARITY: ", at a singularity",
+                 Status.TARGET_LOST: ", target lost"}
+        return "timed out" + names.get(int(np.argmax(counts)), "")
+    return last.name.lower().replace("_", " ")
+
+
+def initial_columns(error):
+    """Columns of the distance that a run begins at, of a `pose_error`."""
+    return {"distance0_mm": _length(error), "angle0_deg": error["angle_deg"], "x0_mm": error["x_mm"],
+            "y0_mm": error["y_mm"], "z0_mm": error["z_mm"]}
+
+
+def _length(error):
+    return float(np.sqrt(error["x_mm"] ** 2 + error["y_mm"] ** 2 + error["z_mm"] ** 2))

@@ -1,0 +1,214 @@
+"""Which runs a sweep consists of: starts, goals and perturbations, all from one seed; what cannot be run is refused.
+
+Starts and goals depend on method, space, ranges, number and seed only, not on what is perturbed nor on the law: two
+sweeps of the same seed have the same starts, run for run, and can be compared in pairs.
+"""
+
+from dataclasses import dataclass, field
+from math import isfinite
+
+import numpy as np
+
+from ..ground.errors import ParameterError
+from ..scenario.feasibility import Feasibility
+from ..arm.reach import reach
+from .perturb import read_perturbations
+from .space import AXES, DEFAULTS, GOAL_AXES, View, in_ball, pose_of, tilted_goal
+
+METHODS = ("latin_hypercube", "grid", "random")
+SPACES = ("camera", "joint", "ball", "view")
+#: Half-width of the joint ranges about the goal if the scenario does not say [m, rad].
+DEFAULT_JOINT_HALF_WIDTH = 0.2
+DEFAULT_STARTS = 100
+
+
+@dataclass(frozen=True)
+class Start:
+    """One run of a sweep.
+
+    Attributes:
+        id: from 1, in the order of sampling.
+        joints: where the arm starts, by name [m, rad]; None if there is no such place.
+        offset: displacement X_CgC from the goal by axis (rotation vector) [m, rad]; {} in space joint.
+        parameters: perturbation name -> value.
+        refusal: why this start cannot be run, "" if it can be tried.
+        goal: {} for the scenario's; else tilt_rad, about_rad, and of what replaces it joints and target_normal_C.
+    """
+
+    id: int
+    joints: dict
+    offset: dict = field(default_factory=dict)
+    parameters: dict = field(default_factory=dict)
+    refusal: str = ""
+    goal: dict = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class SweepSettings:
+    """Section `sweep` of a scenario with its defaults, checked."""
+
+    starts: int
+    method: str
+    space: str
+    seed: int
+    drive_to_start: bool
+    ranges: dict  # axis or joint name -> (low, high)
+    perturbations: tuple
+    goal: dict = field(default_factory=dict)  # axis -> (low, high); {}: the scenario's goal
+
+    @classmethod
+    def from_scenario(cls, scenario, kinematics, **changes):
+        """Read the section; keyword arguments that are not None replace its keys.
+
+        Raises:
+            ParameterError: every fault, a line each.
+        """
+        section = dict(scenario.sweep)
+        section.update({key: value for key, value in changes.items() if value is not None})
+        faults = []
+        starts, seed = section.get("starts", DEFAULT_STARTS), section.get("seed", 0)
+        for key, value, least in (("starts", starts, 1), ("seed", seed, 0)):
+            if not isinstance(value, int) or isinstance(value, bool) or value < least:
+                faults.append(f"sweep.{key}: found {value}, allowed is a whole number >= {least}")
+        method, space = section.get("method", METHODS[0]), section.get("space", SPACES[0])
+        for key, value, known in (("method", method, METHODS), ("space", space, SPACES)):
+            if value not in known:
+                faults.append(f"sweep.{key}: found {value}, allowed {', '.join(known)}")
+        ranges = {}
+        if space in AXES:
+            # A part of the axes: the others stay at the goal, or, where there is no such place, at their defaults.
+            given = {**({} if space == "camera" else DEFAULTS[space]), **(section.get(space) or DEFAULTS[space])}
+            ranges = _ranges(space, given, AXES[space], faults)
+        elif space == "joint":
+            goal = scenario.experiment["goal"]["joints"]
+            around = {name: (goal[name] - DEFAULT_JOINT_HALF_WIDTH, goal[name] + DEFAULT_JOINT_HALF_WIDTH)
+                      for name in kinematics.joint_names if name in goal}
+            ranges = _ranges("joints", section.get("joints") or around, kinematics.joint_names, faults)
+        goal = _ranges("goal", section.get("goal", {}), GOAL_AXES, faults)
+        perturbations = []
+        try:
+            perturbations = read_perturbations(section.get("perturb", {}), scenario)
+        except ParameterError as error:
+            faults += error.faults
+        if faults:
+            raise ParameterError(faults)
+        return cls(starts, method, space, seed, bool(section.get("drive_to_start", False)), ranges,
+                   tuple(perturbations), goal)
+
+
+def sample(method, count, dimensions, seed):
+    """Points in the unit cube.
+
+    Args:
+        method: one of METHODS. A grid has at most `count` points, the cell centres of the largest grid that fits.
+        count: >= 1.  dimensions: >= 0.  seed: whole number, or a sequence of them.
+    Returns:
+        (n, dimensions), n <= count, each in [0, 1).
+    """
+    rng = np.random.default_rng(seed)
+    if dimensions == 0:
+        return np.zeros((count, 0))
+    if method == "random":
+        return rng.random((count, dimensions))
+    if method == "latin_hypercube":
+        from scipy.stats import qmc  # slow to import
+        return qmc.LatinHypercube(d=dimensions, seed=rng).random(count)
+    shape = _grid_shape(count, dimensions)
+    axes = [(np.arange(n) + 0.5) / n for n in shape]
+    return np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
+
+
+def make_starts(settings, scenario, kinematics):
+    """The runs of a sweep: list of `Start`, a function of its arguments alone. ParameterError: no such space here."""
+    varied = {name: ends for name, ends in settings.ranges.items() if ends[0] < ends[1]}
+    places = sample(settings.method, settings.starts, 6 if settings.space == "ball" else len(varied),
+                    [settings.seed, 1])
+    # A grid over the perturbations too would leave few places: there they are drawn at random.
+    method = "random" if settings.method == "grid" else settings.method
+    values = sample(method, len(places), len(settings.perturbations), [settings.seed, 2])
+    goals = sample(method, len(places), len(settings.goal), [settings.seed, 3])
+    planner = _Planner(settings, scenario, kinematics)
+    starts = []
+    for i, (place, u, g) in enumerate(zip(places, values, goals)):
+        point = {name: ends[0] for name, ends in settings.ranges.items()}
+        point.update({name: _between(ends, t) for (name, ends), t in zip(varied.items(), place)})
+        parameters = {p.name: p.at(float(t)) for p, t in zip(settings.perturbations, u)}
+        wanted = {name: _between(ends, t) for (name, ends), t in zip(settings.goal.items(), g)}
+        joints, offset, goal, refusal = planner.plan(place, point, wanted)
+        starts.append(Start(i + 1, joints, offset, parameters, refusal, goal))
+    return starts
+
+
+class _Planner:
+    """From a sampled place to joints, or to why there are none."""
+
+    def __init__(self, settings, scenario, kinematics):
+        self._settings, self._scenario, self._kinematics = settings, scenario, kinematics
+        self._goal = kinematics.vector({**dict.fromkeys(kinematics.joint_names, 0.0),
+                                        **scenario.sim.get("initial_positions", {}),
+                                        **scenario.experiment["goal"]["joints"]})
+        self._X_WCg = kinematics.pose(self._goal)
+        # What a perturbation makes of target and camera is known in the run only.
+        known = not any(p.name.startswith(("target", "sim.")) for p in settings.perturbations)
+        self._feasibility = Feasibility(scenario, kinematics, look=known)
+        self._view = View(scenario, self._X_WCg) if settings.space == "view" else None
+        if settings.goal and self._feasibility.outline is None:
+            raise ParameterError("sweep.goal: needs a flat target of known outline and a camera without fisheye lens")
+
+    def plan(self, place, point, wanted):
+        """(joints, offset, goal, refusal) of one run."""
+        goal, q_goal, refusal = {}, self._goal, ""
+        offset = self._offset(place, point) if self._settings.space != "view" else {}
+        if wanted:
+            goal, refusal = self._tilted(wanted)
+            if refusal:
+                return None, offset, goal, f"goal {refusal}"
+            q_goal = self._kinematics.vector(goal["joints"])
+        if self._settings.space == "joint":
+            joints = {**self._kinematics.by_name(q_goal), **point}
+        else:
+            try:
+                offset = offset or self._view.offset(point)
+            except ParameterError as error:
+                return None, offset, goal, str(error)
+            joints, refusal = reach(self._kinematics, q_goal, self._kinematics.pose(q_goal) @ pose_of(offset))
+        return joints, offset, goal, refusal or self._feasibility.refusal(q_goal, self._kinematics.vector(joints))
+
+    def _offset(self, place, point):
+        return {"camera": lambda: point, "joint": dict,
+                "ball": lambda: in_ball(self._settings.ranges, place)}[self._settings.space]()
+
+    def _tilted(self, wanted):
+        X_WT = self._feasibility.outline.X_WT
+        t_C = np.linalg.solve(self._X_WCg, X_WT)[:3, 3]
+        normal_C = self._scenario.servo.get("target_normal_C", (0.0, 0.0, 1.0))
+        X_CgCn, normal = tilted_goal(wanted, t_C, normal_C)
+        joints, refusal = reach(self._kinematics, self._goal, self._X_WCg @ X_CgCn)
+        return dict(wanted, joints=joints, target_normal_C=normal.tolist()), refusal
+
+
+def _between(ends, t):
+    return float(ends[0] + float(t) * (ends[1] - ends[0]))
+
+
+def _grid_shape(count, dimensions):
+    """Points along each axis, as even as can be, product <= count."""
+    shape = [max(1, int(round(count ** (1.0 / dimensions), 9)))] * dimensions
+    while np.prod(shape) > count:
+        shape[int(np.argmax(shape))] -= 1
+    for axis in range(dimensions):
+        while np.prod(shape) // shape[axis] * (shape[axis] + 1) <= count and shape[axis] <= min(shape):
+            shape[axis] += 1
+    return shape
+
+
+def _ranges(key, section, known, faults):
+    ranges = {}
+    for name, ends in section.items():
+        if name not in known:
+            faults.append(f"sweep.{key}.{name}: unknown, known are {', '.join(known)}")
+        elif len(ends) != 2 or not all(isfinite(end) for end in ends) or ends[0] > ends[1]:
+            faults.append(f"sweep.{key}.{name}: found {list(ends)}, allowed [low, high] with low <= high")
+        else:
+            ranges[name] = (float(ends[0]), float(ends[1]))
+    return {name: ranges[name] for name in known if name in ranges}

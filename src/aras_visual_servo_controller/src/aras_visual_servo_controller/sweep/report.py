@@ -1,0 +1,117 @@
+"""Report of a sweep: runs.csv, {map,curve,reasons}.{png,pdf}, sweep.html. Reads the store, nothing else.
+
+A function of the rows: the same runs give the same bytes, whatever machine did them in whatever order.
+"""
+
+import base64
+import math
+from pathlib import Path
+
+from ..report.report import ResultFolderError
+from ..config.files import share_dir
+from .figure import DEFAULT_AXES, save_figures
+from .judge import STRICT_DEG, STRICT_MM, SUCCESS_DEG, SUCCESS_PART
+from .statistics import aggregate, reasons
+
+CAPTIONS = {"map": "Over two axes: success, time to the end, final error. Cells are means of the runs in them.",
+            "curve": "Success against the initial distance, with 95 % Wilson intervals.",
+            "reasons": "Why runs did not succeed."}
+
+
+def save_csv(store):
+    """Write runs.csv; its path."""
+    path = store.folder / "runs.csv"
+    _write(path, store.csv().encode())
+    return path
+
+
+def save_report(store, axes=DEFAULT_AXES):
+    """Write runs.csv, the figures and sweep.html.
+
+    Args:
+        store: `SweepStore` with at least one run.  axes: two columns, see `sweep_figure.known_axes`.
+    Returns:
+        Path of sweep.html.
+    Raises:
+        ResultFolderError: a file cannot be written.
+    """
+    save_csv(store)
+    rows = store.rows()
+    try:
+        pictures = save_figures(rows, store.folder, axes)
+    except OSError as error:
+        raise ResultFolderError(f"{store.folder}: a figure cannot be written: {error}") from error
+    path = store.folder / "sweep.html"
+    _write(path, report_html(store, rows, pictures).encode())
+    return path
+
+
+def report_html(store, rows, pictures):
+    """The report as one self-contained page, str."""
+    import jinja2
+    template = (Path(share_dir()) / "config" / "sweep.html.j2").read_text(encoding="utf-8")
+    environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True,
+                                     undefined=jinja2.StrictUndefined)
+    numbers = aggregate(rows)
+    planned = len(store.starts())
+    return environment.from_string(template).render(
+        name=store.meta["setup"]["scenario"]["name"], numbers=numbers, planned=planned, missing=planned - len(rows),
+        rates=[(label, f"{100 * numbers[key]:.2f} %", f"{100 * numbers[key + '_low']:.2f} to "
+                                                      f"{100 * numbers[key + '_high']:.2f} %")
+               for label, key in rate_labels() if not math.isnan(numbers[key])],
+        spreads=[(label, *(_number(numbers[f"{name}_{part}_{unit}"], form) for part in ("median", "p95", "max")))
+                 for label, name, unit, form in (("time [s]", "time", "s", "{:.2f}"),
+                                                 ("position error [mm]", "error", "mm", "{:.4f}"),
+                                                 ("angle [deg]", "angle", "deg", "{:.5f}"))],
+        reasons=reasons(rows),
+        pictures=[(name, CAPTIONS[name], base64.b64encode(png).decode()) for name, png in pictures.items()],
+        settings=setting_rows(store.meta), command=store.meta["command"],
+        driven=store.meta["setup"]["drive_to_start"], versions=store.meta["versions"])
+
+
+def rate_labels():
+    """(label, name in `aggregate`) of the three ways to succeed."""
+    return ((f"success: below {100 * SUCCESS_PART:g} % of the initial distance and {SUCCESS_DEG:g}°", "success"),
+            (f"strict: below {STRICT_MM:g} mm and {STRICT_DEG:g}°", "success_strict"),
+            ("the law's own stop rule was met", "converged"))
+
+
+def setting_rows(meta):
+    """(name, value) of what the sweep varied."""
+    settings = meta["settings"]
+    rows = [(key, str(settings[key])) for key in ("starts", "method", "space", "seed")]
+    rows += [(f"range of {name}", f"{low:g} to {high:g}") for name, (low, high) in settings["ranges"].items()]
+    rows += [(f"goal, range of {name}", f"{low:g} to {high:g}") for name, (low, high) in settings["goal"].items()]
+    return rows + [(f"perturbed: {name}", text) for name, text in settings["perturb"].items()]
+
+
+def format_summary(store):
+    """The sweep as a few lines for the terminal, str."""
+    rows = store.rows()
+    numbers = aggregate(rows)
+    lines = [f"{store.meta['setup']['scenario']['name']}: {numbers['runs']} runs, {numbers['feasible']} feasible, "
+             f"{numbers['infeasible']} starts refused, {numbers['errors']} errors"]
+    for label, key in (("success", "success"), ("success, strict", "success_strict"), ("converged", "converged")):
+        if numbers["feasible"]:
+            lines.append(f"{label:<20}{100 * numbers[key]:.2f} %   (95 %: {100 * numbers[key + '_low']:.2f} to "
+                         f"{100 * numbers[key + '_high']:.2f} %)")
+    if not math.isnan(numbers["time_median_s"]):
+        lines.append(f"{'time, median':<20}{numbers['time_median_s']:.2f} s simulated, 95 % below "
+                     f"{numbers['time_p95_s']:.2f} s")
+        lines.append(f"{'error, median':<20}{numbers['error_median_mm']:.4f} mm, 95 % below "
+                     f"{numbers['error_p95_mm']:.4f} mm")
+    lines += [f"{count:>6} {outcome:<11} {reason}" for outcome, reason, count in reasons(rows)]
+    return "\n".join(lines)
+
+
+def _number(value, form):
+    return "" if math.isnan(value) else form.format(value)
+
+
+def _write(path, data):
+    partial = path.with_name(path.name + ".part")
+    try:
+        partial.write_bytes(data)
+        partial.replace(path)
+    except OSError as error:
+        raise ResultFolderError(f"{path}: cannot be written: {error.strerror}") from error

@@ -1,0 +1,165 @@
+"""One run of a sweep, on any machine: a pure function of the scenario and the `Start`.
+
+The arm is placed at the goal, settles, the view is taught; it is placed at the start, settles, and servos. Nothing
+is driven there, which takes two thirds of an experiment (`drive_to_start: true` drives, as `run` does). A run ends when
+the servo does, or once the target has been out of view for LOST_LIMIT_S: the arm stands still then.
+"""
+
+from collections import OrderedDict
+from dataclasses import replace
+
+import numpy as np
+
+from ..ground.errors import ArasError, ParameterError
+from ..run.judge import pose_error
+from ..arm.kinematics import Kinematics
+from ..run.loop import DEFAULT_LIMIT_S, ServoLoop
+from ..target.outline import Outline
+from ..run.record import RecordBuilder
+from ..run.measures import measures
+from ..run.sequence import ExperimentConfig
+from .judge import COLUMNS, initial_columns, judge_row
+from .perturb import perturbed, simulator_key
+from .space import CAMERA_AXES
+from ..ground.types import Status
+
+LOST_LIMIT_S = 1.0
+#: Simulators kept by a worker: runs that differ in gains or start share one.
+KEPT_SIMULATORS = 4
+
+
+class Infeasible(ArasError):
+    """The start cannot be run; no fault of the law."""
+
+
+class Bench:
+    """Runs starts of one scenario, one after another.
+
+    Args:
+        scenario: `Scenario`.  drive_to_start: drive to goal and start as `run` does, instead of placing the arm.
+    """
+
+    def __init__(self, scenario, drive_to_start=False):
+        self.scenario = scenario
+        self.drive_to_start = drive_to_start
+        self._simulators = OrderedDict()
+        self._kinematics = None
+
+    def run(self, start):
+        """Run one start.
+
+        Returns:
+            (row, record): dict of COLUMNS, never raises for what goes wrong in a run; RunRecord, or None if infeasible
+            or broken.
+        """
+        try:
+            if start.refusal:
+                raise Infeasible(start.refusal)
+            parameters = dict(start.parameters)
+            if self._noisy(parameters):  # every run its own noise
+                parameters.setdefault("sim.seed", self.scenario.sim.get("seed", 0) + start.id)
+            scenario = perturbed(self.scenario, parameters)
+            scenario = placed(scenario, start)
+            loop = ServoLoop(scenario, sim=self._simulator(scenario, parameters))
+            builder = RecordBuilder(scenario.name, loop.kinematics.joint_names, settings=scenario.as_dict(),
+                                    feature_names=loop.servo.feature_names)
+            builder.note(f"start {start.id} of a sweep, the arm {'driven' if self.drive_to_start else 'placed'} there")
+            for name, value in parameters.items():
+                builder.note(f"sweep: {name} {value}")
+            drive = self._drive if self.drive_to_start else self._place
+            drive(loop, builder, start)
+            self._servo(loop, builder)
+            record = builder.finish(run_hash=loop.sim.run_hash, camera_info=loop.camera_info)
+            lower, upper = loop.kinematics.lower, loop.kinematics.upper
+            row = dict(judge_row(record), **measures(record, lower, upper, Outline.of(scenario)), id=start.id)
+            return row, record
+        except Infeasible as refusal:
+            reason = str(refusal).partition(":")[0]
+            return dict(self._empty(start), outcome="infeasible", reason=reason, detail=str(refusal)), None
+        except Exception as error:  # whatever a run dies of is its result; the sweep goes on
+            return dict(self._empty(start), outcome="error", reason=f"error: {type(error).__name__}",
+                        detail=str(error)), None
+
+    def _simulator(self, scenario, parameters):
+        key = simulator_key(scenario, parameters)
+        if key not in self._simulators:
+            self._simulators[key] = ServoLoop(scenario).sim
+            while len(self._simulators) > KEPT_SIMULATORS:
+                self._simulators.popitem(last=False)
+        self._simulators.move_to_end(key)
+        return self._simulators[key]
+
+    def _noisy(self, parameters):
+        stddevs = [camera.get("noise_stddev", 0.0) for camera in self.scenario.sim["cameras"]]
+        return parameters.get("noise_stddev", max(stddevs)) > 0.0
+
+    @staticmethod
+    def _place(loop, builder, start):
+        config = ExperimentConfig.from_dict(loop.scenario.experiment, loop.kinematics)
+        loop.place(config.goal, config.settle_s)
+        try:
+            record, features, image = loop.teach(config.z_star_m)
+        except ParameterError as error:
+            raise Infeasible(str(error)) from error
+        builder.add_answer(record, loop.camera_pose(), features, image)
+        loop.place(start.joints, config.settle_s)
+        loop.start(servo_only=True)
+
+    @staticmethod
+    def _drive(loop, builder, start):
+        loop.start()
+
+    @staticmethod
+    def _servo(loop, builder):
+        lost_since_ns = None
+        while not loop.sequence.done:
+            record, features, image = loop.step()
+            builder.add_answer(record, loop.camera_pose(), features, image)
+            if record.status != Status.TARGET_LOST:
+                lost_since_ns = None
+            elif lost_since_ns is None:
+                lost_since_ns = record.stamp_ns
+            elif record.stamp_ns - lost_since_ns >= LOST_LIMIT_S * 1e9:
+                return
+            if record.stamp_ns >= DEFAULT_LIMIT_S * 1e9:
+                raise ArasError(f"given up after {DEFAULT_LIMIT_S:g} s of simulated time in phase {record.phase}")
+        status, reason = loop.sequence.result.status, loop.sequence.result.reason
+        if loop.sequence.servo_stamp_ns is None:
+            if status == Status.TARGET_LOST:
+                raise Infeasible(reason.replace("where servoing starts", "at the start"))
+            raise ArasError(reason)
+
+    def _empty(self, start):
+        row = dict.fromkeys(COLUMNS)
+        row.update(id=start.id, success=0, success_strict=0, converged=0)
+        try:
+            if start.joints is not None:
+                row.update(initial_columns(self._planned_error(start)))
+            elif start.offset:
+                offset = [start.offset.get(axis, 0.0) for axis in CAMERA_AXES]
+                angle_deg = float(np.degrees(np.linalg.norm(offset[3:])))
+                row.update(initial_columns({"x_mm": 1e3 * offset[0], "y_mm": 1e3 * offset[1], "z_mm": 1e3 * offset[2],
+                                            "angle_deg": angle_deg}))
+        except ArasError:
+            pass  # no robot, no distance: the reason is told already
+        return row
+
+    def _planned_error(self, start):
+        """Error of the start by kinematics, for runs that never began."""
+        if self._kinematics is None:
+            robot = self.scenario.robot
+            self._kinematics = Kinematics(self.scenario.urdf_xml(), robot["base_link"], robot["tip_link"])
+        goal = {**dict.fromkeys(self._kinematics.joint_names, 0.0), **self.scenario.sim.get("initial_positions", {}),
+                **placed(self.scenario, start).experiment["goal"]["joints"]}
+        pose = self._kinematics.pose
+        return pose_error(pose(self._kinematics.vector(goal)), pose(self._kinematics.vector(start.joints)))
+
+
+def placed(scenario, start):
+    """The scenario with the goal and the start of a run in place."""
+    experiment = dict(scenario.experiment, start={"joints": dict(start.joints)})
+    if not start.goal:
+        return replace(scenario, experiment=experiment)
+    experiment["goal"] = {"joints": dict(start.goal["joints"])}
+    return replace(scenario, experiment=experiment,
+                   servo=dict(scenario.servo, target_normal_C=list(start.goal["target_normal_C"])))

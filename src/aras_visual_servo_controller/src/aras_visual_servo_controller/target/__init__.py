@@ -1,0 +1,1 @@
+"""The planar target: its outline in the image, and its pose from moments or points."""

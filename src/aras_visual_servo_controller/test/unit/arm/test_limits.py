@@ -1,0 +1,76 @@
+"""Velocity and position limits."""
+
+import numpy as np
+import pytest
+
+from aras_visual_servo_controller.arm.limits import accelerated, braking_factor, position_factor, velocity_factor
+
+ROUNDING = 1e-15  # of one division
+LOWER, UPPER = np.array([-1.0, -np.inf]), np.array([1.0, np.inf])
+
+
+def test_velocity_within_limits_is_not_scaled():
+    assert velocity_factor(np.array([1.0, -2.0]), np.array([1.0, 2.0])) == 1.0
+
+
+def test_fastest_joint_relative_to_its_limit_sets_the_factor():
+    assert velocity_factor(np.array([3.0, -8.0]), np.array([2.0, 2.0])) == pytest.approx(0.25, abs=ROUNDING)
+
+
+def test_joint_without_velocity_limit_is_not_scaled():
+    assert velocity_factor(np.array([0.0, 1e6]), np.array([1.0, np.inf])) == 1.0
+
+
+def test_motion_that_stays_inside_is_not_scaled():
+    assert position_factor(np.array([0.9, 5.0]), np.array([0.5, 100.0]), LOWER, UPPER, 0.1) == (1.0, None)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_predicted_violation_is_scaled_to_end_at_the_limit(sign):
+    factor, joint = position_factor(sign * np.array([0.9, 0.0]), sign * np.array([2.0, 1.0]), LOWER, UPPER, 0.1)
+    assert joint == 0
+    assert factor == pytest.approx(0.5, abs=1e-14)  # rounding of 1 - 0.9 relative to 0.1
+
+
+def test_joint_beyond_its_limit_may_only_move_back():
+    q = np.array([1.2, 0.0])
+    assert position_factor(q, np.array([0.1, 0.0]), LOWER, UPPER, 0.1) == (0.0, 0)
+    assert position_factor(q, np.array([-0.1, 0.0]), LOWER, UPPER, 0.1) == (1.0, None)
+
+
+def test_braking_factor_leaves_the_way_that_braking_takes():
+    dt_s, most = 0.1, np.array([2.0, 2.0])
+    q, q_dot = np.array([0.9, 5.0]), np.array([3.0, 1.0])
+    speed = 3.0 * braking_factor(q, q_dot, LOWER, UPPER, most, dt_s)
+    assert speed * dt_s + speed**2 / (2.0 * 2.0) == pytest.approx(0.1, rel=1e-12)
+    assert braking_factor(q, -0.1 * q_dot, LOWER, UPPER, most, dt_s) == 1.0
+    assert braking_factor(np.array([1.2, 0.0]), q_dot, LOWER, UPPER, most, dt_s) == 0.0
+    assert braking_factor(q, q_dot, LOWER, UPPER, np.full(2, np.inf), dt_s) == 1.0
+
+
+def test_acceleration_from_rest_keeps_the_direction():
+    wanted, change = np.array([1.0, -3.0, 0.5]), np.array([0.5, 0.5, np.inf])
+    found = accelerated(np.zeros(3), wanted, change)
+    np.testing.assert_allclose(found, wanted / 6.0, atol=ROUNDING)  # the second joint asks for 3 where 0.5 are allowed
+
+
+def test_acceleration_within_its_limit_changes_nothing():
+    wanted = np.array([1.0, -3.0])
+    assert accelerated(np.array([0.9, -2.8]), wanted, np.array([0.2, 0.2])) is wanted
+
+
+def test_a_motion_that_turns_round_goes_a_part_of_the_way():
+    before, wanted = np.array([1.0, 0.2]), np.array([-1.0, 0.4])
+    found = accelerated(before, wanted, np.array([0.5, 0.5]))
+    np.testing.assert_allclose(found, [0.5, 0.25], atol=ROUNDING)
+    np.testing.assert_allclose(accelerated(np.array([1.0]), np.zeros(1), np.array([0.25])), [0.75], atol=ROUNDING)
+    np.testing.assert_allclose(accelerated(np.array([0.1]), np.zeros(1), np.array([0.25])), [0.0], atol=ROUNDING)
+
+
+def test_no_joint_ever_changes_by_more_than_it_may():
+    random = np.random.default_rng(4)
+    velocity, change = np.zeros(6), np.array([0.1, 0.2, 0.3, 0.1, 0.5, 0.2])
+    for _ in range(500):
+        new = accelerated(velocity, random.normal(size=6), change)
+        assert (np.abs(new - velocity) <= change * (1.0 + 1e-12)).all()
+        velocity = new

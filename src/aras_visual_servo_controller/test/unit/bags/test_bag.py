@@ -1,0 +1,149 @@
+"""RunRecord from a rosbag written here: topics found under any namespace, rows paired by stamp."""
+
+import numpy as np
+import pytest
+import rosbag
+import rospy
+from messages import NAMESPACE, messages_of, state_message, write
+from synthetic import blob, make_record
+
+from aras_visual_servo_controller.bags.bag import BagError, read_bag
+from aras_visual_servo_controller.cli.run import report_main
+from aras_visual_servo_controller.run.judge import judge
+
+SERVO_IMAGES = 30
+# Through a unit quaternion and back: a few eps.
+POSE_TOLERANCE = 1e-14
+
+
+@pytest.fixture(scope="module")
+def original():
+    return make_record(servo_images=SERVO_IMAGES)
+
+
+def test_a_bag_gives_back_the_record_it_was_written_from(tmp_path, original):
+    record = read_bag(write(tmp_path / "run.bag", messages_of(original)))
+    assert record.scenario == "experiment_1" and record.joint_names == original.joint_names
+    assert record.stamp_ns[1:].tolist() == original.stamp_ns[1:].tolist()
+    assert record.phase.tolist() == original.phase.tolist()
+    for name in ("s", "s_star", "e", "twist", "q", "set_point"):
+        np.testing.assert_array_equal(getattr(record, name), getattr(original, name), err_msg=name)
+    np.testing.assert_allclose(record.X_WC, original.X_WC, rtol=0, atol=POSE_TOLERANCE)
+    assert (record.run_hash, record.real_time_factor) == ("feed", 12.5)
+    assert record.camera_info["K"][0] == 100 and record.notes == ()
+
+
+def test_the_judgement_from_the_bag_is_that_of_the_run(tmp_path, original):
+    from_bag, direct = judge(read_bag(write(tmp_path / "run.bag", messages_of(original)))), judge(original)
+    assert from_bag.passed == direct.passed and from_bag.duration_s == direct.duration_s
+    assert from_bag.final_error == pytest.approx(direct.final_error, abs=1e-9)
+
+
+@pytest.mark.parametrize("encoding, padding", [("rgb8", 0), ("rgb8", 5), ("bgr8", 0), ("mono8", 3)])
+def test_images_are_decoded_whatever_their_encoding_and_row_padding(tmp_path, original, encoding, padding):
+    record = read_bag(write(tmp_path / "run.bag", messages_of(original, encoding=encoding, padding=padding)))
+    pick = (lambda image: image[..., 0]) if encoding == "mono8" else (lambda image: image)
+    assert np.array_equal(record.desired_image, pick(blob(0)))
+    assert np.array_equal(record.initial_image, pick(blob(8)))
+
+
+@pytest.mark.parametrize("namespace", ["", "/a", "/a/b/c"])
+def test_topics_are_found_under_any_namespace(tmp_path, original, namespace):
+    assert len(read_bag(write(tmp_path / "run.bag", messages_of(original), namespace))) == len(original)
+
+
+def test_a_bag_without_the_servos_rows_is_refused_with_what_it_holds(tmp_path, original):
+    path = write(tmp_path / "run.bag", messages_of(original), without=("servo_state",))
+    with pytest.raises(BagError, match="topics missing: /somewhere/aras/servo_state; found: .*camera/image_raw"):
+        read_bag(path)
+
+
+def test_two_runs_in_a_bag_need_a_choice(tmp_path, original):
+    path = tmp_path / "run.bag"
+    with rosbag.Bag(str(path), "w") as bag:
+        for topic, message, stamp in messages_of(original):
+            bag.write(f"/left/{topic}", message, stamp)
+            bag.write(f"/right/{topic}", message, stamp)
+    with pytest.raises(BagError, match="/left, /right"):
+        read_bag(path)
+    assert len(read_bag(path, namespace="/right")) == len(original)
+
+
+def test_rows_without_a_true_pose_are_kept_and_noted(tmp_path, original):
+    record = read_bag(write(tmp_path / "run.bag", messages_of(original, skip=(6, 7))))
+    assert np.isnan(record.X_WC[[6, 7]]).all() and len(record) == len(original)
+    assert any("2 of 36 images" in note for note in record.notes)
+
+
+def test_images_after_the_end_do_not_change_the_trace(tmp_path, original):
+    from aras_visual_servo_controller.report.report import trace_csv
+    messages = list(messages_of(original))
+    topic, last, stamp = [entry for entry in messages if entry[0] == "servo_state"][-1]
+    late = rospy.Time(stamp.secs, stamp.nsecs + 1000)
+    again = state_message(original, len(original) - 1, late)
+    short = read_bag(write(tmp_path / "short.bag", messages))
+    long = read_bag(write(tmp_path / "long.bag", messages + [(topic, again, late)]))
+    assert last.phase == again.phase == "done" and trace_csv(long) == trace_csv(short)
+
+
+def test_a_bag_that_does_not_name_its_scenario_is_read_and_noted(tmp_path, original):
+    record = read_bag(write(tmp_path / "run.bag", messages_of(original, scenario=False)))
+    assert record.settings == {} and any("which scenario" in note for note in record.notes)
+
+
+def test_a_bag_that_was_cut_is_read_as_far_as_it_goes(tmp_path, original):
+    path = tmp_path / "run.bag.active"
+    with rosbag.Bag(str(path), "w", chunk_threshold=20000) as bag:
+        for topic, message, stamp in messages_of(original):
+            bag.write(f"{NAMESPACE}/{topic}", message, stamp)
+    whole = path.read_bytes()
+    # What a killed recorder leaves: no index (its position in the header is still 0), the last chunk cut.
+    index_pos = whole.index(b"index_pos=") + len(b"index_pos=")
+    path.write_bytes(whole[:index_pos] + bytes(8) + whole[index_pos + 8:int(len(whole) * 0.6)])
+    record = read_bag(path)
+    assert 5 < len(record) < len(original) and any("not closed" in note for note in record.notes)
+
+
+@pytest.mark.parametrize("content", [b"", b"not a bag at all\n"])
+def test_a_file_that_is_no_bag_is_an_error_with_its_name(tmp_path, content):
+    path = tmp_path / "wrong.bag"
+    path.write_bytes(content)
+    with pytest.raises(BagError, match="wrong.bag"):
+        read_bag(path)
+
+
+def test_a_missing_file_is_an_error_with_its_name():
+    with pytest.raises(BagError, match="no_such.bag': no such file"):
+        read_bag("no_such.bag")
+
+
+def test_the_report_command_rebuilds_every_file_beside_the_bag(tmp_path, original, capsys):
+    write(tmp_path / "run.bag", messages_of(original))
+    assert report_main([str(tmp_path / "run.bag")]) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"run.bag", "summary.json", "trace.csv", "figure.png",
+                                                          "figure.pdf", "report.html"}
+    assert "PASSED" in capsys.readouterr().out
+
+
+def test_a_report_without_images_or_truth_is_made_and_says_what_it_lacks(tmp_path, original, capsys):
+    path = write(tmp_path / "run.bag", messages_of(original),
+                 without=("camera/image_raw", "ground_truth/camera_pose", "camera/features"))
+    assert report_main([str(path), "--video"]) == 1
+    out = capsys.readouterr().out
+    for words in ("camera/image_raw (group images)", "ground_truth/camera_pose (group truth)", "unknown",
+                  "no video: the record has no images"):
+        assert words in out, words
+    assert "no image in this record" in (tmp_path / "report.html").read_text()
+
+
+def test_every_image_of_the_servo_is_kept_when_asked_for(tmp_path, original):
+    record = read_bag(write(tmp_path / "run.bag", messages_of(original)), keep_images=True)
+    assert sorted(record.images) == record.servo_rows.tolist()
+    assert all(np.array_equal(record.images[row], blob(8 - min(8, k))) for k, row in enumerate(record.servo_rows))
+    assert read_bag(tmp_path / "run.bag").images == {}
+
+
+def test_a_recording_that_ends_before_the_run_says_so(tmp_path, original):
+    messages = list(messages_of(original))
+    record = read_bag(write(tmp_path / "run.bag", messages[:len(messages) // 2]))
+    assert any("ends before the run did, in phase servo" in note for note in record.notes)

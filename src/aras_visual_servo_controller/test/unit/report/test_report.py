@@ -1,0 +1,194 @@
+"""Result folder: summary, trace, figure, report, and the table of the terminal."""
+
+import base64
+import csv
+import dataclasses
+import hashlib
+import io
+import json
+import math
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+import yaml
+from synthetic import SETTINGS, X_WCG, make_record, rotation_z
+
+from aras_visual_servo_controller.report import report
+from aras_visual_servo_controller.report.pictures import PANELS, image_of
+from aras_visual_servo_controller.report.plots import plots_of
+from aras_visual_servo_controller.report.report import (ResultFolderError, create_result_folder, format_summary,
+                                                 quaternion_xyzw, save_results, summarise, trace_csv)
+
+FILES = {"summary.json", "trace.csv", "figure.png", "figure.pdf", "report.html"}
+# trace.csv keeps nine significant digits.
+CSV_RELATIVE = 1e-8
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory):
+    folder = create_result_folder(tmp_path_factory.mktemp("results"), "experiment_1", stamp="a")
+    record = make_record()
+    return record, folder, save_results(record, folder)
+
+
+def test_the_folder_holds_every_file_and_nothing_half_written(saved):
+    assert {path.name for path in saved[1].iterdir()} == FILES
+
+
+def test_the_summary_has_the_documented_keys(saved):
+    summary = json.loads((saved[1] / "summary.json").read_text())
+    assert {"scenario", "converged", "reason", "duration_s", "final_error", "final_feature_error", "real_time_factor",
+            "run_hash", "seed", "versions"} <= set(summary)
+    assert set(summary["final_error"]) == {"x_mm", "y_mm", "z_mm", "angle_deg"}
+    assert {"aras_visual_servo", "numpy", "python"} <= set(summary["versions"])
+
+
+def test_the_summary_carries_the_hash_of_the_trace(saved):
+    digest = hashlib.sha256((saved[1] / "trace.csv").read_bytes()).hexdigest()
+    assert json.loads((saved[1] / "summary.json").read_text())["trace_sha256"] == digest
+
+
+def test_what_is_not_a_number_is_null_in_the_summary(tmp_path):
+    record = dataclasses.replace(make_record(), real_time_factor=math.nan)
+    save_results(record, tmp_path)
+    assert json.loads((tmp_path / "summary.json").read_text())["real_time_factor"] is None
+
+
+def test_the_same_record_gives_the_same_bytes(saved, tmp_path):
+    save_results(make_record(), tmp_path)
+    for name in FILES:
+        assert (tmp_path / name).read_bytes() == (saved[1] / name).read_bytes(), name
+
+
+def test_the_trace_has_one_row_per_image_and_the_values_of_the_record(saved):
+    record = saved[0]
+    rows = list(csv.DictReader(io.StringIO((saved[1] / "trace.csv").read_text())))
+    assert len(rows) == len(record)
+    i = record.servo_rows[10]
+    assert rows[i]["phase"] == "servo" and rows[i]["t_s"] == f"{record.stamp_ns[i] / 1e9:.9f}"
+    for name, value in (("e_yn_m", record.e[i, 1]), ("e_alpha_rad", record.e[i, 3]), ("V_vz_m_s", record.twist[i, 2]),
+                        ("V_wz_rad_s", record.twist[i, 5]), ("q_gantry", record.q[i, 2]),
+                        ("p_WC_z_m", record.X_WC[i, 2, 3])):
+        assert float(rows[i][name]) == pytest.approx(value, rel=CSV_RELATIVE), name
+
+
+def test_a_missing_value_is_an_empty_cell(saved):
+    first = next(csv.DictReader(io.StringIO(trace_csv(saved[0]))))
+    assert first["e_xn_m"] == "" and first["q_gantry"] == "0.05"
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.4, math.pi / 2, 3.0, -3.0, math.pi])
+@pytest.mark.parametrize("R_0", [np.eye(3), X_WCG[:3, :3], rotation_z(0.7)[:, [1, 2, 0]]])
+def test_the_quaternion_turns_as_the_matrix_does(angle, R_0):
+    R = R_0 @ rotation_z(angle)
+    x, y, z, w = quaternion_xyzw(R)
+    turned = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                       [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                       [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+    assert w >= 0.0 and np.allclose(turned, R, atol=1e-14)  # eigenvectors of a 4 x 4: a few eps
+
+
+class _Page(HTMLParser):
+    def __init__(self, text):
+        super().__init__()
+        self.sources, self.tags = [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append(tag)
+        self.sources += [value for name, value in attributes if name in ("src", "href", "poster")]
+
+
+def test_the_report_is_one_self_contained_page_with_all_pictures_and_plots(saved):
+    text = (saved[1] / "report.html").read_text()
+    page = _Page(text)
+    assert page.tags.count("img") == 4  # desired, initial, their difference, and the difference at the end
+    assert page.tags.count("figure") == 4 + 4 and page.tags.count("script") == 4 + 1
+    assert all(re.match("data:(image/png|text/yaml);base64,", source) for source in page.sources)
+    assert 'name="viewport"' in text and "@media print" in text
+    assert not re.search(r"https?://", text)
+
+
+def test_the_report_compares_with_the_published_result(saved):
+    text = (saved[1] / "report.html").read_text()
+    for value in ("4.7", "2.6", "0.003", "+0.100"):
+        assert f"<td>{value}</td>" in text
+
+
+def test_text_of_a_run_cannot_break_the_page(tmp_path):
+    record = make_record()
+    text = record.status_text.astype(object)
+    text[record.servo_rows[-1]] = "<script>alert(1)</script>"
+    save_results(dataclasses.replace(record, status_text=text), tmp_path)
+    assert "<script>alert" not in (tmp_path / "report.html").read_text()
+
+
+def test_the_table_shows_our_row_beside_the_papers(saved):
+    table = format_summary(saved[2])
+    assert max(map(len, table.splitlines()[:7])) <= 79
+    for part in ("PASSED", "this run", "paper", "4.7", "+0.100", "time to converge", "real-time factor",
+                 str(saved[1] / "report.html")):
+        assert part in table
+
+
+def test_a_failed_run_says_why():
+    table = format_summary(summarise(make_record(final_p_m=(5e-3, 0, 0))))
+    assert "FAILED" in table and "x_mm: found 5, allowed +-0.2" in table
+
+
+def test_a_variant_is_compared_with_the_experiment_it_varies():
+    assert summarise(make_record(scenario="experiment_2_slow"))["published"]["y_mm"] == 8.9
+    assert summarise(make_record(scenario="mine"))["published"] is None
+
+
+def test_a_record_without_images_and_settings_still_gives_a_report(tmp_path):
+    record = dataclasses.replace(make_record(), desired_image=None, initial_image=None, final_image=None, settings={},
+                                 real_time_factor=math.nan, run_hash="")
+    summary = save_results(record, tmp_path)
+    assert summary["passed"] and "unknown" not in format_summary(summary)
+    page = _Page((tmp_path / "report.html").read_text())
+    assert page.tags.count("img") == 0 and page.tags.count("svg") >= len(plots_of(record))
+
+
+def test_the_scenario_can_be_taken_out_of_the_page(saved):
+    [address] = [source for source in _Page((saved[1] / "report.html").read_text()).sources if "text/yaml" in source]
+    assert yaml.safe_load(base64.b64decode(address.partition("base64,")[2])) == SETTINGS
+
+
+def test_every_panel_is_a_pdf_of_its_own_when_asked_for(tmp_path):
+    save_results(make_record(), tmp_path, panels=True)
+    for panel in PANELS:
+        assert (tmp_path / f"panel_{panel}.pdf").read_bytes().startswith(b"%PDF-"), panel
+
+
+def test_the_difference_image_is_mid_grey_where_nothing_changed():
+    record = make_record()
+    difference = image_of(record, "difference")
+    assert difference.dtype == np.uint8
+    assert set(np.unique(difference)) == {128 - 95, 128, 128 + 95}  # half of 230 - (20 + 40 + 60) / 3
+
+
+def test_a_folder_that_cannot_be_written_is_an_error_with_the_reason(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ResultFolderError, match="cannot be written: Not a directory.*--output"):
+        create_result_folder(tmp_path / "file", "experiment_1")
+
+
+def test_two_runs_in_one_second_get_two_folders(tmp_path, monkeypatch):
+    monkeypatch.setattr(report.time, "strftime", lambda _: "20260101-000000")
+    names = [create_result_folder(tmp_path, "x").name for _ in range(3)]
+    assert names == ["20260101-000000", "20260101-000000-2", "20260101-000000-3"]
+
+
+def test_numbers_survive_when_there_is_nothing_to_judge(tmp_path):
+    record = make_record()
+    with pytest.raises(RuntimeError):
+        save_results(dataclasses.replace(record, phase=np.full(len(record), "to_goal")), tmp_path)
+    assert (tmp_path / "trace.csv").exists()
+
+
+def test_settings_of_the_run_are_in_the_report(saved):
+    text = (saved[1] / "report.html").read_text()
+    assert SETTINGS["servo"]["law"] in text and "experiment.judge" in text

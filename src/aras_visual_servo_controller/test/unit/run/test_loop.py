@@ -1,0 +1,133 @@
+"""The in-process loop: the real simulator, extractor and sequence; no ROS."""
+
+import numpy as np
+import pytest
+
+from aras_visual_servo_controller.laws import base as laws
+from aras_visual_servo_controller.ground.errors import ParameterError
+from aras_visual_servo_controller.run.judge import judge
+from aras_visual_servo_controller.run.loop import ServoLoop
+from aras_visual_servo_controller.run.record import PHASES
+from aras_visual_servo_controller.scenario.scenario import load_scenario
+
+
+@pytest.fixture(scope="module")
+def record():
+    return ServoLoop(load_scenario("experiment_1")).run()
+
+
+def test_experiment_1_converges_and_passes_its_judge(record):
+    judgement = judge(record)
+    assert judgement.passed, judgement.faults
+
+
+def test_goes_through_the_phases_in_order(record):
+    order = list(dict.fromkeys(record.phase.tolist()))
+    assert order == [phase for phase in PHASES if phase != "idle"]
+
+
+def test_has_a_row_for_every_image_from_time_zero(record):
+    assert record.stamp_ns[0] == 0
+    assert np.all(np.diff(record.stamp_ns) <= 34_000_000)  # 30 Hz on ticks of 1 ms: 33 or 34 ms
+    assert np.all(np.diff(record.stamp_ns) >= 33_000_000)
+
+
+def test_a_second_run_gives_the_same_bytes(record):
+    again = ServoLoop(load_scenario("experiment_1")).run()
+    assert again.run_hash == record.run_hash
+    for name in ("stamp_ns", "e", "q", "twist", "X_WC"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(record, name), name)
+
+
+def test_another_seed_of_a_noisy_camera_gives_another_hash(record):
+    noisy = {"sim.cameras": [dict(load_scenario("experiment_1").sim["cameras"][0], noise_stddev=1.0)]}
+    hashes = set()
+    for seed in (1, 2):
+        loop = ServoLoop(load_scenario("experiment_1", {**noisy, "sim.seed": seed}))
+        loop.start()
+        for _ in range(3):
+            loop.step()
+        hashes.add(loop.sim.run_hash)
+    assert len(hashes) == 2
+
+
+def test_a_law_with_the_wrong_sign_does_not_converge(monkeypatch):
+    def turned(original):
+        class Turned(original):
+            def step(self, features, dt_s):
+                return -super().step(features, dt_s)
+        return Turned
+
+    scenario = load_scenario("experiment_1", {"servo.time_limit_s": 3.0})
+    make_law = laws.make_law
+
+    def make_turned(*arguments):
+        law = make_law(*arguments)
+        law.__class__ = turned(law.__class__)
+        return law
+    monkeypatch.setattr("aras_visual_servo_controller.servo.servo.make_law", make_turned)
+    record = ServoLoop(scenario).run()
+    judgement = judge(record)
+    assert not judgement.converged
+    assert abs(judgement.final_feature_error["xn"]) > abs(record.e[record.servo_rows[0], 0])
+
+
+def test_gives_up_at_the_limit_of_simulated_time():
+    record = ServoLoop(load_scenario("experiment_1")).run(limit_s=0.5)
+    assert record.t_s[-1] < 0.6
+    assert any("given up" in note for note in record.notes)
+
+
+def test_idle_steps_command_nothing():
+    loop = ServoLoop(load_scenario("experiment_1"))
+    for _ in range(3):
+        answer, features, image = loop.step()
+        assert answer.phase == "idle"
+        assert image.shape[:2] == (240, 320)
+    assert loop.sim.refused_commands == 0
+
+
+def late(latency_s):
+    cameras = load_scenario("experiment_1").sim["cameras"]
+    return load_scenario("experiment_1", {"sim.cameras": [dict(cameras[0], latency_s=latency_s)]})
+
+
+def test_late_images_are_paired_with_the_joints_and_the_camera_of_their_stamp(record):
+    loop = ServoLoop(late(0.08))
+    loop.start()
+    first_q = {}
+    for _ in range(40):   # commands come later, so the arm starts later, and from the same place
+        answer, _, _ = loop.step()
+        assert loop.sim.time_ns == answer.stamp_ns + 80_000_000
+        first_q[answer.stamp_ns] = answer.q
+        np.testing.assert_array_equal(loop.sim.frame_state("camera")["stamp_ns"], answer.stamp_ns)
+    np.testing.assert_array_equal(first_q[0], record.q[0])
+    # What is commanded on the first image acts 80 ms later: until then the arm has not been told to move.
+    moved = {stamp: np.abs(q - first_q[0]).max() for stamp, q in first_q.items()}
+    prompt = next(t for t, q in zip(record.stamp_ns, record.q) if np.abs(q - record.q[0]).max() > 1e-2)
+    assert next(stamp for stamp in moved if moved[stamp] > 1e-2) - prompt in (67_000_000, 66_000_000, 100_000_000)
+
+
+def test_late_images_from_before_the_arm_was_placed_are_not_answered():
+    scenario = late(0.1)
+    loop = ServoLoop(scenario)
+    loop.step()
+    loop.place({"gantry": 0.2}, settle_s=0.05)
+    placed_ns = loop.sim.time_ns
+    answer, _, _ = loop.step()
+    assert answer.stamp_ns >= placed_ns
+    assert loop.camera_pose()[1, 3] == pytest.approx(loop.sim.camera_pose("camera")[1, 3], abs=1e-3)
+
+
+def test_a_late_loop_converges_and_goes_on_for_the_closing_time():
+    loop = ServoLoop(late(0.12))
+    late_record = loop.run(closing_s=0.5)
+    assert judge(late_record).passed, judge(late_record).faults
+    done_ns = next(t for t, phase in zip(late_record.stamp_ns, late_record.phase) if phase == "done")
+    assert loop.sim.time_ns == done_ns + 500_000_000
+    assert late_record.stamp_ns[-1] <= loop.sim.time_ns - 120_000_000
+
+
+def test_a_latency_that_the_controller_would_call_stale_is_refused():
+    with pytest.raises(ParameterError, match=r"sim.cameras\[0\].latency_s: found 0.17, allowed .* 0.1647"):
+        late(0.17)

@@ -1,0 +1,208 @@
+"""The experiment as a state machine, on the true arm with exact pictures."""
+
+import numpy as np
+import pytest
+from toy_plant import GOAL, PERIOD_NS, START, Camera, arm, pose_error
+
+from aras_visual_servo_controller.ground.errors import ParameterError
+from aras_visual_servo_controller.run.sequence import PHASES, ExperimentSequence
+from aras_visual_servo_controller.servo.servo import Servo
+from aras_visual_servo_controller.ground.types import FEATURE_NAMES, Observation, Status
+
+FINAL_POSITION_M = 1e-5  # wanted; thresholds of 1 um leave below 2 um
+EXPERIMENT = {"goal": {"joints": GOAL}, "start": {"joints": START}, "z_star_m": 0.5934, "settle_s": 0.5,
+              "judge": {"x_mm": 1.0}}  # fmt: skip
+SERVO = {
+    "law": "decoupled",
+    "mode": "continuous",
+    "gains_per_s": dict.fromkeys(FEATURE_NAMES, 3.0),
+    "thresholds": dict.fromkeys(FEATURE_NAMES, 1e-6),
+    "time_limit_s": 20.0,
+}
+
+
+class Stage:
+    """The loop that a simulator, a camera and a node would close."""
+
+    def __init__(self, set_reference=None, **changes):
+        self.arm = arm()
+        X_WT = np.eye(4)
+        X_WT[:3, 3] = [-0.03, 0.05, 0.19]
+        self.camera = Camera(X_WT)
+        self.servo = Servo(self.arm, SERVO)
+        self.asked = []
+        experiment = {**EXPERIMENT, **changes}
+        self.sequence = ExperimentSequence(self.arm, self.servo, experiment, set_reference or self.take_reference)
+        self.set_point, self.stamp_ns = np.zeros(6), 0
+        self.hidden_in = ()
+        self.records, self.set_points = [], []
+
+    def take_reference(self, z_star_m, features):
+        self.asked.append(z_star_m)
+        self.camera.star = (z_star_m, features.area)
+        return self.camera.features(self.arm.pose(self.set_point))
+
+    def step(self):
+        features = self.camera.features(self.arm.pose(self.set_point))
+        features.target_visible = self.sequence.phase not in self.hidden_in
+        command, record = self.sequence.step(Observation(self.stamp_ns, features, self.set_point.copy()))
+        self.records.append(record)
+        for i, name in enumerate(self.arm.joint_names):
+            self.set_point[i] = command.position.get(name, self.set_point[i])
+        self.set_points.append(self.set_point.copy())
+        for i, name in enumerate(self.arm.joint_names):
+            self.set_point[i] += command.velocity.get(name, 0.0) * 1e-9 * PERIOD_NS
+        self.stamp_ns += PERIOD_NS
+        return command, record
+
+    def run(self, steps=600):
+        for _ in range(steps):
+            self.step()
+            if self.sequence.done:
+                break
+        return self.sequence.result
+
+    def phases(self):
+        seen = []
+        for record in self.records:
+            if not seen or seen[-1] != record.phase:
+                seen.append(record.phase)
+        return seen
+
+
+def test_experiment_goes_through_its_phases_and_ends_at_the_true_goal():
+    stage = Stage()
+    stage.sequence.start()
+    result = stage.run()
+    assert stage.phases() == list(PHASES[1:])
+    assert result.converged and result.status == Status.CONVERGED
+    assert stage.asked == [0.5934]
+    X_WG = stage.arm.pose(stage.arm.vector(GOAL))
+    assert pose_error(X_WG, stage.arm.pose(stage.set_point))[0] < FINAL_POSITION_M
+    assert np.abs(result.e).max() < 1e-6
+    first = next(record for record in stage.records if record.phase == "servo")
+    assert stage.sequence.servo_stamp_ns == first.stamp_ns
+    assert result.duration_s == pytest.approx(1e-9 * (stage.records[-1].stamp_ns - first.stamp_ns))
+
+
+def test_the_arm_is_at_the_goal_when_taught_and_at_the_start_when_servoing_begins():
+    stage = Stage()
+    stage.sequence.start()
+    stage.run()
+    by_phase = {}
+    for record in stage.records:
+        by_phase.setdefault(record.phase, record)
+    np.testing.assert_allclose(by_phase["teach"].q, stage.arm.vector(GOAL), atol=1e-12)  # rounding
+    np.testing.assert_allclose(by_phase["servo"].q, stage.arm.vector(START), atol=1e-12)
+    assert by_phase["teach"].stamp_ns == stage.sequence.teach_stamp_ns
+    settled = by_phase["teach"].stamp_ns - by_phase["settle_goal"].stamp_ns
+    assert 0.5e9 <= settled <= 0.5e9 + 2 * PERIOD_NS
+
+
+def test_set_points_move_within_the_speed_allowed_and_never_jump():
+    stage = Stage()
+    stage.sequence.start()
+    stage.run()
+    steps = np.abs(np.diff(stage.set_points, axis=0)) / (1e-9 * PERIOD_NS)
+    phases = [record.phase for record in stage.records[1:]]
+    moving = np.array([phase.startswith("to_") for phase in phases])
+    assert steps[moving].max() <= 0.3 * 5.0
+    assert steps.max() <= 5.0
+
+
+def test_idle_sequence_acknowledges_and_commands_nothing():
+    command, record = Stage().step()
+    assert command.position == {} and command.velocity == {}
+    assert (record.phase, record.status) == ("idle", Status.IDLE)
+
+
+def test_finished_sequence_acknowledges_and_commands_nothing():
+    stage = Stage()
+    stage.sequence.start()
+    stage.run()
+    last = stage.records[-1]
+    assert last.phase == "done" and last.converged
+    command, record = stage.step()
+    assert command.position == {} and command.velocity == {}
+    assert (record.phase, record.status) == ("done", Status.CONVERGED)
+
+
+@pytest.mark.parametrize("phase, reason", [("settle_goal", "at the goal"), ("settle_start", "at the start")])
+def test_target_out_of_view_ends_the_experiment_with_the_reason(phase, reason):
+    stage = Stage()
+    stage.hidden_in = (phase,)
+    stage.sequence.start()
+    result = stage.run()
+    assert result.status == Status.TARGET_LOST and not result.converged
+    assert reason in result.reason
+
+
+def test_failing_teach_ends_the_experiment_with_its_reason():
+    def refuse(z_star_m, features):
+        raise ValueError("camera node does not answer")
+
+    stage = Stage(refuse)
+    stage.sequence.start()
+    result = stage.run()
+    assert result.status == Status.FAULT and "camera node does not answer" in result.reason
+
+
+def test_servo_only_goes_to_the_view_taught_last():
+    stage = Stage()
+    stage.sequence.start()
+    stage.run()
+    stage.set_point = stage.arm.vector(START).copy()
+    stage.records.clear()
+    stage.sequence.start(servo_only=True)
+    assert stage.run().converged
+    assert stage.phases() == ["servo", "done"]
+
+
+def test_servo_only_without_a_reference_is_refused():
+    with pytest.raises(ParameterError, match="no reference"):
+        Stage().sequence.start(servo_only=True)
+
+
+@pytest.mark.parametrize("steps", [5, 20, 50, 100])
+def test_stop_ends_in_any_phase_without_a_jump(steps):
+    stage = Stage()
+    stage.sequence.start()
+    for _ in range(steps):
+        stage.step()
+    command, record = stage.sequence.stop(stage.stamp_ns, "asked to")
+    assert stage.sequence.result.status == Status.STOPPED == record.status
+    assert all(value == 0.0 for value in command.velocity.values()) and len(command.velocity) == 6
+    for name, value in command.position.items():
+        here = stage.set_point[stage.arm.joint_names.index(name)]
+        assert value == pytest.approx(here, abs=1e-12)  # rounding of the secant velocity
+
+
+def test_joint_position_that_is_not_finite_is_a_fault():
+    stage = Stage()
+    stage.sequence.start()
+    stage.step()
+    command, record = stage.sequence.step(Observation(stage.stamp_ns, None, np.full(6, np.nan)))
+    assert record.status == Status.FAULT
+    assert np.isfinite(list(command.position.values())).all()
+
+
+def test_joints_that_do_not_rest_are_not_waited_for_forever():
+    stage = Stage(settle_limit_s=1.0)
+    stage.sequence.start()
+    rng = np.random.default_rng(5)
+    for _ in range(120):
+        stage.set_point += rng.normal(0.0, 1e-3, 6)  # 0.03 rad/s of shaking
+        stage.step()
+    by_phase = {}
+    for record in stage.records:
+        by_phase.setdefault(record.phase, record.stamp_ns)
+    assert by_phase["teach"] - by_phase["settle_goal"] == pytest.approx(1.5e9, abs=2 * PERIOD_NS)
+
+
+def test_configuration_lists_every_fault():
+    bad = {"goal": {"joints": {"gantry": 9.0, "J9": 0.0}}, "z_star_m": 0.0, "hurry": True}
+    with pytest.raises(ParameterError) as caught:
+        Stage(**{**bad, "start": {"pose": {}}})
+    text = str(caught.value)
+    for part in ("gantry: found 9.0", "J9: unknown", "z_star_m: found 0.0", "hurry: unknown", "pose: unknown"):
+        assert part in text

@@ -1,0 +1,132 @@
+"""One run of a sweep with the real simulator: outcomes, reuse of the simulator, the result folder of a run."""
+
+import json
+
+import numpy as np
+import pytest
+
+from aras_visual_servo_controller.run.loop import ServoLoop
+from aras_visual_servo_controller.report.report import save_results
+from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo_controller.sweep.perturb import perturbed
+from aras_visual_servo_controller.sweep.plan import Start
+from aras_visual_servo_controller.sweep.judge import trace_hash
+from aras_visual_servo_controller.sweep.run import Bench
+from aras_visual_servo_controller.sweep.worker import make_setup, run_chunk, scenario_of
+
+GOAL = {"gantry": 0.05, "J1": 0.0, "J2": -0.09, "J3": 0.045, "J5": 0.045, "J6": 0.0}
+NEAR = {**GOAL, "gantry": -0.02, "J2": 0.1, "J3": -0.05, "J6": 0.1}
+FAR = {**GOAL, "gantry": -0.1, "J2": 0.34906585, "J3": -0.26179939, "J5": -0.08726646, "J6": 0.17453293}
+MOVED = 1e-3   # [m, rad]: a tenth of what the first image makes the gantry move until the next
+OUT_OF_VIEW = {**GOAL, "gantry": 1.2}
+
+
+@pytest.fixture(scope="module")
+def scenario():
+    return load_scenario("experiment_1")
+
+
+@pytest.fixture(scope="module")
+def bench(scenario):
+    return Bench(scenario)
+
+
+def test_a_reset_simulator_gives_the_bytes_of_a_new_one(scenario, bench):
+    first, _ = bench.run(Start(1, NEAR))
+    bench.run(Start(2, FAR))
+    bench.run(Start(3, NEAR, parameters={"noise_stddev": 1.0}))
+    again, record = bench.run(Start(1, NEAR))
+    fresh, _ = Bench(scenario).run(Start(1, NEAR))
+    assert first == again == fresh
+    assert first["outcome"] == "success" and first["success_strict"] == 1
+    assert first["trace_hash"] == trace_hash(record) and len(first["run_hash"]) == 16
+
+
+def test_driven_runs_give_the_trace_of_a_whole_experiment(scenario):
+    row, record = Bench(scenario, drive_to_start=True).run(Start(1, dict(scenario.experiment["start"]["joints"])))
+    whole = ServoLoop(scenario).run(closing_s=0.0)
+    assert row["run_hash"] == whole.run_hash and row["trace_hash"] == trace_hash(whole)
+
+
+def test_a_target_out_of_view_at_the_start_is_infeasible_not_a_failure(bench):
+    row, record = bench.run(Start(4, OUT_OF_VIEW))
+    assert (row["outcome"], row["reason"], record) == ("infeasible", "target not in view at the start", None)
+    assert row["distance0_mm"] == pytest.approx(1150.0, abs=1.0)
+
+
+def test_a_refused_start_is_a_row_that_says_why(bench):
+    row, _ = bench.run(Start(5, None, refusal="camera pose out of reach: 3 mm and 0 deg are missing"))
+    assert (row["outcome"], row["reason"]) == ("infeasible", "camera pose out of reach")
+    assert "3 mm" in row["detail"] and row["run_hash"] is None
+
+
+def test_a_run_that_raises_is_a_row_with_its_reason(bench, monkeypatch):
+    def broken(self, *_):
+        raise ZeroDivisionError("made up")
+    monkeypatch.setattr(ServoLoop, "step", broken)
+    row, record = bench.run(Start(6, NEAR))
+    assert (row["outcome"], row["reason"], row["detail"]) == ("error", "error: ZeroDivisionError", "made up")
+    assert record is None and row["success"] == 0
+
+
+def test_a_short_time_limit_is_a_failure_that_timed_out(bench):
+    row, _ = bench.run(Start(7, FAR, parameters={"servo.time_limit_s": 0.3}))
+    assert (row["outcome"], row["reason"], row["converged"]) == ("failure", "timed out", 0)
+    assert row["error_mm"] > 0.1 * row["distance0_mm"]
+
+
+def test_noise_is_seeded_by_the_run_and_repeats(bench):
+    noise = {"noise_stddev": 2.0, "servo.time_limit_s": 0.5, "friction_scale": 1.5}
+    hashes = [bench.run(Start(number, NEAR, parameters=noise))[0]["run_hash"] for number in (8, 9, 8)]
+    assert hashes[0] == hashes[2] != hashes[1]
+
+
+@pytest.mark.parametrize("name, value", [("friction_scale", 2.0), ("pid_gain_scale", 0.5), ("damping_scale", 3.0),
+                                         ("z_star_error", 0.2), ("target", "l_shape"), ("target_scale", 0.8),
+                                         ("focal_error", 0.05), ("principal_point_error_px", 2.0),
+                                         ("latency_images", 2)])
+def test_every_perturbation_changes_the_run(bench, name, value):
+    limit = {"servo.time_limit_s": 0.3}
+    plain, _ = bench.run(Start(10, NEAR, parameters=limit))
+    changed, _ = bench.run(Start(10, NEAR, parameters={**limit, name: value}))
+    assert changed["outcome"] in ("success", "failure"), changed["detail"]
+    assert changed["trace_hash"] != plain["trace_hash"]
+
+
+def test_an_answer_that_comes_late_moves_the_arm_that_many_images_later(bench):
+    limit = {"servo.time_limit_s": 0.5}
+    first = {}
+    for latency in (0, 3):
+        record = bench.run(Start(11, NEAR, parameters={**limit, "latency_images": latency}))[1]
+        q = record.q[record.servo_rows]
+        first[latency] = next(i for i, row in enumerate(q) if np.abs(row - q[0]).max() > MOVED)
+    assert first[3] == first[0] + 3
+
+
+def test_a_wrong_calibration_is_believed_but_the_images_are_the_same(bench, scenario):
+    believed = perturbed(scenario, {"focal_error": 0.1, "principal_point_error_px": -2.0}).believed_camera_info(
+        {"K": [200.0, 0, 160.0, 0, 200.0, 120.0, 0, 0, 1], "P": [200.0, 0, 160.0, 0, 0, 200.0, 120.0, 0, 0, 0, 1, 0]})
+    assert believed["K"] == pytest.approx([220.0, 0, 158.0, 0, 220.0, 118.0, 0, 0, 1])
+    assert believed["P"] == pytest.approx([220.0, 0, 158.0, 0, 0, 220.0, 118.0, 0, 0, 0, 1, 0])
+    plain, wrong = (bench.run(Start(12, NEAR, parameters=p))[1] for p in ({}, {"focal_error": 0.1}))
+    row = plain.servo_rows[0]
+    # x_g is what the moments say in normalised coordinates: the same pixels, over a focal length 10 % too long.
+    assert wrong.raw[row, 1] == pytest.approx(plain.raw[row, 1] / 1.1, rel=1e-6)
+
+
+def test_the_record_of_a_run_makes_a_whole_result_folder(bench, tmp_path):
+    row, record = bench.run(Start(1, NEAR))
+    summary = save_results(record, tmp_path)
+    assert summary["passed"] and summary["run_hash"] == row["run_hash"]
+    written = {path.name for path in tmp_path.iterdir()}
+    assert written == {"summary.json", "trace.csv", "figure.png", "figure.pdf", "report.html"}
+    assert any("placed" in note for note in json.loads((tmp_path / "summary.json").read_text())["notes"])
+
+
+def test_workers_rebuild_the_scenario_and_refuse_other_files(scenario):
+    setup = json.loads(json.dumps(make_setup(scenario, False)))
+    assert scenario_of(setup).as_dict() == scenario.as_dict()
+    start = {"id": 5, "joints": None, "offset": {}, "parameters": {}, "refusal": "no"}
+    assert run_chunk(setup, [start])[0][0]["outcome"] == "infeasible"
+    with pytest.raises(RuntimeError, match="differ from those"):
+        run_chunk(dict(setup, files="0"), [start])
