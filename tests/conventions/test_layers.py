@@ -41,7 +41,8 @@ def test_no_core_file_includes_a_ros_header():
 
 
 def test_only_the_thin_python_modules_import_ros():
-    modules = [path for path in SOURCE.glob("*/src/**/*.py") if not any(f"/{name}" in str(path) for name in ROS_MODULES)]
+    modules = [path for path in SOURCE.glob("*/src/**/*.py")
+               if not any(f"/{name}" in str(path) for name in ROS_MODULES)]
     assert len(modules) > 10
     assert [str(path) for path in modules if ROS_IMPORT.search(path.read_text())] == []
 

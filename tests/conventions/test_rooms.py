@@ -1,4 +1,4 @@
-"""The rooms of the controller's Python package: each imports only what stands on a floor below it, no folder is crowded."""
+"""The rooms of the controller's Python package: each imports only what stands below it, and no folder is crowded."""
 import ast
 import pathlib
 

@@ -19,7 +19,7 @@ from aras_visual_servo_controller.report import report
 from aras_visual_servo_controller.report.pictures import PANELS, image_of
 from aras_visual_servo_controller.report.plots import plots_of
 from aras_visual_servo_controller.report.report import (ResultFolderError, create_result_folder, format_summary,
-                                                 quaternion_xyzw, save_results, summarise, trace_csv)
+                                                        quaternion_xyzw, save_results, summarise, trace_csv)
 
 FILES = {"summary.json", "trace.csv", "figure.png", "figure.pdf", "report.html"}
 # trace.csv keeps nine significant digits.
