@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from ..ground.spatial import rotation_vector
+
 #: A camera pose counts as reached when it is this near: a tenth of what the strict metric of sweeps tells apart.
 REACHED_M, REACHED_RAD = 1e-4, 5e-4
 IK_STEPS, IK_DAMPING, IK_MAX_STEP = 60, 1e-2, 0.3
@@ -53,20 +55,3 @@ def _solve(kinematics, X_BC, q):
         step = J.T @ np.linalg.solve(J @ J.T + IK_DAMPING ** 2 * np.eye(6), error)
         q = q + step * min(1.0, IK_MAX_STEP / max(float(np.abs(step).max()), 1e-12))
     return q, error
-
-
-def rotation(vector):
-    """Rotation matrix of a rotation vector (3,) [rad] (Rodrigues)."""
-    angle = float(np.linalg.norm(vector))
-    if angle == 0.0:
-        return np.eye(3)
-    x, y, z = np.asarray(vector) / angle
-    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + np.sin(angle) * K + (1.0 - np.cos(angle)) * (K @ K)
-
-
-def rotation_vector(R):
-    """Rotation vector (3,) [rad] of a matrix, angle below pi."""
-    axis = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
-    sine, cosine = float(np.linalg.norm(axis)), 0.5 * (float(np.trace(R)) - 1.0)
-    return axis if sine < 1e-12 else axis * (np.arctan2(sine, cosine) / sine)

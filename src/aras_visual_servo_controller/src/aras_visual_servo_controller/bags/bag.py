@@ -10,6 +10,7 @@ import yaml
 from .files import BagError, BagFiles
 from ..run.record import RecordBuilder
 from .record_groups import lacking
+from ..ground.spatial import pose_from_quaternion
 from ..ground.types import FEATURE_NAMES
 
 __all__ = ["BagError", "read_bag"]
@@ -186,13 +187,6 @@ def settings_of(scenario, document, notes):
 
 
 def pose_matrix(pose):
-    """(4, 4) matrix of a geometry_msgs/Pose; the quaternion is normalised, NaN if it is zero."""
-    q = np.array([pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w])
-    norm = np.linalg.norm(q)
-    x, y, z, w = q / norm if norm > 0.0 else np.full(4, np.nan)
-    X = np.eye(4)
-    X[:3, :3] = [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                 [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                 [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]
-    X[:3, 3] = [pose.position.x, pose.position.y, pose.position.z]
-    return X
+    """(4, 4) matrix of a geometry_msgs/Pose; NaN where its quaternion is zero."""
+    position, q = pose.position, pose.orientation
+    return pose_from_quaternion((position.x, position.y, position.z), (q.x, q.y, q.z, q.w))

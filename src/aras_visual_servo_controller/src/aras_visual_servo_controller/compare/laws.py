@@ -124,7 +124,7 @@ def _run_law(job):
     _, scenario, tasks = job
     bench, results = Bench(scenario), []
     kinematics = Kinematics(scenario.urdf_xml(), scenario.robot["base_link"], scenario.robot["tip_link"])
-    goal = kinematics.vector({**scenario.sim.get("initial_positions", {}), **scenario.experiment["goal"]["joints"]})
+    goal = scenario.goal_posture(kinematics)
     feasibility = Feasibility(scenario, kinematics)
     for number, task in enumerate(tasks):
         joints, refusal = reach(kinematics, goal, kinematics.pose(goal) @ task.X_CgC)
@@ -194,5 +194,5 @@ def _target(scenario):
     if outline is None:
         raise ParameterError(f"scenario '{scenario.name}': a task with tilt needs a flat target of known outline")
     kinematics = Kinematics(scenario.urdf_xml(), scenario.robot["base_link"], scenario.robot["tip_link"])
-    goal = kinematics.vector({**scenario.sim.get("initial_positions", {}), **scenario.experiment["goal"]["joints"]})
+    goal = scenario.goal_posture(kinematics)
     return np.linalg.solve(kinematics.pose(goal), outline.X_WT)[:3, 3]

@@ -6,7 +6,7 @@ from ..ground.errors import DegenerateFeature, ParameterError
 from ..features.base import View
 from .base import Law, LawSetup, register, sampled_gains
 from ..target.points_pose import PlanarPoints, find_corners
-from ..target.target_pose import inverse, rotation_vector
+from ..ground.spatial import inverse, rotation_vector
 
 
 class PoseLaw(Law):

@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from ..ground.errors import ArasError
+from ..ground.spatial import quaternion_xyzw
 from ..run.judge import judge, tracking
 from ..run.record import FEATURE_UNITS, TWIST_NAMES
 from .rows import comparison_rows, is_number
@@ -175,19 +176,6 @@ def trace_csv(record):
         writer.writerow([f"{record.stamp_ns[i] // 10**9}.{record.stamp_ns[i] % 10**9:09d}", record.phase[i],
                          int(record.status[i])] + [f"{x:.9g}" if math.isfinite(x) else "" for x in numbers])
     return stream.getvalue()
-
-
-def quaternion_xyzw(R):
-    """Unit quaternion (x, y, z, w), w >= 0, of a rotation matrix, shape (4,); NaN for a matrix with NaN."""
-    if not np.all(np.isfinite(R)):
-        return np.full(4, np.nan)
-    # Eigenvector of the largest eigenvalue (Bar-Itzhack 2000): no case distinctions, well conditioned everywhere.
-    K = np.array([[R[0, 0] - R[1, 1] - R[2, 2], R[0, 1] + R[1, 0], R[0, 2] + R[2, 0], R[2, 1] - R[1, 2]],
-                  [0.0, R[1, 1] - R[0, 0] - R[2, 2], R[1, 2] + R[2, 1], R[0, 2] - R[2, 0]],
-                  [0.0, 0.0, R[2, 2] - R[0, 0] - R[1, 1], R[1, 0] - R[0, 1]],
-                  [0.0, 0.0, 0.0, R[0, 0] + R[1, 1] + R[2, 2]]]) / 3.0
-    q = np.linalg.eigh(np.triu(K) + np.triu(K, 1).T)[1][:, -1]
-    return q if q[3] >= 0.0 else -q
 
 
 def format_summary(summary):

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..ground.errors import ArasError
+from ..ground.spatial import rotation_angle
 from ..ground.types import FEATURE_NAMES, Status
 
 # A decay is fitted while the error is above this share of its largest value ...
@@ -135,11 +136,8 @@ def pose_error(X_WCg, X_WC):
         dict x_mm, y_mm, z_mm (p_CgC in the goal camera frame) and angle_deg (rotation angle of R_CgC, >= 0).
     """
     X_CgC = np.linalg.solve(X_WCg, X_WC) if np.all(np.isfinite(X_WCg)) else np.full((4, 4), np.nan)
-    R, p = X_CgC[:3, :3], X_CgC[:3, 3] * 1e3
-    # atan2 of both: acos of the trace alone loses half the digits near zero.
-    sine = 0.5 * math.sqrt((R[2, 1] - R[1, 2]) ** 2 + (R[0, 2] - R[2, 0]) ** 2 + (R[1, 0] - R[0, 1]) ** 2)
-    angle = math.degrees(math.atan2(sine, 0.5 * (np.trace(R) - 1.0)))
-    return {"x_mm": float(p[0]), "y_mm": float(p[1]), "z_mm": float(p[2]), "angle_deg": angle}
+    x_mm, y_mm, z_mm = (1e3 * X_CgC[:3, 3]).tolist()
+    return {"x_mm": x_mm, "y_mm": y_mm, "z_mm": z_mm, "angle_deg": math.degrees(rotation_angle(X_CgC[:3, :3]))}
 
 
 def fit_decay(record):

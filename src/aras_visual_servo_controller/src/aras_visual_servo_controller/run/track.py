@@ -1,8 +1,11 @@
 """How a run goes home, for figures: true distance, angle, retreat, and the target's way through the image."""
 
 from dataclasses import dataclass, field
+from math import degrees
 
 import numpy as np
+
+from ..ground.spatial import rotation_angle
 
 
 @dataclass
@@ -26,10 +29,9 @@ def track_of(record, outline=None):
     """`Track` of a RunRecord with a taught view and servo rows."""
     rows = record.servo_rows
     X_CgC = np.linalg.inv(record.X_WC[record.rows("teach")[-1]]) @ record.X_WC[rows]
-    cosine = np.clip(0.5 * (np.trace(X_CgC[:, :3, :3], axis1=1, axis2=2) - 1.0), -1.0, 1.0)
     p = 1e3 * X_CgC[:, :3, 3]
     track = Track((record.t_s[rows] - record.t_s[rows[0]]).tolist(), np.linalg.norm(p, axis=1).tolist(),
-                  np.degrees(np.arccos(cosine)).tolist(), (-p[:, 2]).tolist())
+                  [degrees(rotation_angle(X[:3, :3])) for X in X_CgC], (-p[:, 2]).tolist())
     if outline is not None:
         pixels = [outline.pixels(X) for X in record.X_WC[rows]]
         middle = [(np.nan, np.nan) if p is None else 0.5 * (p.min(axis=0) + p.max(axis=0)) for p in pixels]

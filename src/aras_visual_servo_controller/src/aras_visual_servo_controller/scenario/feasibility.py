@@ -24,10 +24,8 @@ OTHERS_TURN = 0.02
 def check_feasible(scenario):
     """Raises ParameterError, naming the reason, if the scenario's experiment cannot be done as it stands."""
     kinematics = Kinematics(scenario.urdf_xml(), scenario.robot["base_link"], scenario.robot["tip_link"])
-    stay = {**dict.fromkeys(kinematics.joint_names, 0.0), **scenario.sim.get("initial_positions", {})}
-    stay.update(scenario.experiment["goal"]["joints"])
-    places = [kinematics.vector({**stay, **scenario.experiment[place]["joints"]}) for place in ("goal", "start")]
-    refusal = Feasibility(scenario, kinematics).refusal(*places)
+    refusal = Feasibility(scenario, kinematics).refusal(scenario.goal_posture(kinematics),
+                                                        scenario.start_posture(kinematics))
     if refusal:
         raise ParameterError(f"scenario '{scenario.name}' refused, nothing has moved: {refusal}")
 

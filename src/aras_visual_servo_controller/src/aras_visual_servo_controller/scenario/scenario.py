@@ -8,6 +8,8 @@ import copy
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from ..ground.errors import ParameterError
 from .check import check
 from .files import find_scenario
@@ -62,6 +64,26 @@ class Scenario:
     def controllers(self):
         """The joint controllers, ros_control layout: dict of controller name -> {type, joint, pid, ...}."""
         return load_yaml(self.controllers_path)
+
+    def goal_posture(self, kinematics):
+        """Joint positions at the goal, (n,), in the order of `kinematics.joint_names`.
+
+        A joint that the goal does not name stays where the simulator starts it: at `sim.initial_positions`, else at
+        zero, within the joint's limits.
+        """
+        stay = np.clip(np.zeros(len(kinematics.joint_names)), kinematics.lower, kinematics.upper)
+        return self._placed(kinematics, kinematics.by_name(stay), self.sim.get("initial_positions", {}),
+                            self.experiment["goal"]["joints"])
+
+    def start_posture(self, kinematics):
+        """Joint positions at the start of the servo, (n,); a joint that the start does not name stays at the goal's."""
+        goal = kinematics.by_name(self.goal_posture(kinematics))
+        return self._placed(kinematics, goal, self.experiment["start"]["joints"])
+
+    @staticmethod
+    def _placed(kinematics, *places):
+        """Joint vector of the last of the places that names each joint."""
+        return kinematics.vector({name: q for joints in places for name, q in joints.items()})
 
     def as_dict(self):
         """Nested dict, as in the file; a deep copy."""

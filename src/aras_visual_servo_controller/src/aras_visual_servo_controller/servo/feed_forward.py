@@ -21,7 +21,7 @@ import numpy as np
 
 from ..ground.errors import ParameterError
 from ..features.base import View
-from ..target.target_pose import exponential, inverse, rotation_vector
+from ..ground.spatial import exponential, inverse, rotation, rotation_vector
 from ..ground.types import FEATURE_NAMES
 
 POSE_FEATURES = ("tx", "ty", "tz", "rx", "ry", "rz")
@@ -142,9 +142,9 @@ class TargetMotion:
         off = point_B - predicted
         self._point_B, self.velocity = predicted + place * off, self.velocity + rate * off
         place, rate = self._turns.gains(dt_s)
-        R_predicted = _turned(dt_s * self.turn) @ self._R_BG
+        R_predicted = rotation(dt_s * self.turn) @ self._R_BG
         off = R_predicted @ rotation_vector(R_predicted.T @ R_BG)
-        self._R_BG, self.turn = _turned(place * off) @ R_predicted, self.turn + rate * off
+        self._R_BG, self.turn = rotation(place * off) @ R_predicted, self.turn + rate * off
         w = self.turn @ R_BC
         if not self._features.sees_tilt:
             w[:2] = 0.0
@@ -152,15 +152,3 @@ class TargetMotion:
         vx, vy, vz = (self.velocity @ R_BC).tolist()  # of the point; the camera's origin has v - w x p_CP
         twist = [vx - wy * z + wz * y, vy - wz * x + wx * z, vz - wx * y + wy * x, wx, wy, wz]
         return self._config.part * np.array(twist)
-
-
-def _turned(vector):
-    """Rotation matrix of a rotation vector, (3,) (Rodrigues; to second order where it vanishes)."""
-    x, y, z = vector.tolist()
-    angle = (x * x + y * y + z * z) ** 0.5
-    a, b = (sin(angle) / angle, (1.0 - cos(angle)) / angle**2) if angle > 1e-5 else (1.0, 0.5)
-    return np.array([
-        [1.0 - b * (y * y + z * z), b * x * y - a * z, b * x * z + a * y],
-        [b * x * y + a * z, 1.0 - b * (x * x + z * z), b * y * z - a * x],
-        [b * x * z - a * y, b * y * z + a * x, 1.0 - b * (x * x + y * y)],
-    ])  # fmt: skip

@@ -10,7 +10,7 @@ from typing import NamedTuple, Optional
 import numpy as np
 
 from ..arm.limits import velocity_factor
-from ..target.target_pose import exponential, inverse, rotation_vector
+from ..ground.spatial import exponential, inverse, rotation_vector
 
 ACTIONS = ("hold", "back_off", "search")
 PATTERNS = ("translate", "tilt")

@@ -80,9 +80,9 @@ class SweepSettings:
             given = {**({} if space == "camera" else DEFAULTS[space]), **(section.get(space) or DEFAULTS[space])}
             ranges = _ranges(space, given, AXES[space], faults)
         elif space == "joint":
-            goal = scenario.experiment["goal"]["joints"]
-            around = {name: (goal[name] - DEFAULT_JOINT_HALF_WIDTH, goal[name] + DEFAULT_JOINT_HALF_WIDTH)
-                      for name in kinematics.joint_names if name in goal}
+            around = {name: (q - DEFAULT_JOINT_HALF_WIDTH, q + DEFAULT_JOINT_HALF_WIDTH)
+                      for name, q in kinematics.by_name(scenario.goal_posture(kinematics)).items()
+                      if name in scenario.experiment["goal"]["joints"]}
             ranges = _ranges("joints", section.get("joints") or around, kinematics.joint_names, faults)
         goal = _ranges("goal", section.get("goal", {}), GOAL_AXES, faults)
         perturbations = []
@@ -144,9 +144,7 @@ class _Planner:
 
     def __init__(self, settings, scenario, kinematics):
         self._settings, self._scenario, self._kinematics = settings, scenario, kinematics
-        self._goal = kinematics.vector({**dict.fromkeys(kinematics.joint_names, 0.0),
-                                        **scenario.sim.get("initial_positions", {}),
-                                        **scenario.experiment["goal"]["joints"]})
+        self._goal = scenario.goal_posture(kinematics)
         self._X_WCg = kinematics.pose(self._goal)
         # What a perturbation makes of target and camera is known in the run only.
         known = not any(p.name.startswith(("target", "sim.")) for p in settings.perturbations)

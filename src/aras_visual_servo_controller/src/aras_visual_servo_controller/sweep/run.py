@@ -149,10 +149,8 @@ class Bench:
         if self._kinematics is None:
             robot = self.scenario.robot
             self._kinematics = Kinematics(self.scenario.urdf_xml(), robot["base_link"], robot["tip_link"])
-        goal = {**dict.fromkeys(self._kinematics.joint_names, 0.0), **self.scenario.sim.get("initial_positions", {}),
-                **placed(self.scenario, start).experiment["goal"]["joints"]}
-        pose = self._kinematics.pose
-        return pose_error(pose(self._kinematics.vector(goal)), pose(self._kinematics.vector(start.joints)))
+        goal, pose = placed(self.scenario, start).goal_posture(self._kinematics), self._kinematics.pose
+        return pose_error(pose(goal), pose(self._kinematics.vector(start.joints)))
 
 
 def placed(scenario, start):

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..ground.errors import ParameterError
 from ..target.outline import Outline
-from ..arm.reach import rotation, rotation_vector
+from ..ground.spatial import rotation, rotation_vector
 
 CAMERA_AXES = ("x_m", "y_m", "z_m", "rx_rad", "ry_rad", "rz_rad")
 BALL_AXES = ("distance_m", "angle_rad")

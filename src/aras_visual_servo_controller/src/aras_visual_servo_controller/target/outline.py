@@ -1,11 +1,12 @@
 """Where a scenario's target lies in the image, from poses alone: for what must be known before anything moves, and for
 judging a run by the truth. Flat targets of known outline, pinhole cameras and plumb_bob lenses. No ROS."""
 
-from math import cos, inf, sin, tan
+from math import inf, tan
 
 import numpy as np
 
 from ..ground.errors import ParameterError
+from ..ground.spatial import inverse, rotation_rpy
 from ..config.files import load_yaml, resolve_uri
 
 
@@ -40,13 +41,13 @@ class Outline:
         if camera.get("distortion_model", "none") not in ("none", "plumb_bob"):
             return None
         X_WT = np.eye(4)
-        X_WT[:3, :3] = _rotation_rpy(models[0].get("rpy_rad", (0.0, 0.0, 0.0)))
+        X_WT[:3, :3] = rotation_rpy(models[0].get("rpy_rad", (0.0, 0.0, 0.0)))
         X_WT[:3, 3] = models[0].get("position_m", (0.0, 0.0, 0.0))
         return cls(outlines, X_WT, camera)
 
     def pixels(self, X_WC, X_WT=None):
         """(n, 2) u, v of the outline's corners seen from X_WC [px]; None if a corner is not before the camera."""
-        points = _inverse(X_WC) @ (self.X_WT if X_WT is None else X_WT)
+        points = inverse(X_WC) @ (self.X_WT if X_WT is None else X_WT)
         points = self.points_T @ points[:3, :3].T + points[:3, 3]
         if not points[:, 2].min() > 0.0:
             return None
@@ -80,18 +81,3 @@ def _outlines(model, scenario):
         return load_yaml(resolve_uri(model["file"], scenario._base)).get("outlines_m")
     except ParameterError:  # another kind of file than a flat target's
         return None
-
-
-def _rotation_rpy(rpy):
-    """Rotation matrix of fixed-axis roll, pitch, yaw [rad], as in URDF: Rz(yaw) Ry(pitch) Rx(roll)."""
-    (a, b, c), (sa, sb, sc) = map(cos, rpy), map(sin, rpy)
-    return np.array([[c * b, c * sb * sa - sc * a, c * sb * a + sc * sa],
-                     [sc * b, sc * sb * sa + c * a, sc * sb * a - c * sa],
-                     [-sb, b * sa, b * a]])
-
-
-def _inverse(X):
-    result = np.eye(4)
-    result[:3, :3] = X[:3, :3].T
-    result[:3, 3] = -(X[:3, :3].T @ X[:3, 3])
-    return result

@@ -10,7 +10,7 @@ from math import isfinite
 import numpy as np
 
 from ..ground.errors import DegenerateFeature, NotFiniteError
-from .target_pose import exponential
+from ..ground.spatial import exponential
 
 #: Largest coordinate left unexplained [-]: four pixels at f = 200 px; noise of corners is below half a pixel.
 MAX_LEFT = 0.02

@@ -5,11 +5,12 @@ A pose predicts them by projecting the target's outline, and their interaction m
 what is left.
 """
 
-from math import atan2, cos, log, sin
+from math import log
 
 import numpy as np
 
 from ..ground.errors import DegenerateFeature
+from ..ground.spatial import exponential
 
 ORDER = 4  # of the predicted moments: rows of third order need it
 _I, _J = np.array([(i, k - i) for k in (2, 3) for i in range(k, -1, -1)]).T
@@ -28,50 +29,6 @@ SURE = 1e-4
 #: First guesses: the normal given and others tilted from it by this much; turns about it.
 GUESS_TILT_RAD, GUESS_TURNS = 0.35, 8
 _BEHIND = "pose of the target: behind the camera"
-_EYE = np.eye(4)
-
-
-def exponential(twist):
-    """X of a body twist (6,), [v; w], held for one second: 4 x 4."""
-    v, w = twist[:3], twist[3:]
-    angle = float(w @ w) ** 0.5
-    wx, wy, wz = w.tolist()
-    W = np.array([[0.0, -wz, wy], [wz, 0.0, -wx], [-wy, wx, 0.0]])
-    if angle < 1e-5:  # below, third-order terms vanish in rounding
-        A, B, C = 1.0, 0.5, 1.0 / 6.0
-    else:
-        A, B, C = sin(angle) / angle, (1.0 - cos(angle)) / angle**2, (angle - sin(angle)) / angle**3
-    WW = W @ W
-    X = _EYE.copy()
-    X[:3, :3] += A * W + B * WW
-    X[:3, 3] = v + B * (W @ v) + C * (WW @ v)
-    return X
-
-
-def inverse(X):
-    """Inverse of a pose, (4, 4)."""
-    result = _EYE.copy()
-    result[:3, :3] = X[:3, :3].T
-    result[:3, 3] = -(X[:3, 3] @ X[:3, :3])
-    return result
-
-
-def rotation_vector(R):
-    """theta u of a rotation matrix, (3,) [rad]."""
-    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = R.tolist()
-    sine = 0.5 * np.array([zy - yz, xz - zx, yx - xy])
-    size = float(sine @ sine) ** 0.5
-    cosine = 0.5 * (xx + yy + zz - 1.0)
-    if size < 1e-9:
-        return sine if cosine > 0.0 else _half_turn(R)
-    return sine * (atan2(size, cosine) / size)
-
-
-def _half_turn(R):
-    """theta u of half a turn, to rounding: the largest column of u u^T = (R + 1) / 2; u and -u are the same."""
-    square = 0.5 * (R + np.eye(3))
-    column = square[:, int(np.argmax(np.diag(square)))]
-    return np.pi / float(column @ column) ** 0.5 * column
 
 
 class PlanarTarget:

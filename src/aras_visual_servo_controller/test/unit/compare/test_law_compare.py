@@ -1,6 +1,8 @@
 """Laws side by side on the canonical tasks, and runs side by side on one page."""
 
 import csv
+import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +13,7 @@ from aras_visual_servo_controller.cli.compare import compare_laws_main, compare_
 from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.compare.laws import load_comparison, run_comparison
 from aras_visual_servo_controller.compare.laws_report import ARRIVED_DEG, ARRIVED_MM, arrived, csv_text, verdict
-from aras_visual_servo_controller.arm.reach import rotation_vector
+from aras_visual_servo_controller.ground.spatial import rotation_vector
 from aras_visual_servo_controller.config.files import share_dir
 from aras_visual_servo_controller.compare.side_by_side import differing, read_run, rows_of
 
@@ -79,6 +81,23 @@ def test_what_is_published_of_half_a_turn():
         assert arrived(row) and verdict(row) == "arrived" and row["farthest_mm"] < ON_THE_SPOT_MM
         assert track.angle_deg[0] > 170.0 and track.angle_deg[-1] < ARRIVED_DEG
     assert not arrived(rows["moments"][0]) and rows["moments"][0]["farthest_mm"] > 10.0 * ON_THE_SPOT_MM
+
+
+def test_half_a_turn_to_the_last_bit_is_half_a_turn(tmp_path):
+    path = write(tmp_path, tasks={"half": {"offset": {"rz_rad": math.pi}}})
+    (_, _, row, track), = run_comparison(load_comparison(path, ["pbvs"]), 0)
+    assert arrived(row) and track.angle_deg[0] == pytest.approx(180.0, abs=0.1) and track.t_s[-1] > 1.0
+
+
+def test_a_joint_the_goal_does_not_name_stays_where_it_starts():
+    """The goal of the canonical scenario has the gantry at zero, where it starts: left out, it is the same goal."""
+    comparison = load_comparison("canonical", ["pbvs"], ["retreat"], {"servo.time_limit_s": 0.5})
+    named = comparison.scenarios["pbvs"]
+    joints = {name: q for name, q in named.experiment["goal"]["joints"].items() if name != "gantry"}
+    assert named.experiment["goal"]["joints"]["gantry"] == named.sim.get("initial_positions", {}).get("gantry", 0.0)
+    unnamed = replace(named, experiment={**named.experiment, "goal": {"joints": joints}})
+    rows = [run_comparison(replace(comparison, scenarios={"pbvs": scenario}), 0) for scenario in (named, unnamed)]
+    assert csv_text(rows[0]) == csv_text(rows[1])
 
 
 def test_the_same_bytes_in_another_process_and_order(tmp_path):

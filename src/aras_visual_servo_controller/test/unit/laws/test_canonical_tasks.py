@@ -16,7 +16,7 @@ from views import exponential, plane_of, tilted_pose
 from aras_visual_servo_controller.ground.errors import DegenerateFeature
 from aras_visual_servo_controller.features.base import FeatureSet
 from aras_visual_servo_controller.laws.base import LawSetup, make_law
-from aras_visual_servo_controller.target.target_pose import rotation_vector
+from aras_visual_servo_controller.ground.spatial import rotation_vector
 from aras_visual_servo_controller.ground.types import Reference
 
 DT_S = 1.0 / 30.0

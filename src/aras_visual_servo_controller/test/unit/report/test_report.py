@@ -13,13 +13,13 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 import yaml
-from synthetic import SETTINGS, X_WCG, make_record, rotation_z
+from synthetic import SETTINGS, make_record
 
 from aras_visual_servo_controller.report import report
 from aras_visual_servo_controller.report.pictures import PANELS, image_of
 from aras_visual_servo_controller.report.plots import plots_of
 from aras_visual_servo_controller.report.report import (ResultFolderError, create_result_folder, format_summary,
-                                                        quaternion_xyzw, save_results, summarise, trace_csv)
+                                                        save_results, summarise, trace_csv)
 
 FILES = {"summary.json", "trace.csv", "figure.png", "figure.pdf", "report.html"}
 # trace.csv keeps nine significant digits.
@@ -77,17 +77,6 @@ def test_the_trace_has_one_row_per_image_and_the_values_of_the_record(saved):
 def test_a_missing_value_is_an_empty_cell(saved):
     first = next(csv.DictReader(io.StringIO(trace_csv(saved[0]))))
     assert first["e_xn_m"] == "" and first["q_gantry"] == "0.05"
-
-
-@pytest.mark.parametrize("angle", [0.0, 0.4, math.pi / 2, 3.0, -3.0, math.pi])
-@pytest.mark.parametrize("R_0", [np.eye(3), X_WCG[:3, :3], rotation_z(0.7)[:, [1, 2, 0]]])
-def test_the_quaternion_turns_as_the_matrix_does(angle, R_0):
-    R = R_0 @ rotation_z(angle)
-    x, y, z, w = quaternion_xyzw(R)
-    turned = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                       [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                       [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
-    assert w >= 0.0 and np.allclose(turned, R, atol=1e-14)  # eigenvectors of a 4 x 4: a few eps
 
 
 class _Page(HTMLParser):

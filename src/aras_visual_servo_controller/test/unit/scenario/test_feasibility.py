@@ -1,5 +1,7 @@
 """What is refused before anything moves: joint limits, a target not in view, a wrist that would be wound up."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,8 @@ from aras_visual_servo_controller.scenario.feasibility import Feasibility, check
 from aras_visual_servo_controller.arm.kinematics import Kinematics
 from aras_visual_servo_controller.run.loop import ServoLoop
 from aras_visual_servo_controller.target.outline import Outline
-from aras_visual_servo_controller.arm.reach import reach, rotation
+from aras_visual_servo_controller.arm.reach import reach
+from aras_visual_servo_controller.ground.spatial import rotation
 from aras_visual_servo_controller.scenario.scenario import load_scenario, scenario_from_dict
 from aras_visual_servo_controller.scenario.files import scenario_names
 
@@ -43,6 +46,26 @@ def kinematics(scenario):
 def refusal(scenario, kinematics, goal=None, **start):
     feasibility = Feasibility(scenario, kinematics)
     return feasibility.refusal(kinematics.vector({**GOAL, **(goal or {})}), kinematics.vector({**GOAL, **start}))
+
+
+def test_a_joint_that_the_goal_does_not_name_stays_where_the_simulator_starts_it(scenario, kinematics):
+    joints = {"J2": -0.5836, "J5": -1.0372}
+    scenario = replace(scenario, experiment={**scenario.experiment, "goal": {"joints": joints}},
+                       sim={**scenario.sim, "initial_positions": {"J3": 1.6208, "J5": 0.3}})
+    goal = kinematics.by_name(scenario.goal_posture(kinematics))
+    assert goal == {"gantry": 0.0, "J1": 0.0, "J2": -0.5836, "J3": 1.6208, "J5": -1.0372, "J6": 0.0}
+    scenario = replace(scenario, experiment={**scenario.experiment, "start": {"joints": {"J5": -1.0}}})
+    assert kinematics.by_name(scenario.start_posture(kinematics)) == {**goal, "J5": -1.0}
+
+
+def test_a_joint_whose_limits_leave_out_zero_starts_at_the_nearer_one(scenario):
+    class OneJoint:
+        joint_names, lower, upper = ("J2",), np.array([-2.0]), np.array([-0.5])
+        by_name = staticmethod(lambda vector: {"J2": float(vector[0])})
+        vector = staticmethod(lambda joints: np.array([joints["J2"]]))
+
+    scenario = replace(scenario, sim={}, experiment={"goal": {"joints": {}}})
+    assert scenario.goal_posture(OneJoint).tolist() == [-0.5]
 
 
 def test_what_can_be_run_is_not_refused(scenario, kinematics):

@@ -13,7 +13,7 @@ from aras_visual_servo_controller.servo.feed_forward import (POSE_FEATURES, Cons
                                                                   TargetMotion)
 from aras_visual_servo_controller.features.interaction import plane_from_pose
 from aras_visual_servo_controller.servo.servo import Servo
-from aras_visual_servo_controller.target.target_pose import exponential
+from aras_visual_servo_controller.ground.spatial import exponential
 from aras_visual_servo_controller.ground.types import FEATURE_NAMES, Features, Observation, Reference, Status
 
 BENT = {"gantry": 0.0, "J1": 0.0, "J2": -0.5, "J3": 0.9, "J5": -0.4, "J6": 0.0}

@@ -5,7 +5,8 @@ import pytest
 
 from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.arm.kinematics import Kinematics
-from aras_visual_servo_controller.arm.reach import REACHED_M, REACHED_RAD, reach, rotation, rotation_vector
+from aras_visual_servo_controller.arm.reach import REACHED_M, REACHED_RAD, reach
+from aras_visual_servo_controller.ground.spatial import rotation, rotation_vector
 from aras_visual_servo_controller.scenario.scenario import load_scenario, scenario_from_dict
 from aras_visual_servo_controller.sweep.perturb import perturbed
 from aras_visual_servo_controller.sweep.plan import METHODS, SweepSettings, make_starts, sample

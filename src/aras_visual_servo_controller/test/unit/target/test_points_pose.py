@@ -8,7 +8,7 @@ from toy_plant import OUTLINE
 
 from aras_visual_servo_controller.ground.errors import DegenerateFeature
 from aras_visual_servo_controller.target.points_pose import PlanarPoints, corners_clockwise, find_corners, homography
-from aras_visual_servo_controller.target.target_pose import rotation_vector
+from aras_visual_servo_controller.ground.spatial import rotation_vector
 
 SEEDS = (1, 2, 3, 4)
 ROUNDING = 1e-9  # of a least-squares problem of condition 100, from steps that ended at 1e-5 squared

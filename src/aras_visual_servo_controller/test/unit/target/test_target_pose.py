@@ -10,7 +10,8 @@ from aras_visual_servo_controller.features import interaction
 from aras_visual_servo_controller.target import target_pose
 from aras_visual_servo_controller.ground.errors import DegenerateFeature, ParameterError
 from aras_visual_servo_controller.laws.base import LawSetup, make_law
-from aras_visual_servo_controller.target.target_pose import PlanarTarget, measures_of, rotation_vector
+from aras_visual_servo_controller.ground.spatial import rotation_vector
+from aras_visual_servo_controller.target.target_pose import PlanarTarget, measures_of
 from aras_visual_servo_controller.ground.types import Reference
 
 SEEDS = (1, 2, 3, 4)
@@ -72,13 +73,6 @@ def test_one_step_from_nearby_leaves_the_square_of_the_error():
     found, residual, _ = TARGET.improve(start, measures_of(look(X)))
     assert np.abs(found - pose_of(X)).max() < 100.0 * near**2  # curvature over the smallest singular value
     assert residual > 1e-4
-
-
-def test_rotation_vector_is_the_inverse_of_the_exponential():
-    for vector in ([0.3, -0.2, 1.1], [0.0, 0.0, 1e-8], [0.0, 0.0, 0.0], [2.0, -1.0, 0.5]):
-        X = target_pose.exponential(np.r_[0.1, 0.2, 0.3, vector])
-        np.testing.assert_allclose(rotation_vector(X[:3, :3]), vector, atol=1e-12)
-        np.testing.assert_allclose(X, exponential([0.1, 0.2, 0.3, *vector], 1.0), atol=1e-12)
 
 
 def test_another_object_is_not_taken_for_the_target():

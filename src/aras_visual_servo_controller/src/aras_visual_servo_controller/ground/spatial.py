@@ -1,0 +1,107 @@
+"""Rotations and poses: matrices, rotation vectors, quaternions, roll-pitch-yaw angles. The only place that computes them.
+
+A pose X_AB is a 4 x 4 homogeneous matrix, a twist is stacked [v; w], a rotation vector is theta u [rad]. The functions
+that a servo calls at every image are written out for speed; the others are scipy's.
+"""
+
+from math import atan2, cos, sin
+
+import numpy as np
+
+_EYE = np.eye(4)
+#: Below this angle third-order terms of the series vanish in rounding [rad].
+_SMALL_RAD = 1e-5
+#: Below this cosine the sine of the angle is too small to tell the axis from: the quaternion tells it [-].
+_NEAR_HALF_TURN = -0.9
+
+
+def exponential(twist):
+    """Pose after a body twist was held for one second.
+
+    Args: twist: (6,) array, [v; w] in the moving frame [m/s, rad/s].
+    Returns: (4, 4).
+    """
+    v, w = twist[:3], twist[3:]
+    angle = float(w @ w) ** 0.5
+    wx, wy, wz = w.tolist()
+    W = np.array([[0.0, -wz, wy], [wz, 0.0, -wx], [-wy, wx, 0.0]])
+    if angle < _SMALL_RAD:
+        A, B, C = 1.0, 0.5, 1.0 / 6.0
+    else:
+        A, B, C = sin(angle) / angle, (1.0 - cos(angle)) / angle**2, (angle - sin(angle)) / angle**3
+    WW = W @ W
+    X = _EYE.copy()
+    X[:3, :3] += A * W + B * WW
+    X[:3, 3] = v + B * (W @ v) + C * (WW @ v)
+    return X
+
+
+def inverse(X):
+    """Inverse of a pose, (4, 4)."""
+    result = _EYE.copy()
+    result[:3, :3] = X[:3, :3].T
+    result[:3, 3] = -(X[:3, 3] @ X[:3, :3])
+    return result
+
+
+def rotation(vector):
+    """Rotation matrix, (3, 3), of a rotation vector, (3,) [rad] (Rodrigues)."""
+    x, y, z = np.asarray(vector, dtype=float).tolist()
+    angle = (x * x + y * y + z * z) ** 0.5
+    a, b = (sin(angle) / angle, (1.0 - cos(angle)) / angle**2) if angle > _SMALL_RAD else (1.0, 0.5)
+    return np.array([
+        [1.0 - b * (y * y + z * z), b * x * y - a * z, b * x * z + a * y],
+        [b * x * y + a * z, 1.0 - b * (x * x + z * z), b * y * z - a * x],
+        [b * x * z - a * y, b * y * z + a * x, 1.0 - b * (x * x + y * y)],
+    ])  # fmt: skip
+
+
+def rotation_vector(R):
+    """Rotation vector, (3,) [rad], of a rotation matrix; its length is in [0, pi].
+
+    Exact to rounding at every angle: at small ones the antisymmetric part of R is the vector itself, near half a turn
+    the axis is taken from the quaternion. Of the two vectors of exactly half a turn one is returned.
+    """
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = R.tolist()
+    cosine = 0.5 * (xx + yy + zz - 1.0)
+    if cosine < _NEAR_HALF_TURN:
+        return _scipy_rotation().from_matrix(R).as_rotvec()
+    sine = 0.5 * np.array([zy - yz, xz - zx, yx - xy])
+    size = float(sine @ sine) ** 0.5
+    return sine if size < 1e-9 else sine * (atan2(size, cosine) / size)
+
+
+def rotation_angle(R):
+    """Angle of a rotation matrix, in [0, pi] [rad]; NaN for a matrix with NaN.
+
+    From sine and cosine: the arc cosine of the trace alone loses half the digits near zero.
+    """
+    sine = 0.5 * ((R[2, 1] - R[1, 2]) ** 2 + (R[0, 2] - R[2, 0]) ** 2 + (R[1, 0] - R[0, 1]) ** 2) ** 0.5
+    return atan2(sine, 0.5 * (np.trace(R) - 1.0))
+
+
+def rotation_rpy(rpy_rad):
+    """Rotation matrix of fixed-axis roll, pitch, yaw, as in URDF: Rz(yaw) Ry(pitch) Rx(roll)."""
+    return _scipy_rotation().from_euler("xyz", rpy_rad).as_matrix()
+
+
+def quaternion_xyzw(R):
+    """Unit quaternion (x, y, z, w), w >= 0, of a rotation matrix, shape (4,); NaN for a matrix with NaN."""
+    if not np.all(np.isfinite(R)):
+        return np.full(4, np.nan)
+    q = _scipy_rotation().from_matrix(R).as_quat()
+    return q if q[3] >= 0.0 else -q
+
+
+def pose_from_quaternion(position, xyzw):
+    """Pose, (4, 4), of a position (3,) and a quaternion (4,) of any length; its rotation is NaN if that is zero."""
+    X = np.eye(4)
+    X[:3, 3] = position
+    length = np.linalg.norm(xyzw)
+    X[:3, :3] = _scipy_rotation().from_quat(xyzw).as_matrix() if length > 0.0 else np.nan
+    return X
+
+
+def _scipy_rotation():
+    from scipy.spatial.transform import Rotation  # slow to import, and a servo without half turns never needs it
+    return Rotation
