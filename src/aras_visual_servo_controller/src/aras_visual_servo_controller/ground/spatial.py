@@ -1,4 +1,4 @@
-"""Rotations and poses: matrices, rotation vectors, quaternions, roll-pitch-yaw angles. The only place that computes them.
+"""Rotations and poses: matrices, rotation vectors, quaternions, roll-pitch-yaw angles, computed nowhere else.
 
 A pose X_AB is a 4 x 4 homogeneous matrix, a twist is stacked [v; w], a rotation vector is theta u [rad]. The functions
 that a servo calls at every image are written out for speed; the others are scipy's.

@@ -10,7 +10,7 @@ from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.run.judge import goal_pose, judge, pose_error, taught_pose, tracking
 from aras_visual_servo_controller.features.base import FeatureSet, View
 from aras_visual_servo_controller.servo.feed_forward import (POSE_FEATURES, ConstantVelocity, FeedForwardConfig,
-                                                                  TargetMotion)
+                                                             TargetMotion)
 from aras_visual_servo_controller.features.interaction import plane_from_pose
 from aras_visual_servo_controller.servo.servo import Servo
 from aras_visual_servo_controller.ground.spatial import exponential
