@@ -41,20 +41,16 @@ const std::set<std::string> kWords = {"$ref",
                                       "type",
                                       "unit"};
 
-template <typename Names>
-std::vector<std::string> namesOf(const Names& map) {
-  std::vector<std::string> names;
-  for (const auto& entry : map) names.push_back(entry.first);
-  return names;
-}
-
-/** PyYAML takes 1e-6 for a text, as YAML 1.1 has it: a number with an exponent needs a point and the exponent's sign.
- */
-bool isNumberToAll(const std::string& text) {
+/** What Python's reader, which follows YAML 1.1, would take for something else: 1e-6 for a text, `off` for false. */
+std::string pythonFault(const YAML::Node& value, Type type) {
+  if (!value.IsScalar() || value.Tag() == "!") return "";
+  const std::string& text = value.Scalar();
   const std::size_t exponent = text.find_first_of("eE");
-  if (exponent == std::string::npos) return true;
-  const bool sign = exponent + 1 < text.size() && (text[exponent + 1] == '-' || text[exponent + 1] == '+');
-  return sign && text.find('.') < exponent;
+  if (exponent != std::string::npos && numberOf(value) && text.compare(0, 2, "0x") != 0) {
+    const bool sign = exponent + 1 < text.size() && (text[exponent + 1] == '-' || text[exponent + 1] == '+');
+    if (!sign || text.find('.') > exponent) return "a point and the exponent's sign, as in 1.0e-6";
+  }
+  return type != Type::kBoolean && boolOf(value) ? "a truth value in quotes, where it is a word" : "";
 }
 
 }  // namespace
@@ -146,6 +142,7 @@ void SchemaParser::parseWord(const std::string& word, const YAML::Node& value, S
     schema.unit = lineOf(word, value, schema);
   } else if (word == "default") {
     schema.default_value = value;
+    checkForPython(word, value, schema);
   } else if (word != "type" && !parseChoiceWord(word, value, schema) && !parseObjectWord(word, value, schema) &&
              !parseArrayWord(word, value, schema) && !parseNumberWord(word, value, schema) &&
              !parseTextWord(word, value, schema)) {
@@ -161,7 +158,10 @@ bool SchemaParser::parseChoiceWord(const std::string& word, const YAML::Node& va
   } else if (word == "const" && value.IsScalar()) {
     schema.choices = {value};
   } else if (word == "enum" && value.IsSequence() && value.size() > 0) {
-    for (const YAML::Node& choice : value) schema.choices.push_back(choice);
+    for (const YAML::Node& choice : value) {
+      schema.choices.push_back(choice);
+      checkForPython(word, choice, schema);
+    }
   } else if (word == "const" || word == "enum") {
     faults_.add("schema " + schema.name + "/" + word, shown(value), word == "enum" ? "a list of values" : "one value");
   } else {
@@ -285,10 +285,14 @@ double SchemaParser::number(const std::string& word, const YAML::Node& value, co
   const auto number = numberOf(value);
   if (!number) {
     faults_.add("schema " + schema.name + "/" + word, shown(value), "a number");
-  } else if (!isNumberToAll(value.Scalar())) {
-    faults_.add("schema " + schema.name + "/" + word, shown(value), "a point and the exponent's sign: 1.0e-6");
   }
+  checkForPython(word, value, schema);
   return number.value_or(0.0);
+}
+
+void SchemaParser::checkForPython(const std::string& word, const YAML::Node& value, const Schema& schema) {
+  const std::string allowed = pythonFault(value, schema.type);
+  if (!allowed.empty()) faults_.add("schema " + schema.name + "/" + word, shown(value), allowed);
 }
 
 std::size_t SchemaParser::count(const std::string& word, const YAML::Node& value, const Schema& schema) {
@@ -306,18 +310,5 @@ std::vector<SchemaPtr> SchemaParser::several(const std::string& word, const YAML
   for (const YAML::Node& each : value) alternatives.push_back(parseNode(each, schema.name));
   return alternatives;
 }
-
-SchemaFolder::SchemaFolder(std::map<std::string, std::string> texts) : texts_(std::move(texts)) {}
-
-const Schema& SchemaFolder::section(const std::string& name) const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (texts_.count(name) == 0)
-    throw UnknownNameError("schema: found '" + name + "', allowed one of " + joined(names()));
-  SchemaPtr& section = sections_[name];
-  if (!section) section = SchemaParser(texts_).parse(name);
-  return *section;
-}
-
-std::vector<std::string> SchemaFolder::names() const { return namesOf(texts_); }
 
 }  // namespace aras_visual_servo_common

@@ -8,6 +8,14 @@
 
 namespace aras_visual_servo_common {
 
+/** The keys of a map, in its order. */
+template <typename Map>
+std::vector<std::string> namesOf(const Map& map) {
+  std::vector<std::string> names;
+  for (const auto& entry : map) names.push_back(entry.first);
+  return names;
+}
+
 /** Reads the text of one section, and those it refers to, and lists everything that is not of the vocabulary. */
 class SchemaParser {
  public:
@@ -33,6 +41,7 @@ class SchemaParser {
 
   std::string lineOf(const std::string& word, const YAML::Node& value, const Schema& schema);
   double number(const std::string& word, const YAML::Node& value, const Schema& schema);
+  void checkForPython(const std::string& word, const YAML::Node& value, const Schema& schema);
   std::size_t count(const std::string& word, const YAML::Node& value, const Schema& schema);
   std::vector<SchemaPtr> several(const std::string& word, const YAML::Node& value, const Schema& schema);
 

@@ -107,6 +107,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadSchema{"{type: number, description: A., unit: [m]}", "schema toy/k/unit: found [m], allowed one line"},
         BadSchema{"{type: number, description: A., minimum: x}", "schema toy/k/minimum: found x, allowed a number"},
         BadSchema{"{type: number, description: A., minimum: 1e-6}", "allowed a point and the exponent's sign"},
+        BadSchema{"{type: number, description: A., default: 1.0e6}", "allowed a point and the exponent's sign"},
+        BadSchema{"{enum: [on, off], description: A.}", "schema toy/k/enum: found on, allowed a truth value in quotes"},
         BadSchema{"{type: number, description: A., minimum: 2, maximum: 1}", "allowed a range that is not empty"},
         BadSchema{"{type: number, description: A., minItems: 1}", "schema toy/k/minItems: found it, allowed words"},
         BadSchema{"{type: string, description: A., minimum: 1}", "schema toy/k/minimum: found it, allowed words"},
