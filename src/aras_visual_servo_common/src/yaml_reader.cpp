@@ -59,6 +59,8 @@ YamlReader::Asked YamlReader::ask(const std::string& key, const std::string& typ
 }
 
 void YamlReader::missing(const std::string& key) {
+  const YAML::Node& map = level_->node;
+  if (!map.IsMap() && !map.IsNull()) return;  // there is no map: that was said already
   if (const SchemaPtr schema = described(key)) fault(key, "nothing", schema->text() + " (required)");
 }
 

@@ -55,7 +55,7 @@ class YamlReader {
   }
 
   /** Value of a choice as get<std::string>() has it, by what each word of the section stands for. It is a fault if the
-   *  section has other words than the table. */
+   *  section has other words than the table; a faulty value reads as the table's first. */
   template <typename E>
   E choice(const std::string& key, std::initializer_list<std::pair<const char*, E>> meanings) {
     std::vector<std::string> words;

@@ -199,6 +199,7 @@ TEST_F(ReadToy, FaultsOfTheCallerHaveTheFullPathToo) {
 
 TEST_F(ReadToy, AnythingButAMapIsRefused) {
   YamlReader list = reader("[1, 2]");
+  list.get<std::string>("name");
   EXPECT_EQ(faultsOf(list), "toy: found [1, 2], allowed a map");
   YamlReader nothing = reader("");
   EXPECT_EQ(faultsOf(nothing), "toy/name: found nothing, allowed a text (required)");
