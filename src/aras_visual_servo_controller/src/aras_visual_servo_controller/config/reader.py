@@ -1,10 +1,17 @@
 """Reads a section of a scenario: every fault is collected and raised in one ParameterError."""
 
+import operator
 from collections.abc import Mapping
+from dataclasses import is_dataclass
 from math import isfinite
+from typing import Callable, NamedTuple, Tuple
 
 from ..ground.errors import ParameterError
+from .settings import entry_type, is_table, keys_of
 
+_TABLE = "a table of keys"
+_WORDS = {float: "a finite number", int: "a whole number", bool: "true, false", str: "text", object: "a value"}
+_COMPARE = {">": operator.gt, ">=": operator.ge, "<": operator.lt, "<=": operator.le}
 _REQUIRED = object()
 
 
@@ -139,3 +146,155 @@ class ConfigReader:
         self.close()
         if self._faults:
             raise ParameterError(self._faults)
+
+
+class Names(NamedTuple):
+    """Names that keys are given by, of the scenario at hand.
+
+    Attributes:
+        features, joints: names, in order; joints (): not known, any name will do.
+        expand: names in which one stands for several (points4) -> all of them written out.
+    """
+
+    features: Tuple[str, ...] = ()
+    joints: Tuple[str, ...] = ()
+    expand: Callable = tuple
+
+
+def read(cls, source, where, names=Names(), also=(), faults=None, separator="/"):
+    """Settings from a table of keys.
+
+    Args:
+        cls: settings class (config/settings.py).  source: mapping of key -> value.  where: its place, for the messages.
+        names: `Names`.  also: further keys that the table may have, for somebody else to read.
+        faults: list to add faults to, instead of raising them.  separator: between the parts of a place.
+    Returns:
+        An instance; None after faults that were added to the list. What is missing has its default.
+    Raises:
+        ParameterError: every fault, a line each: "where/key: found X, allowed Y".
+    """
+    found = [] if faults is None else faults
+    result = _Reader(names, separator, found).section(cls, source, where, also)
+    if faults is None and found:
+        raise ParameterError(found)
+    return result
+
+
+def number_fault(where, value, key, lower=None, upper=None):
+    """Fault of a number, "" without; lower, upper: more bounds that it has to keep, of the robot at hand."""
+    more = tuple((sign, bound) for sign, bound in ((">=", lower), ("<=", upper)) if bound is not None)
+    bounds = key.bounds + more
+    return "" if _number(value) and _within(value, bounds) else f"{where}: found {value}, allowed {_allowed(float, bounds)}"
+
+
+class _Reader:
+    """Reads one table and those in it."""
+
+    def __init__(self, names, separator, faults):
+        self._names, self._separator, self._faults = names, separator, faults
+
+    def _fault(self, where, found, allowed):
+        self._faults.append(f"{where}: found {found}, allowed {allowed}")
+
+    def section(self, cls, source, where, also=()):
+        """An instance of a settings class, None after a fault."""
+        if not isinstance(source, Mapping):
+            return self._fault(where, source, _TABLE)
+        values, before, known = {}, len(self._faults), {key.name for key in keys_of(cls)} | set(also)
+        for key in keys_of(cls):
+            if key.name in source:
+                values[key.name] = self._value(key, source[key.name], self._join(where, key.name))
+            elif key.required:
+                self._fault(self._join(where, key.name), "nothing", _allowed_for(key))
+        for name in source:
+            if name not in known:
+                self._faults.append(f"{self._join(where, name)}: unknown key, allowed {', '.join(sorted(known))}")
+        if len(self._faults) > before:
+            return None
+        result = cls(**values)
+        if hasattr(result, "check"):
+            self._faults += [self._join(where, fault) for fault in result.check()]
+        return result if len(self._faults) == before else None
+
+    def _join(self, where, name):
+        return f"{where}{self._separator}{name}"
+
+    def _value(self, key, value, where):
+        if is_table(key):
+            return self._table(key, value, where)
+        if is_dataclass(key.type):
+            return self.section(key.type, value, where)
+        return self._plain(key, key.type, value, where)
+
+    def _table(self, key, source, where):
+        """Entries by name: a dict, or a tuple in the order of the features."""
+        if not isinstance(source, Mapping) or (key.not_empty and not source):
+            return self._fault(where, source, _allowed_for(key))
+        kind, by_feature = entry_type(key.type), key.by == "feature"
+        if by_feature:
+            source = {name: value for given, value in source.items() for name in self._names.expand((given,))}
+        known = self._names.features if by_feature else self._names.joints if key.by == "joint" else ()
+        result = {}
+        for name in known if by_feature else source:
+            at = self._join(where, name)
+            if name not in source:
+                self._fault(at, "nothing", _allowed(kind, key.bounds))
+            elif known and name not in known:
+                self._faults.append(f"{at}: unknown {key.by}, allowed {', '.join(known)}")
+            elif is_dataclass(kind):
+                result[name] = self.section(kind, source[name], at)
+            else:
+                result[name] = self._plain(key, kind, source[name], at)
+        if by_feature:
+            self._faults += [f"{self._join(where, name)}: unknown key, allowed {', '.join(sorted(known))}"
+                             for name in source if name not in known]
+            return tuple(result.get(name) for name in known)
+        return result
+
+    def _plain(self, key, kind, value, where):
+        """A scalar or a list of them."""
+        entries, converted = entry_type(kind), None
+        if entries is None:
+            fits = _fits(key, kind, value) and not (kind is str and key.not_empty and not value)
+            converted = kind(value) if fits and kind is not object else value
+        else:
+            fits = (isinstance(value, (list, tuple)) and len(value) >= int(key.not_empty)
+                    and key.size in (None, len(value)) and all(_fits(key, entries, entry) for entry in value))
+            converted = tuple(entries(entry) for entry in value) if fits else None
+        return converted if fits else self._fault(where, value, _allowed(kind, key.bounds, key.choices, key.size))
+
+
+def _number(value):
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and isfinite(value)
+
+
+def _within(value, bounds):
+    return all(_COMPARE[sign](value, bound) for sign, bound in bounds)
+
+
+def _fits(key, kind, value):
+    """Whether a scalar is one of this type, and in its range."""
+    if kind in (float, int):
+        return _number(value) and (kind is float or value == int(value)) and _within(value, key.bounds)
+    if kind is str and key.choices:
+        return value in key.choices
+    return isinstance(value, kind)
+
+
+def _allowed_for(key):
+    if is_table(key) or is_dataclass(key.type):
+        return _TABLE
+    return _allowed(key.type, key.bounds, key.choices, key.size)
+
+
+def _allowed(kind, bounds=(), choices=(), size=None):
+    """What is allowed, in words."""
+    entries = entry_type(kind)
+    if entries is str:
+        return "a list of names"
+    if entries is not None:
+        kind, name = entries, "finite numbers" if entries is float else "whole numbers"
+        text = f"{size} {name}" if size else f"a list of {name}"
+    else:
+        text = ", ".join(choices) or _WORDS[kind]
+    return f"{text} {' and '.join(f'{sign} {bound}' for sign, bound in bounds)}".strip()

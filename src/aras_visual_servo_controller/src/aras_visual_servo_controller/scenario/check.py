@@ -7,16 +7,32 @@ import re
 
 from ..features.base import expand
 from ..config.files import share_dir
-from ..servo.settings import ServoConfig
+from ..config.plugins import load_plugins
+from ..config.schema import with_sections
+from ..ground.errors import ParameterError
+from ..servo.settings import ServoConfig, own_sections
 from ..ground.types import FEATURE_NAMES
 
 
 def check(document):
     """Faults of a scenario document, `path: what, allowed` each, sorted by path; [] if there are none."""
-    faults = []
-    for error in _validator().iter_errors(document):
+    missing, faults = load_plugins(_plugins(document)), []
+    try:
+        sections = tuple(own_sections().items())
+    except ParameterError as error:
+        return error.faults
+    for error in _validator(sections).iter_errors(document):
         faults.extend(_describe(error))
+    if faults:  # a plugin that is not there may be why; without, it is the servo's fault, and not that of the file
+        faults += [f"servo.{fault}" for fault in missing]
     return sorted(set(faults or _feature_faults(document) + _latency_faults(document)))
+
+
+def _plugins(document):
+    """Modules to import before it is known what the section `servo` may say; () where there is no list of names."""
+    servo = document.get("servo") if isinstance(document, dict) else None
+    names = servo.get("plugins") if isinstance(servo, dict) else None
+    return [name for name in names if isinstance(name, str)] if isinstance(names, list) else ()
 
 
 def _feature_faults(document):
@@ -48,10 +64,13 @@ def _latency_faults(document):
 
 
 @functools.lru_cache(maxsize=None)
-def _validator():
+def _validator(sections):
+    """Args: sections: (name, settings class) of the laws and features that have a section of their own."""
     import jsonschema
     with open(share_dir() / "config" / "scenario.schema.json", encoding="utf-8") as stream:
         schema = json.load(stream)
+    servo = schema["properties"]["servo"]
+    schema["properties"]["servo"] = with_sections(servo, dict(sections))
     jsonschema.Draft7Validator.check_schema(schema)
     # YAML knows .nan and .inf, JSON does not: a number is a finite one.
     is_number = jsonschema.Draft7Validator.TYPE_CHECKER.is_type

@@ -1,13 +1,14 @@
 """Settings of the servo: the scenario's section `servo`, checked as a whole."""
 
-from dataclasses import dataclass, replace
-from typing import Dict, Optional, Tuple
+from dataclasses import dataclass, field, replace
+from typing import Any, Dict, Mapping, Optional, Tuple
 
-from ..config.reader import ConfigReader
+from ..config.reader import ConfigReader, Names, read
+from ..config.settings import required_keys
 from ..ground.errors import ParameterError
 from .feed_forward import FeedForwardConfig
-from ..features.base import expand, is_known, known_features
-from ..laws.base import BROYDEN_INITIALS, INTERACTIONS, POINT_DEPTHS, POSES, LawSetup, known_laws, make_law
+from ..features.base import expand, feature_settings, is_known, known_features
+from ..laws.base import INTERACTIONS, POINT_DEPTHS, POSES, LawSetup, known_laws, law_settings, make_law
 from .lost_target import LostTargetConfig
 from ..arm.settings import LimitsConfig, read_motion
 from ..config.plugins import load_plugins
@@ -32,9 +33,7 @@ class ServoConfig:
     interaction: str = "desired"  # which interaction matrix law ibvs inverts: desired, current, mean
     point_depth: str = "plane"  # of followed points: plane (of the target), goal (always that at the goal)
     pose_from: str = "moments"  # what laws of the pose measure: moments, points
-    sliding: Optional[Tuple[float, Tuple[float, ...]]] = None  # section: switching_per_s, boundary (one per feature)
-    broyden: Tuple[str, float, float] = LawSetup.broyden  # section: initial, forgetting, move
-    photometric: Tuple[float, float, float] = LawSetup.photometric  # section: damping, rest_m_per_s, rest_rad_per_s
+    sections: Mapping[str, Any] = field(default_factory=dict)  # of laws and features with settings of their own
     target_normal_C: Tuple[float, ...] = (0.0, 0.0, 1.0)  # of the target's plane, in the camera frame at the goal
     symmetric_target: bool = False  # the target is the same after half a turn
     adaptive_gain: Optional[Tuple[float, float]] = None  # section: infinity_part, slope, see laws.adaptive_factor
@@ -95,8 +94,7 @@ class ServoConfig:
                 values["target_model"] = PlanarTarget(load_yaml(resolve_uri(target, key="target_model"))["outlines_m"])
             except (ParameterError, KeyError, ValueError) as error:
                 reader.fault(f"target_model: found {target}, allowed the file of a planar target: {error}")
-        values["sliding"], values["broyden"] = _sliding(reader, features), _broyden(reader)
-        values["photometric"] = _photometric(reader)
+        values["sections"] = _own_sections(reader, Names(features, tuple(joint_names), expand))
         adaptive = reader.section("adaptive_gain")
         if adaptive.keys():
             part = adaptive.number("infinity_part", above=0.0)
@@ -137,8 +135,8 @@ class ServoConfig:
     def law_setup(self):
         """`LawSetup` of these settings."""
         return LawSetup(self.features, self.interaction, self.adaptive_gain, self.smooth_start_per_s,
-                        self.target_model, self.target_normal_C, self.point_depth, self.pose_from, self.sliding,
-                        self.broyden, self.symmetric_target, self.photometric)
+                        self.target_model, self.target_normal_C, self.point_depth, self.pose_from,
+                        self.symmetric_target, self.sections)
 
     def with_overrides(self, law="", gains_per_s=(), thresholds=(), time_limit_s=0.0):
         """Copy with the values of a goal of VisualServo.action; empty or 0 keeps. Raises ParameterError."""
@@ -165,28 +163,29 @@ class ServoConfig:
         return replace(self, **changes)
 
 
-def _sliding(reader, features):
-    section, result = reader.section("sliding"), None
-    if section.keys():
-        switching = section.number("switching_per_s", above=0.0)
-        boundary = section.section("boundary", True).spread(expand).numbers(features, above=0.0)
-        result = (switching, tuple(boundary))
-    section.close()
-    return result
+def own_sections():
+    """Sections of the laws and features that have settings of their own: name -> settings class.
+
+    Raises ParameterError: two of them want the same section, or one that the servo has already.
+    """
+    laws, features = law_settings(), feature_settings()
+    taken = [name for name in features if name in laws]
+    taken += [name for name in (*laws, *features) if name in ServoConfig.__dataclass_fields__]
+    if taken:
+        raise ParameterError([f"servo/{name}: found a law or feature of this name with settings, allowed a name that "
+                              "no other section has" for name in taken])
+    return {**laws, **features}
 
 
-def _broyden(reader):
-    section, (initial, forgetting, move) = reader.section("broyden"), LawSetup.broyden
-    result = (section.choice("initial", BROYDEN_INITIALS, initial),
-              section.number("forgetting", forgetting, above=0.0, at_most=1.0), section.number("move", move, above=0.0))
-    section.close()
-    return result
-
-
-def _photometric(reader):
-    section, (damping, rest_m_per_s, rest_rad_per_s) = reader.section("photometric"), LawSetup.photometric
-    result = (section.number("damping", damping, at_least=0.0),
-              section.number("rest_m_per_s", rest_m_per_s, above=0.0),
-              section.number("rest_rad_per_s", rest_rad_per_s, above=0.0))
-    section.close()
-    return result
+def _own_sections(reader, names):
+    """Name -> settings, of the sections that are there and of those that need not be."""
+    found, faults = {}, []
+    for name, cls in own_sections().items():
+        given = reader.value(name)
+        if given is not None:
+            found[name] = read(cls, given, f"servo/{name}", names, faults=faults)
+        elif not required_keys(cls):
+            found[name] = cls()
+    for fault in faults:
+        reader.fault(fault[len("servo/"):])
+    return found
