@@ -81,8 +81,8 @@ def share_dir():
     raise ParameterError(f"the config folder of {PACKAGE} is missing: the package is not installed whole")
 
 
-class _UniqueKeyLoader(yaml.SafeLoader):
-    """SafeLoader that refuses a key given twice (YAML would silently take the last)."""
+class _UniqueKeyLoader(yaml.CSafeLoader):
+    """CSafeLoader, ten times as fast as SafeLoader, that refuses a key given twice: YAML would silently take the last."""
 
     def construct_mapping(self, node, deep=False):
         seen = set()

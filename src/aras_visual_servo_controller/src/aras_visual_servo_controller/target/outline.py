@@ -1,6 +1,7 @@
 """Where a scenario's target lies in the image, from poses alone: for what must be known before anything moves, and for
 judging a run by the truth. Flat targets of known outline, pinhole cameras and plumb_bob lenses. No ROS."""
 
+import functools
 from math import inf, tan
 
 import numpy as np
@@ -78,6 +79,13 @@ def _outlines(model, scenario):
     if "file" not in model:
         return None
     try:
-        return load_yaml(resolve_uri(model["file"], scenario._base)).get("outlines_m")
+        path = resolve_uri(model["file"], scenario._base)
+        return _outlines_of(path, path.stat().st_mtime_ns)
     except ParameterError:  # another kind of file than a flat target's
         return None
+
+
+@functools.lru_cache(maxsize=32)
+def _outlines_of(path, _mtime_ns):
+    """Outlines in a target's file, None if it has none; read again when the file has changed, not in every run."""
+    return load_yaml(path).get("outlines_m")
