@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "aras_visual_servo_camera/moment_extractor.hpp"
-#include "aras_visual_servo_camera/photometric_extractor.hpp"
+#include "aras_visual_servo_camera/extraction/moment_extractor.hpp"
+#include "aras_visual_servo_camera/photometric/photometric_extractor.hpp"
 #include "coverage_image.hpp"
 #include "usual_vision.hpp"
 

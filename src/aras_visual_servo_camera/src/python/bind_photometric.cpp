@@ -6,7 +6,7 @@
 #include <aras_visual_servo_common/python/yaml_from_python.hpp>
 #include <optional>
 
-#include "aras_visual_servo_camera/photometric_extractor.hpp"
+#include "aras_visual_servo_camera/photometric/photometric_extractor.hpp"
 #include "conversions.hpp"
 
 namespace py = pybind11;

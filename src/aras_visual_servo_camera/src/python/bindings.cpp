@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-#include "aras_visual_servo_camera/moment_extractor.hpp"
+#include "aras_visual_servo_camera/extraction/moment_extractor.hpp"
 #include "bind_photometric.hpp"
 #include "conversions.hpp"
 

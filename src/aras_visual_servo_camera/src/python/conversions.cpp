@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "aras_visual_servo_camera/errors.hpp"
+#include "aras_visual_servo_camera/config/errors.hpp"
 
 namespace py = pybind11;
 

@@ -3,8 +3,8 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
-#include "aras_visual_servo_camera/image_view.hpp"
-#include "aras_visual_servo_camera/moment_features.hpp"
+#include "aras_visual_servo_camera/image/image_view.hpp"
+#include "aras_visual_servo_camera/moments/moment_features.hpp"
 
 namespace aras_visual_servo_camera {
 

@@ -2,7 +2,7 @@
 
 #include <aras_visual_servo_common/ros/yaml_from_xmlrpc.hpp>
 
-#include "aras_visual_servo_camera/errors.hpp"
+#include "aras_visual_servo_camera/config/errors.hpp"
 
 namespace aras_visual_servo_camera {
 

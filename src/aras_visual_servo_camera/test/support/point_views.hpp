@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "aras_visual_servo_camera/moment_extractor.hpp"
+#include "aras_visual_servo_camera/extraction/moment_extractor.hpp"
 #include "coverage_image.hpp"
 #include "usual_vision.hpp"
 
