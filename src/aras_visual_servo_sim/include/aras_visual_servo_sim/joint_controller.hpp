@@ -19,6 +19,12 @@ enum class ControllerType {
   kVelocity         ///< velocity_controllers/JointVelocityController: likewise in velocity
 };
 
+/** When the joint controllers are evaluated. */
+enum class Drive {
+  kImplicit,  ///< on the state at the end of the step they act in: stable at any gain
+  kExplicit   ///< on the state at its beginning, as a sampled digital controller
+};
+
 struct ControllerConfig {
   std::string name;
   ControllerType type = ControllerType::kEffortPosition;
@@ -43,12 +49,6 @@ struct ControllerState {
  *  @throws ParameterError with all faults: unknown type, unknown joint, joint with two controllers, a type that the
  *          hardware interfaces of the joint's <transmission> do not have, missing `p`, ... */
 std::vector<ControllerConfig> parseControllers(const YAML::Node& node, const RobotModel& model);
-
-/** Overrides Joint::enforced and Joint::soft by the entry `joint_limits` of the same map, joint by joint, as
- *  joint_limits_interface::getJointLimits and getSoftJointLimits do from the parameter server. What they would pass
- * over (an incomplete limit, a joint that is not there, jerk) becomes a warning of the model.
- *  @throws ParameterError with all faults: unknown keys, wrong types, limits that exclude each other */
-void applyJointLimits(const YAML::Node& node, RobotModel& model);
 
 /** @throws ParameterError unless the gains are finite, not negative, i_min <= 0 <= i_max. */
 void checkGains(const PidGains& gains, const std::string& controller_name);

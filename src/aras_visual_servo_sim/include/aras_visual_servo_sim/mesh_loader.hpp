@@ -1,79 +1,13 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
-#include <cstdint>
-#include <memory>
 #include <string>
-#include <vector>
 
-#include "aras_visual_servo_sim/image.hpp"
+#include "aras_visual_servo_sim/package_paths.hpp"
 #include "aras_visual_servo_sim/texture.hpp"
+#include "aras_visual_servo_sim/triangle_mesh.hpp"
 
 namespace aras_visual_servo_sim {
-
-/** What lies beyond the edges of a picture on a surface. */
-enum class Wrap {
-  kRepeat,
-  kMirror,  ///< repeated, every other one turned over
-  kClamp    ///< the texels at the edge go on
-};
-
-/** A picture on triangles of a mesh. */
-struct MeshPicture {
-  TexturePtr texture;  ///< never null
-  Wrap wrap_s = Wrap::kRepeat, wrap_t = Wrap::kRepeat;
-};
-
-/** Triangles with a normal and a colour at each vertex; metres, counter-clockwise seen from outside. Never changed
- *  after it was made, so shapes share it. */
-struct TriangleMesh {
-  std::vector<Eigen::Vector3f> points;
-  std::vector<Eigen::Vector3f> normals;  ///< one for each point, unit length
-  std::vector<Rgb> colors;               ///< one for each point; empty: the shape's own colour
-  /** One for each point, or none: s to the right and t down the picture, which reaches from 0 to 1. */
-  std::vector<Eigen::Vector2f> texture_coordinates;
-  std::vector<MeshPicture> pictures;
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<std::int32_t> picture_of;  ///< for each triangle an index into pictures, -1: none; empty: none has one
-  /** For each triangle the one beyond its edge from corner k to k + 1 that has both of these points: the surface goes
-   * on there without a crease. */
-  std::vector<std::array<std::uint32_t, 3>> neighbours;
-  static constexpr std::uint32_t kNone = 0xffffffff;
-  Eigen::Vector3f box_min = Eigen::Vector3f::Zero();  ///< bounding box
-  Eigen::Vector3f box_max = Eigen::Vector3f::Zero();
-
-  /** Sets neighbours and box, when all else is there. */
-  void finish();
-};
-
-using MeshPtr = std::shared_ptr<const TriangleMesh>;
-
-/** Box centred at the origin. @param size_m  edge lengths, > 0  @throws ModelError */
-MeshPtr makeBox(const Eigen::Vector3d& size_m);
-/** Cylinder along z, centred at the origin. @throws ModelError unless radius_m and length_m are > 0 */
-MeshPtr makeCylinder(double radius_m, double length_m, int segments = 32);
-/** Sphere centred at the origin. @throws ModelError unless radius_m > 0 */
-MeshPtr makeSphere(double radius_m, int segments = 32);
-
-/** Finds files named by `package://name/path`, `model://name/path`, `file://path` or a plain path.
- *
- *  Packages are looked up in the map given; then in ROS_PACKAGE_PATH, where an entry may be the package itself, a
- * folder of packages or an install space's share folder; then in share/ of every CMAKE_PREFIX_PATH entry. */
-class PackagePaths {
- public:
-  PackagePaths() = default;
-  explicit PackagePaths(std::vector<std::pair<std::string, std::string>> packages) : packages_(std::move(packages)) {}
-
-  /** @param base_dir  what relative plain paths are relative to; empty = working directory
-   *  @return a path that exists
-   *  @throws ModelError naming uri and where it was looked for */
-  std::string resolve(const std::string& uri, const std::string& base_dir = "") const;
-
- private:
-  std::string findPackage(const std::string& name) const;
-  std::vector<std::pair<std::string, std::string>> packages_;
-};
 
 /** Reads a mesh file (STL, DAE, OBJ, whatever assimp reads). Scene graph transforms are applied and DAE units;
  *  axes stay as in the file whatever its up axis, as in RViz. Materials' diffuse colours are kept where the file has

@@ -5,11 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "aras_visual_servo_sim/camera_model.hpp"
-#include "aras_visual_servo_sim/mesh_loader.hpp"
+#include "aras_visual_servo_sim/package_paths.hpp"
 #include "aras_visual_servo_sim/robot_model.hpp"
 #include "aras_visual_servo_sim/scene.hpp"
-#include "aras_visual_servo_sim/yaml_reader.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -48,10 +46,5 @@ std::vector<Collision> collisionsFromUrdf(const std::string& name, const std::st
 
 /** Adds one body for each link of the robot that has visuals, named as the link. @throws ModelError */
 void addRobotBodies(const RobotModel& robot, const PackagePaths& packages, Scene& scene);
-
-/** Reads one entry of `cameras:`; keys are the members of CameraConfig. @throws ParameterError listing all faults */
-CameraConfig cameraConfigFromYaml(const YAML::Node& node);
-/** The same as part of a larger reading: faults go to reader, whose owner calls finish(). */
-CameraConfig readCameraConfig(YamlReader& reader);
 
 }  // namespace aras_visual_servo_sim

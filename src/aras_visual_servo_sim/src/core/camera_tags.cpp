@@ -1,9 +1,11 @@
+#include "aras_visual_servo_sim/camera_tags.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include "aras_visual_servo_sim/equidistant_lens.hpp"
 #include "aras_visual_servo_sim/errors.hpp"
-#include "aras_visual_servo_sim/simulation.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

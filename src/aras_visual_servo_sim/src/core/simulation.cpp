@@ -5,8 +5,10 @@
 #include <map>
 #include <utility>
 
+#include "aras_visual_servo_sim/camera_tags.hpp"
 #include "aras_visual_servo_sim/coverage_renderer.hpp"
 #include "aras_visual_servo_sim/errors.hpp"
+#include "aras_visual_servo_sim/joint_limits_reader.hpp"
 #include "aras_visual_servo_sim/scene_loader.hpp"
 
 namespace aras_visual_servo_sim {

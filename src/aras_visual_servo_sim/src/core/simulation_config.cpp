@@ -1,11 +1,8 @@
 #include "aras_visual_servo_sim/simulation_config.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
+#include "aras_visual_servo_sim/camera_config_reader.hpp"
+#include "aras_visual_servo_sim/contact_config.hpp"
 #include "aras_visual_servo_sim/errors.hpp"
-#include "aras_visual_servo_sim/scene_loader.hpp"
 #include "aras_visual_servo_sim/yaml_reader.hpp"
 
 namespace aras_visual_servo_sim {
@@ -13,7 +10,6 @@ namespace {
 
 constexpr double kShortestPeriodS = 1e-6;
 constexpr double kLongestPeriodS = 0.1;
-constexpr double kLargestRateHz = 1e6;
 
 void appendFaults(const std::string& more, std::string& faults) {
   if (!faults.empty()) faults += "\n";
@@ -30,16 +26,6 @@ void readCameras(const YAML::Node& list, std::vector<CameraConfig>& cameras, std
       appendFaults("sim/cameras[" + std::to_string(k) + "]: " + error.what(), faults);
     }
   }
-}
-
-/** Distinct names, none empty. */
-std::vector<std::string> readNames(YamlReader& reader, const std::string& key) {
-  const auto names = reader.optional<std::vector<std::string>>(key, {});
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const bool again = std::find(names.begin(), names.begin() + i, names[i]) != names.begin() + i;
-    if (names[i].empty() || again) reader.fault(key, "'" + names[i] + "'" + (again ? " twice" : ""), "distinct names");
-  }
-  return names;
 }
 
 }  // namespace
@@ -82,27 +68,6 @@ SimulationConfig SimulationConfig::fromYaml(const YAML::Node& node) {
     appendFaults(error.what(), faults);
   }
   if (!faults.empty()) throw ParameterError(faults);
-  return config;
-}
-
-TimeConfig TimeConfig::fromYaml(const YAML::Node& node) {
-  TimeConfig config;
-  YamlReader reader(node, "time");
-  const Range rate = {0.0, kLargestRateHz, true};
-  config.real_time_factor = reader.optional<double>("real_time_factor", config.real_time_factor, Range::nonNegative());
-  config.lockstep = reader.optional<bool>("lockstep", config.lockstep);
-  config.lockstep_cameras = readNames(reader, "lockstep_cameras");
-  config.lockstep_nodes = readNames(reader, "lockstep_nodes");
-  config.lockstep_timeout_s =
-      reader.optional<double>("lockstep_timeout_s", config.lockstep_timeout_s, Range::positive());
-  config.continue_on_timeout = reader.optionalChoice("on_lockstep_timeout", "hold", {"hold", "continue"}) == "continue";
-  config.start_paused = reader.optional<bool>("start_paused", config.start_paused);
-  config.monotonic_clock = reader.optionalChoice("reset_clock", "rewind", {"rewind", "monotonic"}) == "monotonic";
-  config.clock_rate_hz = reader.optional<double>("clock_rate_hz", config.clock_rate_hz, rate);
-  config.joint_state_rate_hz = reader.optional<double>("joint_state_rate_hz", config.joint_state_rate_hz, rate);
-  config.render_always =
-      reader.optionalChoice("render", config.lockstep ? "always" : "subscribed", {"always", "subscribed"}) == "always";
-  reader.finish();
   return config;
 }
 

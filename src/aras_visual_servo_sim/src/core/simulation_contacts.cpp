@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "aras_visual_servo_sim/errors.hpp"
+#include "aras_visual_servo_sim/mesh_loader.hpp"
 #include "aras_visual_servo_sim/scene_loader.hpp"
 #include "aras_visual_servo_sim/simulation.hpp"
 

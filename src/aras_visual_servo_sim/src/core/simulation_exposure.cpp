@@ -1,5 +1,6 @@
 // Motion blur of a Simulation's cameras: moments noted while stepping, images that are their mean.
 #include "aras_visual_servo_sim/errors.hpp"
+#include "aras_visual_servo_sim/image_mean.hpp"
 #include "aras_visual_servo_sim/simulation.hpp"
 
 namespace aras_visual_servo_sim {

@@ -1,4 +1,5 @@
 // Latency of a Simulation's cameras: frames that were exposed and are delivered later. Drawn when they are looked at.
+#include "aras_visual_servo_sim/image_mean.hpp"
 #include "aras_visual_servo_sim/simulation.hpp"
 
 namespace aras_visual_servo_sim {

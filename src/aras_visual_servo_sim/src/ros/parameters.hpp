@@ -6,6 +6,7 @@
 #include "aras_visual_servo_sim/joint_state_config.hpp"
 #include "aras_visual_servo_sim/robot_model.hpp"
 #include "aras_visual_servo_sim/simulation_config.hpp"
+#include "aras_visual_servo_sim/time_config.hpp"
 
 namespace aras_visual_servo_sim {
 

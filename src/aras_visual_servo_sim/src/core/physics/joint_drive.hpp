@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "aras_visual_servo_sim/joint_controller.hpp"
-#include "aras_visual_servo_sim/multibody_world.hpp"
+#include "aras_visual_servo_sim/robot_model.hpp"
 #include "joint_graph.hpp"
 
 namespace aras_visual_servo_sim {

@@ -1,6 +1,6 @@
-// Joint limits from parameters, after joint_limits_interface/joint_limits_rosparam.h of ros_control.
+#include "aras_visual_servo_sim/joint_limits_reader.hpp"
+
 #include "aras_visual_servo_sim/errors.hpp"
-#include "aras_visual_servo_sim/joint_controller.hpp"
 #include "aras_visual_servo_sim/yaml_reader.hpp"
 
 namespace aras_visual_servo_sim {

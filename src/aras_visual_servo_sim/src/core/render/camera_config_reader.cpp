@@ -1,5 +1,6 @@
+#include "aras_visual_servo_sim/camera_config_reader.hpp"
+
 #include "aras_visual_servo_sim/camera_model.hpp"
-#include "aras_visual_servo_sim/scene_loader.hpp"
 
 namespace aras_visual_servo_sim {
 

@@ -1,9 +1,10 @@
+#include "aras_visual_servo_sim/package_paths.hpp"
+
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
 
 #include "aras_visual_servo_sim/errors.hpp"
-#include "aras_visual_servo_sim/mesh_loader.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

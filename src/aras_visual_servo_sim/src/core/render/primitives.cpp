@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "aras_visual_servo_sim/errors.hpp"
-#include "aras_visual_servo_sim/mesh_loader.hpp"
+#include "aras_visual_servo_sim/triangle_mesh.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

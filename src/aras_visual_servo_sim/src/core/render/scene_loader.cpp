@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "aras_visual_servo_sim/errors.hpp"
+#include "aras_visual_servo_sim/yaml_reader.hpp"
 #include "mesh_cache.hpp"
 
 namespace aras_visual_servo_sim {

@@ -4,6 +4,7 @@
 #include "../../../src/core/physics/joint_graph.hpp"
 #include "aras_visual_servo_sim/errors.hpp"
 #include "aras_visual_servo_sim/joint_limits.hpp"
+#include "aras_visual_servo_sim/joint_limits_reader.hpp"
 #include "helpers.hpp"
 
 namespace aras_visual_servo_sim {

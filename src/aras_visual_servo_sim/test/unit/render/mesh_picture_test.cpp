@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "aras_visual_servo_sim/errors.hpp"
+#include "aras_visual_servo_sim/mesh_loader.hpp"
 #include "aras_visual_servo_sim/scene_loader.hpp"
 #include "aras_visual_servo_sim/urdf_loader.hpp"
 #include "render_test_tools.hpp"

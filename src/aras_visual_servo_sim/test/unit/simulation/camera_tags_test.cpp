@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "aras_visual_servo_sim/errors.hpp"
+#include "aras_visual_servo_sim/camera_tags.hpp"
 #include "aras_visual_servo_sim/simulation.hpp"
 #include "aras_visual_servo_sim/urdf_loader.hpp"
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "aras_visual_servo_sim/errors.hpp"
-#include "aras_visual_servo_sim/simulation_config.hpp"
+#include "aras_visual_servo_sim/time_config.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
