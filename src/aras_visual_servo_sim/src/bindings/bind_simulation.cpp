@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "aras_visual_servo_sim/errors.hpp"
-#include "aras_visual_servo_sim/simulation.hpp"
-#include "aras_visual_servo_sim/urdf_loader.hpp"
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/robot/urdf_loader.hpp"
+#include "aras_visual_servo_sim/simulation/simulation.hpp"
 #include "bind_contacts.hpp"
 #include "bind_geometry.hpp"
 #include "yaml_from_python.hpp"

@@ -5,9 +5,9 @@
 #include <random>
 #include <sstream>
 
-#include "../physics/helpers.hpp"
-#include "aras_visual_servo_sim/errors.hpp"
-#include "aras_visual_servo_sim/simulation.hpp"
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/simulation/simulation.hpp"
+#include "tools/physics_tools.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

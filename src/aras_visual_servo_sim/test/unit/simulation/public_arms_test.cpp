@@ -1,7 +1,7 @@
 // Arms of the sizes of public ones, as their users write them: transmissions, safety controllers, a gripper that
 // mimics, a camera tag; held against gravity by their controllers.
-#include "../physics/helpers.hpp"
-#include "aras_visual_servo_sim/simulation.hpp"
+#include "aras_visual_servo_sim/simulation/simulation.hpp"
+#include "tools/physics_tools.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

@@ -1,12 +1,12 @@
-#include "aras_visual_servo_sim/simulation.hpp"
+#include "aras_visual_servo_sim/simulation/simulation.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "aras_visual_servo_sim/errors.hpp"
-#include "fixture.hpp"
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "tools/pan_lift.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
