@@ -17,15 +17,17 @@ ROS_MODULES = ("nodes/", "bags/bag.py")
 ALLOWED = {
     "aras_description": set(),
     "aras_visual_servo_msgs": set(),
-    "aras_visual_servo_sim": {"aras_description", "aras_visual_servo_msgs"},
-    "aras_visual_servo_camera": {"aras_visual_servo_msgs"},
-    "aras_visual_servo_controller": {"aras_description", "aras_visual_servo_msgs", "aras_visual_servo_sim",
-                                     "aras_visual_servo_camera"},
+    "aras_visual_servo_common": set(),
+    "aras_visual_servo_sim": {"aras_description", "aras_visual_servo_common", "aras_visual_servo_msgs"},
+    "aras_visual_servo_camera": {"aras_visual_servo_common", "aras_visual_servo_msgs"},
+    "aras_visual_servo_controller": {"aras_description", "aras_visual_servo_common", "aras_visual_servo_msgs",
+                                     "aras_visual_servo_sim", "aras_visual_servo_camera"},
 }
 
 
 def core_files():
-    for package in ("aras_visual_servo_sim", "aras_visual_servo_camera", "aras_visual_servo_controller"):
+    for package in ("aras_visual_servo_common", "aras_visual_servo_sim", "aras_visual_servo_camera",
+                    "aras_visual_servo_controller"):
         for folder in ("include", "src"):
             for path in sorted((SOURCE / package / folder).rglob("*.[ch]pp")):
                 if "ros" not in path.relative_to(SOURCE / package).parts:

@@ -1,46 +1,45 @@
 #include "aras_visual_servo_camera/camera_intrinsics.hpp"
 
-#include <yaml-cpp/yaml.h>
-
 #include <algorithm>
+#include <aras_visual_servo_common/fault_list.hpp>
+#include <aras_visual_servo_common/text.hpp>
+#include <aras_visual_servo_common/yaml_reader.hpp>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
-#include "aras_visual_servo_camera/errors.hpp"
-#include "aras_visual_servo_camera/yaml_reader.hpp"
+#include "schema_sections.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
 
+using aras_visual_servo_common::FaultList;
+using aras_visual_servo_common::numberText;
+using aras_visual_servo_common::YamlReader;
+
 constexpr int kMaxSide = 1 << 15;
 constexpr int kNewtonSteps = 50;
 constexpr double kNewtonResidual = 1e-13;  // normalised coordinates are of order 1: some hundred roundings
-
-std::string text(double value) {
-  std::ostringstream stream;
-  stream << value;
-  return stream.str();
-}
 
 }  // namespace
 
 CameraIntrinsics::CameraIntrinsics(int width_px, int height_px, const std::array<double, 9>& K,
                                    const std::string& distortion_model, const std::vector<double>& D)
     : width_(width_px), height_(height_px), fx_(K[0]), fy_(K[4]), cx_(K[2]), cy_(K[5]) {
-  std::string faults;
+  FaultList faults;
   const auto fault = [&faults](const std::string& key, const std::string& found, const std::string& allowed) {
-    faults += (faults.empty() ? "" : "\n") + ("camera_info/" + key + ": found " + found + ", allowed " + allowed);
+    faults.add("camera_info/" + key, found, allowed);
   };
   if (width_ < 1 || width_ > kMaxSide) fault("width", std::to_string(width_), "1 to 32768");
   if (height_ < 1 || height_ > kMaxSide) fault("height", std::to_string(height_), "1 to 32768");
-  if (!(fx_ > 0.0) || !std::isfinite(fx_)) fault("K[0] (fx)", text(fx_), "> 0 (an uncalibrated camera has K = 0)");
-  if (!(fy_ > 0.0) || !std::isfinite(fy_)) fault("K[4] (fy)", text(fy_), "> 0 (an uncalibrated camera has K = 0)");
-  if (!std::isfinite(cx_)) fault("K[2] (cx)", text(cx_), "a finite number");
-  if (!std::isfinite(cy_)) fault("K[5] (cy)", text(cy_), "a finite number");
+  if (!(fx_ > 0.0) || !std::isfinite(fx_))
+    fault("K[0] (fx)", numberText(fx_), "> 0 (an uncalibrated camera has K = 0)");
+  if (!(fy_ > 0.0) || !std::isfinite(fy_))
+    fault("K[4] (fy)", numberText(fy_), "> 0 (an uncalibrated camera has K = 0)");
+  if (!std::isfinite(cx_)) fault("K[2] (cx)", numberText(cx_), "a finite number");
+  if (!std::isfinite(cy_)) fault("K[5] (cy)", numberText(cy_), "a finite number");
   for (int k : {1, 3, 6, 7})
-    if (K[k] != 0.0) fault("K[" + std::to_string(k) + "]", text(K[k]), "0");
-  if (K[8] != 1.0) fault("K[8]", text(K[8]), "1");
+    if (K[k] != 0.0) fault("K[" + std::to_string(k) + "]", numberText(K[k]), "0");
+  if (K[8] != 1.0) fault("K[8]", numberText(K[8]), "1");
 
   std::vector<std::size_t> lengths{0};
   if (distortion_model == "plumb_bob") {
@@ -63,8 +62,8 @@ CameraIntrinsics::CameraIntrinsics(int width_px, int height_px, const std::array
     fault("D", std::to_string(D.size()) + " coefficients", allowed + " for " + distortion_model);
   }
   for (double d : D)
-    if (!std::isfinite(d)) fault("D", text(d), "finite numbers");
-  if (!faults.empty()) throw ParameterError(faults);
+    if (!std::isfinite(d)) fault("D", numberText(d), "finite numbers");
+  faults.throwIfAny();
 
   std::copy_n(D.begin(), std::min(D.size(), D_.size()), D_.begin());
   if (distortion_model == "equidistant") {
@@ -180,19 +179,14 @@ CameraIntrinsics::Undistorted CameraIntrinsics::undistort(double u_px, double v_
 }
 
 CameraIntrinsics readCameraInfo(const YAML::Node& node) {
-  YamlReader reader(node, "camera_info");
-  const int width = reader.requiredInteger("width", 1, kMaxSide);
-  const int height = reader.requiredInteger("height", 1, kMaxSide);
-  const std::vector<double> K = reader.requiredNumbers("K");
-  const std::string model = reader.requiredText("distortion_model");
-  const std::vector<double> D = reader.requiredNumbers("D");
-  for (const char* key : {"P", "R", "frame_id", "binning_x", "binning_y", "roi", "header", "name", "stamp_ns"})
-    reader.ignore(key);
-  if (reader.has("K") && K.size() != 9) reader.fault("K", std::to_string(K.size()) + " numbers", "9");
+  YamlReader reader(node, schemaSections().section("camera_info"), "camera_info");
+  const int width = reader.get<int>("width");
+  const int height = reader.get<int>("height");
+  const auto K = reader.get<std::array<double, 9>>("K");
+  const auto model = reader.get<std::string>("distortion_model");
+  const auto D = reader.get<std::vector<double>>("D");
   reader.finish();
-  std::array<double, 9> K9;
-  std::copy_n(K.begin(), 9, K9.begin());
-  return CameraIntrinsics(width, height, K9, model, D);
+  return CameraIntrinsics(width, height, K, model, D);
 }
 
 }  // namespace aras_visual_servo_camera

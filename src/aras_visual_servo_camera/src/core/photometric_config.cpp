@@ -1,32 +1,39 @@
 #include "aras_visual_servo_camera/photometric_config.hpp"
 
-#include <algorithm>
+#include <aras_visual_servo_common/text.hpp>
 
-#include "aras_visual_servo_camera/yaml_reader.hpp"
+#include "read_photometric.hpp"
+#include "schema_sections.hpp"
 
 namespace aras_visual_servo_camera {
 
-PhotometricConfig readPhotometricConfig(const YAML::Node& node) {
-  constexpr int kMaxLevels = 8, kMaxBorder_px = 1 << 14;
-  YamlReader reader(node, "vision/photometric");
-  PhotometricConfig c;
-  c.interaction = static_cast<GradientOf>(
-      reader.optionalChoice("interaction", {"desired", "current", "mean"}, static_cast<int>(c.interaction)));
-  c.illumination = static_cast<Illumination>(reader.optionalChoice(
-      "illumination", {"constant", "offset", "gain_and_offset"}, static_cast<int>(c.illumination)));
-  c.levels = reader.optionalInteger("levels", 1, kMaxLevels, c.levels);
-  c.switch_px = reader.optionalNumber("switch_px", 0.01, 100.0, c.switch_px);
-  c.smoothing_px = reader.optionalNumber("smoothing_px", 0.5, 20.0, c.smoothing_px);
-  c.border_px = reader.optionalInteger("border_px", 0, kMaxBorder_px, c.border_px);
-  c.min_contrast = reader.optionalNumber("min_contrast", 0.0, 127.0, c.min_contrast);
-  const std::vector<double> normal = reader.optionalNumbers("target_normal_C");
-  if (normal.size() == 3 && normal[2] > 0.0) {
-    std::copy_n(normal.begin(), 3, c.target_normal_C.begin());
-  } else if (reader.has("target_normal_C")) {
-    reader.fault("target_normal_C", "another vector", "three numbers, the last > 0 (away from the camera)");
-  }
-  reader.finish();
+using aras_visual_servo_common::YamlReader;
+
+PhotometricConfig readPhotometric(YamlReader reader) {
+  PhotometricConfig c{};
+  c.interaction = reader.choice<GradientOf>(
+      "interaction",
+      {{"desired", GradientOf::kDesired}, {"current", GradientOf::kCurrent}, {"mean", GradientOf::kMean}});
+  c.illumination = reader.choice<Illumination>("illumination", {{"constant", Illumination::kConstant},
+                                                                {"offset", Illumination::kOffset},
+                                                                {"gain_and_offset", Illumination::kGainAndOffset}});
+  c.levels = reader.get<int>("levels");
+  c.switch_px = reader.get<double>("switch_px");
+  c.smoothing_px = reader.get<double>("smoothing_px");
+  c.border_px = reader.get<int>("border_px");
+  c.min_contrast = reader.get<double>("min_contrast");
+  c.target_normal_C = reader.get<std::array<double, 3>>("target_normal_C");
+  if (!(c.target_normal_C[2] > 0.0))
+    reader.fault("target_normal_C", aras_visual_servo_common::numberText(c.target_normal_C[2]) + " as the last",
+                 "> 0 there, away from the camera");
   return c;
+}
+
+PhotometricConfig readPhotometricConfig(const YAML::Node& node) {
+  YamlReader reader(node, schemaSections().section("photometric"), "vision/photometric");
+  const PhotometricConfig config = readPhotometric(reader);
+  reader.finish();
+  return config;
 }
 
 }  // namespace aras_visual_servo_camera

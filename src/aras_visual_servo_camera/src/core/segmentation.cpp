@@ -66,7 +66,7 @@ struct Segmentation::Work {
   EdgeWeights edge_weights;
   ObjectMask mask;
   std::vector<ObjectMask> objects;
-  ObjectSelector selector{VisionConfig()};
+  ObjectSelector selector{VisionConfig()};  // until the constructor sets it
   std::optional<ShapeSignature> reference_shape;
   std::vector<Candidate> candidates;
   std::vector<int> component_of;  // of each candidate

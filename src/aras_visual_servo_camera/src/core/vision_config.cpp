@@ -1,67 +1,31 @@
 #include "aras_visual_servo_camera/vision_config.hpp"
 
+#include <aras_visual_servo_common/yaml_reader.hpp>
 #include <string>
 
-#include "aras_visual_servo_camera/yaml_reader.hpp"
+#include "read_photometric.hpp"
+#include "schema_sections.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
 
-constexpr double kMaxGrey = 255.0;
-constexpr int kMaxPixels = 1 << 28;
-constexpr int kMaxOrder = 8;
-constexpr double kMaxRatio = 1e6;
-constexpr int kMaxImages = 1 << 20;
-constexpr double kMaxExponent = 8.0, kMinExponent = 0.01;
-constexpr int kMinCorners = 3, kMaxPoints = 32;
+using aras_visual_servo_common::YamlReader;
 
-std::optional<double> optionalGrey(YamlReader& reader, const std::string& key) {
-  if (!reader.has(key)) {
-    reader.ignore(key);
-    return std::nullopt;
-  }
-  return reader.requiredNumber(key, 0.0, kMaxGrey);
-}
+constexpr int kMinCorners = 3;
 
-}  // namespace
-
-VisionConfig readVisionConfig(const YAML::Node& node) {
-  YamlReader reader(node, "vision");
-  VisionConfig c;
-  c.object = static_cast<ObjectShade>(reader.requiredChoice("object", {"dark", "bright"}));
-  c.segmentation =
-      static_cast<SegmentationMethod>(reader.requiredChoice("segmentation", {"fixed", "otsu", "adaptive", "coverage"}));
-  c.threshold = c.segmentation == SegmentationMethod::kFixed
-                    ? reader.requiredNumber("threshold", 0.0, kMaxGrey)
-                    : reader.optionalNumber("threshold", 0.0, kMaxGrey, c.threshold);
-  c.object_grey = optionalGrey(reader, "object_grey");
-  c.background_grey = optionalGrey(reader, "background_grey");
-  c.min_contrast = reader.optionalNumber("min_contrast", 1.0, kMaxGrey, c.min_contrast);
-  c.adaptive_block_px = reader.optionalInteger("adaptive_block_px", 3, kMaxPixels - 1, c.adaptive_block_px);
-  c.adaptive_offset = reader.optionalNumber("adaptive_offset", 0.0, kMaxGrey, c.adaptive_offset);
-  c.component = static_cast<ComponentChoice>(reader.optionalChoice(
-      "component", {"largest", "nearest_to_previous", "most_similar"}, static_cast<int>(c.component)));
-  c.min_area_px = reader.optionalInteger("min_area_px", 1, kMaxPixels, c.min_area_px);
-  if (reader.has("lost_area_px")) {
-    c.lost_area_px = reader.requiredInteger("lost_area_px", 1, kMaxPixels);
-    if (*c.lost_area_px > c.min_area_px)
-      reader.fault("lost_area_px", std::to_string(*c.lost_area_px),
-                   "at most min_area_px, " + std::to_string(c.min_area_px));
-  } else {
-    reader.ignore("lost_area_px");
-  }
-  c.border_margin_px = reader.optionalInteger("border_margin_px", 0, kMaxPixels, c.border_margin_px);
-  c.switch_ratio = reader.optionalNumber("switch_ratio", 1.0, kMaxRatio, c.switch_ratio);
-  c.switch_images = reader.optionalInteger("switch_images", 1, kMaxImages, c.switch_images);
-  c.order = reader.optionalInteger("order", 3, kMaxOrder, c.order);
-  c.asymmetry_threshold = reader.optionalNumber("asymmetry_threshold", 0.0, 1.0, c.asymmetry_threshold);
-  c.orientation_threshold = reader.optionalNumber("orientation_threshold", 0.0, 1.0, c.orientation_threshold);
-  c.points = static_cast<PointSource>(
-      reader.optionalChoice("points", {"none", "corners", "blobs"}, static_cast<int>(c.points)));
-  const int fewest = c.points == PointSource::kCorners ? kMinCorners : 1;
-  c.point_count = c.points == PointSource::kNone ? reader.optionalInteger("point_count", 1, kMaxPoints, c.point_count)
-                                                 : reader.requiredInteger("point_count", fewest, kMaxPoints);
-
+void readSegmentation(YamlReader& reader, VisionConfig& c) {
+  c.object = reader.choice<ObjectShade>("object", {{"dark", ObjectShade::kDark}, {"bright", ObjectShade::kBright}});
+  c.segmentation = reader.choice<SegmentationMethod>("segmentation", {{"coverage", SegmentationMethod::kCoverage},
+                                                                      {"fixed", SegmentationMethod::kFixed},
+                                                                      {"otsu", SegmentationMethod::kOtsu},
+                                                                      {"adaptive", SegmentationMethod::kAdaptive}});
+  c.threshold = c.segmentation == SegmentationMethod::kFixed ? reader.get<double>("threshold")
+                                                             : reader.find<double>("threshold").value_or(0.0);
+  c.object_grey = reader.find<double>("object_grey");
+  c.background_grey = reader.find<double>("background_grey");
+  c.min_contrast = reader.get<double>("min_contrast");
+  c.adaptive_block_px = reader.get<int>("adaptive_block_px");
+  c.adaptive_offset = reader.get<double>("adaptive_offset");
   if (c.adaptive_block_px % 2 == 0)
     reader.fault("adaptive_block_px", std::to_string(c.adaptive_block_px), "an odd number");
   if (c.object_grey && c.background_grey) {
@@ -72,28 +36,49 @@ VisionConfig readVisionConfig(const YAML::Node& node) {
                    std::string(dark ? "at least 1 below" : "at least 1 above") + " background_grey, " +
                        std::to_string(*c.background_grey));
   }
-  reader.ignore("kernel");
-  if (reader.has("kernel")) {
-    YamlReader section(node["kernel"], "vision/kernel");
-    c.kernel.emplace();
-    c.kernel->p = section.optionalNumber("p", kMinExponent, kMaxExponent, c.kernel->p);
-    c.kernel->q = section.optionalNumber("q", kMinExponent, kMaxExponent, c.kernel->q);
-    try {
-      section.finish();
-    } catch (const ParameterError& faults) {
-      reader.adopt(faults);
-    }
-  }
-  reader.ignore("photometric");
-  if (reader.has("photometric")) {
-    try {
-      c.photometric = readPhotometricConfig(node["photometric"]);
-    } catch (const ParameterError& faults) {
-      reader.adopt(faults);
-    }
-  }
+}
+
+void readSelection(YamlReader& reader, VisionConfig& c) {
+  c.component =
+      reader.choice<ComponentChoice>("component", {{"largest", ComponentChoice::kLargest},
+                                                   {"nearest_to_previous", ComponentChoice::kNearestToPrevious},
+                                                   {"most_similar", ComponentChoice::kMostSimilar}});
+  c.min_area_px = reader.get<int>("min_area_px");
+  c.lost_area_px = reader.find<int>("lost_area_px");
+  if (c.lost_area_px && *c.lost_area_px > c.min_area_px)
+    reader.fault("lost_area_px", std::to_string(*c.lost_area_px),
+                 "at most min_area_px, " + std::to_string(c.min_area_px));
+  c.border_margin_px = reader.get<int>("border_margin_px");
+  c.switch_ratio = reader.get<double>("switch_ratio");
+  c.switch_images = reader.get<int>("switch_images");
+}
+
+void readFeatures(YamlReader& reader, VisionConfig& c) {
+  c.order = reader.get<int>("order");
+  c.asymmetry_threshold = reader.get<double>("asymmetry_threshold");
+  c.orientation_threshold = reader.get<double>("orientation_threshold");
+  c.points = reader.choice<PointSource>(
+      "points", {{"none", PointSource::kNone}, {"corners", PointSource::kCorners}, {"blobs", PointSource::kBlobs}});
+  c.point_count =
+      c.points == PointSource::kNone ? reader.find<int>("point_count").value_or(0) : reader.get<int>("point_count");
+  if (c.points == PointSource::kCorners && reader.has("point_count") && c.point_count < kMinCorners)
+    reader.fault("point_count", std::to_string(c.point_count), ">= 3 corners");
+  if (!reader.has("kernel")) return;
+  YamlReader kernel = reader.section("kernel");
+  c.kernel = VisionConfig::Kernel{kernel.get<double>("p"), kernel.get<double>("q")};
+}
+
+}  // namespace
+
+VisionConfig readVisionConfig(const YAML::Node& node) {
+  YamlReader reader(node, schemaSections().section("vision"), "vision");
+  VisionConfig config{};
+  readSegmentation(reader, config);
+  readSelection(reader, config);
+  readFeatures(reader, config);
+  if (reader.has("photometric")) config.photometric = readPhotometric(reader.section("photometric"));
   reader.finish();
-  return c;
+  return config;
 }
 
 }  // namespace aras_visual_servo_camera

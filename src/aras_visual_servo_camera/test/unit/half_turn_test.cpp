@@ -7,6 +7,7 @@
 
 #include "aras_visual_servo_camera/moment_extractor.hpp"
 #include "coverage_image.hpp"
+#include "usual_vision.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
@@ -59,7 +60,7 @@ Count turnedAround(const Polygon& outline, double width_px, Image kind, double s
   const int side = static_cast<int>(2.0 * std::max(width_px, kReferenceWidth_px)) + 16;
   const double c = 0.5 * (side - 1);
   const CameraIntrinsics camera(side, side, {kFocal_px, 0, c, 0, kFocal_px, c, 0, 0, 1}, "", {});
-  VisionConfig config;
+  VisionConfig config = testing::usualVision();
   config.min_area_px = 20;
   if (kind == Image::kHardEdged) config.segmentation = SegmentationMethod::kOtsu;
   MomentExtractor extractor(camera, config);

@@ -5,6 +5,7 @@
 
 #include "aras_visual_servo_camera/moment_extractor.hpp"
 #include "coverage_image.hpp"
+#include "usual_vision.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
@@ -34,7 +35,7 @@ TEST(KernelProjection, MeetsTheIntegralsOverTheOutline) {
   const Polygon outline = testing::project(testing::blob(0.16), {0.02, -0.03, 0.5, 0.7, 0.3, -0.2});
   for (const bool distorted : {false, true}) {
     const CameraIntrinsics camera = testing::testCamera(distorted);
-    VisionConfig config;
+    VisionConfig config = testing::usualVision();
     config.kernel = VisionConfig::Kernel{1.5, 3.0};
     MomentExtractor extractor(camera, config);
     const MomentFeatures& f = extractor.process(testing::coverageImage(outline, camera).view());
@@ -59,7 +60,7 @@ TEST(KernelProjection, MeetsTheIntegralsOverTheOutline) {
 TEST(KernelProjection, TheCornerLiesOutsideEveryRayOfTheImage) {
   for (const bool distorted : {false, true}) {
     const CameraIntrinsics camera = testing::testCamera(distorted);
-    VisionConfig config;
+    VisionConfig config = testing::usualVision();
     config.kernel.emplace();
     MomentExtractor extractor(camera, config);
     testing::GreyImage image(320, 240, testing::kObjectGrey);  // all of it object, but for a patch that is background
@@ -75,7 +76,7 @@ TEST(KernelProjection, TheCornerLiesOutsideEveryRayOfTheImage) {
 
 TEST(KernelProjection, IsEmptyWithoutATargetAndWhereItIsNotAskedFor) {
   const CameraIntrinsics camera = testing::testCamera();
-  VisionConfig config;
+  VisionConfig config = testing::usualVision();
   MomentExtractor without(camera, config);
   const testing::GreyImage image =
       testing::coverageImage(testing::project(testing::blob(0.1), {0, 0, 0.5, 0, 0, 0}), camera);

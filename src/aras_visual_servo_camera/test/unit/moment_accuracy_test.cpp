@@ -6,6 +6,7 @@
 #include "aras_visual_servo_camera/moment_extractor.hpp"
 #include "aras_visual_servo_camera/moments.hpp"
 #include "coverage_image.hpp"
+#include "usual_vision.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
@@ -34,7 +35,7 @@ struct Errors {
 };
 
 Errors worstOf(const Polygon& outline, double max_tilt, bool distorted, SegmentationMethod method, unsigned seed) {
-  VisionConfig config;
+  VisionConfig config = testing::usualVision();
   config.segmentation = method;
   const CameraIntrinsics camera = testCamera(distorted);
   MomentExtractor extractor(camera, config);
@@ -114,7 +115,7 @@ TEST(MomentAccuracy, EllipseMatchesItsClosedForms) {
   constexpr double kRelative = 1e-4;        // 8-bit edges: 0.01 mm of 500 mm, twice
   constexpr double kSecondRelative = 5e-4;  // one pixel's second moments are 6e-4 of these
   const CameraIntrinsics camera = testCamera();
-  MomentExtractor extractor(camera, VisionConfig());
+  MomentExtractor extractor(camera, testing::usualVision());
   const Polygon p = testing::ellipse(a, b, angle, {0.12, -0.07}, kCorners);
   const MomentFeatures f = extractor.process(coverageImage(p, camera).view());
   EXPECT_NEAR(f.area / (kPi * a * b), 1.0, kRelative);
@@ -134,7 +135,7 @@ TEST(MomentAccuracy, NoiseMovesTheFeaturesByLittleAndWithoutBias) {
   const Polygon seen = testing::project(testing::blob(0.17), {0.02, -0.01, kDepth_m, 0.5, 0.1, -0.2});
   const double exact = testing::polygonMoments(seen, 0)[0];
   const testing::GreyImage clean = coverageImage(seen, camera);
-  MomentExtractor extractor(camera, VisionConfig());
+  MomentExtractor extractor(camera, testing::usualVision());
   std::mt19937 random(61);
   double mean_mm = 0.0;
   for (int k = 0; k < kImages; ++k) {

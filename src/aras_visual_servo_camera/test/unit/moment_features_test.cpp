@@ -9,6 +9,7 @@
 #include "aras_visual_servo_camera/moment_extractor.hpp"
 #include "aras_visual_servo_camera/moments.hpp"
 #include "coverage_image.hpp"
+#include "usual_vision.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
@@ -140,7 +141,7 @@ TEST(MomentExtractor, RepeatsAreBitIdentical) {
   }
   std::vector<std::vector<double>> runs;
   for (int run = 0; run < 3; ++run) {
-    MomentExtractor extractor(camera, VisionConfig());
+    MomentExtractor extractor(camera, testing::usualVision());
     std::vector<double> bits;
     for (const auto& image : images) {
       const MomentFeatures f = extractor.process(image.view());
@@ -155,7 +156,7 @@ TEST(MomentExtractor, RepeatsAreBitIdentical) {
 }
 
 TEST(MomentExtractor, OrderFiveGivesTwentyOneMoments) {
-  VisionConfig config;
+  VisionConfig config = testing::usualVision();
   config.order = 5;
   const CameraIntrinsics camera = testing::testCamera();
   MomentExtractor extractor(camera, config);
@@ -166,7 +167,7 @@ TEST(MomentExtractor, OrderFiveGivesTwentyOneMoments) {
 }
 
 TEST(MomentExtractor, ImageOfAnotherSizeIsAShapeError) {
-  MomentExtractor extractor(testing::testCamera(), VisionConfig());
+  MomentExtractor extractor(testing::testCamera(), testing::usualVision());
   EXPECT_THROW(extractor.process(testing::GreyImage(160, 120, 200).view()), ShapeError);
 }
 
@@ -175,14 +176,14 @@ TEST(MomentExtractor, ObjectBeyondTheFoldOfTheLensIsNotValid) {
   testing::GreyImage image(320, 240, testing::kBackgroundGrey);
   for (int v = 20; v < 40; ++v)
     for (int u = 20; u < 60; ++u) image.at(u, v) = testing::kObjectGrey;
-  MomentExtractor extractor(camera, VisionConfig());
+  MomentExtractor extractor(camera, testing::usualVision());
   EXPECT_FALSE(extractor.process(image.view()).valid);
 }
 
 TEST(MomentExtractor, OnePixelHasACentroidButNoOrientation) {
   testing::GreyImage image(320, 240, testing::kBackgroundGrey);
   image.at(200, 50) = testing::kObjectGrey;
-  VisionConfig config;
+  VisionConfig config = testing::usualVision();
   config.min_area_px = 1;
   const CameraIntrinsics camera = testing::testCamera();
   MomentExtractor extractor(camera, config);
@@ -196,7 +197,7 @@ TEST(MomentExtractor, OnePixelHasACentroidButNoOrientation) {
 TEST(MomentExtractor, NewIntrinsicsKeepTheReference) {
   const CameraIntrinsics camera = testing::testCamera(), lens = testing::testCamera(true);
   constexpr double kDepth = 2e-5;  // relative area error of a coverage image
-  MomentExtractor extractor(camera, VisionConfig());
+  MomentExtractor extractor(camera, testing::usualVision());
   extractor.setReference(0.5, extractor.process(testing::coverageImage(seenFrom(0.5), camera).view()));
   extractor.setIntrinsics(lens);
   EXPECT_FALSE(extractor.features().target_visible);

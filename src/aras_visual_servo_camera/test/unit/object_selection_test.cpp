@@ -7,6 +7,7 @@
 #include "aras_visual_servo_camera/moment_extractor.hpp"
 #include "coverage_image.hpp"
 #include "shape.hpp"
+#include "usual_vision.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
@@ -37,7 +38,7 @@ struct Scene {
 };
 
 VisionConfig choosing(ComponentChoice component) {
-  VisionConfig config;
+  VisionConfig config = testing::usualVision();
   config.component = component;
   return config;
 }
@@ -66,7 +67,7 @@ TEST(Selection, TwoEqualObjectsAreAmbiguousAndGiveNoNumbers) {
 }
 
 TEST(Selection, TheFollowedOfTwoEqualObjectsIsKept) {
-  Segmentation segmentation{VisionConfig()};
+  Segmentation segmentation{testing::usualVision()};
   EXPECT_EQ(columnOf(&segmentation, Scene().square(80, 100)), 80.0);
   for (int k = 0; k < 20; ++k)
     EXPECT_EQ(columnOf(&segmentation, Scene().square(80 + k, 100).square(200 - k, 120)), 80 + k);
@@ -90,7 +91,7 @@ TEST(Selection, TheOneLeftIsNotTakenForTheOneThatLeft) {
 }
 
 TEST(Selection, CrossingObjectsAreAmbiguousUntilTheyCanBeTold) {
-  Segmentation equal{VisionConfig()};
+  Segmentation equal{testing::usualVision()};
   bool was_ambiguous = false;
   for (int k = 0; k <= 60; ++k) {
     const double a = 60.0 + 2.0 * k, b = 240.0 - 2.0 * k;
@@ -101,7 +102,7 @@ TEST(Selection, CrossingObjectsAreAmbiguousUntilTheyCanBeTold) {
   }
   EXPECT_TRUE(was_ambiguous);
 
-  Segmentation told{VisionConfig()};
+  Segmentation told{testing::usualVision()};
   double last = 0.0;
   for (int k = 0; k <= 60; ++k)
     last = columnOf(&told, Scene().square(60.0 + 2.0 * k, 100, 36).square(240.0 - 2.0 * k, 112, 24));
@@ -109,7 +110,7 @@ TEST(Selection, CrossingObjectsAreAmbiguousUntilTheyCanBeTold) {
 }
 
 TEST(Selection, AClearlyLargerObjectTakesOverAfterSomeImages) {
-  VisionConfig config;
+  VisionConfig config = testing::usualVision();
   config.switch_images = 4;
   Segmentation segmentation(config);
   EXPECT_EQ(columnOf(&segmentation, Scene().square(80, 100, 20)), 80.0);
@@ -122,7 +123,7 @@ TEST(Selection, AClearlyLargerObjectTakesOverAfterSomeImages) {
 }
 
 TEST(Selection, AtRatioOneTheLargestIsTakenAtOnce) {
-  VisionConfig config;
+  VisionConfig config = testing::usualVision();
   config.switch_ratio = 1.0;
   config.switch_images = 1;
   Segmentation segmentation(config);
@@ -157,7 +158,7 @@ TEST(Selection, MostSimilarFindsTheReferencesShapeAmongLargerOnes) {
 }
 
 TEST(Selection, AFlickeringObjectIsKeptDownToTheLowerThreshold) {
-  VisionConfig config;
+  VisionConfig config = testing::usualVision();
   config.min_area_px = 100;
   const auto visible = [](Segmentation* s, double side) { return columnOf(s, Scene().square(80, 100, side)) >= 0.0; };
   Segmentation plain(config);
@@ -173,7 +174,7 @@ TEST(Selection, AFlickeringObjectIsKeptDownToTheLowerThreshold) {
 }
 
 TEST(Selection, AnObjectAtTheBorderCountsAsCutUntilItIsClear) {
-  VisionConfig config;
+  VisionConfig config = testing::usualVision();
   config.border_margin_px = 5;
   MomentExtractor extractor(testing::testCamera(), config);
   const auto valid = [&](double u) { return extractor.process(Scene().box(u, 100, 60, 30).image.view()).valid; };

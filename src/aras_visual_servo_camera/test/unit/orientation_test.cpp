@@ -5,6 +5,7 @@
 
 #include "aras_visual_servo_camera/moment_extractor.hpp"
 #include "coverage_image.hpp"
+#include "usual_vision.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
@@ -28,7 +29,7 @@ INSTANTIATE_TEST_SUITE_P(Orientation, WidthInPixels, ::testing::Values(150, 85, 
 
 void expectResolvedAtEveryAngle(const Polygon& outline, double size_m, int width_px, bool soft, double tolerance) {
   const CameraIntrinsics camera = testing::testCamera();
-  VisionConfig config;
+  VisionConfig config = testing::usualVision();
   config.segmentation = soft ? SegmentationMethod::kCoverage : SegmentationMethod::kOtsu;
   config.min_area_px = 20;  // the triangle of 12 px covers 43
   MomentExtractor extractor(camera, config);
@@ -65,7 +66,7 @@ TEST_P(WidthInPixels, RectangleIsFlaggedSymmetric) {
   const CameraIntrinsics camera = testing::testCamera();
   const double depth = 0.14 * kFocal_px / GetParam();
   for (int degrees = 0; degrees < 90; degrees += 15) {
-    MomentExtractor extractor(camera, VisionConfig());
+    MomentExtractor extractor(camera, testing::usualVision());
     const Polygon p = turned(testing::rectangle(0.14, 0.09), degrees * kDeg, depth);
     const MomentFeatures f = extractor.process(testing::coverageImage(p, camera).view());
     EXPECT_TRUE(f.symmetric) << degrees << " degrees, asymmetry " << f.asymmetry;
@@ -75,7 +76,7 @@ TEST_P(WidthInPixels, RectangleIsFlaggedSymmetric) {
 
 TEST(Orientation, NoisyBlobKeepsItsBranch) {
   const CameraIntrinsics camera = testing::testCamera();
-  MomentExtractor extractor(camera, VisionConfig());
+  MomentExtractor extractor(camera, testing::usualVision());
   std::mt19937 random(7);
   const auto look = [&](double yaw) {
     testing::GreyImage image = testing::coverageImage(turned(testing::blob(0.14), yaw, 0.6), camera);
@@ -92,7 +93,7 @@ TEST(Orientation, NoisyBlobKeepsItsBranch) {
 
 TEST(Orientation, TiltedBlobKeepsItsBranch) {
   const CameraIntrinsics camera = testing::testCamera();
-  MomentExtractor extractor(camera, VisionConfig());
+  MomentExtractor extractor(camera, testing::usualVision());
   const auto look = [&](const testing::View& view) {
     return extractor.process(testing::coverageImage(testing::project(testing::blob(0.14), view), camera).view());
   };
@@ -107,7 +108,7 @@ TEST(Orientation, TiltedBlobKeepsItsBranch) {
 
 TEST(Orientation, SymmetricObjectIsContinuedFromTheLastView) {
   const CameraIntrinsics camera = testing::testCamera();
-  MomentExtractor extractor(camera, VisionConfig());
+  MomentExtractor extractor(camera, testing::usualVision());
   const auto look = [&](double yaw) {
     const Polygon p = turned(testing::rectangle(0.14, 0.09), yaw, 0.6);
     return extractor.process(testing::coverageImage(p, camera).view());
@@ -124,7 +125,7 @@ TEST(Orientation, SymmetricObjectIsContinuedFromTheLastView) {
 
 TEST(Orientation, WithoutReferenceAlphaLiesInAHalfTurn) {
   const CameraIntrinsics camera = testing::testCamera();
-  MomentExtractor extractor(camera, VisionConfig());
+  MomentExtractor extractor(camera, testing::usualVision());
   for (int degrees = -180; degrees < 180; degrees += 45) {
     const MomentFeatures f =
         extractor.process(testing::coverageImage(turned(testing::blob(0.14), degrees * kDeg, 0.6), camera).view());
@@ -138,7 +139,7 @@ TEST(Orientation, DiscAndSquareHaveNone) {
   const CameraIntrinsics camera = testing::testCamera();
   for (const Polygon& shape :
        {testing::ellipse(0.15, 0.15, 0.0, {0.05, 0.02}, 360), turned(testing::rectangle(0.1, 0.1), 0.4, 0.5)}) {
-    MomentExtractor extractor(camera, VisionConfig());
+    MomentExtractor extractor(camera, testing::usualVision());
     const MomentFeatures f = extractor.process(testing::coverageImage(shape, camera).view());
     EXPECT_TRUE(f.target_visible);
     EXPECT_TRUE(std::isnan(f.alpha));
@@ -152,7 +153,7 @@ TEST(Orientation, LineHasTheDirectionOfTheLine) {
   const CameraIntrinsics camera = testing::testCamera();
   for (int degrees : {0, 30, 90, 135}) {
     const Polygon line = turned(testing::rectangle(0.2, 0.005), degrees * kDeg, 0.5);  // two pixels wide
-    MomentExtractor extractor(camera, VisionConfig());
+    MomentExtractor extractor(camera, testing::usualVision());
     const MomentFeatures f = extractor.process(testing::coverageImage(line, camera).view());
     EXPECT_LT(std::abs(std::remainder(f.alpha - degrees * kDeg, kPi)), kCoverageTolerance) << degrees;
     EXPECT_GT(f.orientation_condition, 0.99);

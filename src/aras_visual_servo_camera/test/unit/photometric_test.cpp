@@ -7,6 +7,7 @@
 #include "aras_visual_servo_camera/photometric_extractor.hpp"
 #include "aras_visual_servo_camera/vision_config.hpp"
 #include "coverage_image.hpp"
+#include "usual_vision.hpp"
 
 // Numbers are held against brute force by test_photometric.py; here what memory and sizes are about, under sanitizers
 // too.
@@ -39,7 +40,7 @@ class Photometric : public ::testing::TestWithParam<Case> {};
 
 TEST_P(Photometric, SeesAShiftOfTheImageAtAnySize) {
   const Case c = GetParam();
-  PhotometricConfig config;
+  PhotometricConfig config = testing::usualPhotometric();
   config.levels = c.levels;
   config.illumination = c.illumination;
   PhotometricExtractor extractor(cameraOf(c.width, c.height, c.distorted), config);
@@ -66,7 +67,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, Photometric,
 TEST(Photometric, PixelsThatNoRayReachesAreLeftOut) {
   // The lens polynomial folds over at r = 1: beyond, nothing reaches the pixels.
   const CameraIntrinsics folded(161, 161, {70, 0, 80, 0, 70, 80, 0, 0, 1}, "plumb_bob", {-0.3333, 0.0, 0.0, 0.0});
-  PhotometricExtractor extractor(folded, PhotometricConfig());
+  PhotometricExtractor extractor(folded, testing::usualPhotometric());
   const GreyImage image = waves(161, 161, 0.0);
   extractor.setReference(image.view(), 0.5);
   const PhotometricFeatures features = extractor.process(waves(161, 161, 1.0).view());
@@ -77,7 +78,7 @@ TEST(Photometric, PixelsThatNoRayReachesAreLeftOut) {
 }
 
 TEST(Photometric, AnotherCameraHasNoReference) {
-  PhotometricExtractor extractor(cameraOf(160, 120, false), PhotometricConfig());
+  PhotometricExtractor extractor(cameraOf(160, 120, false), testing::usualPhotometric());
   const GreyImage image = waves(160, 120, 0.0), small = waves(80, 60, 0.0);
   extractor.setReference(image.view(), 0.5);
   extractor.setIntrinsics(cameraOf(80, 60, false));

@@ -7,6 +7,7 @@
 #include "aras_visual_servo_camera/moment_extractor.hpp"
 #include "coverage_image.hpp"
 #include "point_views.hpp"
+#include "usual_vision.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
@@ -146,7 +147,7 @@ TEST(Points, SameImagesGiveTheSameBits) {
 
 TEST(Points, ReferenceNeedsTheConfiguredNumber) {
   const CameraIntrinsics camera = testing::testCamera();
-  MomentExtractor without(camera, VisionConfig()), with = withCorners(camera);
+  MomentExtractor without(camera, testing::usualVision()), with = withCorners(camera);
   const GreyImage image = testing::coverageImage(testing::project(kQuad, {0.0, 0.0, 0.5, 0.3, 0.0, 0.0}), camera);
   MomentFeatures f = without.process(image.view());
   EXPECT_TRUE(f.point_x.empty());

@@ -8,6 +8,7 @@
 
 #include "aras_visual_servo_camera/errors.hpp"
 #include "coverage_image.hpp"
+#include "usual_vision.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
@@ -25,7 +26,7 @@ void fill(GreyImage* image, int u0, int v0, int width, int height, std::uint8_t 
 }
 
 VisionConfig with(SegmentationMethod method) {
-  VisionConfig config;
+  VisionConfig config = testing::usualVision();
   config.segmentation = method;
   return config;
 }
@@ -199,7 +200,7 @@ TEST(Segmentation, CoverageWeighsAnEdgePixelByItsGrey) {
   fill(&image, 100, 100, 20, 20, kObjectGrey);
   image.at(99, 105) = 178;   // about a quarter covered
   image.at(120, 105) = 230;  // not at all
-  const ObjectMask mask = Segmentation(VisionConfig()).process(image.view());
+  const ObjectMask mask = Segmentation(testing::usualVision()).process(image.view());
   EXPECT_NEAR(weightOf(mask), 400.0 + (230 - 178) * kGreyStep,
               20 * kGreyStep * 0.01);  // levels within 0.01 of the truth
 }
@@ -209,11 +210,11 @@ TEST(Segmentation, SmallSpecksBesideTheObjectDoNotWeigh) {
   fill(&image, 100, 100, 20, 20, kObjectGrey);
   image.at(121, 110) = kObjectGrey;  // one pixel of background between: within reach of the edge
   image.at(122, 110) = 125;
-  EXPECT_NEAR(weightOf(Segmentation(VisionConfig()).process(image.view())), 400.0, kRounding);
+  EXPECT_NEAR(weightOf(Segmentation(testing::usualVision()).process(image.view())), 400.0, kRounding);
 }
 
 TEST(Segmentation, NearestToPreviousFollowsTheObjectItChose) {
-  VisionConfig config;
+  VisionConfig config = testing::usualVision();
   config.component = ComponentChoice::kNearestToPrevious;
   Segmentation segmentation(config);
   GreyImage first(320, 240, kBackgroundGrey);
@@ -248,7 +249,7 @@ TEST(Segmentation, ColourImagesGiveTheMaskOfTheirGrey) {
     for (int v = 0; v < 48; ++v)
       for (int u = 0; u < 64; ++u)
         for (int k = 0; k < n; ++k) data[v * step + u * n + k] = image.at(u, v);
-    const ObjectMask mask = Segmentation(VisionConfig()).process({data.data(), 64, 48, step, format});
+    const ObjectMask mask = Segmentation(testing::usualVision()).process({data.data(), 64, 48, step, format});
     EXPECT_EQ(mask.area_px, 143);
     EXPECT_DOUBLE_EQ(mask.u_px, 26.0);
   }
@@ -264,7 +265,7 @@ TEST(Segmentation, RedAndBlueAreToldApartByTheFormat) {
 }
 
 TEST(Segmentation, ImageWithoutPixelsIsAShapeError) {
-  Segmentation segmentation{VisionConfig()};
+  Segmentation segmentation{testing::usualVision()};
   EXPECT_THROW(segmentation.process(ImageView()), ShapeError);
   const GreyImage image(8, 8, 0);
   EXPECT_THROW(segmentation.process({image.data.data(), 8, 8, 7, PixelFormat::kMono8}), ShapeError);

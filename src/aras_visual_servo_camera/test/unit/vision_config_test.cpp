@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
+
 #include "aras_visual_servo_camera/errors.hpp"
+#include "schema_sections.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
@@ -17,12 +20,38 @@ std::string faultsOf(const std::string& yaml) {
   return "";
 }
 
+/** A document with every key of the section, none as its default. */
+const char kEveryKey[] =
+    "{object: bright, segmentation: fixed, threshold: 100, object_grey: 200, background_grey: 30, min_contrast: 12, "
+    "adaptive_block_px: 51, adaptive_offset: 7, component: nearest_to_previous, min_area_px: 9, order: 5, "
+    "asymmetry_threshold: 0.1, orientation_threshold: 0.2, points: blobs, point_count: 5, "
+    "kernel: {p: 2, q: 3}, lost_area_px: 4, border_margin_px: 3, switch_ratio: 1.5, switch_images: 7, "
+    "photometric: {interaction: current, illumination: offset, levels: 2, switch_px: 0.6, smoothing_px: 1.5, "
+    "border_px: 11, min_contrast: 4, target_normal_C: [0.1, 0.2, 0.9]}}";
+
+std::vector<std::string> keysOf(const YAML::Node& map) {
+  std::vector<std::string> keys;
+  for (const auto& entry : map) keys.push_back(entry.first.Scalar());
+  std::sort(keys.begin(), keys.end());
+  return keys;
+}
+
+std::vector<std::string> keysOf(const aras_visual_servo_common::Schema& section) {
+  std::vector<std::string> keys;
+  for (const auto& property : section.properties) keys.push_back(property.first);
+  return keys;
+}
+
+TEST(VisionConfig, EveryKeyOfTheSectionsIsRead) {  // by the next test, which has them all
+  const YAML::Node document = YAML::Load(kEveryKey);
+  const auto& vision = schemaSections().section("vision");
+  EXPECT_EQ(keysOf(document), keysOf(vision));
+  for (const char* part : {"kernel", "photometric"})
+    EXPECT_EQ(keysOf(document[part]), keysOf(*vision.property(document, part)));
+}
+
 TEST(VisionConfig, ReadsEveryKey) {
-  const VisionConfig c = readVisionConfig(YAML::Load(
-      "{object: bright, segmentation: fixed, threshold: 100, object_grey: 200, background_grey: 30, min_contrast: 12, "
-      "adaptive_block_px: 51, adaptive_offset: 7, component: nearest_to_previous, min_area_px: 9, order: 5, "
-      "asymmetry_threshold: 0.1, orientation_threshold: 0.2, points: blobs, point_count: 5, "
-      "kernel: {p: 2, q: 3}, lost_area_px: 4, border_margin_px: 3, switch_ratio: 1.5, switch_images: 7}"));
+  const VisionConfig c = readVisionConfig(YAML::Load(kEveryKey));
   EXPECT_EQ(c.object, ObjectShade::kBright);
   EXPECT_EQ(c.segmentation, SegmentationMethod::kFixed);
   EXPECT_EQ(c.threshold, 100.0);
@@ -44,12 +73,22 @@ TEST(VisionConfig, ReadsEveryKey) {
   EXPECT_EQ(c.border_margin_px, 3);
   EXPECT_EQ(c.switch_ratio, 1.5);
   EXPECT_EQ(c.switch_images, 7);
+  const PhotometricConfig& p = c.photometric.value();
+  EXPECT_EQ(p.interaction, GradientOf::kCurrent);
+  EXPECT_EQ(p.illumination, Illumination::kOffset);
+  EXPECT_EQ(p.levels, 2);
+  EXPECT_EQ(p.switch_px, 0.6);
+  EXPECT_EQ(p.smoothing_px, 1.5);
+  EXPECT_EQ(p.border_px, 11);
+  EXPECT_EQ(p.min_contrast, 4.0);
+  EXPECT_EQ(p.target_normal_C, (std::array<double, 3>{0.1, 0.2, 0.9}));
 }
 
 TEST(VisionConfig, FaultsOfTheKernelAreListedWithTheOthers) {
   EXPECT_FALSE(readVisionConfig(YAML::Load("{object: dark, segmentation: coverage}")).kernel.has_value());
   const std::string faults = faultsOf("{object: dark, segmentation: coverage, order: 2, kernel: {p: 0, r: 1}}");
-  for (const char* part : {"vision/order", "vision/kernel/p: found '0'", "vision/kernel/r: found an unknown key"})
+  for (const char* part :
+       {"vision/order", "vision/kernel/p: found 0, allowed >= 0.01 and <= 8", "vision/kernel/r: found an unknown key"})
     EXPECT_NE(faults.find(part), std::string::npos) << faults;
 }
 
@@ -57,8 +96,9 @@ TEST(VisionConfig, PointsRequireTheirNumber) {
   EXPECT_EQ(readVisionConfig(YAML::Load("{object: dark, segmentation: coverage}")).points, PointSource::kNone);
   EXPECT_NE(faultsOf("{object: dark, segmentation: coverage, points: corners}").find("vision/point_count"),
             std::string::npos);
-  EXPECT_NE(faultsOf("{object: dark, segmentation: coverage, points: corners, point_count: 2}").find("found '2'"),
-            std::string::npos);
+  EXPECT_NE(
+      faultsOf("{object: dark, segmentation: coverage, points: corners, point_count: 2}").find("found 2, allowed >= 3"),
+      std::string::npos);
 }
 
 TEST(VisionConfig, GreysAreEstimatedUnlessGiven) {
@@ -69,6 +109,7 @@ TEST(VisionConfig, GreysAreEstimatedUnlessGiven) {
 
 TEST(VisionConfig, ObjectAndSegmentationAreRequired) {
   const std::string faults = faultsOf("{order: 3}");
+  EXPECT_EQ(faults.find("threshold"), std::string::npos) << faults;  // only `fixed` asks for one
   EXPECT_NE(faults.find("vision/object: found nothing"), std::string::npos) << faults;
   EXPECT_NE(faults.find("vision/segmentation: found nothing"), std::string::npos) << faults;
 }
@@ -78,13 +119,13 @@ TEST(VisionConfig, FixedSegmentationRequiresAThreshold) {
 }
 
 TEST(VisionConfig, SomethingOtherThanAMappingIsRefused) {
-  EXPECT_NE(faultsOf("[1, 2]").find("allowed a mapping"), std::string::npos);
-  EXPECT_NE(faultsOf("").find("allowed a mapping"), std::string::npos);
+  EXPECT_EQ(faultsOf("[1, 2]"), "vision: found [1, 2], allowed a map");
+  EXPECT_NE(faultsOf("").find("vision/object: found nothing"), std::string::npos);
 }
 
 TEST(VisionConfig, AllFaultsAreListedAtOnce) {
   const std::string faults = faultsOf("{object: green, segmentation: coverage, order: 2, min_area: 3}");
-  for (const char* part : {"vision/object: found 'green', allowed one of dark, bright", "vision/order: found '2'",
+  for (const char* part : {"vision/object: found green, allowed one of dark, bright", "vision/order: found 2",
                            "vision/min_area: found an unknown key"})
     EXPECT_NE(faults.find(part), std::string::npos) << faults;
 }
