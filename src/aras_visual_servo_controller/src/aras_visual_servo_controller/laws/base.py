@@ -22,9 +22,7 @@ A law with settings of its own describes them as a frozen dataclass (config/sett
     @register("proportional", settings=ProportionalSettings)
 """
 
-from dataclasses import dataclass, field
 from math import exp, expm1, isfinite, sin
-from typing import Any, Mapping, Optional, Tuple
 
 import numpy as np
 
@@ -33,42 +31,12 @@ from ..config.settings import keys_of, settings_of
 from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError, ShapeError
 from ..features.base import FeatureSet, View
 from ..features.interaction import parallel_condition
-from ..target.target_pose import PlanarTarget
 from ..ground.types import FEATURE_NAMES, Reference
+from .setup import INTERACTIONS, POINT_DEPTHS, POSES, LawSetup
 
-INTERACTIONS = ("desired", "current", "mean")
-POINT_DEPTHS = ("plane", "goal")
-POSES = ("moments", "points")
 #: A matrix with a larger condition number is not inverted: the view does not tell six motions apart.
 MAX_CONDITION = 1e6
 _LAWS = {}
-
-
-@dataclass(frozen=True)
-class LawSetup:
-    """What a scenario says about a law beside its gains, of whatever kind it is.
-
-    Attributes:
-        features: names of the features.  interaction: which matrix is inverted, one of INTERACTIONS.
-        adaptive: (part, slope) of `adaptive_factor`, None: constant gains.
-        smooth_start_per_s: rate at which the first twist is let in [1/s]; 0: at once.
-        target: the known target, for laws that want its pose.  target_normal_C: guess of its normal at the goal.
-        point_depth: depth of followed points, one of POINT_DEPTHS: of the target's plane, or always that at the goal.
-        pose_from: what laws of the pose measure, one of POSES.
-        symmetric_target: the target is the same after half a turn: alpha counts modulo pi, whatever the view says.
-        settings: name of a law or feature -> its own settings; one that is not there has its defaults.
-    """
-
-    features: Tuple[str, ...] = FEATURE_NAMES
-    interaction: str = "desired"
-    adaptive: Optional[Tuple[float, float]] = None
-    smooth_start_per_s: float = 0.0
-    target: Optional[PlanarTarget] = None
-    target_normal_C: Tuple[float, ...] = (0.0, 0.0, 1.0)
-    point_depth: str = "plane"
-    pose_from: str = "moments"
-    symmetric_target: bool = False
-    settings: Mapping[str, Any] = field(default_factory=dict)
 
 
 def register(name, settings=None):
@@ -200,8 +168,9 @@ class Law:
             raise NotFiniteError(f"features {s}, dt_s {dt_s}")
         symmetric = getattr(features, "symmetric", False) or self._setup.symmetric_target
         self.s, self.e = s, self.features.error(s, self._s_star, symmetric)
-        if self._setup.adaptive is not None:
-            factor = adaptive_factor(max(map(abs, self.e)), *self._setup.adaptive)
+        adaptive = self._setup.adaptive_gain
+        if adaptive is not None:
+            factor = adaptive_factor(max(map(abs, self.e)), adaptive.infinity_part, adaptive.slope)
             self.gains_per_s = tuple([factor * rate for rate in self._rates])
         twist = self._twist(self.s, self.e, dt_s)
         if self._setup.smooth_start_per_s > 0.0:
