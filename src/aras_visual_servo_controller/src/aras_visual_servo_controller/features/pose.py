@@ -33,7 +33,7 @@ for _index, (_name, _colour) in enumerate(zip(("tx", "ty", "tz", "rx", "ry", "rz
     _text = f"{_name} of the displacement from the goal: p_CgC [m], then theta u of R_CgC [rad] (T25)."
     register_feature(_name)(type(_name, (_Displacement,), {
         "index": _index, "__doc__": _text, "unit": "m" if _kind == "t" else "rad", "symbol": f"{_kind}_{_axis}",
-        "label": f"camera from the goal, along {_axis}" if _kind == "t" else f"camera from the goal, about {_axis}",
+        "label": f"camera displaced along {_axis}" if _kind == "t" else f"camera turned about {_axis}",
         "colour": _colour}))
 
 for _index, (_name, _label, _colour) in enumerate((("xr", "reference point in x", BLUE),
