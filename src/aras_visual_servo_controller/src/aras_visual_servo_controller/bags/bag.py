@@ -10,6 +10,7 @@ import yaml
 from .files import BagError, BagFiles
 from ..run.record import RecordBuilder
 from .record_groups import lacking
+from ..config.plugins import load_plugins
 from ..ground.spatial import pose_from_quaternion
 from ..ground.types import FEATURE_NAMES
 
@@ -83,6 +84,9 @@ def _read(bags, topics, scenario, keep_images):
         raise BagError(f"bag '{bags.name}': {topics['servo_state']} holds no image's row")
     notes = bags.notes + lacking(topics)
     settings, scenario_name = settings_of(scenario, document, notes)
+    # Features of plugins bring the units and symbols they are shown with.
+    faults = load_plugins(settings.get("servo", {}).get("plugins", []))
+    notes += [f"features of this plugin are shown without unit and symbol: {fault}" for fault in faults]
     images = {}
     if "camera/image_raw" in topics:
         stamps = _stamps_to_keep(states, every=keep_images)

@@ -6,10 +6,11 @@ import matplotlib.lines
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..report.figure import GREY, STYLE
+from ..features.palette import BLUE, GREEN, GREY, PURPLE, VERMILION
+from ..report.figure import STYLE
 
 #: Okabe and Ito's eight, then again dashed.
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#AA4499", "#E69F00", "#56B4E9", "#000000", "#997700")
+COLOURS = (BLUE, VERMILION, GREEN, PURPLE, "#E69F00", "#56B4E9", "#000000", "#997700")
 STYLES = ("-", (0, (4, 1.5)), (0, (1, 1.2)))
 #: Below, a run has arrived for the eye [mm, deg].
 FLOOR_MM, FLOOR_DEG = 0.01, 0.001

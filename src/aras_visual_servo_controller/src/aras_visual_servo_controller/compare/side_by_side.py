@@ -14,7 +14,8 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 
 from ..run.judge import judge, run_in_process
-from ..report.figure import GREY, STYLE, draw_panel
+from ..features.palette import GREY
+from ..report.figure import STYLE, draw_panel
 from ..arm.kinematics import Kinematics
 from .laws_figure import COLOURS, FLOOR_DEG, FLOOR_MM
 from .laws_report import TABLE, cells

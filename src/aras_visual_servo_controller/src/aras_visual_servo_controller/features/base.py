@@ -71,13 +71,13 @@ def _owning(feature, section, settings):
 
 def feature_settings():
     """Features and families with settings of their own: name of their section -> settings class, sorted by name."""
-    _feature("")
+    feature_class("")
     found = {feature.section: feature.settings_class for feature in [*_FEATURES.values(), *_FAMILIES.values()]}
     return {name: found[name] for name in sorted(found) if found[name] is not None}
 
 
-def _feature(name):
-    """Class of that name; None when there is none."""
+def feature_class(name):
+    """The class registered under that name, or made for that member of a family; None when there is none."""
     load_room(__package__)
     match = _NUMBERED.fullmatch(name)
     if name in _FEATURES or match is None or match[1] not in _FAMILIES:
@@ -87,12 +87,12 @@ def _feature(name):
 
 def is_known(name):
     """Whether there is a feature of that name."""
-    return _feature(name) is not None
+    return feature_class(name) is not None
 
 
 def known_features():
     """Names of the registered features, sorted; "xN" stands for x1, x2, ..., x99."""
-    _feature("")
+    feature_class("")
     return sorted([*_FEATURES, *(f"{prefix}N" for prefix in _FAMILIES)])
 
 
@@ -106,6 +106,11 @@ def expand(names):
         else:
             result += [f"{axis}{number}" for number in range(1, int(match[2]) + 1) for axis in "xy"]
     return tuple(result)
+
+
+def spread(values):
+    """Dict of feature name -> value, of a dict whose keys may be "pointsN": each of x1, y1, ... gets that value."""
+    return {name: value for key, value in values.items() for name in expand((key,))}
 
 
 def _area_row(view):
@@ -186,10 +191,17 @@ class Feature:
         sees_tilt: it tells a tilt of the camera from a translation.
         source: what of the camera it is of: moments (MomentFeatures) or photometric (PhotometricFeatures).
         settings: its own, an instance of settings_class; None: it has none.  section: where they stand.
+        unit: of its value: "m", "rad", "1/m", "grey" (grey levels), ..., "-" for none.
+        symbol: plain text, a subscript after the first underscore ("x_n", "α"); "": the name.
+        label: what it is, in a few words; "": the name.
+        colour: of its curves, "#rrggbb"; "": one that the other features do not have. In a family the hues (from, to)
+            [deg] that its members share, see palette.shade.
+    In symbol and label of a family, "{number}" stands for the number.
     """
 
     name, number, order, angle, directed, sees_tilt = "", 0, 2, False, False, False
     source, section, settings_class, settings = "moments", "", None, None
+    unit, symbol, label, colour = "-", "", "", ""
 
     def value(self, view):
         """The feature in this view."""
@@ -198,33 +210,6 @@ class Feature:
     def row(self, view):
         """Its interaction row, (6,), [v; w]; needs view.plane."""
         raise NotImplementedError
-
-
-class _Normalised(Feature):
-    index = 0
-
-    def value(self, view):
-        return getattr(view.features, self.name)
-
-    def row(self, view):
-        return view.L_normalised()[self.index]
-
-
-for _index, _name in enumerate(FEATURE_NAMES[:3]):
-    register_feature(_name)(type(_name, (_Normalised,), {"index": _index, "__doc__": f"{_name} (T4, T9) [m]."}))
-
-
-@register_feature("alpha")
-class Alpha(Feature):
-    """Orientation (T3, T10) [rad]."""
-
-    order, angle = 3, True
-
-    def value(self, view):
-        return view.features.alpha
-
-    def row(self, view):
-        return interaction.orientation(view.m, view.mu, view.plane)
 
 
 class FeatureSet:
@@ -240,7 +225,7 @@ class FeatureSet:
         settings missing that have no default.
         """
         self.names = expand(names)
-        classes = [_feature(name) for name in self.names]
+        classes = [feature_class(name) for name in self.names]
         faults = [f"features: found '{name}', allowed {', '.join(known_features())}"
                   for name, found in zip(self.names, classes) if found is None]
         if len(set(self.names)) != len(self.names) or not self.names:

@@ -19,10 +19,12 @@ from pathlib import Path
 
 import numpy as np
 
+from ..features.base import spread
+from ..features.style import styles
 from ..ground.errors import ArasError
 from ..ground.spatial import quaternion_xyzw
 from ..run.judge import judge, tracking
-from ..run.record import FEATURE_UNITS, TWIST_NAMES
+from ..run.record import TWIST_NAMES
 from .rows import comparison_rows, is_number
 from .versions import installed_versions
 
@@ -33,7 +35,6 @@ PUBLISHED = {
     "experiment_2": {"label": "paper, experiment 2",
                      "x_mm": 4.0, "y_mm": 8.9, "z_mm": 7.2, "angle_deg": 0.03},
 }
-FEATURE_SYMBOLS = {"xn": "x_n", "yn": "y_n", "an": "a_n", "alpha": "alpha"}
 
 
 class ResultFolderError(ArasError):
@@ -135,8 +136,8 @@ def summarise(record):
         "tracking": tracking(record) if servo.get("track") else None,
         "published": PUBLISHED.get(base),
         "final_feature_error": result.final_feature_error,
-        "thresholds": dict(servo.get("thresholds", {})),
-        "gains_per_s": dict(servo.get("gains_per_s", {})),
+        "thresholds": spread(servo.get("thresholds", {})),
+        "gains_per_s": spread(servo.get("gains_per_s", {})),
         "promised_decay_per_s": result.gains_per_s,
         "measured_decay_per_s": result.decay_per_s,
         "law": servo.get("law"),
@@ -159,11 +160,11 @@ def published_name(scenario):
 def trace_csv(record):
     """The record as CSV text: one row per image. Empty cells are values that did not exist at that image.
 
-    Columns: t_s, phase, status, e_<feature>, V_<vx..wz>, q_<joint>, p_WC_{x,y,z}_m and q_WC_{x,y,z,w} (true pose of
-    the camera in the world, unit quaternion with w >= 0).
+    Columns: t_s, phase, status, e_<feature>_<unit>, V_<vx..wz>, q_<joint>, p_WC_{x,y,z}_m and q_WC_{x,y,z,w} (true
+    pose of the camera in the world, unit quaternion with w >= 0).
     """
     header = (["t_s", "phase", "status"]
-              + [f"e_{name}_{FEATURE_UNITS.get(name, '')}".rstrip("_") for name in record.feature_names]
+              + [f"e_{style.column}" for style in styles(record.feature_names)]
               + [f"V_{name}_{'m_s' if name[0] == 'v' else 'rad_s'}" for name in TWIST_NAMES]
               + [f"q_{name}" for name in record.joint_names]
               + [f"p_WC_{axis}_m" for axis in "xyz"] + [f"q_WC_{axis}" for axis in "xyzw"])
@@ -190,7 +191,7 @@ def format_summary(summary):
     rates = {name: rate for name, rate in summary["measured_decay_per_s"].items() if is_number(rate)}
     if rates and summary["promised_decay_per_s"]:
         asked = summary["promised_decay_per_s"]
-        text = ", ".join(f"{FEATURE_SYMBOLS.get(name, name)} {rate:.2f} (asked {asked[name]:g})"
+        text = ", ".join(f"{name} {rate:.2f} (asked {asked[name]:g})"
                          for name, rate in rates.items() if name in asked)
         lines.append(f"{'decay [1/s]':<20}{text}")
     if is_number(summary["real_time_factor"]):

@@ -13,13 +13,15 @@ from pathlib import Path
 
 import numpy as np
 
+from ..features.palette import BLUE, GREEN, VERMILION, rgb
+from ..features.style import styles
 from ..ground.errors import ArasError
-from .plots import FEATURES
 
 WIDTH, VIEW_HEIGHT, CURVES_HEIGHT = 1280, 480, 240
 HALF = WIDTH // 2
+LEGEND_COLUMNS = 8
 HOLD_S = 0.8                  # the last frame stands still for this long
-SEEN_RGB, WANTED_RGB, TRAIL_RGB = (230, 80, 0), (0, 158, 115), (0, 114, 178)
+SEEN_RGB, WANTED_RGB, TRAIL_RGB = rgb(VERMILION), rgb(GREEN), rgb(BLUE)
 SUBPIXEL_BITS = 4             # cv2 draws at fractions of a pixel
 ENCODER = ("-c:v", "libx264", "-preset", "veryfast", "-crf", "21", "-pix_fmt", "yuv420p", "-movflags", "+faststart",
            "-fflags", "+bitexact", "-flags:v", "+bitexact", "-map_metadata", "-1")
@@ -176,23 +178,21 @@ class Composer:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
-        from .figure import FEATURE_COLORS, FEATURE_LABELS, STYLE
-        pictures, dpi = [], 100
+        from .figure import STYLE
+        shown, pictures, dpi = styles(self._record.feature_names), [], 100
         for strength in (0.22, 1.0):
             with matplotlib.rc_context(dict(STYLE, **{"font.size": 13, "axes.labelsize": 14, "xtick.labelsize": 13,
                                                       "ytick.labelsize": 13, "legend.fontsize": 14})):
                 figure = Figure(figsize=(WIDTH / dpi, CURVES_HEIGHT / dpi), dpi=dpi)
                 canvas = FigureCanvasAgg(figure)
                 axes = figure.add_axes((0.08, 0.24, 0.9, 0.72))
-                for column, name in enumerate(self._record.feature_names):
-                    axes.plot(self._t_s, self._record.e[self._rows, column], alpha=strength, linewidth=2.4,
-                              color=FEATURE_COLORS.get(name))
-                    axes.plot([], [], color=FEATURE_COLORS.get(name), linewidth=2.4,
-                              label=FEATURE_LABELS.get(name, name))
+                for style, column in zip(shown, self._record.e[self._rows].T):
+                    axes.plot(self._t_s, column, alpha=strength, linewidth=2.4, color=style.colour)
+                    axes.plot([], [], color=style.colour, linewidth=2.4, label=style.mathtext)
                 axes.set_xlim(0.0, max(self._t_s[-1], 1e-9))
                 axes.set_xlabel("time since the servo started [s]", labelpad=1)
                 axes.set_ylabel(r"$\mathbf{e}$")
-                axes.legend(loc="upper right", ncol=len(FEATURES), handlelength=1.4)
+                axes.legend(loc="upper right", ncol=min(len(shown), LEGEND_COLUMNS), handlelength=1.4)
                 canvas.draw()
                 pictures.append(np.array(canvas.buffer_rgba())[:, :, :3])
         return (*pictures, 0.08 * WIDTH, 0.98 * WIDTH)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..features.base import spread
 from ..ground.errors import ArasError
 from ..ground.spatial import rotation_angle
 from ..ground.types import FEATURE_NAMES, Status
@@ -34,7 +35,7 @@ class Judgement:
         duration_s: simulated seconds from the first servo image to the one that ended it.
         final_error: x_mm, y_mm, z_mm of p_CgC in the goal camera frame Cg and the total angle_deg of R_CgC.
         initial_error: the same at the first servo image.
-        final_feature_error: feature name -> e at the end [m, alpha in rad].
+        final_feature_error: feature name -> e at the end, in its unit (features.styles).
         decay_per_s: feature name -> rate of the fitted exponential [1/s], NaN where the error is too small to tell.
         gains_per_s: feature name -> lambda asked for; {} if the law promises no exponential.
         limits: the scenario's judge thresholds, {} if it has none.
@@ -147,7 +148,7 @@ def fit_decay(record):
         dict feature name -> rate, NaN if fewer than FIT_MIN_ROWS images stand above the floor.
     """
     rows = record.servo_rows
-    t_s, thresholds = record.t_s[rows], record.settings.get("servo", {}).get("thresholds", {})
+    t_s, thresholds = record.t_s[rows], spread(record.settings.get("servo", {}).get("thresholds", {}))
     rates = {}
     for column, name in enumerate(record.feature_names):
         size = np.abs(record.e[rows, column])

@@ -12,7 +12,6 @@ import numpy as np
 from ..ground.errors import ShapeError
 from ..ground.types import FEATURE_NAMES, Status
 
-FEATURE_UNITS = {"xn": "m", "yn": "m", "an": "m", "alpha": "rad", "photometric": "grey"}
 TWIST_NAMES = ("vx", "vy", "vz", "wx", "wy", "wz")
 RAW_NAMES = ("area", "xg", "yg", "alpha")
 
@@ -33,7 +32,7 @@ class RunRecord:
         joint_names: m names, sorted: the columns of q and set_point.  feature_names: k names.
         stamp_ns: (n,) int64, simulated time of the state each image shows [ns].
         phase: (n,) str, one of PHASES.  status: (n,) int, codes of ServoState.  status_text: (n,) str.
-        s, s_star, e: (n, k), features, reference, e = s - s_star [m, alpha in rad].
+        s, s_star, e: (n, k), features, reference, e = s - s_star, in the features' units (features.styles).
         twist: (n, 6), commanded V_C = [v; w] in the camera frame [m/s, rad/s].
         q: (n, m) measured at the stamp, set_point: (n, m) sent in answer [m or rad].
         raw: (n, 4), columns RAW_NAMES: m00, centroid, orientation; normalised image coordinates [-], [rad].

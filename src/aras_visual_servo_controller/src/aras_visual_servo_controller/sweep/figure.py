@@ -7,7 +7,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..ground.errors import ParameterError
-from ..report.figure import BLUE, GREY, STYLE, VERMILION
+from ..features.palette import BLUE, GREY, VERMILION
+from ..report.figure import STYLE
 from .statistics import reasons, success_curve
 
 FIGURES = ("map", "curve", "reasons")

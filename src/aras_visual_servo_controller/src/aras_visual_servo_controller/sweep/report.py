@@ -5,10 +5,9 @@ A function of the rows: the same runs give the same bytes, whatever machine did 
 
 import base64
 import math
-from pathlib import Path
 
 from ..report.report import ResultFolderError
-from ..config.files import share_dir
+from ..report.template import render
 from .figure import DEFAULT_AXES, save_figures
 from .judge import STRICT_DEG, STRICT_MM, SUCCESS_DEG, SUCCESS_PART
 from .statistics import aggregate, reasons
@@ -48,14 +47,11 @@ def save_report(store, axes=DEFAULT_AXES):
 
 def report_html(store, rows, pictures):
     """The report as one self-contained page, str."""
-    import jinja2
-    template = (Path(share_dir()) / "config" / "sweep.html.j2").read_text(encoding="utf-8")
-    environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True,
-                                     undefined=jinja2.StrictUndefined)
     numbers = aggregate(rows)
     planned = len(store.starts())
-    return environment.from_string(template).render(
-        name=store.meta["setup"]["scenario"]["name"], numbers=numbers, planned=planned, missing=planned - len(rows),
+    return render(
+        "sweep.html.j2", name=store.meta["setup"]["scenario"]["name"], numbers=numbers, planned=planned,
+        missing=planned - len(rows),
         rates=[(label, f"{100 * numbers[key]:.2f} %", f"{100 * numbers[key + '_low']:.2f} to "
                                                       f"{100 * numbers[key + '_high']:.2f} %")
                for label, key in rate_labels() if not math.isnan(numbers[key])],

@@ -27,8 +27,10 @@
     const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
     return minus(digits < 6 ? value.toFixed(digits) : value.toExponential(1)).replace(/^−(0(\.0*)?)$/, "$1");
   };
+  // Units of a feature without one are "-": only the number is shown then. Small numbers keep two digits.
   const readable = (value, unit) => value === null ? "–" :
-    minus(Math.abs(value) >= 100 ? value.toFixed(1) : Math.abs(value) >= 1 ? value.toFixed(2) : value.toFixed(4)) + " " + unit;
+    minus(Math.abs(value) >= 100 ? value.toFixed(1) : Math.abs(value) >= 1 ? value.toFixed(2) :
+      Math.abs(value) >= 1e-3 || value === 0 ? value.toFixed(4) : value.toExponential(1)) + (unit === "-" ? "" : " " + unit);
 
   // What both kinds share: size, buttons, pointers and keys.
   class Plot {
@@ -156,7 +158,7 @@
       make("rect", { x: this.left, y: 12, width: this.w - this.left - 10, height: bottom - 12 }, make("clipPath", { id: clip }, make("defs", {}, svg)));
       const inside = make("g", { "clip-path": `url(#${clip})` }, svg);
       for (const level of log ? this.data.levels : [])
-        make("path", { class: "level", stroke: level.color, d: `M${this.left} ${this.y(Math.log10(level.y))}H${this.w - 10}` }, inside);
+        make("path", { class: "level", stroke: level.color, "stroke-dasharray": level.dash, "stroke-dashoffset": level.offset, d: `M${this.left} ${this.y(Math.log10(level.y))}H${this.w - 10}` }, inside);
       series.forEach((one, index) => {
         if (this.hidden.has(index)) return;
         let d = "", pen = "M";
@@ -250,7 +252,7 @@
       return [this.w / 2 + scale * (-s * x + c * y), this.h / 2 - 8 - scale * (Math.cos(elevation) * z - Math.sin(elevation) * (c * x + s * y))];
     }
     draw() {
-      const { azimuth, centre, closer } = this.view, svg = this.svg, { p, goal } = this.data;
+      const { azimuth, centre, closer } = this.view, svg = this.svg, { p, goal, colors } = this.data;
       const low = centre.map((x, k) => x - this.half[k] / closer), high = centre.map((x, k) => x + this.half[k] / closer), floor = low[2];
       const s = Math.sin(azimuth), c = Math.cos(azimuth);
       // Numbers stand at the edges of the floor that are near, and at the post on the left.
@@ -284,13 +286,13 @@
       this.label(top[0], top[1] - 9, "z", "middle", "W");
       make("polyline", { class: "frame", points: chain([[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]], [low[0], low[1]]].map((q) => this.project([...q, floor]))) }, svg);
       make("polyline", { class: "shadow", points: chain(p.map((q) => this.project([q[0], q[1], floor]))) }, svg);
-      make("polyline", { class: "curve", stroke: "#0072B2", points: chain(p.map((q) => this.project(q))) }, svg);
+      make("polyline", { class: "curve", stroke: colors.path, points: chain(p.map((q) => this.project(q))) }, svg);
       const [x, y] = this.project(p[0]);
-      make("circle", { cx: x, cy: y, r: 5, fill: "none", stroke: "#D55E00", "stroke-width": 2 }, svg);
+      make("circle", { cx: x, cy: y, r: 5, fill: "none", stroke: colors.start, "stroke-width": 2 }, svg);
       if (goal) {
         const [gx, gy] = this.project(goal);
         const corners = [...Array(10).keys()].map((k) => `${gx + (k % 2 ? 3.4 : 8) * Math.sin(k * Math.PI / 5)} ${gy - (k % 2 ? 3.4 : 8) * Math.cos(k * Math.PI / 5)}`);
-        make("path", { d: `M${corners.join("L")}Z`, fill: "#009E73" }, svg);
+        make("path", { d: `M${corners.join("L")}Z`, fill: colors.goal }, svg);
       }
       this.over = make("g", {}, svg);
       this.mark();
@@ -300,7 +302,7 @@
       const i = this.cursor;
       if (i !== null) {
         const [x, y] = this.project(this.data.p[i]);
-        make("circle", { cx: x, cy: y, r: 4.5, fill: "#0072B2", stroke: "#fff", "stroke-width": 1.5 }, this.over);
+        make("circle", { cx: x, cy: y, r: 4.5, fill: this.data.colors.path, stroke: "#fff", "stroke-width": 1.5 }, this.over);
       }
       this.readout.textContent = i === null ? "" : `t = ${this.data.t[i].toFixed(3)} s:  ` +
         this.data.p[i].map((value, k) => `${"xyz"[k]} ${minus((value * 1e3).toFixed(2))}`).join(",  ") + " mm";
