@@ -2,6 +2,8 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <string>
+
 #include "chain_kinematics.hpp"
 
 namespace py = pybind11;
@@ -18,9 +20,21 @@ void raise(const char* name, const std::exception& error) {
   PyErr_SetString(py::object(errors.attr(name)).ptr(), error.what());
 }
 
+/** pybind11 before 2.12 calls a function that numpy 2 no longer has: the process would end without a word. */
+void refuseNumpy2() {
+  if (PYBIND11_VERSION_HEX >= 0x020C0000) return;
+  const py::module_ numpy = py::module_::import("numpy");
+  const auto version = numpy.attr("__version__").cast<std::string>();
+  if (std::stoi(version) < 2) return;
+  throw py::import_error("numpy: found " + version + " in " + numpy.attr("__file__").cast<std::string>() +
+                         ", allowed 1, which the kinematics were built for: run this with " ARAS_PYTHON
+                         " and its own numpy (PYTHONNOUSERSITE=1 leaves out one that pip put in your home)");
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_kinematics, module) {
+  refuseNumpy2();
   module.doc() = "Kinematics of a URDF chain through KDL.";
   py::register_exception_translator([](std::exception_ptr pointer) {
     try {

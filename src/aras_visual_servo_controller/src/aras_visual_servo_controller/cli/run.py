@@ -154,7 +154,7 @@ def guarded(work):
     except ParameterError as error:
         print(f"bad input:\n{error}", file=sys.stderr)
         return EXIT_PARAMETERS
-    except (ArasError, RuntimeError, OSError) as error:
+    except (ArasError, ImportError, RuntimeError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_BROKEN
     except KeyboardInterrupt:

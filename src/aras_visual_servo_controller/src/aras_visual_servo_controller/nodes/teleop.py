@@ -57,6 +57,9 @@ class TeleopNode:
 
 def main(descriptor=0):
     """Runs until the key for the end, or the end of ROS. Returns the exit code."""
+    if {"-h", "--help"} & set(sys.argv):
+        print(HELP)
+        return EXIT_STOPPED
     rospy.init_node("teleop", disable_signals=False)
     try:
         node = TeleopNode()

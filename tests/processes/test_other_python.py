@@ -1,0 +1,59 @@
+"""Another Python comes first in PATH (pyenv, conda): what is installed runs with the one it was built for."""
+import os
+import pathlib
+import subprocess
+import sys
+
+import pytest
+
+LIMIT_S = 300.0  # wall time for a command of some seconds on a busy machine
+
+
+def programs():
+    """Paths of the installed programs that are scripts."""
+    folders = [pathlib.Path(prefix) / "lib" for prefix in os.environ["CMAKE_PREFIX_PATH"].split(":")]
+    found = [path for folder in folders for path in sorted(folder.glob("aras_*/*")) if path.is_file()]
+    return [path for path in found if path.read_bytes()[:2] == b"#!"]
+
+
+def program(name):
+    return next(path for path in programs() if path.name == name)
+
+
+@pytest.fixture
+def other_python(tmp_path):
+    """The environment of who has another python3 first in PATH; this one only says so and ends."""
+    folder = tmp_path / "bin"
+    folder.mkdir()
+    for name in ("python", "python3"):
+        (folder / name).write_text("#!/bin/sh\necho the other Python was taken >&2\nexit 77\n")
+        (folder / name).chmod(0o755)
+    return dict(os.environ, PATH=f"{folder}:{os.environ['PATH']}")
+
+
+@pytest.mark.parametrize("path", [pytest.param(path, id=f"{path.parent.name}/{path.name}") for path in programs()])
+def test_an_installed_program_names_its_interpreter_whole(path):
+    line = path.read_text(encoding="utf-8").splitlines()[0]
+    assert line.startswith("#!/") and "env" not in line and os.access(line[2:], os.X_OK), line
+
+
+@pytest.mark.parametrize("words", [
+    ("run", "--list"), ("teleop", "--help"),
+    ("run", "experiment_1", "--in-process", "--output", "results"),
+    ("compare_laws", "--laws", "pbvs,points", "--tasks", "turn_45", "--workers", "2", "--output", "results"),
+    ("sweep", "experiment_1", "--starts", "4", "--set", "servo.time_limit_s=0.2", "--workers", "2",
+     "--output", "results"),
+], ids=lambda words: words[0] + words[1])
+def test_a_command_and_the_processes_it_starts_take_the_right_python(other_python, tmp_path, words):
+    done = subprocess.run([program(words[0]), *words[1:]], env=other_python, cwd=tmp_path, text=True, timeout=LIMIT_S,
+                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
+    assert done.returncode == 0 and done.stdout and "the other Python" not in done.stderr, done.stderr
+
+
+def test_a_numpy_that_would_crash_the_kinematics_is_refused_in_one_sentence(tmp_path):
+    (tmp_path / "numpy").mkdir()
+    (tmp_path / "numpy" / "__init__.py").write_text("__version__ = '2.4.6'\n")
+    code = "import sys; sys.path.insert(0, '.'); import aras_visual_servo_controller._kinematics"
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, text=True, stderr=subprocess.PIPE, check=False)
+    said = done.stderr.splitlines()[-1]
+    assert done.returncode == 1 and said.startswith("ImportError: numpy: found 2.4.6 in ") and "allowed 1" in said
