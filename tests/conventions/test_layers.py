@@ -70,6 +70,13 @@ def test_all_packages_share_one_version():
     assert len({ElementTree.parse(path).getroot().findtext("version") for path in manifests}) == 1
 
 
+def test_python_packages_are_set_up_by_setuptools():
+    """Of setuptools catkin asks for an egg-info in the build folder; distutils leaves it in src/."""
+    scripts = list(SOURCE.glob("*/setup.py"))
+    assert scripts
+    assert [str(path) for path in scripts if "\nfrom setuptools import setup\n" not in "\n" + path.read_text()] == []
+
+
 def arrows_up(floors, arrows):
     """Imports that do not lead down.
 
