@@ -1,4 +1,4 @@
-"""A bag's images through the moment extractor once more: are the features the recorded ones, bit for bit? No master.
+"""Computes the features of a bag's images again and compares them with the recorded ones, bit for bit. No ROS master.
 
     result = replay("run.bag")
     print(result.text())
@@ -11,13 +11,17 @@ from .bag import camera_info_of, decode, find_topics, settings_of
 from .files import BagError, BagFiles
 
 NEEDED = ("camera/image_raw", "camera/features", "camera/camera_info")
-NOT_COMPARED = ("header", "age_s")      # age_s is a matter of when the node ran
+NOT_COMPARED = ("header", "age_s")      # age_s depends on when the node ran
 
 
 @dataclass(frozen=True)
 class Replay:
-    """What a replay found: images compared, and differences as lines "t, field: recorded, again"; `alone`: images
-    without recorded features, or features without their image."""
+    """What a replay found.
+
+    Attributes:
+        images: number of images that were compared.  differences: lines "t, field: recorded, again".
+        alone: number of images without recorded features and of features without their image.
+    """
 
     images: int
     differences: tuple
@@ -25,11 +29,11 @@ class Replay:
 
     @property
     def same(self):
-        """Every image gave the recorded features."""
+        """Whether images were compared and all of them gave the recorded features."""
         return self.images > 0 and not self.differences
 
     def text(self):
-        """One line; then up to five differences."""
+        """The result in one line, and up to five differences in lines of their own."""
         if not self.images:
             return "replay: no image has recorded features of its stamp"
         alone = f" ({self.alone} without a partner)" if self.alone else ""
@@ -43,7 +47,7 @@ def replay(paths, namespace=None, scenario=None):
     """Process the images of a bag again, with the camera and the vision settings of the run.
 
     Args:
-        paths, namespace, scenario: as `bag.read_bag`.
+        paths, namespace, scenario: see `bag.read_bag`.
     Returns:
         Replay.
     Raises:
@@ -91,7 +95,7 @@ class _Comparison:
         self.images, self.alone, self.differences = 0, 0, []
 
     def add(self, stamp_ns, image):
-        """The next image."""
+        """Compare the features of the next image with the recorded ones of its stamp."""
         message = self._recorded.get(stamp_ns)
         if message is None:
             self.alone += 1
@@ -109,11 +113,15 @@ class _Comparison:
 
     @staticmethod
     def _kept(features, image):
-        """What of an image a reference may be made of when the next one comes."""
+        """What is kept of an image, because the next message may show that it has become the reference."""
         return features
 
     def _follow_reference(self, message):
-        """A view that was taught shows in the features after it: they have another reference."""
+        """Set the extractor's reference to that of the message.
+
+        Teaching itself is not recorded. A message with another reference than the one before tells that the image
+        before it was taught, or that the reference was given as numbers.
+        """
         reference = (message.z_star_m, message.area_star) if message.has_reference else None
         if reference == self._reference:
             return
@@ -132,7 +140,7 @@ class _PhotometricComparison(_Comparison):
         return image
 
     def _follow_reference(self, message):
-        """The image before is the reference of one with another hash; if it is not, the values will differ."""
+        """Take the image before as reference when its hash changes. If it was another image, the values will differ."""
         reference = (message.reference_hash, message.z_star_m) if message.has_reference else None
         if reference == self._reference:
             return
@@ -144,7 +152,7 @@ class _PhotometricComparison(_Comparison):
 
 
 def same(a, b):
-    """Equal to the last bit; NaN is equal to NaN. Sequences element by element."""
+    """Whether two values are equal to the last bit, sequences element by element. NaN is equal to NaN."""
     if isinstance(a, (list, tuple)):
         return len(a) == len(b) and all(map(same, a, b))
     if isinstance(a, float) and isinstance(b, float) and math.isnan(a):

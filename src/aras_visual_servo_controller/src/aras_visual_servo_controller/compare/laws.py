@@ -1,7 +1,7 @@
-"""Several laws on the same tasks of one scenario: what is compared, and one run of it. No ROS.
+"""Compares several laws on the same tasks of one scenario: reads the comparison file and runs it. No ROS.
 
 A comparison file names a base scenario, tasks (where the camera starts) and laws (what each of them changes in the
-scenario). Every run is a function of the file and its place in it: the same bytes on any core, in any order.
+scenario). The result of a run depends on law and task alone: it is the same on any core and in any order.
 """
 
 from concurrent.futures import ProcessPoolExecutor
@@ -40,7 +40,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A comparison file, checked.
+    """The content of a comparison file that was found valid.
 
     Attributes:
         name, description.  scenarios: law -> `Scenario`.  tasks: tuple of `Task`.
@@ -57,10 +57,10 @@ def load_comparison(name_or_path, laws=(), tasks=(), overrides=None):
 
     Args:
         name_or_path: name of a file of config/comparisons, or path of a YAML file.
-        laws, tasks: the names to compare, in this order; (): all of the file.  A law may be NAME:INTERACTION.
-        overrides: dotted path -> value, for every law, as of `load_scenario`.
+        laws, tasks: the names to compare, in this order; () takes all of the file.  A law may be NAME:INTERACTION.
+        overrides: dotted path -> value, put into the scenario of every law, see `load_scenario`.
     Raises:
-        ParameterError: every fault; unknown names list the known ones.
+        ParameterError: it lists every fault, and for unknown names the known ones.
     """
     path = _find(name_or_path)
     reader = ConfigReader(load_yaml(path), str(name_or_path))
@@ -99,9 +99,10 @@ def run_comparison(comparison, workers=1, progress=None):
     """Run every law on every task.
 
     Args:
-        comparison: `Comparison`.  workers: processes; 0: this one.  progress: called with (done, total), or None.
+        comparison: `Comparison`.  workers: number of processes; 0 runs in this one.
+        progress: called with (laws done, all laws), or None.
     Returns:
-        list of (task name, law name, row, `Track` or None) task by task; row as of `sweep_judge.COLUMNS`.
+        list of (task name, law name, row, `Track` or None), task by task; a row has the COLUMNS of sweep.judge.
     """
     jobs = [(law, scenario, comparison.tasks) for law, scenario in comparison.scenarios.items()]
     total, done, by_law = len(jobs), 0, {}
@@ -120,7 +121,7 @@ def run_comparison(comparison, workers=1, progress=None):
 
 
 def _run_law(job):
-    """All tasks of one law: list of (row, Track or None)."""
+    """Run all tasks of one law. Returns a list of (row, Track or None)."""
     _, scenario, tasks = job
     bench, results = Bench(scenario), []
     kinematics = Kinematics(scenario.urdf_xml(), scenario.robot["base_link"], scenario.robot["tip_link"])
@@ -189,7 +190,7 @@ def _laws(section):
 
 
 def _target(scenario):
-    """(3,) where the goal camera sees the target [m]; ParameterError where that cannot be told."""
+    """Position of the target in the goal camera, (3,) [m]. ParameterError if the scenario does not tell its outline."""
     outline = Outline.of(scenario)
     if outline is None:
         raise ParameterError(f"scenario '{scenario.name}': a task with tilt needs a flat target of known outline")

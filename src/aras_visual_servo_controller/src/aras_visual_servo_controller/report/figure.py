@@ -39,7 +39,7 @@ def save_figure(record, png_path, pdf_path=None, dpi=160):
         for index, panel in enumerate(PANELS):
             axes = figure.add_subplot(grid[divmod(index, 3)], projection=Axes3D.name if panel == "path" else None)
             draw_panel(record, panel, axes, letter="abcdef"[index])
-        # No creation date: the same run gives the same bytes.
+        # Without a creation date the same run gives the same bytes.
         figure.savefig(png_path, dpi=dpi, metadata={"Software": None})
         if pdf_path is not None:
             figure.savefig(pdf_path, metadata={"CreationDate": None})
@@ -91,7 +91,8 @@ def _draw_image(axes, image):
         return
     axes.imshow(image, cmap="gray", vmin=0, vmax=255, interpolation="nearest")
     height, width = image.shape[:2]
-    # The principal axes of the image, faint: where the object is against the centre can be read off.
+    # Faint lines through the middle of the image show how far the object is from it. White and black dashes take turns,
+    # so that the lines are seen on any background.
     axes.axhline((height - 1) / 2, color="#ffffff", alpha=0.45, linewidth=0.6, linestyle=(0, (6, 4)))
     axes.axvline((width - 1) / 2, color="#ffffff", alpha=0.45, linewidth=0.6, linestyle=(0, (6, 4)))
     axes.axhline((height - 1) / 2, color="#000000", alpha=0.25, linewidth=0.6, linestyle=(5, (6, 4)))

@@ -1,4 +1,4 @@
-"""report.html of a run: one self-contained page, readable on a phone and on paper, whole without a script."""
+"""report.html of a run: one self-contained page, readable on a phone and on paper, and complete without JavaScript."""
 
 import base64
 import json
@@ -14,7 +14,7 @@ from .rows import comparison_rows, is_number
 from ..features.style import styles
 from .template import render, source
 
-# A larger video stays beside the page instead of inside: mail and phones choke on more.
+# A larger video is not put into the page but stays a file beside it: mail programs and phones refuse larger pages.
 EMBEDDED_VIDEO_BYTES = 8_000_000
 
 
@@ -27,7 +27,7 @@ def report_html(record, summary, command=None, film=None):
     """
     drawn = plots.plots_of(record, pictures.panel_title(record, "velocity"))
     for plot in drawn:
-        # "<" could end the script element it stands in.
+        # A "<" in the numbers or names could end the script element that contains them.
         plot["json"] = json.dumps(plot.pop("data"), ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
     scenario = yaml.safe_dump(record.settings, sort_keys=False, allow_unicode=True) if record.settings else ""
     return render(
@@ -39,16 +39,17 @@ def report_html(record, summary, command=None, film=None):
 
 
 def data_uri(content, kind):
-    """Bytes as an address that holds them, str."""
+    """A data: address that contains these bytes, str."""
     return f"data:{kind};base64," + base64.b64encode(content).decode("ascii")
 
 
 def png_bytes(image):
-    """A PNG file, bytes, of a uint8 image (h, w) or (h, w, 3) rgb. Always the same bytes for the same pixels."""
+    """The bytes of a PNG file of a uint8 image (h, w) or (h, w, 3) rgb. The same pixels always give the same bytes."""
     height, width = image.shape[:2]
     colour = 2 if image.ndim == 3 else 0
     rows = np.ascontiguousarray(image, dtype=np.uint8).reshape(height, -1)
-    raw = np.concatenate([np.zeros((height, 1), np.uint8), rows], axis=1).tobytes()  # 0: no filter, at each row
+    # Each row begins with the number of its filter, 0 for none.
+    raw = np.concatenate([np.zeros((height, 1), np.uint8), rows], axis=1).tobytes()
 
     def chunk(name, content):
         return struct.pack(">I", len(content)) + name + content + struct.pack(">I", zlib.crc32(name + content))
@@ -58,7 +59,7 @@ def png_bytes(image):
 
 
 def _images(record):
-    """The camera's own pixels: title and address (None: not in the record) of each picture."""
+    """Title and data address of each picture, in the camera's own pixels; address None if the record lacks it."""
     shown = []
     for letter, panel in (("a", "desired"), ("b", "initial"), ("c", "difference"), ("", "final")):
         image = pictures.image_of(record, panel)
@@ -92,7 +93,7 @@ def _feature_rows(summary):
 
 
 def flat_settings(record):
-    """(key, value as text) of every setting of the record's scenario that shapes the result, flat."""
+    """Rows (dotted key, value as text): every setting of the record's scenario that influences the result."""
     rows = []
     for section in ("robot", "sim", "vision", "servo", "experiment"):
         rows += _flatten(section, record.settings.get(section, {}))

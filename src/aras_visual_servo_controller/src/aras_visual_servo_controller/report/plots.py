@@ -20,10 +20,10 @@ TWIST = tuple((letter, axis, color, dash, factor, unit)
 PATH_COLORS = {"path": BLUE, "start": VERMILION, "goal": GREEN}
 WIDTH, HEIGHT = 520, 310
 LEFT, RIGHT, TOP, BOTTOM = 62, 10, 12, 44
-SIGNIFICANT = 7          # digits of the numbers in the page: more than a plot of any zoom can show
+SIGNIFICANT = 7          # digits of the numbers in the page: more than any zoom of a plot can show
 LOG_FLOOR = 1e-7         # errors below are drawn there, in the units of the features
 DASH, GAP = 4, 3         # of the lines at the thresholds [px]
-AZIMUTH, ELEVATION = math.radians(-57.0), math.radians(22.0)   # from where the path is seen
+AZIMUTH, ELEVATION = math.radians(-57.0), math.radians(22.0)   # direction from which the path is seen
 
 
 def plots_of(record, title_of_velocity="camera velocity"):
@@ -31,7 +31,8 @@ def plots_of(record, title_of_velocity="camera velocity"):
 
     Args:
         record: RunRecord.
-        title_of_velocity: the velocity of a look-then-move run is the law's, not the camera's.
+        title_of_velocity: title of the third plot, which for a look-then-move run shows the velocity that the law asks
+            for and not that of the camera.
     Returns:
         list of plots as described above; [] for a record without servo rows.
     """
@@ -46,7 +47,7 @@ def plots_of(record, title_of_velocity="camera velocity"):
     twist = [_series(style, record.twist[rows, column]) for column, style in enumerate(TWIST)]
     plots = [
         _time_plot("errors", "feature errors, e = s − s*", t_s, series, f"e  {units(features)}"),
-        _time_plot("convergence", "their size, and where the stop rule lies (dashed)", t_s, series,
+        _time_plot("convergence", "size of the errors, and thresholds of the stop rule (dashed)", t_s, series,
                    f"|e|  {units(features)}", log=True, levels=levels),
         _time_plot("velocity", title_of_velocity, t_s, twist, "v [m/s], ω [rad/s]")]
     path = _path_plot(record, rows, t_s)
@@ -63,7 +64,7 @@ def nice_ticks(low, high, count):
 
 
 def tick_text(value, step):
-    """A tick with the digits its step needs; a true minus sign."""
+    """Text of a tick, with as many digits as the step needs and a true minus sign."""
     digits = max(0, -math.floor(math.log10(step) + 1e-9))
     return (f"{value:.{digits}f}" if digits < 6 else f"{value:.1e}").replace("-", "−")
 
@@ -86,7 +87,7 @@ def _levels(features, thresholds):
 
 
 def _number(value):
-    """Rounded for the page; None for what is not finite (JSON has no NaN)."""
+    """The number rounded for the page, None if it is not finite: JSON has no NaN."""
     return float(f"{value:.{SIGNIFICANT}g}") if math.isfinite(value) else None
 
 
@@ -175,7 +176,7 @@ def _path_plot(record, rows, t_s):
 
 
 def path_box(data):
-    """Centre and half edges of the box around path and goal, (3,) each [m]; no edge under a third of the longest."""
+    """Centre and half edges of the box around path and goal, (3,) each [m]. No edge is under a third of the longest."""
     points = np.array(data["p"] + ([data["goal"]] if data["goal"] else []))
     low, high = points.min(axis=0), points.max(axis=0)
     edges = np.maximum(high - low, 1e-3)
@@ -185,11 +186,11 @@ def path_box(data):
 def _path_svg(data):
     centre, half = path_box(data)
     sa, ca, se, ce = math.sin(AZIMUTH), math.cos(AZIMUTH), math.sin(ELEVATION), math.cos(ELEVATION)
-    round_half = math.hypot(half[0], half[1])   # so that the box fits however it is turned
+    round_half = math.hypot(half[0], half[1])   # with it the box fits into the picture however it is turned
     scale = min((WIDTH - 110) / (2 * round_half), (HEIGHT - 80) / (2 * (half[2] * ce + round_half * se)))
 
     def at(p):
-        """Orthographic view from azimuth and elevation, world z up."""
+        """Place in the picture of a point: orthographic view from AZIMUTH and ELEVATION, world z up."""
         x, y, z = np.asarray(p) - centre
         return WIDTH / 2 + scale * (-sa * x + ca * y), HEIGHT / 2 - 8 - scale * (ce * z - se * (ca * x + sa * y))
 

@@ -20,7 +20,7 @@ from ..ground.errors import ArasError
 WIDTH, VIEW_HEIGHT, CURVES_HEIGHT = 1280, 480, 240
 HALF = WIDTH // 2
 LEGEND_COLUMNS = 8
-HOLD_S = 0.8                  # the last frame stands still for this long
+HOLD_S = 0.8                  # the last frame is shown for this long
 SEEN_RGB, WANTED_RGB, TRAIL_RGB = rgb(VERMILION), rgb(GREEN), rgb(BLUE)
 SUBPIXEL_BITS = 4             # cv2 draws at fractions of a pixel
 ENCODER = ("-c:v", "libx264", "-preset", "veryfast", "-crf", "21", "-pix_fmt", "yuv420p", "-movflags", "+faststart",
@@ -28,7 +28,7 @@ ENCODER = ("-c:v", "libx264", "-preset", "veryfast", "-crf", "21", "-pix_fmt", "
 
 
 class VideoError(ArasError):
-    """The video cannot be made; the text says what is missing."""
+    """The video cannot be made. The text says what is missing."""
 
 
 @dataclass(frozen=True)
@@ -45,12 +45,14 @@ def save_video(record, path, ffmpeg="ffmpeg"):
     """Write the video of the servo phase, one frame per image, at the speed of simulated time.
 
     Args:
-        record: RunRecord with `images`.  path: of the .mp4 to write, replaced whole or not at all.
+        record: RunRecord with `images`.
+        path: of the .mp4 to write; an earlier file there is replaced when this one is complete.
         ffmpeg: name or path of the encoder.
     Returns:
         Film.
     Raises:
-        VideoError: no ffmpeg, no images in the record, no robot to show, or ffmpeg failed, with its words.
+        VideoError: ffmpeg is missing or failed (its words are quoted), the record has no images, or its robot cannot
+            be shown.
     """
     program = shutil.which(ffmpeg)
     if program is None:
@@ -77,7 +79,7 @@ def save_video(record, path, ffmpeg="ffmpeg"):
                     process.stdin.write(frame.tobytes())
                     frames += 1
         except BrokenPipeError:
-            pass  # it died: its words say why
+            pass  # ffmpeg has ended; what it printed says why, and is reported below
         except BaseException:
             process.kill()
             raise
@@ -132,7 +134,7 @@ class Composer:
         return frame
 
     def _camera_view(self, index):
-        """The camera's image, as large as fits, with what was seen and what is wanted."""
+        """The camera's image, as large as fits, with the features that are seen and those that are wanted drawn in."""
         import cv2
         image = self._record.images[self._rows[index]]
         image = np.repeat(image[..., None], 3, axis=2) if image.ndim == 2 else image
@@ -143,7 +145,7 @@ class Composer:
         picture = np.ascontiguousarray(cv2.resize(image, size, interpolation=cv2.INTER_NEAREST))
 
         def at(p):
-            """Corner of cv2's fixed-point pixels for (u, v) of the camera's image."""
+            """(u, v) of the camera's image as cv2 takes points: fixed-point numbers, here of the enlarged picture."""
             return tuple(int(round(((x + 0.5) * scale - 0.5) * (1 << SUBPIXEL_BITS))) for x in p)
 
         def line(a, b, color, width):
@@ -173,7 +175,8 @@ class Composer:
         return view
 
     def _curves(self):
-        """Feature errors, faint and full, (CURVES_HEIGHT, WIDTH, 3) each, and the columns of the time axis' ends."""
+        """The plot of the feature errors in faint and in full colours, (CURVES_HEIGHT, WIDTH, 3) each, and the columns
+        of pixels where its time axis begins and ends."""
         import matplotlib
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure

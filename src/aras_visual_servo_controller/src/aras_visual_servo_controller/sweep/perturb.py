@@ -1,7 +1,7 @@
 """What a sweep may vary beside the start: scenario section `sweep.perturb`, name -> [low, high] or {values: [...]}.
 
-`KNOWN` are the ones with a name of their own; any other number or choice of the sections in DOTTED_SECTIONS is
-given by its dotted path, e.g. `servo.gains_per_s.xn: [1.0, 5.0]`.
+The perturbations in `KNOWN` have names of their own. Any other number or choice in the sections DOTTED_SECTIONS is
+varied by its dotted path, e.g. `servo.gains_per_s.xn: [1.0, 5.0]`.
 """
 
 import copy
@@ -29,11 +29,11 @@ KNOWN = {
     "target_scale": "factor on the size of every model of the scene that has outlines or an image",
 }
 DOTTED_SECTIONS = ("sim", "vision", "servo", "experiment")
-#: Lowest value allowed, where a negative one has no meaning.
+#: Lowest value that makes sense.
 AT_LEAST = {"z_star_error": -0.95, "pid_gain_scale": 0.0, "friction_scale": 0.0, "damping_scale": 0.0,
             "noise_stddev": 0.0, "target_scale": 0.01, "focal_error": -0.9, "principal_point_error_px": -1000.0,
             "latency_images": 0.0}
-#: Perturbations that no section of the scenario can say, with the value that changes nothing.
+#: Perturbations for which a scenario has no key, each with the value that changes nothing.
 BESIDE = {"pid_gain_scale": 1.0, "friction_scale": 1.0, "damping_scale": 1.0, "focal_error": 0.0,
           "principal_point_error_px": 0.0}
 
@@ -54,15 +54,15 @@ class Perturbation:
         return float(self.low + u * (self.high - self.low))
 
     def ends(self):
-        """Values that between them show every fault."""
+        """Values to try: a scenario that accepts these accepts all of them."""
         return self.values or (self.low, self.high)
 
 
 def read_perturbations(section, scenario):
-    """Perturbations of the section, in the order of the file, each tried on the scenario.
+    """Perturbations of the section, in the order of the file. Each is tried on the scenario.
 
     Raises:
-        ParameterError: unknown names (the known ones are listed), ranges that are none, values the scenario refuses.
+        ParameterError: it lists unknown names with the known ones, malformed ranges, and values the scenario refuses.
     """
     faults, found = [], []
     for name, source in section.items():
@@ -87,7 +87,7 @@ def read_perturbations(section, scenario):
 
 
 def perturbed(scenario, parameters):
-    """The scenario with these values in place, a Scenario.
+    """The scenario with these values put in, a Scenario.
 
     Args:
         scenario: `Scenario`.  parameters: dict of perturbation name -> value; {} returns the scenario itself.
@@ -113,14 +113,14 @@ def perturbed(scenario, parameters):
 
 
 def simulator_key(scenario, parameters):
-    """Text that is equal for scenarios which the same Simulation can serve."""
+    """A text that is equal for two runs if one Simulation can serve both."""
     scales = {name: value for name, value in parameters.items() if name.endswith("_scale")}
     return json.dumps([scenario.robot, scenario.sim, scales], sort_keys=True)
 
 
 @dataclass(frozen=True)
 class _PerturbedScenario(Scenario):
-    """A scenario whose robot differs from its files, or whose loop has a wrong calibration or comes late."""
+    """A scenario whose robot differs from its files, or whose camera is believed to have another calibration."""
 
     beside: dict = None
 
@@ -176,7 +176,7 @@ def _check_value(name, value):
 
 
 def _is_path(name, scenario):
-    """Whether the dotted path leads to a plain value that may stand in the scenario."""
+    """Whether the dotted path names a plain value of the scenario, or a key of a section that could hold one."""
     section, *keys = name.split(".")
     if section not in DOTTED_SECTIONS or not keys or name.startswith("experiment.start"):
         return False

@@ -1,6 +1,6 @@
-"""Report of a sweep: runs.csv, {map,curve,reasons}.{png,pdf}, sweep.html. Reads the store, nothing else.
+"""Report of a sweep: runs.csv, {map,curve,reasons}.{png,pdf}, sweep.html. It reads nothing but the store.
 
-A function of the rows: the same runs give the same bytes, whatever machine did them in whatever order.
+The same runs give the same bytes, on whatever machine and in whatever order they were done.
 """
 
 import base64
@@ -12,13 +12,13 @@ from .figure import DEFAULT_AXES, save_figures
 from .judge import STRICT_DEG, STRICT_MM, SUCCESS_DEG, SUCCESS_PART
 from .statistics import aggregate, reasons
 
-CAPTIONS = {"map": "Over two axes: success, time to the end, final error. Cells are means of the runs in them.",
+CAPTIONS = {"map": "Success, time to the end and final error over two axes. A cell shows the mean of the runs in it.",
             "curve": "Success against the initial distance, with 95 % Wilson intervals.",
             "reasons": "Why runs did not succeed."}
 
 
 def save_csv(store):
-    """Write runs.csv; its path."""
+    """Write runs.csv. Returns its path."""
     path = store.folder / "runs.csv"
     _write(path, store.csv().encode())
     return path
@@ -28,7 +28,7 @@ def save_report(store, axes=DEFAULT_AXES):
     """Write runs.csv, the figures and sweep.html.
 
     Args:
-        store: `SweepStore` with at least one run.  axes: two columns, see `sweep_figure.known_axes`.
+        store: `SweepStore` with at least one run.  axes: two columns, see `figure.known_axes`.
     Returns:
         Path of sweep.html.
     Raises:
@@ -73,7 +73,7 @@ def rate_labels():
 
 
 def setting_rows(meta):
-    """(name, value) of what the sweep varied."""
+    """(name, value) of everything that the sweep varied."""
     settings = meta["settings"]
     rows = [(key, str(settings[key])) for key in ("starts", "method", "space", "seed")]
     rows += [(f"range of {name}", f"{low:g} to {high:g}") for name, (low, high) in settings["ranges"].items()]
