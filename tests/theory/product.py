@@ -3,14 +3,17 @@ import functools
 from types import SimpleNamespace
 
 import numpy as np
-from bench import Bench
+from bench import Bench, config
 from toy_plant import OUTLINE, Camera
 from views import plane_of, view
 
+from aras_visual_servo_controller.arm.kinematics import Kinematics
+from aras_visual_servo_controller.arm.motion import LIMIT_HORIZON, ArmMotion
 from aras_visual_servo_controller.features.base import FeatureSet, View
 from aras_visual_servo_controller.ground.types import Reference
 from aras_visual_servo_controller.laws.base import LawSetup, make_law
 from aras_visual_servo_controller.servo.feed_forward import ConstantVelocity, FeedForwardConfig, TargetMotion
+from aras_visual_servo_controller.servo.settings import ServoConfig
 
 FOUR = ("xn", "yn", "an", "alpha")
 SIX = ("xn", "yn", "an", "sx", "sy", "alpha")
@@ -101,3 +104,21 @@ def filter_gains(acceleration, noise, speed, dt_s, images):
     """[(gain of the place, of the velocity)] of the filter of a moving target."""
     one = ConstantVelocity(acceleration, noise, speed)
     return [one.gains(dt_s) for _ in range(images)]
+
+
+def at_limit(urdf, q, joint, room, dt_s):
+    """What joints do when one has that much room left in a twist it would pass its limit with.
+
+    Returns: (q_dot, V, J, room, horizon_s, index of the joint): scaled are neither rows nor columns.
+    """
+    kinematics = Kinematics(urdf, "world", "camera_optical_frame")
+    settings = config(inverse={"at_limits": "saturate", "method": "plain"},
+                      null_space={"posture_gain_per_s": 0.0, "joint_limit_gain_per_s": 0.0})
+    motion = ArmMotion(kinematics, ServoConfig.from_dict(settings, kinematics.joint_names), sees_tilt=True)
+    q, index = kinematics.vector(q), kinematics.joint_names.index(joint)
+    q[index] = motion.upper[index] - room
+    q_dot = np.full(len(q), 0.02)
+    q_dot[index] = 2.0 * room / dt_s  # four times its room in the time that is looked ahead
+    J = kinematics.jacobian(q)
+    found = motion.joint_velocity(q, J @ q_dot, *motion.at(q), dt_s)
+    return found.q_dot, J @ q_dot, J, room, LIMIT_HORIZON * dt_s, index
