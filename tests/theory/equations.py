@@ -96,5 +96,9 @@ def code_of(paragraph):
 
 
 def numbers_in(text):
-    """Numbers of a line of a formula, right of the first `=` if it has one; the digits of names such as mu20 are none."""
-    return {float(number) for number in re.findall(r"(?<![\w.])\d+(?:\.\d+)?", text.split("=", 1)[-1])}
+    """Numbers of a line of a formula, right of the first `=` if it has one.
+
+    The digits of names such as mu20 are none, nor is what says that a matrix is inverted or when something is.
+    """
+    right = re.sub(r"\^-1\b|\(0\)", " ", text.split("=", 1)[-1])
+    return {float(number) for number in re.findall(r"(?<![\w.])\d+(?:\.\d+)?", right)}

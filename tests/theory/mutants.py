@@ -16,7 +16,8 @@ ELEMENTARY = {"sqrt", "exp", "log", "sin", "cos", "tan", "arctan", "arctan2", "a
               "max", "min", "hypot"}
 #: Functions whose arguments are sizes.
 OF_SIZES = {"range", "eye", "zeros", "ones"}
-CONTAINERS = (ast.Tuple, ast.List, ast.Dict, ast.ListComp, ast.GeneratorExp, ast.Lambda)
+#: Nothing that a coefficient can stand before.
+CONTAINERS = (ast.Tuple, ast.List, ast.Dict, ast.ListComp, ast.GeneratorExp, ast.Lambda, ast.Starred)
 
 
 def _name(call):
@@ -67,6 +68,8 @@ class _Change(ast.NodeTransformer):
         return node
 
     def _entries(self, node):
+        if isinstance(node.ctx, ast.Store):
+            return node
         node.elts = [self.term(entry) for entry in node.elts]
         return node
 
