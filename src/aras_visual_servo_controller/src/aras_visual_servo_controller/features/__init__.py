@@ -1,7 +1,10 @@
-"""Image features by name. One file of this room is one kind of feature; `base` says how to write one."""
+"""Image features by name, and where they come from. One file of this room is one kind of feature or one source: `base`
+and `source` say how to write one.
+"""
 
 from .base import (Feature, FeatureSet, View, expand, is_known, known_features, register_family, register_feature,
                    wrapped)
+from .source import Source, Taught, known_sources, register_source, source_named
 
-__all__ = ["Feature", "FeatureSet", "View", "expand", "is_known", "known_features", "register_family",
-           "register_feature", "wrapped"]
+__all__ = ["Feature", "FeatureSet", "Source", "Taught", "View", "expand", "is_known", "known_features", "known_sources",
+           "register_family", "register_feature", "register_source", "source_named", "wrapped"]
