@@ -94,7 +94,7 @@ def times(kinematics, law, features, more, steps):
     view, plane = views.look(kinematics.pose(q))
     section["target_normal_C"] = (plane / np.linalg.norm(plane)).tolist()
     servo = Servo(kinematics, section)
-    servo.teach(view, q)
+    servo.teach(view, q, Z_STAR_M)
     servo.start(0)
     _time_the_law(servo, alone)
     q = kinematics.vector(START)

@@ -37,7 +37,8 @@ void bindFeatures(py::module_& module) {
       .def_readwrite("condition", &F::condition)
       .def_readwrite("motion_px", &F::motion_px)
       .def_readwrite("z_star_m", &F::z_star_m)
-      .def_readwrite("reference_hash", &F::reference_hash);
+      .def_readwrite("reference_hash", &F::reference_hash)
+      .def_readwrite("reference_stamp_ns", &F::reference_stamp_ns);
 }
 
 }  // namespace
@@ -62,12 +63,16 @@ void bindPhotometric(py::module_& module) {
 Raises:
     ParameterError: every fault, one per line.)")
       .def(
-          "process", [](PhotometricExtractor& self, const py::array& image) { return self.process(viewOf(image)); },
-          py::arg("image"),
+          "process",
+          [](PhotometricExtractor& self, const py::array& image, std::int64_t stamp_ns) {
+            return self.process(viewOf(image), stamp_ns);
+          },
+          py::arg("image"), py::arg("stamp_ns") = kNoStamp,
           R"(Features of one image, relative to the reference.
 
 Args:
     image: uint8, shape (h, w) grey, (h, w, 3) rgb or (h, w, 4) rgba, rows contiguous.
+    stamp_ns: of the image; with one, `teach` finds it while it is among the last 32.
 Returns:
     PhotometricFeatures; an image without contrast is a value (target_visible False), not an error.
 Raises:
@@ -87,6 +92,10 @@ Raises DegenerateFeature (nothing to servo on in it), ParameterError, ShapeError
             self.setReference(viewOf(image), Plane{plane[0], plane[1], plane[2]});
           },
           py::arg("image"), py::arg("plane"), "The plane given as (A, B, C) of 1/Z = A x + B y + C [1/m].")
+      .def("teach", &PhotometricExtractor::teach, py::arg("stamp_ns"), py::arg("z_star_m"),
+           R"(Make the image of this stamp the goal, its optical axis meeting the target's plane at depth z_star_m [m].
+
+Raises ParameterError: it is not among the last 32 images; else as set_reference.)")
       .def("clear_reference", &PhotometricExtractor::clearReference)
       .def_property_readonly("features", &PhotometricExtractor::features, py::return_value_policy::copy,
                              "Of the last image.");

@@ -46,6 +46,7 @@ void bindFeatures(py::module_& module) {
       .def_readwrite("an", &MomentFeatures::an)
       .def_readwrite("z_star_m", &MomentFeatures::z_star_m)
       .def_readwrite("area_star", &MomentFeatures::area_star)
+      .def_readwrite("reference_stamp_ns", &MomentFeatures::reference_stamp_ns)
       .def_readwrite("orientation_condition", &MomentFeatures::orientation_condition)
       .def_readwrite("asymmetry", &MomentFeatures::asymmetry)
       .def_readwrite("moment_names", &MomentFeatures::moment_names)
@@ -83,12 +84,16 @@ void bindExtractor(py::module_& module) {
 Raises:
     ParameterError: every fault of both, one per line.)")
       .def(
-          "process", [](MomentExtractor& self, const py::array& image) { return self.process(viewOf(image)); },
-          py::arg("image"),
+          "process",
+          [](MomentExtractor& self, const py::array& image, std::int64_t stamp_ns) {
+            return self.process(viewOf(image), stamp_ns);
+          },
+          py::arg("image"), py::arg("stamp_ns") = kNoStamp,
           R"(Features of one image.
 
 Args:
     image: uint8, shape (h, w) grey, (h, w, 3) rgb or (h, w, 4) rgba, rows contiguous.
+    stamp_ns: of the image; with one, `teach` finds it while it is among the last 32.
 Returns:
     MomentFeatures; an empty view is a value (target_visible False), not an error.
 Raises:
@@ -112,8 +117,10 @@ Raises ParameterError unless z_star_m and area_star are > 0 and all are finite.)
           R"(Make a view the reference, seen from depth z_star_m [m].
 
 features: MomentFeatures or the ROS message. Raises DegenerateFeature if it is not valid.)")
-      .def("rebuild_features", &MomentExtractor::rebuildFeatures,
-           "Features of the last image once more, with the reference as it is now; nothing is followed a second time.")
+      .def("teach", &MomentExtractor::teach, py::arg("stamp_ns"), py::arg("z_star_m"),
+           R"(Make the image of this stamp the reference, seen from depth z_star_m [m].
+
+Raises ParameterError: it is not among the last 32 images; DegenerateFeature: its features are not valid.)")
       .def("clear_reference", &MomentExtractor::clearReference)
       .def("forget_previous", &MomentExtractor::forgetPrevious,
            "Use nothing of earlier images (after a reset of time); the reference stays.")

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -27,6 +28,7 @@ struct MomentFeatures {
   double xn = kNone, yn = kNone, an = kNone;
   double z_star_m = kNone;
   double area_star = kNone;
+  std::int64_t reference_stamp_ns = -1;
   double orientation_condition = kNone;
   double asymmetry = kNone;
   std::vector<std::string> moment_names;

@@ -5,6 +5,7 @@
 #include "aras_visual_servo_camera/config/photometric_config.hpp"
 #include "aras_visual_servo_camera/image/camera_intrinsics.hpp"
 #include "aras_visual_servo_camera/image/image_view.hpp"
+#include "aras_visual_servo_camera/image/last_views.hpp"
 #include "aras_visual_servo_camera/photometric/photometric_features.hpp"
 
 namespace aras_visual_servo_camera {
@@ -35,8 +36,14 @@ class PhotometricExtractor {
   PhotometricExtractor(const CameraIntrinsics& intrinsics, const PhotometricConfig& config);
   ~PhotometricExtractor();
 
-  /** @throws ShapeError if the image is not the size of the intrinsics */
-  const PhotometricFeatures& process(const ImageView& image);
+  /** @param stamp_ns  of the image; with one it can be taught while it is among the last (LastViews), its grey levels
+   *      are kept
+   *  @throws ShapeError if the image is not the size of the intrinsics */
+  const PhotometricFeatures& process(const ImageView& image, std::int64_t stamp_ns = kNoStamp);
+
+  /** Make the image of this stamp the reference, its plane at depth z_star_m.
+   *  @throws ParameterError if it is not among the last images; else as setReference() */
+  void teach(std::int64_t stamp_ns, double z_star_m);
 
   /** Make an image of the target's plane the reference. When this throws there is none.
    *  @throws DegenerateFeature if the image shows too little to tell six motions apart; ParameterError unless the plane

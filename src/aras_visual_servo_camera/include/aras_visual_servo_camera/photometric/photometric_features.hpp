@@ -28,6 +28,7 @@ struct PhotometricFeatures {
   double motion_px = kNone;
   double z_star_m = kNone;
   std::uint64_t reference_hash = 0;
+  std::int64_t reference_stamp_ns = -1;
 };
 
 /** Index of H_ij, i <= j, in PhotometricFeatures::H: the upper triangle, row by row. */

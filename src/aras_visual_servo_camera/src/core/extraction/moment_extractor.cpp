@@ -33,7 +33,7 @@ void MomentExtractor::setIntrinsics(const CameraIntrinsics& intrinsics) {
   features_ = builder_.build({false, false, 0}, {});
 }
 
-const MomentFeatures& MomentExtractor::process(const ImageView& image) {
+const MomentFeatures& MomentExtractor::process(const ImageView& image, std::int64_t stamp_ns) {
   if (image.width_px != map_->width() || image.height_px != map_->height())
     throw ShapeError("image: found " + std::to_string(image.width_px) + " x " + std::to_string(image.height_px) +
                      ", allowed " + std::to_string(map_->width()) + " x " + std::to_string(map_->height()) +
@@ -46,34 +46,34 @@ const MomentFeatures& MomentExtractor::process(const ImageView& image) {
   features_ = builder_.build({mask_->visible, cut, mask_->components, mask_->ambiguous, hard_area_px}, m);
   if (points_) points_->write(builder_.reference(), &features_);
   if (kernel_) kernel_->write(*mask_, &features_);
+  features_.reference_stamp_ns = reference_stamp_ns_;
+  if (stamp_ns != kNoStamp) last_views_.add(stamp_ns) = features_;
   return features_;
 }
 
-MomentFeatures MomentExtractor::rebuildFeatures() {
-  const int hard_area_px = mask_->soft_edges ? 0 : mask_->area_px;
-  features_ = builder_.build(
-      {features_.target_visible, features_.touches_border, features_.components, features_.ambiguous, hard_area_px},
-      features_.m);
-  if (points_) points_->write(builder_.reference(), &features_);
-  if (kernel_) kernel_->write(*mask_, &features_);
-  return features_;
+void MomentExtractor::teach(std::int64_t stamp_ns, double z_star_m) {
+  setReference(z_star_m, last_views_.at(stamp_ns));
+  reference_stamp_ns_ = stamp_ns;
 }
 
 void MomentExtractor::setReference(double z_star_m, const MomentFeatures& features) {
   if (points_ && features.valid) points_->check(features);
   builder_.setReference(z_star_m, features);
+  reference_stamp_ns_ = kNoStamp;
   segmentation_.setReferenceShape(features.area, features.mu);
   if (points_) points_->setReference(features);
 }
 
 void MomentExtractor::setReference(double z_star_m, double area_star, double alpha_star) {
   builder_.setReference({z_star_m, area_star, alpha_star});
+  reference_stamp_ns_ = kNoStamp;
   segmentation_.clearReferenceShape();
   if (points_) points_->clearReference();
 }
 
 void MomentExtractor::clearReference() {
   builder_.clearReference();
+  reference_stamp_ns_ = kNoStamp;
   segmentation_.clearReferenceShape();
   if (points_) points_->clearReference();
 }
@@ -82,6 +82,7 @@ void MomentExtractor::forgetPrevious() {
   segmentation_.forgetPrevious();
   builder_.forgetPrevious();
   if (points_) points_->forgetPrevious();
+  last_views_.clear();
 }
 
 }  // namespace aras_visual_servo_camera

@@ -41,7 +41,11 @@ struct PhotometricExtractor::Work {
   std::vector<PhotometricLevel> levels;  // from fine to coarse
   cv::Mat buffer, grey, reference;       // grey: of the image looked at; reference: CV_32F
   std::vector<cv::Mat> pyramid;          // CV_32F
+  LastViews<cv::Mat> last_views;         // grey
   double contrast = 0.0;                 // standard deviation of the grey levels
+  std::uint64_t reference_hash = 0;
+  std::int64_t reference_stamp_ns = kNoStamp;
+  double z_star_m = PhotometricFeatures::kNone;
 
   void look(const ImageView& image);
 };
@@ -76,9 +80,11 @@ void PhotometricExtractor::setIntrinsics(const CameraIntrinsics& intrinsics) {
 }
 
 void PhotometricExtractor::clearReference() {
-  work_->reference.release();
-  features_.reference_hash = 0;
-  features_.z_star_m = PhotometricFeatures::kNone;
+  Work& w = *work_;
+  w.reference.release();
+  w.reference_hash = 0;
+  w.reference_stamp_ns = kNoStamp;
+  w.z_star_m = PhotometricFeatures::kNone;
 }
 
 void PhotometricExtractor::setReference(const ImageView& image, double z_star_m) {
@@ -101,19 +107,27 @@ void PhotometricExtractor::setReference(const ImageView& image, const Plane& pla
   if (!solve(finest.ofReference(), finest.pixels(), kSmallestChange).solvable)
     throw DegenerateFeature("photometric reference: found an image in which six motions look alike, allowed a texture");
   w.pyramid[0].copyTo(w.reference);
-  features_.reference_hash = hashOf(w.grey);
-  features_.z_star_m = 1.0 / plane.C;
+  w.reference_hash = hashOf(w.grey);
+  w.z_star_m = 1.0 / plane.C;
 }
 
-const PhotometricFeatures& PhotometricExtractor::process(const ImageView& image) {
+void PhotometricExtractor::teach(std::int64_t stamp_ns, double z_star_m) {
+  const cv::Mat& grey = work_->last_views.at(stamp_ns);
+  setReference({grey.data, grey.cols, grey.rows, grey.step, PixelFormat::kMono8}, z_star_m);
+  work_->reference_stamp_ns = stamp_ns;
+}
+
+const PhotometricFeatures& PhotometricExtractor::process(const ImageView& image, std::int64_t stamp_ns) {
   Work& w = *work_;
   PhotometricFeatures next;
   next.levels = config_.levels;
   next.interaction = kNames[static_cast<int>(config_.interaction)];
   next.has_reference = !w.reference.empty();
-  next.reference_hash = features_.reference_hash;
-  next.z_star_m = features_.z_star_m;
+  next.reference_hash = w.reference_hash;
+  next.reference_stamp_ns = w.reference_stamp_ns;
+  next.z_star_m = w.z_star_m;
   w.look(image);
+  if (stamp_ns != kNoStamp) w.grey.copyTo(w.last_views.add(stamp_ns));
   next.target_visible = next.valid = w.contrast >= config_.min_contrast;
   if (!next.target_visible) next.fault = "the image has no contrast";
   if (next.has_reference && next.valid) {

@@ -9,15 +9,15 @@ import yaml
 
 from .files import BagError, BagFiles
 from ..run.record import RecordBuilder
-from .record_groups import lacking
+from .record_groups import SOURCE_TOPICS, lacking
 from ..config.plugins import load_plugins
 from ..ground.spatial import pose_from_quaternion
 from ..ground.types import FEATURE_NAMES
 
 __all__ = ["BagError", "read_bag"]
 REQUIRED = ("servo_state",)
-OPTIONAL = ("ground_truth/camera_pose", "camera/image_raw", "camera/features", "camera/camera_info",
-            "ground_truth/target_pose", "sim/status", "scenario", "camera/photometric")
+OPTIONAL = ("ground_truth/camera_pose", "camera/image_raw", "camera/camera_info", "ground_truth/target_pose",
+            "sim/status", "scenario", *SOURCE_TOPICS)
 
 
 def read_bag(paths, namespace=None, scenario=None, keep_images=False):

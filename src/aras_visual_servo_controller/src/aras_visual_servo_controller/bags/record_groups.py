@@ -1,13 +1,16 @@
 """Groups of topics that a run records, chosen by name, and what a report lacks without each of them. No ROS."""
 
+from ..features.source import known_sources
 from ..ground.errors import ParameterError
 
+#: Topics of the features that a servo may work on, without the namespace.
+SOURCE_TOPICS = tuple(source.topic for source in known_sources())
 # Group -> its topics without the namespace. "name/" stands for all topics below it. A topic belongs to the first group
 # that fits.
 GROUPS = {
     "servo": ("servo_state", "servo/", "scenario"),
     "images": ("camera/image_raw", "camera/converted_image"),
-    "features": ("camera/features", "camera/photometric", "camera/camera_info"),
+    "features": (*SOURCE_TOPICS, "camera/camera_info"),
     "joints": ("joint_states", "joint_command"),
     "truth": ("ground_truth/",),
     "tf": ("tf", "tf_static"),

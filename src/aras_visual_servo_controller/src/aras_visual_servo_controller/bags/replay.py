@@ -1,4 +1,4 @@
-"""Computes the features of a bag's images again and compares them with the recorded ones, bit for bit. No ROS master.
+"""Makes the features of a bag's images again and compares them with the recorded ones, bit for bit. No ROS master.
 
     result = replay("run.bag")
     print(result.text())
@@ -7,11 +7,14 @@
 import math
 from dataclasses import dataclass
 
+from ..features.source import known_sources
 from .bag import camera_info_of, decode, find_topics, settings_of
 from .files import BagError, BagFiles
 
-NEEDED = ("camera/image_raw", "camera/features", "camera/camera_info")
-NOT_COMPARED = ("header", "age_s")      # age_s depends on when the node ran
+ALWAYS = "camera/features"              # the camera node makes these of every image
+NEEDED = ("camera/image_raw", ALWAYS, "camera/camera_info")
+# age_s is a matter of when the node ran; a reference taught before the bag begins is known by its numbers only.
+NOT_COMPARED = ("header", "age_s", "reference_stamp_ns")
 
 
 @dataclass(frozen=True)
@@ -53,21 +56,18 @@ def replay(paths, namespace=None, scenario=None):
     Raises:
         BagError: images, features or camera_info were not recorded, or the settings are unknown.
     """
-    from aras_visual_servo_camera import MomentExtractor, PhotometricExtractor
     with BagFiles(paths) as bags:
         topics = find_topics(bags, namespace)
         missing = [name for name in NEEDED if name not in topics]
         if missing:
             raise BagError(f"replay of '{bags.name}': not recorded: {', '.join(missing)}; record the groups images and "
                            "features")
-        recorded, photometric, info, document = {}, {}, None, None
-        wanted = ("camera/features", "camera/photometric", "camera/camera_info", "scenario")
-        names = {topics[name]: name for name in wanted if name in topics}
+        sources = [source for source in known_sources() if source.topic in topics]
+        recorded, info, document = {source.topic: {} for source in sources}, None, None
+        names = {topics[name]: name for name in (*recorded, "camera/camera_info", "scenario") if name in topics}
         for topic, message in bags.messages(names):
-            if names[topic] == "camera/features":
-                recorded[message.header.stamp.to_nsec()] = message
-            elif names[topic] == "camera/photometric":
-                photometric[message.header.stamp.to_nsec()] = message
+            if names[topic] in recorded:
+                recorded[names[topic]][message.header.stamp.to_nsec()] = message
             elif names[topic] == "scenario":
                 document = message.data
             else:
@@ -75,23 +75,24 @@ def replay(paths, namespace=None, scenario=None):
         settings, _ = settings_of(scenario, document, [])
         if "vision" not in settings:
             raise BagError(f"replay of '{bags.name}': how the images were looked at is unknown; give --scenario")
-        compared = [_Comparison(MomentExtractor(info, settings["vision"]), recorded)]
-        if photometric and "photometric" in settings["vision"]:
-            extractor = PhotometricExtractor(info, settings["vision"]["photometric"])
-            compared.append(_PhotometricComparison(extractor, photometric))
+        vision = settings["vision"]
+        compared = {source.topic: _Comparison(source, source.extractor(info, vision), recorded[source.topic])
+                    for source in sources if not source.section or source.section in vision}
         for _, message in bags.messages([topics["camera/image_raw"]]):
             image = decode(message)
-            for comparison in compared:
+            for comparison in compared.values():
                 comparison.add(message.header.stamp.to_nsec(), image)
-    differences = tuple(difference for comparison in compared for difference in comparison.differences)
-    moments = compared[0]
-    return Replay(moments.images, differences, moments.alone + len(recorded) - moments.images)
+    differences = tuple(difference for comparison in compared.values() for difference in comparison.differences)
+    always = compared[ALWAYS]
+    return Replay(always.images, differences, always.alone + len(recorded[ALWAYS]) - always.images)
 
 
 class _Comparison:
-    def __init__(self, extractor, recorded):
-        self._extractor, self._recorded = extractor, recorded
-        self._reference, self._before = None, None
+    """What a source makes of the images, against what was recorded of it."""
+
+    def __init__(self, source, extractor, recorded):
+        self._source, self._extractor, self._recorded = source, extractor, recorded
+        self._reference = None
         self.images, self.alone, self.differences = 0, 0, []
 
     def add(self, stamp_ns, image):
@@ -99,11 +100,10 @@ class _Comparison:
         message = self._recorded.get(stamp_ns)
         if message is None:
             self.alone += 1
-            self._before = self._kept(self._extractor.process(image), image)
+            self._extractor.process(image, stamp_ns)
             return
         self._follow_reference(message)
-        features = self._extractor.process(image)
-        self._before = self._kept(features, image)
+        features = self._extractor.process(image, stamp_ns)
         self.images += 1
         for name in message.__slots__:
             if name not in NOT_COMPARED:
@@ -111,44 +111,21 @@ class _Comparison:
                 if not same(was, now):
                     self.differences.append(f"{stamp_ns * 1e-9:.6f} s, {name}: recorded {was}, again {now}")
 
-    @staticmethod
-    def _kept(features, image):
-        """What is kept of an image, because the next message may show that it has become the reference."""
-        return features
-
     def _follow_reference(self, message):
-        """Set the extractor's reference to that of the message.
-
-        Teaching itself is not recorded. A message with another reference than the one before tells that the image
-        before it was taught, or that the reference was given as numbers.
-        """
-        reference = (message.z_star_m, message.area_star) if message.has_reference else None
-        if reference == self._reference:
+        """Features say which image was taught for them, and how far the target was in it."""
+        fields = self._source.tell_reference
+        told = tuple(getattr(message, field) for field in fields) if message.has_reference else None
+        if told == self._reference:
             return
-        self._reference = reference
-        if reference is None:
+        self._reference = told
+        if told is None:
             self._extractor.clear_reference()
-        elif self._before is not None and self._before.area == message.area_star:
-            self._extractor.set_reference(message.z_star_m, self._before)
-        else:  # given as numbers, or taught before the bag begins
-            self._extractor.set_reference(message.z_star_m, message.area_star, message.alpha)
-
-
-class _PhotometricComparison(_Comparison):
-    @staticmethod
-    def _kept(features, image):
-        return image
-
-    def _follow_reference(self, message):
-        """Take the image before as reference when its hash changes. If it was another image, the values will differ."""
-        reference = (message.reference_hash, message.z_star_m) if message.has_reference else None
-        if reference == self._reference:
             return
-        self._reference = reference
-        if reference is None or self._before is None:
-            self._extractor.clear_reference()
-        else:
-            self._extractor.set_reference(self._before, message.z_star_m)
+        from aras_visual_servo_camera import ArasError
+        try:
+            self._extractor.teach(message.reference_stamp_ns, message.z_star_m)
+        except ArasError:  # given as numbers, or taught before the bag begins
+            self._source.follow(self._extractor, message)
 
 
 def same(a, b):

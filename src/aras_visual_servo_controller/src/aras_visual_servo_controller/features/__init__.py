@@ -1,9 +1,13 @@
-"""Image features by name. One file of this room is one kind of feature; `base` says how to write one."""
+"""Image features by name, and where they come from. One file of this room is one kind of feature or one source: `base`
+and `source` say how to write one.
+"""
 
 from ..config.settings import setting
 from .base import (Feature, FeatureSet, View, expand, feature_settings, is_known, known_features, register_family,
                    register_feature, spread, wrapped)
+from .source import Source, Taught, known_sources, register_source, source_named
 from .style import FeatureStyle, styles
 
-__all__ = ["Feature", "FeatureSet", "FeatureStyle", "View", "expand", "feature_settings", "is_known", "known_features",
-           "register_family", "register_feature", "setting", "spread", "styles", "wrapped"]
+__all__ = ["Feature", "FeatureSet", "FeatureStyle", "Source", "Taught", "View", "expand", "feature_settings", "is_known",
+           "known_features", "known_sources", "register_family", "register_feature", "register_source", "setting",
+           "source_named", "spread", "styles", "wrapped"]

@@ -85,6 +85,12 @@ def feature_class(name):
     return type(name, (_FAMILIES[match[1]],), {"name": name, "number": int(match[2])})
 
 
+def source_of(name):
+    """Name of the source of the feature of that name; None when there is no such feature."""
+    feature = feature_class(name)
+    return None if feature is None else feature.source
+
+
 def is_known(name):
     """Whether there is a feature of that name."""
     return feature_class(name) is not None
@@ -189,7 +195,7 @@ class Feature:
         name.  number: of a family's member.  order: of the moments that value and row need.
         angle: it is one, known modulo 2 pi (modulo pi for a symmetric object, unless it is `directed`).
         sees_tilt: it tells a tilt of the camera from a translation.
-        source: what of the camera it is of: moments (MomentFeatures) or photometric (PhotometricFeatures).
+        source: name of the `Source` that it is a feature of.
         settings: its own, an instance of settings_class; None: it has none.  section: where they stand.
         unit: of its value: "m", "rad", "1/m", "grey" (grey levels), ..., "-" for none.
         symbol: plain text, a subscript after the first underscore ("x_n", "α"); "": the name.
@@ -215,7 +221,7 @@ class Feature:
 class FeatureSet:
     """The features that are servoed on, in this order.
 
-    Attributes: names.  order: of the moments needed.  sees_tilt: whether any of them does.  source: theirs, the same.
+    Attributes: names.  order: of the moments needed.  sees_tilt: whether any of them does.  source: name of their one.
     """
 
     def __init__(self, names=FEATURE_NAMES, settings=None):

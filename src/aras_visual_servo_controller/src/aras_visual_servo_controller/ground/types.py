@@ -58,6 +58,7 @@ class Features:
     an: float = nan
     z_star_m: float = nan
     area_star: float = nan
+    reference_stamp_ns: int = -1
     orientation_condition: float = nan
     asymmetry: float = nan
     moment_names: Sequence[str] = ()
@@ -199,7 +200,7 @@ class Reference:
 VIEW_FIELDS = ("xn", "yn", "an", "alpha", "z_star_m", "area_star")
 #: ... and the followed points and the kernel projections, where there are any.
 VIEW_POINTS = ("point_x", "point_y", "kernel_x", "kernel_y")
-_OPTIONAL = {"ambiguous": False, **dict.fromkeys(VIEW_POINTS, ()), "age_s": nan}
+_OPTIONAL = {"ambiguous": False, "reference_stamp_ns": -1, **dict.fromkeys(VIEW_POINTS, ()), "age_s": nan}
 
 
 def _view(source, faults):

@@ -11,6 +11,7 @@ from ..ground.errors import ParameterError
 from ..arm.kinematics import Kinematics
 from .record import RecordBuilder
 from ..config.files import package_paths
+from ..features.source import source_named
 from .sequence import ExperimentSequence
 from ..servo.servo import Servo
 from ..ground.types import Observation, ServoRecord, Status
@@ -21,6 +22,8 @@ CLOSING_S = 2.0
 #: Simulated time after which `run` gives up on an experiment that does not end by itself [s].
 DEFAULT_LIMIT_S = 300.0
 PROGRESS_ROWS = 30
+#: Source whose features are in the record and drawn into the video, whatever the servo works on.
+SHOWN = "moments"
 
 
 class ServoLoop:
@@ -41,14 +44,13 @@ class ServoLoop:
         ParameterError, ModelError and the errors of simulator and extractor: what is wrong with the scenario.
 
     Attributes:
-        sim, extractor, kinematics, servo, sequence: the parts.
-        photometric: PhotometricExtractor, None unless the servo wants its features.
+        sim, extractor, kinematics, servo, sequence: the parts.  extractor: of moments, which the record shows.
+        servo_extractor: of the servo's source; where that is moments, the same one.
         frame: index of the image answered last, -1 before the first.
     """
 
     def __init__(self, scenario, camera=None, sim=None):
-        from aras_visual_servo_camera import MomentExtractor, PhotometricExtractor  # C++: not needed to import this
-        from aras_visual_servo_sim import Simulation
+        from aras_visual_servo_sim import Simulation  # C++: not needed to import this
 
         self.scenario = scenario
         urdf = scenario.urdf_xml()
@@ -61,15 +63,14 @@ class ServoLoop:
         self.sim = sim
         self.camera_info = self.sim.camera_info(self.camera)
         believed = scenario.believed_camera_info(self.camera_info)
-        self.extractor = MomentExtractor(believed, scenario.vision)
         self.kinematics = Kinematics(urdf, scenario.robot["base_link"], scenario.robot["tip_link"])
         self.servo = Servo(self.kinematics, scenario.servo)
-        self.photometric = None
-        if self.servo.source == "photometric":
-            self.photometric = PhotometricExtractor(believed, scenario.vision["photometric"])
-        self.sequence = ExperimentSequence(self.kinematics, self.servo, scenario.experiment, self._set_reference)
+        shown, servoed_on = source_named(SHOWN), self.servo.source
+        self.extractor = self.servo_extractor = shown.extractor(believed, scenario.vision)
+        if servoed_on is not shown:
+            self.servo_extractor = servoed_on.extractor(believed, scenario.vision)
+        self.sequence = ExperimentSequence(self.kinematics, self.servo, scenario.experiment, self._teach_camera)
         self.frame = -1
-        self._image = None
         self._placed_ns = 0
         self._target_moves = any("motion" in model for model in scenario.sim.get("scene", {}).get("models", [])[:1])
         self._late = next((each.get("latency_s", 0.0) for each in cameras if each["name"] == self.camera), 0.0) > 0.0
@@ -80,23 +81,22 @@ class ServoLoop:
         order = [names.index(name) for name in self.kinematics.joint_names]
         self._order = None if order == list(range(len(names))) else order
 
-    def _set_reference(self, z_star_m, features):
-        """Make this view the reference; returns its features, normalised by it."""
+    def _teach_camera(self, stamp_ns, z_star_m):
+        """Features are relative to the image of this stamp from now on: camera/set_reference without ROS."""
         from aras_visual_servo_camera import DegenerateFeature
-        if self.photometric is not None:
-            self.photometric.set_reference(self._image, z_star_m)
-        try:
-            self.extractor.set_reference(z_star_m, self.extractor.features)
-        except DegenerateFeature:  # of a texture the moments may make nothing
-            if self.photometric is None:
-                raise
-        features = self.extractor.rebuild_features()  # nothing is followed twice over one image
-        return features if self.photometric is None else self.photometric.process(self._image)
+        self.servo_extractor.teach(stamp_ns, z_star_m)
+        if self.extractor is not self.servo_extractor:
+            try:
+                self.extractor.teach(stamp_ns, z_star_m)
+            except DegenerateFeature:
+                pass  # of a texture the moments may make nothing
 
-    def _see(self):
+    def _see(self, image, stamp_ns):
         """(moments, what the servo works on) of the image."""
-        features = self.extractor.process(self._image)
-        return features, features if self.photometric is None else self.photometric.process(self._image)
+        features = self.extractor.process(image, stamp_ns)
+        if self.extractor is self.servo_extractor:
+            return features, features
+        return features, self.servo_extractor.process(image, stamp_ns)
 
     def place(self, joints, settle_s=0.0):
         """Put the arm down somewhere instead of driving it there.
@@ -119,15 +119,13 @@ class ServoLoop:
         Raises:
             ParameterError: the target is not fit for a reference in this view.
         """
-        stamp_ns = self._take()
-        image = self._image
-        features, seen = self._see()
+        stamp_ns, image = self._take()
+        features, seen = self._see(image, stamp_ns)
         self.frame += 1
-        if not (seen.target_visible and seen.valid):
+        if self.servo.why_lost(seen):
             raise ParameterError("target not in view at the goal")
         q = self._joint_positions()
-        self.servo.teach(self._set_reference(z_star_m, seen), q)
-        features = self.extractor.features
+        self.sequence.teach(stamp_ns, seen, q, z_star_m)
         record = ServoRecord(stamp_ns, Status.IDLE, "taught", "teach", joint_names=self.kinematics.joint_names, q=q,
                              set_point=np.full(len(q), np.nan))
         return record, features, image
@@ -144,21 +142,19 @@ class ServoLoop:
             next step overwrites.
         """
         sim = self.sim
-        stamp_ns = self._take()
-        image = self._image
-        features, seen = self._see()
+        stamp_ns, image = self._take()
+        features, seen = self._see(image, stamp_ns)
         self.frame += 1
         command, record = self.sequence.step(Observation(stamp_ns, seen, self._joint_positions(), self.frame))
         sim.set_command(position=command.position, velocity=command.velocity, stamp_ns=stamp_ns)
         return record, features, image
 
     def _take(self):
-        """Take the next image that was not on its way while the arm was put elsewhere. Returns its stamp [ns]."""
+        """Take the next image that was not on its way while the arm was put elsewhere. Returns (stamp_ns, image)."""
         stamp_ns = self.sim.step_to_image(self.camera)
         while stamp_ns < self._placed_ns:
             stamp_ns = self.sim.step_to_image(self.camera)
-        self._image = self.sim.render(self.camera)
-        return stamp_ns
+        return stamp_ns, self.sim.render(self.camera)
 
     def _joint_positions(self):
         """(n,) of the instant that the image shows, in the order of the kinematics."""

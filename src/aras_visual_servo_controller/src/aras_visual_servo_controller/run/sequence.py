@@ -79,19 +79,18 @@ class ExperimentSequence:
         teach_stamp_ns: stamp of the image that was taught, or None.  servo_stamp_ns: of the first one servoed on.
     """
 
-    def __init__(self, kinematics, servo, config: Mapping, set_reference: Callable):
+    def __init__(self, kinematics, servo, config: Mapping, teach_camera: Callable[[int, float], None]):
         """Set up.
 
         Args:
             kinematics: `Kinematics`.  servo: `Servo`.  config: the scenario's section `experiment` (dict).
-            set_reference: called once, in phase teach, as set_reference(z_star_m, features); must return the features
-                of this same view normalised by the new reference (object with the fields of MomentFeatures,
-                has_reference true). Over ROS: the service camera/set_reference; in process:
-                MomentExtractor.set_reference. An exception it raises ends the experiment with status FAULT.
+            teach_camera: called as teach_camera(stamp_ns, z_star_m) when a view is taught: features are relative to the
+                image of this stamp from then on. Over ROS: the service camera/set_reference; in process: `teach` of the
+                extractors. An exception it raises ends the experiment with status FAULT.
         Raises: ParameterError.
         """
         self.config = ExperimentConfig.from_dict(config, kinematics)
-        self._kinematics, self._servo, self._set_reference = kinematics, servo, set_reference
+        self._kinematics, self._servo, self._teach_camera = kinematics, servo, teach_camera
         self._no_velocity = dict.fromkeys(kinematics.joint_names, 0.0)
         self._n = len(kinematics.joint_names)
         self._reset("idle")
@@ -115,6 +114,17 @@ class ExperimentSequence:
             raise ParameterError("servo: no reference, teach one first")
         self._reset("settle_start" if servo_only else "to_goal")
         self._servo_only = servo_only
+
+    def teach(self, stamp_ns: int, features, q, z_star_m: Optional[float] = None) -> None:
+        """Make the image of this stamp the goal: of the camera, whose features are relative to it, and of the servo.
+
+        Args: features, q: of this image.  z_star_m: depth of the target in it [m]; None: the experiment's.
+        Raises: ParameterError: the view is not fit for it, or what `teach_camera` raises.
+        """
+        z_star_m = self.config.z_star_m if z_star_m is None else z_star_m
+        reference = self._servo.as_reference(features, q, z_star_m)
+        self._teach_camera(stamp_ns, z_star_m)
+        self._servo.set_reference(reference)
 
     def step(self, observation: Observation) -> Tuple[Command, ServoRecord]:
         """Answer to one image. Idle and done: an empty command (pure acknowledgement, set-points hold)."""
@@ -158,7 +168,7 @@ class ExperimentSequence:
         if self.phase == "settle_goal":
             return self._teach(observation, q)
         if self.phase == "settle_start":
-            if not self._fit(observation.features):
+            if self._servo.why_lost(observation.features):
                 where = "where servoing starts" if self._servo_only else "at the start"
                 return self._end(stamp_ns, Status.TARGET_LOST, f"target not in view {where}")
             self.phase, self.servo_stamp_ns = "servo", stamp_ns
@@ -182,17 +192,13 @@ class ExperimentSequence:
         waited_s = 1e-9 * (stamp_ns - self._since_ns) - self.config.settle_s
         return waited_s >= 0.0 and (self._speed < self.config.settle_speed or waited_s >= self.config.settle_limit_s)
 
-    @staticmethod
-    def _fit(features):
-        return features is not None and features.target_visible and features.valid
-
     def _teach(self, observation, q):
         stamp_ns = observation.stamp_ns
         self.phase = "teach"
-        if not self._fit(observation.features):
+        if self._servo.why_lost(observation.features):
             return self._end(stamp_ns, Status.TARGET_LOST, "target not in view at the goal")
         try:
-            self._servo.teach(self._set_reference(self.config.z_star_m, observation.features), q)
+            self.teach(stamp_ns, observation.features, q)
         except Exception as error:  # the callback may be a service call: whatever it raises is the reason
             return self._end(stamp_ns, Status.FAULT, f"teach: {error}")
         self.teach_stamp_ns = stamp_ns

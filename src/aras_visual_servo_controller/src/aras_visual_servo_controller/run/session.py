@@ -24,7 +24,7 @@ class Session:
         active: a goal is being worked on.
         frame: index of the image answered last, -1 before the first.
         last_ns: stamp of the image answered last, -1 before the first.
-        view: (features, q) answered last, or None.
+        seen: `Observation` answered last, or None.
         stale: input is missing, and that was reported.
     """
 
@@ -37,7 +37,7 @@ class Session:
         self._forget()
 
     def _forget(self):
-        self.last_ns, self.frame, self.view = -1, -1, None
+        self.last_ns, self.frame, self.seen = -1, -1, None
 
     # --- one image, one answer ----------------------------------------------------------------------------------
 
@@ -54,10 +54,11 @@ class Session:
             if self.active:
                 return self._hold(stamp_ns, refusal)
             return Command(stamp_ns), ServoRecord(stamp_ns, Status.IDLE, f"refused: {refusal}")
-        self.last_ns, self.view, self.stale = stamp_ns, (features, q), False
+        self.last_ns, self.stale = stamp_ns, False
         self.frame += 1
         self._fresh_ns, self._fresh_wall_s = stamp_ns, wall_s
-        return self._sequence.step(Observation(stamp_ns, features, q, self.frame))
+        self.seen = Observation(stamp_ns, features, q, self.frame)
+        return self._sequence.step(self.seen)
 
     def _refusal(self, stamp_ns, q, now_ns):
         if stamp_ns <= self.last_ns:
@@ -104,6 +105,21 @@ class Session:
         self._goal_limit_ns = round(time_limit_s * 1e9) or self._time_limit_ns
         self._fresh_ns, self._fresh_wall_s = now_ns, wall_s
         self.active, self.stale = True, False
+
+    def teach(self, z_star_m=None):
+        """Make the view answered last the goal.
+
+        Args: z_star_m: depth of the target in it [m]; None: the experiment's.
+        Returns: stamp of its image [ns].
+        Raises: ParameterError: a goal is active, there is no image yet, or the view is not fit for it; and what the
+            sequence's `teach_camera` raises.
+        """
+        if self.active:
+            raise ParameterError("a goal is active: stop it first")
+        if self.seen is None:
+            raise ParameterError("no image yet")
+        self._sequence.teach(self.seen.stamp_ns, self.seen.features, self.seen.q, z_star_m)
+        return self.seen.stamp_ns
 
     def end(self, now_ns, reason, status=Status.STOPPED):
         """End the goal now, between two images.

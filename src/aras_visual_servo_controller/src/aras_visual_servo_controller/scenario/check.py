@@ -5,7 +5,8 @@ import json
 import math
 import re
 
-from ..features.base import expand
+from ..features.base import expand, source_of
+from ..features.source import source_named
 from ..config.files import share_dir
 from ..config.plugins import load_plugins
 from ..config.schema import with_sections
@@ -44,8 +45,11 @@ def _feature_faults(document):
         faults += [f"servo.{section}.{name}: missing" for name in names if name not in given]
         faults += [f"servo.{section}.{key}: unknown key, known are {', '.join(names)}"
                    for key in given if key not in names]
-    if "photometric" in names and "photometric" not in document["vision"]:
-        faults.append("vision.photometric: missing, the feature 'photometric' is made there; {} for its defaults")
+    for name in names:
+        source = source_of(name)
+        section = "" if source is None else source_named(source).section
+        if section and section not in document["vision"]:
+            faults.append(f"vision.{section}: missing, the feature '{name}' is made there; {{}} for its defaults")
     return faults
 
 

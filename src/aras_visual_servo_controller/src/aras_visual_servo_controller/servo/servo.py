@@ -1,7 +1,7 @@
 """The servo: one observation in, one joint command and one record out. No ROS, no wall time, no random numbers.
 
     servo = Servo(kinematics, scenario["servo"])
-    servo.teach(features, q)                     # this view is the goal (features normalised by its own reference)
+    servo.teach(features, q, z_star_m)           # this view, the target z_star_m away, is the goal
     servo.start(stamp_ns)                        # or start(stamp_ns, set_point=q_last_commanded)
     command, record = servo.step(Observation(stamp_ns, features, q), dt_s)
     ... until servo.finished
@@ -22,12 +22,12 @@ from ..arm.motion import ArmMotion
 from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError
 from .feed_forward import TargetMotion
 from ..features.base import FeatureSet, View
-from ..features.interaction import plane_from_pose
+from ..features.source import Source, source_named
 from ..laws.base import make_law
 from .look_then_move import LookThenMove
 from .lost_target import LostTarget
 from .settings import ServoConfig
-from ..ground.types import Command, Features, Observation, Reference, ServoRecord, Status
+from ..ground.types import Command, Observation, Reference, ServoRecord, Status
 from .visibility import keep_in_view
 
 _FINAL = (Status.CONVERGED, Status.TIMED_OUT, Status.STOPPED, Status.FAULT)
@@ -48,6 +48,7 @@ class Servo:
         self._kinematics = kinematics
         self._scenario_config = self.config = ServoConfig.from_dict(config, names)
         self._features = FeatureSet(self.config.features, self.config.sections)
+        self._source = source_named(self._features.source)
         self._arm = ArmMotion(kinematics, self.config, self._features.sees_tilt)
         self._look = LookThenMove(kinematics, self._arm, self.config)
         self._lost = LostTarget(kinematics, self._arm, self.config.on_lost, self.config.lost_target)
@@ -72,9 +73,13 @@ class Servo:
         return self._features.names
 
     @property
-    def source(self) -> str:
-        """What of the camera it wants: `moments` (MomentFeatures) or `photometric` (PhotometricFeatures)."""
-        return self._features.source
+    def source(self) -> Source:
+        """Where the features come from."""
+        return self._source
+
+    def why_lost(self, features) -> str:
+        """What is wrong with features that are not fit to servo on, or with None; "": they are."""
+        return "no image" if features is None else self._source.why_lost(features)
 
     def split(self, q, q_dot):
         """((n,), (n,)): what of the joint velocities q_dot at q moves the camera, and what is null-space motion."""
@@ -87,23 +92,31 @@ class Servo:
         """Override the scenario's values from the next start on; empty or 0 takes the scenario's. ParameterError."""
         self.config = self._scenario_config.with_overrides(law, gains_per_s, thresholds, time_limit_s)
 
-    def teach(self, features, q) -> Reference:
-        """This view, seen at joint positions q, is the goal. ParameterError when the features are not fit for it."""
-        fit = features is not None and features.target_visible and features.valid and features.has_reference
-        try:
-            s_star = np.array(self._features.values(View(features)) if fit else [nan])
-        except DegenerateFeature as error:
-            raise ParameterError(f"teach: {error}") from error
-        q = self._kinematics.vector(q)
-        if not (np.isfinite(s_star).all() and np.isfinite(q).all()):
-            raise ParameterError("teach: the view has no valid, normalised features of the target")
-        view = plane = None
-        if hasattr(features, "moment_names"):
-            view, t = Features.from_object(features), features.z_star_m * np.array([features.xg, features.yg, 1.0])
-            plane = plane_from_pose(self.config.target_normal_C, t)
-        axis_B = self._kinematics.pose(q)[:3, 2].copy()
-        self.set_reference(Reference(s_star, axis_B, self._kinematics.by_name(q), view, plane))
+    def teach(self, features, q, z_star_m) -> Reference:
+        """Make a view the goal. Args and errors: those of `as_reference`."""
+        self.set_reference(self.as_reference(features, q, z_star_m))
         return self.reference
+
+    def as_reference(self, features, q, z_star_m) -> Reference:
+        """A view as a goal; nothing is changed.
+
+        Args:
+            features: of the view, whatever reference they have themselves.  q: joint positions there.
+            z_star_m: depth of the target in this view, > 0 [m].
+        Raises: ParameterError: the features are not fit for it.
+        """
+        text, q = self.why_lost(features), self._kinematics.vector(q)
+        if not (isfinite(z_star_m) and z_star_m > 0.0):
+            raise ParameterError(f"z_star_m of the view to teach: found {z_star_m}, allowed > 0")
+        try:
+            taught = None if text else self._source.taught(features, z_star_m, self.config.target_normal_C)
+            s_star = np.array([nan] if text else self._features.values(View(taught.features)))
+        except DegenerateFeature as error:
+            raise ParameterError(f"the view to teach: {error}") from error
+        if not (np.isfinite(s_star).all() and np.isfinite(q).all()):
+            raise ParameterError(f"the view to teach has no valid features of the target: {text or 'not finite'}")
+        axis_B = self._kinematics.pose(q)[:3, 2].copy()
+        return Reference(s_star, axis_B, self._kinematics.by_name(q), taught.view, taught.plane_C)
 
     def set_reference(self, reference: Reference) -> None:
         """Use a reference taught before."""
@@ -167,8 +180,8 @@ class Servo:
             return self._rest(stamp_ns, Status.STALE_INPUT, text)
         if self._look.under_way and self._look.goes_on(stamp_ns, q, gap_s):
             return self._follow(stamp_ns, dt_s)
-        if not (features.target_visible and features.valid):
-            text = _why_lost(features)
+        text = self._source.why_lost(features)
+        if text:
             return self._without_target(stamp_ns, q, dt_s, text)
         if not self._lost.found(stamp_ns):
             return self._without_target(stamp_ns, q, dt_s, "", visible=True)
@@ -313,12 +326,3 @@ class Servo:
             np.array(self._s), self._s_star, np.array(self._e), self._twist, self._kinematics.joint_names, self._q,
             q_dot, set_point, self._manipulability, self._cond_l,
         )  # fmt: skip
-
-
-def _why_lost(features):
-    """What is wrong with features that are not fit to servo on."""
-    if getattr(features, "fault", ""):
-        return features.fault
-    if getattr(features, "ambiguous", False):
-        return "several objects in view, and it is not clear which is the target"
-    return "target cut by the border or not orientable" if features.target_visible else "target not in view"

@@ -29,7 +29,7 @@ class BentBench(Bench):
         self.camera.X_WT[:2, 3] = self.X_WG[:2, 3]
         self.camera.star = None
         self.camera.star = (self.X_WG[2, 3] - 0.19, self.camera.features(self.X_WG).area)
-        self.servo.teach(self.camera.features(self.X_WG), self.goal_q)
+        self.servo.teach(self.camera.features(self.X_WG), self.goal_q, self.camera.star[0])
         self.servo.start(0, self.set_point)
 
 

@@ -103,7 +103,7 @@ def bench():
     """A servo that was taught at the goal and started."""
     servo = Servo(arm(), config(**PHOTOMETRIC, photometric={"damping": 0.0, "rest_m_per_s": 0.001}))
     goal = Bench().goal_q
-    servo.teach(features(), goal)
+    servo.teach(features(), goal, 0.6)
     servo.start(0)
     return servo, goal
 
@@ -114,7 +114,7 @@ def step(servo, q, k, seen):
 
 def test_servo_moves_on_luminance_and_ends_when_cost_and_twist_are_small():
     servo, q = bench()
-    assert servo.source == "photometric" and servo.feature_names == NAMES
+    assert servo.source.name == "photometric" and servo.feature_names == NAMES
     command, record = step(servo, q, 1, features(XI))
     assert record.status in (Status.SERVOING, Status.NEAR_SINGULARITY, Status.JOINT_LIMIT)
     assert any(command.velocity.values()) and record.e[0] > 1.0 and record.cond_l == 5.0
@@ -146,11 +146,17 @@ def test_numbers_that_are_not_finite_are_a_fault():
     assert record.status == Status.FAULT and set(command.velocity.values()) == {0.0}
 
 
-def test_a_view_without_reference_cannot_be_taught():
+def test_a_view_that_shows_too_little_cannot_be_taught():
     servo = Servo(arm(), config(**PHOTOMETRIC))
-    for seen in (features(has_reference=False), features(valid=False), None):
+    for seen in (features(target_visible=False), features(valid=False), None):
         with pytest.raises(ParameterError, match="teach"):
-            servo.teach(seen, Bench().goal_q)
+            servo.teach(seen, Bench().goal_q, 0.6)
+
+
+def test_the_goal_is_an_rms_of_zero_whatever_the_taught_view_was_compared_with():
+    for seen in (features(XI), features(has_reference=False, rms=np.nan)):
+        reference = Servo(arm(), config(**PHOTOMETRIC)).teach(seen, Bench().goal_q, 0.6)
+        assert reference.s_star.tolist() == [0.0] and reference.view is None and reference.plane_C is None
 
 
 def test_every_fault_of_the_settings_is_listed():

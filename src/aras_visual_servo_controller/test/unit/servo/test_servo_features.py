@@ -97,7 +97,7 @@ def test_moments_of_too_low_an_order_are_refused_when_taught():
     view = bench.camera.features(bench.X_WG)
     view.moment_names, view.m, view.mu = view.moment_names[:3], view.m[:3], view.mu[:3]
     with pytest.raises(ParameterError, match="vision.order"):
-        bench.servo.teach(view, bench.goal_q)
+        bench.servo.teach(view, bench.goal_q, 0.5)
 
 
 def test_every_fault_of_the_features_is_listed():
