@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from ..features.palette import BLUE, GREEN, GREY, PURPLE, VERMILION
 from ..report.figure import STYLE
 
-#: Colours of laws and joints. Whoever has more begins again, with the next of STYLES.
+#: Colours of laws and joints. The ninth law has the first colour again, with the next dash of STYLES.
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, "#E69F00", "#56B4E9", "#000000", "#997700")
 STYLES = ("-", (0, (4, 1.5)), (0, (1, 1.2)))
 #: Smaller values are drawn at this height of the logarithmic axes [mm, deg].

@@ -1,7 +1,7 @@
 """Plots of a run as inline SVG for the report: what stands there without a script, and the numbers that the script
 config/templates/report.js needs to zoom, pan, turn and read them off. No matplotlib: these plots are part of the page.
 
-A plot is a dict: id, kind ("time" or "path"), title, svg (text), legend (rows of name, colour, dash), data (JSON-able).
+A plot is a dict: id, kind ("time" or "path"), title, svg (text), legend (rows of name, colour, dash), data (for JSON).
 """
 
 import math
@@ -21,8 +21,8 @@ PATH_COLORS = {"path": BLUE, "start": VERMILION, "goal": GREEN}
 WIDTH, HEIGHT = 520, 310
 LEFT, RIGHT, TOP, BOTTOM = 62, 10, 12, 44
 SIGNIFICANT = 7          # digits of the numbers in the page: more than any zoom of a plot can show
-LOG_FLOOR = 1e-7         # errors below are drawn there, in the units of the features
-DASH, GAP = 4, 3         # of the lines at the thresholds [px]
+LOG_FLOOR = 1e-7         # smaller errors are drawn at this height, in the units of the features
+DASH, GAP = 4, 3         # of the dashed lines at the thresholds [px]
 AZIMUTH, ELEVATION = math.radians(-57.0), math.radians(22.0)   # direction from which the path is seen
 
 
