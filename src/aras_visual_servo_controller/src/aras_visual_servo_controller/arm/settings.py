@@ -7,21 +7,28 @@ from typing import Dict, Tuple
 from ..config.settings import setting
 from .redundancy import METHODS
 
+RISING = ("two numbers, 0 <= first < second", lambda ends: ends[0] < ends[1])
+
 
 @dataclass(frozen=True)
 class InverseSettings:
     """Section `servo.inverse`: how a twist of the camera becomes velocities of the joints."""
 
-    length_m: float = setting(0.05, unit="m", above=0, help="Length that makes metres comparable to radians: the linear "
-                              "rows of the Jacobian are divided by it.")
-    singular_value_threshold: float = setting(0.02, above=0, help="Singular values below it are damped, the smaller "
-                                              "the more; above it nothing is slowed.")
+    length_m: float = setting(
+        0.05, unit="m", above=0,
+        help="Length that makes metres comparable to radians: the linear rows of the Jacobian are divided by it.")
+    singular_value_threshold: float = setting(
+        0.02, above=0,
+        help="Singular values below it are damped, the smaller the more; above it nothing is slowed.")
     damping: float = setting(0.02, above=0, help="Damping of a direction that the arm has lost.")
-    joint_weights: Dict[str, float] = setting({}, above=0, by="joint", help="What it costs to move a joint, by its "
-                                              "name, e.g. `{J1: 5.0}`; 1 for a joint that is not named.")
+    joint_weights: Dict[str, float] = setting(
+        {}, above=0, by="joint",
+        help="What it costs to move a joint, by its name, e.g. `{J1: 5.0}`; 1 for a joint that is not named.")
     method: str = setting("damped", choices=METHODS, help="How small singular values are inverted (T40).")
-    at_limits: str = setting("scale", choices=("scale", "saturate"), help="When a joint reaches its limit: `scale` "
-                             "slows the whole motion, `saturate` lets the other joints go on without it (T44).")
+    at_limits: str = setting(
+        "scale", choices=("scale", "saturate"),
+        help="When a joint reaches its limit: `scale` slows the whole motion, `saturate` lets the other joints go on "
+             "without it (T44).")
 
 
 @dataclass(frozen=True)
@@ -30,20 +37,20 @@ class NullSpaceSettings:
 
     posture_gain_per_s: float = setting(2.0, unit="1/s", at_least=0, help="Return to the taught posture.")
     joint_limit_gain_per_s: float = setting(1.0, unit="1/s", at_least=0, help="Away from the limits of the joints.")
-    manipulability_gain_per_s: float = setting(0.0, unit="rad^2/s", at_least=0, help="Up the logarithm of the "
-                                               "manipulability, away from singularities (T42).")
+    manipulability_gain_per_s: float = setting(
+        0.0, unit="rad^2/s", at_least=0,
+        help="Up the logarithm of the manipulability, away from singularities (T42).")
     max_speed: float = setting(0.2, unit="m/s, rad/s", above=0, help="Largest speed of a joint in this motion.")
-    projection: str = setting("gradient", choices=("gradient", "large"), help="`large`: far from the goal the spare "
-                              "motion may do all that leaves the rate of approach alone (T41).")
-    large_from: Tuple[float, ...] = setting((0.05, 0.3), unit="rad/s", at_least=0, size=2, help="With `projection: "
-                                            "large`: sizes of the twist, its linear part over length_m, between which "
-                                            "that projection takes over.")
+    projection: str = setting(
+        "gradient", choices=("gradient", "large"),
+        help="`large`: far from the goal the spare motion may do all that leaves the rate of approach alone (T41).")
+    large_from: Tuple[float, ...] = setting(
+        (0.05, 0.3), unit="rad/s", at_least=0, size=2, condition=RISING,
+        help="With `projection: large`: sizes of the twist, its linear part over length_m, between which that "
+             "projection takes over.")
 
     def check(self):
-        """The larger projection takes over somewhere, and its key is there for nothing else."""
-        first, last = self.large_from
-        if not first < last:
-            yield f"large_from: found {self.large_from}, allowed two numbers, 0 <= first < second"
+        """The sizes are for the larger projection only."""
         if self.projection != "large" and self.large_from != NullSpaceSettings.large_from:
             yield f"large_from: found {self.large_from}, allowed with projection: large"
 
@@ -52,11 +59,13 @@ class NullSpaceSettings:
 class LimitsConfig:
     """Section `servo.limits`: limits that are tighter than those of the URDF."""
 
-    camera_speed_m_s: float = setting(inf, unit="m/s", above=0, help="Of the camera; the twist is shortened as a "
-                                      "whole.")
-    camera_turn_rad_s: float = setting(inf, unit="rad/s", above=0, help="Of the camera; the twist is shortened as a "
-                                       "whole.")
-    joint_acceleration: Dict[str, float] = setting({}, unit="m/s^2, rad/s^2", above=0, by="joint", help="By the name "
-                                                   "of the joint, e.g. `{J1: 5.0}`: all joints are slowed by one "
-                                                   "factor, so that the direction stays, and brake in time before a "
-                                                   "limit; stops are at once.")
+    camera_speed_m_s: float = setting(
+        inf, unit="m/s", above=0,
+        help="Of the camera; the twist is shortened as a whole.")
+    camera_turn_rad_s: float = setting(
+        inf, unit="rad/s", above=0,
+        help="Of the camera; the twist is shortened as a whole.")
+    joint_acceleration: Dict[str, float] = setting(
+        {}, unit="m/s^2, rad/s^2", above=0, by="joint",
+        help="By the name of the joint, e.g. `{J1: 5.0}`: all joints are slowed by one factor, so that the direction "
+             "stays, and brake in time before a limit; stops are at once.")

@@ -1,9 +1,18 @@
-"""Settings classes as JSON Schema (draft 7, with our own `unit`): what a scenario is checked against, and documented by."""
+"""Sections as JSON Schema (draft 7, with our own `unit`): what a scenario is checked against, and documented by.
+
+Those of this package are made from settings classes. Other packages ship theirs as YAML, schema/NAME.yaml, in the words
+that aras_visual_servo_common/README.md lists; `$ref: other` stands for another file of the folder.
+"""
 
 import copy
+import functools
 from dataclasses import is_dataclass
 from math import inf
 
+import yaml
+
+from ..ground.errors import ParameterError
+from .files import package_path
 from .settings import entry_type, is_table, keys_of
 
 _TYPES = {float: "number", int: "integer", bool: "boolean", str: "string"}
@@ -21,6 +30,35 @@ def with_sections(schema, sections):
     """The schema of a section, with further sections in it: name -> settings class."""
     more = {name: {"description": first_line(cls), **schema_of(cls)} for name, cls in sections.items()}
     return {**schema, "properties": {**schema["properties"], **more}}
+
+
+def yaml_section(package, name):
+    """Schema of a section that another package describes. Raises ParameterError: there is no such file."""
+    folder = package_path(package)
+    if folder is None:
+        raise ParameterError(f"schema {package}/{name}: the package is neither beside this one nor in ROS_PACKAGE_PATH")
+    return _section(folder / "schema", name, ())
+
+
+@functools.lru_cache(maxsize=None)
+def _section(folder, name, way):
+    path = folder / f"{name}.yaml"
+    if name in way or not path.is_file():
+        fault = "leads in a circle" if name in way else "there is no such file"
+        raise ParameterError(f"schema {' -> '.join((*way, name))}: {fault}: {path}")
+    with open(path, encoding="utf-8") as stream:
+        content = yaml.load(stream, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    return _in_place(content, folder, (*way, name))
+
+
+def _in_place(node, folder, way):
+    """The same with the files in place that $ref names; what stands beside a $ref goes first."""
+    if isinstance(node, list):
+        return [_in_place(entry, folder, way) for entry in node]
+    if not isinstance(node, dict):
+        return node
+    rest = {key: _in_place(value, folder, way) for key, value in node.items() if key != "$ref"}
+    return {**_section(folder, node["$ref"], way), **rest} if isinstance(node.get("$ref"), str) else rest
 
 
 def first_line(cls):

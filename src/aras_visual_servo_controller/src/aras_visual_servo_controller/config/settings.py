@@ -5,7 +5,7 @@
         max_speed_m_s: float = setting(0.1, unit="m/s", above=0, help="The camera moves no faster than this.")
 
     read(BoundedSettings, {"max_speed_m_s": 0.2}, "servo/bounded")      # config/reader.py: an instance, or all faults
-    schema_of(BoundedSettings)                                          # config/schema.py: JSON Schema, for the tables too
+    schema_of(BoundedSettings)                                          # config/schema.py: JSON Schema
 
 A key is a field made by `setting`; its type is the annotation:
 
@@ -13,27 +13,28 @@ A key is a field made by `setting`; its type is the annotation:
 |---|---|
 | `float`, `int`, `bool`, `str` | a finite number, a whole number, true or false, a text |
 | `Tuple[float, ...]`, `Tuple[str, ...]` | a list; `size` of them |
-| `Tuple[float, ...]` with `by="feature"` | a number for each feature by its name; the tuple is in the order of the features |
-| `Dict[str, X]` | an X for each name; with `by="joint"` the names are those of joints |
+| `Tuple[float, ...]` with `by="feature"` | a number for each feature by its name; the tuple has their order |
+| `Dict[str, X]` | an X for each name; with `by="joint"` the names are those of joints, with `by="joint_position"` the |
+| | numbers are their positions, within their limits |
 | a settings class | a section of its own |
 | `Optional[X]` | an X; None without it |
 | `object` | anything |
 
-A field without `setting` is no key. A class may have `check(self)`, which yields what no single key can tell, each as
-"key: found X, allowed Y".
+A field without `setting` is no key. A class may have `check(self)`, which yields what several keys together have wrong,
+each as "key: found X, allowed Y"; it is called when each of them is right.
 """
 
 import functools
 import typing
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
-from typing import Any, Optional, Tuple
+from typing import Any, Callable, Optional, Tuple
 
 from ..ground.errors import ParameterError
 
 #: What may vary in number with the scenario: keys are given by the names of these.
-BY = ("", "feature", "joint")
+BY = ("", "feature", "joint", "joint_position")
 _SCALARS = (float, int, bool, str, object)
-_KEY = "aras_setting"
+_KEY, _NONE = "aras_setting", type(None)
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,8 @@ class Key:
         name.  type: the annotation without Optional.  optional: None stands for a key that is not there.
         default: MISSING if the key is required.  help: what it means, in one line.  unit: "" if it has none.
         above, at_least, below, at_most: bounds of a number, or of each in a list or table; None: unbounded.
-        choices: texts allowed.  size: of a list.  not_empty: a table has at least one entry.  by: one of BY.
+        choices: texts allowed.  size: of a list.  not_empty: a text, list or table has at least one entry.
+        condition: (what is allowed, test of a value that fits otherwise), None: no more is asked.  by: one of BY.
     """
 
     name: str
@@ -60,6 +62,7 @@ class Key:
     choices: Tuple[str, ...] = ()
     size: Optional[int] = None
     not_empty: bool = False
+    condition: Optional[Tuple[str, Callable]] = None
     by: str = ""
 
     @property
@@ -74,11 +77,11 @@ class Key:
         return tuple((sign, bound) for sign, bound in signs if bound is not None)
 
 
-def setting(default=MISSING, *, help, unit="", above=None, at_least=None, below=None, at_most=None, choices=(), size=None,
-            not_empty=False, by=""):
+def setting(default=MISSING, *, help, unit="", above=None, at_least=None, below=None, at_most=None, choices=(),
+            size=None, not_empty=False, condition=None, by=""):
     """Field of a settings class that is a key; the arguments are those of `Key`. Without default it is required."""
     more = {"help": help, "unit": unit, "above": above, "at_least": at_least, "below": below, "at_most": at_most,
-            "choices": tuple(choices), "size": size, "not_empty": not_empty, "by": by}
+            "choices": tuple(choices), "size": size, "not_empty": not_empty, "condition": condition, "by": by}
     if isinstance(default, dict):
         return field(default_factory=lambda: dict(default), metadata={_KEY: more})
     return field(default=default, metadata={_KEY: more})
@@ -146,8 +149,9 @@ def is_table(key):
 def _without_none(hint):
     """(type, whether None is one as well)."""
     arguments = typing.get_args(hint)
-    if typing.get_origin(hint) is typing.Union and len(arguments) == 2 and type(None) in arguments:
-        return next(kind for kind in arguments if kind is not type(None)), True
+    kinds = [kind for kind in arguments if kind is not _NONE]
+    if typing.get_origin(hint) is typing.Union and len(arguments) == 2 and len(kinds) == 1:
+        return kinds[0], True
     return hint, False
 
 

@@ -18,8 +18,10 @@ TRUST = 5.0
 class BroydenSettings:
     """Section `servo.broyden`."""
 
-    initial: str = setting("desired", choices=("desired", "moves"), help="The first matrix: `desired`, that of the "
-                           "goal, or `moves`, nothing known: a small test move along each axis finds it.")
+    initial: str = setting(
+        "desired", choices=("desired", "moves"),
+        help="The first matrix: `desired`, that of the goal, or `moves`, nothing known: a small test move along each "
+             "axis finds it.")
     forgetting: float = setting(0.95, above=0, at_most=1, help="Weight rho of what was learnt before, per image (T32).")
     move: float = setting(0.01, above=0, help="Size of the test moves, in radians or in parts of Z*.")
 

@@ -16,10 +16,12 @@ class PhotometricSettings:
     """Section `servo.photometric`."""
 
     damping: float = setting(0.01, at_least=0, help="Damping mu of (T46) at the first image; it falls with the cost.")
-    rest_m_per_s: float = setting(0.0005, unit="m/s", above=0, help="The servo has converged only when the law asks "
-                                  "for less speed than this.")
-    rest_rad_per_s: float = setting(0.001, unit="rad/s", above=0, help="The servo has converged only when the law asks "
-                                    "for a slower turn than this.")
+    rest_m_per_s: float = setting(
+        0.0005, unit="m/s", above=0,
+        help="The servo has converged only when the law asks for less speed than this.")
+    rest_rad_per_s: float = setting(
+        0.001, unit="rad/s", above=0,
+        help="The servo has converged only when the law asks for a slower turn than this.")
 
 
 @register("photometric", settings=PhotometricSettings)

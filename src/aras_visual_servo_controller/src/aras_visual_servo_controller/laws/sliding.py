@@ -16,10 +16,12 @@ from .image import ImageBased
 class SlidingSettings:
     """Section `servo.sliding`."""
 
-    switching_per_s: float = setting(unit="1/s", above=0, help="Rate kappa of (T31): how fast the error falls outside "
-                                     "the boundary layer, on top of the gains.")
-    boundary: Tuple[float, ...] = setting(above=0, by="feature", not_empty=True, help="Half the thickness phi of the "
-                                          "boundary layer of (T31), one number per feature, in its unit.")
+    switching_per_s: float = setting(
+        unit="1/s", above=0,
+        help="Rate kappa of (T31): how fast the error falls outside the boundary layer, on top of the gains.")
+    boundary: Tuple[float, ...] = setting(
+        above=0, by="feature", not_empty=True,
+        help="Half the thickness phi of the boundary layer of (T31), one number per feature, in its unit.")
 
 
 @register("sliding", settings=SlidingSettings)

@@ -30,20 +30,28 @@ EASE_PERIODS = 5.0
 class LostTargetConfig:
     """Section `servo.lost_target`: how the arm backs off or searches, where `on_lost` says so."""
 
-    patience_s: float = setting(0.1, unit="s", at_least=0, help="The arm holds still for this long first: something "
-                                "may have passed by.")
+    patience_s: float = setting(
+        0.1, unit="s", at_least=0,
+        help="The arm holds still for this long first: something may have passed by.")
     speed: float = setting(0.5, unit="m/s, rad/s", above=0, help="Speed of the fastest joint.")
-    confirm_s: float = setting(0.2, unit="s", at_least=0, help="The target has to be seen for this long before the law "
-                               "takes over again.")
-    slow_down: float = setting(0.5, above=0, at_most=1, help="The twist of the law is multiplied by this after each "
-                               "recovery, so that what overshot does not do so again.")
+    confirm_s: float = setting(
+        0.2, unit="s", at_least=0,
+        help="The target has to be seen for this long before the law takes over again.")
+    slow_down: float = setting(
+        0.5, above=0, at_most=1,
+        help="The twist of the law is multiplied by this after each recovery, so that what overshot does not do so "
+             "again.")
     attempts: int = setting(5, at_least=1, help="Recoveries of one run; lost once more, the servo ends as `STOPPED`.")
-    time_limit_s: float = setting(10.0, unit="s", above=0, help="Lost for this long, the servo ends as `STOPPED`; its "
-                                  "own time limit holds as well.")
-    pattern: str = setting("translate", choices=("translate", "tilt"), help="Of a search: the camera moves along its "
-                           "own x and y, or turns about them.")
-    step_m: float = setting(0.04, unit="m", above=0, help="Distance between the rings of a search with `pattern: "
-                            "translate`; each ring has eight places, the first where the target was seen last.")
+    time_limit_s: float = setting(
+        10.0, unit="s", above=0,
+        help="Lost for this long, the servo ends as `STOPPED`; its own time limit holds as well.")
+    pattern: str = setting(
+        "translate", choices=("translate", "tilt"),
+        help="Of a search: the camera moves along its own x and y, or turns about them.")
+    step_m: float = setting(
+        0.04, unit="m", above=0,
+        help="Distance between the rings of a search with `pattern: translate`; each ring has eight places, the first "
+             "where the target was seen last.")
     step_rad: float = setting(0.08, unit="rad", above=0, help="The same with `pattern: tilt`.")
     rings: int = setting(3, at_least=1, help="Number of rings of a search.")
     speed_m_s: float = setting(0.1, unit="m/s", above=0, help="Speed of the camera in a search.")

@@ -26,48 +26,67 @@ MODES = ("continuous", "look_then_move")
 class ServoConfig(LawSetup):
     """Section `servo`; what all laws share it has from `LawSetup`. Gains, thresholds: in the order of `features`."""
 
-    law: str = setting(not_empty=True, help="The control law by name (docs/features_and_laws.md): `paper`, "
-                       "`decoupled`, `ibvs`, `sliding`, `broyden`, `pbvs`, `hybrid`, `photometric`, or one registered "
-                       "by you. A law that has settings of its own finds them in a section of its name.")
-    plugins: Tuple[str, ...] = setting((), help="Python modules that register features and laws of their own; they are "
-                                       "imported first.")
-    mode: str = setting(choices=MODES, help="`continuous`: a velocity for every image. `look_then_move`: one image, "
-                        "one move, settle, the next image.")
-    gains_per_s: Tuple[float, ...] = setting(unit="1/s", above=0, by="feature", not_empty=True, help="Rate at which "
-                                             "each feature decays (`points4: 2.0` for all of four points); "
-                                             "look_then_move: gain times sample_time_s < 2.")
-    thresholds: Tuple[float, ...] = setting(above=0, by="feature", not_empty=True, help="The servo has converged when "
-                                            "the error of every feature is below its threshold for hold_s: xn, yn "
-                                            "and an in m, alpha in rad, the others as they are.")
-    hold_s: float = setting(0.2, unit="s", at_least=0, help="The servo has converged when every error was below its "
-                            "threshold for this long.")
+    law: str = setting(
+        not_empty=True,
+        help="The control law by name: one of docs/features_and_laws.md, or one registered by you. A law that has "
+             "settings of its own finds them in a section of its name.")
+    plugins: Tuple[str, ...] = setting(
+        (),
+        help="Python modules that register features and laws of their own; they are imported first.")
+    mode: str = setting(
+        choices=MODES,
+        help="`continuous`: a velocity for every image. `look_then_move`: one image, one move, settle, the next image.")
+    gains_per_s: Tuple[float, ...] = setting(
+        unit="1/s", above=0, by="feature", not_empty=True,
+        help="Rate at which each feature decays (`points4: 2.0` for all of four points); look_then_move: gain times "
+             "sample_time_s < 2.")
+    thresholds: Tuple[float, ...] = setting(
+        above=0, by="feature", not_empty=True,
+        help="The servo has converged when the error of every feature is below its threshold for hold_s: xn, yn and an "
+             "in m, alpha in rad, the others as they are.")
+    hold_s: float = setting(
+        0.2, unit="s", at_least=0,
+        help="The servo has converged when every error was below its threshold for this long.")
     time_limit_s: float = setting(unit="s", above=0, help="Simulated time after which the servo ends.")
-    input_timeout_s: float = setting(0.2, unit="s", above=0, help="A longer gap between images stops the arm for that "
-                                     "image.")
-    tilt_gain_per_s: float = setting(3.0, unit="1/s", at_least=0, help="Return of the optical axis to its taught "
-                                     "direction, from the joint positions; 0: it is not held.")
-    sample_time_s: float = setting(0.01, unit="s", above=0, help="look_then_move: a look asks for gain times this of "
-                                   "the error.")
-    settle_speed: float = setting(0.002, unit="m/s, rad/s", above=0, help="look_then_move: joints have settled when "
-                                  "they are slower than this and within settle_tolerance.")
-    settle_tolerance: float = setting(0.02, unit="m, rad", above=0, help="look_then_move: how near to its set-point a "
-                                      "joint has settled, friction included.")
-    settle_limit_s: float = setting(1.0, unit="s", above=0, help="look_then_move: joints that have not settled after "
-                                    "this long are taken as they are.")
-    acceleration: float = setting(2.0, unit="m/s^2, rad/s^2", above=0, help="look_then_move: acceleration of the "
-                                  "moves.")
+    input_timeout_s: float = setting(
+        0.2, unit="s", above=0,
+        help="A longer gap between images stops the arm for that image.")
+    tilt_gain_per_s: float = setting(
+        3.0, unit="1/s", at_least=0,
+        help="Return of the optical axis to its taught direction, from the joint positions; 0: it is not held.")
+    sample_time_s: float = setting(
+        0.01, unit="s", above=0,
+        help="look_then_move: a look asks for gain times this of the error.")
+    settle_speed: float = setting(
+        0.002, unit="m/s, rad/s", above=0,
+        help="look_then_move: joints have settled when they are slower than this and within settle_tolerance.")
+    settle_tolerance: float = setting(
+        0.02, unit="m, rad", above=0,
+        help="look_then_move: how near to its set-point a joint has settled, friction included.")
+    settle_limit_s: float = setting(
+        1.0, unit="s", above=0,
+        help="look_then_move: joints that have not settled after this long are taken as they are.")
+    acceleration: float = setting(
+        2.0, unit="m/s^2, rad/s^2", above=0,
+        help="look_then_move: acceleration of the moves.")
     inverse: InverseSettings = setting(InverseSettings(), help="From the twist of the camera to joint velocities.")
     null_space: NullSpaceSettings = setting(NullSpaceSettings(), help="Motion that leaves the camera where it is.")
     limits: LimitsConfig = setting(LimitsConfig(), help="Limits that are tighter than those of the URDF.")
     joint_limit_margin: float = setting(0.01, unit="m, rad", at_least=0, help="Kept to the limit of every joint.")
-    visibility: Optional[VisibilityConfig] = setting(None, help="The object is kept in a view of this size (T43; "
-                                                     "55 us).")
-    feed_forward: Optional[FeedForwardConfig] = setting(None, help="The estimated motion of the target is fed forward "
-                                                        "(T45); mode `continuous` only.")
-    track: bool = setting(False, help="The goal is followed until the time limit; the servo has converged if every "
-                          "error is below its threshold then. Mode `continuous` only.")
-    on_lost: str = setting("hold", choices=ACTIONS, help="While the target is lost: `hold` still, `back_off` along the "
-                           "path travelled while it was seen, or `search` around the pose that saw it last.")
+    visibility: Optional[VisibilityConfig] = setting(
+        None,
+        help="The object is kept in a view of this size (T43; 55 us).")
+    feed_forward: Optional[FeedForwardConfig] = setting(
+        None,
+        help="The estimated motion of the target is fed forward (T45); mode `continuous` only.")
+    track: bool = setting(
+        False,
+        help="The goal is followed until the time limit; the servo has converged if every error is below its threshold "
+             "then. Mode `continuous` only.")
+    on_lost: str = setting(
+        "hold", choices=ACTIONS,
+        help="While the target is lost: `hold` still, `back_off` along the path travelled while it was seen, or "
+             "`search` around the pose that saw it last.")
     lost_target: LostTargetConfig = setting(LostTargetConfig(), help="How `back_off` and `search` are done.")
 
     @classmethod
@@ -81,7 +100,7 @@ class ServoConfig(LawSetup):
             faults.append(f"servo/law: found {law}, allowed {', '.join(known_laws())}")
         faults += [f"servo/features: found {name}, allowed {', '.join(known_features())}"
                    for name in features if not is_known(name)]
-        names = Names(features, tuple(joint_names), expand)
+        names = Names(features, tuple(joint_names), expand=expand)
         config, settings = read(cls, source, "servo", names, sections, faults), {}
         for name, section in sections.items():
             if isinstance(source, Mapping) and name in source:
@@ -96,8 +115,7 @@ class ServoConfig(LawSetup):
         return config
 
     def check(self):
-        """Adds what depends on the mode."""
-        yield from super().check()
+        """What the mode allows."""
         if self.mode != "look_then_move":
             return
         if self.feed_forward is not None or self.track:

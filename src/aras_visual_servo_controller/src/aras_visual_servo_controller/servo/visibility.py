@@ -26,14 +26,17 @@ LEAST_EFFECT = 0.2
 class VisibilityConfig:
     """Section `servo.visibility`: the object is kept inside a view."""
 
-    half_width: float = setting(above=0, help="Half the width of the view in normalised image coordinates: the tangent "
-                                "of half the field of view.")
+    half_width: float = setting(
+        above=0,
+        help="Half the width of the view in normalised image coordinates: the tangent of half the field of view.")
     half_height: float = setting(above=0, help="Half the height of the view, likewise.")
-    margin: float = setting(0.05, at_least=0, help="Margin kept to the border of the view, in normalised image "
-                            "coordinates.")
+    margin: float = setting(
+        0.05, at_least=0,
+        help="Margin kept to the border of the view, in normalised image coordinates.")
     extent: float = setting(2.0, above=0, help="The object ends this many standard deviations from its centroid.")
-    rate_per_s: float = setting(3.0, unit="1/s", above=0, help="The object uses up its room to the border at this rate "
-                                "at most (T43).")
+    rate_per_s: float = setting(
+        3.0, unit="1/s", above=0,
+        help="The object uses up its room to the border at this rate at most (T43).")
 
 
 def keep_in_view(config, features, twist):

@@ -34,8 +34,8 @@ def features(xi=(0.0,) * 6, rms=None, **more):
 
 
 def law_of(damping=0.0, rest=(1e-4, 1e-4), **more):
-    law = make_law("photometric", [GAIN], LawSetup(NAMES, settings={"photometric": PhotometricSettings(damping, *rest)},
-                                                        **more))
+    law = make_law("photometric", [GAIN], LawSetup(
+        NAMES, settings={"photometric": PhotometricSettings(damping, *rest)}, **more))
     law.reset(Reference(np.zeros(1)))
     return law
 

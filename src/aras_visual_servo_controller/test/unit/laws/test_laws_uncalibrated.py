@@ -223,10 +223,10 @@ SECTION = {"law": "broyden", "mode": "continuous", "features": ["points4"], "gai
 
 def test_sections_of_both_laws_are_read():
     config = ServoConfig.from_dict({**SECTION, "broyden": {"initial": "moves", "move": 0.02}})
-    assert config.law_setup.settings["broyden"] == BroydenSettings("moves", 0.95, 0.02)
+    assert config.settings["broyden"] == BroydenSettings("moves", 0.95, 0.02)
     sliding = {"switching_per_s": 4.0, "boundary": {"points4": 0.01}}
     config = ServoConfig.from_dict({**SECTION, "law": "sliding", "sliding": sliding})
-    assert config.sections["sliding"] == SlidingSettings(4.0, (0.01,) * 8)
+    assert config.settings["sliding"] == SlidingSettings(4.0, (0.01,) * 8)
 
 
 @pytest.mark.parametrize("changes, text", [
