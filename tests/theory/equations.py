@@ -2,14 +2,14 @@
 
     @formula("T4")
     def an(z_star, a_star, a):
-        \"\"\"an = Z* sqrt(a* / a)\"\"\"          # each line stands in T4 of docs/theory.md, character by character
+        \"\"\"an = Z* sqrt(a* / a)\"\"\"          # each line of this stands in T4 of docs/theory.md
         return z_star * np.sqrt(a_star / a)
 
     @equation("T4")
     def test_an_is_the_depth_of_a_parallel_plane(): ...
 
-A test takes no arguments, so that test_every_equation.py can run it again with one coefficient of a formula changed. What
-does not depend on a formula (differences of exact pictures, answers of the product) is worth keeping: `functools.lru_cache`.
+A test takes no arguments, so that test_every_equation.py can run it again with one coefficient of a formula changed.
+What does not depend on a formula (differences of exact pictures, the product's answers) is kept: `functools.lru_cache`.
 """
 import ast
 import inspect
@@ -89,10 +89,11 @@ def squeezed(text):
 
 
 def code_of(paragraph):
-    """Pieces of code in a paragraph that state an equation: lines of its blocks, and inline code that has a `=`."""
+    """Pieces of code in a paragraph that state an equation: lines of blocks, and inline code with a `=` or a `<-`."""
     blocks = re.findall(r"```\n(.*?)```", paragraph, flags=re.DOTALL)
     inline = re.findall(r"`([^`]+)`", re.sub(r"```.*?```", "", paragraph, flags=re.DOTALL))
-    return [line for block in blocks for line in block.splitlines()] + [code for code in inline if "=" in code]
+    equations = [code for code in inline if "=" in code or "<-" in code]
+    return [line for block in blocks for line in block.splitlines()] + equations
 
 
 def numbers_in(text):

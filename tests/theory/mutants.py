@@ -1,8 +1,9 @@
 """Formulas with one coefficient changed by a hundredth: each has to make a test of its equation fail.
 
-Changed are, one at a time, every number that is written, and the coefficient 1 that is not: of each summand, of what a
-minus stands before, of each entry of a vector, of each argument of an elementary function, of each side of a comparison,
-of an exponent, and of the whole. Left alone are indices, keyword arguments and sizes of arrays.
+Changed are, one at a time, every number that is written, and the coefficient 1 that is not: of each summand, of what
+a minus stands before, of each entry of a vector, of each argument of an elementary function, of each side of a
+comparison, of an exponent, of what a name is given, and of the whole. Left alone are indices, keyword arguments and
+sizes of arrays.
 """
 import ast
 import contextlib

@@ -45,7 +45,7 @@ def four_features(name, gains, s, s_star, dt_s):
 
 
 def photometric_twist(H, b, rms, gain, damping):
-    """(6,) twists, not held for any time, of law photometric for images with these normal equations, one after the other."""
+    """[(6,) twist], not held for any time, of law photometric for one image after the other with these equations."""
     law = make_law("photometric", [gain], LawSetup(("photometric",), photometric=(damping, 1e-4, 1e-4)))
     law.reset(Reference(np.zeros(1)))
     return [law.step(SimpleNamespace(has_reference=True, H=H[np.triu_indices(6)].tolist(), b=b.tolist(), rms=one,
@@ -90,7 +90,8 @@ def along_with_target(goal, cameras, targets, dt_s, velocity, turn):
     """
     camera = Camera(None)
     camera.star = (goal[2, 3], camera.features(goal).area)
-    motion, taught, features = TargetMotion(FeedForwardConfig(), FeatureSet(FOUR)), camera.features(goal), FeatureSet(FOUR)
+    features, taught = FeatureSet(FOUR), camera.features(goal)
+    motion = TargetMotion(FeedForwardConfig(), features)
     s_star = features.values(View(taught))
     motion.set_reference(Reference(s_star, view=taught, plane_C=plane_of(goal)))
     for stamp_ns, X_BC, X_BT in zip((0, round(1e9 * dt_s)), cameras, targets):

@@ -1,4 +1,4 @@
-"""Exact views of a tilted, asymmetric polygon, and central differences over the motions of the camera: made once each."""
+"""Exact views of a tilted, asymmetric polygon, and central differences over the camera's motions: made once each."""
 import functools
 
 import numpy as np

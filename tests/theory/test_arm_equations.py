@@ -18,7 +18,8 @@ from aras_visual_servo_controller.servo.visibility import VisibilityConfig, keep
 
 SOURCE = THEORY.parents[1] / "src"
 URDF = (SOURCE / "aras_description" / "urdf" / "aras_arm.urdf").read_text()
-GOAL = load_yaml(SOURCE / "aras_visual_servo_controller/config/scenarios/experiment_1.yaml")["experiment"]["goal"]["joints"]
+SCENARIO = load_yaml(SOURCE / "aras_visual_servo_controller/config/scenarios/experiment_1.yaml")
+GOAL = SCENARIO["experiment"]["goal"]["joints"]
 #: Bent, turned and tilted: no row or column of the Jacobian vanishes.
 BENT = {"gantry": 0.3, "J1": 0.4, "J2": -0.5, "J3": 0.8, "J5": 0.3, "J6": 0.6}
 L2, L3 = 0.25, 0.16  # between the axes of J2, J3 and J5 [m]

@@ -1,4 +1,4 @@
-"""T18, T19, T48: features that tell tilt, against published real forms, ViSP's numbers, differences, and the product."""
+"""T18, T19, T48: features that tell tilt, against published real forms, ViSP's numbers, differences, the product."""
 import functools
 import re
 

@@ -384,7 +384,7 @@ def test_the_product_goes_along_so():
 
 @functools.lru_cache(maxsize=None)
 def going_along():
-    """What the product adds for a target whose centroid moves with SPEED, its motion known and confirmed by two images."""
+    """Twist that the product adds for a target whose centroid moves with SPEED, p_CP and X_BC, at the second image."""
     dt_s = 0.05
     m, _ = moments_of(OUTLINE, 1)
     middle = np.array([m[1, 0], m[0, 1], 0.0]) / m[0, 0]
