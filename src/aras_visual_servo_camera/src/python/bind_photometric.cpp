@@ -2,14 +2,20 @@
 
 #include <pybind11/stl.h>
 
-#include "aras_visual_servo_camera/errors.hpp"
-#include "aras_visual_servo_camera/photometric_extractor.hpp"
+#include <aras_visual_servo_common/fault_list.hpp>
+#include <aras_visual_servo_common/python/yaml_from_python.hpp>
+#include <optional>
+
+#include "aras_visual_servo_camera/photometric/photometric_extractor.hpp"
 #include "conversions.hpp"
 
 namespace py = pybind11;
 
 namespace aras_visual_servo_camera {
 namespace {
+
+using aras_visual_servo_common::FaultList;
+using aras_visual_servo_common::yamlFromPython;
 
 void bindFeatures(py::module_& module) {
   using F = PhotometricFeatures;
@@ -41,13 +47,18 @@ void bindPhotometric(py::module_& module) {
   py::class_<PhotometricExtractor>(module, "PhotometricExtractor",
                                    "Image in, parts of the photometric normal equations out. Same images, same bits.")
       .def(py::init([](const py::dict& camera_info, const py::dict& config) {
-             return std::make_unique<PhotometricExtractor>(readCameraInfo(toYaml(camera_info)),
-                                                           readPhotometricConfig(toYaml(config)));
+             FaultList faults;
+             std::optional<CameraIntrinsics> intrinsics;
+             std::optional<PhotometricConfig> settings;
+             faults.collect([&] { intrinsics = readCameraInfo(yamlFromPython(camera_info, "camera_info")); });
+             faults.collect([&] { settings = readPhotometricConfig(yamlFromPython(config, "vision/photometric")); });
+             faults.throwIfAny();
+             return std::make_unique<PhotometricExtractor>(*intrinsics, *settings);
            }),
            py::arg("camera_info"), py::arg("config") = py::dict(),
            R"(Args:
     camera_info: dict with width, height, K (9), D, distortion_model, as sensor_msgs/CameraInfo.
-    config: the section `vision.photometric` of a scenario, see config/camera.yaml of this package.
+    config: the section `vision.photometric` of a scenario, see schema/photometric.yaml of this package.
 Raises:
     ParameterError: every fault, one per line.)")
       .def(

@@ -2,8 +2,8 @@
 
 #include <sensor_msgs/image_encodings.h>
 
-#include "aras_visual_servo_camera/errors.hpp"
-#include "aras_visual_servo_camera/overlay.hpp"
+#include "aras_visual_servo_camera/config/errors.hpp"
+#include "aras_visual_servo_camera/extraction/overlay.hpp"
 #include "conversions.hpp"
 #include "parameters.hpp"
 

@@ -11,8 +11,8 @@
 #include <memory>
 #include <string>
 
-#include "aras_visual_servo_camera/moment_extractor.hpp"
-#include "aras_visual_servo_camera/photometric_extractor.hpp"
+#include "aras_visual_servo_camera/extraction/moment_extractor.hpp"
+#include "aras_visual_servo_camera/photometric/photometric_extractor.hpp"
 
 namespace aras_visual_servo_camera {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "aras_visual_servo_camera/errors.hpp"
+#include "aras_visual_servo_camera/config/errors.hpp"
 
 namespace aras_visual_servo_camera {
 
