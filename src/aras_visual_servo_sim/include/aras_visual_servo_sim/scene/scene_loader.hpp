@@ -8,6 +8,7 @@
 #include "aras_visual_servo_sim/config/package_paths.hpp"
 #include "aras_visual_servo_sim/robot/robot_model.hpp"
 #include "aras_visual_servo_sim/scene/scene.hpp"
+#include "aras_visual_servo_sim/scene/scene_config.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -19,22 +20,14 @@ PlanarModel loadPlanarModel(const std::string& path, const PackagePaths& package
 PlanarModel planarModelFromYaml(const YAML::Node& node, const std::string& source_name,
                                 const PackagePaths& packages = PackagePaths(), const std::string& base_dir = "");
 
-/** Reads the `scene:` section of a scenario:
- *  {background_rgb, light_direction, models: [...], solids: [...]}, of
- *  models {name, file or any of outlines_m, color_rgb, board, image, position_m, rpy_rad, motion, visible} and
- *  solids {name, box_m: [x, y, z] | cylinder_m: [radius, length] | sphere_m: radius | mesh: file |
- *  urdf: file or document, color_rgb, position_m, rpy_rad, motion}.
- *
- *  A null node gives an empty scene. @throws ParameterError, ModelError */
-Scene loadScene(const YAML::Node& node, const PackagePaths& packages);
+/** Makes the scene of a configuration: reads the files it names. @throws ModelError, ParameterError */
+Scene loadScene(const SceneConfig& config, const PackagePaths& packages);
 
-/** A scene of one model: an entry of `models` or of `solids`. @throws ParameterError, ModelError */
-Scene loadSceneEntry(const YAML::Node& entry, const PackagePaths& packages);
+/** Adds one entry to a scene, after what is there. @throws ModelError, ParameterError; nothing is added then */
+void loadSceneEntry(const SceneEntry& entry, const PackagePaths& packages, Scene& scene);
 
-/** The entry of a model that somebody describes in one text: a URDF document of fixed links, the name of a file
- *  (.urdf; .yaml: a flat target; else a mesh), or the entry itself as YAML.
- *  @throws ParameterError if it is none of these */
-YAML::Node modelEntry(const std::string& name, const std::string& description);
+/** What of a solid can be touched, in its frame. @throws ModelError for a URDF that cannot be used */
+std::vector<Collision> collisionsOf(const SolidEntry& solid, const PackagePaths& packages);
 
 /** All links of a URDF as one solid, its root link's frame that of the body.
  *  @param urdf  the document, or the name of a file @throws ModelError, also for joints that move */

@@ -9,6 +9,7 @@
 
 #include "aras_visual_servo_sim/camera/camera_config.hpp"
 #include "aras_visual_servo_sim/physics/world_config.hpp"
+#include "aras_visual_servo_sim/scene/scene_config.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -20,7 +21,7 @@ struct SimulationConfig {
   double command_timeout_s = 0.1;  ///< simulated age at which a velocity command stops acting, >= 0; 0 = never
   std::vector<CameraConfig> cameras;
   bool gazebo_cameras = false;  ///< `compatibility`: "gazebo"; cameras of the URDF are as Gazebo has them
-  YAML::Node scene;             ///< read by loadScene
+  SceneConfig scene;
 
   /** @param node  the section; null gives the defaults
    *  @throws ParameterError listing every fault (unknown key, wrong type, out of range), all at once */

@@ -1,246 +1,227 @@
 #include "aras_visual_servo_sim/simulation/simulation.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <map>
 #include <utility>
 
 #include "aras_visual_servo_sim/camera/camera_tags.hpp"
 #include "aras_visual_servo_sim/config/errors.hpp"
-#include "aras_visual_servo_sim/render/coverage_renderer.hpp"
 #include "aras_visual_servo_sim/robot/joint_limits_reader.hpp"
-#include "aras_visual_servo_sim/scene/scene_loader.hpp"
 
 namespace aras_visual_servo_sim {
-namespace {
-
-constexpr std::int64_t kNanosecondsPerSecond = 1000000000;
-constexpr std::uint64_t kDropSeed = 0x64726f70;  // keeps the drawing of drops apart from that of noise
-constexpr double kWholeNanosecond = 1e-3;        // rounding of period_s * 1e9, far below one nanosecond
-
-std::int64_t wholeNanoseconds(double period_s) {
-  const double period_ns = period_s * static_cast<double>(kNanosecondsPerSecond);
-  const std::int64_t rounded = std::llround(period_ns);
-  if (rounded < 1 || std::abs(period_ns - static_cast<double>(rounded)) > kWholeNanosecond) {
-    throw ParameterError("sim/period_s: found " + std::to_string(period_s) + ", allowed a whole number of nanoseconds");
-  }
-  return rounded;
-}
-
-std::string joined(const std::vector<std::string>& words, const char* separator) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
-  return text.empty() ? "none" : text;
-}
-
-}  // namespace
 
 Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::Node& controllers,
                        const PackagePaths& packages)
     : model_(std::move(model)),
       config_(std::move(config)),
-      period_ns_(wholeNanoseconds(config_.world.period_s)),
-      packages_(packages),
-      renderer_(std::make_unique<CoverageRenderer>()) {
-  std::vector<std::string> faults;
+      clock_(config_.world.period_s),
+      start_(config_.initial_positions),
+      contacts_(config_.world.contacts, model_, packages),
+      commands_(config_.command_timeout_s) {
+  std::string faults;
   const auto collect = [&faults](const auto& action) {
     try {
       action();
     } catch (const ArasError& error) {
-      faults.emplace_back(error.what());
+      faults += (faults.empty() ? "" : "\n") + std::string(error.what());
     }
   };
   collect([&] { applyJointLimits(controllers, model_); });
   collect([&] { config_.world.controllers = parseControllers(controllers, model_); });
-  collect([&] { models_.scene = loadScene(config_.scene, packages); });
-  for (std::size_t k = 0; k < models_.scene.bodies.size(); ++k) models_.body_links.push_back(-1);
-  collect([&] { addRobotBodies(model_, packages, models_.scene); });
-  for (std::size_t k = models_.body_links.size(); k < models_.scene.bodies.size(); ++k) {
-    models_.body_links.push_back(model_.linkIndex(models_.scene.bodies[k].name));
-  }
-  for (const std::string& name : modelNames()) models_.starts[name] = placeOf(name);
-
-  if (faults.empty())
-    collect([&] {
-      for (const auto& solid : config_.scene["solids"]) checkTouched(solid, models_);
-      touching_ = touchable(models_);
-    });
-
-  initial_q_ = Eigen::VectorXd::Zero(model_.dofs());
-  for (const auto& [joint, position] : config_.initial_positions) {
-    collect([&, &joint = joint, &position = position] { initial_q_[model_.jointIndex(joint)] = position; });
-  }
-  if (config_.cameras.empty())
+  collect([&] { models_ = Models(config_.scene, model_, packages); });
+  if (faults.empty()) collect([&] { contacts_.begin(models_.set(), config_.scene.solids); });
+  collect([&] { start_.check(model_); });
+  if (config_.cameras.empty()) {
     collect([&] { config_.cameras = camerasFromTags(model_, model_.warnings, config_.gazebo_cameras); });
-  for (const CameraConfig& camera : config_.cameras) addCamera(camera, faults);
+  }
+  for (const CameraConfig& camera : config_.cameras) {
+    collect([&] { cameras_.add(camera, model_, config_.seed, periodNs()); });
+  }
+  commands_.allowLatency(clock_.ns(cameras_.longestLatencyTicks()));
   if (faults.empty()) collect([&] { makeWorld(); });
-  if (!faults.empty()) throw ParameterError(joined(faults, "\n"));
+  if (!faults.empty()) throw ParameterError(faults);
   startModels();
 }
 
-Simulation::~Simulation() = default;
-
-void Simulation::addCamera(const CameraConfig& config, std::vector<std::string>& faults) {
-  const std::string where = "sim/cameras '" + config.name + "': ";
-  if (std::find(camera_names_.begin(), camera_names_.end(), config.name) != camera_names_.end()) {
-    faults.push_back(where + "found twice, allowed once");
-  }
-  try {
-    const int link = model_.linkIndex(config.mount.empty() ? config.frame : config.mount);
-    Camera camera{CameraModel(config), FrameSchedule(config.rate_hz, period_ns_),
-                  Exposure(config.exposure_s, config.exposure_samples, period_ns_),
-                  FramesInFlight(config.latency_s, period_ns_), link};
-    any_late_ = any_late_ || camera.flight.late();
-    longest_latency_ns_ = std::max(longest_latency_ns_, camera.flight.latencyTicks() * period_ns_);
-    camera.drop_seed = config_.seed + kDropSeed + cameras_.size();
-    camera_names_.push_back(config.name);
-    cameras_.push_back(std::move(camera));
-  } catch (const ArasError& error) {
-    faults.push_back(where + error.what());
-  }
-}
-
 void Simulation::makeWorld() {
-  WorldConfig world_config = config_.world;
-  world_config.contacts = touching_;
-  auto world = std::make_unique<MultibodyWorld>(model_, world_config);
-  // Joints whose limits exclude 0 start at the nearer limit unless the configuration names them.
-  for (int i = 0; i < model_.dofs(); ++i) {
-    if (config_.initial_positions.count(model_.joint_names[i]) == 0) {
-      initial_q_[i] = clampPosition(model_.movingJoint(i).limits, initial_q_[i]);
-    }
-  }
-  world->reset(initial_q_);
-  world->setJointPositions(config_.initial_positions);  // refuses mimic joints elsewhere than they follow
-  initial_q_ = world->jointPositions();
-  initial_base_ = world->basePose();
-  world_ = std::move(world);
+  WorldConfig config = config_.world;
+  config.contacts = contacts_.present();
+  world_ = start_.makeWorld(model_, config);
 }
 
 // --- time -----------------------------------------------------------------------------------------------------------
-
-void Simulation::passFrame(Camera& camera) {
-  const std::int64_t frame = nextFrame(camera), stamp_ns = timeNs();
-  run_hash_.add(&stamp_ns, sizeof(stamp_ns));
-  const Eigen::VectorXd& q = world_->jointPositions();
-  const Eigen::VectorXd& v = world_->jointVelocities();
-  run_hash_.add(q.data(), sizeof(double) * q.size());
-  run_hash_.add(v.data(), sizeof(double) * v.size());
-  if (world_->floatingBase()) {
-    const Pose base = world_->basePose();
-    run_hash_.add(base.p.data(), sizeof(double) * 3);
-    run_hash_.add(base.q.coeffs().data(), sizeof(double) * 4);
-  }
-  camera.dropped += frame - camera.next_frame;
-  camera.next_frame = frame + 1;
-  camera.asked = false;
-}
 
 void Simulation::step(std::int64_t n) {
   if (n < 0) throw ParameterError("step: found " + std::to_string(n) + " periods, allowed >= 0");
   const std::int64_t end = ticks() + n;
   while (ticks() < end) {
-    if (any_late_) expose();
+    expose();
+    const std::int64_t now = ticks();
     std::int64_t next = end;
-    for (std::size_t k = 0; k < cameras_.size(); ++k) {
-      if (!cameras_[k].flight.late() && frameDue(static_cast<int>(k))) passFrame(cameras_[k]);
-      cameras_[k].unhashed_frame = -1;
-      next = std::min({next, nextExposureTick(static_cast<int>(k)), noteExposure(static_cast<int>(k))});
+    for (Camera& camera : cameras_) {
+      if (!camera.late() && camera.frameDue(now)) {
+        run_hash_.add(*world_, timeNs());
+        camera.missFrame();
+      }
+      camera.leaveTick();
+      next = std::min(next, camera.nextExposureTick());
+      if (!camera.blurs()) continue;
+      if (camera.samples(now)) camera.note(present(camera));
+      next = std::min(next, camera.nextSampleTick(now));
     }
-    if (touching_.any()) {
-      stepTouching(next - ticks());
+    if (contacts_.any()) {
+      contacts_.step(next - now, periodNs(), models_, *world_);
     } else {
-      world_->step(static_cast<int>(next - ticks()));
+      world_->step(static_cast<int>(next - now));
     }
-    if (any_late_) passFramesInFlight();
+    for (Camera& camera : cameras_) camera.passTo(ticks());
   }
-  moveModels();
-  if (any_late_ && n > 0) expose();
+  models_.move(timeNs());
+  if (n > 0) expose();
 }
 
 std::int64_t Simulation::stepToImage(const std::string& camera) {
-  const int index = cameraIndex(camera);
-  if (nextFrameTick(index) == kNever) {
+  const int index = cameras_.index(camera);
+  const std::int64_t tick = cameras_[index].nextFrameTick();
+  if (tick == kNever) {
     throw ParameterError("camera '" + camera + "': takes frames only when triggered, and nobody asked for one");
   }
-  step(nextFrameTick(index) - ticks());
+  step(tick - ticks());
   return takeFrame(index);
 }
 
-// --- commands -------------------------------------------------------------------------------------------------------
+// --- cameras --------------------------------------------------------------------------------------------------------
 
-void Simulation::holdStill() {
-  for (const ControllerConfig& controller : config_.world.controllers) {
-    if (controller.type != ControllerType::kEffort) world_->setVelocity(controller.joint, 0.0);
+/** Where everything is that this camera can see now. */
+Moment Simulation::present(const Camera& camera) {
+  models_.move(timeNs());
+  models_.follow(*world_);
+  return momentOf(ticks(), camera.pose(*world_), scene());
+}
+
+void Simulation::expose() {
+  if (!cameras_.anyLate()) return;
+  for (Camera& camera : cameras_) {
+    if (!camera.late() || camera.nextExposureTick() != ticks()) continue;
+    run_hash_.add(*world_, timeNs());
+    camera.expose(present(camera), *world_);
   }
 }
 
-void Simulation::refuse(const std::string& reason) {
-  ++refused_commands_;
-  last_refusal_ = reason;
-  holdStill();
-}
-
-template <typename Action>
-void Simulation::acceptOrRefuse(const Action& action) {
-  try {
-    action();
-  } catch (const ArasError& error) {
-    refuse(error.what());
-    throw;
+std::int64_t Simulation::takeFrame(int index) {
+  Camera& camera = cameras_[index];
+  if (!camera.frameDue(ticks())) {
+    throw ParameterError("camera '" + cameras_.names()[index] + "': no frame is due at tick " +
+                         std::to_string(ticks()));
   }
+  expose();  // before anything of this tick is taken
+  if (camera.late()) return clock_.ns(camera.takeDelivered());
+  run_hash_.add(*world_, timeNs());
+  camera.takeFrame();
+  return timeNs();
 }
 
-void Simulation::setCommand(const JointCommand& command, std::optional<std::int64_t> stamp_ns) {
-  acceptOrRefuse([&] {
-    const std::int64_t age_ns = timeNs() - stamp_ns.value_or(timeNs());
-    const double age_s = 1e-9 * static_cast<double>(age_ns);
-    const double late_s = 1e-9 * static_cast<double>(age_ns - longest_latency_ns_);
-    if (age_s < 0.0) {
-      throw ParameterError("command: stamp is " + std::to_string(-age_s) + " s in the future, now is " +
-                           std::to_string(timeS()) + " s of simulated time");
-    }
-    if (!command.empty() && config_.command_timeout_s > 0.0 && late_s > config_.command_timeout_s) {
-      throw ParameterError("command: stamp is " + std::to_string(age_s) +
-                           " s old, allowed <= " + std::to_string(config_.command_timeout_s + age_s - late_s) +
-                           " s (sim/command_timeout_s" + (any_late_ ? " and the longest latency_s of a camera)" : ")"));
-    }
-    world_->setCommand(command);
-  });
+const Image& Simulation::render(int index) {
+  Camera& camera = cameras_[index];
+  models_.follow(*world_);
+  const Image& image = drawer_.draw(camera, ticks(), cameraPose(index), models_.scene());
+  if (camera.imageIsOfNewFrame()) run_hash_.add(image.data.data(), image.data.size());
+  return image;
 }
 
-void Simulation::setControllerCommand(const std::string& controller, double value) {
-  acceptOrRefuse([&] { world_->setControllerCommand(controller, value); });
+const GeometryImage& Simulation::renderGeometry(int index, Distance distance) {
+  models_.follow(*world_);
+  return drawer_.drawGeometry(cameras_[index], cameraPose(index), scene(), distance);
+}
+
+const Scene& Simulation::shownScene(int camera) const {
+  const ExposedFrame* late = cameras_[camera].takenFrame();
+  return late && late->models ? late->models->scene : scene();
+}
+
+FrameState Simulation::frameState(int index) const {
+  const Camera& camera = cameras_[index];
+  if (const ExposedFrame* late = camera.takenFrame()) {
+    const ModelSet& set = late->models ? *late->models : models_.set();
+    return {clock_.ns(late->tick()), late->q,      late->v,
+            late->present.X_WC,      late->V_WC_C, modelPoses(late->present, set)};
+  }
+  return {timeNs(),          world_->jointPositions(), world_->jointVelocities(),
+          cameraPose(index), cameraTwist(index),       models_.set().poses()};
+}
+
+void Simulation::setJointPositions(const std::map<std::string, double>& positions) {
+  world_->setJointPositions(positions);
+  cameras_.forgetPast();
+}
+
+// --- models ---------------------------------------------------------------------------------------------------------
+
+/** Models came or went. */
+void Simulation::change(ModelSet next) {
+  cameras_.keepModels(models_.set());
+  models_.become(std::move(next));
+  cameras_.forgetPast();
+}
+
+void Simulation::spawnModel(const YAML::Node& node, const std::optional<Pose>& X_WM) {
+  const SceneEntry entry = sceneEntryFromYaml(node);
+  YAML::Emitter text;
+  text << YAML::Flow << node;
+  const std::string& name = nameOf(entry);
+  ModelSet next = models_.with(entry, text.c_str(), X_WM);
+  if (next.solids.count(name) > 0) {
+    contacts_.check(name, next);
+    contacts_.change(next, *world_);
+  }
+  change(std::move(next));
+  const auto motion = scene().motions.find(name);
+  if (motion != scene().motions.end()) setModelMotion(name, motion->second);
+}
+
+void Simulation::deleteModel(const std::string& model) {
+  ModelSet next = models_.without(model);
+  if (contacts_.has(model)) contacts_.change(next, *world_);
+  change(std::move(next));
+}
+
+void Simulation::setModelPose(const std::string& model, const Pose& X_WM) {
+  if (!X_WM.p.allFinite() || !X_WM.q.coeffs().allFinite()) {
+    throw NotFiniteError("model '" + model + "': pose is not finite");
+  }
+  models_.place(model, {X_WM.p, X_WM.q.normalized()});
+  setModelMotion(model, std::nullopt);
+  contacts_.place(model, models_, *world_);
+  cameras_.forgetPast();
+}
+
+Twist Simulation::modelTwist(const std::string& model) const {
+  models_.pose(model);  // throws
+  if (models_.hasMotion(model)) return models_.motionTwist(model, timeNs());
+  return contacts_.has(model) ? world_->obstacleTwist(model) : Twist(Twist::Zero());
 }
 
 // --- starting again -------------------------------------------------------------------------------------------------
 
+void Simulation::startModels() {
+  models_.start(timeNs());
+  for (const std::string& model : models_.names()) contacts_.place(model, models_, *world_);
+  models_.move(timeNs());
+}
+
 void Simulation::resetWorld() {
-  std::map<std::string, double> positions;
-  for (int i = 0; i < model_.dofs(); ++i) positions[model_.joint_names[i]] = initial_q_[i];
-  world_->setJointPositions(positions);
-  if (world_->floatingBase()) world_->setBasePose(initial_base_);
+  start_.putBack(*world_);
   startModels();
-  forgetPast();
+  cameras_.forgetPast();
 }
 
 void Simulation::reset() {
-  if (built_) {
-    models_ = *built_;
-    touching_ = touchable(models_);
-  }
+  models_.reset();
+  contacts_.change(models_.set());
   makeWorld();
   resetWorld();
-  for (Camera& camera : cameras_) {
-    camera.next_frame = 0;
-    camera.unhashed_frame = -1;
-    camera.asked = false;
-    camera.dropped = 0;
-    camera.flight.clear();
-  }
+  cameras_.reset();
   run_hash_.reset();
-  refused_commands_ = 0;
-  last_refusal_.clear();
+  commands_.restore(0, "");
 }
 
 }  // namespace aras_visual_servo_sim

@@ -56,17 +56,16 @@ SimulationConfig SimulationConfig::fromYaml(const YAML::Node& node) {
   }
   readCameras(reader.raw("cameras"), config.cameras, faults);
   config.gazebo_cameras = reader.optionalChoice("compatibility", "none", {"none", "gazebo"}) == "gazebo";
-  try {
-    config.world.contacts = contactConfigFromYaml(reader.raw("contacts"));
-  } catch (const ParameterError& error) {
-    appendFaults(error.what(), faults);
-  }
-  if (const YAML::Node scene = reader.raw("scene")) config.scene = scene;
-  try {
-    reader.finish();
-  } catch (const ParameterError& error) {
-    appendFaults(error.what(), faults);
-  }
+  const auto collect = [&faults](const auto& action) {
+    try {
+      action();
+    } catch (const ParameterError& error) {
+      appendFaults(error.what(), faults);
+    }
+  };
+  collect([&] { config.world.contacts = contactConfigFromYaml(reader.raw("contacts")); });
+  collect([&] { config.scene = SceneConfig::fromYaml(reader.raw("scene")); });
+  collect([&] { reader.finish(); });
   if (!faults.empty()) throw ParameterError(faults);
   return config;
 }

@@ -6,7 +6,7 @@
 #include "aras_visual_servo_sim/physics/joint_state_config.hpp"
 #include "aras_visual_servo_sim/robot/robot_model.hpp"
 #include "aras_visual_servo_sim/simulation/simulation_config.hpp"
-#include "aras_visual_servo_sim/simulation/time_config.hpp"
+#include "aras_visual_servo_sim/simulation/time/time_config.hpp"
 
 namespace aras_visual_servo_sim {
 

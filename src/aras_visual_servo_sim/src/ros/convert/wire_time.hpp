@@ -29,8 +29,8 @@ class WireTime {
   void jumped(std::int64_t before_ns) {
     if (!monotonic_) return;
     std::int64_t oldest_ns = simulation_.timeNs();
-    for (std::size_t k = 0; k < simulation_.cameraNames().size(); ++k) {
-      for (const ExposedFrame* frame : simulation_.lateFrames(static_cast<int>(k))) {
+    for (const Camera& camera : simulation_.cameras()) {
+      for (const ExposedFrame* frame : camera.lateFrames()) {
         oldest_ns = std::min(oldest_ns, frame->tick() * simulation_.periodNs());
       }
     }

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "aras_visual_servo_sim/simulation/lockstep_gate.hpp"
 #include "aras_visual_servo_sim/simulation/simulation.hpp"
+#include "aras_visual_servo_sim/simulation/time/lockstep_gate.hpp"
 #include "convert/wire_time.hpp"
 
 namespace aras_visual_servo_sim {

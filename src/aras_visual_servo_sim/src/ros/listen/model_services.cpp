@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
-#include "aras_visual_servo_sim/scene/scene_loader.hpp"
+#include "aras_visual_servo_sim/scene/scene_config.hpp"
 #include "convert/conversions.hpp"
 
 namespace aras_visual_servo_sim {
@@ -64,7 +64,7 @@ Pose ModelServices::frame(const std::string& name) const {
   for (const Link& link : simulation_.model().links) {
     if (link.name == name) return simulation_.world().linkPose(name);
   }
-  return simulation_.modelPose(name);
+  return simulation_.models().pose(name);
 }
 
 bool ModelServices::onSpawn(SpawnModel::Request& request, SpawnModel::Response& response) {
@@ -93,7 +93,7 @@ bool ModelServices::onGetState(GetModelState::Request& request, GetModelState::R
     response.header.stamp = time_.now();
     response.header.frame_id = request.relative_entity_name.empty() ? kWorldFrame : request.relative_entity_name;
     response.pose =
-        toMessage(frame(request.relative_entity_name).inverse() * simulation_.modelPose(request.model_name));
+        toMessage(frame(request.relative_entity_name).inverse() * simulation_.models().pose(request.model_name));
     response.twist = toMessage(simulation_.modelTwist(request.model_name));
   });
 }

@@ -35,7 +35,7 @@ SimNode::SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, const NodePar
       paused_(parameters.time.start_paused) {
   for (const std::string& warning : simulation_.model().warnings) ROS_WARN("%s", warning.c_str());
   for (const std::string& camera : config_.lockstep_cameras) {
-    lockstep_cameras_.push_back(simulation_.cameraIndex(camera));
+    lockstep_cameras_.push_back(simulation_.cameras().index(camera));
   }
   advertiseServices(parameters.gazebo_names);
   markers_.publish();
@@ -86,7 +86,7 @@ void SimNode::hold(const std::vector<int>& cameras) {
   for (const int camera : cameras) {
     const bool counts = std::count(lockstep_cameras_.begin(), lockstep_cameras_.end(), camera) > 0;
     if (!counts && !lockstep_cameras_.empty()) continue;
-    names += (names.empty() ? "" : ", ") + simulation_.cameraNames()[camera];
+    names += (names.empty() ? "" : ", ") + simulation_.cameras().names()[camera];
     newest_ns = std::max(newest_ns, states_.imageNs(camera));
   }
   if (names.empty()) return;
@@ -161,8 +161,8 @@ void SimNode::publishStatus() {
   status.ticks = static_cast<std::uint64_t>(simulation_.ticks());
   status.frames = states_.frames();
   status.dropped_frames = states_.droppedFrames() + unanswered_;
-  status.refused_commands = simulation_.refusedCommands();
-  status.last_refusal = simulation_.lastRefusal();
+  status.refused_commands = simulation_.commands().refused();
+  status.last_refusal = simulation_.commands().lastRefusal();
   status.run_hash = simulation_.runHash();
   status_.publish(status);
 }

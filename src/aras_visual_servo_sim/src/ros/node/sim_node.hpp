@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
-#include "aras_visual_servo_sim/simulation/lockstep_gate.hpp"
 #include "aras_visual_servo_sim/simulation/simulation.hpp"
-#include "aras_visual_servo_sim/simulation/snapshots.hpp"
+#include "aras_visual_servo_sim/simulation/state/snapshots.hpp"
+#include "aras_visual_servo_sim/simulation/time/lockstep_gate.hpp"
 #include "convert/parameters.hpp"
 #include "convert/wire_time.hpp"
 #include "listen/camera_triggers.hpp"

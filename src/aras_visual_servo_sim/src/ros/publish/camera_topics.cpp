@@ -23,7 +23,7 @@ std::string orElse(const std::string& name, const std::string& otherwise) {
 
 std::vector<CameraTopics> cameraTopics(const Simulation& simulation, bool gazebo_names) {
   std::vector<CameraTopics> topics;
-  for (const std::string& name : simulation.cameraNames()) {
+  for (const std::string& name : simulation.cameras().names()) {
     const CameraTag* found = tagOf(simulation.model(), name);
     const CameraTag tag = found ? *found : CameraTag();
     std::string base = name + "/";

@@ -49,7 +49,7 @@ void GeometryPublisher::publish(int camera, const ros::Time& stamp) {
   const bool depth = output.depth.getNumSubscribers() > 0, ids = output.ids.getNumSubscribers() > 0;
   if (!depth && !ids) return;
   const GeometryImage& image = simulation_.renderGeometry(camera);
-  const std::string& frame = simulation_.camera(camera).config().frame;
+  const std::string& frame = simulation_.cameras()[camera].model().config().frame;
   namespace encodings = sensor_msgs::image_encodings;
   if (depth) send(output.depth, image, image.depth_m, encodings::TYPE_32FC1, frame, stamp);
   if (!ids) return;

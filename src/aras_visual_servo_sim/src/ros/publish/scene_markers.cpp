@@ -87,7 +87,7 @@ visualization_msgs::MarkerArray sceneMarkers(const Simulation& simulation) {
   for (const PlanarModel& model : simulation.scene().models) {
     if (model.visible) addPlanar(model, markers.markers);
   }
-  const std::vector<std::string> models = simulation.modelNames();
+  const std::vector<std::string> models = simulation.models().names();
   for (const Body& body : simulation.scene().bodies) {
     const bool solid = std::find(models.begin(), models.end(), body.name) != models.end();  // no link of the robot
     if (solid && body.visible) addSolid(body, markers.markers);

@@ -60,8 +60,8 @@ StatePublisher::StatePublisher(const ros::NodeHandle& node, Simulation& simulati
 }
 
 void StatePublisher::advertiseCamera(int camera, const CameraTopics& topics) {
-  const std::string& name = simulation_.cameraNames()[camera];
-  const CameraModel& model = simulation_.camera(camera);
+  const std::string& name = simulation_.cameras().names()[camera];
+  const CameraModel& model = simulation_.cameras()[camera].model();
   const std::string truth = camera == 0 ? "ground_truth/" : "ground_truth/" + name + "/";
   CameraOutput output;
   output.image = transport_.advertise(topics.image, kImageQueue);
@@ -79,9 +79,8 @@ void StatePublisher::advertiseCamera(int camera, const CameraTopics& topics) {
 
 std::int64_t StatePublisher::nextTick() const {
   std::int64_t next = std::min(clock_schedule_.tickOf(next_clock_), joint_schedule_.tickOf(next_joints_));
-  for (std::size_t k = 0; k < cameras_.size(); ++k) {
-    const int camera = static_cast<int>(k);
-    next = std::min({next, simulation_.nextFrameTick(camera), simulation_.nextExposureTick(camera)});
+  for (const Camera& camera : simulation_.cameras()) {
+    next = std::min({next, camera.nextFrameTick(), camera.nextExposureTick()});
   }
   return next;
 }
@@ -96,8 +95,8 @@ std::vector<int> StatePublisher::publishDue() {
   std::vector<int> exposed, due;
   for (std::size_t k = 0; k < cameras_.size(); ++k) {
     const int camera = static_cast<int>(k);
-    if (simulation_.frameExposed(camera)) exposed.push_back(camera);
-    if (simulation_.frameDue(camera)) due.push_back(camera);
+    if (simulation_.cameras()[camera].frameExposed(tick)) exposed.push_back(camera);
+    if (simulation_.cameras()[camera].frameDue(tick)) due.push_back(camera);
   }
 
   next_clock_ = clock_schedule_.firstIndexFrom(tick + 1);
@@ -121,7 +120,7 @@ std::vector<int> StatePublisher::publishDue() {
 }
 
 std::int64_t StatePublisher::imageNs(int camera) const {
-  const ExposedFrame* late = simulation_.takenFrame(camera);
+  const ExposedFrame* late = simulation_.cameras()[camera].takenFrame();
   return late ? late->tick() * simulation_.periodNs() : simulation_.timeNs();
 }
 
@@ -180,12 +179,12 @@ void StatePublisher::publishControllers(const ros::Time& stamp) {
 }
 
 void StatePublisher::publishTarget(const ros::Time& stamp) {
-  const std::string target = targetOf(simulation_.modelNames());
+  const std::string target = targetOf(simulation_.models().names());
   if (target.empty()) return;
   geometry_msgs::PoseStamped pose;
   pose.header.stamp = stamp;
   pose.header.frame_id = kWorldFrame;
-  pose.pose = toMessage(simulation_.modelPose(target));
+  pose.pose = toMessage(simulation_.models().pose(target));
   target_pose_.publish(pose);
   geometry_msgs::TwistStamped twist;
   twist.header = pose.header;

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "aras_visual_servo_sim/simulation/frame_schedule.hpp"
+#include "aras_visual_servo_sim/simulation/cameras/frame_schedule.hpp"
 #include "aras_visual_servo_sim/simulation/simulation.hpp"
 #include "base_frames.hpp"
 #include "camera_topics.hpp"
@@ -50,7 +50,7 @@ class StatePublisher {
 
   std::uint64_t frames() const { return frames_; }
   /** Frames that could not be rendered, and those of drop_probability. */
-  std::uint64_t droppedFrames() const { return dropped_frames_ + simulation_.droppedFrames(); }
+  std::uint64_t droppedFrames() const { return dropped_frames_ + simulation_.cameras().droppedFrames(); }
 
  private:
   struct CameraOutput {

@@ -17,12 +17,12 @@ std::vector<int> StatePublisher::resume() {
   publishPresentJoints();
   std::vector<int> taken;
   for (std::size_t k = 0; k < cameras_.size(); ++k) {
-    if (simulation_.frameTaken(static_cast<int>(k))) taken.push_back(static_cast<int>(k));
+    if (simulation_.cameras()[static_cast<int>(k)].frameTaken(tick)) taken.push_back(static_cast<int>(k));
   }
   const ros::Time stamp = time_.now();
   if (!taken.empty()) publishTarget(stamp);
   for (const int camera : taken) {
-    if (!simulation_.takenFrame(camera)) {
+    if (!simulation_.cameras()[camera].takenFrame()) {
       publishCamera(camera, stamp, simulation_.cameraPose(camera), simulation_.cameraTwist(camera));
     }
     publishImage(camera);
@@ -34,7 +34,7 @@ std::vector<int> StatePublisher::resume() {
 void StatePublisher::publishLate() {
   std::multimap<std::int64_t, std::pair<int, const ExposedFrame*>> frames;
   for (std::size_t k = 0; k < cameras_.size(); ++k) {
-    for (const ExposedFrame* frame : simulation_.lateFrames(static_cast<int>(k))) {
+    for (const ExposedFrame* frame : simulation_.cameras()[static_cast<int>(k)].lateFrames()) {
       frames.emplace(frame->tick(), std::make_pair(static_cast<int>(k), frame));
     }
   }

@@ -272,13 +272,17 @@ TEST(Picture, BadOnesAreRefusedByName) {
   const TexturePtr dot = std::make_shared<Texture>("dot", 1, 1, std::vector<std::uint8_t>(3));
   EXPECT_THROW(PlanarModel("x", {}, Rgb{}, std::nullopt, PlanarModel::Picture{dot, {0.1, 0.0}}), ModelError);
   try {
-    loadScene(YAML::Load("{models: [{name: t, image: {file: /nowhere/photo.png, size_m: [0.3, 0.2]}}]}"), {});
+    loadScene(SceneConfig::fromYaml(
+                  YAML::Load("{models: [{name: t, image: {file: /nowhere/photo.png, size_m: [0.3, 0.2]}}]}")),
+              {});
     ADD_FAILURE();
   } catch (const ModelError& error) {
     EXPECT_NE(std::string(error.what()).find("/nowhere/photo.png"), std::string::npos) << error.what();
   }
   EXPECT_THROW(loadTexture(ARAS_SIM_TEST_DIR "/urdf/pendulum.urdf"), ModelError);
-  EXPECT_THROW(loadScene(YAML::Load("{models: [{name: t, image: {file: a.png, size_m: [0.3]}}]}"), {}), ParameterError);
+  EXPECT_THROW(
+      loadScene(SceneConfig::fromYaml(YAML::Load("{models: [{name: t, image: {file: a.png, size_m: [0.3]}}]}")), {}),
+      ParameterError);
 }
 
 }  // namespace

@@ -130,9 +130,9 @@ const char* const kScene =
 TEST(MovingModels, FollowSimulatedTimeAndTheirTwistIsKnown) {
   Simulation simulation = fixture::panLift(kScene);
   simulation.step(500);
-  EXPECT_NEAR(simulation.modelPose("target").p.x(), 0.01, kRounding);
+  EXPECT_NEAR(simulation.models().pose("target").p.x(), 0.01, kRounding);
   EXPECT_EQ(simulation.modelTwist("target")[0], 0.02);
-  EXPECT_GT((simulation.modelPose("box").p - Eigen::Vector3d(0, 1, 0)).norm(), 0.0);
+  EXPECT_GT((simulation.models().pose("box").p - Eigen::Vector3d(0, 1, 0)).norm(), 0.0);
   EXPECT_THROW(simulation.modelTwist("moon"), UnknownNameError);
 }
 
@@ -153,14 +153,14 @@ TEST(MovingModels, ResetStartsThemAgainAndRestoreContinuesThem) {
 TEST(MovingModels, MotionGivenLaterStartsThenAndPlacingEndsIt) {
   Simulation simulation = fixture::panLift(kScene);
   simulation.step(100);
-  const Pose before = simulation.modelPose("target");
+  const Pose before = simulation.models().pose("target");
   simulation.setModelMotion("target", motion("{type: constant_velocity, linear_m_per_s: [0, 1, 0]}"));
-  EXPECT_EQ(simulation.modelPose("target").p, before.p);
+  EXPECT_EQ(simulation.models().pose("target").p, before.p);
   simulation.step(100);
-  EXPECT_NEAR(simulation.modelPose("target").p.y(), 0.1, kRounding);
+  EXPECT_NEAR(simulation.models().pose("target").p.y(), 0.1, kRounding);
   simulation.setModelPose("target", tilted());
   simulation.step(100);
-  EXPECT_EQ(simulation.modelPose("target").p, tilted().p);
+  EXPECT_EQ(simulation.models().pose("target").p, tilted().p);
   EXPECT_EQ(simulation.modelTwist("target"), Twist::Zero());
   EXPECT_THROW(simulation.setModelMotion("moon", std::nullopt), UnknownNameError);
 }
@@ -169,10 +169,10 @@ TEST(MovingModels, ResetOfTheWorldStartsMotionsAgainWithoutTurningTimeBack) {
   Simulation simulation = fixture::panLift(kScene);
   simulation.step(500);
   simulation.resetWorld();
-  EXPECT_EQ(simulation.modelPose("target").p.x(), 0.0);
+  EXPECT_EQ(simulation.models().pose("target").p.x(), 0.0);
   simulation.step(250);
   EXPECT_EQ(simulation.ticks(), 750);
-  EXPECT_NEAR(simulation.modelPose("target").p.x(), 0.005, kRounding);
+  EXPECT_NEAR(simulation.models().pose("target").p.x(), 0.005, kRounding);
 }
 
 }  // namespace

@@ -164,11 +164,11 @@ TEST_F(SceneFiles, PackagesAreFoundInTheMapAndInRosPackagePath) {
 TEST_F(SceneFiles, SceneIsReadWithTargetsAndSolids) {
   write("t.yaml",
         "{name: blob, color_rgb: [20, 21, 22], outlines_m: [[[0, 0], [1, 0], [0, 1]]], board: {size_m: [3, 4]}}");
-  const Scene scene =
-      loadScene(YAML::Load("{background_rgb: [1, 2, 3], models: [{name: target, file: \"package://p/t.yaml\", "
-                           "position_m: [1, 2, 3], rpy_rad: [0, 0, 1.5707963267948966]}], solids: "
-                           "[{name: a, box_m: [1, 1, 1], color_rgb: [9, 8, 7]}, {name: b, sphere_m: 0.5}]}"),
-                PackagePaths({{"p", folder_.string()}}));
+  const Scene scene = loadScene(SceneConfig::fromYaml(YAML::Load(
+                                    "{background_rgb: [1, 2, 3], models: [{name: target, file: \"package://p/t.yaml\", "
+                                    "position_m: [1, 2, 3], rpy_rad: [0, 0, 1.5707963267948966]}], solids: "
+                                    "[{name: a, box_m: [1, 1, 1], color_rgb: [9, 8, 7]}, {name: b, sphere_m: 0.5}]}")),
+                                PackagePaths({{"p", folder_.string()}}));
   EXPECT_EQ(scene.background, (Rgb{1, 2, 3}));
   const PlanarModel& target = scene.model("target");
   EXPECT_EQ(target.color(), (Rgb{20, 21, 22}));
@@ -182,8 +182,9 @@ TEST_F(SceneFiles, SceneIsReadWithTargetsAndSolids) {
 
 TEST_F(SceneFiles, FaultsOfASceneAreListedTogether) {
   try {
-    loadScene(
-        YAML::Load("{background_rgb: [1, 2], models: [{name: t, outlines_m: 3, colour: 1}], solids: [{name: s}]}"), {});
+    loadScene(SceneConfig::fromYaml(YAML::Load(
+                  "{background_rgb: [1, 2], models: [{name: t, outlines_m: 3, colour: 1}], solids: [{name: s}]}")),
+              {});
     ADD_FAILURE();
   } catch (const ParameterError& error) {
     for (const char* key : {"background_rgb", "outlines_m", "colour", "shape"}) {

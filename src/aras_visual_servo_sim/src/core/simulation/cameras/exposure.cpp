@@ -1,4 +1,4 @@
-#include "aras_visual_servo_sim/simulation/exposure.hpp"
+#include "aras_visual_servo_sim/simulation/cameras/exposure.hpp"
 
 #include <algorithm>
 #include <cmath>

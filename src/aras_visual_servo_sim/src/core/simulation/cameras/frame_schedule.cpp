@@ -1,4 +1,4 @@
-#include "aras_visual_servo_sim/simulation/frame_schedule.hpp"
+#include "aras_visual_servo_sim/simulation/cameras/frame_schedule.hpp"
 
 #include <cmath>
 #include <string>

@@ -1,4 +1,4 @@
-#include "aras_visual_servo_sim/simulation/frames_in_flight.hpp"
+#include "aras_visual_servo_sim/simulation/cameras/frames_in_flight.hpp"
 
 #include <cmath>
 
@@ -8,7 +8,7 @@ FramesInFlight::FramesInFlight(double latency_s, std::int64_t period_ns)
     : latency_((std::llround(1e9 * latency_s) + period_ns - 1) / period_ns) {}
 
 std::int64_t FramesInFlight::nextDelivery() const {
-  return frames_.empty() ? kNever : frames_.front().tick() + latency_;
+  return frames_.empty() ? kNeverTick : frames_.front().tick() + latency_;
 }
 
 const ExposedFrame& FramesInFlight::take() {

@@ -1,23 +1,21 @@
-#include "aras_visual_servo_sim/simulation/run_hash.hpp"
+#include "aras_visual_servo_sim/simulation/state/run_hash.hpp"
 
 #include <cinttypes>
 #include <cstdio>
 #include <cstring>
 
+#include "aras_visual_servo_sim/config/splitmix.hpp"
+
 namespace aras_visual_servo_sim {
 namespace {
 
-// Odd constants with well-spread bits: the fractional part of the golden ratio and multipliers of splitmix64.
-constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15ULL;
+using splitmix::kGolden;
+using splitmix::mix;
+
+// Odd constants with well-spread bits: the multipliers of splitmix64.
 constexpr std::uint64_t kMixA = 0xbf58476d1ce4e5b9ULL;
 constexpr std::uint64_t kMixB = 0x94d049bb133111ebULL;
 constexpr std::size_t kLanes = 4;  // independent multiplications that keep the processor's pipeline full
-
-std::uint64_t mix(std::uint64_t word) {
-  word = (word ^ (word >> 30)) * kMixA;
-  word = (word ^ (word >> 27)) * kMixB;
-  return word ^ (word >> 31);
-}
 
 std::uint64_t rotateLeft(std::uint64_t word, int bits) { return (word << bits) | (word >> (64 - bits)); }
 
@@ -48,6 +46,17 @@ void RunHash::add(const void* data, std::size_t size) {
   std::uint64_t sum = mix(state_ ^ size);
   for (const std::uint64_t word : lane) sum = mix(sum + word);
   state_ = sum;
+}
+
+void RunHash::add(const MultibodyWorld& world, std::int64_t time_ns) {
+  add(&time_ns, sizeof(time_ns));
+  for (const Eigen::VectorXd* values : {&world.jointPositions(), &world.jointVelocities()}) {
+    add(values->data(), sizeof(double) * static_cast<std::size_t>(values->size()));
+  }
+  if (!world.floatingBase()) return;
+  const Pose base = world.basePose();
+  add(base.p.data(), sizeof(double) * 3);
+  add(base.q.coeffs().data(), sizeof(double) * 4);
 }
 
 std::string RunHash::hex() const {

@@ -1,4 +1,4 @@
-#include "aras_visual_servo_sim/simulation/snapshots.hpp"
+#include "aras_visual_servo_sim/simulation/state/snapshots.hpp"
 
 #include <cerrno>
 #include <cstring>

@@ -1,7 +1,7 @@
 #include "state_record.hpp"
 
 #include "aras_visual_servo_sim/config/errors.hpp"
-#include "aras_visual_servo_sim/simulation/run_hash.hpp"
+#include "aras_visual_servo_sim/simulation/state/run_hash.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -10,7 +11,8 @@
 
 #include "aras_visual_servo_sim/config/types.hpp"
 #include "aras_visual_servo_sim/scene/scene.hpp"
-#include "aras_visual_servo_sim/simulation/exposure.hpp"
+#include "aras_visual_servo_sim/simulation/cameras/camera.hpp"
+#include "aras_visual_servo_sim/simulation/models/models.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -26,6 +28,10 @@ class StateWriter {
   void putVector(const Eigen::VectorXd& values);
   void putPose(const Pose& pose);
   void putMoment(const Moment& moment);
+  void putModels(const std::vector<SavedModel>& models);
+  void putMotions(const std::map<std::string, MotionRun>& motions);
+  void putFrame(const ExposedFrame& frame);
+  void putFrames(const FramesInFlight& flight);
   std::string take();
 
  private:
@@ -35,6 +41,9 @@ class StateWriter {
 /** Reads what StateWriter wrote. Throws StateError where it is not that. */
 class StateReader {
  public:
+  /** Models as they were saved, made again. */
+  using Compose = std::function<ModelSet(const std::vector<SavedModel>&)>;
+
   /** @param bytes  outlive this object @throws StateError if the record is not whole */
   explicit StateReader(const std::string& bytes);
   template <typename T>
@@ -50,6 +59,12 @@ class StateReader {
   Pose getPose();
   /** @throws StateError unless it is of a scene with as many models and bodies */
   Moment getMoment(const Scene& scene);
+  std::vector<SavedModel> getModels();
+  /** @throws StateError unless each is of a model of the set */
+  std::map<std::string, MotionRun> getMotions(const ModelSet& set);
+  /** @param scene  of frames without models of their own */
+  ExposedFrame getFrame(int joints, const Scene& scene, const Compose& compose);
+  void getFrames(int joints, const Scene& scene, const Compose& compose, Camera::State& camera);
   bool atEnd() const { return at_ == end_; }
 
  private:

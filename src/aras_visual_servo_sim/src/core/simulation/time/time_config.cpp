@@ -1,4 +1,4 @@
-#include "aras_visual_servo_sim/simulation/time_config.hpp"
+#include "aras_visual_servo_sim/simulation/time/time_config.hpp"
 
 #include <algorithm>
 

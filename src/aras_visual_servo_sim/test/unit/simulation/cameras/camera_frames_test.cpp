@@ -37,7 +37,7 @@ TEST(CameraFrames, DropsAreDrawnPerFrameWithTheirProbability) {
   const std::vector<std::int64_t> stamps = stampsOf(*simulation, kFrames);
   for (const std::int64_t stamp : stamps) EXPECT_EQ(stamp % 20000000, 0);  // the others stay at 50 Hz
   const double passed = double(stamps.back() / 20000000 + 1);
-  const double dropped = double(simulation->droppedFrames());
+  const double dropped = double(simulation->cameras().droppedFrames());
   EXPECT_EQ(dropped, passed - kFrames);
   EXPECT_NEAR(dropped / passed, 0.3, 4.0 * std::sqrt(0.3 * 0.7 / passed));  // four standard deviations
   EXPECT_EQ(stampsOf(*make(0.3, false), kFrames), stamps);
@@ -46,12 +46,12 @@ TEST(CameraFrames, DropsAreDrawnPerFrameWithTheirProbability) {
 
 TEST(CameraFrames, DroppedFramesAreNeverDue) {
   const auto simulation = make(0.9, false);
-  const std::int64_t first = simulation->nextFrameTick(0);
+  const std::int64_t first = simulation->cameras()[0].nextFrameTick();
   ASSERT_GT(first, 0) << "another seed is needed for this test";
-  EXPECT_FALSE(simulation->frameDue(0));
+  EXPECT_FALSE(simulation->cameras()[0].frameDue(simulation->ticks()));
   EXPECT_THROW(simulation->takeFrame(0), ParameterError);
   simulation->step(first);
-  EXPECT_TRUE(simulation->frameDue(0));
+  EXPECT_TRUE(simulation->cameras()[0].frameDue(simulation->ticks()));
 }
 
 TEST(CameraFrames, DropsAndTriggersAreInTheSavedState) {
@@ -61,21 +61,22 @@ TEST(CameraFrames, DropsAndTriggersAreInTheSavedState) {
   simulation->trigger(0);
   const std::string state = simulation->saveState();
   const std::vector<std::int64_t> stamps = stampsOf(*simulation, 1);
-  const std::uint64_t dropped = simulation->droppedFrames();
-  EXPECT_EQ(simulation->nextFrameTick(0), Simulation::kNever);
+  const std::uint64_t dropped = simulation->cameras().droppedFrames();
+  EXPECT_EQ(simulation->cameras()[0].nextFrameTick(), Simulation::kNever);
   simulation->restoreState(state);
   EXPECT_EQ(stampsOf(*simulation, 1), stamps);
-  EXPECT_EQ(simulation->droppedFrames(), dropped);
+  EXPECT_EQ(simulation->cameras().droppedFrames(), dropped);
   simulation->reset();
-  EXPECT_EQ(simulation->droppedFrames(), 0u);
-  EXPECT_EQ(simulation->nextFrameTick(0), Simulation::kNever);
+  EXPECT_EQ(simulation->cameras().droppedFrames(), 0u);
+  EXPECT_EQ(simulation->cameras()[0].nextFrameTick(), Simulation::kNever);
 }
 
 TEST(CameraFrames, TriggeredCameraTakesOneFrameForEachRequest) {
   const auto simulation = make(0.0, true);
   EXPECT_THROW(simulation->stepToImage("camera"), ParameterError);
   simulation->step(100);
-  EXPECT_FALSE(simulation->frameDue(0));  // tick 100 belongs to the schedule, but nobody asked
+  EXPECT_FALSE(
+      simulation->cameras()[0].frameDue(simulation->ticks()));  // tick 100 belongs to the schedule, but nobody asked
   simulation->trigger(0);
   simulation->trigger(0);
   EXPECT_EQ(simulation->stepToImage("camera"), 120000000);

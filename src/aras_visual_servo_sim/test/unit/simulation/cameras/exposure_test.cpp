@@ -1,5 +1,5 @@
 // Motion blur: which moments an image is the mean of, and what an edge in motion looks like.
-#include "aras_visual_servo_sim/simulation/exposure.hpp"
+#include "aras_visual_servo_sim/simulation/cameras/exposure.hpp"
 
 #include <gtest/gtest.h>
 
@@ -64,7 +64,7 @@ TEST(Exposure, EdgeInMotionIsTheRampOfItsMeanOverTheExposure) {
   simulation.stepToImage("camera");
   ASSERT_EQ(simulation.stepToImage("camera"), 50 * kMillisecond);
   const Image& image = simulation.render(0);
-  const CameraModel& camera = simulation.camera(0);
+  const CameraModel& camera = simulation.cameras()[0].model();
   const double end_u = camera.cx() + camera.fx() * (0.1 + kSpeed * kTime) / kDepth;  // of the edge, when the stamp is
   const double ramp = kSpeed * kExposure * camera.fx() / kDepth;
   ASSERT_GT(ramp, 10.0);
@@ -104,7 +104,7 @@ TEST(Exposure, ImageIsTheMeanOfSharpOnesRoundedOnce) {
   EXPECT_NE(sharp.render(0).data, mean);
   EXPECT_EQ(blurred.world().jointPositions(), sharp.world().jointPositions());
   EXPECT_EQ(blurred.cameraPose(0).matrix(), sharp.cameraPose(0).matrix());
-  EXPECT_EQ(blurred.modelPose("target").matrix(), sharp.modelPose("target").matrix());
+  EXPECT_EQ(blurred.models().pose("target").matrix(), sharp.models().pose("target").matrix());
 
   Simulation noisy = moving(std::string(kBlur) + ", noise_stddev: 3.0");
   Image once;
@@ -165,7 +165,7 @@ TEST(Exposure, SameBytesHoweverItIsSteppedAndAfterAReset) {
   Simulation once = moving(kBlur), again = moving(kBlur);
   const std::string hash = fixture::hashOf(once, 4);
   for (int k = 0; k < 4; ++k) {
-    while (!again.frameDue(0)) again.step(1);
+    while (!again.cameras()[0].frameDue(again.ticks())) again.step(1);
     again.takeFrame(0);
     again.render(0);
   }

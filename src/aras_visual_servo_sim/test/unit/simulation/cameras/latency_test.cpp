@@ -42,12 +42,12 @@ Taken next(Simulation& simulation, const std::string& camera = "camera") {
   Taken taken;
   taken.stamp_ns = simulation.stepToImage(camera);
   taken.now_ns = simulation.timeNs();
-  const int index = simulation.cameraIndex(camera);
+  const int index = simulation.cameras().index(camera);
   taken.image = simulation.render(index).data;
-  const ExposedFrame* late = simulation.takenFrame(index);
+  const ExposedFrame* late = simulation.cameras()[index].takenFrame();
   taken.q = late ? late->q : simulation.world().jointPositions();
   taken.X_WC = late ? late->present.X_WC.matrix() : simulation.cameraPose(index).matrix();
-  for (const auto& [name, X_WM] : simulation.shownModels(index)) {
+  for (const auto& [name, X_WM] : simulation.frameState(index).models) {
     if (name == "target") taken.X_WT = X_WM.matrix();
   }
   return taken;
@@ -133,16 +133,16 @@ TEST(Latency, SavedStateHoldsTheFramesInFlightAndTheOneJustTaken) {
     const std::string keys = ", latency_s: 0.1, exposure_s: 0.02, noise_stddev: 2.0, drop_probability: 0.3";
     const auto simulation = moving(keys), other = moving(keys);
     simulation->step(tick);
-    if (simulation->frameDue(0)) simulation->takeFrame(0);
+    if (simulation->cameras()[0].frameDue(simulation->ticks())) simulation->takeFrame(0);
     const std::string state = simulation->saveState();
     const Bytes image = simulation->render(0).data;
     const std::string hash = hashOf(*simulation, 4);
-    const std::uint64_t dropped = simulation->droppedFrames();
+    const std::uint64_t dropped = simulation->cameras().droppedFrames();
     for (Simulation* each : {simulation.get(), other.get()}) {
       each->restoreState(state);
       EXPECT_EQ(each->render(0).data, image) << "tick " << tick;
       EXPECT_EQ(hashOf(*each, 4), hash) << "tick " << tick;
-      EXPECT_EQ(each->droppedFrames(), dropped);
+      EXPECT_EQ(each->cameras().droppedFrames(), dropped);
     }
     const auto prompt = moving("");
     EXPECT_THROW(prompt->restoreState(state), StateError);
@@ -154,14 +154,14 @@ TEST(Latency, SameBytesHoweverItIsSteppedAndAfterAReset) {
   const auto once = moving(", latency_s: 0.07"), again = moving(", latency_s: 0.07");
   const std::string hash = hashOf(*once, 6);
   for (int k = 0; k < 6; ++k) {
-    while (!again->frameDue(0)) again->step(1);
+    while (!again->cameras()[0].frameDue(again->ticks())) again->step(1);
     again->takeFrame(0);
     again->render(0);
   }
   EXPECT_EQ(again->runHash(), hash);
   once->step(50);
   once->reset();
-  EXPECT_TRUE(once->lateFrames(0).empty());
+  EXPECT_TRUE(once->cameras()[0].lateFrames().empty());
   once->setControllerCommand("pan_controller", 1.0);
   EXPECT_EQ(hashOf(*once, 6), hash);
 }
@@ -173,7 +173,7 @@ TEST(Latency, CamerasOfDifferentLatencyDeliverInTheOrderOfTime) {
   const auto simulation = moving(", latency_s: 0.01", far);
   std::vector<std::pair<std::string, std::int64_t>> found;
   while (found.size() < 9) {
-    const bool near_first = simulation->nextFrameTick(0) <= simulation->nextFrameTick(1);
+    const bool near_first = simulation->cameras()[0].nextFrameTick() <= simulation->cameras()[1].nextFrameTick();
     const std::string camera = near_first ? "camera" : "far";
     found.emplace_back(camera, next(*simulation, camera).stamp_ns / kMillisecond);
   }
@@ -187,13 +187,13 @@ TEST(Latency, CamerasOfDifferentLatencyDeliverInTheOrderOfTime) {
 TEST(Latency, AFrameThatNobodyTakesIsLost) {
   const auto simulation = moving(", latency_s: 0.05");
   simulation->step(60);
-  EXPECT_EQ(simulation->nextFrameTick(0), 84);  // frame 0 was delivered at 50, frame 1 comes at 34 + 50
+  EXPECT_EQ(simulation->cameras()[0].nextFrameTick(), 84);  // frame 0 was delivered at 50, frame 1 comes at 34 + 50
   EXPECT_THROW(simulation->takeFrame(0), ParameterError);
   EXPECT_EQ(next(*simulation).stamp_ns, 34 * kMillisecond);
-  EXPECT_TRUE(simulation->frameTaken(0));
+  EXPECT_TRUE(simulation->cameras()[0].frameTaken(simulation->ticks()));
   simulation->step(1);
-  EXPECT_FALSE(simulation->frameTaken(0));
-  EXPECT_EQ(simulation->takenFrame(0), nullptr);
+  EXPECT_FALSE(simulation->cameras()[0].frameTaken(simulation->ticks()));
+  EXPECT_EQ(simulation->cameras()[0].takenFrame(), nullptr);
 }
 
 TEST(Latency, TriggeredFrameComesLateToo) {
@@ -206,7 +206,7 @@ TEST(Latency, TriggeredFrameComesLateToo) {
   EXPECT_EQ(next(*simulation).stamp_ns, 34 * kMillisecond);
   EXPECT_EQ(simulation->timeNs(), 134 * kMillisecond);
   EXPECT_EQ(next(*simulation).stamp_ns, 67 * kMillisecond);
-  EXPECT_EQ(simulation->nextFrameTick(0), Simulation::kNever);
+  EXPECT_EQ(simulation->cameras()[0].nextFrameTick(), Simulation::kNever);
 }
 
 TEST(Latency, AgeOfACommandCountsFromTheDelivery) {

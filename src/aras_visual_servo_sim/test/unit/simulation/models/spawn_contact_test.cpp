@@ -22,7 +22,9 @@ const char* const kTable =
     "<collision><geometry><box size='0.3 0.3 0.02'/></geometry></collision></link>"
     "<joint name='j' type='fixed'><parent link='leg'/><child link='top'/><origin xyz='0 0 0.06'/></joint></robot>";
 
-double heightOf(const Simulation& simulation, const std::string& model) { return simulation.modelPose(model).p.z(); }
+double heightOf(const Simulation& simulation, const std::string& model) {
+  return simulation.models().pose(model).p.z();
+}
 
 TEST(SpawnedContacts, ABoxWithMassFallsLiesAndIsGoneAgain) {
   Simulation simulation = fixture::panLift(kGround);
@@ -37,7 +39,7 @@ TEST(SpawnedContacts, ABoxWithMassFallsLiesAndIsGoneAgain) {
   EXPECT_NEAR(simulation.modelTwist("cube").norm(), 0.0, 1e-9);
   simulation.deleteModel("cube");
   simulation.step(10);
-  EXPECT_THROW(simulation.modelPose("cube"), UnknownNameError);
+  EXPECT_THROW(simulation.models().pose("cube"), UnknownNameError);
 }
 
 TEST(SpawnedContacts, WhatLiesOnAThingFallsWhenTheThingIsDeleted) {
@@ -142,7 +144,7 @@ TEST(SpawnedContacts, RefusalsNameTheCauseAndChangeNothing) {
   EXPECT_NE(refusal("{name: a, sphere_m: 0.1, mass_kg: -1, touches: all}").find("mass_kg: found -1"),
             std::string::npos);
   EXPECT_NE(refusal("{name: a, urdf: x.urdf, mass_kg: 1, touches: all}").find("it beside urdf"), std::string::npos);
-  EXPECT_EQ(simulation.modelNames(), std::vector<std::string>{"target"});
+  EXPECT_EQ(simulation.models().names(), std::vector<std::string>{"target"});
   simulation.step(10);
 }
 

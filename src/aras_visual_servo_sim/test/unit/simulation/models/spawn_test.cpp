@@ -20,12 +20,12 @@ TEST(SpawnedModels, AreSeenPlacedAndGoneAgain) {
   Simulation simulation = fixture::panLift();
   const std::vector<std::uint8_t> before = simulation.render(0).data;
   simulation.spawnModel(YAML::Load(kBox));
-  EXPECT_EQ(simulation.modelNames(), (std::vector<std::string>{"target", "box"}));
+  EXPECT_EQ(simulation.models().names(), (std::vector<std::string>{"target", "box"}));
   EXPECT_NE(simulation.render(0).data, before);
   simulation.setModelPose("box", Pose{{9.0, 0.0, 0.0}, Eigen::Quaterniond::Identity()});
   EXPECT_EQ(simulation.render(0).data, before);
   simulation.deleteModel("box");
-  EXPECT_EQ(simulation.modelNames(), std::vector<std::string>{"target"});
+  EXPECT_EQ(simulation.models().names(), std::vector<std::string>{"target"});
   EXPECT_THROW(simulation.deleteModel("box"), UnknownNameError);
 }
 
@@ -46,7 +46,7 @@ TEST(SpawnedModels, ResetBringsBackTheSceneOfTheConfiguration) {
   simulation.deleteModel("target");
   EXPECT_NE(fixture::hashOf(simulation, 4), fresh);
   simulation.reset();
-  EXPECT_EQ(simulation.modelNames(), std::vector<std::string>{"target"});
+  EXPECT_EQ(simulation.models().names(), std::vector<std::string>{"target"});
   EXPECT_EQ(fixture::hashOf(simulation, 4), fresh);
 }
 
@@ -63,13 +63,13 @@ TEST(SpawnedModels, AreInTheSavedState) {
   const std::string later = fixture::hashOf(simulation, 5);
   simulation.reset();
   simulation.restoreState(state);
-  EXPECT_EQ(simulation.modelNames(), (std::vector<std::string>{"table", "box"}));
+  EXPECT_EQ(simulation.models().names(), (std::vector<std::string>{"table", "box"}));
   EXPECT_EQ(fixture::hashOf(simulation, 5), later);
   Simulation other = fixture::panLift();
   other.restoreState(state);
   EXPECT_EQ(fixture::hashOf(other, 5), later);
   other.reset();
-  EXPECT_EQ(other.modelNames(), std::vector<std::string>{"target"});
+  EXPECT_EQ(other.models().names(), std::vector<std::string>{"target"});
 }
 
 TEST(SpawnedModels, StateOfAnotherSceneIsRefusedByName) {
@@ -81,7 +81,7 @@ TEST(SpawnedModels, StateOfAnotherSceneIsRefusedByName) {
   } catch (const StateError& error) {
     EXPECT_NE(std::string(error.what()).find("box"), std::string::npos) << error.what();
   }
-  EXPECT_EQ(simulation.modelNames(), std::vector<std::string>{"target"});
+  EXPECT_EQ(simulation.models().names(), std::vector<std::string>{"target"});
 }
 
 TEST(SpawnedModels, RefusalsNameTheCauseAndChangeNothing) {
@@ -101,7 +101,7 @@ TEST(SpawnedModels, RefusalsNameTheCauseAndChangeNothing) {
   } catch (const ModelError& error) {
     EXPECT_NE(std::string(error.what()).find("hinge"), std::string::npos) << error.what();
   }
-  EXPECT_EQ(simulation.modelNames(), std::vector<std::string>{"target"});
+  EXPECT_EQ(simulation.models().names(), std::vector<std::string>{"target"});
 }
 
 TEST(SpawnedModels, LinksOfAStaticUrdfAreWhereItsJointsPutThem) {

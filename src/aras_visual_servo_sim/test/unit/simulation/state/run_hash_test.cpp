@@ -1,4 +1,4 @@
-#include "aras_visual_servo_sim/simulation/run_hash.hpp"
+#include "aras_visual_servo_sim/simulation/state/run_hash.hpp"
 
 #include <gtest/gtest.h>
 

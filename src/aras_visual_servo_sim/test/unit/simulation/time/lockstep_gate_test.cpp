@@ -1,4 +1,4 @@
-#include "aras_visual_servo_sim/simulation/lockstep_gate.hpp"
+#include "aras_visual_servo_sim/simulation/time/lockstep_gate.hpp"
 
 #include <gtest/gtest.h>
 

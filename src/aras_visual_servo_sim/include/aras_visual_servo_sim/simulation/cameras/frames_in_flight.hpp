@@ -3,14 +3,14 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <deque>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
-#include "aras_visual_servo_sim/simulation/exposure.hpp"
-#include "aras_visual_servo_sim/simulation/model_set.hpp"
+#include "aras_visual_servo_sim/simulation/cameras/exposure.hpp"
+#include "aras_visual_servo_sim/simulation/models/model_set.hpp"
+#include "aras_visual_servo_sim/simulation/time/clock.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -32,8 +32,6 @@ struct ExposedFrame {
  * as a frame of a camera without latency is that nobody took. */
 class FramesInFlight {
  public:
-  static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
-
   /** Of a camera without latency: nothing is ever in flight. */
   FramesInFlight() = default;
   /** @param latency_s  >= 0, rounded up to whole ticks [s]  @param period_ns  of a tick, > 0 [ns] */
@@ -41,7 +39,7 @@ class FramesInFlight {
 
   std::int64_t latencyTicks() const { return latency_; }
   bool late() const { return latency_ > 0; }
-  /** Tick at which the oldest frame in flight is delivered, or kNever. */
+  /** Tick at which the oldest frame in flight is delivered, or kNeverTick. */
   std::int64_t nextDelivery() const;
   /** True if the newest frame in flight was exposed at this tick. */
   bool exposedAt(std::int64_t tick) const { return !frames_.empty() && frames_.back().tick() == tick; }

@@ -4,17 +4,9 @@
 #include <utility>
 #include <vector>
 
-#include "aras_visual_servo_sim/config/types.hpp"
+#include "aras_visual_servo_sim/simulation/cameras/moment.hpp"
 
 namespace aras_visual_servo_sim {
-
-/** Where everything a camera can see was at one tick. */
-struct Moment {
-  std::int64_t tick = 0;
-  Pose X_WC;
-  std::vector<Pose> models;  ///< X_WM, in the order of the scene
-  std::vector<Pose> bodies;  ///< X_WB, in the order of the scene
-};
 
 /** The shutter of a camera: which ticks one image is the mean of, and where things were then.
  *
