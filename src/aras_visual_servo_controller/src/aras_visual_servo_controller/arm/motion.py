@@ -43,18 +43,20 @@ class ArmMotion:
     def __init__(self, kinematics, config, sees_tilt):
         """Args: kinematics: `Kinematics`. config: `ServoConfig`. sees_tilt: all six rows of the twist are servoed."""
         self._kinematics = kinematics
-        weights = [config.joint_weights.get(name, 1.0) for name in kinematics.joint_names]
-        self._invert = TwistInverse(weights, config.length_m, config.singular_value_threshold, config.damping,
-                                    config.method)
-        self._length_m, self._rows = config.length_m, list(range(6)) if sees_tilt else [0, 1, 2, 5]
-        self._manipulability_gain, self._large_from = config.manipulability_gain_per_s, config.large_from
-        self._limits, self._others_go_on = config.limits, config.at_limits == "saturate"
+        inverse, spare = config.inverse, config.null_space
+        weights = [inverse.joint_weights.get(name, 1.0) for name in kinematics.joint_names]
+        self._invert = TwistInverse(weights, inverse.length_m, inverse.singular_value_threshold, inverse.damping,
+                                    inverse.method)
+        self._length_m, self._rows = inverse.length_m, list(range(6)) if sees_tilt else [0, 1, 2, 5]
+        self._manipulability_gain = spare.manipulability_gain_per_s
+        self._large_from = spare.large_from if spare.projection == "large" else None
+        self._limits, self._others_go_on = config.limits, inverse.at_limits == "saturate"
         self._acceleration = np.array([config.limits.joint_acceleration.get(name, inf)
                                        for name in kinematics.joint_names])
         self._accelerates = bool(config.limits.joint_acceleration)
         self._before = np.zeros(len(kinematics.joint_names))
         lower, upper = kinematics.lower, kinematics.upper
-        self._wish = Wish(lower, upper, config.posture_gain_per_s, config.joint_limit_gain_per_s, config.max_speed)
+        self._wish = Wish(lower, upper, spare.posture_gain_per_s, spare.joint_limit_gain_per_s, spare.max_speed)
         self.lower, self.upper = lower + config.joint_limit_margin, upper - config.joint_limit_margin
         self.posture = self.optical_axis_B = None
 

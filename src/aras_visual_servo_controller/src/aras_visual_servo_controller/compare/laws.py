@@ -8,10 +8,12 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Dict
 
 import numpy as np
 
-from ..config.reader import ConfigReader
+from ..config.reader import read
+from ..config.settings import keys_of, setting
 from ..ground.errors import ParameterError
 from ..scenario.feasibility import Feasibility
 from ..arm.kinematics import Kinematics
@@ -24,9 +26,54 @@ from ..sweep.run import Bench, placed
 from ..sweep.space import CAMERA_AXES, GOAL_AXES, pose_of, tilted_goal
 from ..run.track import track_of
 
-#: Sections of a scenario that a law may change.
-SECTIONS = ("servo", "vision", "sim")
 FOLDER = "comparisons"
+
+
+@dataclass(frozen=True)
+class TaskSettings:
+    """One entry of `tasks`: either `offset` or `tilt`."""
+
+    title: str = setting("", help="How tables and plots call it; its name if there is none.")
+    offset: Dict[str, float] = setting(
+        {}, unit="m, rad",
+        help=f"Start displaced from the goal along and about the goal camera's axes: {', '.join(CAMERA_AXES)}.")
+    tilt: Dict[str, float] = setting(
+        {}, unit="rad",
+        help=f"Start on a sphere about the target, `{GOAL_AXES[0]}` about the axis `{GOAL_AXES[1]}` of the image plane.")
+
+    def check(self):
+        """One of the two, by axes that there are."""
+        for key, axes in (("offset", CAMERA_AXES), ("tilt", GOAL_AXES)):
+            for name in getattr(self, key):
+                if name not in axes:
+                    yield f"{key}/{name}: unknown key, allowed {', '.join(axes)}"
+        if bool(self.offset) == bool(self.tilt) or len(self.tilt) not in (0, len(GOAL_AXES)):
+            yield "allowed is either offset, or tilt with tilt_rad and about_rad"
+
+
+@dataclass(frozen=True)
+class LawSettings:
+    """One entry of `laws`: what it changes in the scenario, key by key."""
+
+    servo: Dict[str, object] = setting({}, help="Keys of the section `servo`.")
+    vision: Dict[str, object] = setting({}, help="Keys of the section `vision`.")
+    sim: Dict[str, object] = setting({}, help="Keys of the section `sim`.")
+
+    def overrides(self):
+        """Dotted path -> value."""
+        return {f"{section.name}.{key}": value for section in keys_of(type(self))
+                for key, value in getattr(self, section.name).items()}
+
+
+@dataclass(frozen=True)
+class ComparisonFile:
+    """A file of config/comparisons."""
+
+    name: str = setting(not_empty=True, help="Name of the comparison.")
+    scenario: str = setting(not_empty=True, help="Scenario that all runs are made of.")
+    tasks: Dict[str, TaskSettings] = setting(help="Starts by name.")
+    laws: Dict[str, LawSettings] = setting(help="Laws by name.")
+    description: str = setting("", help="What is compared, in a line.")
 
 
 @dataclass(frozen=True)
@@ -62,37 +109,28 @@ def load_comparison(name_or_path, laws=(), tasks=(), overrides=None):
     Raises:
         ParameterError: every fault; unknown names list the known ones.
     """
-    path = _find(name_or_path)
-    reader = ConfigReader(load_yaml(path), str(name_or_path))
-    name, scenario = (reader.texts(key, (), single=True) for key in ("name", "scenario"))
-    description = reader.texts("description", "", single=True)
-    for key, value in (("name", name), ("scenario", scenario)):
-        if not value:
-            reader.fault(f"{key}: found nothing, allowed a text")
-    found_tasks, found_laws = _tasks(reader.section("tasks", True)), _laws(reader.section("laws", True))
-    reader.finish()
-    base = load_scenario(scenario, overrides)
+    file = read(ComparisonFile, load_yaml(_find(name_or_path)), str(name_or_path))
+    base = load_scenario(file.scenario, overrides)
     faults, scenarios = [], {}
-    for wanted in laws or found_laws:
+    for wanted in laws or file.laws:
         law, _, interaction = wanted.partition(":")
-        if law not in found_laws:
-            faults.append(f"--laws: found {law}, allowed {', '.join(found_laws)}")
+        if law not in file.laws:
+            faults.append(f"--laws: found {law}, allowed {', '.join(file.laws)}")
             continue
-        changes = dict(found_laws[law], **({"servo.interaction": interaction} if interaction else {}))
+        changes = dict(file.laws[law].overrides(), **({"servo.interaction": interaction} if interaction else {}))
         try:
             scenarios[wanted] = base.with_overrides(changes)
         except ParameterError as error:
             faults += [f"law {wanted}: {fault}" for fault in error.faults]
-    faults += [f"--tasks: found {task}, allowed {', '.join(found_tasks)}" for task in tasks if task not in found_tasks]
+    faults += [f"--tasks: found {task}, allowed {', '.join(file.tasks)}" for task in tasks if task not in file.tasks]
     if faults:
         raise ParameterError(faults)
-    t_C = _target(base)
-    made = []
-    for task in tasks or found_tasks:
-        title, offset, tilt = found_tasks[task]
-        X = pose_of(offset) if offset else tilted_goal(tilt, t_C, (0.0, 0.0, 1.0))[0]
-        made.append(Task(task, title, X))
-    return Comparison(name, description, scenarios, tuple(made))
+    t_C, made = _target(base), []
+    for name in tasks or file.tasks:
+        task = file.tasks[name]
+        X = pose_of(task.offset) if task.offset else tilted_goal(task.tilt, t_C, (0.0, 0.0, 1.0))[0]
+        made.append(Task(name, task.title or name, X))
+    return Comparison(file.name, file.description, scenarios, tuple(made))
 
 
 def run_comparison(comparison, workers=1, progress=None):
@@ -151,41 +189,6 @@ def _find(name_or_path):
         raise ParameterError(f"comparison '{name_or_path}': not found, known are {', '.join(known_comparisons())} "
                              "(or give a path)")
     return path
-
-
-def _tasks(section):
-    """name -> (title, offset, tilt)."""
-    found = {}
-    for name in section.keys():
-        task = section.section(name)
-        parts = {}
-        for key, axes in (("offset", CAMERA_AXES), ("tilt", GOAL_AXES)):
-            part = task.section(key)
-            parts[key] = {axis: part.number(axis) for axis in axes if axis in part.keys()}
-            part.close()
-        if bool(parts["offset"]) == bool(parts["tilt"]) or (parts["tilt"] and len(parts["tilt"]) != len(GOAL_AXES)):
-            task.fault("allowed is either offset, or tilt with tilt_rad and about_rad")
-        found[name] = (task.texts("title", name, single=True), parts["offset"], parts["tilt"])
-        task.close()
-    section.close()
-    return found
-
-
-def _laws(section):
-    """name -> dotted overrides of the scenario."""
-    found = {}
-    for name in section.keys():
-        law = section.section(name)
-        found[name] = {}
-        for part in law.keys():
-            keys = law.section(part)
-            if part not in SECTIONS:
-                law.fault(f"{part}: unknown section, known are {', '.join(SECTIONS)}")
-            found[name].update({f"{part}.{key}": keys.value(key) for key in keys.keys()})
-            keys.close()
-        law.close()
-    section.close()
-    return found
 
 
 def _target(scenario):

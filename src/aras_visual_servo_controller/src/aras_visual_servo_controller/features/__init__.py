@@ -2,9 +2,11 @@
 and `source` say how to write one.
 """
 
-from .base import (Feature, FeatureSet, View, expand, is_known, known_features, register_family, register_feature,
-                   wrapped)
+from ..config.settings import setting
+from .base import (Feature, FeatureSet, View, expand, feature_settings, is_known, known_features, register_family,
+                   register_feature, wrapped)
 from .source import Source, Taught, known_sources, register_source, source_named
 
-__all__ = ["Feature", "FeatureSet", "Source", "Taught", "View", "expand", "is_known", "known_features", "known_sources",
-           "register_family", "register_feature", "register_source", "source_named", "wrapped"]
+__all__ = ["Feature", "FeatureSet", "Source", "Taught", "View", "expand", "feature_settings", "is_known",
+           "known_features", "known_sources", "register_family", "register_feature", "register_source", "setting",
+           "source_named", "wrapped"]

@@ -14,6 +14,11 @@ A new feature is a subclass with a name, a value and a row, both of a `View`:
 
 What an image measures comes from `MomentFeatures` (raw and centred moments by name "ij"); the plane of the target is
 (A, B, C) of 1/Z = A x + B y + C in the camera frame (docs/theory.md T5).
+
+A feature with settings of its own describes them as a frozen dataclass (config/settings.py) and finds them as
+`self.settings`; they are read from the section `servo.NAME` of the scenario:
+
+    @register_feature("elongation", settings=ElongationSettings)
 """
 
 import re
@@ -22,6 +27,7 @@ import numpy as np
 
 from . import interaction
 from ..config.plugins import load_room
+from ..config.settings import keys_of, settings_of
 from ..ground.errors import DegenerateFeature, ParameterError
 from ..ground.types import FEATURE_NAMES
 
@@ -29,25 +35,45 @@ _FEATURES, _FAMILIES = {}, {}
 _NUMBERED = re.compile(r"([a-z]+)([1-9][0-9]?)")
 
 
-def register_feature(name):
-    """Class decorator: make a feature known by name."""
+def register_feature(name, settings=None):
+    """Class decorator: make a feature known by name.
+
+    Args: settings: settings class of the feature's own section `servo.NAME`. ParameterError: it does not describe one.
+    """
 
     def add(feature):
         feature.name = name
-        _FEATURES[name] = feature
+        _FEATURES[name] = _owning(feature, name, settings)
         return feature
 
     return add
 
 
-def register_family(prefix):
-    """Class decorator: make features known as `prefix` and a number from 1 to 99, which the class finds as `number`."""
+def register_family(prefix, settings=None):
+    """Class decorator: make features known as `prefix` and a number from 1 to 99, which the class finds as `number`.
+
+    Args: settings: as of `register_feature`; the section is `servo.PREFIX`, for all of the family.
+    """
 
     def add(feature):
-        _FAMILIES[prefix] = feature
+        _FAMILIES[prefix] = _owning(feature, prefix, settings)
         return feature
 
     return add
+
+
+def _owning(feature, section, settings):
+    if settings is not None:
+        keys_of(settings)
+    feature.section, feature.settings_class = section, settings
+    return feature
+
+
+def feature_settings():
+    """Features and families with settings of their own: name of their section -> settings class, sorted by name."""
+    _feature("")
+    found = {feature.section: feature.settings_class for feature in [*_FEATURES.values(), *_FAMILIES.values()]}
+    return {name: found[name] for name in sorted(found) if found[name] is not None}
 
 
 def _feature(name):
@@ -165,10 +191,11 @@ class Feature:
         angle: it is one, known modulo 2 pi (modulo pi for a symmetric object, unless it is `directed`).
         sees_tilt: it tells a tilt of the camera from a translation.
         source: name of the `Source` that it is a feature of.
+        settings: its own, an instance of settings_class; None: it has none.  section: where they stand.
     """
 
     name, number, order, angle, directed, sees_tilt = "", 0, 2, False, False, False
-    source = "moments"
+    source, section, settings_class, settings = "moments", "", None, None
 
     def value(self, view):
         """The feature in this view."""
@@ -212,8 +239,12 @@ class FeatureSet:
     Attributes: names.  order: of the moments needed.  sees_tilt: whether any of them does.  source: name of their one.
     """
 
-    def __init__(self, names=FEATURE_NAMES):
-        """Raises ParameterError: names unknown (the known ones are listed), given twice, none at all, sources mixed."""
+    def __init__(self, names=FEATURE_NAMES, settings=None):
+        """Args: names.  settings: section -> settings of features that have their own; None: the defaults.
+
+        Raises ParameterError: names unknown (the known ones are listed), given twice, none at all, sources mixed,
+        settings missing that have no default.
+        """
         self.names = expand(names)
         classes = [_feature(name) for name in self.names]
         faults = [f"features: found '{name}', allowed {', '.join(known_features())}"
@@ -227,6 +258,10 @@ class FeatureSet:
             raise ParameterError(f"features: found {', '.join(self.names)}, of {' and '.join(sorted(sources))}, "
                                  "allowed features of one of them")
         self._features, self.source = [found() for found in classes], sources.pop()
+        for feature in self._features:
+            if feature.settings_class is not None:
+                feature.settings = settings_of(feature.section, feature.settings_class, settings or {},
+                                               f"feature '{feature.name}'")
         self._angles = [(feature.angle, not feature.directed) for feature in self._features]
         self.order = max(feature.order for feature in self._features)
         self.sees_tilt = any(feature.sees_tilt for feature in self._features)

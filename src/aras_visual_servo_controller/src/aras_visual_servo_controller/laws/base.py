@@ -15,67 +15,41 @@ s are the features of the scenario (`features.FeatureSet`), e = s - s_star, gain
 s = (xn, yn, an [m], alpha [rad]). dt_s is the time the twist will be held; 0 asks for the instantaneous twist, which
 look-then-move multiplies by its sample time. A law that inverts an interaction matrix sets `needs_plane` and takes
 `self.invert(self.features.matrix(self.view))`: docs/extending.md.
+
+A law with settings of its own describes them as a frozen dataclass (config/settings.py) and finds them as
+`self.settings`; they are read from the section `servo.NAME` of the scenario:
+
+    @register("proportional", settings=ProportionalSettings)
 """
 
-from dataclasses import dataclass
 from math import exp, expm1, isfinite, sin
-from typing import Optional, Tuple
 
 import numpy as np
 
 from ..config.plugins import load_room
+from ..config.settings import keys_of, settings_of
 from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError, ShapeError
 from ..features.base import FeatureSet, View
 from ..features.interaction import parallel_condition
-from ..target.target_pose import PlanarTarget
 from ..ground.types import FEATURE_NAMES, Reference
+from .setup import INTERACTIONS, POINT_DEPTHS, POSES, LawSetup
 
-INTERACTIONS = ("desired", "current", "mean")
-POINT_DEPTHS = ("plane", "goal")
-POSES = ("moments", "points")
-BROYDEN_INITIALS = ("desired", "moves")
 #: A matrix with a larger condition number is not inverted: the view does not tell six motions apart.
 MAX_CONDITION = 1e6
 _LAWS = {}
 
 
-@dataclass(frozen=True)
-class LawSetup:
-    """What a scenario says about a law beside its gains.
+def register(name, settings=None):
+    """Class decorator: make a law known by name.
 
-    Attributes:
-        features: names of the features.  interaction: which matrix is inverted, one of INTERACTIONS.
-        adaptive: (part, slope) of `adaptive_factor`, None: constant gains.
-        smooth_start_per_s: rate at which the first twist is let in [1/s]; 0: at once.
-        target: the known target, for laws that want its pose.  target_normal_C: guess of its normal at the goal.
-        point_depth: depth of followed points, one of POINT_DEPTHS: of the target's plane, or always that at the goal.
-        pose_from: what laws of the pose measure, one of POSES.
-        sliding: (switching_per_s, boundary per feature), for law sliding.
-        broyden: (initial, forgetting, move), for law broyden.
-        symmetric_target: the target is the same after half a turn: alpha counts modulo pi, whatever the view says.
-        photometric: (damping, rest_m_per_s, rest_rad_per_s), for law photometric.
+    Args: settings: settings class of the law's own section `servo.NAME`. ParameterError if it does not describe one.
     """
 
-    features: Tuple[str, ...] = FEATURE_NAMES
-    interaction: str = "desired"
-    adaptive: Optional[Tuple[float, float]] = None
-    smooth_start_per_s: float = 0.0
-    target: Optional[PlanarTarget] = None
-    target_normal_C: Tuple[float, ...] = (0.0, 0.0, 1.0)
-    point_depth: str = "plane"
-    pose_from: str = "moments"
-    sliding: Optional[Tuple[float, Tuple[float, ...]]] = None
-    broyden: Tuple[str, float, float] = ("desired", 0.95, 0.01)
-    symmetric_target: bool = False
-    photometric: Tuple[float, float, float] = (0.01, 0.0005, 0.001)
-
-
-def register(name):
-    """Class decorator: make a law known by name."""
-
     def add(law):
+        if settings is not None:
+            keys_of(settings)
         _LAWS[name] = law
-        law.name = name
+        law.name, law.settings_class = name, settings
         return law
 
     return add
@@ -85,6 +59,11 @@ def known_laws():
     """Names of the registered laws, sorted."""
     load_room(__package__)
     return sorted(_LAWS)
+
+
+def law_settings():
+    """Laws with settings of their own: name -> settings class, sorted by name."""
+    return {name: _LAWS[name].settings_class for name in known_laws() if _LAWS[name].settings_class is not None}
 
 
 def make_law(name, gains_per_s, setup=LawSetup()):
@@ -119,16 +98,17 @@ class Law:
         needs_plane: at each step, the target's plane.  needs_pose: `X_CgC` by the kinematics, set before each step.
         settled: it asks for no motion worth mentioning; else the servo is not done yet, however small e.
         continuous_only: not for look-then-move.  applied: twist carried out since the last step; None: stopped since.
+        settings: its own, an instance of settings_class; None: it has none.
         features: `FeatureSet`.  gains_per_s: tuple of k.  s, e: tuples of k, of the last step; view: its `View`.
         condition: of the interaction matrix used last.
     """
 
-    name, works_on, needs_plane, needs_pose = "", FEATURE_NAMES, False, False
+    name, settings_class, works_on, needs_plane, needs_pose = "", None, FEATURE_NAMES, False, False
     X_CgC, applied, continuous_only, settled = None, None, False, True
 
     def __init__(self, gains_per_s, setup=LawSetup()):
         """Args: gains_per_s: (k,), > 0, in the order of the features [1/s]. setup: `LawSetup`. ParameterError."""
-        self.features, self._setup = FeatureSet(setup.features), setup
+        self.features, self._setup = FeatureSet(setup.features, setup.settings), setup
         names = self.features.names
         self.gains_per_s = tuple(float(gain) for gain in gains_per_s)
         faults = []
@@ -150,6 +130,9 @@ class Law:
             faults.append(f"pose_from: found '{setup.pose_from}', allowed {', '.join(POSES)}")
         if faults:
             raise ParameterError(faults)
+        self.settings = None
+        if self.settings_class is not None:
+            self.settings = settings_of(self.name, self.settings_class, setup.settings, f"law '{self.name}'")
         self._rates, self.view = self.gains_per_s, None
         self.s = self.e = self._s_star = self._inverse_depths = None
         self._first, self._t_s, self.condition = None, 0.0, float("nan")
@@ -185,8 +168,9 @@ class Law:
             raise NotFiniteError(f"features {s}, dt_s {dt_s}")
         symmetric = getattr(features, "symmetric", False) or self._setup.symmetric_target
         self.s, self.e = s, self.features.error(s, self._s_star, symmetric)
-        if self._setup.adaptive is not None:
-            factor = adaptive_factor(max(map(abs, self.e)), *self._setup.adaptive)
+        adaptive = self._setup.adaptive_gain
+        if adaptive is not None:
+            factor = adaptive_factor(max(map(abs, self.e)), adaptive.infinity_part, adaptive.slope)
             self.gains_per_s = tuple([factor * rate for rate in self._rates])
         twist = self._twist(self.s, self.e, dt_s)
         if self._setup.smooth_start_per_s > 0.0:

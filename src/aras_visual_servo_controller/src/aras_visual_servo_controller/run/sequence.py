@@ -14,50 +14,12 @@ from typing import Callable, Mapping, Optional, Tuple
 
 import numpy as np
 
-from ..config.reader import ConfigReader
 from ..ground.errors import ArasError, ParameterError
 from ..arm.trajectory import JointTrajectory
 from ..ground.types import Command, Observation, ServoRecord, Status
+from .settings import ExperimentConfig
 
 PHASES = ("idle", "to_goal", "settle_goal", "teach", "to_start", "settle_start", "servo", "done")
-
-
-@dataclass(frozen=True)
-class ExperimentConfig:
-    """The scenario's section `experiment`, checked against the arm; key `judge` is somebody else's."""
-
-    goal: Mapping[str, float]  # joint positions [m, rad]; a joint not named stays
-    start: Mapping[str, float]
-    z_star_m: float  # depth of the target in the goal view
-    settle_s: float = 0.5  # wait at least
-    settle_limit_s: float = 2.0  # wait at most this much longer for the joints to rest
-    settle_speed: float = 0.002  # slower than this is at rest [m/s, rad/s]
-    speed_part: float = 0.3  # of the joints' velocity limits, used by trajectories
-    acceleration: float = 2.0  # of trajectories [m/s^2, rad/s^2]
-    image_period_s: float = 1.0 / 30.0  # taken for the first image only, then measured
-
-    @classmethod
-    def from_dict(cls, source, kinematics):
-        """Read the section. Raises ParameterError listing every fault."""
-        reader = ConfigReader(source, "experiment")
-        reader.ignore("judge")
-        values = {"z_star_m": reader.number("z_star_m", above=0.0)}
-        for key in ("goal", "start"):
-            place = reader.section(key, required=True)
-            joints = place.section("joints", required=True)
-            place.close()
-            values[key] = {}
-            for i, name in enumerate(kinematics.joint_names):
-                if name in joints.keys():
-                    lower, upper = float(kinematics.lower[i]), float(kinematics.upper[i])
-                    values[key][name] = joints.number(name, at_least=lower, at_most=upper)
-            joints.close()
-        values["settle_s"] = reader.number("settle_s", cls.settle_s, at_least=0.0)
-        for key in ("settle_limit_s", "settle_speed", "acceleration", "image_period_s"):
-            values[key] = reader.number(key, getattr(cls, key), above=0.0)
-        values["speed_part"] = reader.number("speed_part", cls.speed_part, above=0.0, at_most=1.0)
-        reader.finish()
-        return cls(**values)
 
 
 @dataclass
@@ -157,7 +119,7 @@ class ExperimentSequence:
         stamp_ns = observation.stamp_ns
         if self.phase in ("to_goal", "to_start"):
             if self._trajectory is None:
-                self._plan(stamp_ns, q, self.config.goal if self.phase == "to_goal" else self.config.start)
+                self._plan(stamp_ns, q, (self.config.goal if self.phase == "to_goal" else self.config.start).joints)
             if stamp_ns - self._since_ns < 1e9 * self._trajectory.duration_s:
                 return self._follow(stamp_ns)
             self.phase = self.phase.replace("to_", "settle_")

@@ -1,23 +1,37 @@
 """What a scenario may say: the schema's verdict in our words, and what no schema can say."""
 
 import functools
-import json
 import math
 import re
 
+from ..config.plugins import load_plugins
 from ..features.base import expand, source_of
 from ..features.source import source_named
-from ..config.files import share_dir
-from ..servo.settings import ServoConfig
+from ..ground.errors import ParameterError
 from ..ground.types import FEATURE_NAMES
+from ..servo.settings import ServoConfig
+from .schema import scenario_schema, sources
 
 
 def check(document):
     """Faults of a scenario document, `path: what, allowed` each, sorted by path; [] if there are none."""
-    faults = []
-    for error in _validator().iter_errors(document):
+    missing, faults = load_plugins(_plugins(document)), []
+    try:
+        validator = _validator(sources())
+    except ParameterError as error:
+        return error.faults
+    for error in validator.iter_errors(document):
         faults.extend(_describe(error))
+    if faults:  # a plugin that is not there may be why; alone, it is told when the servo is set up
+        faults += [f"servo.{fault}" for fault in missing]
     return sorted(set(faults or _feature_faults(document) + _latency_faults(document)))
+
+
+def _plugins(document):
+    """Modules to import before it is known what the section `servo` may say; () where there is no list of names."""
+    servo = document.get("servo") if isinstance(document, dict) else None
+    names = servo.get("plugins") if isinstance(servo, dict) else None
+    return [name for name in names if isinstance(name, str)] if isinstance(names, list) else ()
 
 
 def _feature_faults(document):
@@ -51,11 +65,11 @@ def _latency_faults(document):
     return faults
 
 
-@functools.lru_cache(maxsize=None)
-def _validator():
-    import jsonschema
-    with open(share_dir() / "config" / "scenario.schema.json", encoding="utf-8") as stream:
-        schema = json.load(stream)
+@functools.lru_cache(maxsize=4)
+def _validator(made_of):
+    """Args: made_of: `sources` of the schema."""
+    import jsonschema  # slow to import
+    schema = scenario_schema()
     jsonschema.Draft7Validator.check_schema(schema)
     # YAML knows .nan and .inf, JSON does not: a number is a finite one.
     is_number = jsonschema.Draft7Validator.TYPE_CHECKER.is_type
@@ -69,21 +83,47 @@ def _describe(error):
     where = _dotted(error.absolute_path)
     if error.validator == "additionalProperties":
         known = sorted(error.schema.get("properties", {}))
-        unknown = sorted(set(error.instance) - set(known))
+        unknown = sorted(set(error.instance) - set(known), key=str)
         return [f"{_dotted(list(error.absolute_path) + [key])}: unknown key, known are {', '.join(known)}"
                 for key in unknown]
     if error.validator == "required":
         missing = [key for key in error.validator_value if key not in error.instance]
         return [f"{_dotted(list(error.absolute_path) + [key])}: missing" for key in missing]
+    if error.validator in ("anyOf", "oneOf"):
+        return _describe_kinds(error, where)
     allowed = {
         "type": lambda v: "a finite number" if v == "number" else v,
-        "enum": lambda v: " | ".join(map(str, v)),
+        "enum": lambda v: " | ".join(map(str, v)), "const": str,
         "minimum": lambda v: f">= {v}", "maximum": lambda v: f"<= {v}",
         "exclusiveMinimum": lambda v: f"> {v}", "exclusiveMaximum": lambda v: f"< {v}",
         "minItems": lambda v: f"at least {v} entries", "maxItems": lambda v: f"at most {v} entries",
         "minProperties": lambda v: f"at least {v} key(s)", "pattern": lambda v: f"text like {v}",
     }.get(error.validator, lambda v: f"{error.validator} {v}")(error.validator_value)
     return [f"{where}: found {_short(error.instance)}, allowed {allowed}{_number_hint(error.instance)}"]
+
+
+def _describe_kinds(error, where):
+    """Of a value of which there are several kinds: maps are told apart by keys with one value, others by their type."""
+    told_by = set.intersection(*({key for key, value in kind.get("properties", {}).items() if "const" in value}
+                                 for kind in error.validator_value))
+    if isinstance(error.instance, dict) and told_by - set(error.instance):
+        return [f"{_dotted(list(error.absolute_path) + [key])}: missing" for key in told_by - set(error.instance)]
+    kinds, differing = {}, {}  # differing: place -> (what stands there, what the kinds have there)
+    for fault in error.context:
+        kinds.setdefault(fault.schema_path[0], []).append(fault)
+    for number, faults in list(kinds.items()):
+        for fault in faults:
+            if fault.validator == "const" or (fault.validator in ("type", "enum") and not fault.path):
+                del kinds[number]
+                value = fault.validator_value if isinstance(fault.validator_value, list) else [fault.validator_value]
+                differing.setdefault(_dotted(fault.absolute_path), (fault.instance, []))[1].extend(map(str, value))
+                break
+    if kinds:  # what it is meant to be, or all that it may be
+        return [line for faults in kinds.values() for fault in faults for line in _describe(fault)]
+    if not differing:
+        return [f"{where}: found {_short(error.instance)}, which is of two kinds at once"]
+    return [f"{place}: found {_short(found)}, allowed {' | '.join(dict.fromkeys(allowed))}{_number_hint(found)}"
+            for place, (found, allowed) in differing.items()]
 
 
 def _number_hint(value):

@@ -14,11 +14,12 @@ References:
     F. Bensalah and F. Chaumette, IROS 1995 (targets that change their motion abruptly).
 """
 
+from dataclasses import dataclass
 from math import cos, sin
-from typing import NamedTuple, Optional
 
 import numpy as np
 
+from ..config.settings import setting
 from ..ground.errors import ParameterError
 from ..features.base import View
 from ..target.target_pose import exponential, inverse, rotation_vector
@@ -29,28 +30,26 @@ POSE_FEATURES = ("tx", "ty", "tz", "rx", "ry", "rz")
 RANK = 1e-4
 
 
-class FeedForwardConfig(NamedTuple):
-    """Keys of the section `servo/feed_forward`."""
+@dataclass(frozen=True)
+class FeedForwardConfig:
+    """Section `servo.feed_forward`: the estimated motion of the target is fed forward."""
 
-    acceleration_m_s2: float = 0.5  # of targets like this one: what the filter takes for noise of its model
-    acceleration_rad_s2: float = 1.0
-    noise_m: float = 0.0003  # of one image
-    noise_rad: float = 0.001
-    speed_m_s: float = 0.1  # of targets like this one, before anything was seen
-    turn_rad_s: float = 0.3
-    part: float = 1.0  # of the estimated motion that is fed forward
-
-    @classmethod
-    def read(cls, reader) -> Optional["FeedForwardConfig"]:
-        """From the `ConfigReader` of the section `servo`; None without the section."""
-        if "feed_forward" not in reader.keys():
-            reader.ignore("feed_forward")
-            return None
-        section = reader.section("feed_forward")
-        values = [section.number(key, cls._field_defaults[key], above=0.0) for key in cls._fields[:-1]]
-        values.append(section.number("part", cls._field_defaults["part"], at_least=0.0, at_most=1.0))
-        section.close()
-        return cls(*values)
+    acceleration_m_s2: float = setting(
+        0.5, unit="m/s^2", above=0,
+        help="Acceleration of targets like this one (standard deviation): a larger one follows turns sooner, and noise "
+             "as well.")
+    acceleration_rad_s2: float = setting(1.0, unit="rad/s^2", above=0, help="The same of their turn.")
+    noise_m: float = setting(
+        0.0003, unit="m", above=0,
+        help="Noise of the place that one image gives the goal (standard deviation).")
+    noise_rad: float = setting(0.001, unit="rad", above=0, help="Noise of the attitude that one image gives it.")
+    speed_m_s: float = setting(
+        0.1, unit="m/s", above=0,
+        help="Speed of targets like this one, before anything was seen (standard deviation).")
+    turn_rad_s: float = setting(
+        0.3, unit="rad/s", above=0,
+        help="Turn of targets like this one, before anything was seen.")
+    part: float = setting(1.0, at_least=0, at_most=1, help="Part of the estimated motion that is fed forward.")
 
 
 class ConstantVelocity:

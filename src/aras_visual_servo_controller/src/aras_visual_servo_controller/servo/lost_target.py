@@ -4,16 +4,17 @@ Only images that came in time are answered by motion: without one the servo hold
 """
 
 from collections import deque
+from dataclasses import dataclass
 from math import atan2, ceil, cos, pi, sin
 from typing import NamedTuple, Optional
 
 import numpy as np
 
 from ..arm.limits import velocity_factor
+from ..config.settings import setting
 from ..target.target_pose import exponential, inverse, rotation_vector
 
 ACTIONS = ("hold", "back_off", "search")
-PATTERNS = ("translate", "tilt")
 #: Images whose joint positions are kept for the way back: ten minutes at 30 Hz.
 PATH_LENGTH = 18000
 #: Directions of one ring of the search.
@@ -25,41 +26,36 @@ NEAR_PART, PATIENT, WHILE_S = 0.1, 2.0, 0.3
 EASE_PERIODS = 5.0
 
 
-class LostTargetConfig(NamedTuple):
-    """Keys `on_lost` (action) and `lost_target` (the others) of the section `servo`."""
+@dataclass(frozen=True)
+class LostTargetConfig:
+    """Section `servo.lost_target`: how the arm backs off or searches, where `on_lost` says so."""
 
-    action: str = "hold"
-    speed: float = 0.5  # of the fastest joint [m/s, rad/s]
-    time_limit_s: float = 10.0  # of being lost, then STOPPED
-    attempts: int = 5  # recoveries of one run; lost once more: STOPPED
-    patience_s: float = 0.1  # held still first: an object passes by
-    confirm_s: float = 0.2  # the target has to be seen for this long
-    slow_down: float = 0.5  # factor on the twist after each recovery
-    pattern: str = "translate"  # search: camera moved in its own x, y, or turned about them
-    step_m: float = 0.04  # search: distance of the rings
-    step_rad: float = 0.08
-    rings: int = 3
-    speed_m_s: float = 0.1  # search: of the camera
-    turn_rad_s: float = 0.3
-
-    @classmethod
-    def read(cls, reader):
-        """From the `ConfigReader` of the section `servo`."""
-        values = {"action": reader.choice("on_lost", ACTIONS, cls._field_defaults["action"])}
-        section = reader.section("lost_target")
-        values["pattern"] = section.choice("pattern", PATTERNS, cls._field_defaults["pattern"])
-        for key in ("speed", "time_limit_s", "step_m", "step_rad", "speed_m_s", "turn_rad_s"):
-            values[key] = section.number(key, cls._field_defaults[key], above=0.0)
-        for key in ("patience_s", "confirm_s"):
-            values[key] = section.number(key, cls._field_defaults[key], at_least=0.0)
-        values["slow_down"] = section.number("slow_down", cls._field_defaults["slow_down"], above=0.0, at_most=1.0)
-        for key in ("attempts", "rings"):
-            number = section.number(key, cls._field_defaults[key], at_least=1)
-            if number is not None and number != int(number):
-                section.fault(f"{key}: found {number}, allowed a whole number")
-            values[key] = None if number is None else int(number)
-        section.close()
-        return cls(**values)
+    patience_s: float = setting(
+        0.1, unit="s", at_least=0,
+        help="The arm holds still for this long first: something may have passed by.")
+    speed: float = setting(0.5, unit="m/s, rad/s", above=0, help="Speed of the fastest joint.")
+    confirm_s: float = setting(
+        0.2, unit="s", at_least=0,
+        help="The target has to be seen for this long before the law takes over again.")
+    slow_down: float = setting(
+        0.5, above=0, at_most=1,
+        help="The twist of the law is multiplied by this after each recovery, so that what overshot does not do so "
+             "again.")
+    attempts: int = setting(5, at_least=1, help="Recoveries of one run; lost once more, the servo ends as `STOPPED`.")
+    time_limit_s: float = setting(
+        10.0, unit="s", above=0,
+        help="Lost for this long, the servo ends as `STOPPED`; its own time limit holds as well.")
+    pattern: str = setting(
+        "translate", choices=("translate", "tilt"),
+        help="Of a search: the camera moves along its own x and y, or turns about them.")
+    step_m: float = setting(
+        0.04, unit="m", above=0,
+        help="Distance between the rings of a search with `pattern: translate`; each ring has eight places, the first "
+             "where the target was seen last.")
+    step_rad: float = setting(0.08, unit="rad", above=0, help="The same with `pattern: tilt`.")
+    rings: int = setting(3, at_least=1, help="Number of rings of a search.")
+    speed_m_s: float = setting(0.1, unit="m/s", above=0, help="Speed of the camera in a search.")
+    turn_rad_s: float = setting(0.3, unit="rad/s", above=0, help="Turn of the camera in a search.")
 
 
 class Recovery(NamedTuple):
@@ -95,9 +91,9 @@ class LostTarget:
         recoveries: how often the arm moved until the target was found again, since `clear`.
     """
 
-    def __init__(self, kinematics, arm, config):
-        """Args: kinematics: `Kinematics`. arm: `ArmMotion`. config: `LostTargetConfig`."""
-        self._kinematics, self._arm, self._config = kinematics, arm, config
+    def __init__(self, kinematics, arm, action, config):
+        """Args: kinematics: `Kinematics`. arm: `ArmMotion`. action: one of ACTIONS. config: `LostTargetConfig`."""
+        self._kinematics, self._arm, self._action, self._config = kinematics, arm, action, config
         self._speed = np.minimum(kinematics.velocity, config.speed)
         self.clear()
 
@@ -125,7 +121,7 @@ class LostTarget:
 
     def servoed(self, q, features):
         """The law has an answer to this image of the target, taken at joint positions q, (n,)."""
-        if self._config.action == "hold":
+        if self._action == "hold":
             return
         if self._lost_ns is not None:
             self.recoveries += self._moved
@@ -139,7 +135,7 @@ class LostTarget:
         Args: q: (n,) measured at stamp_ns.  dt_s: time the answer holds, > 0 [s].
         """
         config = self._config
-        if config.action == "hold":
+        if self._action == "hold":
             return None
         zeros, twist = np.zeros_like(q), np.zeros(6)
         if self._lost_ns is None:
@@ -157,7 +153,7 @@ class LostTarget:
             return Recovery(zeros, twist, "target not in view, waiting")
         self._moved = True
         state = "in view again" if visible else "target not in view"
-        if config.action == "back_off":
+        if self._action == "back_off":
             q_dot = self._back(q, dt_s)
             text = f"{state}, backing off: {len(self._path)} images of the path left"
             return Recovery(q_dot, self._kinematics.jacobian(q) @ q_dot, text)

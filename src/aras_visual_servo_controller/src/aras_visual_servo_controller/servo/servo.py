@@ -47,11 +47,11 @@ class Servo:
         names = kinematics.joint_names
         self._kinematics = kinematics
         self._scenario_config = self.config = ServoConfig.from_dict(config, names)
-        self._features = FeatureSet(self.config.features)
+        self._features = FeatureSet(self.config.features, self.config.settings)
         self._source = source_named(self._features.source)
         self._arm = ArmMotion(kinematics, self.config, self._features.sees_tilt)
         self._look = LookThenMove(kinematics, self._arm, self.config)
-        self._lost = LostTarget(kinematics, self._arm, self.config.lost_target)
+        self._lost = LostTarget(kinematics, self._arm, self.config.on_lost, self.config.lost_target)
         forward = self.config.feed_forward
         self._target_motion = None if forward is None else TargetMotion(forward, self._features)
         self._law = self._make_law()
@@ -86,7 +86,7 @@ class Servo:
         return self._arm.split(q, q_dot)
 
     def _make_law(self):
-        return make_law(self.config.law, self.config.gains_per_s, self.config.law_setup)
+        return make_law(self.config.law, self.config.gains_per_s, self.config)
 
     def configure(self, law="", gains_per_s=(), thresholds=(), time_limit_s=0.0) -> None:
         """Override the scenario's values from the next start on; empty or 0 takes the scenario's. ParameterError."""

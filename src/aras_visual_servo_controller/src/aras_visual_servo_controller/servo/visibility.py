@@ -10,10 +10,11 @@ References:
     A. D. Ames et al., European Control Conference, 2019 (control barrier functions).
 """
 
-from typing import NamedTuple, Optional
+from dataclasses import dataclass
 
 import numpy as np
 
+from ..config.settings import setting
 from ..features.base import View
 from ..features.interaction import centroid
 
@@ -21,26 +22,21 @@ from ..features.interaction import centroid
 LEAST_EFFECT = 0.2
 
 
-class VisibilityConfig(NamedTuple):
-    """Keys of the section `servo/visibility`."""
+@dataclass(frozen=True)
+class VisibilityConfig:
+    """Section `servo.visibility`: the object is kept inside a view."""
 
-    half_width: float  # of the view, in normalised coordinates: tangent of half the field of view
-    half_height: float
-    margin: float = 0.05  # in normalised coordinates
-    extent: float = 2.0  # edges of the object, in standard deviations from its centroid
-    rate_per_s: float = 3.0
-
-    @classmethod
-    def read(cls, reader) -> Optional["VisibilityConfig"]:
-        """From the `ConfigReader` of the section `servo`; None without it."""
-        section = reader.section("visibility")
-        if not section.keys():
-            return None
-        values = [section.number(key, above=0.0) for key in ("half_width", "half_height")]
-        values.append(section.number("margin", cls._field_defaults["margin"], at_least=0.0))
-        values += [section.number(key, cls._field_defaults[key], above=0.0) for key in ("extent", "rate_per_s")]
-        section.close()
-        return cls(*values)
+    half_width: float = setting(
+        above=0,
+        help="Half the width of the view in normalised image coordinates: the tangent of half the field of view.")
+    half_height: float = setting(above=0, help="Half the height of the view, likewise.")
+    margin: float = setting(
+        0.05, at_least=0,
+        help="Margin kept to the border of the view, in normalised image coordinates.")
+    extent: float = setting(2.0, above=0, help="The object ends this many standard deviations from its centroid.")
+    rate_per_s: float = setting(
+        3.0, unit="1/s", above=0,
+        help="The object uses up its room to the border at this rate at most (T43).")
 
 
 def keep_in_view(config, features, twist):

@@ -12,27 +12,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from math import isfinite
 
+from ..config.settings import keys_of
 from ..ground.errors import ParameterError
 from ..scenario.scenario import Scenario
+from ..scenario.sweep import Perturbations
 from ..config.files import load_yaml, resolve_uri
 
-KNOWN = {
-    "z_star_error": "relative error of the depth estimate: z_star_m times 1 + value",
-    "pid_gain_scale": "factor on p, i and d of every joint controller",
-    "friction_scale": "factor on the dry friction of every joint",
-    "damping_scale": "factor on the viscous damping of every joint",
-    "noise_stddev": "noise of every camera [grey levels]",
-    "focal_error": "relative error of the focal length that the moments are computed with",
-    "principal_point_error_px": "error of the principal point that they are computed with, in u and in v [px]",
-    "latency_images": "images by which every image is delivered late, rounded down: added to the cameras' latency_s",
-    "target": "shape: name of a file of aras_description/targets, or its URI",
-    "target_scale": "factor on the size of every model of the scene that has outlines or an image",
-}
+#: Those with a name of their own, and the lowest value allowed where a lower one has no meaning.
+KNOWN = {key.name: key.at_least for key in keys_of(Perturbations)}
 DOTTED_SECTIONS = ("sim", "vision", "servo", "experiment")
-#: Lowest value allowed, where a negative one has no meaning.
-AT_LEAST = {"z_star_error": -0.95, "pid_gain_scale": 0.0, "friction_scale": 0.0, "damping_scale": 0.0,
-            "noise_stddev": 0.0, "target_scale": 0.01, "focal_error": -0.9, "principal_point_error_px": -1000.0,
-            "latency_images": 0.0}
 #: Perturbations that no section of the scenario can say, with the value that changes nothing.
 BESIDE = {"pid_gain_scale": 1.0, "friction_scale": 1.0, "damping_scale": 1.0, "focal_error": 0.0,
           "principal_point_error_px": 0.0}
@@ -171,8 +159,8 @@ def _check_value(name, value):
         if not isinstance(value, str):
             raise ParameterError(f"found {value}, allowed is the name of a target file")
         resolve_uri(_target_uri(value), key="target")
-    elif name in KNOWN and (not _is_number(value) or value < AT_LEAST[name]):
-        raise ParameterError(f"found {value}, allowed >= {AT_LEAST[name]:g}")
+    elif name in KNOWN and (not _is_number(value) or value < KNOWN[name]):
+        raise ParameterError(f"found {value}, allowed >= {KNOWN[name]:g}")
 
 
 def _is_path(name, scenario):

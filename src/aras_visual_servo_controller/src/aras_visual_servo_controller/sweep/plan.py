@@ -5,21 +5,16 @@ sweeps of the same seed have the same starts, run for run, and can be compared i
 """
 
 from dataclasses import dataclass, field
-from math import isfinite
 
 import numpy as np
 
+from ..config.reader import Names, read
 from ..ground.errors import ParameterError
 from ..scenario.feasibility import Feasibility
 from ..arm.reach import reach
+from ..scenario.sweep import JOINT_HALF_WIDTH, SweepSection
 from .perturb import read_perturbations
-from .space import AXES, DEFAULTS, GOAL_AXES, View, in_ball, pose_of, tilted_goal
-
-METHODS = ("latin_hypercube", "grid", "random")
-SPACES = ("camera", "joint", "ball", "view")
-#: Half-width of the joint ranges about the goal if the scenario does not say [m, rad].
-DEFAULT_JOINT_HALF_WIDTH = 0.2
-DEFAULT_STARTS = 100
+from .space import View, in_ball, pose_of, tilted_goal
 
 
 @dataclass(frozen=True)
@@ -63,44 +58,36 @@ class SweepSettings:
         Raises:
             ParameterError: every fault, a line each.
         """
-        section = dict(scenario.sweep)
-        section.update({key: value for key, value in changes.items() if value is not None})
-        faults = []
-        starts, seed = section.get("starts", DEFAULT_STARTS), section.get("seed", 0)
-        for key, value, least in (("starts", starts, 1), ("seed", seed, 0)):
-            if not isinstance(value, int) or isinstance(value, bool) or value < least:
-                faults.append(f"sweep.{key}: found {value}, allowed is a whole number >= {least}")
-        method, space = section.get("method", METHODS[0]), section.get("space", SPACES[0])
-        for key, value, known in (("method", method, METHODS), ("space", space, SPACES)):
-            if value not in known:
-                faults.append(f"sweep.{key}: found {value}, allowed {', '.join(known)}")
-        ranges = {}
-        if space in AXES:
-            # A part of the axes: the others stay at the goal, or, where there is no such place, at their defaults.
-            given = {**({} if space == "camera" else DEFAULTS[space]), **(section.get(space) or DEFAULTS[space])}
-            ranges = _ranges(space, given, AXES[space], faults)
-        elif space == "joint":
-            goal = scenario.experiment["goal"]["joints"]
-            around = {name: (goal[name] - DEFAULT_JOINT_HALF_WIDTH, goal[name] + DEFAULT_JOINT_HALF_WIDTH)
-                      for name in kinematics.joint_names if name in goal}
-            ranges = _ranges("joints", section.get("joints") or around, kinematics.joint_names, faults)
-        goal = _ranges("goal", section.get("goal", {}), GOAL_AXES, faults)
-        perturbations = []
+        given = dict(scenario.sweep)
+        given.update({key: value for key, value in changes.items() if value is not None})
+        faults, perturbations = [], ()
+        section = read(SweepSection, given, "sweep", Names(joints=kinematics.joint_names), faults=faults, separator=".")
         try:
-            perturbations = read_perturbations(section.get("perturb", {}), scenario)
+            perturbations = tuple(read_perturbations(given.get("perturb", {}), scenario))
         except ParameterError as error:
             faults += error.faults
         if faults:
             raise ParameterError(faults)
-        return cls(starts, method, space, seed, bool(section.get("drive_to_start", False)), ranges,
-                   tuple(perturbations), goal)
+        if section.space == "joint":
+            ranges = section.joints or _around(scenario.experiment["goal"]["joints"])
+            ranges = {name: ranges[name] for name in kinematics.joint_names if name in ranges}
+        else:
+            ranges = getattr(section, section.space).as_dict()
+        return cls(section.starts, section.method, section.space, section.seed, section.drive_to_start, ranges,
+                   perturbations, section.goal.as_dict() if section.goal else {})
+
+
+def _around(joints):
+    """Ranges about the goal, of every joint that it names."""
+    return {name: (at - JOINT_HALF_WIDTH, at + JOINT_HALF_WIDTH) for name, at in joints.items()}
 
 
 def sample(method, count, dimensions, seed):
     """Points in the unit cube.
 
     Args:
-        method: one of METHODS. A grid has at most `count` points, the cell centres of the largest grid that fits.
+        method: latin_hypercube, grid or random. A grid has at most `count` points, the cell centres of the largest
+            grid that fits.
         count: >= 1.  dimensions: >= 0.  seed: whole number, or a sequence of them.
     Returns:
         (n, dimensions), n <= count, each in [0, 1).
@@ -200,15 +187,3 @@ def _grid_shape(count, dimensions):
         while np.prod(shape) // shape[axis] * (shape[axis] + 1) <= count and shape[axis] <= min(shape):
             shape[axis] += 1
     return shape
-
-
-def _ranges(key, section, known, faults):
-    ranges = {}
-    for name, ends in section.items():
-        if name not in known:
-            faults.append(f"sweep.{key}.{name}: unknown, known are {', '.join(known)}")
-        elif len(ends) != 2 or not all(isfinite(end) for end in ends) or ends[0] > ends[1]:
-            faults.append(f"sweep.{key}.{name}: found {list(ends)}, allowed [low, high] with low <= high")
-        else:
-            ranges[name] = (float(ends[0]), float(ends[1]))
-    return {name: ranges[name] for name in known if name in ranges}

@@ -8,22 +8,14 @@ from math import acos, cos, pi, sin
 
 import numpy as np
 
+from ..config.settings import keys_of
 from ..ground.errors import ParameterError
+from ..scenario.sweep import BallRanges, CameraRanges, GoalRanges
 from ..target.outline import Outline
 from ..arm.reach import rotation, rotation_vector
 
-CAMERA_AXES = ("x_m", "y_m", "z_m", "rx_rad", "ry_rad", "rz_rad")
-BALL_AXES = ("distance_m", "angle_rad")
-VIEW_AXES = ("u", "v", "depth_m", "rz_rad")
-GOAL_AXES = ("tilt_rad", "about_rad")
-#: Where the camera starts if the scenario does not say: displaced from the goal, along its own axes (z along the view).
-#: Backwards only: at the goals of the paper the arm is all but stretched.
-DEFAULTS = {
-    "camera": {"x_m": (-0.15, 0.15), "y_m": (-0.2, 0.2), "z_m": (-0.2, -0.03), "rz_rad": (-0.7, 0.7)},
-    "ball": {"distance_m": (0.0, 0.2), "angle_rad": (0.0, pi / 6.0)},
-    "view": {"u": (-1.0, 1.0), "v": (-1.0, 1.0), "depth_m": (0.4, 0.6), "rz_rad": (-pi, pi)},
-}
-AXES = {"camera": CAMERA_AXES, "ball": BALL_AXES, "view": VIEW_AXES}
+CAMERA_AXES, BALL_AXES, GOAL_AXES = (tuple(key.name for key in keys_of(ranges))
+                                     for ranges in (CameraRanges, BallRanges, GoalRanges))
 #: u = +-1 leaves this much of the image between target and border: a target that touches it is not measured [px].
 VIEW_MARGIN_PX = 2.0
 #: Space view: the image at the goal counts as parallel to the target below this angle [rad].

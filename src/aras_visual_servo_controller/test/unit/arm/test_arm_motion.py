@@ -1,5 +1,7 @@
 """Limits, spare motion and visibility in the closed loop of the servo, on exact pictures."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from bench import Bench, DT_S, config
@@ -153,7 +155,7 @@ def test_an_object_that_would_leave_the_view_stays_and_the_servo_arrives():
 
     view = VisibilityConfig(half_width=0.42, half_height=0.42, margin=0.02)
     worst, _ = view_left()
-    kept, bench = view_left(visibility=view._asdict())
+    kept, bench = view_left(visibility=dataclasses.asdict(view))
     assert worst > 0.015 and kept < -0.015
     assert bench.records[-1].status == Status.CONVERGED
     assert any(record.status_text == "servoing, kept in view" for record in bench.records)

@@ -143,7 +143,7 @@ def test_a_scenario_gives_all_points_one_gain():
                "thresholds": {"points2": 0.001, "points4": 0.002}, "time_limit_s": 10.0, "point_depth": "goal"}
     config = ServoConfig.from_dict(section)
     assert config.features == EIGHT and config.gains_per_s == (2.0,) * 8 and config.thresholds == (0.002,) * 8
-    assert config.law_setup.point_depth == "goal"
+    assert config.point_depth == "goal"
     with pytest.raises(ParameterError, match="gains_per_s/4: unknown key"):
         ServoConfig.from_dict({**section, "gains_per_s": {4: 2.0, "points4": 2.0}})
     with pytest.raises(ParameterError, match="gains_per_s/x4: found nothing"):

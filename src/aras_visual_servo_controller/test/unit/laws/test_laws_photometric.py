@@ -10,6 +10,7 @@ from toy_plant import arm
 from aras_visual_servo_controller.ground.errors import DegenerateFeature, NotFiniteError, ParameterError
 from aras_visual_servo_controller.features.base import FeatureSet
 from aras_visual_servo_controller.laws.base import LawSetup, make_law
+from aras_visual_servo_controller.laws.photometric import PhotometricSettings
 from aras_visual_servo_controller.scenario.check import check
 from aras_visual_servo_controller.servo.servo import Servo
 from aras_visual_servo_controller.ground.types import Observation, Reference, Status
@@ -33,7 +34,8 @@ def features(xi=(0.0,) * 6, rms=None, **more):
 
 
 def law_of(damping=0.0, rest=(1e-4, 1e-4), **more):
-    law = make_law("photometric", [GAIN], LawSetup(NAMES, photometric=(damping, *rest), **more))
+    law = make_law("photometric", [GAIN], LawSetup(
+        NAMES, settings={"photometric": PhotometricSettings(damping, *rest)}, **more))
     law.reset(Reference(np.zeros(1)))
     return law
 

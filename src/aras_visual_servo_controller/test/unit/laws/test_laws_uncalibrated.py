@@ -8,7 +8,8 @@ from views import exponential, plane_of, tilted_pose
 from aras_visual_servo_controller.ground.errors import DegenerateFeature, ParameterError
 from aras_visual_servo_controller.features.base import FeatureSet, View
 from aras_visual_servo_controller.laws.base import LawSetup, make_law
-from aras_visual_servo_controller.laws.sliding import _rate
+from aras_visual_servo_controller.laws.broyden import BroydenSettings
+from aras_visual_servo_controller.laws.sliding import SlidingSettings, _rate
 from aras_visual_servo_controller.servo.settings import ServoConfig
 from aras_visual_servo_controller.ground.types import Features, Reference
 
@@ -27,12 +28,12 @@ def scaled(features, focal):
     return copy
 
 
-def start_law(name, names=FOUR, gain=2.0, focal=1.0, depth=1.0, **more):
-    """Law at GOAL, with focal length and depth wrong by these factors."""
+def start_law(name, names=FOUR, gain=2.0, focal=1.0, depth=1.0, settings=None):
+    """Law at GOAL, with focal length and depth wrong by these factors. settings: its own, None: the defaults."""
     taught = scaled(view(GOAL, SQUARE).features, focal)
     taught.z_star_m *= depth
     features = FeatureSet(names)
-    law = make_law(name, [gain] * len(features), LawSetup(tuple(names), **more))
+    law = make_law(name, [gain] * len(features), LawSetup(tuple(names), settings={name: settings} if settings else {}))
     plane = plane_of(GOAL) * np.array([focal / focal**2, 1.0 / focal, 1.0]) / depth  # 1/Z of the wrong x, y
     law.reset(Reference(features.values(View(taught)), view=taught, plane_C=plane))
     return law
@@ -55,7 +56,7 @@ def distance(path, k=-1):
 
 # --- sliding mode -----------------------------------------------------------------------------------------------------
 
-SLIDING = {"sliding": (6.0, (0.02,) * 8)}
+SLIDING = {"settings": SlidingSettings(6.0, (0.02,) * 8)}
 
 
 def test_twist_is_a_constant_rate_on_top_of_the_proportional_one_and_linear_inside_the_layer():
@@ -72,7 +73,7 @@ def test_layer_is_reached_in_the_time_the_reaching_law_says():
     """From |e| = E: t = 1/lambda ln((lambda E + kappa phi) / (lambda phi + kappa phi)). One point, seen head on."""
     gain, switching, phi, E = 1.0, 6.0, 0.02, 0.2
     e, t = E, 0.0
-    law = start_law("sliding", sliding=(switching, (phi,) * 8), gain=gain)
+    law = start_law("sliding", settings=SlidingSettings(switching, (phi,) * 8), gain=gain)
     while e > phi:
         e -= 1e-3 * law._wanted([e] + [0.0] * 7, 1e-3)[0]
         t += 1e-3
@@ -102,7 +103,7 @@ def test_rate_held_for_a_period_leaves_what_the_reaching_law_leaves(e, switching
 
 
 def test_a_thin_layer_does_not_chatter():
-    law = start_law("sliding", sliding=(3000.0, (4e-5,) * 8))
+    law = start_law("sliding", settings=SlidingSettings(3000.0, (4e-5,) * 8))
     errors = np.array([FeatureSet(FOUR).values(view(X, SQUARE)) for X in drive(law, seconds=5.0)]) - law._s_star
     settled = np.where(np.abs(errors[60:]) > 1e-7, np.sign(errors[60:]), 0.0)
     assert (np.abs(np.diff(settled, axis=0)) < 2.0).all()
@@ -112,7 +113,7 @@ def test_sliding_needs_its_section():
     with pytest.raises(ParameterError, match="sliding: found nothing"):
         start_law("sliding")
     with pytest.raises(ParameterError, match="sliding/boundary: found 2 numbers, allowed 8"):
-        start_law("sliding", sliding=(1.0, (0.1, 0.1)))
+        start_law("sliding", settings=SlidingSettings(1.0, (0.1, 0.1)))
 
 
 # --- Broyden --------------------------------------------------------------------------------------------------------
@@ -121,7 +122,7 @@ def test_sliding_needs_its_section():
 @pytest.mark.parametrize("initial", ["desired", "moves"])
 @pytest.mark.parametrize("focal, depth", [(1.0, 1.0), (1.3, 1.3), (0.7, 0.7), (1.3, 0.7), (0.7, 1.3)])
 def test_broyden_arrives_with_focal_length_and_depth_wrong_by_thirty_percent(initial, focal, depth):
-    law = start_law("broyden", focal=focal, depth=depth, broyden=(initial, 0.95, 0.01))
+    law = start_law("broyden", focal=focal, depth=depth, settings=BroydenSettings(initial, 0.95, 0.01))
     path = drive(law, focal=focal, depth=depth)
     assert distance(path) < 1e-5
 
@@ -139,7 +140,7 @@ def test_broyden_does_not_look_at_plane_or_pose():
 def test_one_motion_leaves_the_share_unexplained_that_least_squares_say():
     """rho / (rho + h P h) of the error in the direction of the motion h, and all of it across."""
     forgetting, move = 0.9, 0.01
-    law = start_law("broyden", depth=2.0, broyden=("desired", forgetting, move))
+    law = start_law("broyden", depth=2.0, settings=BroydenSettings("desired", forgetting, move))
     before = law.L
     first = law.step(view(START, SQUARE).features, DT_S)
     law.step(view(START @ exponential(first, DT_S), SQUARE).features, DT_S)
@@ -155,7 +156,7 @@ def test_one_motion_leaves_the_share_unexplained_that_least_squares_say():
 
 
 def test_test_moves_find_the_matrix_without_knowing_anything():
-    law, X = start_law("broyden", broyden=("moves", 0.95, 0.01)), START
+    law, X = start_law("broyden", settings=BroydenSettings("moves", 0.95, 0.01)), START
     moved = []
     while law.L is None:
         twist = law.step(view(X, SQUARE).features, DT_S)
@@ -169,7 +170,7 @@ def test_test_moves_find_the_matrix_without_knowing_anything():
 
 def test_joints_that_lag_spoil_neither_test_moves_nor_the_way_home():
     for initial in ("desired", "moves"):
-        law = start_law("broyden", broyden=(initial, 0.95, 0.01))
+        law = start_law("broyden", settings=BroydenSettings(initial, 0.95, 0.01))
         assert distance(drive(law, lag=0.4)) < 1e-4, initial
 
 
@@ -203,12 +204,12 @@ def test_nothing_is_learnt_over_a_stop_and_at_rest():
 
 
 def test_two_runs_give_the_same_bytes():
-    paths = [drive(start_law("broyden", broyden=("moves", 0.95, 0.01)), seconds=3.0) for _ in range(2)]
+    paths = [drive(start_law("broyden", settings=BroydenSettings("moves", 0.95, 0.01)), seconds=3.0) for _ in range(2)]
     assert paths[0].tobytes() == paths[1].tobytes()
 
 
 def test_features_that_did_not_move_are_no_matrix():
-    law = start_law("broyden", broyden=("moves", 0.95, 0.01))
+    law = start_law("broyden", settings=BroydenSettings("moves", 0.95, 0.01))
     with pytest.raises(DegenerateFeature, match="condition number"):
         for _ in range(60):
             law.step(view(START, SQUARE).features, DT_S)  # the arm is held fast
@@ -222,9 +223,10 @@ SECTION = {"law": "broyden", "mode": "continuous", "features": ["points4"], "gai
 
 def test_sections_of_both_laws_are_read():
     config = ServoConfig.from_dict({**SECTION, "broyden": {"initial": "moves", "move": 0.02}})
-    assert config.law_setup.broyden == ("moves", 0.95, 0.02)
+    assert config.settings["broyden"] == BroydenSettings("moves", 0.95, 0.02)
     sliding = {"switching_per_s": 4.0, "boundary": {"points4": 0.01}}
-    assert ServoConfig.from_dict({**SECTION, "law": "sliding", "sliding": sliding}).sliding == (4.0, (0.01,) * 8)
+    config = ServoConfig.from_dict({**SECTION, "law": "sliding", "sliding": sliding})
+    assert config.settings["sliding"] == SlidingSettings(4.0, (0.01,) * 8)
 
 
 @pytest.mark.parametrize("changes, text", [
