@@ -84,7 +84,7 @@ def sonar():
 
     @register_source("sonar")
     class Sonar(Source):
-        topic, message, section = "camera/sonar", "std_msgs/Float64MultiArray", "sonar"
+        topic, message, section = "camera/sonar", "std_msgs/Float64MultiArray", "kernel"
 
         def taught(self, seen, z_star_m, normal_C):
             return Taught(SimpleNamespace(echo=z_star_m))
@@ -120,4 +120,6 @@ def test_a_source_of_somebody_else_is_taught_and_servoed_on(sonar):
 def test_a_scenario_names_the_section_that_its_source_needs(sonar):
     document = load_scenario("experiment_1").as_dict()
     document["servo"].update(features=["echo"], gains_per_s={"echo": 1.0}, thresholds={"echo": 1.0})
-    assert check(document) == ["vision.sonar: missing, the feature 'echo' is made there; {} for its defaults"]
+    assert check(document) == ["vision.kernel: missing, the feature 'echo' is made there; {} for its defaults"]
+    document["vision"]["kernel"] = {"p": 1.0, "q": 1.0}
+    assert check(document) == []
