@@ -20,7 +20,7 @@ from ..run.measures import measures
 from ..run.settings import ExperimentConfig
 from .judge import COLUMNS, initial_columns, judge_row
 from .perturb import perturbed, simulator_key
-from .space import CAMERA_AXES
+from ..scenario.sweep import CAMERA_AXES
 from ..ground.types import Status
 
 LOST_LIMIT_S = 1.0
