@@ -65,13 +65,11 @@ def _latency_faults(document):
 def _validator(made_of):
     """Args: made_of: `sources` of the schema."""
     import jsonschema  # slow to import
-    schema = scenario_schema()
-    jsonschema.Draft7Validator.check_schema(schema)
     # YAML knows .nan and .inf, JSON does not: a number is a finite one.
     is_number = jsonschema.Draft7Validator.TYPE_CHECKER.is_type
     checker = jsonschema.Draft7Validator.TYPE_CHECKER.redefine(
         "number", lambda _, value: is_number(value, "number") and math.isfinite(value))
-    return jsonschema.validators.extend(jsonschema.Draft7Validator, type_checker=checker)(schema)
+    return jsonschema.validators.extend(jsonschema.Draft7Validator, type_checker=checker)(scenario_schema())
 
 
 def _describe(error):

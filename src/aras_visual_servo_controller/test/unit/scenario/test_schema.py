@@ -4,6 +4,7 @@ import os
 import shutil
 from dataclasses import dataclass
 
+import jsonschema
 import pytest
 import yaml
 
@@ -46,6 +47,12 @@ def test_every_key_has_a_line_of_meaning_a_unit_if_its_name_says_so_and_a_defaul
         ending = next((unit for end, unit in UNITS.items() if key.endswith(end)), None)
         if ending and found.get("type") != "object":
             assert found.get("unit", "").endswith(ending), (key, found.get("unit"))
+
+
+def test_the_whole_is_a_json_schema():
+    jsonschema.Draft7Validator.check_schema(scenario_schema())
+    with pytest.raises(jsonschema.SchemaError):
+        jsonschema.Draft7Validator.check_schema({"properties": {"a": {"minimum": "none"}}})
 
 
 def test_defaults_are_values_that_are_allowed(document):
