@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from ..config.files import package_path
 from ..config.schema import schema_of, yaml_section
 from ..config.settings import setting
+from ..config.tables import part_of
 from ..run.settings import ExperimentConfig
 from ..servo.settings import own_sections, servo_schema
 from .sweep import Perturbations, SweepSection
@@ -36,6 +37,11 @@ def scenario_schema():
     Raises ParameterError: a section is missing, or two describe the same.
     """
     return _schema(sources())
+
+
+def default_of(name, schema=None):
+    """What a key is where the scenario does not say, e.g. of "sim.cameras.rate_hz". KeyError: it has no default."""
+    return part_of((schema or scenario_schema())["properties"], name)["default"]
 
 
 @functools.lru_cache(maxsize=4)
