@@ -14,7 +14,7 @@ from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.run.judge import judge, run_in_process
 from aras_visual_servo_controller.run.loop import ServoLoop
 from aras_visual_servo_controller.scenario.scenario import load_scenario
-from aras_visual_servo_controller.servo.settings import ServoConfig
+from aras_visual_servo_controller.servo.settings import ServoSettings
 
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "extending.md"
 MAX_LINES = 45
@@ -101,7 +101,7 @@ def test_every_bad_setting_is_named_with_what_is_allowed_whichever_law_is_in_use
     assert [fault.split(": ", 1)[1] for fault in caught.value.faults] == faults
     good = load_scenario("experiment_1", {**overrides(), "servo.law": law}).servo
     with pytest.raises(ParameterError) as caught:  # as the controller node reads it
-        ServoConfig.from_dict({**good, "bounded": bad})
+        ServoSettings.from_dict({**good, "bounded": bad})
     assert sorted(caught.value.faults) == [
         "servo/bounded/max_jerk: unknown key, allowed max_speed_m_s, max_turn_rad_s",
         "servo/bounded/max_speed_m_s: found 0.0, allowed a finite number > 0",

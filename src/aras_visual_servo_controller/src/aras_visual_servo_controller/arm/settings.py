@@ -56,7 +56,7 @@ class NullSpaceSettings:
 
 
 @dataclass(frozen=True)
-class LimitsConfig:
+class LimitsSettings:
     """Section `servo.limits`: limits that are tighter than those of the URDF."""
 
     camera_speed_m_s: float = setting(

@@ -8,7 +8,7 @@ from ..config.plugins import load_plugins
 from ..features.base import expand
 from ..ground.errors import ParameterError
 from ..ground.types import FEATURE_NAMES
-from ..servo.settings import ServoConfig
+from ..servo.settings import ServoSettings
 from .schema import default_of, scenario_schema, sources
 
 
@@ -50,7 +50,7 @@ def _feature_faults(document):
 def _latency_faults(document, schema):
     """An image must be answered before it is stale, and so must the next one: one frame and its rounding later."""
     sim, faults = document["sim"], []
-    timeout_s = document["servo"].get("input_timeout_s", ServoConfig.input_timeout_s)
+    timeout_s = document["servo"].get("input_timeout_s", ServoSettings.input_timeout_s)
     period_s = sim.get("period_s", default_of("sim.period_s", schema))
     rate_hz = default_of("sim.cameras.rate_hz", schema)
     for i, camera in enumerate(sim.get("cameras", [])):

@@ -7,7 +7,7 @@ from ..config.files import package_path
 from ..config.schema import schema_of, yaml_section
 from ..config.settings import setting
 from ..config.tables import part_of
-from ..run.settings import ExperimentConfig
+from ..run.settings import ExperimentSettings
 from ..servo.settings import own_sections, servo_schema
 from .sweep import Perturbations, SweepSection
 
@@ -52,7 +52,7 @@ def _schema(made_of):
         "robot": schema_of(RobotSettings),
         **{name: yaml_section(package, name) for name, package in ELSEWHERE.items()},
         "servo": servo_schema(dict(made_of[0])),
-        "experiment": schema_of(ExperimentConfig),
+        "experiment": schema_of(ExperimentSettings),
         "sweep": schema_of(SweepSection),
     }
     return {"$schema": "http://json-schema.org/draft-07/schema#", "title": "ARAS Visual Servo scenario",

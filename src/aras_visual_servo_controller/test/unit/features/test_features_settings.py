@@ -10,7 +10,7 @@ from aras_visual_servo_controller.features.base import (Feature, FeatureSet, fea
                                                         register_feature)
 from aras_visual_servo_controller.config.settings import setting
 from aras_visual_servo_controller.ground.errors import ParameterError
-from aras_visual_servo_controller.servo.settings import ServoConfig
+from aras_visual_servo_controller.servo.settings import ServoSettings
 
 
 @dataclass(frozen=True)
@@ -60,10 +60,10 @@ def test_they_are_read_from_the_section_of_their_name_and_checked():
     names = ["power", "band1"]
     section = config(law="ibvs", features=names, gains_per_s=dict.fromkeys(names, 1.0),
                      thresholds=dict.fromkeys(names, 1.0), power={"exponent": 3}, band={"width": 0.25})
-    settings = ServoConfig.from_dict(section).settings
+    settings = ServoSettings.from_dict(section).settings
     assert (settings["power"], settings["band"]) == (PowerSettings(3.0), BandSettings(0.25))
     with pytest.raises(ParameterError) as caught:
-        ServoConfig.from_dict({**section, "power": {"exponent": 0}, "band": {"height": 1}})
+        ServoSettings.from_dict({**section, "power": {"exponent": 0}, "band": {"height": 1}})
     assert sorted(caught.value.faults) == [
         "servo/band/height: unknown key, allowed width", "servo/band/width: found nothing, allowed a finite number > 0",
         "servo/power/exponent: found 0, allowed a finite number >= 1"]
