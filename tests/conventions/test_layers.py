@@ -19,7 +19,8 @@ ALLOWED = {
     "aras_visual_servo_msgs": set(),
     "aras_visual_servo_common": set(),
     "aras_visual_servo_sim": {"aras_description", "aras_visual_servo_common", "aras_visual_servo_msgs"},
-    "aras_visual_servo_camera": {"aras_visual_servo_common", "aras_visual_servo_msgs"},
+    # The camera takes from the description how programs of its tests are installed, and nothing else.
+    "aras_visual_servo_camera": {"aras_description", "aras_visual_servo_common", "aras_visual_servo_msgs"},
     "aras_visual_servo_controller": {"aras_description", "aras_visual_servo_common", "aras_visual_servo_msgs",
                                      "aras_visual_servo_sim", "aras_visual_servo_camera"},
 }

@@ -11,9 +11,11 @@ from aras_visual_servo_controller.arm.kinematics import Kinematics
 from aras_visual_servo_controller.arm.motion import LIMIT_HORIZON, ArmMotion
 from aras_visual_servo_controller.features.base import FeatureSet, View
 from aras_visual_servo_controller.ground.types import Reference
-from aras_visual_servo_controller.laws.base import LawSetup, make_law
-from aras_visual_servo_controller.servo.feed_forward import ConstantVelocity, FeedForwardConfig, TargetMotion
-from aras_visual_servo_controller.servo.settings import ServoConfig
+from aras_visual_servo_controller.laws import LawSetup, make_law
+from aras_visual_servo_controller.laws.broyden import BroydenSettings
+from aras_visual_servo_controller.laws.photometric import PhotometricSettings
+from aras_visual_servo_controller.servo.feed_forward import ConstantVelocity, FeedForwardSettings, TargetMotion
+from aras_visual_servo_controller.servo.settings import ServoSettings
 
 FOUR = ("xn", "yn", "an", "alpha")
 SIX = ("xn", "yn", "an", "sx", "sy", "alpha")
@@ -46,7 +48,7 @@ def four_features(name, gains, s, s_star, dt_s):
 
 def photometric_twist(H, b, rms, gain, damping):
     """[(6,) twist], not held for any time, of law photometric for one image after the other with these equations."""
-    law = make_law("photometric", [gain], LawSetup(("photometric",), photometric=(damping, 1e-4, 1e-4)))
+    law = make_law("photometric", [gain], LawSetup(("photometric",), settings={"photometric": PhotometricSettings(damping, 1e-4, 1e-4)}))
     law.reset(Reference(np.zeros(1)))
     return [law.step(SimpleNamespace(has_reference=True, H=H[np.triu_indices(6)].tolist(), b=b.tolist(), rms=one,
                                      condition=5.0, symmetric=False), 0.0) for one in rms]
@@ -55,7 +57,7 @@ def photometric_twist(H, b, rms, gain, damping):
 def learnt(goal, outline, motions, changes, forgetting, move):
     """[(J, P)] of law broyden, of which the first is what it starts with, after each motion h and change ds."""
     names = tuple(f"{axis}{k + 1}" for k in range(len(outline)) for axis in "xy")
-    law = law_of("broyden", [1.0] * len(names), goal, names, outline, broyden=("desired", forgetting, move))
+    law = law_of("broyden", [1.0] * len(names), goal, names, outline, settings={"broyden": BroydenSettings("desired", forgetting, move)})
     states = [(law._J, law._P)]
     for motion, change in zip(motions, changes):
         law._learn(motion, change)
@@ -76,7 +78,7 @@ def goal_from_error(features, goal, here):
     """(R_CG, p_CP, point_G) that the estimate of a moving target makes of s and e, the camera at `here`."""
     one = FeatureSet(features)
     s, s_star = one.values(view(here)), one.values(view(goal))
-    motion = TargetMotion(FeedForwardConfig(), one)
+    motion = TargetMotion(FeedForwardSettings(), one)
     motion.set_reference(Reference(s_star, view=view(goal).features, plane_C=plane_of(goal)))
     return (*motion.goal_and_point(s, one.error(s, s_star, False)), motion._point_G)
 
@@ -91,7 +93,7 @@ def along_with_target(goal, cameras, targets, dt_s, velocity, turn):
     camera = Camera(None)
     camera.star = (goal[2, 3], camera.features(goal).area)
     features, taught = FeatureSet(FOUR), camera.features(goal)
-    motion = TargetMotion(FeedForwardConfig(), features)
+    motion = TargetMotion(FeedForwardSettings(), features)
     s_star = features.values(View(taught))
     motion.set_reference(Reference(s_star, view=taught, plane_C=plane_of(goal)))
     for stamp_ns, X_BC, X_BT in zip((0, round(1e9 * dt_s)), cameras, targets):
@@ -115,7 +117,7 @@ def at_limit(urdf, q, joint, room, dt_s):
     kinematics = Kinematics(urdf, "world", "camera_optical_frame")
     settings = config(inverse={"at_limits": "saturate", "method": "plain"},
                       null_space={"posture_gain_per_s": 0.0, "joint_limit_gain_per_s": 0.0})
-    motion = ArmMotion(kinematics, ServoConfig.from_dict(settings, kinematics.joint_names), sees_tilt=True)
+    motion = ArmMotion(kinematics, ServoSettings.from_dict(settings, kinematics.joint_names), sees_tilt=True)
     q, index = kinematics.vector(q), kinematics.joint_names.index(joint)
     q[index] = motion.upper[index] - room
     q_dot = np.full(len(q), 0.02)

@@ -14,7 +14,7 @@ from aras_visual_servo_controller.arm.kinematics import Kinematics
 from aras_visual_servo_controller.arm.redundancy import TwistInverse, norm_part
 from aras_visual_servo_controller.config.files import load_yaml
 from aras_visual_servo_controller.features import interaction
-from aras_visual_servo_controller.servo.visibility import VisibilityConfig, keep_in_view
+from aras_visual_servo_controller.servo.visibility import VisibilitySettings, keep_in_view
 
 SOURCE = THEORY.parents[1] / "src"
 URDF = (SOURCE / "aras_description" / "urdf" / "aras_arm.urdf").read_text()
@@ -417,7 +417,7 @@ def kept_in_view():
     view = in_product(m, mu, (0.0, 0.0, 1.0 / 0.6), an=0.6)
     centroid, area = interaction.centroid(view.m, view.plane)[0], view.L_area()
     room = 0.05
-    config = VisibilityConfig(half_width=right_edge(m, mu) + room, half_height=5.0, margin=0.0, extent=EXTENT,
+    config = VisibilitySettings(half_width=right_edge(m, mu) + room, half_height=5.0, margin=0.0, extent=EXTENT,
                               rate_per_s=GAMMA)
     twist = np.array([-0.4, 0.0, 0.1, 0.0, 0.0, 0.2])
     return m, mu, (centroid, area, view.L_mu(2, 0)), room, twist, keep_in_view(config, view.features, twist)[0]

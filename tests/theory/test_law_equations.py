@@ -10,6 +10,7 @@ from views import STEP, parallel_pose, plane_of, tilted_pose, view
 
 from aras_visual_servo_controller.features.base import FeatureSet
 from aras_visual_servo_controller.laws.base import adaptive_factor, sampled_gains
+from aras_visual_servo_controller.laws.setup import AdaptiveGainSettings
 
 GAINS = np.array([3.0, 2.0, 4.0, 1.5])
 GOAL = parallel_pose()
@@ -279,8 +280,8 @@ def largest(e):
 def slowed(r, s):
     """e, and the product's twist with adaptive gain against that without."""
     twists = []
-    for adaptive in (None, (r, s)):
-        law = product.law_of("ibvs", GAINS, GOAL, product.FOUR, adaptive=adaptive)
+    for adaptive in (None, AdaptiveGainSettings(r, s)):
+        law = product.law_of("ibvs", GAINS, GOAL, product.FOUR, adaptive_gain=adaptive)
         twist, _, e = product.twist_of(law, GOAL, HERE)
         twists.append(twist)
     return e, twists[1] @ twists[0] / (twists[0] @ twists[0])

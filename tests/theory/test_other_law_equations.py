@@ -8,6 +8,8 @@ from scenes import moved
 from toy_plant import OUTLINE
 from views import parallel_pose, plane_of, tilted_pose, view
 
+from aras_visual_servo_controller.laws.broyden import BroydenSettings
+from aras_visual_servo_controller.laws.sliding import SlidingSettings
 from aras_visual_servo_controller.features.base import FeatureSet
 from aras_visual_servo_controller.laws.sliding import _rate
 
@@ -74,7 +76,7 @@ def test_the_layer_is_reached_in_its_time_and_a_disturbance_leaves_its_part():
 @functools.lru_cache(maxsize=None)
 def sliding_of_the_product(kappa, phi):
     law = product.law_of("sliding", GAINS, GOAL, product.FOUR, interaction="current",
-                         sliding=(kappa, (phi,) * 4))
+                         settings={"sliding": SlidingSettings(kappa, (phi,) * 4)})
     twist, _, e = product.twist_of(law, GOAL, HERE)
     return twist[SEEN], e, FeatureSet(product.FOUR).matrix(view(HERE, plane=plane_of(HERE)))[:, SEEN]
 
@@ -176,7 +178,7 @@ def longest_step():
     """Motion, in radians and parts of Z*, that the product asks for in one image far away."""
     goal, outline, dt_s = tilted_pose(1), OUTLINE[:4], 0.1
     names = tuple(f"{axis}{k + 1}" for k in range(4) for axis in "xy")
-    law = product.law_of("broyden", [30.0] * 8, goal, names, outline, broyden=("desired", RHO, MOVE))
+    law = product.law_of("broyden", [30.0] * 8, goal, names, outline, settings={"broyden": BroydenSettings("desired", RHO, MOVE)})
     twist, _, _ = product.twist_of(law, goal, moved(goal, [0.1, -0.1, 0.1, 0.2, 0.1, 0.5]), dt_s, outline)
     return np.linalg.norm(twist / [*[view(goal, outline).features.z_star_m] * 3, 1.0, 1.0, 1.0]) * dt_s
 

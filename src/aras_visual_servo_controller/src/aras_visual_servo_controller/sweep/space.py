@@ -9,14 +9,11 @@ from math import acos, cos, pi, sin
 
 import numpy as np
 
-from ..config.settings import keys_of
 from ..ground.errors import ParameterError
-from ..scenario.sweep import BallRanges, CameraRanges, GoalRanges
+from ..scenario.sweep import BALL_AXES, CAMERA_AXES
 from ..target.outline import Outline
 from ..ground.spatial import rotation, rotation_vector
 
-CAMERA_AXES, BALL_AXES, GOAL_AXES = (tuple(key.name for key in keys_of(ranges))
-                                     for ranges in (CameraRanges, BallRanges, GoalRanges))
 #: At u, v = +-1 the target keeps this distance from the border of the image, since one that touches it is not measured
 #: [px].
 VIEW_MARGIN_PX = 2.0
