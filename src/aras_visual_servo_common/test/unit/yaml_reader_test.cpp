@@ -197,6 +197,26 @@ TEST_F(ReadToy, FaultsOfTheCallerHaveTheFullPathToo) {
   EXPECT_EQ(faultsOf(toy), "toy/wheels[0]/teeth: found 12, allowed as many as the other wheel has");
 }
 
+TEST_F(ReadToy, AKeyOfSeveralMapsIsReadAsTheMapThatIsMeantHasIt) {
+  const std::string shapes = R"(
+description: A shape.
+oneOf:
+  - type: object
+    additionalProperties: false
+    required: [type]
+    properties: {type: {const: box}, size: {type: number, default: 1, description: A.}}
+  - type: object
+    additionalProperties: false
+    required: [type]
+    properties: {type: {const: ball}, size: {type: number, default: 2, description: A.}}
+)";
+  EXPECT_EQ(reader("{type: box}", shapes).get<double>("size"), 1.0);
+  EXPECT_EQ(reader("{type: ball}", shapes).get<double>("size"), 2.0);
+  EXPECT_EQ(reader("{type: ball, color: red}", shapes).get<double>("size"), 2.0);
+  YamlReader wrong = reader("{type: ball, size: x}", shapes);
+  EXPECT_EQ(faultsOf(wrong), "toy/size: found x, allowed a number");
+}
+
 TEST_F(ReadToy, AnythingButAMapIsRefused) {
   YamlReader list = reader("[1, 2]");
   list.get<std::string>("name");

@@ -1,6 +1,6 @@
 #include <pybind11/pybind11.h>
 
-#include "aras_visual_servo_sim/errors.hpp"
+#include "aras_visual_servo_sim/config/errors.hpp"
 #include "bind_simulation.hpp"
 
 namespace py = pybind11;
