@@ -63,16 +63,17 @@ class Broyden(Law):
         self._units = np.array([view.z_star_m] * 3 + [1.0] * 3)[self._columns]
         n = len(self._columns)
         self._P, self._P_trace = np.eye(n) / self._move**2, n / self._move**2
-        self._s_last = self._dt_last = self.applied = None
+        self._s_last = self._dt_last = None
         self._images, self._motions, self._changes = 0, np.zeros((n, n)), np.zeros((len(self.features), n))
         self._J = None
         if self.settings.initial == "desired":
             self._J = self.goal_matrix(view, plane)[:, self._columns] * self._units
 
-    def _twist(self, s, e, dt_s):
+    def _twist(self, look, s, e):
+        dt_s = look.dt_s
         if dt_s <= 0.0:
             raise ParameterError(f"law '{self.name}': found dt_s {dt_s}, allowed > 0: it learns from motion in time")
-        motion, change = self._since_the_last_image(s)
+        motion, change = self._since_the_last_image(look, s)
         self._s_last, self._dt_last = s, dt_s
         if self._J is None:
             self._note(motion, change)
@@ -84,12 +85,12 @@ class Broyden(Law):
         motion = twist[self._columns] / self._units
         return twist * min(1.0, TRUST * self._move / max(float(motion @ motion) ** 0.5 * dt_s, 1e-12))
 
-    def _since_the_last_image(self, s):
+    def _since_the_last_image(self, look, s):
         """(motion (n,), change of the features (k,)); None each when the arm was stopped in between."""
-        if self.applied is None or self._s_last is None:
+        if look.applied is None or self._s_last is None:
             return None, None
-        motion = self.applied[self._columns] / self._units * self._dt_last
-        return motion, np.array(self.features.error(s, self._s_last, self.view.features.symmetric))
+        motion = look.applied[self._columns] / self._units * self._dt_last
+        return motion, np.array(self.features.error(s, self._s_last, look.view.features.symmetric))
 
     def _learn(self, motion, change):
         """Recursive least squares; the covariance grows no larger than it was, however long the arm rests."""

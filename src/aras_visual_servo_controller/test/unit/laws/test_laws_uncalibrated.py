@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from views import view
-from views import exponential, plane_of, tilted_pose
+from views import exponential, look_at, plane_of, tilted_pose, view
 
 from aras_visual_servo_controller.ground.errors import DegenerateFeature, ParameterError
 from aras_visual_servo_controller.features.base import FeatureSet, View
@@ -41,13 +40,20 @@ def start_law(name, names=FOUR, gain=2.0, focal=1.0, depth=1.0, settings=None):
 
 def drive(law, X=START, seconds=10.0, focal=1.0, depth=1.0, drift=(0.0,) * 6, lag=0.0):
     """Poses of the camera; the target moves by `drift` seen from the camera; joints follow with a time constant."""
-    path, speed = [], np.zeros(6)
+    return drive_and_answer(law, X, seconds, focal, depth, drift, lag)[0]
+
+
+def drive_and_answer(law, X=START, seconds=10.0, focal=1.0, depth=1.0, drift=(0.0,) * 6, lag=0.0):
+    """(poses, last `Answer`), as `drive`."""
+    path, speed, twist = [], np.zeros(6), None
     for _ in range(round(seconds / DT_S)):
         path.append(X)
-        twist = law.step(scaled(view(X, SQUARE).features, focal), DT_S, plane_of(X) / depth)
+        seen = scaled(view(X, SQUARE).features, focal)
+        answer = law.step(look_at(seen, DT_S, plane_of(X) / depth, applied=twist))
+        twist = answer.twist
         speed = twist + (speed - twist) * lag
         X = X @ exponential(speed + np.array(drift), DT_S)
-    return np.array(path)
+    return np.array(path), answer
 
 
 def distance(path, k=-1):
@@ -62,8 +68,8 @@ SLIDING = {"settings": SlidingSettings(6.0, (0.02,) * 8)}
 def test_twist_is_a_constant_rate_on_top_of_the_proportional_one_and_linear_inside_the_layer():
     law, plain = start_law("sliding", **SLIDING), start_law("ibvs")
     here = view(START, SQUARE).features
-    twist, expected = law.step(here, 1e-9), plain.step(here, 1e-9)
-    e = np.array(law.e)
+    answer, expected = law.step(look_at(here, 1e-9)), plain.step(look_at(here, 1e-9)).twist
+    twist, e = answer.twist, np.array(answer.e)
     assert (np.abs(e) > 0.02).any() and (np.abs(e) < 0.02).any()
     L = np.linalg.pinv(FeatureSet(FOUR).matrix(view(GOAL, SQUARE, plane_of(GOAL))))
     np.testing.assert_allclose(twist - expected, -L @ (6.0 * np.clip(e, -0.02, 0.02)), atol=1e-6)  # expm1 of 1e-8
@@ -82,8 +88,8 @@ def test_layer_is_reached_in_the_time_the_reaching_law_says():
 
 def test_a_moving_target_leaves_a_share_of_what_the_proportional_law_leaves():
     drift = [0.01, 0.0, 0.0, 0.0, 0.0, 0.0]  # m/s: e_dot of 0.02 /s, inside (lambda + kappa) phi = 0.16
-    left = [np.abs(law.e).max() for law in (start_law("ibvs"), start_law("sliding", **SLIDING))
-            if drive(law, drift=drift) is not None]
+    left = [np.abs(drive_and_answer(law, drift=drift)[1].e).max()
+            for law in (start_law("ibvs"), start_law("sliding", **SLIDING))]
     assert left[1] == pytest.approx(left[0] * 2.0 / (2.0 + 6.0), rel=0.15)  # sampled: (1 - exp(-8/30)) for 8/30
 
 
@@ -133,7 +139,8 @@ def test_broyden_does_not_look_at_plane_or_pose():
     twists = []
     for plane in (None, (9.0, 9.0, 9.0)):
         law = start_law("broyden")
-        twists.append([law.step(view(START, SQUARE).features, DT_S, plane) for _ in range(2)])
+        here, first = view(START, SQUARE).features, np.full(6, 0.01)
+        twists.append([law.step(look_at(here, DT_S, plane, applied=applied)).twist for applied in (None, first)])
     np.testing.assert_array_equal(*twists)
 
 
@@ -142,11 +149,12 @@ def test_one_motion_leaves_the_share_unexplained_that_least_squares_say():
     forgetting, move = 0.9, 0.01
     law = start_law("broyden", depth=2.0, settings=BroydenSettings("desired", forgetting, move))
     before = law.L
-    first = law.step(view(START, SQUARE).features, DT_S)
-    law.step(view(START @ exponential(first, DT_S), SQUARE).features, DT_S)
+    first = law.step(look_at(view(START, SQUARE).features, DT_S)).twist
+    moved = view(START @ exponential(first, DT_S), SQUARE).features
+    law.step(look_at(moved, DT_S, applied=first))
     there, here = (FeatureSet(FOUR).values(view(X, SQUARE)) for X in (START @ exponential(first, DT_S), START))
     change = np.array(there) - here
-    units = np.array([law.view.features.z_star_m * 2.0] * 3 + [1.0] * 3)
+    units = np.array([moved.z_star_m * 2.0] * 3 + [1.0] * 3)
     h = first / units * DT_S
     share = forgetting / (forgetting + h @ h / move**2)
     assert share < 0.3
@@ -157,9 +165,9 @@ def test_one_motion_leaves_the_share_unexplained_that_least_squares_say():
 
 def test_test_moves_find_the_matrix_without_knowing_anything():
     law, X = start_law("broyden", settings=BroydenSettings("moves", 0.95, 0.01)), START
-    moved = []
+    moved, twist = [], None
     while law.L is None:
-        twist = law.step(view(X, SQUARE).features, DT_S)
+        twist = law.step(look_at(view(X, SQUARE).features, DT_S, applied=twist)).twist
         if law.L is None:
             moved.append(twist)
             X = X @ exponential(twist, DT_S)
@@ -176,12 +184,13 @@ def test_joints_that_lag_spoil_neither_test_moves_nor_the_way_home():
 
 def test_four_features_learn_four_columns():
     names = ("xn", "yn", "an", "alpha")
-    law, X = start_law("broyden", names, depth=1.3), START
+    law, X, twist = start_law("broyden", names, depth=1.3), START, None
     for _ in range(200):
-        twist = law.step(view(X, SQUARE).features, DT_S)
+        answer = law.step(look_at(view(X, SQUARE).features, DT_S, applied=twist))
+        twist = answer.twist
         assert twist[3] == twist[4] == 0.0
         X = X @ exponential(twist, DT_S)
-    assert np.abs(law.e).max() < 1e-4
+    assert np.abs(answer.e).max() < 1e-4
 
 
 def test_moments_can_be_learnt_as_well():
@@ -191,14 +200,12 @@ def test_moments_can_be_learnt_as_well():
 
 def test_nothing_is_learnt_over_a_stop_and_at_rest():
     law = start_law("broyden")
-    law.step(view(START, SQUARE).features, DT_S)
+    law.step(look_at(view(START, SQUARE).features, DT_S))
     L = law.L.copy()
-    law.applied = None  # the servo stopped the arm
-    law.step(view(GOAL, SQUARE).features, DT_S)
+    law.step(look_at(view(GOAL, SQUARE).features, DT_S, applied=None))  # the servo stopped the arm
     np.testing.assert_array_equal(law.L, L)
     for _ in range(500):
-        law.applied = np.zeros(6)
-        law.step(view(GOAL, SQUARE).features, DT_S)
+        law.step(look_at(view(GOAL, SQUARE).features, DT_S, applied=np.zeros(6)))
     np.testing.assert_array_equal(law.L, L)
     assert np.trace(law._P) <= 6 / 0.01**2 * (1 + ROUNDING)
 
@@ -210,9 +217,10 @@ def test_two_runs_give_the_same_bytes():
 
 def test_features_that_did_not_move_are_no_matrix():
     law = start_law("broyden", settings=BroydenSettings("moves", 0.95, 0.01))
+    twist = None
     with pytest.raises(DegenerateFeature, match="condition number"):
-        for _ in range(60):
-            law.step(view(START, SQUARE).features, DT_S)  # the arm is held fast
+        for _ in range(60):  # the arm is held fast, and said to have moved
+            twist = law.step(look_at(view(START, SQUARE).features, DT_S, applied=twist)).twist
 
 
 # --- settings -------------------------------------------------------------------------------------------------------

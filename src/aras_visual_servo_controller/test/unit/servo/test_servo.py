@@ -95,7 +95,7 @@ def test_sag_of_the_joints_leaves_no_pose_error():
 def test_wrong_gain_sign_never_converges():
     @register("wrong_sign")
     class WrongSign(Law):
-        def _twist(self, s, e, dt_s):
+        def _twist(self, look, s, e):
             return -np.array([e[0] + s[1] * e[3], e[1] - s[0] * e[3], e[2], 0.0, 0.0, e[3]])
 
     try:
