@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 from bench import Bench, config
 from toy_plant import OUTLINE, Camera
-from views import plane_of, view
+from views import look_at, plane_of, view
 
 from aras_visual_servo_controller.arm.kinematics import Kinematics
 from aras_visual_servo_controller.arm.motion import LIMIT_HORIZON, ArmMotion
@@ -33,9 +33,9 @@ def law_of(name, gains, goal, features, outline=OUTLINE, **setup):
 
 def twist_of(law, goal, here, dt_s=0.0, outline=OUTLINE):
     """(V_C, s, e) of a law for the view of the outline from the pose `here`."""
-    law.X_CgC = np.linalg.inv(goal) @ here
-    twist = law.step(view(here, outline).features, dt_s, plane_of(here))
-    return np.array(twist), np.array(law.s), np.array(law.e)
+    look = look_at(view(here, outline).features, dt_s, plane_of(here), np.linalg.inv(goal) @ here)
+    answer = law.step(look)
+    return np.array(answer.twist), np.array(answer.s), np.array(answer.e)
 
 
 def four_features(name, gains, s, s_star, dt_s):
@@ -43,21 +43,24 @@ def four_features(name, gains, s, s_star, dt_s):
     law = make_law(name, gains)
     law.reset(s_star)
     seen = SimpleNamespace(xn=s[0], yn=s[1], an=s[2], alpha=s[3], symmetric=False)
-    return law.step(seen, dt_s)[[0, 1, 2, 5]]
+    return law.step(look_at(seen, dt_s)).twist[[0, 1, 2, 5]]
 
 
 def photometric_twist(H, b, rms, gain, damping):
     """[(6,) twist], not held for any time, of law photometric for one image after the other with these equations."""
-    law = make_law("photometric", [gain], LawSetup(("photometric",), settings={"photometric": PhotometricSettings(damping, 1e-4, 1e-4)}))
+    settings = {"photometric": PhotometricSettings(damping, 1e-4, 1e-4)}
+    law = make_law("photometric", [gain], LawSetup(("photometric",), settings=settings))
     law.reset(Reference(np.zeros(1)))
-    return [law.step(SimpleNamespace(has_reference=True, H=H[np.triu_indices(6)].tolist(), b=b.tolist(), rms=one,
-                                     condition=5.0, symmetric=False), 0.0) for one in rms]
+    image = {"has_reference": True, "H": H[np.triu_indices(6)].tolist(), "b": b.tolist(), "condition": 5.0,
+             "symmetric": False}
+    return [law.step(look_at(SimpleNamespace(**image, rms=one))).twist for one in rms]
 
 
 def learnt(goal, outline, motions, changes, forgetting, move):
     """[(J, P)] of law broyden, of which the first is what it starts with, after each motion h and change ds."""
     names = tuple(f"{axis}{k + 1}" for k in range(len(outline)) for axis in "xy")
-    law = law_of("broyden", [1.0] * len(names), goal, names, outline, settings={"broyden": BroydenSettings("desired", forgetting, move)})
+    law = law_of("broyden", [1.0] * len(names), goal, names, outline,
+                 settings={"broyden": BroydenSettings("desired", forgetting, move)})
     states = [(law._J, law._P)]
     for motion, change in zip(motions, changes):
         law._learn(motion, change)

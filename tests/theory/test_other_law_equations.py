@@ -178,7 +178,8 @@ def longest_step():
     """Motion, in radians and parts of Z*, that the product asks for in one image far away."""
     goal, outline, dt_s = tilted_pose(1), OUTLINE[:4], 0.1
     names = tuple(f"{axis}{k + 1}" for k in range(4) for axis in "xy")
-    law = product.law_of("broyden", [30.0] * 8, goal, names, outline, settings={"broyden": BroydenSettings("desired", RHO, MOVE)})
+    law = product.law_of("broyden", [30.0] * 8, goal, names, outline,
+                         settings={"broyden": BroydenSettings("desired", RHO, MOVE)})
     twist, _, _ = product.twist_of(law, goal, moved(goal, [0.1, -0.1, 0.1, 0.2, 0.1, 0.5]), dt_s, outline)
     return np.linalg.norm(twist / [*[view(goal, outline).features.z_star_m] * 3, 1.0, 1.0, 1.0]) * dt_s
 
