@@ -14,7 +14,7 @@ from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.run.judge import judge, run_in_process
 from aras_visual_servo_controller.run.loop import ServoLoop
 from aras_visual_servo_controller.scenario.scenario import load_scenario
-from aras_visual_servo_controller.servo.settings import ServoConfig
+from aras_visual_servo_controller.servo.settings import ServoSettings
 
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "extending.md"
 MAX_LINES = 45
@@ -94,13 +94,14 @@ def test_settings_have_their_defaults_and_hold(folder):
 def test_every_bad_setting_is_named_with_what_is_allowed_whichever_law_is_in_use(folder, law):
     bad = {"max_speed_m_s": 0.0, "max_turn_rad_s": 4, "max_jerk": 1.0}
     faults = ["servo.bounded.max_jerk: unknown key, known are max_speed_m_s, max_turn_rad_s",
-              "servo.bounded.max_speed_m_s: found 0.0, allowed > 0", "servo.bounded.max_turn_rad_s: found 4, allowed <= 3"]
+              "servo.bounded.max_speed_m_s: found 0.0, allowed > 0",
+              "servo.bounded.max_turn_rad_s: found 4, allowed <= 3"]
     with pytest.raises(ParameterError) as caught:
         load_scenario("experiment_1", {**overrides(), "servo.law": law, "servo.bounded": bad})
     assert [fault.split(": ", 1)[1] for fault in caught.value.faults] == faults
     good = load_scenario("experiment_1", {**overrides(), "servo.law": law}).servo
     with pytest.raises(ParameterError) as caught:  # as the controller node reads it
-        ServoConfig.from_dict({**good, "bounded": bad})
+        ServoSettings.from_dict({**good, "bounded": bad})
     assert sorted(caught.value.faults) == [
         "servo/bounded/max_jerk: unknown key, allowed max_speed_m_s, max_turn_rad_s",
         "servo/bounded/max_speed_m_s: found 0.0, allowed a finite number > 0",

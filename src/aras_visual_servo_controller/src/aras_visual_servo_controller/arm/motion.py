@@ -41,7 +41,7 @@ class ArmMotion:
     """
 
     def __init__(self, kinematics, config, sees_tilt):
-        """Args: kinematics: `Kinematics`. config: `ServoConfig`. sees_tilt: all six rows of the twist are servoed."""
+        """Args: kinematics: `Kinematics`. config: `ServoSettings`. sees_tilt: all six rows of the twist are servoed."""
         self._kinematics = kinematics
         inverse, spare = config.inverse, config.null_space
         weights = [inverse.joint_weights.get(name, 1.0) for name in kinematics.joint_names]

@@ -39,7 +39,7 @@ class NullSpaceSettings:
     joint_limit_gain_per_s: float = setting(1.0, unit="1/s", at_least=0, help="Away from the limits of the joints.")
     manipulability_gain_per_s: float = setting(
         0.0, unit="rad^2/s", at_least=0,
-        help="Up the logarithm of the manipulability, away from singularities (T42).")
+        help="Up the logarithm of the manipulability, away from singularities (T42; 4 us).")
     max_speed: float = setting(0.2, unit="m/s, rad/s", above=0, help="Largest speed of a joint in this motion.")
     projection: str = setting(
         "gradient", choices=("gradient", "large"),
@@ -56,7 +56,7 @@ class NullSpaceSettings:
 
 
 @dataclass(frozen=True)
-class LimitsConfig:
+class LimitsSettings:
     """Section `servo.limits`: limits that are tighter than those of the URDF."""
 
     camera_speed_m_s: float = setting(

@@ -13,7 +13,7 @@ import yaml
 
 from ..ground.errors import ParameterError
 from .files import package_path
-from .settings import entry_type, is_table, keys_of
+from .settings import entry_type, is_table, keys_of, required_keys
 
 _TYPES = {float: "number", int: "integer", bool: "boolean", str: "string"}
 _BOUNDS = {">": "exclusiveMinimum", ">=": "minimum", "<": "exclusiveMaximum", "<=": "maximum"}
@@ -28,7 +28,8 @@ def schema_of(cls):
 
 def with_sections(schema, sections):
     """The schema of a section, with further sections in it: name -> settings class."""
-    more = {name: {"description": first_line(cls), **schema_of(cls)} for name, cls in sections.items()}
+    more = {name: {"description": first_line(cls), **schema_of(cls), **({} if required_keys(cls) else {"default": {}})}
+            for name, cls in sections.items()}
     return {**schema, "properties": {**schema["properties"], **more}}
 
 
@@ -95,7 +96,7 @@ def _type(key, kind):
         return {"enum": list(key.choices)}
     bounds = {_BOUNDS[sign]: bound for sign, bound in key.bounds}
     text = {"minLength": 1} if kind is str and key.not_empty else {}
-    return {} if kind is object else {"type": _TYPES[kind], **bounds, **text}
+    return {**({} if kind is object else {"type": _TYPES[kind]}), **bounds, **text}
 
 
 def _plain(value):

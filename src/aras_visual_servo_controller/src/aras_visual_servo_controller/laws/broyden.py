@@ -16,7 +16,7 @@ TRUST = 5.0
 
 @dataclass(frozen=True)
 class BroydenSettings:
-    """Section `servo.broyden`."""
+    """Settings of law `broyden`, which mode `continuous` only has."""
 
     initial: str = setting(
         "desired", choices=("desired", "moves"),

@@ -13,7 +13,7 @@ _UPPER = np.triu_indices(6)
 
 @dataclass(frozen=True)
 class PhotometricSettings:
-    """Section `servo.photometric`."""
+    """Settings of law `photometric`; whose gradient it takes says `vision.photometric.interaction`."""
 
     damping: float = setting(0.01, at_least=0, help="Damping mu of (T46) at the first image; it falls with the cost.")
     rest_m_per_s: float = setting(

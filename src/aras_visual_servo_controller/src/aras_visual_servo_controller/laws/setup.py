@@ -14,7 +14,7 @@ AWAY = ("z > 0 (away from the camera)", lambda normal: normal[2] > 0.0)
 
 
 @dataclass(frozen=True)
-class AdaptiveGain:
+class AdaptiveGainSettings:
     """Section `servo.adaptive_gain`: gains times 1 at the goal, times a part of it far away (T22)."""
 
     infinity_part: float = setting(above=0, below=1, help="The part far away.")
@@ -38,7 +38,9 @@ class LawSetup:
         "desired", choices=INTERACTIONS,
         help="Which matrix `ibvs` and `sliding` invert: that at the goal, that of the current view, or the mean of "
              "both (second-order minimisation).")
-    adaptive_gain: Optional[AdaptiveGain] = setting(None, help="The gains depend on the size of the error (T22).")
+    adaptive_gain: Optional[AdaptiveGainSettings] = setting(
+        None,
+        help="The gains depend on the size of the error: times 1 at the goal, times a part of it far away (T22).")
     smooth_start_per_s: float = setting(
         0.0, unit="1/s", at_least=0,
         help="Rate at which the first twist is let in (T23); 0: at once.")

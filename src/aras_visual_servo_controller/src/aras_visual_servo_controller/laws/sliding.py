@@ -14,7 +14,7 @@ from .image import ImageBased
 
 @dataclass(frozen=True)
 class SlidingSettings:
-    """Section `servo.sliding`."""
+    """Settings of law `sliding`, which needs them."""
 
     switching_per_s: float = setting(
         unit="1/s", above=0,

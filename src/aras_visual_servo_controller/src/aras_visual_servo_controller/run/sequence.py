@@ -17,7 +17,7 @@ import numpy as np
 from ..ground.errors import ArasError, ParameterError
 from ..arm.trajectory import JointTrajectory
 from ..ground.types import Command, Observation, ServoRecord, Status
-from .settings import ExperimentConfig
+from .settings import ExperimentSettings
 
 PHASES = ("idle", "to_goal", "settle_goal", "teach", "to_start", "settle_start", "servo", "done")
 
@@ -51,7 +51,7 @@ class ExperimentSequence:
                 extractors. An exception it raises ends the experiment with status FAULT.
         Raises: ParameterError.
         """
-        self.config = ExperimentConfig.from_dict(config, kinematics)
+        self.config = ExperimentSettings.from_dict(config, kinematics)
         self._kinematics, self._servo, self._teach_camera = kinematics, servo, teach_camera
         self._no_velocity = dict.fromkeys(kinematics.joint_names, 0.0)
         self._n = len(kinematics.joint_names)

@@ -28,7 +28,7 @@ class JudgeSettings:
 
 
 @dataclass(frozen=True)
-class ExperimentConfig:
+class ExperimentSettings:
     """Section `experiment`: teach the view at the goal, go to the start, servo, judge."""
 
     goal: Place = setting(help="Where the view is taught that the servo is to find again.")

@@ -9,22 +9,22 @@ from ..features.base import expand, source_of
 from ..features.source import source_named
 from ..ground.errors import ParameterError
 from ..ground.types import FEATURE_NAMES
-from ..servo.settings import ServoConfig
-from .schema import scenario_schema, sources
+from ..servo.settings import ServoSettings
+from .schema import default_of, scenario_schema, sources
 
 
 def check(document):
     """Faults of a scenario document, `path: what, allowed` each, sorted by path; [] if there are none."""
     missing, faults = load_plugins(_plugins(document)), []
     try:
-        validator = _validator(sources())
+        validator, schema = _validator(sources())
     except ParameterError as error:
         return error.faults
     for error in validator.iter_errors(document):
         faults.extend(_describe(error))
     if faults:  # a plugin that is not there may be why; alone, it is told when the servo is set up
         faults += [f"servo.{fault}" for fault in missing]
-    return sorted(set(faults or _feature_faults(document) + _latency_faults(document)))
+    return sorted(set(faults or _feature_faults(document) + _latency_faults(document, schema)))
 
 
 def _plugins(document):
@@ -51,13 +51,14 @@ def _feature_faults(document):
     return faults
 
 
-def _latency_faults(document):
+def _latency_faults(document, schema):
     """An image must be answered before it is stale, and so must the next one: one frame and its rounding later."""
     sim, faults = document["sim"], []
-    timeout_s = document["servo"].get("input_timeout_s", ServoConfig.input_timeout_s)
-    period_s = sim.get("period_s", 0.001)
+    timeout_s = document["servo"].get("input_timeout_s", ServoSettings.input_timeout_s)
+    period_s = sim.get("period_s", default_of("sim.period_s", schema))
+    rate_hz = default_of("sim.cameras.rate_hz", schema)
     for i, camera in enumerate(sim.get("cameras", [])):
-        latency_s, frame_s = camera.get("latency_s", 0.0), 1.0 / camera.get("rate_hz", 30.0)
+        latency_s, frame_s = camera.get("latency_s", 0.0), 1.0 / camera.get("rate_hz", rate_hz)
         longest_s = timeout_s - frame_s - 2.0 * period_s
         if latency_s > max(0.0, longest_s):
             faults.append(f"sim.cameras[{i}].latency_s: found {latency_s:g}, allowed <= servo.input_timeout_s - "
@@ -67,15 +68,14 @@ def _latency_faults(document):
 
 @functools.lru_cache(maxsize=4)
 def _validator(made_of):
-    """Args: made_of: `sources` of the schema."""
+    """(validator, schema). Args: made_of: `sources` of the schema."""
     import jsonschema  # slow to import
-    schema = scenario_schema()
-    jsonschema.Draft7Validator.check_schema(schema)
     # YAML knows .nan and .inf, JSON does not: a number is a finite one.
     is_number = jsonschema.Draft7Validator.TYPE_CHECKER.is_type
     checker = jsonschema.Draft7Validator.TYPE_CHECKER.redefine(
         "number", lambda _, value: is_number(value, "number") and math.isfinite(value))
-    return jsonschema.validators.extend(jsonschema.Draft7Validator, type_checker=checker)(schema)
+    schema = scenario_schema()
+    return jsonschema.validators.extend(jsonschema.Draft7Validator, type_checker=checker)(schema), schema
 
 
 def _describe(error):

@@ -1,7 +1,7 @@
 """Scenarios: the one file that says what a run is. Loaded and checked without ROS and without a master.
 
 `load_scenario("experiment_1")` reads config/scenarios/experiment_1.yaml of this package, `load_scenario(PATH)` any
-other file. Everything is checked against config/scenario.schema.json first; every fault is listed with its path.
+other file. Everything is checked against the schema first (schema.py); every fault is listed with its path.
 """
 
 import copy

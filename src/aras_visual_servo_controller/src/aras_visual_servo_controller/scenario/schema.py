@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from ..config.files import package_path
 from ..config.schema import schema_of, yaml_section
 from ..config.settings import setting
-from ..run.settings import ExperimentConfig
+from ..config.tables import part_of
+from ..run.settings import ExperimentSettings
 from ..servo.settings import own_sections, servo_schema
 from .sweep import Perturbations, SweepSection
 
@@ -38,6 +39,11 @@ def scenario_schema():
     return _schema(sources())
 
 
+def default_of(name, schema=None):
+    """What a key is where the scenario does not say, e.g. of "sim.cameras.rate_hz". KeyError: it has no default."""
+    return part_of((schema or scenario_schema())["properties"], name)["default"]
+
+
 @functools.lru_cache(maxsize=4)
 def _schema(made_of):
     properties = {
@@ -46,7 +52,7 @@ def _schema(made_of):
         "robot": schema_of(RobotSettings),
         **{name: yaml_section(package, name) for name, package in ELSEWHERE.items()},
         "servo": servo_schema(dict(made_of[0])),
-        "experiment": schema_of(ExperimentConfig),
+        "experiment": schema_of(ExperimentSettings),
         "sweep": schema_of(SweepSection),
     }
     return {"$schema": "http://json-schema.org/draft-07/schema#", "title": "ARAS Visual Servo scenario",

@@ -73,6 +73,10 @@ class GoalRanges(_Ranges):
         help="About which axis of the image plane it is tilted; 0: x.")
 
 
+CAMERA_AXES, BALL_AXES, GOAL_AXES = (tuple(key.name for key in keys_of(ranges))
+                                     for ranges in (CameraRanges, BallRanges, GoalRanges))
+
+
 @dataclass(frozen=True)
 class SweepSection:
     """Section `sweep`: every key may be left out, and the command line goes first."""

@@ -31,7 +31,7 @@ RANK = 1e-4
 
 
 @dataclass(frozen=True)
-class FeedForwardConfig:
+class FeedForwardSettings:
     """Section `servo.feed_forward`: the estimated motion of the target is fed forward."""
 
     acceleration_m_s2: float = setting(
@@ -81,7 +81,7 @@ class TargetMotion:
     """
 
     def __init__(self, config, features):
-        """Args: config: `FeedForwardConfig`. features: `FeatureSet` of the law."""
+        """Args: config: `FeedForwardSettings`. features: `FeatureSet` of the law."""
         self._config, self._features = config, features
         self._exact = features.names in (FEATURE_NAMES, POSE_FEATURES)
         self._point_G = self._to_go = None

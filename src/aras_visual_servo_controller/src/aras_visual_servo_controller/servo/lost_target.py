@@ -27,7 +27,7 @@ EASE_PERIODS = 5.0
 
 
 @dataclass(frozen=True)
-class LostTargetConfig:
+class LostTargetSettings:
     """Section `servo.lost_target`: how the arm backs off or searches, where `on_lost` says so."""
 
     patience_s: float = setting(
@@ -71,7 +71,7 @@ def search_places(config, first_angle):
     """Displacements of the camera from where it saw the target last, (6,) each: [translation m; rotation vector rad].
 
     Rings of `DIRECTIONS` places, beginning in the direction in which the target was seen last.
-    Args: config: `LostTargetConfig`. first_angle: of that direction in the image [rad].
+    Args: config: `LostTargetSettings`. first_angle: of that direction in the image [rad].
     """
     places = []
     for ring in range(1, config.rings + 1):
@@ -92,7 +92,7 @@ class LostTarget:
     """
 
     def __init__(self, kinematics, arm, action, config):
-        """Args: kinematics: `Kinematics`. arm: `ArmMotion`. action: one of ACTIONS. config: `LostTargetConfig`."""
+        """Args: kinematics: `Kinematics`. arm: `ArmMotion`. action: one of ACTIONS. config: `LostTargetSettings`."""
         self._kinematics, self._arm, self._action, self._config = kinematics, arm, action, config
         self._speed = np.minimum(kinematics.velocity, config.speed)
         self.clear()

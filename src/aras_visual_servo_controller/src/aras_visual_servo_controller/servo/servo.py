@@ -27,7 +27,7 @@ from ..laws.base import make_law
 from ..laws.look import Look
 from .look_then_move import LookThenMove
 from .lost_target import LostTarget
-from .settings import ServoConfig
+from .settings import ServoSettings
 from ..ground.types import Command, Observation, Reference, ServoRecord, Status
 from .visibility import keep_in_view
 
@@ -39,7 +39,7 @@ class Servo:
     """Drives the camera to the taught view.
 
     Attributes:
-        config: `ServoConfig` in use.  reference: `Reference` or None.  status: `Status` of the last step.
+        config: `ServoSettings` in use.  reference: `Reference` or None.  status: `Status` of the last step.
         finished: only start() moves again (CONVERGED, TIMED_OUT, STOPPED or FAULT).
     """
 
@@ -47,7 +47,7 @@ class Servo:
         """Args: kinematics: `Kinematics`. config: the scenario's section `servo` (dict). Raises ParameterError."""
         names = kinematics.joint_names
         self._kinematics = kinematics
-        self._scenario_config = self.config = ServoConfig.from_dict(config, names)
+        self._scenario_config = self.config = ServoSettings.from_dict(config, names)
         self._features = FeatureSet(self.config.features, self.config.settings)
         self._source = source_named(self._features.source)
         self._arm = ArmMotion(kinematics, self.config, self._features.sees_tilt)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Optional, Tuple
 
-from ..arm.settings import InverseSettings, LimitsConfig, NullSpaceSettings
+from ..arm.settings import InverseSettings, LimitsSettings, NullSpaceSettings
 from ..config.files import load_yaml, resolve_uri
 from ..config.plugins import load_plugins
 from ..config.reader import Names, read
@@ -15,15 +15,15 @@ from ..ground.errors import ParameterError
 from ..ground.types import FEATURE_NAMES
 from ..laws.base import LawSetup, known_laws, law_settings, make_law
 from ..target.target_pose import PlanarTarget
-from .feed_forward import FeedForwardConfig
-from .lost_target import ACTIONS, LostTargetConfig
-from .visibility import VisibilityConfig
+from .feed_forward import FeedForwardSettings
+from .lost_target import ACTIONS, LostTargetSettings
+from .visibility import VisibilitySettings
 
 MODES = ("continuous", "look_then_move")
 
 
 @dataclass(frozen=True, kw_only=True)
-class ServoConfig(LawSetup):
+class ServoSettings(LawSetup):
     """Section `servo`; what all laws share it has from `LawSetup`. Gains, thresholds: in the order of `features`."""
 
     law: str = setting(
@@ -71,12 +71,12 @@ class ServoConfig(LawSetup):
         help="look_then_move: acceleration of the moves.")
     inverse: InverseSettings = setting(InverseSettings(), help="From the twist of the camera to joint velocities.")
     null_space: NullSpaceSettings = setting(NullSpaceSettings(), help="Motion that leaves the camera where it is.")
-    limits: LimitsConfig = setting(LimitsConfig(), help="Limits that are tighter than those of the URDF.")
+    limits: LimitsSettings = setting(LimitsSettings(), help="Limits that are tighter than those of the URDF.")
     joint_limit_margin: float = setting(0.01, unit="m, rad", at_least=0, help="Kept to the limit of every joint.")
-    visibility: Optional[VisibilityConfig] = setting(
+    visibility: Optional[VisibilitySettings] = setting(
         None,
         help="The object is kept in a view of this size (T43; 55 us).")
-    feed_forward: Optional[FeedForwardConfig] = setting(
+    feed_forward: Optional[FeedForwardSettings] = setting(
         None,
         help="The estimated motion of the target is fed forward (T45); mode `continuous` only.")
     track: bool = setting(
@@ -87,7 +87,7 @@ class ServoConfig(LawSetup):
         "hold", choices=ACTIONS,
         help="While the target is lost: `hold` still, `back_off` along the path travelled while it was seen, or "
              "`search` around the pose that saw it last.")
-    lost_target: LostTargetConfig = setting(LostTargetConfig(), help="How `back_off` and `search` are done.")
+    lost_target: LostTargetSettings = setting(LostTargetSettings(), help="How `back_off` and `search` are done.")
 
     @classmethod
     def from_dict(cls, source, joint_names=()):
@@ -162,7 +162,7 @@ def own_sections():
     """
     laws, features = law_settings(), feature_settings()
     taken = [name for name in features if name in laws]
-    keys = {key.name for key in keys_of(ServoConfig)}
+    keys = {key.name for key in keys_of(ServoSettings)}
     taken += [name for name in (*laws, *features) if name in keys]
     if taken:
         raise ParameterError([f"servo/{name}: found a law or feature of this name with settings, allowed a name that "
@@ -172,7 +172,7 @@ def own_sections():
 
 def servo_schema(sections):
     """JSON Schema of the section `servo`. Args: sections: as of `own_sections`."""
-    return with_sections(schema_of(ServoConfig), sections)
+    return with_sections(schema_of(ServoSettings), sections)
 
 
 def _names_in(source, key):

@@ -23,7 +23,7 @@ LEAST_EFFECT = 0.2
 
 
 @dataclass(frozen=True)
-class VisibilityConfig:
+class VisibilitySettings:
     """Section `servo.visibility`: the object is kept inside a view."""
 
     half_width: float = setting(
@@ -42,7 +42,7 @@ class VisibilityConfig:
 def keep_in_view(config, features, twist):
     """(twist, bent): V_C, (6,), with the sideways motion that keeps the object in view, and whether it has any.
 
-    Args: config: `VisibilityConfig`. features: valid `MomentFeatures` with centred moments of order 3. twist: (6,).
+    Args: config: `VisibilitySettings`. features: valid `MomentFeatures` with centred moments of order 3. twist: (6,).
     The target is taken as parallel to the image, an away.
     """
     view = View(features, np.array([0.0, 0.0, 1.0 / features.an]))

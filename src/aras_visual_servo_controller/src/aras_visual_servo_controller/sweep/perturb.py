@@ -15,6 +15,7 @@ from math import isfinite
 from ..config.settings import keys_of
 from ..ground.errors import ParameterError
 from ..scenario.scenario import Scenario
+from ..scenario.schema import default_of
 from ..scenario.sweep import Perturbations
 from ..config.files import load_yaml, resolve_uri
 
@@ -180,7 +181,8 @@ def _camera(camera, parameters):
         camera["noise_stddev"] = parameters["noise_stddev"]
     images = int(parameters.get("latency_images", 0))
     if images:
-        camera["latency_s"] = camera.get("latency_s", 0.0) + images / camera["rate_hz"]
+        rate_hz = camera.get("rate_hz", default_of("sim.cameras.rate_hz"))
+        camera["latency_s"] = camera.get("latency_s", 0.0) + images / rate_hz
     return camera
 
 

@@ -17,10 +17,10 @@ from ..run.loop import DEFAULT_LIMIT_S, ServoLoop
 from ..target.outline import Outline
 from ..run.record import RecordBuilder
 from ..run.measures import measures
-from ..run.settings import ExperimentConfig
+from ..run.settings import ExperimentSettings
 from .judge import COLUMNS, initial_columns, judge_row
 from .perturb import perturbed, simulator_key
-from .space import CAMERA_AXES
+from ..scenario.sweep import CAMERA_AXES
 from ..ground.types import Status
 
 LOST_LIMIT_S = 1.0
@@ -95,7 +95,7 @@ class Bench:
 
     @staticmethod
     def _place(loop, builder, start):
-        config = ExperimentConfig.from_dict(loop.scenario.experiment, loop.kinematics)
+        config = ExperimentSettings.from_dict(loop.scenario.experiment, loop.kinematics)
         loop.place(config.goal.joints, config.settle_s)
         try:
             record, features, image = loop.teach(config.z_star_m)

@@ -8,14 +8,11 @@ from math import acos, cos, pi, sin
 
 import numpy as np
 
-from ..config.settings import keys_of
 from ..ground.errors import ParameterError
-from ..scenario.sweep import BallRanges, CameraRanges, GoalRanges
+from ..scenario.sweep import BALL_AXES, CAMERA_AXES
 from ..target.outline import Outline
 from ..arm.reach import rotation, rotation_vector
 
-CAMERA_AXES, BALL_AXES, GOAL_AXES = (tuple(key.name for key in keys_of(ranges))
-                                     for ranges in (CameraRanges, BallRanges, GoalRanges))
 #: u = +-1 leaves this much of the image between target and border: a target that touches it is not measured [px].
 VIEW_MARGIN_PX = 2.0
 #: Space view: the image at the goal counts as parallel to the target below this angle [rad].

@@ -16,7 +16,7 @@ from pathlib import Path
 from ..ground.errors import ArasError
 from .plan import Start
 from .judge import COLUMNS
-from .space import GOAL_AXES
+from ..scenario.sweep import GOAL_AXES
 
 FILE = "sweep.db"
 LAYOUT = 2

@@ -12,9 +12,9 @@ from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.features.base import View
 from aras_visual_servo_controller.features.interaction import centroid
 from aras_visual_servo_controller.servo.servo import Servo
-from aras_visual_servo_controller.servo.settings import ServoConfig
+from aras_visual_servo_controller.servo.settings import ServoSettings
 from aras_visual_servo_controller.ground.types import Status
-from aras_visual_servo_controller.servo.visibility import VisibilityConfig, keep_in_view
+from aras_visual_servo_controller.servo.visibility import VisibilitySettings, keep_in_view
 
 ACCELERATION = 2.0
 STILL = {"posture_gain_per_s": 0.0, "joint_limit_gain_per_s": 0.0}
@@ -114,7 +114,7 @@ def test_projection_onto_the_norm_keeps_the_rate_of_approach():
 
 # --- visibility ---------------------------------------------------------------------------------------------------
 
-VIEW = VisibilityConfig(half_width=0.5, half_height=0.4, margin=0.02)
+VIEW = VisibilitySettings(half_width=0.5, half_height=0.4, margin=0.02)
 
 
 def edges(features, extent=2.0):
@@ -153,7 +153,7 @@ def test_an_object_that_would_leave_the_view_stays_and_the_servo_arrives():
             bench.step()
         return max(outside), bench
 
-    view = VisibilityConfig(half_width=0.42, half_height=0.42, margin=0.02)
+    view = VisibilitySettings(half_width=0.42, half_height=0.42, margin=0.02)
     worst, _ = view_left()
     kept, bench = view_left(visibility=dataclasses.asdict(view))
     assert worst > 0.015 and kept < -0.015
@@ -173,7 +173,7 @@ def test_faults_of_the_sections_are_named(bad, word):
 
 def test_a_joint_with_little_room_uses_it_and_the_others_make_up_for_the_rest():
     kinematics = arm()
-    setup = ServoConfig.from_dict(config(inverse={"at_limits": "saturate"}, null_space=STILL), kinematics.joint_names)
+    setup = ServoSettings.from_dict(config(inverse={"at_limits": "saturate"}, null_space=STILL), kinematics.joint_names)
     motion = ArmMotion(kinematics, setup, sees_tilt=False)
     q = kinematics.vector({**EDGE_START, "J1": 0.4})
     twist = kinematics.jacobian(q) @ kinematics.vector(

@@ -7,7 +7,7 @@ from views import assert_same, differences, look_at, plane_of, tilted_pose, view
 from aras_visual_servo_controller.ground.errors import DegenerateFeature, ParameterError
 from aras_visual_servo_controller.features.base import FeatureSet, View, expand, known_features
 from aras_visual_servo_controller.laws.base import LawSetup, make_law
-from aras_visual_servo_controller.servo.settings import ServoConfig
+from aras_visual_servo_controller.servo.settings import ServoSettings
 from aras_visual_servo_controller.ground.types import Features, Reference
 
 SEEDS = (1, 2, 3, 4)
@@ -140,10 +140,10 @@ def test_reference_keeps_its_points_through_a_round_trip():
 def test_a_scenario_gives_all_points_one_gain():
     section = {"law": "ibvs", "mode": "continuous", "features": ["points4"], "gains_per_s": {"points4": 2.0},
                "thresholds": {"points2": 0.001, "points4": 0.002}, "time_limit_s": 10.0, "point_depth": "goal"}
-    config = ServoConfig.from_dict(section)
+    config = ServoSettings.from_dict(section)
     assert config.features == EIGHT and config.gains_per_s == (2.0,) * 8 and config.thresholds == (0.002,) * 8
     assert config.point_depth == "goal"
     with pytest.raises(ParameterError, match="gains_per_s/4: unknown key"):
-        ServoConfig.from_dict({**section, "gains_per_s": {4: 2.0, "points4": 2.0}})
+        ServoSettings.from_dict({**section, "gains_per_s": {4: 2.0, "points4": 2.0}})
     with pytest.raises(ParameterError, match="gains_per_s/x4: found nothing"):
-        ServoConfig.from_dict({**section, "gains_per_s": {"points3": 2.0}})
+        ServoSettings.from_dict({**section, "gains_per_s": {"points3": 2.0}})

@@ -7,7 +7,7 @@ from views import SIX, exponential, look_at, plane_of, tilted_pose, view
 from aras_visual_servo_controller.ground.errors import DegenerateFeature, ParameterError
 from aras_visual_servo_controller.features.base import FeatureSet, View
 from aras_visual_servo_controller.laws.base import LawSetup, adaptive_factor, make_law
-from aras_visual_servo_controller.laws.setup import AdaptiveGain
+from aras_visual_servo_controller.laws.setup import AdaptiveGainSettings
 from aras_visual_servo_controller.ground.types import Reference
 
 GAINS = (3.0, 2.0, 4.0, 1.5, 2.5, 1.0)
@@ -116,7 +116,7 @@ def test_adaptive_factor_is_one_at_zero_with_the_slope_asked_for_and_the_part_fa
 
 def test_adaptive_gain_scales_the_twist_of_any_law_by_its_factor():
     here = view(HERE).features
-    plain, adaptive = law_of("desired"), law_of("desired", adaptive_gain=AdaptiveGain(0.2, 8.0))
+    plain, adaptive = law_of("desired"), law_of("desired", adaptive_gain=AdaptiveGainSettings(0.2, 8.0))
     twist, _, e, _, _ = plain.step(look_at(here, 0.0))
     factor = adaptive_factor(max(map(abs, e)), 0.2, 8.0)
     assert factor < 0.9

@@ -9,7 +9,7 @@ from aras_visual_servo_controller.features.base import FeatureSet, View
 from aras_visual_servo_controller.laws.base import LawSetup, make_law
 from aras_visual_servo_controller.laws.broyden import BroydenSettings
 from aras_visual_servo_controller.laws.sliding import SlidingSettings, _rate
-from aras_visual_servo_controller.servo.settings import ServoConfig
+from aras_visual_servo_controller.servo.settings import ServoSettings
 from aras_visual_servo_controller.ground.types import Features, Reference
 
 DT_S = 1.0 / 30.0
@@ -230,10 +230,10 @@ SECTION = {"law": "broyden", "mode": "continuous", "features": ["points4"], "gai
 
 
 def test_sections_of_both_laws_are_read():
-    config = ServoConfig.from_dict({**SECTION, "broyden": {"initial": "moves", "move": 0.02}})
+    config = ServoSettings.from_dict({**SECTION, "broyden": {"initial": "moves", "move": 0.02}})
     assert config.settings["broyden"] == BroydenSettings("moves", 0.95, 0.02)
     sliding = {"switching_per_s": 4.0, "boundary": {"points4": 0.01}}
-    config = ServoConfig.from_dict({**SECTION, "law": "sliding", "sliding": sliding})
+    config = ServoSettings.from_dict({**SECTION, "law": "sliding", "sliding": sliding})
     assert config.settings["sliding"] == SlidingSettings(4.0, (0.01,) * 8)
 
 
@@ -246,10 +246,10 @@ def test_sections_of_both_laws_are_read():
     ({"law": "sliding"}, "sliding: found nothing")])
 def test_faults_are_named(changes, text):
     with pytest.raises(ParameterError, match=text):
-        ServoConfig.from_dict({**SECTION, **changes})
+        ServoSettings.from_dict({**SECTION, **changes})
 
 
 def test_an_override_to_a_law_that_cannot_look_then_move_is_refused():
     section = {**SECTION, "law": "ibvs", "mode": "look_then_move"}
     with pytest.raises(ParameterError, match="allowed with law 'broyden': continuous"):
-        ServoConfig.from_dict(section).with_overrides(law="broyden")
+        ServoSettings.from_dict(section).with_overrides(law="broyden")

@@ -13,7 +13,7 @@ from aras_visual_servo_controller.config.files import package_path, resolve_uri
 from aras_visual_servo_controller.config.settings import keys_of
 from aras_visual_servo_controller.scenario.files import find_scenario, scenario_names
 from aras_visual_servo_controller.scenario.schema import scenario_schema
-from aras_visual_servo_controller.servo.settings import ServoConfig
+from aras_visual_servo_controller.servo.settings import ServoSettings
 
 SHIPPED = scenario_names()
 
@@ -33,12 +33,12 @@ def test_every_shipped_scenario_is_valid_and_named_after_its_file(name):
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_the_servo_accepts_what_the_schema_accepts(name):
-    ServoConfig.from_dict(load_scenario(name).servo)  # raises on a key or value it does not know
+    ServoSettings.from_dict(load_scenario(name).servo)  # raises on a key or value it does not know
 
 
 def test_the_schema_knows_every_key_of_the_servo():
     properties = scenario_schema()["properties"]["servo"]["properties"]
-    assert {key.name for key in keys_of(ServoConfig)} <= set(properties)
+    assert {key.name for key in keys_of(ServoSettings)} <= set(properties)
     assert {"sliding", "broyden", "photometric"} <= set(properties)
 
 
