@@ -75,7 +75,8 @@ def test_python_packages_are_set_up_by_setuptools():
     """Of setuptools catkin asks for an egg-info in the build folder; distutils leaves it in src/."""
     scripts = list(SOURCE.glob("*/setup.py"))
     assert scripts
-    assert [str(path) for path in scripts if not re.search(r"^from setuptools import .*\bsetup$", path.read_text(), re.M)] == []
+    imported = re.compile(r"^from setuptools import .*\bsetup$", re.MULTILINE)
+    assert [str(path) for path in scripts if not imported.search(path.read_text())] == []
 
 
 def arrows_up(floors, arrows):

@@ -72,8 +72,9 @@ class ServoLoop:
         self.sequence = ExperimentSequence(self.kinematics, self.servo, scenario.experiment, self._teach_camera)
         self.frame = -1
         self._placed_ns = 0
-        self._target_moves = any("motion" in model for model in scenario.sim.get("scene", {}).get("models", [])[:1])
-        self._late = next((each.get("latency_s", 0.0) for each in cameras if each["name"] == self.camera), 0.0) > 0.0
+        self._frame = None  # taken last: image, joints, poses of camera and models at its stamp
+        target = next(iter(scenario.sim.get("scene", {}).get("models", [])), None)
+        self._target, self._target_moves = target and target["name"], target is not None and "motion" in target
         names = list(self.sim.joint_names)
         missing = [name for name in self.kinematics.joint_names if name not in names]
         if missing:
@@ -119,12 +120,11 @@ class ServoLoop:
         Raises:
             ParameterError: the target is not fit for a reference in this view.
         """
-        stamp_ns, image = self._take()
+        stamp_ns, image, q = self._take()
         features, seen = self._see(image, stamp_ns)
         self.frame += 1
         if self.servo.why_lost(seen):
             raise ParameterError("target not in view at the goal")
-        q = self._joint_positions()
         self.sequence.teach(stamp_ns, seen, q, z_star_m)
         record = ServoRecord(stamp_ns, Status.IDLE, "taught", "teach", joint_names=self.kinematics.joint_names, q=q,
                              set_point=np.full(len(q), np.nan))
@@ -141,29 +141,28 @@ class ServoLoop:
             (record, features, image): ServoRecord, the extractor's features (moments), and the image, a view that the
             next step overwrites.
         """
-        sim = self.sim
-        stamp_ns, image = self._take()
+        stamp_ns, image, q = self._take()
         features, seen = self._see(image, stamp_ns)
         self.frame += 1
-        command, record = self.sequence.step(Observation(stamp_ns, seen, self._joint_positions(), self.frame))
-        sim.set_command(position=command.position, velocity=command.velocity, stamp_ns=stamp_ns)
+        command, record = self.sequence.step(Observation(stamp_ns, seen, q, self.frame))
+        self.sim.set_command(position=command.position, velocity=command.velocity, stamp_ns=stamp_ns)
         return record, features, image
 
     def _take(self):
-        """Take the next image that was not on its way while the arm was put elsewhere. Returns (stamp_ns, image)."""
+        """Take the next image that was not on its way while the arm was put elsewhere.
+
+        Returns: (stamp_ns, image, q), q (n,) the joint positions that it shows, in the order of the kinematics.
+        """
         stamp_ns = self.sim.step_to_image(self.camera)
         while stamp_ns < self._placed_ns:
             stamp_ns = self.sim.step_to_image(self.camera)
-        return stamp_ns, self.sim.render(self.camera)
-
-    def _joint_positions(self):
-        """(n,) of the instant that the image shows, in the order of the kinematics."""
-        q = self.sim.frame_state(self.camera)["joint_positions"] if self._late else self.sim.joint_positions
-        return q if self._order is None else q[self._order]
+        frame = self._frame = self.sim.frame(self.camera)
+        q = frame.joint_positions
+        return stamp_ns, frame.image, q if self._order is None else q[self._order]
 
     def camera_pose(self):
         """X_WC, (4, 4), of the instant that the image answered last shows."""
-        return self.sim.frame_state(self.camera)["camera_pose"] if self._late else self.sim.camera_pose(self.camera)
+        return self._frame.camera_pose
 
     def run(self, progress=None, limit_s=DEFAULT_LIMIT_S, closing_s=CLOSING_S, keep_images=False):
         """Run the experiment from here to its end.
@@ -191,21 +190,12 @@ class ServoLoop:
             builder.note(f"given up after {limit_s:g} s of simulated time in phase {record.phase}")
         wall_s = time.perf_counter() - started_s
         return builder.finish(run_hash=self.sim.run_hash, wall_s=wall_s, camera_info=self.camera_info,
-                              X_WT=self._target_pose())
+                              X_WT=self._target and self.sim.model_pose(self._target))
 
     def _row(self, builder, progress):
         record, features, image = self.step()
-        X_WT = self._target_pose() if self._target_moves else None
+        X_WT = self._frame.model_poses[self._target] if self._target_moves else None
         builder.add_answer(record, self.camera_pose(), features, image, X_WT)
         if progress is not None and self.frame % PROGRESS_ROWS == 0:
             progress(record.stamp_ns * 1e-9, record.phase)
         return record
-
-    def _target_pose(self):
-        """X_WT, (4, 4), of the scene's first model; None without one."""
-        models = self.scenario.sim.get("scene", {}).get("models", [])
-        if not models:
-            return None
-        name = models[0]["name"]
-        return np.asarray(self.sim.frame_state(self.camera)["model_poses"][name] if self._late
-                          else self.sim.model_pose(name))
