@@ -1,6 +1,6 @@
-"""The whole servo loop in one process: simulator, moments, sequence. No ROS, no wall time in what it computes.
+"""The whole servo loop in one process: simulator, moments, sequence. No ROS; results do not depend on wall time.
 
-The nodes do the same in the same order with the same objects; in lockstep they give the same bytes (tests/ros).
+The nodes call the same objects in the same order, and in lockstep they give the same bytes (tests/ros).
 """
 
 import time
@@ -16,13 +16,13 @@ from .sequence import ExperimentSequence
 from ..servo.servo import Servo
 from ..ground.types import Observation, ServoRecord, Status
 
-#: Simulated time that a run goes on after its end, arm at rest: over ROS the simulator cannot be paused at once, and
-#: both ways of running must end at the same tick to end with the same run hash [s].
+#: Simulated time for which a run goes on after its end, with the arm at rest [s]. Over ROS the simulator cannot be
+#: paused at once, and a run over ROS and one in process must end at the same tick to have the same run hash.
 CLOSING_S = 2.0
 #: Simulated time after which `run` gives up on an experiment that does not end by itself [s].
 DEFAULT_LIMIT_S = 300.0
 PROGRESS_ROWS = 30
-#: Source whose features are in the record and drawn into the video, whatever the servo works on.
+#: Source whose features are in the record and drawn into the video, also when the servo works on another source.
 SHOWN = "moments"
 
 
@@ -32,20 +32,21 @@ class ServoLoop:
     >>> loop = ServoLoop(load_scenario("experiment_1"))
     >>> record = loop.run()
 
-    One step: the simulator advances to the next image and takes it; the extractor makes features of it; the sequence
-    answers; the answer goes back to the simulator, which applies it from that very state on.
+    In one step the simulator advances to the next image and renders it, the extractor computes its features, and the
+    sequence answers with a command. The simulator applies the command from the state that the image shows.
 
     Args:
         scenario: a `Scenario`.
         camera: name of the camera; None: the first of the scenario.
-        sim: a Simulation made of the same robot, controllers and `sim` section, to be reset and used again (making one
-            takes as long as a second of simulated time); None: a new one. Either way the bytes are the same.
+        sim: a Simulation made of the same robot, controllers and `sim` section, which is reset and used again; None: a
+        new
+            one is made, which takes as long as a second of simulated time. Either way the bytes are the same.
     Raises:
         ParameterError, ModelError and the errors of simulator and extractor: what is wrong with the scenario.
 
     Attributes:
-        sim, extractor, kinematics, servo, sequence: the parts.  extractor: of moments, which the record shows.
-        servo_extractor: of the servo's source; where that is moments, the same one.
+        sim, extractor, kinematics, servo, sequence: the parts.  extractor: makes the moments that the record shows.
+        servo_extractor: makes the features that the servo works on; where these are moments, it is `extractor`.
         frame: index of the image answered last, -1 before the first.
     """
 
@@ -83,40 +84,41 @@ class ServoLoop:
         self._order = None if order == list(range(len(names))) else order
 
     def _teach_camera(self, stamp_ns, z_star_m):
-        """Features are relative to the image of this stamp from now on: camera/set_reference without ROS."""
+        """Make the image of this stamp the one that features are relative to: camera/set_reference without ROS."""
         from aras_visual_servo_camera import DegenerateFeature
         self.servo_extractor.teach(stamp_ns, z_star_m)
         if self.extractor is not self.servo_extractor:
             try:
                 self.extractor.teach(stamp_ns, z_star_m)
             except DegenerateFeature:
-                pass  # of a texture the moments may make nothing
+                pass  # a texture may have no usable moments, and the servo does not need them
 
     def _see(self, image, stamp_ns):
-        """(moments, what the servo works on) of the image."""
+        """(moments, features that the servo works on) of the image."""
         features = self.extractor.process(image, stamp_ns)
         if self.extractor is self.servo_extractor:
             return features, features
         return features, self.servo_extractor.process(image, stamp_ns)
 
     def place(self, joints, settle_s=0.0):
-        """Put the arm down somewhere instead of driving it there.
+        """Put the arm at joint positions at once instead of driving it there.
 
         Args:
             joints: dict of joint name -> position [m, rad]; the others stay.
-            settle_s: simulated time to let it come to rest against gravity and friction, its set-points there [s].
+            settle_s: simulated time in which the arm comes to rest under gravity and friction, with these positions as
+                set-points [s].
         """
         self.sim.set_joint_positions(joints)
         self.sim.step(round(settle_s * 1e9 / self.sim.period_ns))
         self._placed_ns = self.sim.time_ns
 
     def teach(self, z_star_m):
-        """Make the next image the reference, without an experiment around it.
+        """Make the next image the reference, outside an experiment.
 
         Args:
             z_star_m: depth of the target in this view [m].
         Returns:
-            (record, features, image) as `step`, of phase "teach".
+            (record, features, image) as `step` returns them, with phase "teach".
         Raises:
             ParameterError: the target is not fit for a reference in this view.
         """

@@ -1,8 +1,8 @@
 """RunRecord: everything one run left behind, one row per image.
 
-The record is the border between running and judging: the in-process loop fills it row by row through
-`RecordBuilder`, `bags.bag` fills it from a rosbag with the same builder, and the judge, the figures and the reports
-read nothing else. No ROS, no wall clock except in `wall_s`.
+The record is all that judging knows of a run. The in-process loop fills it row by row with a `RecordBuilder`,
+`bags.bag` fills it from a rosbag with the same builder, and the judge, the figures and the reports read nothing else.
+No ROS, and no wall clock except in `wall_s`.
 """
 
 from dataclasses import dataclass, field
@@ -92,9 +92,9 @@ class RunRecord:
 
     @property
     def servo_rows(self):
-        """Indices of the images of the servo phase, the one that ended it included: (j,) int.
+        """Indices of the images of the servo phase, with the one that ended it: (j,) int.
 
-        The end may be reported by the last `servo` row (its status is in TERMINAL) or by the `done` row after it.
+        The phase ends with a `servo` row whose status is in TERMINAL, or with the `done` row that follows.
         """
         rows = self.rows("servo")
         if not len(rows):
@@ -133,7 +133,7 @@ class RecordBuilder:
 
     def add_row(self, stamp_ns, phase, status=0, status_text="", s=None, s_star=None, e=None, twist=None, q=None,
                 set_point=None, X_WC=None, raw=None, image=None, X_WT=None):
-        """Append one image's row; what is None becomes NaN.
+        """Append the row of one image; values that are None become NaN.
 
         Args:
             stamp_ns: simulated time of the image [ns].  phase: one of PHASES.  status: code of ServoState.
@@ -195,8 +195,8 @@ class RecordBuilder:
     def _end(self):
         """Number of rows up to the one that says how the run ended.
 
-        What follows is the time until the simulator stands: what a node says of it is a matter of wall time. It is left
-        out, so that a run over ROS and one in process give the same trace, byte for byte.
+        The rows after it belong to the time until the simulator is stopped, and how many a node sends depends on wall
+        time. They are left out, so that a run over ROS and one in process give the same trace, byte for byte.
         """
         active = [i for i, row in enumerate(self._rows) if row[1] not in ("idle", "done")]
         if not active:
@@ -206,7 +206,7 @@ class RecordBuilder:
 
     def finish(self, run_hash="", wall_s=float("nan"), real_time_factor=None, camera_info=None, X_WT=None,
                versions=None):
-        """The record, up to the end of the run. real_time_factor: None takes simulated time of all rows over wall_s."""
+        """The record, up to the end of the run. real_time_factor: None: simulated time of all rows over wall_s."""
         if real_time_factor is None:
             simulated_s = (self._rows[-1][0] - self._rows[0][0]) * 1e-9 if self._rows else np.nan
             real_time_factor = simulated_s / wall_s

@@ -3,9 +3,10 @@
     idle -> to_goal -> settle_goal -> teach -> to_start -> settle_start -> servo -> done      start()
     idle -> servo -> done                                                                     start(servo_only=True)
 
-to_goal, to_start: quintic joint trajectories. settle_*: at least settle_s, then until the joints rest. teach: one
-image, whose view becomes the reference. servo: `Servo` decides, until it has finished. An image that ends a phase is
-answered in the next phase already. A pure function of the observations: in process and over ROS give the same bytes.
+In to_goal and to_start the joints follow quintic trajectories. settle_* lasts at least settle_s, and then until the
+joints rest. teach lasts one image, whose view becomes the reference. In servo, `Servo` answers until it has finished.
+The image that ends a phase is already answered in the next phase. The answers depend on the observations alone, so that
+a run in process and one over ROS give the same bytes.
 """
 
 from dataclasses import dataclass, replace
@@ -38,7 +39,7 @@ class ExperimentSequence:
 
     Attributes:
         phase: one of PHASES.  result: `SequenceResult`, None until done.
-        teach_stamp_ns: stamp of the image that was taught, or None.  servo_stamp_ns: of the first one servoed on.
+        teach_stamp_ns: stamp of the image that was taught, or None.  servo_stamp_ns: that of the first servo image.
     """
 
     def __init__(self, kinematics, servo, config: Mapping, teach_camera: Callable[[int, float], None]):
@@ -46,9 +47,9 @@ class ExperimentSequence:
 
         Args:
             kinematics: `Kinematics`.  servo: `Servo`.  config: the scenario's section `experiment` (dict).
-            teach_camera: called as teach_camera(stamp_ns, z_star_m) when a view is taught: features are relative to the
-                image of this stamp from then on. Over ROS: the service camera/set_reference; in process: `teach` of the
-                extractors. An exception it raises ends the experiment with status FAULT.
+            teach_camera: called as teach_camera(stamp_ns, z_star_m) when a view is taught. From then on features are
+                relative to the image of this stamp. Over ROS this is the service camera/set_reference, in process
+                `teach` of the extractors. An exception that it raises ends the experiment with status FAULT.
         Raises: ParameterError.
         """
         self.config = ExperimentSettings.from_dict(config, kinematics)
@@ -71,17 +72,17 @@ class ExperimentSequence:
         return self.phase == "done"
 
     def start(self, servo_only: bool = False) -> None:
-        """Begin with the next step. servo_only: servo to the reference taught last. ParameterError without one."""
+        """Begin with the next step. servo_only: servo to the reference taught last; ParameterError if there is none."""
         if servo_only and self._servo.reference is None:
             raise ParameterError("servo: no reference, teach one first")
         self._reset("settle_start" if servo_only else "to_goal")
         self._servo_only = servo_only
 
     def teach(self, stamp_ns: int, features, q, z_star_m: Optional[float] = None) -> None:
-        """Make the image of this stamp the goal: of the camera, whose features are relative to it, and of the servo.
+        """Make the image of this stamp the goal of the servo, and the reference of the camera's features.
 
         Args: features, q: of this image.  z_star_m: depth of the target in it [m]; None: the experiment's.
-        Raises: ParameterError: the view is not fit for it, or what `teach_camera` raises.
+        Raises: ParameterError: the view is not fit to be a reference; and what `teach_camera` raises.
         """
         z_star_m = self.config.z_star_m if z_star_m is None else z_star_m
         reference = self._servo.as_reference(features, q, z_star_m)
@@ -183,7 +184,7 @@ class ExperimentSequence:
         self.phase = "done"
         position = {}
         if self._trajectory is not None and self._set_point is not None and self.servo_stamp_ns is None:
-            # break off where the integrated set-point now is
+            # The trajectory ends at the set-point that it has now.
             self._set_point = self._trajectory.position(1e-9 * (stamp_ns - self._begin_ns))
             position = self._kinematics.by_name(self._set_point)
         return Command(stamp_ns, position, dict(self._no_velocity)), self._record(stamp_ns, np.zeros(self._n), reason)
