@@ -30,9 +30,6 @@ CPP_FLOORS = {
     "aras_visual_servo_camera": [{"config"}, {"image"}, {"moments", "photometric"}, {"points", "segmentation"},
                                  {"extraction"}],
 }
-# Packages whose folders all hold few enough names to be read at one glance.
-NARROW = {"aras_visual_servo_camera", "aras_visual_servo_common"}
-WIDEST = 16
 
 
 def core_files():
@@ -115,12 +112,3 @@ def test_rooms_of_a_cpp_core_include_only_what_lies_below(package):
     assert len(arrows) > 20
     assert {room for _, room, _ in arrows} == set().union(*CPP_FLOORS[package])
     assert arrows_up(CPP_FLOORS[package], arrows) == []
-
-
-@pytest.mark.parametrize("package", sorted(NARROW))
-def test_a_folder_holds_no_more_names_than_one_reads_at_a_glance(package):
-    folders = [path for part in ("include", "src", "test") for path in (SOURCE / package / part).rglob("*")
-               if path.is_dir() and path.name != "__pycache__"]
-    assert folders
-    wide = {str(folder): len([path for path in folder.iterdir() if path.name != "__pycache__"]) for folder in folders}
-    assert {folder: names for folder, names in wide.items() if names > WIDEST} == {}

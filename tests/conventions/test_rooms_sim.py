@@ -7,7 +7,6 @@ import pytest
 PACKAGE = pathlib.Path(__file__).resolve().parents[2] / "src" / "aras_visual_servo_sim"
 NAME = "aras_visual_servo_sim"
 INCLUDE = re.compile(r'^#include ([<"])([^">]+)[">]', re.MULTILINE)
-MOST_NAMES = 16
 # Each room, and the rooms below it that it may include.
 BELOW = {
     "config": set(),
@@ -68,7 +67,8 @@ def test_rooms_have_no_circle():
 @pytest.mark.parametrize("room", BELOW)
 def test_a_room_includes_only_what_stands_below_it(room):
     upwards = [f"{path.relative_to(PACKAGE)} includes {other}" for path, folder in core_files()
-               if room_of(folder)[0] == room for other, _, _ in our_includes(path, folder) if other not in BELOW[room] | {room}]
+               if room_of(folder)[0] == room for other, _, _ in our_includes(path, folder)
+               if other not in BELOW[room] | {room}]
     assert upwards == []
 
 
@@ -114,13 +114,3 @@ def test_each_library_is_known_to_one_room():
                 found.add(library)
                 assert room_of(folder)[0] == LIBRARIES[library], f"{path.relative_to(PACKAGE)} includes {name}"
     assert {LIBRARIES[library] for library in found} == set(LIBRARIES.values())
-
-
-def test_no_folder_of_source_or_tests_is_crowded():
-    folders = [path for root in ("include", "src", "test", "bench", "config", "launch")
-               for path in [PACKAGE / root, *(PACKAGE / root).rglob("*")] if path.is_dir() and path.name != "__pycache__"]
-    assert len(folders) > 40
-    names = {str(folder.relative_to(PACKAGE)): [each.name for each in folder.iterdir()
-                                                if each.name != "__pycache__" and not each.name.endswith(".egg-info")]
-             for folder in folders}
-    assert {folder: len(each) for folder, each in names.items() if len(each) > MOST_NAMES} == {}

@@ -418,7 +418,7 @@ def kept_in_view():
     centroid, area = interaction.centroid(view.m, view.plane)[0], view.L_area()
     room = 0.05
     config = VisibilitySettings(half_width=right_edge(m, mu) + room, half_height=5.0, margin=0.0, extent=EXTENT,
-                              rate_per_s=GAMMA)
+                                rate_per_s=GAMMA)
     twist = np.array([-0.4, 0.0, 0.1, 0.0, 0.0, 0.2])
     return m, mu, (centroid, area, view.L_mu(2, 0)), room, twist, keep_in_view(config, view.features, twist)[0]
 

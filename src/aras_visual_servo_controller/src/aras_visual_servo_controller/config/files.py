@@ -82,7 +82,7 @@ def share_dir():
 
 
 class _UniqueKeyLoader(yaml.CSafeLoader):
-    """CSafeLoader, ten times as fast as SafeLoader, that refuses a key given twice: YAML would silently take the last."""
+    """CSafeLoader, which is fast, and which refuses a key given twice here: YAML would silently take the last."""
 
     def construct_mapping(self, node, deep=False):
         seen = set()

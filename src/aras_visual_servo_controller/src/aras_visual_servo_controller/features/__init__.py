@@ -9,5 +9,5 @@ from .source import Source, Taught, known_sources, register_source, source_named
 from .style import FeatureStyle, styles
 
 __all__ = ["Feature", "FeatureSet", "FeatureStyle", "Source", "Taught", "View", "expand", "feature_settings",
-           "is_known", "known_features", "known_sources", "register_family", "register_feature", "register_source", "setting",
-           "source_named", "spread", "styles", "wrapped"]
+           "is_known", "known_features", "known_sources", "register_family", "register_feature",
+           "register_source", "setting", "source_named", "spread", "styles", "wrapped"]

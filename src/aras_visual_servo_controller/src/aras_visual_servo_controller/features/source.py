@@ -70,8 +70,8 @@ class Source:
     Attributes:
         name.  topic, message: of its features over ROS; recorded with the group `features`.
         tell_reference: fields of the features that tell one reference from another.
-        section: key of the scenario's `vision` that makes the camera node publish them; "": it always does, or they come
-            from another node.
+        section: key of the scenario's `vision` that makes the camera node publish them; "": it always does, or they
+            come from another node.
     """
 
     name, topic, message, section = "", "", "", ""

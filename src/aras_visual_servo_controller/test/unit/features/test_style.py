@@ -57,7 +57,8 @@ def test_members_of_a_family_tell_their_number():
 
 @pytest.mark.parametrize("names", [
     POINTS, expand(("points6",)), SEGMENTS, ("xn", "yn", "an", "sx", "sy", "alpha"),
-    ("xn", "yn", "an", "px", "py", "alpha"), ("tx", "ty", "tz", "rx", "ry", "rz"), ("xr", "yr", "zr", "rx", "ry", "rz"), ("kx", "ky", "an", "alpha"),
+    ("xn", "yn", "an", "px", "py", "alpha"), ("tx", "ty", "tz", "rx", "ry", "rz"),
+    ("xr", "yr", "zr", "rx", "ry", "rz"), ("kx", "ky", "an", "alpha"),
     ("xg", "yg", "n20", "n11", "n02", "alpha")])
 def test_features_that_go_together_keep_their_own_colours_far_apart(names):
     together = [style.colour for style in styles(names)]
