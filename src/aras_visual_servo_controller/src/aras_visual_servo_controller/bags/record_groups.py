@@ -1,6 +1,6 @@
 """Which topics a run records: groups switched on and off by name, and what a report lacks without each. No ROS."""
 
-from ..features.source import known_sources
+from ..features.sources import known_sources
 from ..ground.errors import ParameterError
 
 #: Topics of the features that a servo may work on, without the namespace.

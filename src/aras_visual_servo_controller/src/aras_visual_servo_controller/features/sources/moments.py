@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ..ground.types import Features
-from .interaction import plane_from_pose
-from .source import Source, Taught, register_source
+from ...ground.types import Features
+from ..interaction import plane_from_pose
+from .base import Source, Taught, register_source
 
 
 @register_source("moments")
