@@ -1,6 +1,6 @@
 """Groups of topics that a run records, chosen by name, and what a report lacks without each of them. No ROS."""
 
-from ..features.source import known_sources
+from ..features.sources import known_sources
 from ..ground.errors import ParameterError
 
 #: Topics of the features that a servo may work on, without the namespace.

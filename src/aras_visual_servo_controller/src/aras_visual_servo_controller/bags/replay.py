@@ -7,7 +7,7 @@
 import math
 from dataclasses import dataclass
 
-from ..features.source import known_sources
+from ..features.sources import known_sources
 from .bag import camera_info_of, decode, find_topics, settings_of
 from .files import BagError, BagFiles
 

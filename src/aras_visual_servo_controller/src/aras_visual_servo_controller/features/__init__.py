@@ -1,11 +1,11 @@
-"""Image features by name, and where they come from. One file of this room is one kind of feature or one source: `base`
-and `source` say how to write one.
+"""Image features by name, and where they come from. One file of this room is one kind of feature, one file of
+`sources` one source; `base` there and here says how to write one.
 """
 
 from ..config.settings import setting
 from .base import (Feature, FeatureSet, View, expand, feature_settings, is_known, known_features, register_family,
                    register_feature, spread, wrapped)
-from .source import Source, Taught, known_sources, register_source, source_named
+from .sources import Source, Taught, known_sources, register_source, source_named
 from .style import FeatureStyle, styles
 
 __all__ = ["Feature", "FeatureSet", "FeatureStyle", "Source", "Taught", "View", "expand", "feature_settings",

@@ -11,7 +11,7 @@ from ..ground.errors import ParameterError
 from ..arm.kinematics import Kinematics
 from .record import RecordBuilder
 from ..config.files import package_paths
-from ..features.source import source_named
+from ..features.sources import source_named
 from .sequence import ExperimentSequence
 from ..servo.servo import Servo
 from ..ground.types import Observation, ServoRecord, Status

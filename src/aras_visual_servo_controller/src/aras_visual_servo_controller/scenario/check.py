@@ -6,7 +6,7 @@ import re
 
 from ..config.plugins import load_plugins
 from ..features.base import expand, source_of
-from ..features.source import source_named
+from ..features.sources import source_named
 from ..ground.errors import ParameterError
 from ..ground.types import FEATURE_NAMES
 from ..servo.settings import ServoSettings

@@ -22,7 +22,7 @@ from ..arm.motion import ArmMotion
 from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError
 from .feed_forward import TargetMotion
 from ..features.base import FeatureSet, View
-from ..features.source import Source, source_named
+from ..features.sources import Source, source_named
 from ..laws.base import make_law
 from ..laws.look import Look
 from .look_then_move import LookThenMove

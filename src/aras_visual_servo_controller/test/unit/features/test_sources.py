@@ -9,7 +9,7 @@ from toy_plant import GOAL, arm
 
 from aras_visual_servo_controller.bags.record_groups import group_of
 from aras_visual_servo_controller.features import base as features
-from aras_visual_servo_controller.features import source as sources
+from aras_visual_servo_controller.features.sources import base as sources
 from aras_visual_servo_controller.features import (Feature, FeatureSet, Source, Taught, known_sources, register_feature,
                                                    register_source, source_named)
 from aras_visual_servo_controller.ground.errors import ParameterError

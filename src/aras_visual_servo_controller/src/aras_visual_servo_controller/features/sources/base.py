@@ -1,4 +1,4 @@
-"""Where features come from: what the camera makes of an image. One file of this room is one source:
+"""Where features come from: what the camera makes of an image. One file of this folder is one source:
 
     @register_source("mine")
     class Mine(Source):
@@ -16,9 +16,9 @@ from typing import Any, NamedTuple, Optional
 
 import numpy as np
 
-from ..config.plugins import load_room
-from ..ground.errors import ParameterError
-from ..ground.types import Features
+from ...config.plugins import load_room
+from ...ground.errors import ParameterError
+from ...ground.types import Features
 
 _SOURCES = {}
 
@@ -70,8 +70,8 @@ class Source:
     Attributes:
         name.  topic, message: of its features over ROS; recorded with the group `features`.
         tell_reference: fields of the features that tell one reference from another.
-        section: key of the scenario's `vision` that makes the camera node publish them; "": it always does, or they
-            come from another node.
+        section: key of the scenario's `vision` that makes the camera node publish them; "": it always does, or another
+            node makes them.
     """
 
     name, topic, message, section = "", "", "", ""
