@@ -109,7 +109,7 @@ bool isMeant(const YAML::Node& value, const Schema& schema) {
   });
 }
 
-/** Alternatives of which each only asks for keys of its own: [[box_m], [radius_m, length_m]]; empty if they say more.
+/** Keys of alternatives that only require keys, e.g. [[box_m], [radius_m, length_m]]; empty if one says more than that.
  */
 std::vector<std::string> keysAskedFor(const std::vector<SchemaPtr>& alternatives) {
   std::vector<std::string> keys;

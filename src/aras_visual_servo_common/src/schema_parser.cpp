@@ -41,7 +41,7 @@ const std::set<std::string> kWords = {"$ref",
                                       "type",
                                       "unit"};
 
-/** What Python's reader, which follows YAML 1.1, would take for something else: 1e-6 for a text, `off` for false. */
+/** Finds values that Python's YAML 1.1 reader would read otherwise: 1e-6 as a text, `off` as false. */
 std::string pythonFault(const YAML::Node& value, Type type) {
   if (!value.IsScalar() || value.Tag() == "!") return "";
   const std::string& text = value.Scalar();
@@ -85,7 +85,7 @@ SchemaPtr SchemaParser::parseSection(const std::string& section, const std::stri
   return schema;
 }
 
-/** What the other section says; of its own words, `description` and `default` go before those. */
+/** Takes over the other section; `description` and `default` beside the `$ref` take precedence over those of it. */
 SchemaPtr SchemaParser::parseReference(const YAML::Node& node, const std::string& name) {
   const std::string section = node["$ref"].IsScalar() ? node["$ref"].Scalar() : shown(node["$ref"]);
   Schema schema = *parseSection(section, name);
@@ -244,7 +244,7 @@ bool SchemaParser::parseTextWord(const std::string& word, const YAML::Node& valu
   return true;
 }
 
-/** What can only be said when all words are read. */
+/** Checks that are possible only when all words have been read. */
 void SchemaParser::checkWhole(const YAML::Node& node, const Schema& schema) {
   const std::string where = "schema " + schema.name;
   if (schema.type == Type::kObject && !schema.closed && !schema.additional &&

@@ -7,7 +7,7 @@
 
 namespace aras_visual_servo_common {
 
-/** Collects faults, so that whoever wrote a configuration reads all of them at once. */
+/** Collects faults, so that the author of a configuration sees all of them at once. */
 class FaultList {
  public:
   /** Adds a line; a line that is there already is not repeated. */
@@ -19,7 +19,7 @@ class FaultList {
   /** Adds each fault of a part that was checked by itself, with a prefix before it, e.g. "sim/cameras[0]/". */
   void adopt(const ParameterError& error, const std::string& prefix = "");
 
-  /** Runs an action; what it throws of this family is added, with the prefix before each line. */
+  /** Runs an action. If it throws one of our errors, its text is added, with the prefix before each line. */
   template <typename Action>
   void collect(Action&& action, const std::string& prefix = "") {
     try {

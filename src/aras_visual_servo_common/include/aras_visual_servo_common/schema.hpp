@@ -48,14 +48,15 @@ struct Schema {
   std::optional<std::string> pattern;
   std::function<bool(const std::string&)> matches;  ///< whether a text has the pattern
 
-  // several ways to be right: at least one of, exactly one of
+  // alternatives: `anyOf` (at least one holds), `oneOf` (exactly one holds)
   std::vector<SchemaPtr> any_of, one_of;
 
   /** Adds a fault for everything in a value that is not as it should be; `where` names it in the messages. */
   void check(const YAML::Node& value, const std::string& where, FaultList& faults) const;
 
-  /** What is said of a key of this map: by the section itself, else by the way of being right that the map takes or any
-   *  other way has it, else by what holds for all other keys. Null when the section does not describe the key. */
+  /** The schema of a key of this map. It comes from the section itself, else from the alternative that the map fits or
+   *  from any other alternative that has the key, else it is that of all other keys. Null when the section does not
+   *  describe the key. */
   SchemaPtr property(const YAML::Node& map, const std::string& key) const;
 
   /** What is allowed, in words: "a list of 3 numbers", "one of dark, bright". */

@@ -82,7 +82,7 @@ class YamlReader {
   /** Adds a fault of the caller's own, what no section can say: `key: found FOUND, allowed ALLOWED`. */
   void fault(const std::string& key, const std::string& found, const std::string& allowed);
 
-  /** Faults of the whole family; to adopt those of a part that is read by itself. */
+  /** Faults of the whole family. Faults of a part that is read by itself can be added here. */
   FaultList& faults();
 
   /** Full name of a key in messages, e.g. "sim/cameras[0]/width". */
@@ -99,7 +99,7 @@ class YamlReader {
   };
 
   explicit YamlReader(std::shared_ptr<Level> level);
-  /** What the section says of a key; null, and a fault, when it says nothing. */
+  /** Schema of a key; null, and a fault, when the section does not describe it. */
   SchemaPtr described(const std::string& key) const;
   YAML::Node node(const std::string& key) const;
   Asked ask(const std::string& key, const std::string& type, bool (*fits)(const Schema&));

@@ -8,7 +8,7 @@ class Node;
 
 namespace aras_visual_servo_camera {
 
-/** Which image the gradient in the interaction matrix is of: the reference, the current one, or the mean of both. */
+/** The image whose gradient the interaction matrix uses: the reference, the current one, or the mean of both. */
 enum class GradientOf { kDesired, kCurrent, kMean };
 
 /** What may differ between two images of the same view: nothing, an offset of the grey levels, or gain and offset. */

@@ -14,7 +14,8 @@ namespace aras_visual_servo_camera {
 class KernelProjection;
 class PointFeatures;
 
-/** Image in, features out: segmentation, moments, features. Not thread-safe; same images, same bits. */
+/** Computes the features of an image: segmentation, moments, features. Not thread-safe. The same images give the same
+ * bits. */
 class MomentExtractor {
  public:
   MomentExtractor(const CameraIntrinsics& intrinsics, const VisionConfig& config);
@@ -24,25 +25,25 @@ class MomentExtractor {
    *  @throws ShapeError if the image is not the size of the intrinsics */
   const MomentFeatures& process(const ImageView& image, std::int64_t stamp_ns = kNoStamp);
 
-  /** Of the last image; not visible before the first one. */
+  /** Features of the last image. Before the first image the target is not visible. */
   const MomentFeatures& features() const { return features_; }
   const ObjectMask& mask() const { return *mask_; }
 
   /** Make the image of this stamp the reference, seen from depth z_star_m.
    *  @throws ParameterError if it is not among the last images; else as setReference() */
   void teach(std::int64_t stamp_ns, double z_star_m);
-  /** See FeatureBuilder. Points keep the order of the view; numbers alone say nothing of points.
+  /** See FeatureBuilder. Points keep the order of the view. A reference that is given as numbers has no points.
    *  @throws ShapeError if the view does not have the configured number of points */
   void setReference(double z_star_m, const MomentFeatures& features);
   void setReference(double z_star_m, double area_star, double alpha_star);
   void clearReference();
   const std::optional<Reference>& reference() const { return builder_.reference(); }
 
-  /** Another lens, zoom or size; the reference stays. */
+  /** Take a camera with another lens, zoom or size. The reference stays. */
   void setIntrinsics(const CameraIntrinsics& intrinsics);
   const CameraIntrinsics& intrinsics() const { return map_->intrinsics(); }
 
-  /** Time was set back or images are missing: nothing of earlier images is used any more, the reference stays. */
+  /** Call this when time was set back or images are missing: earlier images are forgotten, the reference stays. */
   void forgetPrevious();
 
  private:
@@ -52,7 +53,7 @@ class MomentExtractor {
   Segmentation segmentation_;
   FeatureBuilder builder_;
   std::unique_ptr<KernelProjection> kernel_;
-  std::unique_ptr<PointFeatures> points_;  // none: nothing is spent on points
+  std::unique_ptr<PointFeatures> points_;  // null when no points are asked for
   MomentFeatures features_;
   LastViews<MomentFeatures> last_views_;
   std::int64_t reference_stamp_ns_ = kNoStamp;

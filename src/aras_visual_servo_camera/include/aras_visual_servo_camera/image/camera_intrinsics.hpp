@@ -16,9 +16,9 @@ namespace aras_visual_servo_camera {
  *  Normalised coordinates: x = X/Z to the right, y = Y/Z down, frame C (optical). Immutable once built. */
 class CameraIntrinsics {
  public:
-  /** [rad] from the optical axis, 80 degrees: x = X/Z is 5.7 there and without end at 90. A fisheye may see farther,
-   * but its pixels beyond have no coordinates here (Undistorted::valid is false), and what reaches there has no
-   * features. */
+  /** Largest angle of a ray from the optical axis, 80 degrees [rad]: x = X/Z is 5.7 there and infinite at 90 degrees. A
+   * fisheye may see farther, but its pixels beyond this angle have no coordinates (Undistorted::valid is false), and an
+   * object that reaches there has no features. */
   static constexpr double kWidestAngle = 80.0 * 3.14159265358979323846 / 180.0;
 
   /** @param K  row-major 3 x 3 [px]: fx, 0, cx, 0, fy, cy, 0, 0, 1; cx, cy may lie outside the image

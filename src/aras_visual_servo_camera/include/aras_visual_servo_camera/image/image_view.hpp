@@ -12,7 +12,7 @@ constexpr int channels(PixelFormat format) {
   return format == PixelFormat::kMono8 ? 1 : (format == PixelFormat::kRgba8 ? 4 : 3);
 }
 
-/** An image somebody else owns. Row-major from the top left; row v starts at data + v * step_bytes. */
+/** An image whose pixels somebody else owns. Row-major from the top left; row v starts at data + v * step_bytes. */
 struct ImageView {
   const std::uint8_t* data = nullptr;
   int width_px = 0;

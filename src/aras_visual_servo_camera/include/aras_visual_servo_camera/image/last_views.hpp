@@ -11,10 +11,10 @@
 
 namespace aras_visual_servo_camera {
 
-/** An image that carries no stamp: nothing is kept of it. */
+/** Stamp of an image that carries none. Nothing is kept of such an image. */
 constexpr std::int64_t kNoStamp = -1;
 
-/** What is needed of the last images to make one of them the reference, found by the stamp of the image [ns].
+/** Keeps of the last images what is needed to make one of them the reference. An image is found by its stamp [ns].
  *  Memory of views that were dropped is used again. */
 template <class View>
 class LastViews {

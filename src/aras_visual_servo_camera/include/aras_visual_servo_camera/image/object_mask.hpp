@@ -16,7 +16,7 @@ struct EdgePixel {
   double weight;
 };
 
-/** What one image shows of the object: the weight of each pixel, zero where nothing is listed. Sorted by row. */
+/** The object in one image: the weight of each pixel. Pixels that are not listed have weight zero. Sorted by row. */
 struct ObjectMask {
   int width_px = 0, height_px = 0;
   bool visible = false;           ///< an object of at least min_area_px is in view

@@ -44,7 +44,7 @@ using ThirdMoments = std::array<double, 4>;
 /** The same in axes turned by `angle_rad` (x' along the direction `angle_rad` of the old axes). */
 ThirdMoments rotated(const ThirdMoments& mu3, double angle_rad);
 
-/** Inner product that no rotation of both changes: binomial weights 1, 3, 3, 1. */
+/** Inner product that does not change when both are rotated by the same angle: binomial weights 1, 3, 3, 1. */
 double dot(const ThirdMoments& a, const ThirdMoments& b);
 
 /** The view that the normalised features are relative to. */
@@ -55,11 +55,11 @@ struct Reference {
   /** Third-order centred moments in the axes of alpha_star, divided by their norm. Without them the first asymmetric
    *  view within 90 degrees of alpha_star supplies them. */
   std::optional<ThirdMoments> mu3_direction = std::nullopt;
-  /** The reference view itself is symmetric: no view can be resolved against it. */
+  /** The reference view itself is symmetric, so that it cannot tell alpha from alpha + pi in any view. */
   bool symmetric = false;
 };
 
-/** Makes features of raw moments, relative to a reference once there is one.
+/** Computes features from raw moments. Once there is a reference, they are relative to it.
  *
  *  Basic, centred and normalised moments are ViSP's (vpMomentBasic, ...GravityCenter, ...Centered, ...AreaNormalized,
  *  ...GravityCenterNormalized). Orientation is our own: vpMomentAlpha decides symmetry by an absolute threshold.

@@ -16,8 +16,9 @@ std::vector<std::string> momentNames(int order);
 /** Raw moments m_ij = sum of x^i y^j dA of an object in one image, normalised coordinates, in one pass over its pixels.
  *
  *  Sums at pixel centres. An image of coverage weights is the object smeared by one pixel; that adds the second moments
- *  of a pixel (1/12 px^2 along each axis) to those of the object, and is taken off again (theory: a coverage image
- *  samples the convolution of object and pixel). Hard-edged masks are samples of the object itself: nothing to undo. */
+ *  of a pixel (1/12 px^2 along each axis) to those of the object, and is subtracted again (theory: a coverage image
+ *  samples the convolution of object and pixel). Hard-edged masks are samples of the object itself and need no such
+ *  correction. */
 class MomentAccumulator {
  public:
   /** @param map  must outlive the accumulator. @param order  >= 0 */
@@ -27,7 +28,7 @@ class MomentAccumulator {
   const std::vector<double>& process(const ObjectMask& mask);
 
   int order() const { return order_; }
-  /** The last object covers pixels that no ray of the lens model reaches: it is cut off there. */
+  /** True when the last object covers pixels that no ray of the lens model reaches: it is cut off there. */
   bool leftTheLens() const { return left_the_lens_; }
 
  private:

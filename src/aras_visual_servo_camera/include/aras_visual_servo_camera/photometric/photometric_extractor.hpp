@@ -19,7 +19,7 @@ struct Plane {
  *  @throws ParameterError unless z_star_m is finite and > 0 */
 Plane planeAt(double z_star_m, const std::array<double, 3>& normal_C);
 
-/** The luminance of all pixels as the feature: image in, parts of the normal equations out.
+/** The luminance of all pixels as the feature: an image goes in, H and b of the normal equations come out.
  *
  *  With L = -(grad I)^T L_x for each pixel (Collewet and Marchand, IEEE T-RO 27(4), 2011; L_x is that of the point of
  * the plane seen there) and e = I - I*: H = L^T L and b = L^T e, so that the twist -H^-1 b lowers |e|^2 the fastest way
@@ -32,7 +32,7 @@ Plane planeAt(double z_star_m, const std::array<double, 3>& normal_C);
  * carried from image to image. Not thread-safe; same images, same bits. */
 class PhotometricExtractor {
  public:
-  /** @throws ParameterError if nothing of the coarsest level is left inside the border */
+  /** @throws ParameterError if no pixel of the coarsest level is left inside the border */
   PhotometricExtractor(const CameraIntrinsics& intrinsics, const PhotometricConfig& config);
   ~PhotometricExtractor();
 
@@ -46,18 +46,18 @@ class PhotometricExtractor {
   void teach(std::int64_t stamp_ns, double z_star_m);
 
   /** Make an image of the target's plane the reference. When this throws there is none.
-   *  @throws DegenerateFeature if the image shows too little to tell six motions apart; ParameterError unless the plane
-   *      lies in front of every pixel used; ShapeError as process() */
+   *  @throws DegenerateFeature if the image has too little texture to tell six motions apart; ParameterError unless the
+   * plane lies in front of every pixel used; ShapeError as process() */
   void setReference(const ImageView& image, const Plane& plane);
   /** The plane with the normal of the configuration at depth z_star_m. */
   void setReference(const ImageView& image, double z_star_m);
   void clearReference();
 
-  /** Another lens, zoom or size: there is no reference any more. */
+  /** Take a camera with another lens, zoom or size. The reference is dropped. */
   void setIntrinsics(const CameraIntrinsics& intrinsics);
   const CameraIntrinsics& intrinsics() const;
 
-  /** Of the last image; nothing in view before the first one. */
+  /** Features of the last image. Before the first image nothing is in view. */
   const PhotometricFeatures& features() const { return features_; }
 
  private:

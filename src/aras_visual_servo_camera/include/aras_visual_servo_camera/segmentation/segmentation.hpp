@@ -29,19 +29,20 @@ class Segmentation {
   /** @return the object; valid until the next call. @throws ShapeError if the view has no pixels */
   const ObjectMask& process(const ImageView& image);
 
-  /** Pixels without a ray in the map are never of an object, nor of the background. Until it is called all have one.
+  /** Pixels without a ray in the map belong neither to an object nor to the background. Until this is called all have
+   * one.
    *  @pre images of the map's size from now on */
   void setMap(const PixelMap& map);
 
   /** With points = blobs: every object of the last image that passes the area filter, from the top left; else empty. */
   const std::vector<ObjectMask>& objects() const;
 
-  /** Nothing is followed any more: the next image is as the first. The reference's shape stays. */
+  /** Forget the followed object: the next image is treated as the first one. The reference's shape stays. */
   void forgetPrevious();
 
   /** Shape that `most_similar` looks for: area and centred moments to order 3 of the reference view. */
   void setReferenceShape(double m00, const std::vector<double>& mu);
-  /** Until there is one, `most_similar` is `largest`. */
+  /** Until there is a reference shape, `most_similar` chooses the largest object. */
   void clearReferenceShape();
 
  private:

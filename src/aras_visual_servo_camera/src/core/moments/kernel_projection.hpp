@@ -8,7 +8,8 @@
 
 namespace aras_visual_servo_camera {
 
-/** What the kernels X^-p and Y^-q make of an object, X = x - x0, Y = y - y0 counted from a corner outside the image.
+/** Projections of an object onto the kernels X^-p and Y^-q, with X = x - x0, Y = y - y0 from a corner outside the
+ * image.
  *
  *  kernel_x holds p, x0, and the integrals over the object of X^-(p - 1 + k) y^j dA at [2 + 2 k + j], k = 0, 1, 2 and
  *  j = 0, 1; kernel_y the same of Y^-(q - 1 + k) x^j. The projections themselves are those of k = 1, j = 0; the others

@@ -11,8 +11,8 @@ namespace aras_visual_servo_camera {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-// Third moments that point less than this (cosine) the reference's way, or the opposite way, do not tell the branch: a
-// view so different from the reference is continued like a symmetric one.
+// Third-order moments whose direction agrees with the reference's, or with the opposite one, by less than this (cosine)
+// do not tell alpha from alpha + pi. A view that differs so much from the reference is treated like a symmetric one.
 constexpr double kMinAgreement = 0.1;
 // Asymmetry that the stairs of a hard-edged shape of n pixels put on, at most: kStairs / n^(3/4). Measured over all
 // angles of shapes of 12 to 150 px: 0.11 at 12 px, 0.02 at 40 px.
@@ -161,7 +161,7 @@ void FeatureBuilder::setReference(double z_star_m, const MomentFeatures& feature
   }
   if (static_cast<int>(features.mu.size()) < momentCount(3))
     throw ShapeError("reference view: found " + std::to_string(features.mu.size()) + " moments, allowed at least 10");
-  // Points do without an orientation; then there is none to resolve.
+  // Points need no orientation; without one there is nothing to resolve.
   const bool oriented = std::isfinite(features.alpha);
   Reference reference{z_star_m, features.area, oriented ? features.alpha : 0.0, std::nullopt,
                       features.symmetric || !oriented};

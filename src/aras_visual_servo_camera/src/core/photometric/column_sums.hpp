@@ -21,7 +21,8 @@ class ColumnSums {
 
   double at(int i, int j) const { return sums_[i < j ? i * kMaxColumns + j : j * kMaxColumns + i]; }
 
-  /** Take out of every column what column k explains of it (Schur complement); nothing if that column is constant 0. */
+  /** Remove from every column the part that column k explains (Schur complement). A column k of zeros removes nothing.
+   */
   void eliminate(int k);
 
  private:

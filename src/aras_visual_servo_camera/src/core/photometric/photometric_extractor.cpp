@@ -13,7 +13,7 @@ namespace aras_visual_servo_camera {
 namespace {
 
 const char* const kNames[] = {"desired", "current", "mean"};
-// A motion of 1 m or 1 rad that changes no pixel by more than this, rms, leaves no trace in 8 bits.
+// A motion whose rms effect on the pixels is less than this per 1 m or 1 rad cannot be seen in 8 bits.
 constexpr double kSmallestChange = 1e-2;
 
 std::uint64_t hashOf(const cv::Mat& grey) {  // FNV-1a

@@ -12,14 +12,14 @@ namespace aras_visual_servo_camera {
 
 using Vector6 = std::array<double, 6>;
 
-/** H = L^T L and b = L^T e of one image, what the illumination explains taken out. */
+/** H = L^T L and b = L^T e of one image, after the changes that the illumination explains have been removed. */
 struct NormalEquations {
   cv::Matx66d H;
   Vector6 b{};
   double cost = 0.0;  ///< e^T e / 2, grey levels squared
 };
 
-/** What H and b ask for. */
+/** Solution of H step = -b. */
 struct GaussNewton {
   bool solvable = false;   ///< six motions are told apart
   double condition = 0.0;  ///< of L, its columns scaled to length 1; infinite if it is singular
@@ -55,7 +55,7 @@ class PhotometricLevel {
   /** Pixels inside the border that a ray reaches. */
   int pixels() const { return pixels_; }
 
-  /** Rms of a - b over these pixels, as far as the illumination does not explain it [grey levels]. */
+  /** Rms of a - b over these pixels, without the part that the illumination explains [grey levels]. */
   double rms(const cv::Mat& a, const cv::Mat& b) const;
 
  private:

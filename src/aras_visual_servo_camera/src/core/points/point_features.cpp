@@ -8,7 +8,8 @@
 namespace aras_visual_servo_camera {
 namespace {
 
-// Before there is a reference: more objects than wanted are no puzzle if the ones wanted are so much larger.
+// Before there is a reference: with more objects than wanted, the largest are taken if they are larger than the others
+// by this factor.
 constexpr double kClearlyLarger = 1.5;
 
 template <class Pixels>
@@ -40,7 +41,7 @@ const ObjectMask& PointFeatures::find(const ObjectMask& chosen, const std::vecto
   return together_;
 }
 
-// An object cut by the border has its centroid elsewhere: it is none of them.
+// The centroid of an object that is cut by the border is not the object's, so such an object is not used.
 void PointFeatures::findBlobs(const std::vector<ObjectMask>& objects) {
   found_.clear();
   object_of_.clear();

@@ -30,9 +30,9 @@ class PointFeatures {
 
   /** @throws ShapeError, ParameterError: not `point_count` points, or not finite ones */
   void check(const MomentFeatures& features) const;
-  /** Of a view that was checked. */
+  /** Take the reference of a view that was checked before. */
   void setReference(const MomentFeatures& features);
-  /** The reference of another camera: points are free of lens and zoom. */
+  /** Take over the reference of another camera; points in normalised coordinates do not depend on lens and zoom. */
   void takeReference(const PointFeatures& other) { tracker_ = other.tracker_; }
   void clearReference() { tracker_.setReference({}); }
   void forgetPrevious() { tracker_.forgetPrevious(); }

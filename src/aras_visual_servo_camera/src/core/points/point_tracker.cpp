@@ -122,7 +122,8 @@ std::vector<PointTracker::Fit> PointTracker::cyclicFits(const std::vector<ImageP
   return fits;
 }
 
-// The two points furthest apart go to each pair of found ones; that fixes where the others should be.
+// The two reference points that are furthest apart are laid on each pair of found points in turn; that fixes where the
+// others should be.
 std::vector<PointTracker::Fit> PointTracker::patternFits(const std::vector<ImagePoint>& found) const {
   std::size_t a = 0, b = 0;
   for (std::size_t i = 0; i < count_; ++i)

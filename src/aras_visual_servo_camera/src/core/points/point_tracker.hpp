@@ -10,12 +10,12 @@ struct ImagePoint {
   double x, y;
 };
 
-/** Which point is which: keeps points in the order of the reference view, from image to image.
+/** Finds out which point is which: keeps points in the order of the reference view, from image to image.
  *
  *  A point is the one next to where it was in the last image, as long as no point has moved more than half the distance
  *  between two of them. Otherwise, and in the first image, the points are laid over the reference's by rotation,
- *  scale and shift; what fits best is taken. Where several ways fit equally well (a symmetric pattern), the one whose
- *  rotation is nearest to `expected_turn_rad` is; where two are equally near, none (docs/theory.md T37). */
+ *  scale and shift, and the best fit is taken. Where several fits are equally good (a symmetric pattern), the one whose
+ *  rotation is nearest to `expected_turn_rad` is taken; where two are equally near, none is (docs/theory.md T37). */
 class PointTracker {
  public:
   /** @param cyclic  the points come in their order around an outline, clockwise: only the first one is unknown */

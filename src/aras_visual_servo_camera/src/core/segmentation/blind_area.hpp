@@ -9,8 +9,8 @@
 
 namespace aras_visual_servo_camera {
 
-/** Pixels without a ray that counts, such as those a fisheye sees beyond CameraIntrinsics::kWidestAngle and those
- *  outside its circle. To the segmentation the image ends where they begin. */
+/** Pixels without a usable ray, such as those that a fisheye sees beyond CameraIntrinsics::kWidestAngle and those
+ *  outside its circle. The segmentation treats them as lying outside the image. */
 class BlindArea {
  public:
   BlindArea() = default;
@@ -19,9 +19,9 @@ class BlindArea {
   bool empty() const { return count_ == 0; }
   /** Number of such pixels. */
   int count() const { return count_; }
-  /** Gives them one grey. */
+  /** Sets all these pixels to one grey. */
   void fill(std::uint8_t grey, cv::Mat* image) const;
-  /** Whether a component comes so near that its edge may lie beyond. */
+  /** Whether a component comes so near to these pixels that its edge may lie among them. */
   bool meets(const std::vector<Run>& runs, int component) const;
 
  private:

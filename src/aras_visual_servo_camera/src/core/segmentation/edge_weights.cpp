@@ -26,7 +26,7 @@ void EdgeWeights::paint(const ComponentFinder& finder, int chosen) {
   }
 }
 
-// Beyond the image the border pixels go on: an object cut by the border has no edge there.
+// Outside the image the border pixels are repeated, so that an object cut by the border has no edge there.
 void EdgeWeights::replicateAtImageBorder(int width, int height) {
   const int first = std::max(-u0_, 0), last = std::min(width - 1 - u0_, stride_ - 1);
   const int top = std::max(-v0_, 0), bottom = std::min(height - 1 - v0_, rows_ - 1);

@@ -11,7 +11,8 @@ constexpr double kMaxMove = 0.5;    // part of the distance to the nearest other
 constexpr double kMaxGrowth = 2.0;  // of the area, from one image to the next
 // Shapes that differ by less count as equal: rounding, noise, and the part of a perspective that is not affine.
 constexpr double kShapeNoise = 0.02;
-// No view of the reference's shape differs by more: a plane tilted by 45 degrees that fills a third of the image.
+// No view of the reference's shape differs from it by more; measured with a plane tilted by 45 degrees that fills a
+// third of the image.
 constexpr double kMaxDissimilarity = 0.3;
 
 bool contains(const Candidate& box, double u, double v) {
@@ -64,14 +65,14 @@ void ObjectSelector::associate(const std::vector<Candidate>& candidates) {
   }
 }
 
-// Another object was seen a moment ago where this one now is.
+// True when another object was seen shortly before where this one is now.
 bool ObjectSelector::coversAnother(const Candidate& candidate) const {
   return std::any_of(tracks_.begin(), tracks_.end(), [&](const Track& track) {
     return !track.target && track.candidate < 0 && track.unseen == 0 && contains(candidate, track.u_px, track.v_px);
   });
 }
 
-// What now covers the places of the target and of another object; -1: nothing does.
+// The candidate that now covers the places of the target and of another object; -1: none does.
 int ObjectSelector::joined(const std::vector<Candidate>& candidates) const {
   if (target() == nullptr || target()->unseen > 0) return -1;
   const int followed = target()->candidate;
@@ -133,8 +134,8 @@ ObjectSelector::Choice ObjectSelector::acquire(const std::vector<Candidate>& can
   return best(candidates, eligible);
 }
 
-// After a merger: once there are as many objects again, the better one, if one is; or one that has been alone for a
-// while and as large as the target was.
+// After the target has merged with another object: once there are as many objects as before, the target is the better
+// one, if one is better. Or it is an object that has been alone for a while and is as large as the target was.
 ObjectSelector::Choice ObjectSelector::recover(const std::vector<Candidate>& candidates) {
   std::vector<int> all;
   for (std::size_t k = 0; k < candidates.size(); ++k)

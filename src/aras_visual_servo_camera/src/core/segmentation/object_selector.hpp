@@ -6,22 +6,23 @@
 
 namespace aras_visual_servo_camera {
 
-/** One object of an image, as far as the choice is concerned. */
+/** What the choice of the target needs to know of one object in an image. */
 struct Candidate {
   double u_px, v_px, area_px;
   int u_min, u_max, v_min, v_max;
   bool cut;              ///< by the image border: its area is not all of it
-  bool speck;            ///< below min_area_px: only good for going on with the object followed
+  bool speck;            ///< below min_area_px: it may only continue the object followed
   double dissimilarity;  ///< from the reference's shape; NaN: not asked for; infinite: a line or a point
 };
 
-/** Which object of an image is the target: keeps to the one it follows.
+/** Chooses which object of an image is the target, and keeps to the one that it follows.
  *
- *  An object goes on as the one nearest to it in the next image, up to half the distance between two objects and half
- * to double its area. The followed one is left only for one that was better by `switch_ratio` in `switch_images` images
- *  one after another. What is seen beside it is known as another, and never taken for it when it is gone. Where two
- *  objects qualify and neither is better by `switch_ratio`, and where the followed one has merged with another, the
- *  answer is that it is not clear (docs/theory.md T39). */
+ *  An object is taken to be the nearest one in the next image, if it has moved by less than half the distance between
+ *  two objects and has half to double its area. The selector changes to another object only when that was better by
+ *  `switch_ratio` in `switch_images` successive images. An object that is seen beside the followed one is remembered as
+ *  another one, and is not taken for the followed one when that is gone. The choice is ambiguous where two objects
+ *  qualify and neither is better by `switch_ratio`, and where the followed one has merged with another
+ *  (docs/theory.md T39). */
 class ObjectSelector {
  public:
   explicit ObjectSelector(const VisionConfig& config) : config_(config) {}
@@ -39,7 +40,7 @@ class ObjectSelector {
     double u_px, v_px, area_px;
     int unseen;  ///< images since it was seen last
     bool target;
-    int candidate;  ///< that it goes on as in this image; -1: none
+    int candidate;  ///< the candidate of this image that is this object; -1: none
   };
 
   void associate(const std::vector<Candidate>& candidates);

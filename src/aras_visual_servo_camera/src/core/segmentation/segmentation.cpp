@@ -17,7 +17,8 @@
 namespace aras_visual_servo_camera {
 namespace {
 
-// An edge pixel of the first or last row or column that is covered more than this says that the object goes on beyond.
+// An edge pixel of the first or last row or column that is covered by more than this means that the object goes on
+// outside the image.
 constexpr double kBorderWeight = 0.1;
 
 std::array<int, 256> countGreys(const cv::Mat& grey) {
@@ -61,9 +62,9 @@ struct Segmentation::Work {
   std::optional<ShapeSignature> reference_shape;
   std::vector<Candidate> candidates;
   std::vector<int> component_of;  // of each candidate
-  bool was_cut = false;           // by the border, and not clear of it since
+  bool was_cut = false;           // the object was cut by the border and has not been clear of it since
 
-  /** The image with what is blind as far from the object's grey as there is. */
+  /** The image with its blind pixels set to the grey that is farthest from the object's. */
   cv::Mat withoutBlind(const cv::Mat& grey);
   std::array<int, 256> histogramOf(const cv::Mat& grey) const;
   std::optional<GreyLevels> levelsOf(const cv::Mat& grey) const;

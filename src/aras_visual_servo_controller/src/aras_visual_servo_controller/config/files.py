@@ -1,4 +1,4 @@
-"""Where files are found and read: those of this package, `package://` addresses, YAML read strictly."""
+"""Finds and reads files: those of this package and of `package://` addresses. YAML is read strictly."""
 
 import functools
 import os
@@ -82,7 +82,8 @@ def share_dir():
 
 
 class _UniqueKeyLoader(yaml.CSafeLoader):
-    """CSafeLoader, which is fast, and which refuses a key given twice here: YAML would silently take the last."""
+    """CSafeLoader, ten times as fast as SafeLoader, that refuses a key given twice: YAML would silently take the
+    last."""
 
     def construct_mapping(self, node, deep=False):
         seen = set()

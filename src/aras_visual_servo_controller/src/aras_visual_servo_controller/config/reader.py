@@ -15,12 +15,12 @@ _COMPARE = {">": operator.gt, ">=": operator.ge, "<": operator.lt, "<=": operato
 
 
 class Names(NamedTuple):
-    """Names that keys are given by, of the scenario at hand.
+    """Names of features and joints of one scenario, which keys such as gains are given by.
 
     Attributes:
-        features, joints: names, in order; joints (): not known, any name will do.
+        features, joints: names, in order; joints (): the joints are not known, so that any name is accepted.
         limits: (lower, upper) by joint.
-        expand: names in which one stands for several (points4) -> all of them written out.
+        expand: function that replaces a name that stands for several features (points4) by all of them.
     """
 
     features: Tuple[str, ...] = ()
@@ -34,10 +34,10 @@ def read(cls, source, where, names=Names(), also=(), faults=None, separator="/")
 
     Args:
         cls: settings class (config/settings.py).  source: mapping of key -> value.  where: its place, for the messages.
-        names: `Names`.  also: further keys that the table may have, for somebody else to read.
+        names: `Names`.  also: further keys that the table may have, which other code reads.
         faults: list to add faults to, instead of raising them.  separator: between the parts of a place.
     Returns:
-        An instance; None after faults that were added to the list. What is missing has its default.
+        An instance, in which missing keys have their defaults; None when faults were added to the list.
     Raises:
         ParameterError: every fault, a line each: "where/key: found X, allowed Y".
     """

@@ -1,7 +1,7 @@
-"""Sections as JSON Schema (draft 7, with our own `unit`): what a scenario is checked against, and documented by.
+"""Sections as JSON Schema (draft 7, with our own `unit`). Scenarios are checked and documented with it.
 
-Those of this package are made from settings classes. Other packages ship theirs as YAML, schema/NAME.yaml, in the words
-that aras_visual_servo_common/README.md lists; `$ref: other` stands for another file of the folder.
+The schemas of this package are made from settings classes. Other packages ship theirs as YAML, schema/NAME.yaml, with
+the keywords that aras_visual_servo_common/README.md lists; `$ref: other` stands for another file of the folder.
 """
 
 import copy
@@ -53,7 +53,8 @@ def _section(folder, name, way):
 
 
 def _in_place(node, folder, way):
-    """The same with the files in place that $ref names; what stands beside a $ref goes first."""
+    """The same with each $ref replaced by the file it names; keys beside a $ref take precedence over those of the
+    file."""
     if isinstance(node, list):
         return [_in_place(entry, folder, way) for entry in node]
     if not isinstance(node, dict):

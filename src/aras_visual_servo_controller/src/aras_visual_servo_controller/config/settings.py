@@ -20,8 +20,8 @@ A key is a field made by `setting`; its type is the annotation:
 | `Optional[X]` | an X; None without it |
 | `object` | anything |
 
-A field without `setting` is no key. A class may have `check(self)`, which yields what several keys together have wrong,
-each as "key: found X, allowed Y"; it is called when each of them is right.
+A field without `setting` is no key. A class may have `check(self)`, which yields faults that concern several keys
+together, each as "key: found X, allowed Y". It is called when every key by itself is right.
 """
 
 import functools
@@ -31,7 +31,7 @@ from typing import Any, Callable, Optional, Tuple
 
 from ..ground.errors import ParameterError
 
-#: What may vary in number with the scenario: keys are given by the names of these.
+#: What the entries of a key may be named by, when their number depends on the scenario.
 BY = ("", "feature", "joint", "joint_position")
 _SCALARS = (float, int, bool, str, object)
 _KEY, _NONE = "aras_setting", type(None)
@@ -46,7 +46,8 @@ class Key:
         default: MISSING if the key is required.  help: what it means, in one line.  unit: "" if it has none.
         above, at_least, below, at_most: bounds of a number, or of each in a list or table; None: unbounded.
         choices: texts allowed.  size: of a list.  not_empty: a text, list or table has at least one entry.
-        condition: (what is allowed, test of a value that fits otherwise), None: no more is asked.  by: one of BY.
+        condition: (text of what is allowed, function that tests a value which is right otherwise), or None.
+        by: one of BY.
     """
 
     name: str
@@ -147,7 +148,7 @@ def is_table(key):
 
 
 def _without_none(hint):
-    """(type, whether None is one as well)."""
+    """(type without Optional, whether it was Optional)."""
     arguments = typing.get_args(hint)
     kinds = [kind for kind in arguments if kind is not _NONE]
     if typing.get_origin(hint) is typing.Union and len(arguments) == 2 and len(kinds) == 1:

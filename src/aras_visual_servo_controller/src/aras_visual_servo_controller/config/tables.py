@@ -21,7 +21,7 @@ def part_of(sections, name):
 
 
 def _section(schema):
-    """What has keys: the schema itself, that of the entries of a list or table, or what any of several kinds has."""
+    """The schema that has the keys: the given one, that of a list's or table's entries, or all kinds put together."""
     schema = schema.get("items", {}) if schema.get("type") == "array" else schema
     if isinstance(schema.get("additionalProperties"), dict):
         schema = _section(schema["additionalProperties"])

@@ -1,4 +1,4 @@
-"""What a scenario may say: the schema's verdict in our words, and what no schema can say."""
+"""Checks a scenario: the schema's errors in our words, and the checks that a schema cannot express."""
 
 import functools
 import math
@@ -22,7 +22,7 @@ def check(document):
         return error.faults
     for error in validator.iter_errors(document):
         faults.extend(_describe(error))
-    if faults:  # a plugin that is not there may be why; alone, it is told when the servo is set up
+    if faults:  # a missing plugin may be the cause; if it is the only fault, setting up the servo reports it
         faults += [f"servo.{fault}" for fault in missing]
     return sorted(set(faults or _feature_faults(document) + _latency_faults(document, schema)))
 
@@ -35,7 +35,7 @@ def _plugins(document):
 
 
 def _feature_faults(document):
-    """Gains and thresholds are one per feature, by name; the camera is told to make what the features are of."""
+    """Faults of features: each needs a gain and a threshold by its name, and a camera that makes its source."""
     servo = document["servo"]
     names, faults = expand(servo.get("features", FEATURE_NAMES)), []
     for section in ("gains_per_s", "thresholds"):
@@ -52,7 +52,8 @@ def _feature_faults(document):
 
 
 def _latency_faults(document, schema):
-    """An image must be answered before it is stale, and so must the next one: one frame and its rounding later."""
+    """Faults of latencies: an image must be answered before it is stale, also one that comes a frame later, with the
+    rounding of its time to ticks."""
     sim, faults = document["sim"], []
     timeout_s = document["servo"].get("input_timeout_s", ServoSettings.input_timeout_s)
     period_s = sim.get("period_s", default_of("sim.period_s", schema))
@@ -103,7 +104,8 @@ def _describe(error):
 
 
 def _describe_kinds(error, where):
-    """Of a value of which there are several kinds: maps are told apart by keys with one value, others by their type."""
+    """Lines for a value of which there are several kinds. Maps are told apart by keys that have one fixed value, other
+    values by their type."""
     told_by = set.intersection(*({key for key, value in kind.get("properties", {}).items() if "const" in value}
                                  for kind in error.validator_value))
     if isinstance(error.instance, dict) and told_by - set(error.instance):
@@ -118,7 +120,7 @@ def _describe_kinds(error, where):
                 value = fault.validator_value if isinstance(fault.validator_value, list) else [fault.validator_value]
                 differing.setdefault(_dotted(fault.absolute_path), (fault.instance, []))[1].extend(map(str, value))
                 break
-    if kinds:  # what it is meant to be, or all that it may be
+    if kinds:  # the faults of the kind that is meant, or of all kinds that it may be
         return [line for faults in kinds.values() for fault in faults for line in _describe(fault)]
     if not differing:
         return [f"{where}: found {_short(error.instance)}, which is of two kinds at once"]

@@ -58,7 +58,7 @@ class Scenario:
         return self.urdf_path.read_text(encoding="utf-8")
 
     def believed_camera_info(self, camera_info):
-        """Intrinsics that the moments are computed with, of the true ones: the same, unless a sweep says otherwise."""
+        """Intrinsics with which the moments are computed: the true ones, unless a sweep perturbs them."""
         return camera_info
 
     def controllers(self):
@@ -82,7 +82,7 @@ class Scenario:
 
     @staticmethod
     def _placed(kinematics, *places):
-        """Joint vector of the last of the places that names each joint."""
+        """Joint vector; each joint has the position of the last place that names it."""
         return kinematics.vector({name: q for joints in places for name, q in joints.items()})
 
     def as_dict(self):

@@ -11,7 +11,7 @@ from ..run.settings import ExperimentSettings
 from ..servo.settings import own_sections, servo_schema
 from .sweep import Perturbations, SweepSection
 
-#: Sections that the packages describe which read them: name -> package.
+#: Sections that other packages read and describe: name -> package.
 ELSEWHERE = {"sim": "aras_visual_servo_sim", "time": "aras_visual_servo_sim", "vision": "aras_visual_servo_camera"}
 REQUIRED = ("name", "robot", "sim", "vision", "servo", "experiment")
 
@@ -27,7 +27,8 @@ class RobotSettings:
 
 
 def sources():
-    """What the schema is made of, to tell whether it is still the same: laws and features, folders of the packages."""
+    """What the schema is made of: sections of laws and features, folders of packages. The same sources, the same
+    schema."""
     return tuple(own_sections().items()), tuple(package_path(package) for package in ELSEWHERE.values())
 
 
@@ -40,7 +41,7 @@ def scenario_schema():
 
 
 def default_of(name, schema=None):
-    """What a key is where the scenario does not say, e.g. of "sim.cameras.rate_hz". KeyError: it has no default."""
+    """Default of a key, e.g. of "sim.cameras.rate_hz". KeyError: it has no default."""
     return part_of((schema or scenario_schema())["properties"], name)["default"]
 
 

@@ -1,12 +1,12 @@
-"""Moving targets: the motion of the target, estimated from image and joints, and the twist that goes along with it.
+"""Moving targets: the motion of the target is estimated from image and joints, and the camera moves along with it.
 
-A law that only sees the error lags behind a target that moves at v by v / lambda. What the target does is what is left
-of the motion in the image when that of the camera is taken away; here it is taken away in space rather than in the
-image, where a target that moves evenly does so however the camera turns (T45):
+A law that only knows the error lags behind a target that moves at v by v / lambda. The target's own motion is the
+motion that is seen, less the camera's motion. The difference is taken in space and not in the image, because there a
+target with a constant velocity has a constant velocity however the camera turns (T45):
 
 1. The error says where the goal of the camera is now, X_CG, and the joints say where the camera is, X_BC.
 2. A Kalman filter with a constant-velocity model follows a point of the target and the attitude of the goal in B.
-3. The camera moves along as if it were fixed to the target; the law is left with what is not predicted.
+3. The camera moves as if it were fixed to the target. The law corrects only the error that remains.
 
 References:
     P. I. Corke and M. C. Good, IEEE T-RA 12(5), 1996 (feed-forward of the target's velocity).
@@ -88,7 +88,7 @@ class TargetMotion:
         self.clear()
 
     def clear(self):
-        """Forget what was seen: the target may have changed its motion."""
+        """Forget the estimate, because the target may have changed its motion."""
         config = self._config
         self._places = ConstantVelocity(config.acceleration_m_s2, config.noise_m, config.speed_m_s)
         self._turns = ConstantVelocity(config.acceleration_rad_s2, config.noise_rad, config.turn_rad_s)
@@ -96,7 +96,7 @@ class TargetMotion:
         self.velocity, self.turn = np.zeros(3), np.zeros(3)
 
     def set_reference(self, reference):
-        """Take over the goal. Raises ParameterError: it says nothing of the target in space."""
+        """Take over the goal. Raises ParameterError: the reference does not say where the target is in space."""
         if reference.view is None:
             raise ParameterError("feed_forward: the reference holds no view of the target: teach it again")
         view = reference.view
@@ -124,7 +124,7 @@ class TargetMotion:
         return X_CG[:3, :3], X_CG[:3, :3] @ self._point_G + X_CG[:3, 3]
 
     def twist(self, stamp_ns, X_BC, s, e):
-        """Take an image in; V_C, (6,), of a camera that goes along with the target.
+        """Update the estimate with one image. Returns V_C, (6,), of a camera that moves along with the target.
 
         Args: X_BC: (4, 4) pose of the camera at the image.  s, e: (k,) features and errors of the law.
         """

@@ -1,6 +1,7 @@
-"""What the arm does while the target is not seen: hold still, back off along the path travelled, or search.
+"""What the arm does while the target is not seen: hold still, go back along the path it came, or search.
 
-Only images that came in time are answered by motion: without one the servo holds, whatever is configured here.
+The arm moves only in answer to an image that came in time. Without an image it holds still, whatever is configured
+here.
 """
 
 from collections import deque
@@ -19,10 +20,12 @@ ACTIONS = ("hold", "back_off", "search")
 PATH_LENGTH = 18000
 #: Directions of one ring of the search.
 DIRECTIONS = 8
-#: A place of the search is reached within this part of a step of it, or given up after this many times the time that
-#: the way there takes at full speed, and a while: an arm may be slow to get there, or not get there at all.
+#: A place of the search counts as reached at a distance of NEAR_PART of a step. The search goes on to the next place
+#: after PATIENT times the time that the way takes at full speed, plus WHILE_S: an arm may be slow, or may not get there
+#: at all.
 NEAR_PART, PATIENT, WHILE_S = 0.1, 2.0, 0.3
-#: The last of the way to a place of the search takes at least this many periods: joints follow late.
+#: Near a place of the search the arm slows down, so that the rest of the way takes at least this many periods: joints
+#: follow their commands with a delay.
 EASE_PERIODS = 5.0
 
 
@@ -109,7 +112,7 @@ class LostTarget:
 
     @property
     def factor(self):
-        """On the twist of the law: slower after each recovery."""
+        """Factor on the twist of the law: it becomes smaller with each recovery."""
         return self._config.slow_down**self.recoveries
 
     def found(self, stamp_ns):
@@ -120,7 +123,7 @@ class LostTarget:
         return stamp_ns - self._seen_ns >= 1e9 * self._config.confirm_s
 
     def servoed(self, q, features):
-        """The law has an answer to this image of the target, taken at joint positions q, (n,)."""
+        """Call this when the law has answered an image of the target, taken at joint positions q, (n,)."""
         if self._action == "hold":
             return
         if self._lost_ns is not None:
@@ -130,7 +133,9 @@ class LostTarget:
         self._direction = atan2(getattr(features, "yg", 0.0), getattr(features, "xg", 0.0))
 
     def step(self, stamp_ns, q, dt_s, visible) -> Optional[Recovery]:
-        """Answer to an image without the target, or with it (visible) while it is not sure yet; None: hold still.
+        """Answer to an image without the target, or to one that shows it (visible) but not for long enough yet.
+
+        None: hold still.
 
         Args: q: (n,) measured at stamp_ns.  dt_s: time the answer holds, > 0 [s].
         """
@@ -166,7 +171,7 @@ class LostTarget:
         """Joint velocities that go back along the path for dt_s, at the speed limit; zeros at its end."""
         if self._here is None:
             self._here = q
-        begin, left = self._here, 1.0  # part of this period that is left
+        begin, left = self._here, 1.0  # left: part of this period that is not used up yet
         while self._path and left > 0.0:
             way = self._path[-1] - self._here
             needed = float(np.max(np.abs(way) / self._speed)) / dt_s  # periods
@@ -175,7 +180,7 @@ class LostTarget:
             else:
                 self._here, left = self._path.pop(), left - needed
         if not self._path:
-            self._path.append(self._here)  # the place where it began is where it waits
+            self._path.append(self._here)  # the arm waits where the path began
         return (self._here - begin) / dt_s
 
     def _look_around(self, stamp_ns, q, dt_s):
