@@ -19,7 +19,7 @@ from aras_visual_servo_controller.scenario.check import check
 from aras_visual_servo_controller.scenario.scenario import load_scenario
 from aras_visual_servo_controller.scenario.schema import described_sections, scenario_schema
 
-DESCRIBED = ("robot", "servo", "experiment", "sweep", "vision")
+DESCRIBED = ("robot", "sim", "time", "vision", "servo", "experiment", "sweep")
 #: Endings of names and the unit they stand for; the longer ones first.
 UNITS = {"_per_s": "/s", "_m_s2": "m/s^2", "_rad_s2": "rad/s^2", "_m_s": "m/s", "_rad_s": "rad/s", "_hz": "Hz",
          "_px": "px", "_rad": "rad", "_deg": "deg", "_mm": "mm", "_m": "m", "_s": "s"}
