@@ -121,6 +121,28 @@ std::vector<std::string> keysAskedFor(const std::vector<SchemaPtr>& alternatives
   return keys;
 }
 
+/** The key that every alternative fixes with `const`, by which maps are told apart; empty if there is none. */
+std::string tellingKey(const std::vector<SchemaPtr>& alternatives) {
+  const auto fixes = [](const SchemaPtr& each, const std::string& key) {
+    const auto property = each->properties.find(key);
+    return property != each->properties.end() && property->second->choices.size() == 1;
+  };
+  for (const auto& [key, property] : alternatives.front()->properties) {
+    const auto fixesKey = [&, &key = key](const SchemaPtr& each) { return fixes(each, key); };
+    if (std::all_of(alternatives.begin(), alternatives.end(), fixesKey)) return key;
+  }
+  return "";
+}
+
+/** None of the alternatives is meant by the value of the key that tells them apart. */
+void addTellingFault(const YAML::Node& map, const std::string& key, const std::vector<SchemaPtr>& alternatives,
+                     const std::string& where, FaultList& faults) {
+  std::vector<std::string> known;
+  for (const SchemaPtr& each : alternatives) known.push_back(shown(each->properties.at(key)->choices.front()));
+  faults.add(where.empty() ? key : where + "/" + key, shown(map[key]),
+             "one of " + joined(known) + (map[key].IsDefined() ? "" : " (required)"));
+}
+
 void checkAlternatives(const YAML::Node& value, const std::vector<SchemaPtr>& alternatives, bool one_only,
                        const std::string& where, FaultList& faults) {
   std::vector<std::string> fitting, all;
@@ -140,6 +162,8 @@ void checkAlternatives(const YAML::Node& value, const std::vector<SchemaPtr>& al
     faults.add(what, shown(value) + ", which is " + joined(fitting, " and "), "only one of them");
   } else if (meant.size() == 1) {
     meant.front()->check(value, where, faults);
+  } else if (value.IsMap() && !tellingKey(alternatives).empty()) {
+    addTellingFault(value, tellingKey(alternatives), alternatives, where, faults);
   } else {
     faults.add(what, shown(value), joined(all, " or "));
   }

@@ -170,6 +170,12 @@ TEST(Schema, FaultsOfOneOfSeveralMapsAreThoseOfTheOneThatIsMeant) {
   EXPECT_HAS(fault, "toy/k/radius_m: found an unknown key, allowed side_m, type");
 }
 
+TEST(Schema, AMapThatIsNoneOfSeveralIsToldWhichThereAre) {
+  EXPECT_EQ(valueFault(kShapes, "{type: star}"), "toy/k/type: found star, allowed one of circle, square");
+  EXPECT_EQ(valueFault(kShapes, "{}"), "toy/k/type: found nothing, allowed one of circle, square (required)");
+  EXPECT_EQ(valueFault(kShapes, "5"), "toy/k: found 5, allowed a map or a map");
+}
+
 TEST(Schema, OneOfSeveralKeysIsCounted) {
   const std::string schema =
       "{type: object, description: A., additionalProperties: true, oneOf: [{required: [a]}, {required: [b, c]}]}";

@@ -4,6 +4,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <aras_visual_servo_common/python/yaml_from_python.hpp>
 #include <map>
 #include <memory>
 #include <optional>
@@ -17,12 +18,13 @@
 #include "bind_contacts.hpp"
 #include "bind_frames.hpp"
 #include "bind_geometry.hpp"
-#include "yaml_from_python.hpp"
 
 namespace py = pybind11;
 
 namespace aras_visual_servo_sim {
 namespace {
+
+using aras_visual_servo_common::yamlFromPython;
 
 using Values = std::map<std::string, double>;
 using PackageMap = std::map<std::string, std::string>;
@@ -203,13 +205,13 @@ void bindScene(py::class_<Simulation>& type) {
           [](Simulation& self, const py::object& entry) { self.spawnModel(yamlFromPython(entry, "model")); },
           py::arg("entry"),
           "Adds a model until the next reset.\n\nArgs:\n"
-          "    entry: dict as sim.scene.models[] or sim.scene.solids[] of a scenario, see config/sim.yaml.\n"
+          "    entry: dict as sim.scene.models[] or sim.scene.solids[] of a scenario, see the README.\n"
           "Raises:\n    ParameterError (also: the name is taken), ModelError; nothing changes then.")
       .def("delete_model", &Simulation::deleteModel, py::arg("name"),
            "Removes a model; one of the configuration is back after a reset.\n\nRaises:\n    UnknownNameError.")
       .def("set_model_motion", &setModelMotion, py::arg("name"), py::arg("motion"),
            "Moves a model from now and from where it is.\n\nArgs:\n"
-           "    motion: dict as sim.scene.models[].motion of a scenario, see config/sim.yaml; None: it stays where it "
+           "    motion: dict as sim.scene.models[].motion of a scenario, see the README; None: it stays where it "
            "is.\n"
            "Raises:\n    UnknownNameError, ParameterError listing all faults.");
 }
@@ -242,7 +244,7 @@ void bindSimulation(py::module_& module) {
   type.def(py::init(&makeSimulation), py::arg("urdf"), py::arg("config") = py::dict(),
            py::arg("controllers") = py::dict(), py::arg("package_paths") = py::none(),
            "Args:\n    urdf: a URDF document, or the path or package:// name of one.\n"
-           "    config: dict, the `sim:` section of a scenario (see config/sim.yaml).\n"
+           "    config: dict, the `sim:` section of a scenario (see the README).\n"
            "    controllers: dict in ros_control's layout, name -> {type, joint, pid}.\n"
            "    package_paths: dict package name -> folder; others are looked up in ROS_PACKAGE_PATH and\n"
            "        CMAKE_PREFIX_PATH.\n"

@@ -9,6 +9,7 @@
 
 #include "aras_visual_servo_sim/camera/camera_config.hpp"
 #include "aras_visual_servo_sim/camera/equidistant_lens.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
 #include "aras_visual_servo_sim/config/types.hpp"
 #include "aras_visual_servo_sim/image/image.hpp"
 
@@ -97,7 +98,8 @@ class CameraModel {
   std::string distortionModel() const;
 
  private:
-  void readLens(std::vector<std::string>& faults);
+  void readLens(FaultList& faults);
+  void readFocalLength(FaultList& faults);
   Eigen::Vector2d distort(const Eigen::Vector3d& ray) const;
   double radial(double r) const;
   std::optional<double> inverseRadial(double rd) const;
@@ -105,8 +107,8 @@ class CameraModel {
   Eigen::Vector3d fisheyeRay(double u, double v) const;
   double lensRadiusOf(double u, double v) const;
   void findLensRadius();
-  void findImageRadius(std::vector<std::string>& faults);
-  void findImageAngle(std::vector<std::string>& faults);
+  void findImageRadius(FaultList& faults);
+  void findImageAngle(FaultList& faults);
 
   CameraConfig config_;
   Lens lens_ = Lens::kNone;

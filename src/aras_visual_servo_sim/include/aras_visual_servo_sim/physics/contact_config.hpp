@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "aras_visual_servo_sim/config/section.hpp"
 #include "aras_visual_servo_sim/config/types.hpp"
 #include "aras_visual_servo_sim/robot/robot_model.hpp"
 
@@ -25,18 +26,20 @@ struct Obstacle {
 
 /** The plane z = z_m, solid below. */
 struct GroundPlane {
-  double z_m = 0.0;
-  double friction = 0.8;
+  double z_m, friction;
 };
 
 /** What touches what, and how hard. Nothing by default: then no shape is even built. */
 struct ContactConfig {
+  /** Nothing, with the defaults of section `contacts`. */
+  ContactConfig();
+
   /** Names of links and obstacles; `robot` stands for every link, in either place. */
   std::vector<std::pair<std::string, std::string>> pairs;
   std::optional<GroundPlane> ground;
-  double friction = 0.8;                      ///< Coulomb's coefficient of the pairs
-  double stiffness_n_per_m = 1e6;             ///< normal force per depth at each point of contact
-  double damping_n_s_per_m = 1e4;             ///< normal force per speed of approach
+  double friction;                            ///< Coulomb's coefficient of the pairs
+  double stiffness_n_per_m;                   ///< normal force per depth at each point of contact
+  double damping_n_s_per_m;                   ///< normal force per speed of approach
   std::map<std::string, double> free_bodies;  ///< solid: mass [kg]
   std::vector<Obstacle> obstacles;            ///< the solids of the scene, filled in by whoever knows it
   /** Points of the mesh files that collision shapes name, unscaled [m]; their convex hull is what touches. */
@@ -45,9 +48,9 @@ struct ContactConfig {
   bool any() const { return ground || !pairs.empty(); }
 };
 
-/** Reads the section `contacts`: {ground_plane: {z_m, friction}, pairs: [[a, b], ...] | all, friction,
- *  stiffness_n_per_m, damping_n_s_per_m, free_bodies: {solid: mass in kg}}. Null: none.
- *  @throws ParameterError listing every fault */
+/** Reads section `contacts`. Null: none. @throws ParameterError listing every fault */
 ContactConfig contactConfigFromYaml(const YAML::Node& node);
+/** The same as part of a larger reading: faults go to reader, whose owner calls finish(). */
+ContactConfig readContacts(YamlReader reader);
 
 }  // namespace aras_visual_servo_sim

@@ -42,9 +42,9 @@ struct ControllerState {
   PidGains gains;
 };
 
-/** Reads ros_control's YAML layout: a map of controller name to {type, joint, command_timeout_s, pid: {p, i, d,
- * i_clamp, i_clamp_min, i_clamp_max, antiwindup, publish_state}}. Entries without `type` are not controllers and are
- * passed over. A JointStateController yields nothing here (parseJointStates).
+/** Reads ros_control's YAML layout: a map of controllers by name, each as section `controller` describes it. Entries
+ *  without `type` are not controllers and are passed over. A JointStateController yields nothing here
+ *  (parseJointStates).
  *  @return controllers in the order of the map
  *  @throws ParameterError with all faults: unknown type, unknown joint, joint with two controllers, a type that the
  *          hardware interfaces of the joint's <transmission> do not have, missing `p`, ... */

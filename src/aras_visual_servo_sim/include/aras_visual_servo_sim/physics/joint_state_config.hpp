@@ -6,10 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "aras_visual_servo_sim/config/yaml_reader.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
 #include "aras_visual_servo_sim/robot/robot_model.hpp"
 
 namespace aras_visual_servo_sim {
+
+/** Its type among ros_control's controllers. */
+inline const char kJointStateType[] = "joint_state_controller/JointStateController";
 
 /** A joint that nobody simulates, published with the others at a constant state [m or rad, per s, N or Nm]. */
 struct ExtraJoint {
@@ -23,7 +26,7 @@ struct JointStateConfig {
   std::vector<ExtraJoint> extra_joints;   ///< in the order of the file; joints the robot has are passed over
 };
 
-/** Reads publish_rate and extra_joints: [{name, position, velocity, effort}]. Faults go to the reader. */
+/** Reads the keys of a controller of that type. Faults go to the reader. */
 JointStateConfig readJointStates(YamlReader& reader, const RobotModel& model);
 
 /** The joint state controller among ros_control's controllers (parseControllers), the first if there are several.

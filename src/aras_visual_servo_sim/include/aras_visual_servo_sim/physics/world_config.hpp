@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "aras_visual_servo_sim/config/section.hpp"
 #include "aras_visual_servo_sim/config/types.hpp"
 #include "aras_visual_servo_sim/physics/contact_config.hpp"
 #include "aras_visual_servo_sim/physics/joint_controller.hpp"
@@ -18,8 +19,8 @@ enum class Base {
 };
 
 struct WorldConfig {
-  double period_s = 0.001;
-  Eigen::Vector3d gravity_m_s2{0.0, 0.0, -9.81};
+  double period_s = defaultOf<double>("sim", "period_s");
+  Eigen::Vector3d gravity_m_s2 = defaultOf<Eigen::Vector3d>("sim", "gravity_m_s2");
   Drive drive = Drive::kImplicit;
   double command_timeout_s = 0.0;             ///< a velocity command older than this (simulated) counts as 0; 0: never
   std::vector<ControllerConfig> controllers;  ///< joints without one are passive

@@ -10,8 +10,8 @@
 #include <variant>
 #include <vector>
 
+#include "aras_visual_servo_sim/config/section.hpp"
 #include "aras_visual_servo_sim/config/types.hpp"
-#include "aras_visual_servo_sim/config/yaml_reader.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -71,9 +71,9 @@ struct WaypointMotion {
 /** How a model of the scene moves by itself: a function of simulated time alone, so runs repeat to the byte. */
 class ModelMotion {
  public:
-  /** Reads {type: constant_velocity | circle | random_walk | waypoints, delay_s, ...}; README and config/sim.yaml list
-   *  the keys of each. Faults go to reader, whose owner calls finish() before the motion is used. */
-  static ModelMotion read(YamlReader& reader, const YAML::Node& node);
+  /** Reads section `motion` as part of a larger reading: faults go to reader, whose owner calls finish() before the
+   *  motion is used. @param node  what reader reads, for saved states */
+  static ModelMotion read(YamlReader reader, const YAML::Node& node);
   /** @param where  name for messages @throws ParameterError listing all faults */
   static ModelMotion fromYaml(const YAML::Node& node, const std::string& where);
 

@@ -32,11 +32,14 @@ struct Body {
 
 /** What cameras see. Plain data: the caller moves models and bodies between frames. */
 struct Scene {
-  Rgb background{230, 230, 230};
+  /** Empty, with the defaults of section `scene`. */
+  Scene();
+
+  Rgb background;
   std::vector<PlanarModel> models;
   std::vector<Body> bodies;
-  std::map<std::string, ModelMotion> motions;           ///< of models and fixed bodies, by name; the caller moves them
-  Eigen::Vector3d light_direction_W{-0.4, -0.3, -1.0};  ///< where the light travels, any length but zero
+  std::map<std::string, ModelMotion> motions;  ///< of models and fixed bodies, by name; the caller moves them
+  Eigen::Vector3d light_direction_W;           ///< where the light travels, any length but zero
 
   /** @throws UnknownNameError naming what exists */
   PlanarModel& model(const std::string& name);

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "aras_visual_servo_sim/config/section.hpp"
 #include "aras_visual_servo_sim/config/types.hpp"
 #include "aras_visual_servo_sim/image/image.hpp"
 #include "aras_visual_servo_sim/robot/robot_model.hpp"
@@ -52,15 +53,17 @@ struct SolidEntry {
 
 using SceneEntry = std::variant<ModelEntry, SolidEntry>;
 
-/** The `scene:` section of a scenario, checked; files are not read yet. config/sim.yaml lists the keys. */
+/** The `scene:` section of a scenario, checked; files are not read yet. schema/scene.yaml says what each key means. */
 struct SceneConfig {
-  Rgb background{230, 230, 230};
-  Eigen::Vector3d light_direction_W{-0.4, -0.3, -1.0};  ///< where the light travels, any length but zero
+  Rgb background;
+  Eigen::Vector3d light_direction_W = Eigen::Vector3d::Zero();
   std::vector<ModelEntry> models;
   std::vector<SolidEntry> solids;
 
   /** @param node  the section; null gives an empty scene @throws ParameterError listing every fault */
   static SceneConfig fromYaml(const YAML::Node& node);
+  /** The same as part of a larger reading: faults go to reader, whose owner calls finish(). */
+  static SceneConfig read(YamlReader reader);
 };
 
 /** An entry of `models`, or of `solids` if it has one of their shapes. @throws ParameterError listing every fault */

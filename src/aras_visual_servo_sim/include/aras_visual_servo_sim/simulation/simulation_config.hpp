@@ -13,12 +13,11 @@
 
 namespace aras_visual_servo_sim {
 
-/** The `sim:` section of a scenario. config/sim.yaml lists every key with its unit and default. */
+/** The `sim:` section of a scenario. schema/sim.yaml says what each key means. */
 struct SimulationConfig {
-  WorldConfig world;                                ///< period_s, gravity_m_s2, drive
+  WorldConfig world;
   std::uint64_t seed = 0;                           ///< of the image noise
-  std::map<std::string, double> initial_positions;  ///< by joint name [m or rad]; joints not named start at 0
-  double command_timeout_s = 0.1;  ///< simulated age at which a velocity command stops acting, >= 0; 0 = never
+  std::map<std::string, double> initial_positions;  ///< by joint name [m or rad]
   std::vector<CameraConfig> cameras;
   bool gazebo_cameras = false;  ///< `compatibility`: "gazebo"; cameras of the URDF are as Gazebo has them
   SceneConfig scene;

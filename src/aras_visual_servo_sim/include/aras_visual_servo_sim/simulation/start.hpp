@@ -16,7 +16,7 @@ class Start {
    * at the nearer one */
   explicit Start(const std::map<std::string, double>& positions) : positions_(positions) {}
 
-  /** @throws UnknownNameError, one line for each joint that the robot does not have */
+  /** @throws ParameterError naming each joint that the robot does not have */
   void check(const RobotModel& model) const;
   /** A world whose robot stands at the start. @throws as MultibodyWorld and its setJointPositions */
   std::unique_ptr<MultibodyWorld> makeWorld(const RobotModel& model, const WorldConfig& config);

@@ -108,7 +108,7 @@ std::optional<Eigen::Vector2d> CameraModel::undistort(const Eigen::Vector2d& dis
 }
 
 /** Walks the image border, pixel edges included; a border point without a ray is a fault. */
-void CameraModel::findImageRadius(std::vector<std::string>& faults) {
+void CameraModel::findImageRadius(FaultList& faults) {
   constexpr int kSteps = 64;
   findLensRadius();
   image_radius_ = 0.0;
@@ -121,14 +121,16 @@ void CameraModel::findImageRadius(std::vector<std::string>& faults) {
     image_radius_ = xy ? std::max(image_radius_, xy->norm()) : kInfinity;
   }
   if (image_radius_ * 1.01 < lens_radius_) return;
-  faults.push_back("distortion: found coefficients whose lens folds over inside the image, at " +
-                   std::to_string(lens_radius_) + " from the axis, allowed one to one over the image");
+  faults.add(
+      "distortion",
+      "coefficients whose lens folds over inside the image, at " + std::to_string(lens_radius_) + " from the axis",
+      "one to one over the image");
 }
 
 /** Radius of a pixel position from the principal point, in focal lengths. */
 double CameraModel::lensRadiusOf(double u, double v) const { return std::hypot((u - cx_) / fx_, (v - cy_) / fy_); }
 
-void CameraModel::findImageAngle(std::vector<std::string>& faults) {
+void CameraModel::findImageAngle(FaultList& faults) {
   fisheye_ = EquidistantLens({distortion_[0], distortion_[1], distortion_[2], distortion_[3]});
   const double right = width() - 0.5, bottom = height() - 0.5;
   const double corner = std::max(
@@ -136,9 +138,10 @@ void CameraModel::findImageAngle(std::vector<std::string>& faults) {
   const double fold = fisheye_.fold();
   if (fold <= config_.cutoff_angle_rad.value_or(EquidistantLens::kWidest) &&
       fisheye_.radius(fisheye_.reach()) <= corner) {
-    faults.push_back("distortion: found coefficients whose lens folds over " + std::to_string(fold) +
-                     " rad from the axis, in the field of view, allowed one to one over the image or up to a " +
-                     "cutoff_angle_rad");
+    faults.add(
+        "distortion",
+        "coefficients whose lens folds over " + std::to_string(fold) + " rad from the axis, in the field of view",
+        "one to one over the image or up to a cutoff_angle_rad");
     return;
   }
   fisheye_.cutOff(config_.cutoff_angle_rad.value_or(EquidistantLens::kWidest));

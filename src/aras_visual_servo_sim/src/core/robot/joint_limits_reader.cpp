@@ -1,11 +1,13 @@
 #include "aras_visual_servo_sim/robot/joint_limits_reader.hpp"
 
 #include "aras_visual_servo_sim/config/errors.hpp"
-#include "aras_visual_servo_sim/config/yaml_reader.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
 
 namespace aras_visual_servo_sim {
 
 namespace {
+
+using aras_visual_servo_common::shown;
 
 /** Reads the limits of one joint; a limit counts when `has_` is true and its numbers are there. */
 class LimitReader {
@@ -15,16 +17,13 @@ class LimitReader {
 
   void read(JointLimits& limits, SoftLimits& soft) {
     JointLimits given = limits;
-    one("has_position_limits", {{"min_position", &given.lower}, {"max_position", &given.upper}}, Range::any(),
-        given.has_position);
-    reader_.optional<bool>("angle_wraparound", false);
-    one("has_velocity_limits", {{"max_velocity", &given.velocity}}, Range::positive(), given.has_velocity);
-    one("has_acceleration_limits", {{"max_acceleration", &given.acceleration}}, Range::positive(),
-        given.has_acceleration);
-    one("has_effort_limits", {{"max_effort", &given.effort}}, Range::nonNegative(), given.has_effort);
+    one("has_position_limits", {{"min_position", &given.lower}, {"max_position", &given.upper}}, given.has_position);
+    one("has_velocity_limits", {{"max_velocity", &given.velocity}}, given.has_velocity);
+    one("has_acceleration_limits", {{"max_acceleration", &given.acceleration}}, given.has_acceleration);
+    one("has_effort_limits", {{"max_effort", &given.effort}}, given.has_effort);
     bool jerk = false;
     double max_jerk = 0.0;
-    one("has_jerk_limits", {{"max_jerk", &max_jerk}}, Range::positive(), jerk);
+    one("has_jerk_limits", {{"max_jerk", &max_jerk}}, jerk);
     if (jerk) warn("has_jerk_limits is ignored, as in joint_limits_interface");
     if (given.has_position && given.lower > given.upper) {
       reader_.fault("min_position", std::to_string(given.lower), "<= max_position, " + std::to_string(given.upper));
@@ -36,14 +35,14 @@ class LimitReader {
  private:
   using Numbers = std::vector<std::pair<const char*, double*>>;
 
-  void one(const char* flag, const Numbers& numbers, const Range& range, bool& has) {
+  void one(const char* flag, const Numbers& numbers, bool& has) {
     const bool given = reader_.has(flag);
-    const bool wanted = reader_.optional<bool>(flag, false);
+    const bool wanted = reader_.find<bool>(flag).value_or(false);
     bool complete = true;
     std::vector<double> values;
     for (const auto& [key, target] : numbers) {
       complete = complete && reader_.has(key);
-      values.push_back(reader_.optional<double>(key, *target, range));
+      values.push_back(reader_.find<double>(key).value_or(*target));
     }
     if (given && !wanted) has = false;
     if (wanted && !complete) warn(std::string(flag) + " is true and its numbers are not all there: it changes nothing");
@@ -60,10 +59,8 @@ class LimitReader {
          {"k_velocity", &given.k_velocity},
          {"soft_lower_limit", &given.lower},
          {"soft_upper_limit", &given.upper}},
-        Range::any(), has);
+        has);
     if (!has) return;  // false does not take those of the URDF away
-    if (given.k_position < 0.0) reader_.fault("k_position", std::to_string(given.k_position), ">= 0");
-    if (given.k_velocity < 0.0) reader_.fault("k_velocity", std::to_string(given.k_velocity), ">= 0");
     if (given.lower > given.upper) {
       reader_.fault("soft_lower_limit", std::to_string(given.lower),
                     "<= soft_upper_limit, " + std::to_string(given.upper));
@@ -95,20 +92,25 @@ void warnOfServoGains(const YAML::Node& node, RobotModel& model) {
 void applyJointLimits(const YAML::Node& node, RobotModel& model) {
   warnOfServoGains(node, model);
   if (!node.IsMap() || !node["joint_limits"].IsDefined() || node["joint_limits"].IsNull()) return;
-  YamlReader all(node["joint_limits"], "joint_limits");
-  for (const std::string& name : all.keys()) {
+  const YAML::Node limits = node["joint_limits"];
+  if (!limits.IsMap())
+    throw ParameterError("joint_limits: found " + shown(limits) + ", allowed a map of joints by name");
+  FaultList faults;
+  for (const auto& item : limits) {
+    const auto name = item.first.as<std::string>();
     Joint* joint = nullptr;
     for (Joint& each : model.joints) {
       if (each.name == name && each.moves()) joint = &each;
     }
     if (joint) {
-      LimitReader(all.section(name), name, model).read(joint->enforced, joint->soft);
+      YamlReader reader(item.second, sectionOf("joint_limits"), "joint_limits/" + name);
+      LimitReader(reader, name, model).read(joint->enforced, joint->soft);
+      faults.collect([&] { reader.finish(); });
     } else {
-      all.raw(name);
       model.warnings.push_back("joint_limits/" + name + ": no moving joint of that name, ignored");
     }
   }
-  all.finish();
+  faults.throwIfAny();
 }
 
 }  // namespace aras_visual_servo_sim

@@ -1,67 +1,39 @@
 #include "planar_shape.hpp"
 
+#include <array>
 #include <cmath>
 
 namespace aras_visual_servo_sim {
 namespace {
 
-/** Outlines as a list of lists of [x, y]; a fault of any depth is one fault of the key. */
-std::vector<Polygon> readOutlines(YamlReader& reader) {
-  std::vector<Polygon> outlines;
-  if (!reader.has("outlines_m")) return outlines;
-  try {
-    const YAML::Node node = reader.raw("outlines_m");
-    for (const auto& points : node.as<std::vector<std::vector<std::vector<double>>>>()) {
-      Polygon outline;
-      for (const auto& point : points) {
-        if (point.size() != 2) throw YAML::Exception(YAML::Mark::null_mark(), "a corner is not [x, y]");
-        outline.emplace_back(point[0], point[1]);
-      }
-      outlines.push_back(std::move(outline));
-    }
-  } catch (const YAML::Exception& error) {
-    reader.fault("outlines_m", error.what(), "a list of outlines, each a list of corners [x, y] in metres");
-  }
-  return outlines;
-}
+using Corner = std::array<double, 2>;
 
-Eigen::Vector2d readSize(YamlReader& section) {
-  const auto size = section.required<std::vector<double>>("size_m", Range::positive());
-  if (size.size() == 2) return {size[0], size[1]};
-  section.fault("size_m", std::to_string(size.size()) + " numbers", "two, width and height");
-  return Eigen::Vector2d::Ones();
-}
-
-std::optional<PlanarModel::Board> readBoard(YamlReader& reader) {
-  if (!reader.has("board")) return std::nullopt;
-  YamlReader section = reader.section("board");
-  PlanarModel::Board board;
-  board.size_m = readSize(section);
-  board.color = readColor(section, "color_rgb", {255, 255, 255});
-  return board;
-}
+Eigen::Vector2d readSize(YamlReader& section) { return section.get<Eigen::Vector2d>("size_m"); }
 
 }  // namespace
 
-Rgb readColor(YamlReader& reader, const std::string& key, const Rgb& default_color) {
-  const std::vector<double> fallback{double(default_color.r), double(default_color.g), double(default_color.b)};
-  const std::vector<double> c = reader.optional<std::vector<double>>(key, fallback, Range::between(0.0, 255.0));
-  if (c.size() != 3) {
-    reader.fault(key, std::to_string(c.size()) + " numbers", "three, red green blue, 0 .. 255");
-    return default_color;
-  }
+Rgb colorOf(const Eigen::Vector3d& rgb) {
   const auto byte = [](double value) { return static_cast<std::uint8_t>(std::lround(value)); };
-  return {byte(c[0]), byte(c[1]), byte(c[2])};
+  return {byte(rgb[0]), byte(rgb[1]), byte(rgb[2])};
 }
+
+Rgb readColor(YamlReader& reader, const std::string& key) { return colorOf(reader.get<Eigen::Vector3d>(key)); }
 
 PlanarShape readPlanarShape(YamlReader& reader) {
   PlanarShape shape;
-  shape.color = readColor(reader, "color_rgb", {20, 20, 20});
-  shape.outlines = readOutlines(reader);
-  shape.board = readBoard(reader);
+  shape.color = readColor(reader, "color_rgb");
+  for (const auto& corners :
+       reader.find<std::vector<std::vector<Corner>>>("outlines_m").value_or(std::vector<std::vector<Corner>>())) {
+    shape.outlines.emplace_back();
+    for (const Corner& corner : corners) shape.outlines.back().emplace_back(corner[0], corner[1]);
+  }
+  if (reader.has("board")) {
+    YamlReader board = reader.section("board");
+    shape.board = PlanarModel::Board{readSize(board), readColor(board, "color_rgb")};
+  }
   if (reader.has("image")) {
-    YamlReader section = reader.section("image");
-    shape.picture = PlanarShape::PictureFile{section.required<std::string>("file"), readSize(section)};
+    YamlReader picture = reader.section("image");
+    shape.picture = PlanarShape::PictureFile{picture.get<std::string>("file"), readSize(picture)};
   }
   return shape;
 }

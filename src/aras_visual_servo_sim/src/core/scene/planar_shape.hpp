@@ -3,15 +3,17 @@
 #include <string>
 
 #include "aras_visual_servo_sim/config/package_paths.hpp"
-#include "aras_visual_servo_sim/config/yaml_reader.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
 #include "aras_visual_servo_sim/scene/scene_config.hpp"
 
 namespace aras_visual_servo_sim {
 
-/** A colour of three numbers, 0 .. 255. */
-Rgb readColor(YamlReader& reader, const std::string& key, const Rgb& default_color);
+/** Of red, green and blue, 0 .. 255, rounded to bytes. */
+Rgb colorOf(const Eigen::Vector3d& rgb);
+/** A colour of three numbers, section `color`. */
+Rgb readColor(YamlReader& reader, const std::string& key);
 
-/** color_rgb, outlines_m, board and image of a planar model. Faults go to reader, whose owner calls finish(). */
+/** The keys that describe what a flat model looks like. Faults go to reader, whose owner calls finish(). */
 PlanarShape readPlanarShape(YamlReader& reader);
 
 /** The model of such a shape, its picture loaded. @param base_dir  what a plain name of a picture is relative to

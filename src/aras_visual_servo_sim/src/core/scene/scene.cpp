@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
+#include "planar_shape.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -15,6 +17,10 @@ std::string listOf(const Container& items, const Name& name) {
 }
 
 }  // namespace
+
+Scene::Scene()
+    : background(colorOf(defaultOf<Eigen::Vector3d>("scene", "background_rgb"))),
+      light_direction_W(defaultOf<Eigen::Vector3d>("scene", "light_direction")) {}
 
 PlanarModel& Scene::model(const std::string& name) {
   return const_cast<PlanarModel&>(static_cast<const Scene*>(this)->model(name));

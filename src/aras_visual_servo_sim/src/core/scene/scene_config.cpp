@@ -2,100 +2,80 @@
 
 #include <algorithm>
 
-#include "aras_visual_servo_sim/config/yaml_reader.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
 #include "planar_shape.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
 
 Pose readPose(YamlReader& reader) {
-  Pose pose;
-  pose.p = reader.optional<Eigen::Vector3d>("position_m", Eigen::Vector3d::Zero());
-  pose.q = quaternionFromRpy(reader.optional<Eigen::Vector3d>("rpy_rad", Eigen::Vector3d::Zero()));
-  return pose;
+  return {reader.get<Eigen::Vector3d>("position_m"), quaternionFromRpy(reader.get<Eigen::Vector3d>("rpy_rad"))};
 }
 
+/** The one shape of a solid; the section sees to it that it has one. */
 Geometry readGeometry(YamlReader& reader) {
   Geometry geometry;
-  int kinds = 0;
   if (reader.has("box_m")) {
-    geometry.type = Geometry::Type::kBox;
-    geometry.size_m = reader.required<Eigen::Vector3d>("box_m", Range::positive());
-    ++kinds;
-  }
-  if (reader.has("cylinder_m")) {
+    geometry.size_m = reader.get<Eigen::Vector3d>("box_m");
+  } else if (reader.has("cylinder_m")) {
     geometry.type = Geometry::Type::kCylinder;
-    const auto size = reader.required<std::vector<double>>("cylinder_m", Range::positive());
-    if (size.size() == 2) {
-      geometry.radius_m = size[0];
-      geometry.length_m = size[1];
-    } else {
-      reader.fault("cylinder_m", std::to_string(size.size()) + " numbers", "two, radius and length");
-    }
-    ++kinds;
-  }
-  if (reader.has("sphere_m")) {
+    const auto size = reader.get<Eigen::Vector2d>("cylinder_m");
+    geometry.radius_m = size[0];
+    geometry.length_m = size[1];
+  } else if (reader.has("sphere_m")) {
     geometry.type = Geometry::Type::kSphere;
-    geometry.radius_m = reader.required<double>("sphere_m", Range::positive());
-    ++kinds;
-  }
-  if (reader.has("mesh")) {
+    geometry.radius_m = reader.get<double>("sphere_m");
+  } else if (reader.has("mesh")) {
     geometry.type = Geometry::Type::kMesh;
-    geometry.filename = reader.required<std::string>("mesh");
-    geometry.scale = reader.optional<Eigen::Vector3d>("scale", Eigen::Vector3d::Ones());
-    ++kinds;
-  }
-  if (kinds != 1) {
-    reader.fault("shape", std::to_string(kinds) + " of them", "one of box_m, cylinder_m, sphere_m, mesh, urdf");
+    geometry.filename = reader.get<std::string>("mesh");
+    geometry.scale = reader.get<Eigen::Vector3d>("scale");
   }
   return geometry;
 }
 
 std::optional<ModelMotion> readMotion(YamlReader& reader) {
   if (!reader.has("motion")) return std::nullopt;
-  YamlReader section = reader.section("motion");
-  return ModelMotion::read(section, reader.raw("motion"));
+  return ModelMotion::read(reader.section("motion"), reader.raw("motion"));
 }
 
 ModelEntry readModel(YamlReader& reader) {
   ModelEntry entry;
-  entry.name = reader.required<std::string>("name");
-  entry.file = reader.optional<std::string>("file", "");
+  entry.name = reader.get<std::string>("name");
+  entry.file = reader.find<std::string>("file").value_or("");
   entry.X_WM = readPose(reader);
-  entry.visible = reader.optional<bool>("visible", true);
+  entry.visible = reader.get<bool>("visible");
   entry.motion = readMotion(reader);
-  if (entry.file.empty()) entry.shape = readPlanarShape(reader);
+  entry.shape = readPlanarShape(reader);
+  for (const char* key : {"color_rgb", "outlines_m", "image", "board"}) {
+    if (reader.has("file") && reader.has(key))
+      reader.fault(key, "it beside file", "it without: the file has the shape");
+  }
   return entry;
 }
 
 /** A name, or a list of names. */
 std::vector<std::string> readTouches(YamlReader& reader) {
-  if (!reader.has("touches")) return {};
-  const YAML::Node touches = reader.raw("touches");
+  const auto touches = reader.get<YAML::Node>("touches");
   if (touches.IsScalar()) return {touches.Scalar()};
-  bool good = touches.IsSequence();
   std::vector<std::string> names;
-  for (std::size_t k = 0; good && k < touches.size(); ++k) {
-    good = touches[k].IsScalar();
-    if (good) names.push_back(touches[k].Scalar());
-  }
-  if (!good) reader.fault("touches", "something else", "all, robot, or a list of links and solids by name");
+  for (const auto& name : touches) names.push_back(name.IsScalar() ? name.Scalar() : "");
   return names;
 }
 
 SolidEntry readSolid(YamlReader& reader) {
   SolidEntry entry;
-  entry.name = reader.required<std::string>("name");
-  entry.color = readColor(reader, "color_rgb", {128, 128, 128});
+  entry.name = reader.get<std::string>("name");
+  entry.color = readColor(reader, "color_rgb");
   entry.X_WB = readPose(reader);
   entry.motion = readMotion(reader);
-  entry.urdf = reader.optional<std::string>("urdf", "");
-  if (entry.urdf.empty()) entry.geometry = readGeometry(reader);
-  entry.mass_kg = reader.optional<double>("mass_kg", 0.0, Range::positive());
+  entry.urdf = reader.find<std::string>("urdf").value_or("");
+  entry.geometry = readGeometry(reader);
+  entry.mass_kg = reader.find<double>("mass_kg").value_or(0.0);
+  entry.touches = readTouches(reader);
   if (reader.has("mass_kg") && reader.has("urdf")) {
     reader.fault("mass_kg", "it beside urdf", "it with one shape: box_m, cylinder_m, sphere_m or mesh");
   }
-  entry.touches = readTouches(reader);
+  if (reader.has("scale") && !reader.has("mesh")) reader.fault("scale", "it without mesh", "it with mesh");
   return entry;
 }
 
@@ -111,11 +91,10 @@ void requireDistinct(const std::vector<Entry>& entries, const char* key, YamlRea
 
 }  // namespace
 
-SceneConfig SceneConfig::fromYaml(const YAML::Node& node) {
+SceneConfig SceneConfig::read(YamlReader reader) {
   SceneConfig scene;
-  YamlReader reader(node, "scene");
-  scene.background = readColor(reader, "background_rgb", scene.background);
-  scene.light_direction_W = reader.optional<Eigen::Vector3d>("light_direction", scene.light_direction_W);
+  scene.background = readColor(reader, "background_rgb");
+  scene.light_direction_W = reader.get<Eigen::Vector3d>("light_direction");
   if (scene.light_direction_W.norm() == 0.0) reader.fault("light_direction", "zero", "any other direction");
   for (YamlReader& entry : reader.list("models")) scene.models.push_back(readModel(entry));
   for (YamlReader& entry : reader.list("solids")) scene.solids.push_back(readSolid(entry));
@@ -127,6 +106,12 @@ SceneConfig SceneConfig::fromYaml(const YAML::Node& node) {
       reader.fault("solids", "one named '" + solid.name + "' as a model is", "distinct names");
     }
   }
+  return scene;
+}
+
+SceneConfig SceneConfig::fromYaml(const YAML::Node& node) {
+  YamlReader reader(node, sectionOf("scene"), "scene");
+  SceneConfig scene = read(reader);
   reader.finish();
   return scene;
 }

@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
-#include "aras_visual_servo_sim/config/yaml_reader.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
 #include "planar_shape.hpp"
 #include "scene/mesh/mesh_cache.hpp"
 
@@ -48,8 +48,8 @@ void add(const SolidEntry& entry, const PackagePaths& packages, MeshCache& meshe
 
 PlanarModel planarModelFromYaml(const YAML::Node& node, const std::string& source_name, const PackagePaths& packages,
                                 const std::string& base_dir) {
-  YamlReader reader(node, source_name);
-  const auto name = reader.required<std::string>("name");
+  YamlReader reader(node, sectionOf("target"), source_name);
+  const auto name = reader.get<std::string>("name");
   const PlanarShape shape = readPlanarShape(reader);
   reader.finish();
   return planarModelOf(name, shape, packages, base_dir);

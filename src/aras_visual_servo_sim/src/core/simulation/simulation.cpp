@@ -16,29 +16,22 @@ Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::No
       clock_(config_.world.period_s),
       start_(config_.initial_positions),
       contacts_(config_.world.contacts, model_, packages),
-      commands_(config_.command_timeout_s) {
-  std::string faults;
-  const auto collect = [&faults](const auto& action) {
-    try {
-      action();
-    } catch (const ArasError& error) {
-      faults += (faults.empty() ? "" : "\n") + std::string(error.what());
-    }
-  };
-  collect([&] { applyJointLimits(controllers, model_); });
-  collect([&] { config_.world.controllers = parseControllers(controllers, model_); });
-  collect([&] { models_ = Models(config_.scene, model_, packages); });
-  if (faults.empty()) collect([&] { contacts_.begin(models_.set(), config_.scene.solids); });
-  collect([&] { start_.check(model_); });
+      commands_(config_.world.command_timeout_s) {
+  FaultList faults;
+  faults.collect([&] { applyJointLimits(controllers, model_); });
+  faults.collect([&] { config_.world.controllers = parseControllers(controllers, model_); });
+  faults.collect([&] { models_ = Models(config_.scene, model_, packages); });
+  if (faults.empty()) faults.collect([&] { contacts_.begin(models_.set(), config_.scene.solids); });
+  faults.collect([&] { start_.check(model_); });
   if (config_.cameras.empty()) {
-    collect([&] { config_.cameras = camerasFromTags(model_, model_.warnings, config_.gazebo_cameras); });
+    faults.collect([&] { config_.cameras = camerasFromTags(model_, model_.warnings, config_.gazebo_cameras); });
   }
   for (const CameraConfig& camera : config_.cameras) {
-    collect([&] { cameras_.add(camera, model_, config_.seed, periodNs()); });
+    faults.collect([&] { cameras_.add(camera, model_, config_.seed, periodNs()); });
   }
   commands_.allowLatency(clock_.ns(cameras_.longestLatencyTicks()));
-  if (faults.empty()) collect([&] { makeWorld(); });
-  if (!faults.empty()) throw ParameterError(faults);
+  if (faults.empty()) faults.collect([&] { makeWorld(); });
+  faults.throwIfAny();
   startModels();
 }
 

@@ -1,19 +1,13 @@
 #include "aras_visual_servo_sim/simulation/start.hpp"
 
-#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
 
 namespace aras_visual_servo_sim {
 
 void Start::check(const RobotModel& model) const {
-  std::string faults;
-  for (const auto& [joint, position] : positions_) {
-    try {
-      model.jointIndex(joint);
-    } catch (const UnknownNameError& error) {
-      faults += (faults.empty() ? "" : "\n") + std::string(error.what());
-    }
-  }
-  if (!faults.empty()) throw UnknownNameError(faults);
+  FaultList faults;
+  for (const auto& joint : positions_) faults.collect([&] { model.jointIndex(joint.first); });
+  faults.throwIfAny();
 }
 
 std::unique_ptr<MultibodyWorld> Start::makeWorld(const RobotModel& model, const WorldConfig& config) {

@@ -1,10 +1,8 @@
 #include "conversions.hpp"
 
 #include <algorithm>
+#include <aras_visual_servo_common/text.hpp>
 #include <cmath>
-#include <iomanip>
-#include <limits>
-#include <sstream>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 
@@ -13,16 +11,6 @@ namespace {
 
 constexpr std::int64_t kNanosecondsPerSecond = 1000000000;
 constexpr double kUnitTolerance = 1e-3;  // single-precision senders and three-digit command lines pass
-
-YAML::Node scalar(const std::string& text) { return YAML::Node(text); }
-
-std::string exactText(double value) {
-  if (std::isnan(value)) return ".nan";
-  if (std::isinf(value)) return value > 0.0 ? ".inf" : "-.inf";
-  std::ostringstream text;
-  text << std::setprecision(std::numeric_limits<double>::max_digits10) << value;
-  return text.str();
-}
 
 }  // namespace
 
@@ -58,7 +46,8 @@ Pose fromMessage(const geometry_msgs::Pose& message) {
   const double length = pose.q.norm();
   if (!pose.p.allFinite() || !std::isfinite(length)) throw NotFiniteError("pose: not finite");
   if (std::abs(length - 1.0) > kUnitTolerance) {
-    throw ParameterError("pose: orientation has length " + exactText(length) + ", must be 1");
+    throw ParameterError("pose: orientation has length " + aras_visual_servo_common::numberText(length) +
+                         ", must be 1");
   }
   pose.q.normalize();
   return pose;
@@ -93,34 +82,6 @@ sensor_msgs::CameraInfo toMessage(const CameraModel& camera) {
     for (int column = 0; column < 4; ++column) message.P[4 * row + column] = P(row, column);
   }
   return message;
-}
-
-YAML::Node exactNumber(double value) { return scalar(exactText(value)); }
-
-YAML::Node toYaml(XmlRpc::XmlRpcValue value) {
-  YAML::Node node;
-  switch (value.getType()) {
-    case XmlRpc::XmlRpcValue::TypeBoolean:
-      return scalar(static_cast<bool>(value) ? "true" : "false");
-    case XmlRpc::XmlRpcValue::TypeInt:
-      return scalar(std::to_string(static_cast<int>(value)));
-    case XmlRpc::XmlRpcValue::TypeDouble:
-      return scalar(exactText(static_cast<double>(value)));
-    case XmlRpc::XmlRpcValue::TypeString:
-      node = scalar(static_cast<std::string>(value));
-      node.SetTag("!");  // what yaml-cpp gives a quoted scalar
-      return node;
-    case XmlRpc::XmlRpcValue::TypeArray:
-      node = YAML::Node(YAML::NodeType::Sequence);
-      for (int k = 0; k < value.size(); ++k) node.push_back(toYaml(value[k]));
-      return node;
-    case XmlRpc::XmlRpcValue::TypeStruct:
-      node = YAML::Node(YAML::NodeType::Map);
-      for (auto& member : value) node[member.first] = toYaml(member.second);
-      return node;
-    default:
-      return node;
-  }
 }
 
 }  // namespace aras_visual_servo_sim

@@ -1,11 +1,9 @@
 #pragma once
 
-#include <XmlRpcValue.h>
 #include <geometry_msgs/Pose.h>
 #include <geometry_msgs/Twist.h>
 #include <ros/time.h>
 #include <sensor_msgs/CameraInfo.h>
-#include <yaml-cpp/yaml.h>
 
 #include <cstdint>
 #include <string>
@@ -31,11 +29,5 @@ geometry_msgs::Twist toMessage(const Twist& V);
 
 /** Intrinsics; the header's stamp is left to the caller. */
 sensor_msgs::CameraInfo toMessage(const CameraModel& camera);
-
-/** A number as YAML that reads back to the same bits. */
-YAML::Node exactNumber(double value);
-
-/** The parameter server's tree as YAML, for the parsers of the core. Strings stay strings ("1" does not become 1). */
-YAML::Node toYaml(XmlRpc::XmlRpcValue value);
 
 }  // namespace aras_visual_servo_sim

@@ -1,18 +1,17 @@
 #include "parameters.hpp"
 
-#include <algorithm>
+#include <aras_visual_servo_common/ros/yaml_from_xmlrpc.hpp>
 #include <string>
-#include <vector>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
 #include "aras_visual_servo_sim/robot/urdf_loader.hpp"
-#include "conversions.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
 
-const std::vector<std::string> kPrivateKeys = {"base_tf", "gazebo_camera_names", "gazebo_names", "scenario", "sim",
-                                               "time"};
+using aras_visual_servo_common::yamlFromXmlRpc;
+
 const std::string kControllerSuffix = "Controller";
 
 bool endsWith(const std::string& text, const std::string& suffix) {
@@ -23,9 +22,22 @@ YAML::Node section(const ros::NodeHandle& node, const ros::NodeHandle& private_n
   XmlRpc::XmlRpcValue value;
   if (private_node.getParam(name, value) || private_node.getParam("scenario/" + name, value) ||
       node.getParam("scenario/" + name, value)) {
-    return toYaml(value);
+    return yamlFromXmlRpc(value);
   }
   return YAML::Node();
+}
+
+/** The private parameters of the node itself; those in sections are read with their sections. */
+YAML::Node ownParameters(const ros::NodeHandle& private_node) {
+  YAML::Node own(YAML::NodeType::Map);
+  XmlRpc::XmlRpcValue tree;
+  if (!private_node.getParam(private_node.getNamespace(), tree)) return own;
+  if (tree.getType() != XmlRpc::XmlRpcValue::TypeStruct) return own;
+  for (auto& [name, value] : tree) {
+    const bool is_section = name == "sim" || name == "time" || name == "scenario";
+    own[name] = is_section ? YAML::Node(YAML::NodeType::Map) : yamlFromXmlRpc(value);
+  }
+  return own;
 }
 
 /** A file that begins with the robot's name, as Gazebo packages have it, loaded into the robot's namespace: everything
@@ -44,70 +56,46 @@ YAML::Node findControllers(const ros::NodeHandle& node) {
   if (!node.getParam(node.getNamespace(), tree) || tree.getType() != XmlRpc::XmlRpcValue::TypeStruct) {
     return controllers;
   }
-  if (tree.hasMember("joint_limits")) controllers["joint_limits"] = toYaml(tree["joint_limits"]);
+  if (tree.hasMember("joint_limits")) controllers["joint_limits"] = yamlFromXmlRpc(tree["joint_limits"]);
   for (auto& [name, value] : tree) {
     if (value.getType() != XmlRpc::XmlRpcValue::TypeStruct || !value.hasMember("type")) continue;
     XmlRpc::XmlRpcValue& type = value["type"];
     if (type.getType() == XmlRpc::XmlRpcValue::TypeString && endsWith(type, kControllerSuffix)) {
-      controllers[name] = toYaml(value);
+      controllers[name] = yamlFromXmlRpc(value);
     }
   }
   return controllers;
-}
-
-void refuseUnknownKeys(const ros::NodeHandle& private_node, std::vector<std::string>& faults) {
-  XmlRpc::XmlRpcValue tree;
-  if (!private_node.getParam(private_node.getNamespace(), tree)) return;
-  if (tree.getType() != XmlRpc::XmlRpcValue::TypeStruct) return;
-  for (auto& member : tree) {
-    if (std::find(kPrivateKeys.begin(), kPrivateKeys.end(), member.first) == kPrivateKeys.end()) {
-      faults.push_back("~" + member.first +
-                       ": unknown key, allowed base_tf, gazebo_camera_names, gazebo_names, scenario, sim, time");
-    }
-  }
 }
 
 }  // namespace
 
 NodeParameters loadParameters(const ros::NodeHandle& node, const ros::NodeHandle& private_node) {
   NodeParameters parameters;
-  std::vector<std::string> faults;
-  const auto collect = [&faults](const auto& action) {
-    try {
-      action();
-    } catch (const ArasError& error) {
-      faults.emplace_back(error.what());
-    }
-  };
-  refuseUnknownKeys(private_node, faults);
-  private_node.param("gazebo_names", parameters.gazebo_names, false);
-  private_node.param("gazebo_camera_names", parameters.gazebo_camera_names, false);
-  private_node.param("base_tf", parameters.base_tf, true);
-  collect([&] { parameters.simulation = SimulationConfig::fromYaml(section(node, private_node, "sim")); });
-  const YAML::Node time = section(node, private_node, "time");
-  collect([&] { parameters.time = TimeConfig::fromYaml(time); });
+  FaultList faults;
+  YamlReader own(ownParameters(private_node), sectionOf("node"));
+  parameters.gazebo_names = own.get<bool>("gazebo_names");
+  parameters.gazebo_camera_names = own.get<bool>("gazebo_camera_names");
+  parameters.base_tf = own.get<bool>("base_tf");
+  faults.collect([&] { own.finish(); }, "~");
+  faults.collect([&] { parameters.simulation = SimulationConfig::fromYaml(section(node, private_node, "sim")); });
+  faults.collect([&] { parameters.time = TimeConfig::fromYaml(section(node, private_node, "time")); });
   liftNested(node);
   parameters.controllers = findControllers(node);
 
   std::string urdf, key;
   if (!node.searchParam("robot_description", key) || !node.getParam(key, urdf)) {
-    faults.push_back("robot_description: not found in " + node.getNamespace() + " or above, must be a URDF document");
+    faults.add("robot_description: not found in " + node.getNamespace() + " or above, must be a URDF document");
   } else {
-    collect([&] {
+    faults.collect([&] {
       parameters.robot = loadRobotModel(urdf, key);
       parseControllers(parameters.controllers, parameters.robot);
       parameters.joint_states = parseJointStates(parameters.controllers, parameters.robot);
     });
   }
-  const bool rate_given = time.IsMap() && time["joint_state_rate_hz"].IsDefined();
-  if (!rate_given && parameters.joint_states.publish_rate_hz) {
+  if (!parameters.time.joint_state_rate_given && parameters.joint_states.publish_rate_hz) {
     parameters.time.joint_state_rate_hz = *parameters.joint_states.publish_rate_hz;
   }
-  if (!faults.empty()) {
-    std::string text;
-    for (const std::string& fault : faults) text += (text.empty() ? "" : "\n") + fault;
-    throw ParameterError(text);
-  }
+  faults.throwIfAny();
   return parameters;
 }
 

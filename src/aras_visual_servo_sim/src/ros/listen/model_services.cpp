@@ -1,5 +1,6 @@
 #include "model_services.hpp"
 
+#include <aras_visual_servo_common/yaml_scalars.hpp>
 #include <cmath>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
@@ -8,6 +9,8 @@
 
 namespace aras_visual_servo_sim {
 namespace {
+
+using aras_visual_servo_common::exactNumber;
 
 YAML::Node constantVelocity(const geometry_msgs::Twist& twist) {
   YAML::Node motion;

@@ -156,7 +156,7 @@ TEST(CameraModel, BadCoefficientsAreNamed) {
   config.distortion.pop_back();
   expectFault(config, "distortion: found 4 coefficients");
   config.distortion = {0, 0, kNan, 0, 0};
-  expectFault(config, "distortion: found nan");
+  expectFault(config, "distortion: found [0, 0, .nan");
   config = cameraConfig();
   config.distortion = {0.1, 0, 0, 0, 0};
   expectFault(config, "only zeros for none");

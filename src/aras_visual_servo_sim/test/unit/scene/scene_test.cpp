@@ -187,7 +187,7 @@ TEST_F(SceneFiles, FaultsOfASceneAreListedTogether) {
               {});
     ADD_FAILURE();
   } catch (const ParameterError& error) {
-    for (const char* key : {"background_rgb", "outlines_m", "colour", "shape"}) {
+    for (const char* key : {"background_rgb", "outlines_m", "colour", "allowed one of box_m"}) {
       EXPECT_NE(std::string(error.what()).find(key), std::string::npos) << error.what();
     }
   }

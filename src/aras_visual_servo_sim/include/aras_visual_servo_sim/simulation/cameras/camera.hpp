@@ -25,8 +25,8 @@ namespace aras_visual_servo_sim {
 class Camera {
  public:
   /** @param index  among the cameras, keeps their noise and their drops apart  @param seed  of the simulation
-   *  @param link  that carries it  @throws ParameterError */
-  Camera(const CameraConfig& config, int link, int index, std::uint64_t seed, std::int64_t period_ns);
+   *  @param link  that carries it  @throws ParameterError for a rate beyond that of the ticks */
+  Camera(CameraModel model, int link, int index, std::uint64_t seed, std::int64_t period_ns);
 
   const CameraModel& model() const { return model_; }
   Pose pose(const MultibodyWorld& world) const;    ///< X_WC

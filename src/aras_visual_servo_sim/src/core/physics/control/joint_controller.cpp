@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
-#include "aras_visual_servo_sim/config/yaml_reader.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
 #include "aras_visual_servo_sim/physics/joint_state_config.hpp"
 
 namespace aras_visual_servo_sim {
@@ -23,20 +23,21 @@ const std::vector<std::pair<std::string, ControllerType>>& knownTypes() {
   return kTypes;
 }
 
-const char kJointState[] = "joint_state_controller/JointStateController";
-
-/** control_toolbox::Pid::init: only p is required; the signs of the clamps do not matter. */
-PidGains readGains(YamlReader reader, bool& publish_state) {
+/** control_toolbox::Pid::init: the signs of the clamps do not matter. */
+PidGains readGains(YamlReader reader) {
   PidGains gains;
-  gains.p = reader.required<double>("p", Range::nonNegative());
-  gains.i = reader.optional<double>("i", 0.0, Range::nonNegative());
-  gains.d = reader.optional<double>("d", 0.0, Range::nonNegative());
-  const double clamp = std::abs(reader.optional<double>("i_clamp", 0.0));
-  gains.i_min = -std::abs(reader.optional<double>("i_clamp_min", clamp));
-  gains.i_max = std::abs(reader.optional<double>("i_clamp_max", clamp));
-  gains.antiwindup = reader.optional<bool>("antiwindup", false);
-  publish_state = reader.optional<bool>("publish_state", false);
+  gains.p = reader.get<double>("p");
+  gains.i = reader.get<double>("i");
+  gains.d = reader.get<double>("d");
+  const double clamp = reader.get<double>("i_clamp");
+  gains.i_min = -std::abs(reader.find<double>("i_clamp_min").value_or(clamp));
+  gains.i_max = std::abs(reader.find<double>("i_clamp_max").value_or(clamp));
+  gains.antiwindup = reader.get<bool>("antiwindup");
   return gains;
+}
+
+bool hasPid(ControllerType type) {
+  return type == ControllerType::kEffortPosition || type == ControllerType::kEffortVelocity;
 }
 
 const char* interfaceOf(ControllerType type) {
@@ -46,7 +47,7 @@ const char* interfaceOf(ControllerType type) {
 
 void readJoint(YamlReader& reader, const RobotModel& model, std::map<std::string, std::string>& users,
                ControllerConfig& config) {
-  config.joint = reader.required<std::string>("joint");
+  config.joint = reader.get<std::string>("joint");
   if (config.joint.empty()) return;
   try {
     model.jointIndex(config.joint);
@@ -79,59 +80,52 @@ std::string controllerTypeName(ControllerType type) {
 }
 
 void checkGains(const PidGains& gains, const std::string& controller_name) {
-  std::string faults;
-  const auto check = [&](const char* key, double value, bool good, const char* allowed) {
-    if (std::isfinite(value) && good) return;
-    faults += (faults.empty() ? "" : "\n") + controller_name + "/pid/" + key + ": found " + std::to_string(value) +
-              ", allowed " + allowed;
-  };
-  check("p", gains.p, gains.p >= 0.0, ">= 0");
-  check("i", gains.i, gains.i >= 0.0, ">= 0");
-  check("d", gains.d, gains.d >= 0.0, ">= 0");
-  check("i_clamp_min", gains.i_min, gains.i_min <= 0.0, "<= 0");
-  check("i_clamp_max", gains.i_max, gains.i_max >= 0.0, ">= 0");
-  if (!faults.empty()) throw ParameterError(faults);
+  FaultList faults;
+  const auto section =
+      sectionOf("controller")
+          .property(YAML::Load("{type: " + controllerTypeName(ControllerType::kEffortPosition) + "}"), "pid");
+  checkValue(*section, "p", gains.p, faults);
+  checkValue(*section, "i", gains.i, faults);
+  checkValue(*section, "d", gains.d, faults);
+  if (!(gains.i_min <= 0.0) || !std::isfinite(gains.i_min))
+    faults.add("i_clamp_min", std::to_string(gains.i_min), "<= 0");
+  if (!(gains.i_max >= 0.0) || !std::isfinite(gains.i_max))
+    faults.add("i_clamp_max", std::to_string(gains.i_max), ">= 0");
+  if (faults.empty()) return;
+  FaultList named;
+  named.adopt(ParameterError(faults.lines()), controller_name + "/pid/");
+  named.throwIfAny();
 }
 
 std::vector<ControllerConfig> parseControllers(const YAML::Node& node, const RobotModel& model) {
-  std::vector<ControllerConfig> configs;
   if (node.IsDefined() && !node.IsNull() && !node.IsMap()) {
     throw ParameterError("controllers: found " + YAML::Dump(node) + ", allowed a map of controllers by name");
   }
+  std::vector<ControllerConfig> configs;
   std::map<std::string, std::string> users;
-  std::string faults;
+  FaultList faults;
   for (const auto& item : node) {
     if (!item.second.IsMap() || !item.second["type"].IsDefined()) continue;
     ControllerConfig config;
     config.name = item.first.as<std::string>();
-    YamlReader reader(item.second, config.name);
-    std::vector<std::string> names = {kJointState};
-    for (const auto& known : knownTypes()) names.push_back(known.first);
-    const std::string type = reader.requiredChoice("type", names);
-    if (type == kJointState) {
-      readJointStates(reader, model);
-    } else {
-      for (const auto& known : knownTypes()) {
-        if (known.first == type) config.type = known.second;
-      }
+    YamlReader reader(item.second, sectionOf("controller"), config.name);
+    const std::string type = reader.find<std::string>("type").value_or("");
+    for (const auto& known : knownTypes()) {
+      if (known.first != type) continue;
+      config.type = known.second;
       readJoint(reader, model, users, config);
-      config.command_timeout_s = reader.optional<double>("command_timeout_s", 0.0, Range::nonNegative());
-      const bool has_pid =
-          config.type == ControllerType::kEffortPosition || config.type == ControllerType::kEffortVelocity;
-      if (has_pid) {
-        config.gains = readGains(reader.section("pid", true), config.publish_state);
-      } else {
-        reader.raw("pid");
+      config.command_timeout_s = reader.get<double>("command_timeout_s");
+      if (hasPid(config.type)) {
+        YamlReader pid = reader.section("pid");
+        config.gains = readGains(pid);
+        config.publish_state = pid.get<bool>("publish_state");
       }
+      configs.push_back(config);
     }
-    try {
-      reader.finish();
-    } catch (const ParameterError& error) {
-      faults += (faults.empty() ? "" : "\n") + std::string(error.what());
-    }
-    if (type != kJointState) configs.push_back(config);
+    if (type == kJointStateType) readJointStates(reader, model);
+    faults.collect([&] { reader.finish(); });
   }
-  if (!faults.empty()) throw ParameterError(faults);
+  faults.throwIfAny();
   return configs;
 }
 

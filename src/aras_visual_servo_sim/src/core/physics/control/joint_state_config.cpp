@@ -6,13 +6,10 @@ namespace aras_visual_servo_sim {
 
 JointStateConfig readJointStates(YamlReader& reader, const RobotModel& model) {
   JointStateConfig config;
-  if (reader.has("publish_rate")) config.publish_rate_hz = reader.required<double>("publish_rate", Range::positive());
+  config.publish_rate_hz = reader.find<double>("publish_rate");
   for (YamlReader& entry : reader.list("extra_joints")) {
-    ExtraJoint joint;
-    joint.name = entry.required<std::string>("name");
-    joint.position = entry.optional<double>("position", 0.0);
-    joint.velocity = entry.optional<double>("velocity", 0.0);
-    joint.effort = entry.optional<double>("effort", 0.0);
+    const ExtraJoint joint{entry.get<std::string>("name"), entry.get<double>("position"), entry.get<double>("velocity"),
+                           entry.get<double>("effort")};
     const auto& moving = model.joint_names;
     const auto same = [&joint](const ExtraJoint& other) { return other.name == joint.name; };
     if (std::find(moving.begin(), moving.end(), joint.name) != moving.end()) continue;
@@ -26,8 +23,8 @@ JointStateConfig readJointStates(YamlReader& reader, const RobotModel& model) {
 JointStateConfig parseJointStates(const YAML::Node& controllers, const RobotModel& model) {
   for (const auto& item : controllers) {
     if (!item.second.IsMap() || !item.second["type"].IsDefined()) continue;
-    YamlReader reader(item.second, item.first.as<std::string>());
-    if (reader.required<std::string>("type") != "joint_state_controller/JointStateController") continue;
+    YamlReader reader(item.second, sectionOf("controller"), item.first.as<std::string>());
+    if (reader.find<std::string>("type") != kJointStateType) continue;
     const JointStateConfig config = readJointStates(reader, model);
     reader.finish();
     return config;

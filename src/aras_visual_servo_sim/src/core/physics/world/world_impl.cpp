@@ -3,24 +3,23 @@
 #include <cmath>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
 
 namespace aras_visual_servo_sim {
 
 namespace {
 
 void checkConfig(const WorldConfig& config) {
-  std::string faults;
-  const auto check = [&](bool good, const std::string& text) {
-    if (!good) faults += (faults.empty() ? "" : "\n") + text;
-  };
-  check(config.period_s > 0.0 && std::isfinite(config.period_s),
-        "period_s: found " + shown(config.period_s) + ", allowed > 0");
-  check(config.gravity_m_s2.allFinite(), "gravity_m_s2: found a value that is not finite, allowed 3 finite numbers");
-  check(config.command_timeout_s >= 0.0 && std::isfinite(config.command_timeout_s),
-        "command_timeout_s: found " + shown(config.command_timeout_s) + ", allowed >= 0");
-  check(!config.X_WB || (config.X_WB->p.allFinite() && config.X_WB->q.coeffs().allFinite()),
-        "base_pose: found a value that is not finite, allowed finite numbers");
-  if (!faults.empty()) throw ParameterError(faults);
+  FaultList faults;
+  const Schema& section = sectionOf("sim");
+  checkValue(section, "period_s", config.period_s, faults);
+  const Eigen::Vector3d& gravity = config.gravity_m_s2;
+  checkValue(section, "gravity_m_s2", std::vector<double>(gravity.data(), gravity.data() + gravity.size()), faults);
+  checkValue(section, "command_timeout_s", config.command_timeout_s, faults);
+  if (config.X_WB && !(config.X_WB->p.allFinite() && config.X_WB->q.coeffs().allFinite())) {
+    faults.add("base_pose", "a value that is not finite", "finite numbers");
+  }
+  faults.throwIfAny();
   for (const auto& controller : config.controllers) checkGains(controller.gains, controller.name);
 }
 

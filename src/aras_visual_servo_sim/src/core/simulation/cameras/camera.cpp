@@ -10,13 +10,13 @@ constexpr std::uint64_t kDropSeed = 0x64726f70;  // keeps the drawing of drops a
 
 }  // namespace
 
-Camera::Camera(const CameraConfig& config, int link, int index, std::uint64_t seed, std::int64_t period_ns)
-    : model_(config),
+Camera::Camera(CameraModel model, int link, int index, std::uint64_t seed, std::int64_t period_ns)
+    : model_(std::move(model)),
       link_(link),
       noise_seed_(seed + kSeedStride * static_cast<std::uint64_t>(index)),
-      plan_(config, period_ns, seed + kDropSeed + static_cast<std::uint64_t>(index)),
-      exposure_(config.exposure_s, config.exposure_samples, period_ns),
-      flight_(config.latency_s, period_ns) {}
+      plan_(model_.config(), period_ns, seed + kDropSeed + static_cast<std::uint64_t>(index)),
+      exposure_(model_.config().exposure_s, model_.config().exposure_samples, period_ns),
+      flight_(model_.config().latency_s, period_ns) {}
 
 Pose Camera::pose(const MultibodyWorld& world) const {
   const Pose X_WM = world.linkPose(link_);

@@ -2,22 +2,27 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
 
 namespace aras_visual_servo_sim {
 
 void Cameras::add(const CameraConfig& config, const RobotModel& robot, std::uint64_t seed, std::int64_t period_ns) {
-  const std::string where = "sim/cameras '" + config.name + "': ";
+  const std::string where = "camera '" + config.name + "': ";
   if (std::find(names_.begin(), names_.end(), config.name) != names_.end()) {
     throw ParameterError(where + "found twice, allowed once");
   }
-  try {
-    const int link = robot.linkIndex(config.mount.empty() ? config.frame : config.mount);
-    cameras_.emplace_back(config, link, static_cast<int>(size()), seed, period_ns);
-  } catch (const ArasError& error) {
-    throw ParameterError(where + error.what());
-  }
+  CameraModel model(config);  // names the camera in its faults
+  FaultList faults;
+  faults.collect(
+      [&] {
+        const int link = robot.linkIndex(config.mount.empty() ? config.frame : config.mount);
+        cameras_.emplace_back(std::move(model), link, static_cast<int>(size()), seed, period_ns);
+      },
+      where);
+  faults.throwIfAny();
   names_.push_back(config.name);
   longest_latency_ = std::max(longest_latency_, cameras_.back().latencyTicks());
 }

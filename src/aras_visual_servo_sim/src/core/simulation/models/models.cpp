@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
 #include "aras_visual_servo_sim/scene/scene_loader.hpp"
 
 namespace aras_visual_servo_sim {
@@ -18,21 +19,14 @@ TouchableSolid touchable(const SolidEntry& solid, const PackagePaths& packages) 
 }  // namespace
 
 Models::Models(const SceneConfig& config, const RobotModel& robot, const PackagePaths& packages) : packages_(packages) {
-  std::string faults;
-  const auto collect = [&faults](const auto& action) {
-    try {
-      action();
-    } catch (const ArasError& error) {
-      faults += (faults.empty() ? "" : "\n") + std::string(error.what());
-    }
-  };
-  collect([&] {
+  FaultList faults;
+  faults.collect([&] {
     set_.scene = loadScene(config, packages);
     for (const SolidEntry& solid : config.solids) set_.solids[solid.name] = touchable(solid, packages);
   });
   set_.body_links.assign(set_.scene.bodies.size(), -1);
-  collect([&] { addRobotBodies(robot, packages, set_.scene); });
-  if (!faults.empty()) throw ParameterError(faults);
+  faults.collect([&] { addRobotBodies(robot, packages, set_.scene); });
+  faults.throwIfAny();
   for (std::size_t k = set_.body_links.size(); k < set_.scene.bodies.size(); ++k) {
     set_.body_links.push_back(robot.linkIndex(set_.scene.bodies[k].name));
   }

@@ -2,19 +2,18 @@
 
 #include <algorithm>
 
-#include "aras_visual_servo_sim/config/yaml_reader.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr double kLargestRateHz = 1e6;
-
-/** Distinct names, none empty. */
+/** Distinct names. */
 std::vector<std::string> readNames(YamlReader& reader, const std::string& key) {
-  const auto names = reader.optional<std::vector<std::string>>(key, {});
+  const auto names = reader.get<std::vector<std::string>>(key);
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const bool again = std::find(names.begin(), names.begin() + i, names[i]) != names.begin() + i;
-    if (names[i].empty() || again) reader.fault(key, "'" + names[i] + "'" + (again ? " twice" : ""), "distinct names");
+    if (std::find(names.begin(), names.begin() + i, names[i]) != names.begin() + i) {
+      reader.fault(key, "'" + names[i] + "' twice", "distinct names");
+    }
   }
   return names;
 }
@@ -23,21 +22,20 @@ std::vector<std::string> readNames(YamlReader& reader, const std::string& key) {
 
 TimeConfig TimeConfig::fromYaml(const YAML::Node& node) {
   TimeConfig config;
-  YamlReader reader(node, "time");
-  const Range rate = {0.0, kLargestRateHz, true};
-  config.real_time_factor = reader.optional<double>("real_time_factor", config.real_time_factor, Range::nonNegative());
-  config.lockstep = reader.optional<bool>("lockstep", config.lockstep);
+  YamlReader reader(node, sectionOf("time"), "time");
+  config.real_time_factor = reader.get<double>("real_time_factor");
+  config.lockstep = reader.get<bool>("lockstep");
   config.lockstep_cameras = readNames(reader, "lockstep_cameras");
   config.lockstep_nodes = readNames(reader, "lockstep_nodes");
-  config.lockstep_timeout_s =
-      reader.optional<double>("lockstep_timeout_s", config.lockstep_timeout_s, Range::positive());
-  config.continue_on_timeout = reader.optionalChoice("on_lockstep_timeout", "hold", {"hold", "continue"}) == "continue";
-  config.start_paused = reader.optional<bool>("start_paused", config.start_paused);
-  config.monotonic_clock = reader.optionalChoice("reset_clock", "rewind", {"rewind", "monotonic"}) == "monotonic";
-  config.clock_rate_hz = reader.optional<double>("clock_rate_hz", config.clock_rate_hz, rate);
-  config.joint_state_rate_hz = reader.optional<double>("joint_state_rate_hz", config.joint_state_rate_hz, rate);
+  config.lockstep_timeout_s = reader.get<double>("lockstep_timeout_s");
+  config.continue_on_timeout = reader.choice<bool>("on_lockstep_timeout", {{"hold", false}, {"continue", true}});
+  config.start_paused = reader.get<bool>("start_paused");
+  config.monotonic_clock = reader.choice<bool>("reset_clock", {{"rewind", false}, {"monotonic", true}});
+  config.clock_rate_hz = reader.get<double>("clock_rate_hz");
+  config.joint_state_rate_hz = reader.get<double>("joint_state_rate_hz");
+  config.joint_state_rate_given = reader.has("joint_state_rate_hz");
   config.render_always =
-      reader.optionalChoice("render", config.lockstep ? "always" : "subscribed", {"always", "subscribed"}) == "always";
+      reader.has("render") ? reader.choice<bool>("render", {{"always", true}, {"subscribed", false}}) : config.lockstep;
   reader.finish();
   return config;
 }

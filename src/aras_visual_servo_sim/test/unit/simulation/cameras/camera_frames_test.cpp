@@ -12,6 +12,7 @@ namespace {
 
 std::unique_ptr<Simulation> make(double drop_probability, bool triggered, std::uint64_t seed = 0) {
   CameraConfig camera;
+  camera.name = "camera";
   camera.frame = "bob";
   camera.width = camera.height = 8;
   camera.horizontal_fov_rad = 1.0;

@@ -1,5 +1,6 @@
+#include "aras_visual_servo_sim/physics/joint_controller.hpp"
+
 #include "aras_visual_servo_sim/config/errors.hpp"
-#include "aras_visual_servo_sim/config/yaml_reader.hpp"
 #include "tools/physics_tools.hpp"
 
 namespace aras_visual_servo_sim {
@@ -11,52 +12,6 @@ std::vector<ControllerConfig> parsed(const std::string& yaml) {
 
 std::string refusal(const std::string& yaml) {
   return messageOf<ParameterError>([&] { parsed(yaml); });
-}
-
-TEST(YamlReader, CollectsEveryFaultOfAllLevels) {
-  YamlReader reader(YAML::Load("{a: text, b: -1, c: {d: 1.5, e: 2}, list: [{w: 0}], v: [1, 2], extra: 1}"), "sim");
-  reader.required<double>("a");
-  reader.required<double>("b", Range::positive());
-  reader.required<int>("missing");
-  YamlReader section = reader.section("c");
-  section.required<int>("d");
-  for (auto& each : reader.list("list")) each.required<int>("w", Range::positive());
-  reader.optional<Eigen::Vector3d>("v", Eigen::Vector3d::Zero());
-  reader.optionalChoice("mode", "x", {"x", "y"});
-  const std::string message = messageOf<ParameterError>([&] { reader.finish(); });
-  EXPECT_HAS(message, "sim/a: found text, allowed a number\n");
-  EXPECT_HAS(message, "sim/b: found -1, allowed > 0\n");
-  EXPECT_HAS(message, "sim/missing: found nothing, allowed an integer (required)\n");
-  EXPECT_HAS(message, "sim/c/d: found 1.5, allowed an integer\n");
-  EXPECT_HAS(message, "sim/list[0]/w: found 0, allowed > 0\n");
-  EXPECT_HAS(message, "sim/v: found [1, 2], allowed a list of 3 numbers\n");
-  EXPECT_HAS(message, "sim/extra: found an unknown key");
-  EXPECT_HAS(message, "sim/c/e: found an unknown key, allowed d");
-}
-
-TEST(YamlReader, ReadsValuesAndDefaults) {
-  YamlReader reader(YAML::Load("{a: 3, v: [1, 2, 3], s: word, yes: true}"));
-  EXPECT_EQ(reader.required<double>("a"), 3.0);
-  EXPECT_EQ(reader.required<Eigen::Vector3d>("v"), Eigen::Vector3d(1, 2, 3));
-  EXPECT_EQ(reader.requiredChoice("s", {"word", "other"}), "word");
-  EXPECT_TRUE(reader.optional<bool>("yes", false));
-  EXPECT_EQ(reader.optional<int>("n", 7), 7);
-  EXPECT_TRUE(reader.list("none").empty());
-  EXPECT_NO_THROW(reader.finish());
-}
-
-TEST(YamlReader, RefusesNumbersThatAreNotFinite) {
-  YamlReader reader(YAML::Load("{a: .nan, b: .inf}"));
-  reader.required<double>("a");
-  reader.required<double>("b");
-  const std::string message = messageOf<ParameterError>([&] { reader.finish(); });
-  EXPECT_HAS(message, "a: found .nan, allowed finite");
-  EXPECT_HAS(message, "b: found .inf, allowed finite");
-}
-
-TEST(YamlReader, RefusesAListWhereAMapIsNeeded) {
-  YamlReader reader(YAML::Load("[1, 2]"), "sim");
-  EXPECT_HAS(messageOf<ParameterError>([&] { reader.finish(); }), "sim: found [1, 2], allowed a map");
 }
 
 TEST(Controllers, ReadsRosControlsLayout) {
