@@ -26,6 +26,16 @@ class ControllerAlone(unittest.TestCase):
         wait_until(cls.plant.connected, "the controller's subscriptions")
         wait_until(lambda: cls.watcher.goals.get_num_connections(), "the action server")
         wait_until(cls.watcher.connected, "the controller's topics")
+        wait_until(cls.answered, "the first answer")
+
+    @classmethod
+    def answered(cls):
+        """Send one more image; whether any was answered, so that every connection is known to carry messages.
+
+        A publisher counts a connection a moment before the other side is ready, and what it sends then is lost.
+        """
+        cls.plant.publish()
+        return bool(cls.watcher.states)
 
     def tearDown(self):
         self.plant.answer_after_s, self.plant.refusal = 0.0, ""
