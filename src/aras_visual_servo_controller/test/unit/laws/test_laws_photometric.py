@@ -168,7 +168,7 @@ def test_every_fault_of_the_settings_is_listed():
         Servo(arm(), config(**PHOTOMETRIC, interaction="mean"))
     with pytest.raises(ParameterError, match="allowed with law 'photometric': photometric"):
         Servo(arm(), config(law="photometric"))
-    with pytest.raises(ParameterError, match="of moments and photometric"):
+    with pytest.raises(ParameterError, match="sources moments and photometric"):
         FeatureSet(("xn", "photometric"))
 
 

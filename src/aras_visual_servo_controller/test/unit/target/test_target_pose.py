@@ -146,7 +146,7 @@ def test_a_wrong_sign_does_not_arrive():
 def test_the_target_must_be_known():
     with pytest.raises(ParameterError, match="target_model: found nothing"):
         make_law("pbvs", GAINS, LawSetup(POSE))
-    with pytest.raises(ParameterError, match="teach it again"):
+    with pytest.raises(ParameterError, match="teach the goal again"):
         make_law("pbvs", GAINS, LawSetup(POSE, target=TARGET)).reset(np.zeros(6))
 
 
