@@ -87,7 +87,7 @@ def test_settled_says_that_the_twist_is_small():
 
 @pytest.mark.parametrize("change, error, text", [
     ({"has_reference": False}, DegenerateFeature, "no reference image"),
-    ({"H": []}, DegenerateFeature, "0 numbers of H"),
+    ({"H": []}, DegenerateFeature, "0 numbers in H"),
     ({"H": [0.0] * 21}, DegenerateFeature, "photometric: "),
     ({"condition": float("inf")}, DegenerateFeature, "condition number"),
     ({"condition": float("nan")}, DegenerateFeature, "condition number"),
