@@ -18,7 +18,7 @@ ALLOWED = {
     "aras_description": set(),
     "aras_visual_servo_msgs": set(),
     "aras_visual_servo_sim": {"aras_description", "aras_visual_servo_msgs"},
-    "aras_visual_servo_camera": {"aras_visual_servo_msgs"},
+    "aras_visual_servo_camera": {"aras_description", "aras_visual_servo_msgs"},
     "aras_visual_servo_controller": {"aras_description", "aras_visual_servo_msgs", "aras_visual_servo_sim",
                                      "aras_visual_servo_camera"},
 }

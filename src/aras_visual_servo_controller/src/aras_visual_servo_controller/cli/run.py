@@ -1,4 +1,5 @@
-"""Command lines: `run SCENARIO` and `report BAG`. Exit codes: 0 passed, 1 not passed, 2 bad input, 3 could not run."""
+"""Command lines: `run SCENARIO` and `report BAG`. Exit codes: 0 passed, 1 not passed, 2 bad input, 3 could not run,
+128 + N ended by signal N."""
 
 import argparse
 import os
@@ -8,11 +9,11 @@ from pathlib import Path
 import yaml
 
 from ..ground.errors import ArasError, ParameterError
+from ..ground.processes import Interrupted, signals_raise
 from ..bags.record_groups import GROUPS, parse_groups
 from ..bags.recorder import COMPRESSIONS
 
 EXIT_PASSED, EXIT_FAILED, EXIT_PARAMETERS, EXIT_BROKEN = range(4)
-EXIT_INTERRUPTED = 130   # what a shell reports of SIGINT
 
 
 def run_main(argv=None):
@@ -150,12 +151,14 @@ def _progress():
 def guarded(work):
     """What `work()` returns, or the exit code that says how it failed; the reason is printed."""
     try:
-        return work()
+        with signals_raise():
+            return work()
     except ParameterError as error:
         print(f"bad input:\n{error}", file=sys.stderr)
         return EXIT_PARAMETERS
     except (ArasError, ImportError, RuntimeError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_BROKEN
-    except KeyboardInterrupt:
-        return EXIT_INTERRUPTED
+    except Interrupted as interrupt:
+        print(interrupt, file=sys.stderr)
+        return interrupt.exit_code

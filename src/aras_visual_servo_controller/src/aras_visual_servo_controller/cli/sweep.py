@@ -1,16 +1,16 @@
 """Command lines `sweep`, `rerun`, `compare`. Exit codes: 0 done, 1 a gate fired or bytes differ, 2 bad input,
-3 could not run, 130 interrupted (what was done is kept)."""
+3 could not run, 128 + N ended by signal N (what was done is kept)."""
 
 import argparse
 import os
 import shlex
-import signal
 import sys
 from dataclasses import asdict
 from pathlib import Path
 
-from .run import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_PASSED, guarded, parse_overrides
+from .run import EXIT_FAILED, EXIT_PASSED, guarded, parse_overrides
 from ..ground.errors import ParameterError
+from ..ground.processes import Interrupted
 
 FOLDER = "sweeps"
 
@@ -186,19 +186,14 @@ def _run(store, arguments):
     columns = [dict.fromkeys(store.extra)]
     axes = check_axes(arguments.axes, columns) if arguments.axes else DEFAULT_AXES
     print(f"sweep: {store.folder}", file=sys.stderr)
-    # SIGINT too: a job in the background of a script would ignore it.
-    before = {number: signal.signal(number, _interrupt) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         run_pending(store, store.meta["setup"], arguments.workers, arguments.scheduler)
-    except KeyboardInterrupt:
+    except Interrupted as interrupt:
         save_csv(store)
         left = len(store.pending())
-        print(f"interrupted: {left} runs are left; go on with: sweep --resume {shlex.quote(str(store.folder))}",
+        print(f"{interrupt}: {left} runs are left; go on with: sweep --resume {shlex.quote(str(store.folder))}",
               file=sys.stderr)
-        return EXIT_INTERRUPTED
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        return interrupt.exit_code
     path = save_report(store, axes)
     print(format_summary(store))
     print(f"{'report':<20}{path}")
@@ -231,7 +226,3 @@ def _newest(root, pattern):
     if not found:
         raise StoreError(f"{root}: no sweep there")
     return found[-1].parent
-
-
-def _interrupt(*_):
-    raise KeyboardInterrupt

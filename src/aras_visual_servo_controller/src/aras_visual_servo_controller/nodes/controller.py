@@ -24,6 +24,7 @@ from aras_visual_servo_msgs.srv import SetReference, SetReferenceRequest, Teach,
 
 from . import conversions as convert
 from ..ground.errors import ArasError, ParameterError
+from ..ground.processes import check_signals
 from ..arm.float_commands import SetPointIntegrator
 from .null_space_topic import NullSpaceTopic
 from ..run.pairing import StampPairer
@@ -326,7 +327,8 @@ class ControllerNode:
 
 def main():
     """Entry of scripts/controller. Returns the exit code: 0 after a shutdown, 2 for bad parameters."""
-    rospy.init_node("controller")
+    rospy.init_node("controller", disable_signals=True)  # its handler shuts down from within whatever holds a lock
+    check_signals()
     try:
         node = ControllerNode()
     except ParameterError as error:

@@ -1,7 +1,8 @@
 """Node `experiment`: runs the scenario's experiment once, records it, judges it, and ends with an exit code.
 
 Exit codes: 0 converged and within the scenario's judge limits; 1 ran to its end, but not that; 2 bad parameters;
-3 the run could not be made (no result folder, no simulator, recorder died, ...).
+3 the run could not be made (no result folder, no simulator, recorder died, ...); 128 + N: signal N came, the bag is
+closed.
 
 Waits on wall time: simulated time stands still while the simulator is paused.
 """
@@ -13,6 +14,7 @@ import threading
 import time
 from pathlib import Path
 
+import roslib.packages
 import rospy
 import yaml
 from actionlib_msgs.msg import GoalStatus, GoalStatusArray
@@ -25,6 +27,7 @@ from aras_visual_servo_msgs.srv import Step
 
 from ..bags.bag import read_bag
 from ..ground.errors import ArasError, ParameterError
+from ..ground.processes import Interrupted, check_signals, signals_held, signals_raise
 from .graph import Graph
 from ..run.loop import CLOSING_S
 from .parameters import Parameters
@@ -93,13 +96,16 @@ class ExperimentNode:
         self._wait("the nodes " + ", ".join(NODES), self._missing_parts, self._startup_timeout_s)
         try:
             if self._record:
-                self._recorder = Recorder(self.folder / "run.bag", self._topics(), rospy.get_name() + "_recorder",
-                                          rospy.resolve_name("/clock"), self._split_mb, self._compression)
+                with signals_held():
+                    self._recorder = Recorder(_recorder_program(), self.folder / "run.bag", self._topics(),
+                                              rospy.get_name() + "_recorder", rospy.resolve_name("/clock"),
+                                              self._split_mb, self._compression)
             self._wait("all connections", self._missing_connections, self._startup_timeout_s)
             wall_s = self._drive()
         finally:
             if self._recorder is not None:
-                self._recorder.stop()
+                with signals_held():
+                    self._recorder.stop()
         return self._report(wall_s)
 
     def _subscribe(self):
@@ -153,6 +159,7 @@ class ExperimentNode:
             lacking = missing()
             if not lacking:
                 return
+            check_signals()
             if rospy.is_shutdown():
                 raise RunError(f"shut down while waiting for {what}")
             if time.monotonic() > deadline:
@@ -179,6 +186,7 @@ class ExperimentNode:
             now_s = time.monotonic()
             if self._result is not None:
                 break
+            check_signals()
             if rospy.is_shutdown():
                 raise RunError("shut down before the result")
             if self._recorder is not None:
@@ -299,17 +307,31 @@ class ExperimentNode:
         return EXIT_PASSED if summary["passed"] else EXIT_FAILED
 
 
+def _recorder_program():
+    """Its path: started by rosrun, it would be a child of a child for a moment, which a signal does not reach."""
+    found = roslib.packages.find_node("aras_visual_servo_controller", "recorder")
+    if not found:
+        raise RunError("the program recorder is not installed: build the workspace and source it")
+    return found[0]
+
+
 def main():
     """Entry of scripts/experiment. Returns the exit code, and leaves it in the file ~exit_code_file if that is given.
 
     roslaunch ends with 0 whatever its nodes ended with; the file is for who started roslaunch.
     """
-    rospy.init_node("experiment")
-    path = rospy.get_param("~exit_code_file", "")
-    code = _run()
-    if path:
-        Path(path).write_text(f"{code}\n", encoding="ascii")
-    return code
+    with signals_raise():
+        path, code = "", EXIT_BROKEN
+        try:
+            rospy.init_node("experiment", disable_signals=True)  # rospy would not end what runs in the main thread
+            path = rospy.get_param("~exit_code_file", "")
+            code = _run()
+        except Interrupted as interrupt:
+            rospy.logfatal("%s", interrupt)
+            code = interrupt.exit_code
+        if path:
+            Path(path).write_text(f"{code}\n", encoding="ascii")
+        return code
 
 
 def _run():

@@ -1,22 +1,24 @@
-"""Runs a scenario over ROS from the command line: roslaunch as a child, and the experiment node's exit code as ours."""
+"""Runs a scenario over ROS from the command line: roslaunch as a child, and the experiment node's exit code as ours.
+
+However it ends, nothing is left behind: see guard.py.
+"""
 
 import json
 import os
 import shutil
-import signal
 import socket
 import subprocess
 import sys
-import tempfile
 from pathlib import Path
 from urllib.parse import urlparse
 
 from ..ground.errors import ArasError
+from ..ground.processes import MARK, check_signals, marked, signals_held, temporary_folder
+from . import guard as guards
 from .graph import Graph
 from ..report.report import format_summary
 
 LAUNCH_FILE = ("aras_visual_servo_controller", "servo.launch")
-STOP_TIMEOUT_S = 60.0  # wall time that roslaunch gets to end its nodes after an interrupt
 EXIT_BROKEN = 3        # the run ended without an outcome
 TAIL_LINES = 40        # of the log, shown when there is no outcome
 
@@ -32,24 +34,25 @@ def run_over_ros(scenario, results_dir, arguments=(), verbose=False):
     Returns:
         exit code of the experiment node: 0 passed, 1 not passed, 2 bad parameters, 3 could not run.
     Raises:
-        ArasError: there is no roslaunch in PATH.
+        ArasError: there is no roslaunch in PATH.  Interrupted: by a signal; what was recorded is in a closed bag.
     """
-    environment = dict(os.environ)
-    environment["ROS_MASTER_URI"] = _master_uri(environment.get("ROS_MASTER_URI", ""))
+    environment = marked(_environment(dict(os.environ)))
     before = _folders(Path(results_dir) / scenario.name)
-    with tempfile.TemporaryDirectory(prefix="aras_run_") as folder:
+    with temporary_folder("aras_run_") as folder:
         outcome = Path(folder) / "exit_code"
         command = ["roslaunch", *LAUNCH_FILE, f"scenario:={scenario.path}", f"model:={scenario.urdf_path}",
                    f"controllers:={scenario.controllers_path}", f"results_dir:={os.path.abspath(results_dir)}",
-                   f"exit_code_file:={outcome}", *arguments]
+                   f"exit_code_file:={outcome}", "guard:=false", *arguments]  # ours is enough
         log = Path(folder) / "roslaunch.log"
-        with open(log, "wb") as stream:
-            try:
-                process = subprocess.Popen(command, env=environment, start_new_session=True,
-                                           **({} if verbose else {"stdout": stream, "stderr": subprocess.STDOUT}))
-            except OSError as error:
-                raise ArasError(f"roslaunch: {error.strerror}; source the workspace, or use --in-process") from error
-            _wait(process)
+        try:
+            with open(log, "wb") as stream:
+                _launch(command, environment, folder,
+                        {} if verbose else {"stdout": stream, "stderr": subprocess.STDOUT})
+        except KeyboardInterrupt:
+            made = _keep_log(Path(results_dir) / scenario.name, before, log)
+            for bag in made[-1].glob("*.bag") if made else ():
+                print(f"recorded so far: {bag}", file=sys.stderr)
+            raise
         code = int(outcome.read_text()) if outcome.exists() else EXIT_BROKEN
         if not verbose:
             _tell(Path(results_dir) / scenario.name, before, log, code)
@@ -60,11 +63,17 @@ def _folders(parent):
     return set(parent.iterdir()) if parent.is_dir() else set()
 
 
-def _tell(parent, before, log, code):
-    """Print the outcome of the run that made a folder in `parent`; without one, what the nodes said last."""
+def _keep_log(parent, before, log):
+    """Copy what the nodes said into the folder of the run. Returns the new folders, sorted."""
     made = sorted(_folders(parent) - before)
     for folder in made[-1:]:
         shutil.copyfile(log, folder / "roslaunch.log")
+    return made
+
+
+def _tell(parent, before, log, code):
+    """Print the outcome of the run that made a folder in `parent`; without one, what the nodes said last."""
+    made = _keep_log(parent, before, log)
     if made and (made[-1] / "summary.json").is_file():
         summary = json.loads((made[-1] / "summary.json").read_text(encoding="utf-8"))
         print(format_summary({**summary, "report": str(made[-1] / "report.html")}))
@@ -74,25 +83,39 @@ def _tell(parent, before, log, code):
         print(f"the run ended with exit code {code}, without a result", file=sys.stderr)
 
 
-def _master_uri(uri):
-    """The master that runs, else the address of one that roslaunch will start on a free port of the loopback."""
+def _environment(environment):
+    """With the master that runs, else with the address of one that roslaunch will start on a free port of the loopback.
+
+    A graph of our own stays on the loopback, unless the user says by ROS_HOSTNAME or ROS_IP where it should listen.
+    """
+    uri = environment.get("ROS_MASTER_URI", "")
     if uri and Graph("/run", uri).master_answers():
-        return uri
+        return environment
     host = urlparse(uri).hostname or "localhost"
     if not host.startswith("127.") and host not in ("localhost", "::1", socket.gethostname()):
         raise ArasError(f"ROS_MASTER_URI={uri}: no master answers there, and none can be started on another machine")
+    if "ROS_IP" not in environment and host != socket.gethostname():
+        environment.setdefault("ROS_HOSTNAME", "localhost")
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
-        return f"http://{host}:{probe.getsockname()[1]}"
+        return dict(environment, ROS_MASTER_URI=f"http://{host}:{probe.getsockname()[1]}")
 
 
-def _wait(process):
+def _launch(command, environment, folder, streams):
+    """Run roslaunch to its end, and see that nothing that it started outlives it."""
+    guard = process = None
+    check_signals()
     try:
+        with signals_held():
+            guard = subprocess.Popen([sys.executable, "-m", guards.__name__, environment[MARK], folder],
+                                     stdin=subprocess.PIPE, start_new_session=True)
+            process = subprocess.Popen(command, env=environment, start_new_session=True, **streams)
         process.wait()
-    except BaseException:  # an interrupt ends the nodes in order, bag included, before it ends us
-        process.send_signal(signal.SIGINT)
-        try:
-            process.wait(STOP_TIMEOUT_S)
-        except subprocess.TimeoutExpired:
-            process.kill()
-        raise
+    except OSError as error:
+        raise ArasError(f"roslaunch: {error.strerror}; source the workspace, or use --in-process") from error
+    finally:
+        guards.end_launch(environment[MARK])
+        if process is not None:
+            process.wait()
+        if guard is not None:
+            guard.communicate(b"ended in order")

@@ -70,12 +70,16 @@ def test_a_run_over_ros_gives_the_exit_code_of_the_experiment_node(monkeypatch, 
 
     class Roslaunch:
         def __init__(self, command, **_):
-            commands.append(command)
-            outcome = next(word for word in command if word.startswith("exit_code_file:="))
-            pathlib.Path(outcome.partition(":=")[2]).write_text("1\n")
+            if command[0] == "roslaunch":  # not the guard
+                commands.append(command)
+                outcome = next(word for word in command if word.startswith("exit_code_file:="))
+                pathlib.Path(outcome.partition(":=")[2]).write_text("1\n")
 
         def wait(self):
             return 0  # what roslaunch ends with, whatever became of its nodes
+
+        def communicate(self, _words):
+            pass
     monkeypatch.setattr(launch.subprocess, "Popen", Roslaunch)
     monkeypatch.setenv("ROS_MASTER_URI", "http://localhost:1")
     assert cli.run_main(["experiment_1", "--output", str(tmp_path)]) == cli.EXIT_FAILED
