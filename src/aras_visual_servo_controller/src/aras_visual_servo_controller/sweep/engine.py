@@ -3,16 +3,13 @@
 Every run is a pure function of its start, so it matters to no row where it ran, in what order, or how often.
 """
 
-import contextlib
 import os
-import signal
 import sys
-import tempfile
 import time
 from concurrent.futures import CancelledError
-from multiprocessing import resource_tracker
 
 from ..ground.errors import ArasError
+from ..ground.processes import temporary_folder
 from .judge import COLUMNS
 from .worker import plain, run_chunk
 
@@ -71,8 +68,8 @@ def run_pending(store, setup, workers=None, scheduler=None, progress=None):
         workers: processes on this machine; None: one a core; 0: this process, without Dask.
         scheduler: address of a Dask scheduler, "tcp://host:8786", instead of local workers.
     Raises:
-        EngineError: no scheduler or no worker.  ParameterError: workers refuse the sweep.  KeyboardInterrupt: what was
-        done is saved.
+        EngineError: no scheduler or no worker.  ParameterError: workers refuse the sweep.  Interrupted: what was done
+        is saved.
     """
     pending = store.pending()
     if not pending:
@@ -99,8 +96,9 @@ def _with_dask(setup, pending, workers, scheduler, save):
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     import dask  # these take a second to import
-    from distributed import Client, LocalCluster
-    with tempfile.TemporaryDirectory(prefix="aras-sweep-") as folder, dask.config.set({
+    from distributed import Client
+    from .cluster import local_cluster
+    with temporary_folder("aras-sweep-") as folder, dask.config.set({
             "distributed.scheduler.allowed-failures": DEATHS - 1, "temporary-directory": folder,
             "distributed.comm.timeouts.connect": f"{CONNECT_S:g}s", "distributed.worker.profile.enabled": False}):
         if scheduler:
@@ -110,29 +108,8 @@ def _with_dask(setup, pending, workers, scheduler, save):
                 _collect(client, setup, pending, save)
             return
         count = min(workers or os.cpu_count() or 1, len(pending))
-        with _interrupts_held():
-            cluster = LocalCluster(n_workers=count, threads_per_worker=1, processes=True, host="127.0.0.1",
-                                   dashboard_address=None, memory_limit=0, silence_logs=50, local_directory=folder)
-        try:
-            with Client(cluster) as client:
-                _collect(client, setup, pending, save)
-        finally:
-            cluster.close(timeout=5)
-
-
-@contextlib.contextmanager
-def _interrupts_held():
-    """Processes spawned inside, or later by threads started inside, never see Ctrl-C: this process ends them.
-
-    A terminal sends it to all of them, and each worker would print a traceback. The mask is inherited by threads and
-    processes; starting the resource tracker lifts it, so that comes first.
-    """
-    resource_tracker.ensure_running()
-    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        with local_cluster(count, folder) as cluster, Client(cluster) as client:
+            _collect(client, setup, pending, save)
 
 
 def _client(Client, scheduler):
@@ -140,6 +117,9 @@ def _client(Client, scheduler):
         return Client(scheduler, timeout=f"{CONNECT_S:g}s")
     except (OSError, ValueError) as error:  # TimeoutError is an OSError
         raise EngineError(f"scheduler {scheduler}: cannot be reached: {error}") from error
+    except TypeError as error:  # Dask's words for it tell of an argument that is None
+        raise EngineError(f"scheduler {scheduler}: speaks TLS, and there is no certificate to show it: see "
+                          "docs/sweeps.md, Many machines") from error
 
 
 def _collect(client, setup, pending, save):

@@ -15,6 +15,7 @@ from aras_visual_servo_controller.sweep import engine as sweep_engine
 
 from aras_visual_servo_controller.sweep import worker as sweep_worker
 from aras_visual_servo_controller.cli.sweep import compare_main, rerun_main, sweep_main
+from aras_visual_servo_controller.ground.processes import Interrupted
 from aras_visual_servo_controller.sweep.engine import Progress
 from aras_visual_servo_controller.sweep.store import SweepStore
 
@@ -37,7 +38,9 @@ def folder_of(output, name):
 def start_process(output, name, *words):
     command = [sys.executable, str(SCRIPTS / "sweep"), *QUICK, "--starts", str(STARTS), "--output", str(output),
                "--name", name, *words]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    (output / "tmp").mkdir()
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+                            env=dict(os.environ, TMPDIR=str(output / "tmp")))
 
 
 def wait_for_rows(process, path, count):
@@ -84,7 +87,7 @@ def test_an_interrupted_sweep_goes_on_and_repeats_nothing(undisturbed, tmp_path,
 
     def interrupted(setup, starts):
         if len(calls) == 5:
-            raise KeyboardInterrupt
+            raise Interrupted(signal.SIGINT)
         calls.extend(start["id"] for start in starts)
         return run_chunk(setup, starts)
     monkeypatch.setattr(sweep_engine, "run_chunk", interrupted)
@@ -115,6 +118,40 @@ def test_control_c_keeps_what_is_done_and_ends_the_workers(undisturbed, tmp_path
     assert saved <= len(kept) < STARTS
     assert sweep_main(["--resume", str(folder), "--workers", "0"]) == 0
     assert rows_of(folder) == rows_of(undisturbed)
+
+
+def listening(process):
+    """{(address, port)} of every socket that a process and its descendants listen on."""
+    found = set()
+    for one in [process, *process.children(recursive=True)]:
+        try:
+            found |= {tuple(link.laddr) for link in one.connections("inet") if link.status == psutil.CONN_LISTEN}
+        except psutil.NoSuchProcess:
+            pass
+    return found
+
+
+def test_a_sweep_listens_on_the_loopback_only_and_serves_no_pages(tmp_path):
+    process = start_process(tmp_path, "listening", "--workers", "2")
+    wait_for_rows(process, folder_of(tmp_path, "listening") / "sweep.db", 1)
+    sockets = listening(psutil.Process(process.pid))
+    process.send_signal(signal.SIGTERM)
+    process.communicate(timeout=PATIENCE_S)
+    assert {address for address, _ in sockets} == {"127.0.0.1"}
+    assert len(sockets) == 5, "a scheduler, two workers and their two nannies; a sixth port would be a page"
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGKILL],
+                         ids=lambda number: number.name)
+def test_a_signal_ends_a_sweep_and_all_it_started(tmp_path, number):
+    process = start_process(tmp_path, "signalled", "--workers", "2")
+    wait_for_rows(process, folder_of(tmp_path, "signalled") / "sweep.db", 1)
+    children = psutil.Process(process.pid).children(recursive=True)
+    process.send_signal(number)
+    process.communicate(timeout=PATIENCE_S)
+    assert not psutil.wait_procs(children, timeout=PATIENCE_S)[1]
+    if number != signal.SIGKILL:
+        assert process.returncode == 128 + number and not list((tmp_path / "tmp").iterdir())
 
 
 def test_a_killed_worker_loses_nothing(undisturbed, tmp_path):
