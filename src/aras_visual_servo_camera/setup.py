@@ -1,4 +1,5 @@
-from distutils.core import setup
+"""Installs the Python package; run by catkin, not by hand."""
+from setuptools import setup
 
 from catkin_pkg.python_setup import generate_distutils_setup
 

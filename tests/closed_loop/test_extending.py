@@ -14,9 +14,10 @@ from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.run.judge import judge, run_in_process
 from aras_visual_servo_controller.run.loop import ServoLoop
 from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo_controller.servo.settings import ServoSettings
 
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "extending.md"
-MAX_LINES = 40
+MAX_LINES = 45
 BOUNDS = {"x_mm": 0.2, "y_mm": 0.2, "z_mm": 0.5, "angle_deg": 0.05}
 ROUNDING = 1e-12
 
@@ -79,6 +80,44 @@ def test_it_is_found_by_name_through_pythonpath(folder):
             "assert judge(run_in_process(load_scenario('mine.yaml'))).converged")
     environment = {**os.environ, "PYTHONPATH": f"{folder}:{os.environ.get('PYTHONPATH', '')}"}
     subprocess.run([sys.executable, "-c", code], cwd=folder, env=environment, check=True, timeout=120)
+
+
+def test_settings_have_their_defaults_and_hold(folder):
+    slow = {**overrides(), "servo.bounded": {"max_speed_m_s": 0.04}, "servo.time_limit_s": 3.0}
+    loop = ServoLoop(load_scenario("experiment_1", slow))
+    assert loop.servo.config.settings["bounded"].max_turn_rad_s == 0.4
+    twist = loop.run(limit_s=9.0).twist
+    assert 0.038 < np.nanmax(np.linalg.norm(twist[:, :3], axis=1)) < 0.043
+
+
+@pytest.mark.parametrize("law", ["bounded", "ibvs"])
+def test_every_bad_setting_is_named_with_what_is_allowed_whichever_law_is_in_use(folder, law):
+    bad = {"max_speed_m_s": 0.0, "max_turn_rad_s": 4, "max_jerk": 1.0}
+    faults = ["servo.bounded.max_jerk: unknown key, known are max_speed_m_s, max_turn_rad_s",
+              "servo.bounded.max_speed_m_s: found 0.0, allowed > 0",
+              "servo.bounded.max_turn_rad_s: found 4, allowed <= 3"]
+    with pytest.raises(ParameterError) as caught:
+        load_scenario("experiment_1", {**overrides(), "servo.law": law, "servo.bounded": bad})
+    assert [fault.split(": ", 1)[1] for fault in caught.value.faults] == faults
+    good = load_scenario("experiment_1", {**overrides(), "servo.law": law}).servo
+    with pytest.raises(ParameterError) as caught:  # as the controller node reads it
+        ServoSettings.from_dict({**good, "bounded": bad})
+    assert sorted(caught.value.faults) == [
+        "servo/bounded/max_jerk: unknown key, allowed max_speed_m_s, max_turn_rad_s",
+        "servo/bounded/max_speed_m_s: found 0.0, allowed a finite number > 0",
+        "servo/bounded/max_turn_rad_s: found 4, allowed a finite number > 0 and <= 3"]
+
+
+def test_over_ros_the_law_and_its_settings_give_the_run_in_process(folder):
+    scenario = load_scenario("experiment_1", overrides())
+    (folder / "mine.yaml").write_text(yaml.safe_dump({**scenario.as_dict(), "name": "mine"}))
+    environment = {**os.environ, "PYTHONPATH": f"{folder}:{os.environ.get('PYTHONPATH', '')}"}
+    result = subprocess.run(["rosrun", "aras_visual_servo_controller", "run", "mine.yaml", "--output", "results"],
+                            cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=240)
+    said = result.stdout.decode()
+    assert result.returncode in (0, 1), said  # 1: the experiment's own bounds are not those of this law
+    in_process = run_in_process(load_scenario(folder / "mine.yaml"))
+    assert re.search(r"run hash +([0-9a-f]{16})", said).group(1) == in_process.run_hash
 
 
 def test_a_module_that_is_not_there_and_an_unknown_name_list_what_is_known(folder):

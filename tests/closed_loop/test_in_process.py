@@ -64,8 +64,8 @@ def test_wrong_sign_of_the_law_does_not_arrive(run):
 
     @laws.register("wrong_sign_for_test")
     class WrongSign(laws.Decoupled):
-        def _twist(self, s, e, dt_s):
-            return -super()._twist(s, e, dt_s)
+        def _twist(self, look, s, e):
+            return -super()._twist(look, s, e)
 
     record = run("experiment_1", {"servo.law": "wrong_sign_for_test", "servo.time_limit_s": 5.0})
     judgement = judge(record)

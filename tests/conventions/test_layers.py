@@ -1,5 +1,5 @@
-"""Dependencies point one way, and the cores know no ROS (Debian keeps ROS headers in the system include path, so the
-compiler would never notice)."""
+"""Dependencies point one way, between packages and between the rooms of one, and the cores know no ROS (Debian keeps
+ROS headers in the system include path, so the compiler would never notice)."""
 import pathlib
 import re
 import xml.etree.ElementTree as ElementTree
@@ -17,15 +17,24 @@ ROS_MODULES = ("nodes/", "bags/bag.py")
 ALLOWED = {
     "aras_description": set(),
     "aras_visual_servo_msgs": set(),
-    "aras_visual_servo_sim": {"aras_description", "aras_visual_servo_msgs"},
-    "aras_visual_servo_camera": {"aras_description", "aras_visual_servo_msgs"},
-    "aras_visual_servo_controller": {"aras_description", "aras_visual_servo_msgs", "aras_visual_servo_sim",
-                                     "aras_visual_servo_camera"},
+    "aras_visual_servo_common": set(),
+    "aras_visual_servo_sim": {"aras_description", "aras_visual_servo_common", "aras_visual_servo_msgs"},
+    # The camera takes from the description how programs of its tests are installed, and nothing else.
+    "aras_visual_servo_camera": {"aras_description", "aras_visual_servo_common", "aras_visual_servo_msgs"},
+    "aras_visual_servo_controller": {"aras_description", "aras_visual_servo_common", "aras_visual_servo_msgs",
+                                     "aras_visual_servo_sim", "aras_visual_servo_camera"},
+}
+# The rooms of a package, which are its folders, floor by floor from the ground up: a room imports itself and rooms of
+# lower floors, none of its own floor or above.
+CPP_FLOORS = {
+    "aras_visual_servo_camera": [{"config"}, {"image"}, {"moments", "photometric"}, {"points", "segmentation"},
+                                 {"extraction"}],
 }
 
 
 def core_files():
-    for package in ("aras_visual_servo_sim", "aras_visual_servo_camera", "aras_visual_servo_controller"):
+    for package in ("aras_visual_servo_common", "aras_visual_servo_sim", "aras_visual_servo_camera",
+                    "aras_visual_servo_controller"):
         for folder in ("include", "src"):
             for path in sorted((SOURCE / package / folder).rglob("*.[ch]pp")):
                 if "ros" not in path.relative_to(SOURCE / package).parts:
@@ -57,3 +66,49 @@ def test_package_depends_only_on_what_stands_below_it(package):
 def test_all_packages_share_one_version():
     manifests = [*SOURCE.glob("*/package.xml"), SOURCE.parent / "tests" / "package.xml"]
     assert len({ElementTree.parse(path).getroot().findtext("version") for path in manifests}) == 1
+
+
+def test_python_packages_are_set_up_by_setuptools():
+    """Of setuptools catkin asks for an egg-info in the build folder; distutils leaves it in src/."""
+    scripts = list(SOURCE.glob("*/setup.py"))
+    assert scripts
+    imported = re.compile(r"^from setuptools import .*\bsetup$", re.MULTILINE)
+    assert [str(path) for path in scripts if not imported.search(path.read_text())] == []
+
+
+def arrows_up(floors, arrows):
+    """Imports that do not lead down.
+
+    Args:
+        floors: sets of rooms, the ground first.
+        arrows: (file, room it is in, room it imports) of every import; rooms that are on no floor count as above all.
+    """
+    floor = {room: k for k, rooms in enumerate(floors) for room in rooms}
+    return [f"{file}: {room} imports {other}" for file, room, other in arrows
+            if other != room and floor.get(other, len(floors)) >= floor.get(room, -1)]
+
+
+def cpp_arrows(package):
+    """(file, room, room included) of every include of one of the package's own headers in its core."""
+    include = re.compile(rf'#include "(?:{package}/)?(\w+)/\w')
+    for folder in (SOURCE / package / "include" / package, SOURCE / package / "src" / "core"):
+        for path in sorted(folder.rglob("*.[ch]pp")):
+            file = path.relative_to(folder)
+            for other in include.findall(path.read_text()):
+                yield str(file), file.parts[0], other
+
+
+def test_an_import_of_the_same_floor_or_above_is_found():
+    floors = [{"ground"}, {"left", "right"}]
+    down = [("a", "left", "ground"), ("b", "left", "left")]
+    up = [("c", "ground", "left"), ("d", "left", "right"), ("e", "left", "attic"), ("f", "attic", "ground")]
+    assert arrows_up(floors, down) == []
+    assert len(arrows_up(floors, up)) == len(up)
+
+
+@pytest.mark.parametrize("package", sorted(CPP_FLOORS))
+def test_rooms_of_a_cpp_core_include_only_what_lies_below(package):
+    arrows = list(cpp_arrows(package))
+    assert len(arrows) > 20
+    assert {room for _, room, _ in arrows} == set().union(*CPP_FLOORS[package])
+    assert arrows_up(CPP_FLOORS[package], arrows) == []

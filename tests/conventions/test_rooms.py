@@ -7,7 +7,7 @@ import pytest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "aras_visual_servo_controller" / "src" / "aras_visual_servo_controller"
 #: From the ground up. Rooms of one floor do not import each other.
-FLOORS = (("ground",), ("config",), ("features", "target", "arm"), ("laws",), ("servo",), ("run", "scenario"),
+FLOORS = (("ground",), ("config",), ("features", "target", "arm"), ("laws",), ("servo",), ("run",), ("scenario",),
           ("bags", "report"), ("sweep", "nodes"), ("compare",), ("cli",))
 FLOOR_OF = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
 #: Names in one folder of source or tests that a newcomer can still take in.
@@ -75,14 +75,15 @@ def test_no_two_modules_import_each_other():
 
 
 def folders():
-    for package in sorted((ROOT / "src").glob("aras_visual_servo_controller")):
-        for top in ("src", "test", "scripts", "include"):
-            for folder in [package / top, *sorted((package / top).rglob("*"))]:
-                if folder.is_dir() and "__pycache__" not in folder.parts and not folder.name.endswith(".egg-info"):
-                    yield folder
+    tops = [package / top for package in sorted((ROOT / "src").iterdir())
+            for top in ("include", "src", "test", "bench", "scripts", "launch")]
+    for top in [*tops, ROOT / "tests", ROOT / "script"]:
+        for folder in [top, *sorted(top.rglob("*"))]:
+            if folder.is_dir() and folder.name != "__pycache__":
+                yield folder
 
 
-@pytest.mark.parametrize("folder", [pytest.param(path, id=str(path.relative_to(ROOT / "src"))) for path in folders()])
+@pytest.mark.parametrize("folder", [pytest.param(path, id=str(path.relative_to(ROOT))) for path in folders()])
 def test_no_folder_of_source_or_tests_is_crowded(folder):
     names = [path.name for path in folder.iterdir() if path.name != "__pycache__"]
     assert len(names) <= MOST_NAMES, sorted(names)

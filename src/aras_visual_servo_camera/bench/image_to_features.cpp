@@ -3,9 +3,10 @@
 
 #include <cmath>
 
-#include "aras_visual_servo_camera/moment_extractor.hpp"
-#include "aras_visual_servo_camera/photometric_extractor.hpp"
+#include "aras_visual_servo_camera/extraction/moment_extractor.hpp"
+#include "aras_visual_servo_camera/photometric/photometric_extractor.hpp"
 #include "coverage_image.hpp"
+#include "usual_vision.hpp"
 
 namespace {
 
@@ -36,26 +37,26 @@ void run(benchmark::State& state, const VisionConfig& config, double size_m, boo
 }
 
 VisionConfig withSegmentation(SegmentationMethod method) {
-  VisionConfig config;
+  VisionConfig config = testing::usualVision();
   config.segmentation = method;
   return config;
 }
 
 VisionConfig withBlobs() {
-  VisionConfig config;
+  VisionConfig config = testing::usualVision();
   config.points = PointSource::kBlobs;
   config.point_count = 1;
   return config;
 }
 
 VisionConfig withMostSimilar() {
-  VisionConfig config;
+  VisionConfig config = testing::usualVision();
   config.component = ComponentChoice::kMostSimilar;
   return config;
 }
 
 VisionConfig withKernel() {
-  VisionConfig config;
+  VisionConfig config = testing::usualVision();
   config.kernel.emplace();
   return config;
 }
@@ -67,7 +68,7 @@ void corners(benchmark::State& state, bool distorted) {
   const std::vector<std::uint8_t> rgb = toRgb(image);
   const ImageView view{rgb.data(), image.width, image.height, static_cast<std::size_t>(3) * image.width,
                        PixelFormat::kRgb8};
-  VisionConfig config;
+  VisionConfig config = testing::usualVision();
   config.points = PointSource::kCorners;
   MomentExtractor extractor(camera, config);
   for (auto _ : state) benchmark::DoNotOptimize(extractor.process(view).area);
@@ -75,7 +76,7 @@ void corners(benchmark::State& state, bool distorted) {
 }
 
 VisionConfig withGivenGreys() {
-  VisionConfig config;
+  VisionConfig config = testing::usualVision();
   config.object_grey = kObjectGrey;
   config.background_grey = kBackgroundGrey;
   return config;
@@ -83,13 +84,13 @@ VisionConfig withGivenGreys() {
 
 constexpr double kUsual_m = 0.17, kLarge_m = 0.45;  // about 65 and 175 px wide
 
-void coverageEstimatedGreys(benchmark::State& s) { run(s, VisionConfig(), kUsual_m, false, false); }
+void coverageEstimatedGreys(benchmark::State& s) { run(s, testing::usualVision(), kUsual_m, false, false); }
 void coverageGivenGreys(benchmark::State& s) { run(s, withGivenGreys(), kUsual_m, false, false); }
 void coverageGivenGreysMono(benchmark::State& s) { run(s, withGivenGreys(), kUsual_m, false, true); }
-void coverageDistorted(benchmark::State& s) { run(s, VisionConfig(), kUsual_m, true, false); }
-void coverageNoisy(benchmark::State& s) { run(s, VisionConfig(), kUsual_m, false, false, 5.0); }
-void coverageLargeObject(benchmark::State& s) { run(s, VisionConfig(), kLarge_m, false, false); }
-void coverageLargeObjectDistorted(benchmark::State& s) { run(s, VisionConfig(), kLarge_m, true, false); }
+void coverageDistorted(benchmark::State& s) { run(s, testing::usualVision(), kUsual_m, true, false); }
+void coverageNoisy(benchmark::State& s) { run(s, testing::usualVision(), kUsual_m, false, false, 5.0); }
+void coverageLargeObject(benchmark::State& s) { run(s, testing::usualVision(), kLarge_m, false, false); }
+void coverageLargeObjectDistorted(benchmark::State& s) { run(s, testing::usualVision(), kLarge_m, true, false); }
 void fourCorners(benchmark::State& s) { corners(s, false); }
 void fourCornersDistorted(benchmark::State& s) { corners(s, true); }
 void oneBlob(benchmark::State& s) { run(s, withBlobs(), kUsual_m, false, false); }
@@ -101,7 +102,7 @@ void adaptive(benchmark::State& s) { run(s, withSegmentation(SegmentationMethod:
 
 // A textured plane fills the view, moved by a pixel.
 void runPhotometric(benchmark::State& state, GradientOf interaction, int levels, bool distorted) {
-  PhotometricConfig config;
+  PhotometricConfig config = testing::usualPhotometric();
   config.interaction = interaction;
   config.levels = levels;
   PhotometricExtractor extractor(testCamera(distorted), config);

@@ -21,7 +21,8 @@ from aras_visual_servo_controller.laws.base import known_laws
 from aras_visual_servo_controller.scenario.scenario import load_scenario
 from aras_visual_servo_controller.config.files import load_yaml, resolve_uri
 from aras_visual_servo_controller.servo.servo import Servo
-from aras_visual_servo_controller.target.target_pose import ORDER, PlanarTarget, exponential
+from aras_visual_servo_controller.ground.spatial import exponential
+from aras_visual_servo_controller.target.target_pose import ORDER, PlanarTarget
 from aras_visual_servo_controller.ground.types import Features, Observation
 
 DT_S, Z_STAR_M = 1.0 / 30.0, 0.6
@@ -93,7 +94,7 @@ def times(kinematics, law, features, more, steps):
     view, plane = views.look(kinematics.pose(q))
     section["target_normal_C"] = (plane / np.linalg.norm(plane)).tolist()
     servo = Servo(kinematics, section)
-    servo.teach(view, q)
+    servo.teach(view, q, Z_STAR_M)
     servo.start(0)
     _time_the_law(servo, alone)
     q = kinematics.vector(START)
@@ -111,11 +112,11 @@ def times(kinematics, law, features, more, steps):
 def _time_the_law(servo, durations):
     law_step = servo._law.step
 
-    def step(*arguments):
+    def step(look):
         begin = time.perf_counter()
-        twist = law_step(*arguments)
+        answer = law_step(look)
         durations.append(time.perf_counter() - begin)
-        return twist
+        return answer
 
     servo._law.step = step
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "aras_visual_servo_sim/multibody_world.hpp"
-#include "aras_visual_servo_sim/urdf_loader.hpp"
+#include "aras_visual_servo_sim/physics/multibody_world.hpp"
+#include "aras_visual_servo_sim/robot/urdf_loader.hpp"
 
 namespace {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <memory>
 
-#include "aras_visual_servo_sim/multibody_world.hpp"
-#include "aras_visual_servo_sim/urdf_loader.hpp"
+#include "aras_visual_servo_sim/physics/multibody_world.hpp"
+#include "aras_visual_servo_sim/robot/urdf_loader.hpp"
 
 namespace {
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "aras_visual_servo_sim/coverage_renderer.hpp"
+#include "aras_visual_servo_sim/render/coverage_renderer.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

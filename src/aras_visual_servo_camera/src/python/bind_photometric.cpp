@@ -2,14 +2,20 @@
 
 #include <pybind11/stl.h>
 
-#include "aras_visual_servo_camera/errors.hpp"
-#include "aras_visual_servo_camera/photometric_extractor.hpp"
+#include <aras_visual_servo_common/fault_list.hpp>
+#include <aras_visual_servo_common/python/yaml_from_python.hpp>
+#include <optional>
+
+#include "aras_visual_servo_camera/photometric/photometric_extractor.hpp"
 #include "conversions.hpp"
 
 namespace py = pybind11;
 
 namespace aras_visual_servo_camera {
 namespace {
+
+using aras_visual_servo_common::FaultList;
+using aras_visual_servo_common::yamlFromPython;
 
 void bindFeatures(py::module_& module) {
   using F = PhotometricFeatures;
@@ -31,7 +37,8 @@ void bindFeatures(py::module_& module) {
       .def_readwrite("condition", &F::condition)
       .def_readwrite("motion_px", &F::motion_px)
       .def_readwrite("z_star_m", &F::z_star_m)
-      .def_readwrite("reference_hash", &F::reference_hash);
+      .def_readwrite("reference_hash", &F::reference_hash)
+      .def_readwrite("reference_stamp_ns", &F::reference_stamp_ns);
 }
 
 }  // namespace
@@ -41,22 +48,31 @@ void bindPhotometric(py::module_& module) {
   py::class_<PhotometricExtractor>(module, "PhotometricExtractor",
                                    "Image in, parts of the photometric normal equations out. Same images, same bits.")
       .def(py::init([](const py::dict& camera_info, const py::dict& config) {
-             return std::make_unique<PhotometricExtractor>(readCameraInfo(toYaml(camera_info)),
-                                                           readPhotometricConfig(toYaml(config)));
+             FaultList faults;
+             std::optional<CameraIntrinsics> intrinsics;
+             std::optional<PhotometricConfig> settings;
+             faults.collect([&] { intrinsics = readCameraInfo(yamlFromPython(camera_info, "camera_info")); });
+             faults.collect([&] { settings = readPhotometricConfig(yamlFromPython(config, "vision/photometric")); });
+             faults.throwIfAny();
+             return std::make_unique<PhotometricExtractor>(*intrinsics, *settings);
            }),
            py::arg("camera_info"), py::arg("config") = py::dict(),
            R"(Args:
     camera_info: dict with width, height, K (9), D, distortion_model, as sensor_msgs/CameraInfo.
-    config: the section `vision.photometric` of a scenario, see config/camera.yaml of this package.
+    config: the section `vision.photometric` of a scenario, see schema/photometric.yaml of this package.
 Raises:
     ParameterError: every fault, one per line.)")
       .def(
-          "process", [](PhotometricExtractor& self, const py::array& image) { return self.process(viewOf(image)); },
-          py::arg("image"),
+          "process",
+          [](PhotometricExtractor& self, const py::array& image, std::int64_t stamp_ns) {
+            return self.process(viewOf(image), stamp_ns);
+          },
+          py::arg("image"), py::arg("stamp_ns") = kNoStamp,
           R"(Features of one image, relative to the reference.
 
 Args:
     image: uint8, shape (h, w) grey, (h, w, 3) rgb or (h, w, 4) rgba, rows contiguous.
+    stamp_ns: of the image; with one, `teach` finds it while it is among the last 32.
 Returns:
     PhotometricFeatures; an image without contrast is a value (target_visible False), not an error.
 Raises:
@@ -76,6 +92,10 @@ Raises DegenerateFeature (nothing to servo on in it), ParameterError, ShapeError
             self.setReference(viewOf(image), Plane{plane[0], plane[1], plane[2]});
           },
           py::arg("image"), py::arg("plane"), "The plane given as (A, B, C) of 1/Z = A x + B y + C [1/m].")
+      .def("teach", &PhotometricExtractor::teach, py::arg("stamp_ns"), py::arg("z_star_m"),
+           R"(Make the image of this stamp the goal, its optical axis meeting the target's plane at depth z_star_m [m].
+
+Raises ParameterError: it is not among the last 32 images; else as set_reference.)")
       .def("clear_reference", &PhotometricExtractor::clearReference)
       .def_property_readonly("features", &PhotometricExtractor::features, py::return_value_policy::copy,
                              "Of the last image.");

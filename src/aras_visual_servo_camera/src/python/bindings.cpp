@@ -1,10 +1,13 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <aras_visual_servo_common/fault_list.hpp>
+#include <aras_visual_servo_common/python/bind_errors.hpp>
+#include <aras_visual_servo_common/python/yaml_from_python.hpp>
 #include <cmath>
+#include <optional>
 
-#include "aras_visual_servo_camera/errors.hpp"
-#include "aras_visual_servo_camera/moment_extractor.hpp"
+#include "aras_visual_servo_camera/extraction/moment_extractor.hpp"
 #include "bind_photometric.hpp"
 #include "conversions.hpp"
 
@@ -13,27 +16,14 @@ using namespace aras_visual_servo_camera;  // NOLINT: this file is the module
 
 namespace {
 
+using aras_visual_servo_common::FaultList;
+using aras_visual_servo_common::yamlFromPython;
+
 std::string repr(const MomentFeatures& f) {
   const auto number = [](double x) { return std::string(py::repr(py::float_(x))); };
   return "MomentFeatures(valid=" + std::string(f.valid ? "True" : "False") + ", area=" + number(f.area) +
          ", xg=" + number(f.xg) + ", yg=" + number(f.yg) + ", alpha=" + number(f.alpha) + ", xn=" + number(f.xn) +
          ", yn=" + number(f.yn) + ", an=" + number(f.an) + ")";
-}
-
-void bindErrors(py::module_& module) {
-  static py::exception<ArasError> base(module, "ArasError", PyExc_RuntimeError);
-  // The last one registered is tried first: leaves after the base.
-  py::register_exception_translator([](std::exception_ptr p) {
-    try {
-      if (p) std::rethrow_exception(p);
-    } catch (const ArasError& e) {
-      base(e.what());
-    }
-  });
-  py::register_exception<ParameterError>(module, "ParameterError", base.ptr());
-  py::register_exception<ShapeError>(module, "ShapeError", base.ptr());
-  py::register_exception<NotFiniteError>(module, "NotFiniteError", base.ptr());
-  py::register_exception<DegenerateFeature>(module, "DegenerateFeature", base.ptr());
 }
 
 void bindFeatures(py::module_& module) {
@@ -56,6 +46,7 @@ void bindFeatures(py::module_& module) {
       .def_readwrite("an", &MomentFeatures::an)
       .def_readwrite("z_star_m", &MomentFeatures::z_star_m)
       .def_readwrite("area_star", &MomentFeatures::area_star)
+      .def_readwrite("reference_stamp_ns", &MomentFeatures::reference_stamp_ns)
       .def_readwrite("orientation_condition", &MomentFeatures::orientation_condition)
       .def_readwrite("asymmetry", &MomentFeatures::asymmetry)
       .def_readwrite("moment_names", &MomentFeatures::moment_names)
@@ -78,33 +69,31 @@ py::array_t<std::uint8_t> convertedImage(const MomentExtractor& extractor) {
 void bindExtractor(py::module_& module) {
   py::class_<MomentExtractor>(module, "MomentExtractor", "Image in, moment features out. Same images, same bits.")
       .def(py::init([](const py::dict& camera_info, const py::dict& vision) {
-             std::string faults;
-             const auto read = [&faults](const auto& reader, const py::dict& dict) {
-               try {
-                 return std::optional(reader(toYaml(dict)));
-               } catch (const ParameterError& e) {
-                 faults += (faults.empty() ? "" : "\n") + std::string(e.what());
-                 return decltype(std::optional(reader(YAML::Node()))){};
-               }
-             };
-             const auto intrinsics = read(readCameraInfo, camera_info);
-             const auto config = read(readVisionConfig, vision);
-             if (!faults.empty()) throw ParameterError(faults);
+             FaultList faults;
+             std::optional<CameraIntrinsics> intrinsics;
+             std::optional<VisionConfig> config;
+             faults.collect([&] { intrinsics = readCameraInfo(yamlFromPython(camera_info, "camera_info")); });
+             faults.collect([&] { config = readVisionConfig(yamlFromPython(vision, "vision")); });
+             faults.throwIfAny();
              return std::make_unique<MomentExtractor>(*intrinsics, *config);
            }),
            py::arg("camera_info"), py::arg("config"),
            R"(Args:
     camera_info: dict with width, height, K (9), D, distortion_model, as sensor_msgs/CameraInfo.
-    config: the `vision` section of a scenario, see config/camera.yaml of this package.
+    config: the `vision` section of a scenario, see schema/vision.yaml of this package.
 Raises:
     ParameterError: every fault of both, one per line.)")
       .def(
-          "process", [](MomentExtractor& self, const py::array& image) { return self.process(viewOf(image)); },
-          py::arg("image"),
+          "process",
+          [](MomentExtractor& self, const py::array& image, std::int64_t stamp_ns) {
+            return self.process(viewOf(image), stamp_ns);
+          },
+          py::arg("image"), py::arg("stamp_ns") = kNoStamp,
           R"(Features of one image.
 
 Args:
     image: uint8, shape (h, w) grey, (h, w, 3) rgb or (h, w, 4) rgba, rows contiguous.
+    stamp_ns: of the image; with one, `teach` finds it while it is among the last 32.
 Returns:
     MomentFeatures; an empty view is a value (target_visible False), not an error.
 Raises:
@@ -128,8 +117,10 @@ Raises ParameterError unless z_star_m and area_star are > 0 and all are finite.)
           R"(Make a view the reference, seen from depth z_star_m [m].
 
 features: MomentFeatures or the ROS message. Raises DegenerateFeature if it is not valid.)")
-      .def("rebuild_features", &MomentExtractor::rebuildFeatures,
-           "Features of the last image once more, with the reference as it is now; nothing is followed a second time.")
+      .def("teach", &MomentExtractor::teach, py::arg("stamp_ns"), py::arg("z_star_m"),
+           R"(Make the image of this stamp the reference, seen from depth z_star_m [m].
+
+Raises ParameterError: it is not among the last 32 images; DegenerateFeature: its features are not valid.)")
       .def("clear_reference", &MomentExtractor::clearReference)
       .def("forget_previous", &MomentExtractor::forgetPrevious,
            "Use nothing of earlier images (after a reset of time); the reference stays.")
@@ -143,7 +134,7 @@ features: MomentFeatures or the ROS message. Raises DegenerateFeature if it is n
 
 PYBIND11_MODULE(_camera, module) {
   module.doc() = "C++ core of aras_visual_servo_camera.";
-  bindErrors(module);
+  aras_visual_servo_common::bindErrors(module);
   bindFeatures(module);
   bindExtractor(module);
   bindPhotometric(module);

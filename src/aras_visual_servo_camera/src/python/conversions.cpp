@@ -2,44 +2,13 @@
 
 #include <pybind11/stl.h>
 
-#include <cstdio>
 #include <string>
 
-#include "aras_visual_servo_camera/errors.hpp"
+#include "aras_visual_servo_camera/config/errors.hpp"
 
 namespace py = pybind11;
 
 namespace aras_visual_servo_camera {
-
-YAML::Node toYaml(const py::handle& value) {
-  if (value.is_none()) return YAML::Node(YAML::NodeType::Null);
-  if (py::hasattr(value, "tolist")) return toYaml(value.attr("tolist")());
-  if (py::isinstance<py::bool_>(value)) return YAML::Node(value.cast<bool>() ? "true" : "false");
-  if (py::isinstance<py::int_>(value)) return YAML::Node(std::string(py::str(value)));
-  if (py::isinstance<py::float_>(value)) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.17g", value.cast<double>());
-    return YAML::Node(std::string(text));
-  }
-  if (py::isinstance<py::str>(value)) {
-    YAML::Node node(value.cast<std::string>());
-    node.SetTag("!");  // as quoted text: never taken for a number
-    return node;
-  }
-  if (py::isinstance<py::dict>(value)) {
-    YAML::Node node(YAML::NodeType::Map);
-    for (const auto& item : py::reinterpret_borrow<py::dict>(value))
-      node.force_insert(std::string(py::str(item.first)), toYaml(item.second));
-    return node;
-  }
-  if (py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value)) {
-    YAML::Node node(YAML::NodeType::Sequence);
-    for (const py::handle& item : value) node.push_back(toYaml(item));
-    return node;
-  }
-  throw ShapeError("configuration: found " + std::string(py::str(py::type::of(value))) +
-                   ", allowed numbers, text, lists and dicts");
-}
 
 ImageView viewOf(const py::array& image) {
   const bool grey = image.ndim() == 2;

@@ -2,16 +2,11 @@
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
-#include <yaml-cpp/yaml.h>
 
-#include "aras_visual_servo_camera/image_view.hpp"
-#include "aras_visual_servo_camera/moment_features.hpp"
+#include "aras_visual_servo_camera/image/image_view.hpp"
+#include "aras_visual_servo_camera/moments/moment_features.hpp"
 
 namespace aras_visual_servo_camera {
-
-/** A dict of numbers, text, lists and dicts (numpy arrays and scalars included) as the tree the parsers read.
- *  @throws ShapeError for anything else */
-YAML::Node toYaml(const pybind11::handle& value);
 
 /** A view of a uint8 array of shape (h, w) grey, (h, w, 3) rgb or (h, w, 4) rgba, with contiguous rows.
  *  @throws ShapeError for another shape, type or layout within a row */

@@ -2,8 +2,8 @@
 
 #include <sensor_msgs/image_encodings.h>
 
-#include "aras_visual_servo_camera/errors.hpp"
-#include "aras_visual_servo_camera/overlay.hpp"
+#include "aras_visual_servo_camera/config/errors.hpp"
+#include "aras_visual_servo_camera/extraction/overlay.hpp"
 #include "conversions.hpp"
 #include "parameters.hpp"
 
@@ -24,6 +24,8 @@ sensor_msgs::Image emptyImage(const std_msgs::Header& header, const ImageView& v
   image.step = image.width * static_cast<std::uint32_t>(bytes_per_pixel);
   return image;
 }
+
+std::int64_t nanoseconds(const ros::Time& stamp) { return static_cast<std::int64_t>(stamp.toNSec()); }
 
 }  // namespace
 
@@ -81,12 +83,8 @@ void CameraNode::onPair(const sensor_msgs::ImageConstPtr& image, const sensor_ms
     useIntrinsics(*info);
     if (image->header.stamp < last_stamp_) extractor_->forgetPrevious();  // the simulator was reset
     const ImageView view = toView(*image);
-    extractor_->process(view);
-    if (photometric_) {
-      photometric_->process(view);
-      last_image_ = image;
-    }
-    last_header_ = image->header;
+    extractor_->process(view, nanoseconds(image->header.stamp));
+    if (photometric_) photometric_->process(view, nanoseconds(image->header.stamp));
     last_stamp_ = image->header.stamp;
     publish(*image, view);
   } catch (const ArasError& error) {
@@ -121,25 +119,23 @@ void CameraNode::publish(const Image& image, const ImageView& view) {
 void CameraNode::setReference(const aras_visual_servo_msgs::SetReference::Request& request,
                               aras_visual_servo_msgs::SetReference::Response* response) {
   if (!extractor_) throw DegenerateFeature("reference: found no image with valid intrinsics yet, allowed after one");
-  const bool photometric = photometric_ && last_image_ && request.from_current_view;
-  if (photometric) {
-    const ImageView view = toView(*last_image_);
-    photometric_->setReference(view, request.z_star_m);
-    response->photometric = toMessage(photometric_->process(view));
-    response->photometric.header = last_header_;
+  const bool by_stamp = !request.stamp.isZero();
+  if (by_stamp && request.from_current_view)
+    throw ParameterError("reference: found a stamp and from_current_view, allowed one of them");
+  if (!by_stamp && !request.from_current_view) {
+    extractor_->setReference(request.z_star_m, request.area_star, request.alpha_star);
+    return;
   }
+  const ros::Time stamp = by_stamp ? request.stamp : last_stamp_;
+  const std::int64_t stamp_ns = nanoseconds(stamp);
+  if (photometric_) photometric_->teach(stamp_ns, request.z_star_m);
   try {
-    if (request.from_current_view) {
-      extractor_->setReference(request.z_star_m, extractor_->features());
-    } else {
-      extractor_->setReference(request.z_star_m, request.area_star, request.alpha_star);
-    }
+    extractor_->teach(stamp_ns, request.z_star_m);
   } catch (const DegenerateFeature& error) {
-    if (!photometric) throw;
+    if (!photometric_) throw;
     response->message = std::string("photometric only: ") + error.what();
   }
-  response->reference = toMessage(extractor_->rebuildFeatures());
-  response->reference.header = last_header_;
+  response->stamp = stamp;
 }
 
 bool CameraNode::onSetReference(aras_visual_servo_msgs::SetReference::Request& request,

@@ -11,8 +11,8 @@
 #include <memory>
 #include <string>
 
-#include "aras_visual_servo_camera/moment_extractor.hpp"
-#include "aras_visual_servo_camera/photometric_extractor.hpp"
+#include "aras_visual_servo_camera/extraction/moment_extractor.hpp"
+#include "aras_visual_servo_camera/photometric/photometric_extractor.hpp"
 
 namespace aras_visual_servo_camera {
 
@@ -52,8 +52,6 @@ class CameraNode {
   VisionConfig config_;
   std::unique_ptr<MomentExtractor> extractor_;
   std::unique_ptr<PhotometricExtractor> photometric_;  // only where the configuration has it
-  sensor_msgs::ImageConstPtr last_image_;              // kept for its reference
-  std_msgs::Header last_header_;
   ros::Time last_stamp_;
   unsigned images_since_report_ = 0, infos_since_report_ = 0, pairs_since_report_ = 0;
   Throttle throttle_;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "aras_visual_servo_camera/errors.hpp"
+#include "aras_visual_servo_camera/config/errors.hpp"
 
 namespace aras_visual_servo_camera {
 
@@ -66,6 +66,7 @@ aras_visual_servo_msgs::MomentFeatures toMessage(const MomentFeatures& f) {
   msg.an = f.an;
   msg.z_star_m = f.z_star_m;
   msg.area_star = f.area_star;
+  msg.reference_stamp_ns = f.reference_stamp_ns;
   msg.orientation_condition = f.orientation_condition;
   msg.asymmetry = f.asymmetry;
   msg.moment_names = f.moment_names;
@@ -96,6 +97,7 @@ aras_visual_servo_msgs::PhotometricFeatures toMessage(const PhotometricFeatures&
   msg.motion_px = f.motion_px;
   msg.z_star_m = f.z_star_m;
   msg.reference_hash = f.reference_hash;
+  msg.reference_stamp_ns = f.reference_stamp_ns;
   return msg;
 }
 

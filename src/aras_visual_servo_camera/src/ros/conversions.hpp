@@ -5,10 +5,10 @@
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 
-#include "aras_visual_servo_camera/camera_intrinsics.hpp"
-#include "aras_visual_servo_camera/image_view.hpp"
-#include "aras_visual_servo_camera/moment_features.hpp"
-#include "aras_visual_servo_camera/photometric_features.hpp"
+#include "aras_visual_servo_camera/image/camera_intrinsics.hpp"
+#include "aras_visual_servo_camera/image/image_view.hpp"
+#include "aras_visual_servo_camera/moments/moment_features.hpp"
+#include "aras_visual_servo_camera/photometric/photometric_features.hpp"
 
 namespace aras_visual_servo_camera {
 

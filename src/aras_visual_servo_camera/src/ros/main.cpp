@@ -1,6 +1,6 @@
 #include <ros/ros.h>
 
-#include "aras_visual_servo_camera/errors.hpp"
+#include "aras_visual_servo_camera/config/errors.hpp"
 #include "camera_node.hpp"
 
 int main(int argc, char** argv) {

@@ -2,7 +2,7 @@
 
 #include <ros/node_handle.h>
 
-#include "aras_visual_servo_camera/vision_config.hpp"
+#include "aras_visual_servo_camera/config/vision_config.hpp"
 
 namespace aras_visual_servo_camera {
 

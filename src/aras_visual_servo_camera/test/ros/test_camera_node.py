@@ -25,9 +25,9 @@ def wait_until(condition):
     return True
 
 
-def image_message(stamp, u0=50, encoding="mono8"):
+def image_message(stamp, u0=50, encoding="mono8", rows=20):
     pixels = np.full((HEIGHT, WIDTH), 230, np.uint8)
-    for row in range(20):  # an asymmetric staircase
+    for row in range(rows):  # an asymmetric staircase
         pixels[40 + row, u0 : u0 + 2 * (row + 1)] = 20
     channels = {"mono8": 1, "rgb8": 3, "bgr8": 3, "rgba8": 4}.get(encoding, 1)
     message = Image(height=HEIGHT, width=WIDTH, encoding=encoding, step=WIDTH * channels)
@@ -135,13 +135,45 @@ class CameraNodeTest(unittest.TestCase):
         self.assertTrue(wait_until(lambda: len(self.received) == 1))
         answer = self.set_reference(z_star_m=0.59, from_current_view=True)
         self.assertTrue(answer.success, answer.message)
-        self.assertEqual(answer.reference.header.stamp, self.received[0].header.stamp)
-        self.assertEqual(answer.reference.header.frame_id, "camera_optical_frame")
-        self.assertAlmostEqual(answer.reference.an, 0.59, places=12)
+        self.assertEqual(answer.stamp, self.received[0].header.stamp)
         self.publish_pair()
         self.assertTrue(wait_until(lambda: len(self.received) == 2))
         self.assertTrue(self.received[1].has_reference)
+        self.assertEqual(self.received[1].reference_stamp_ns, answer.stamp.to_nsec())
         self.assertAlmostEqual(self.received[1].an, 0.59, places=12)
+
+    def test_reference_from_the_image_of_a_stamp_while_images_go_on_coming(self):
+        stamps = [self.publish_pair(rows=12 + k) for k in range(8)]
+        self.assertTrue(wait_until(lambda: len(self.received) == len(stamps)))
+        for asked in (2, 6, 0):
+            answer = self.set_reference(z_star_m=0.59, stamp=stamps[asked])
+            self.assertTrue(answer.success, answer.message)
+            self.assertEqual(answer.stamp, stamps[asked])
+            before = len(self.received)
+            self.publish_pair(rows=20)
+            self.assertTrue(wait_until(lambda: len(self.received) > before))
+            after = self.received[-1]
+            self.assertEqual(after.reference_stamp_ns, stamps[asked].to_nsec())
+            self.assertEqual(after.area_star, self.received[asked].area)
+
+    def test_an_image_that_is_gone_is_refused_by_its_stamp_and_the_reference_stays(self):
+        stamps = [self.publish_pair(rows=12 + k % 5) for k in range(40)]
+        self.assertTrue(wait_until(lambda: len(self.received) == len(stamps)))
+        self.assertTrue(self.set_reference(z_star_m=0.59, stamp=stamps[-1]).success)
+        answer = self.set_reference(z_star_m=0.59, stamp=stamps[0])
+        self.assertFalse(answer.success)
+        for part in (f"found {stamps[0].to_sec():.9f} s", "the last 32 images", f"to {stamps[-1].to_sec():.9f} s"):
+            self.assertIn(part, answer.message)
+        self.publish_pair()
+        self.assertTrue(wait_until(lambda: len(self.received) == 41))
+        self.assertEqual(self.received[-1].reference_stamp_ns, stamps[-1].to_nsec())
+
+    def test_a_stamp_and_the_current_view_do_not_go_together(self):
+        stamp = self.publish_pair()
+        self.assertTrue(wait_until(lambda: len(self.received) == 1))
+        answer = self.set_reference(z_star_m=0.59, stamp=stamp, from_current_view=True)
+        self.assertFalse(answer.success)
+        self.assertIn("from_current_view", answer.message)
 
     def test_reference_by_numbers_and_bad_numbers(self):
         self.publish_pair()
@@ -149,7 +181,11 @@ class CameraNodeTest(unittest.TestCase):
         view = self.received[0]
         answer = self.set_reference(z_star_m=0.5, area_star=4 * view.area, alpha_star=view.alpha)
         self.assertTrue(answer.success, answer.message)
-        self.assertAlmostEqual(answer.reference.an, 1.0, places=12)
+        self.assertTrue(answer.stamp.is_zero())
+        self.publish_pair()
+        self.assertTrue(wait_until(lambda: len(self.received) == 2))
+        self.assertAlmostEqual(self.received[1].an, 1.0, places=12)
+        self.assertEqual(self.received[1].reference_stamp_ns, -1)
         answer = self.set_reference(z_star_m=0.0, area_star=0.1)
         self.assertFalse(answer.success)
         self.assertIn("z_star_m", answer.message)

@@ -60,14 +60,24 @@ class PhotometricNodeTest(unittest.TestCase):
         self.assertEqual(view.header.frame_id, "camera_optical_frame")
         answer = self.set_reference(z_star_m=0.5, from_current_view=True)
         self.assertTrue(answer.success, answer.message)  # whatever the moments make of a texture
-        self.assertTrue(answer.photometric.has_reference and answer.photometric.valid)
-        self.assertEqual((answer.photometric.rms, answer.photometric.z_star_m), (0.0, 0.5))
-        self.assertEqual(answer.photometric.header.stamp, view.header.stamp)
+        self.assertEqual(answer.stamp, view.header.stamp)
+        same = self.answer_to(texture(160, 120))
+        self.assertTrue(same.has_reference and same.valid)
+        self.assertEqual((same.rms, same.z_star_m), (0.0, 0.5))
+        self.assertEqual(same.reference_stamp_ns, view.header.stamp.to_nsec())
         moved = self.answer_to(texture(160, 120, 1.0))
         self.assertTrue(moved.valid and moved.rms > 1.0 and moved.level == 0)
         self.assertEqual((len(moved.H), len(moved.b), moved.interaction), (21, 6, "mean"))
-        self.assertEqual(moved.reference_hash, answer.photometric.reference_hash)
+        self.assertEqual(moved.reference_hash, same.reference_hash)
         self.assertNotEqual(moved.reference_hash, 0)
+
+    def test_an_image_before_the_last_becomes_the_reference_by_its_stamp(self):
+        views = [self.answer_to(texture(160, 120, shift)) for shift in (0.0, 1.0, 2.0)]
+        answer = self.set_reference(z_star_m=0.5, stamp=views[1].header.stamp)
+        self.assertTrue(answer.success, answer.message)
+        self.assertEqual(answer.stamp, views[1].header.stamp)
+        self.assertEqual(self.answer_to(texture(160, 120, 1.0)).rms, 0.0)
+        self.assertGreater(self.answer_to(texture(160, 120, 2.0)).rms, 1.0)
 
     def test_a_blank_image_is_refused_as_reference_with_the_reason(self):
         blank = self.answer_to(np.full((120, 160), 90, np.uint8))

@@ -4,8 +4,8 @@
 #include <random>
 #include <vector>
 
-#include "aras_visual_servo_camera/camera_intrinsics.hpp"
-#include "aras_visual_servo_camera/image_view.hpp"
+#include "aras_visual_servo_camera/image/camera_intrinsics.hpp"
+#include "aras_visual_servo_camera/image/image_view.hpp"
 #include "polygon_moments.hpp"
 
 namespace aras_visual_servo_camera::testing {

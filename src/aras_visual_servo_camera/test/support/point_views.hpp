@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "aras_visual_servo_camera/moment_extractor.hpp"
+#include "aras_visual_servo_camera/extraction/moment_extractor.hpp"
 #include "coverage_image.hpp"
+#include "usual_vision.hpp"
 
 namespace aras_visual_servo_camera::testing {
 
@@ -16,7 +17,7 @@ constexpr double kCorner_px = 0.02;
 inline const Polygon kQuad{{-0.06, -0.05}, {0.06, -0.03}, {0.05, 0.05}, {-0.03, 0.04}};
 
 inline VisionConfig withPoints(PointSource source, int count) {
-  VisionConfig config;
+  VisionConfig config = testing::usualVision();
   config.points = source;
   config.point_count = count;
   return config;

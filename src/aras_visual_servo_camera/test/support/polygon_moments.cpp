@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "aras_visual_servo_camera/moments.hpp"
+#include "aras_visual_servo_camera/moments/moments.hpp"
 
 namespace aras_visual_servo_camera::testing {
 namespace {

@@ -7,10 +7,8 @@
 #include "chain_kinematics.hpp"
 
 namespace py = pybind11;
+namespace common = aras_visual_servo_common;
 using aras_visual_servo_controller::ChainKinematics;
-using aras_visual_servo_controller::ModelError;
-using aras_visual_servo_controller::NotFiniteError;
-using aras_visual_servo_controller::ShapeError;
 
 namespace {
 
@@ -36,14 +34,15 @@ void refuseNumpy2() {
 PYBIND11_MODULE(_kinematics, module) {
   refuseNumpy2();
   module.doc() = "Kinematics of a URDF chain through KDL.";
-  py::register_exception_translator([](std::exception_ptr pointer) {
+  // Of this module only: the simulator and the camera raise errors of their own.
+  py::register_local_exception_translator([](std::exception_ptr pointer) {
     try {
       if (pointer) std::rethrow_exception(pointer);
-    } catch (const ModelError& error) {
+    } catch (const common::ModelError& error) {
       raise("ModelError", error);
-    } catch (const ShapeError& error) {
+    } catch (const common::ShapeError& error) {
       raise("ShapeError", error);
-    } catch (const NotFiniteError& error) {
+    } catch (const common::NotFiniteError& error) {
       raise("NotFiniteError", error);
     }
   });

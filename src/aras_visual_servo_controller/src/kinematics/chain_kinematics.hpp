@@ -1,23 +1,17 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <aras_visual_servo_common/errors.hpp>
 #include <kdl/chain.hpp>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace aras_visual_servo_controller {
 
-struct ModelError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-struct ShapeError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-struct NotFiniteError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
+using aras_visual_servo_common::ModelError;
+using aras_visual_servo_common::NotFiniteError;
+using aras_visual_servo_common::ShapeError;
 
 /** Kinematics of the chain base -> tip of a URDF. Constant after construction.
  *

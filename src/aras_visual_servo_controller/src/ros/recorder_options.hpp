@@ -2,16 +2,17 @@
 
 #include <rosbag/bag.h>
 
+#include <aras_visual_servo_common/errors.hpp>
 #include <cstdint>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace aras_visual_servo_controller {
 
 /** The command line cannot be used; the text says which word. */
-struct OptionError : std::runtime_error {
-  using std::runtime_error::runtime_error;
+class OptionError : public aras_visual_servo_common::ArasError {
+ public:
+  using ArasError::ArasError;
 };
 
 struct Options {

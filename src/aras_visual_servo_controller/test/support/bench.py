@@ -37,7 +37,7 @@ class Bench:
         self.camera = Camera(X_WT)
         self.camera.star = (self.X_WG[2, 3] - 0.19, self.camera.features(self.X_WG).area)
         self.servo = Servo(self.arm, config(**changes))
-        self.servo.teach(self.camera.features(self.X_WG), self.goal_q)
+        self.servo.teach(self.camera.features(self.X_WG), self.goal_q, self.camera.star[0])
         self.set_point = self.arm.vector(start)
         self.stamp_ns = 0
         self.records, self.commands = [], []

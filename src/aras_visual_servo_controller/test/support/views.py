@@ -5,12 +5,18 @@ from toy_plant import Camera
 
 from aras_visual_servo_controller.features import interaction
 from aras_visual_servo_controller.features import View
+from aras_visual_servo_controller.laws import Look
 
 
 STEP = 3e-6
 TOLERANCE = 1e-7
 SIX = ("xn", "yn", "an", "sx", "sy", "alpha")
 ROUNDING = 1e-11  # of centred moments of an outline away from the image centre, some hundred operations
+
+
+def look_at(features, dt_s=0.0, plane=None, X_CgC=None, applied=None):
+    """`Look` of these features."""
+    return Look(View(features, plane), dt_s, X_CgC, applied)
 
 
 def tilted_pose(seed):

@@ -9,6 +9,7 @@ Everything is in SI units; twists are stacked [v; w]; joints are named, vectors 
 """
 from ._sim import (
     ArasError,
+    Frame,
     ModelError,
     NotFiniteError,
     ParameterError,
@@ -23,6 +24,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "ArasError",
+    "Frame",
     "ModelError",
     "NotFiniteError",
     "ParameterError",

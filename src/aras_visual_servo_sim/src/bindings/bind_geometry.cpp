@@ -11,7 +11,7 @@ namespace {
 const GeometryImage& geometryOf(Simulation& simulation, const std::string& camera,
                                 Distance distance = Distance::kDepth) {
   const py::gil_scoped_release release;
-  return simulation.renderGeometry(simulation.cameraIndex(camera), distance);
+  return simulation.renderGeometry(simulation.cameras().index(camera), distance);
 }
 
 template <typename T>
@@ -52,11 +52,12 @@ void bindGeometry(py::class_<Simulation>& type) {
           "Which thing the centre of each pixel sees now.\n\nReturns:\n    uint16 array (h, w) of the numbers in\n"
           "    segmentation_ids, 0 where there is nothing.\nRaises:\n    UnknownNameError.")
       .def(
-          "trigger", [](Simulation& self, const std::string& camera) { self.trigger(self.cameraIndex(camera)); },
+          "trigger", [](Simulation& self, const std::string& camera) { self.trigger(self.cameras().index(camera)); },
           py::arg("camera") = "camera",
           "Asks a camera with `triggered: true` for one frame, the next of its schedule after now.")
-      .def_property_readonly("dropped_frames", &Simulation::droppedFrames,
-                             "Frames passed over because of drop_probability since the last reset, of all cameras.")
+      .def_property_readonly(
+          "dropped_frames", [](const Simulation& self) { return self.cameras().droppedFrames(); },
+          "Frames passed over because of drop_probability since the last reset, of all cameras.")
       .def_property_readonly(
           "segmentation_ids", [](const Simulation& self) { return segmentationIds(self.scene()); },
           "dict name -> number of every planar model, solid and link in render_segmentation.");

@@ -2,7 +2,7 @@
 
 #include <pybind11/pybind11.h>
 
-#include "aras_visual_servo_sim/simulation.hpp"
+#include "aras_visual_servo_sim/simulation/simulation.hpp"
 
 namespace aras_visual_servo_sim {
 

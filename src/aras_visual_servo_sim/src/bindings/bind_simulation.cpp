@@ -4,6 +4,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <aras_visual_servo_common/python/yaml_from_python.hpp>
 #include <map>
 #include <memory>
 #include <optional>
@@ -11,17 +12,19 @@
 #include <utility>
 #include <vector>
 
-#include "aras_visual_servo_sim/errors.hpp"
-#include "aras_visual_servo_sim/simulation.hpp"
-#include "aras_visual_servo_sim/urdf_loader.hpp"
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/robot/urdf_loader.hpp"
+#include "aras_visual_servo_sim/simulation/simulation.hpp"
 #include "bind_contacts.hpp"
+#include "bind_frames.hpp"
 #include "bind_geometry.hpp"
-#include "yaml_from_python.hpp"
 
 namespace py = pybind11;
 
 namespace aras_visual_servo_sim {
 namespace {
+
+using aras_visual_servo_common::yamlFromPython;
 
 using Values = std::map<std::string, double>;
 using PackageMap = std::map<std::string, std::string>;
@@ -41,21 +44,6 @@ std::unique_ptr<Simulation> makeSimulation(const std::string& urdf, const py::ob
                                       paths);
 }
 
-/** Read-only array over the camera's own image; keeps the simulation alive. */
-py::array renderView(const py::object& self, const std::string& camera) {
-  auto& simulation = self.cast<Simulation&>();
-  const Image* image = nullptr;
-  {
-    const py::gil_scoped_release release;
-    image = &simulation.render(simulation.cameraIndex(camera));
-  }
-  std::vector<py::ssize_t> shape = {image->height, image->width};
-  if (image->channels() > 1) shape.push_back(image->channels());
-  py::array_t<std::uint8_t> view(shape, image->data.data(), self);
-  py::detail::array_proxy(view.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
-  return std::move(view);
-}
-
 void setCommand(Simulation& simulation, std::optional<Values> position, std::optional<Values> velocity,
                 std::optional<Values> effort, std::optional<std::int64_t> stamp_ns) {
   JointCommand command;
@@ -66,7 +54,7 @@ void setCommand(Simulation& simulation, std::optional<Values> position, std::opt
 }
 
 py::dict cameraInfo(const Simulation& simulation, const std::string& camera) {
-  const CameraModel& model = simulation.camera(simulation.cameraIndex(camera));
+  const CameraModel& model = simulation.cameras()[simulation.cameras().index(camera)].model();
   const auto rows = [](const auto& matrix) {
     std::vector<double> numbers;
     for (int i = 0; i < matrix.rows(); ++i) {
@@ -84,20 +72,6 @@ py::dict cameraInfo(const Simulation& simulation, const std::string& camera) {
   info["R"] = rows(model.R());
   info["P"] = rows(model.P());
   return info;
-}
-
-py::dict frameState(const Simulation& simulation, const std::string& camera) {
-  const int index = simulation.cameraIndex(camera);
-  const ExposedFrame* late = simulation.takenFrame(index);
-  py::dict state, models;
-  state["stamp_ns"] = late ? late->tick() * simulation.periodNs() : simulation.timeNs();
-  state["joint_positions"] = late ? late->q : simulation.world().jointPositions();
-  state["joint_velocities"] = late ? late->v : simulation.world().jointVelocities();
-  state["camera_pose"] = late ? late->present.X_WC.matrix() : simulation.cameraPose(index).matrix();
-  state["camera_twist"] = late ? late->V_WC_C : simulation.cameraTwist(index);
-  for (const auto& [name, X_WM] : simulation.shownModels(index)) models[name.c_str()] = X_WM.matrix();
-  state["model_poses"] = models;
-  return state;
 }
 
 py::dict controllerState(const Simulation& simulation, const std::string& controller) {
@@ -142,34 +116,24 @@ void bindTimeAndCameras(py::class_<Simulation>& type) {
       .def(
           "next_image_ns",
           [](const Simulation& self, const std::string& camera) {
-            const std::int64_t tick = self.nextFrameTick(self.cameraIndex(camera));
+            const std::int64_t tick = self.cameras()[self.cameras().index(camera)].nextFrameTick();
             return tick == Simulation::kNever ? tick : tick * self.periodNs();
           },
           py::arg("camera") = "camera",
           "Time at which step_to_image would stop, int [ns]; 2^63 - 1 for a triggered camera that nobody asked.")
-      .def("frame_state", &frameState, py::arg("camera") = "camera",
-           "What was true when the image of this camera was exposed: of the frame taken last at the present tick if "
-           "the\n"
-           "camera has latency, else of the present.\n\n"
-           "Returns:\n    dict of stamp_ns [ns], joint_positions (n,) [m or rad], joint_velocities (n,), camera_pose\n"
-           "    X_WC (4, 4), camera_twist V_WC_C (6,), model_poses: dict of name -> X_WM (4, 4).")
-      .def_property_readonly("camera_names", &Simulation::cameraNames, "Names of the cameras, as configured.")
-      .def("render", &renderView, py::arg("camera") = "camera",
-           "What the camera sees now; at a frame of a camera with exposure_s the mean over it; where a frame of a\n"
-           "camera with latency_s was taken, that frame.\n\n"
-           "Returns:\n    uint8 array (h, w, 3), or (h, w) for mono8, top row first; a\n"
-           "    read-only view without a copy, its content valid until the next render of this camera.\n"
-           "Raises:\n    UnknownNameError, RenderError.")
+      .def_property_readonly(
+          "camera_names", [](const Simulation& self) { return self.cameras().names(); },
+          "Names of the cameras, as configured.")
       .def(
           "camera_pose",
           [](const Simulation& self, const std::string& camera) {
-            return self.cameraPose(self.cameraIndex(camera)).matrix();
+            return self.cameraPose(self.cameras().index(camera)).matrix();
           },
           py::arg("camera") = "camera", "X_WC, (4, 4): pose of the optical frame C (x right, y down, z forward) in W.")
       .def(
           "camera_twist",
           [](const Simulation& self, const std::string& camera) -> Twist {
-            return self.cameraTwist(self.cameraIndex(camera));
+            return self.cameraTwist(self.cameras().index(camera));
           },
           py::arg("camera") = "camera", "V_WC_C, (6,): twist of C in W expressed in C, [v; w] [m/s; rad/s].")
       .def("camera_info", &cameraInfo, py::arg("camera") = "camera",
@@ -201,7 +165,9 @@ void bindRobot(py::class_<Simulation>& type) {
            "Raises:\n    NotFiniteError, UnknownNameError, ParameterError: the command was refused and counted, and "
            "all\n"
            "    commanded velocities are zero: the arm holds.")
-      .def_property_readonly("refused_commands", &Simulation::refusedCommands, "Commands refused since the last reset.")
+      .def_property_readonly(
+          "refused_commands", [](const Simulation& self) { return self.commands().refused(); },
+          "Commands refused since the last reset.")
       .def(
           "controller_names", [](const Simulation& self) { return self.world().controllerNames(); },
           "Names of the joint controllers.")
@@ -223,26 +189,29 @@ void bindScene(py::class_<Simulation>& type) {
   type.def("set_model_pose", &setModelPose, py::arg("name"), py::arg("p"), py::arg("q_xyzw"),
            "Places a model of the scene, which then stays there: p (3,) [m], q_xyzw (4,) unit quaternion, of X_WM.")
       .def(
-          "model_pose", [](const Simulation& self, const std::string& name) { return self.modelPose(name).matrix(); },
+          "model_pose",
+          [](const Simulation& self, const std::string& name) { return self.models().pose(name).matrix(); },
           py::arg("name") = "target", "X_WM, (4, 4): pose of a model of the scene in W.")
       .def(
           "model_twist", [](const Simulation& self, const std::string& name) -> Twist { return self.modelTwist(name); },
           py::arg("name") = "target",
           "V_WM_W, (6,): twist of a model in W, expressed in W, [v; w] [m/s; rad/s]; zero unless it has a motion or a "
           "mass.")
-      .def_property_readonly("model_names", &Simulation::modelNames, "Names of the models and solids of the scene.")
+      .def_property_readonly(
+          "model_names", [](const Simulation& self) { return self.models().names(); },
+          "Names of the models and solids of the scene.")
       .def(
           "spawn_model",
           [](Simulation& self, const py::object& entry) { self.spawnModel(yamlFromPython(entry, "model")); },
           py::arg("entry"),
           "Adds a model until the next reset.\n\nArgs:\n"
-          "    entry: dict as sim.scene.models[] or sim.scene.solids[] of a scenario, see config/sim.yaml.\n"
+          "    entry: dict as sim.scene.models[] or sim.scene.solids[] of a scenario, see the README.\n"
           "Raises:\n    ParameterError (also: the name is taken), ModelError; nothing changes then.")
       .def("delete_model", &Simulation::deleteModel, py::arg("name"),
            "Removes a model; one of the configuration is back after a reset.\n\nRaises:\n    UnknownNameError.")
       .def("set_model_motion", &setModelMotion, py::arg("name"), py::arg("motion"),
            "Moves a model from now and from where it is.\n\nArgs:\n"
-           "    motion: dict as sim.scene.models[].motion of a scenario, see config/sim.yaml; None: it stays where it "
+           "    motion: dict as sim.scene.models[].motion of a scenario, see the README; None: it stays where it "
            "is.\n"
            "Raises:\n    UnknownNameError, ParameterError listing all faults.");
 }
@@ -275,12 +244,13 @@ void bindSimulation(py::module_& module) {
   type.def(py::init(&makeSimulation), py::arg("urdf"), py::arg("config") = py::dict(),
            py::arg("controllers") = py::dict(), py::arg("package_paths") = py::none(),
            "Args:\n    urdf: a URDF document, or the path or package:// name of one.\n"
-           "    config: dict, the `sim:` section of a scenario (see config/sim.yaml).\n"
+           "    config: dict, the `sim:` section of a scenario (see the README).\n"
            "    controllers: dict in ros_control's layout, name -> {type, joint, pid}.\n"
            "    package_paths: dict package name -> folder; others are looked up in ROS_PACKAGE_PATH and\n"
            "        CMAKE_PREFIX_PATH.\n"
            "Raises:\n    ModelError, ParameterError: every fault found, a line each.");
   bindTimeAndCameras(type);
+  bindFrames(module, type);
   bindGeometry(type);
   bindContacts(type);
   bindRobot(type);

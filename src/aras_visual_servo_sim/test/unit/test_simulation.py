@@ -12,7 +12,7 @@ import yaml
 import aras_visual_servo_sim as sim_package
 from aras_visual_servo_sim import NotFiniteError, ParameterError, Simulation, StateError, UnknownNameError
 
-FOLDER = pathlib.Path(__file__).resolve().parent.parent / "ros"
+FOLDER = pathlib.Path(__file__).resolve().parent.parent / "ros" / "robot"
 URDF = (FOLDER / "pan_lift.urdf").read_text()
 CONTROLLERS = yaml.safe_load((FOLDER / "controllers.yaml").read_text())
 ROUNDING = 1e-12  # a few operations on numbers of order one

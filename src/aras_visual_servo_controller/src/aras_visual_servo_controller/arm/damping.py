@@ -1,7 +1,8 @@
 """How small singular values are inverted: damping rules by name (docs/theory.md T40).
 
-A rule maps the singular values sigma_1 >= ... >= sigma_m of the scaled Jacobian to lambda_i^2, one each, and the joints
-follow with the gains sigma_i / (sigma_i^2 + lambda_i^2); lambda_i = 0 is the plain inverse.
+A rule gives each of the singular values sigma_1 >= ... >= sigma_m of the scaled Jacobian a damping lambda_i^2. The
+inverse then has the gain sigma_i / (sigma_i^2 + lambda_i^2) in that direction; with lambda_i = 0 this is the plain
+inverse.
 
 References:
     C. W. Wampler, IEEE Trans. SMC 16(1), 1986 (`constant`).
@@ -12,37 +13,38 @@ References:
 
 from math import inf
 
-#: Below this a singular value is rounding (largest scaled entry 20, times eps, with room for the SVD): no rule inverts
-#: it.
+#: A singular value below this is a rounding error, and no rule inverts it. The largest scaled entry is 20; 20 times
+#: eps, with room for the errors of the SVD, is below this.
 ROUNDING = 1e-12
-#: Isotropic damping of the numerical filtering, as part of its damping of the weakest direction.
+#: Numerical filtering damps all directions a little: by this part of the damping of the weakest direction.
 FILTER_PART = 0.05
 
 
 def damped(sigmas, threshold, damping2):
-    """Each direction by its own singular value: (1 - (sigma / threshold)^2) damping^2 below the threshold, else 0."""
+    """By each direction's own singular value: (1 - (sigma / threshold)^2) damping^2 below the threshold, else 0."""
     return [0.0 if sigma >= threshold else (1.0 - (sigma / threshold) ** 2) * damping2 for sigma in sigmas]
 
 
 def naive(sigmas, threshold, damping2):
-    """The pseudo-inverse with a rank decision: directions below the threshold are given up, others not damped."""
+    """The pseudo-inverse with a rank decision: directions below the threshold are not moved, others not damped."""
     return [0.0 if sigma >= threshold else inf for sigma in sigmas]
 
 
 def plain(sigmas, threshold, damping2):
-    """The pseudo-inverse without one: everything above rounding is inverted, whatever it costs."""
+    """The pseudo-inverse without a rank decision: all above rounding is inverted, however fast the joints get."""
     return [0.0] * len(sigmas)
 
 
 def constant(sigmas, threshold, damping2):
-    """The same for all, everywhere."""
+    """The same damping for all directions, also far from singularities."""
     return [damping2] * len(sigmas)
 
 
 def nakamura_hanafusa(sigmas, threshold, damping2):
     """The same for all: (1 - w / w0)^2 damping^2 where the manipulability w = sigma_1 ... sigma_m is below w0.
 
-    w0 is w with the smallest singular value at the threshold, so that all rules set in at the same place.
+    w0 is the w that the arm would have with its smallest singular value at the threshold. So this rule, like the
+    others, begins to damp when the smallest singular value falls below the threshold.
     """
     return [(1.0 - min(1.0, sigmas[-1] / threshold)) ** 2 * damping2] * len(sigmas)
 
@@ -55,7 +57,7 @@ def maciejewski_klein(sigmas, threshold, damping2):
 
 
 def chiaverini(sigmas, threshold, damping2):
-    """Numerical filtering that sets in smoothly: all of it times 1 - (sigma_m / threshold)^2 below the threshold."""
+    """Numerical filtering that begins smoothly: its damping times 1 - (sigma_m / threshold)^2 below the threshold."""
     if sigmas[-1] >= threshold:
         return [0.0] * len(sigmas)
     part = 1.0 - (sigmas[-1] / threshold) ** 2

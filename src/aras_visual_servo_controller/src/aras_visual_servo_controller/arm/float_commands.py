@@ -1,4 +1,5 @@
-"""Set-points for plain ros_control targets: one number per joint controller, integrated here. No ROS."""
+"""Set-points for robots that take one number per joint controller, as ros_control does: velocities are integrated here.
+No ROS."""
 
 import numpy as np
 
@@ -6,7 +7,7 @@ import numpy as np
 class SetPointIntegrator:
     """Turns commands (positions and velocities by joint name) into set-points, step by step.
 
-    A target that takes only positions gets the integral of the velocities commanded. Nothing moves before the first
+    A controller that takes only positions gets the integral of the commanded velocities. Nothing moves before the first
     command: the set-point of a joint starts at its measured position.
 
     Args:

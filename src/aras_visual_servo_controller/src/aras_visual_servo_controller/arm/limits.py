@@ -1,6 +1,6 @@
-"""Limits of joint velocity and position: pure arithmetic, most functions return the factor they apply.
+"""Limits of joint velocity and position. Pure arithmetic; most functions return the factor by which to slow the motion.
 
-Loops over floats: for the few joints of an arm they take a fifth of the time of array expressions.
+The loops go over floats because, for the few joints of an arm, they take a fifth of the time of array expressions.
 """
 
 from math import inf, sqrt
@@ -18,7 +18,7 @@ def velocity_factor(q_dot, limit):
 
 
 def position_factor(q, q_dot, lower, upper, horizon_s):
-    """Factor in [0, 1] that keeps q + q_dot * horizon_s within [lower, upper], and the joint that asks for it.
+    """Factor in [0, 1] that keeps q + q_dot * horizon_s within [lower, upper], and the joint that needs that factor.
 
     A joint beyond its limit may only move back. Args: (n,) each, lower and upper may be infinite; horizon_s > 0 [s].
     Returns: (factor, index of the joint or None).
@@ -57,9 +57,9 @@ def braking_factor(q, q_dot, lower, upper, acceleration, dt_s):
 def accelerated(before, wanted, change):
     """Joint velocities of the next period: within `change` of those before, and along the wanted ones where possible.
 
-    All joints are slowed by one factor, the largest at which no joint changes its velocity by more than it may: the
-    direction of the motion is the wanted one. Where no factor does (a joint would have to turn round at once), all go
-    the same part of the way from `before` to `wanted`.
+    All joints are slowed by one factor, the largest at which no joint changes its velocity by more than it may. So the
+    direction of the motion is the wanted one. Where there is no such factor (a joint would have to reverse at once),
+    all velocities change by the same part of the difference between `before` and `wanted`.
     Args: (n,) each, change >= 0, may be infinite [m/s, rad/s].
     """
     least, most = 0.0, 1.0

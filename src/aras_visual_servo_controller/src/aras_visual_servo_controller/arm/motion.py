@@ -9,11 +9,12 @@ from .limits import accelerated, braking_factor, position_factor, velocity_facto
 from .redundancy import TwistInverse, Wish, norm_part
 from ..ground.types import Status
 
-#: NEAR_SINGULARITY is reported when this part of the twist cannot be achieved, and it is above noise [rad/s].
+#: NEAR_SINGULARITY is reported when more than this part of the twist cannot be achieved, and that part is also larger
+#: than LOST_FLOOR, below which it is noise [rad/s].
 LOST_PART, LOST_FLOOR = 0.1, 1e-3
-#: A joint may use up its room to the limit within this many periods at the soonest.
+#: A joint moves at most so fast that it would reach its limit in this many periods.
 LIMIT_HORIZON = 2.0
-#: Largest part of the joint velocity that the correction for a turning Jacobian may add.
+#: The correction for the change of the Jacobian adds at most this part of the joint velocity.
 TURNING_PART = 0.25
 
 
@@ -22,7 +23,7 @@ class Motion(NamedTuple):
 
     Attributes:
         q_dot: (n,) [m/s, rad/s].  twist: (6,) the twist as scaled by the limits.
-        status, text: what kept it from being done in full; None and "" if nothing did.
+        status, text: what kept the arm from doing the twist in full; None and "" if nothing did.
     """
 
     q_dot: np.ndarray
@@ -35,26 +36,28 @@ class ArmMotion:
     """The arm as the servo sees it.
 
     Attributes:
-        lower, upper: (n,) limits that are kept, the margin taken off [m, rad].
+        lower, upper: (n,) limits that the arm keeps: those of the URDF, less the margin [m, rad].
         posture: (n,) joint positions that the spare motion returns to, or None.
         optical_axis_B: (3,) direction to which the optical axis is held, or None.
     """
 
     def __init__(self, kinematics, config, sees_tilt):
-        """Args: kinematics: `Kinematics`. config: `ServoConfig`. sees_tilt: all six rows of the twist are servoed."""
+        """Args: kinematics: `Kinematics`. config: `ServoSettings`. sees_tilt: all six rows of the twist are servoed."""
         self._kinematics = kinematics
-        weights = [config.joint_weights.get(name, 1.0) for name in kinematics.joint_names]
-        self._invert = TwistInverse(weights, config.length_m, config.singular_value_threshold, config.damping,
-                                    config.method)
-        self._length_m, self._rows = config.length_m, list(range(6)) if sees_tilt else [0, 1, 2, 5]
-        self._manipulability_gain, self._large_from = config.manipulability_gain_per_s, config.large_from
-        self._limits, self._others_go_on = config.limits, config.at_limits == "saturate"
+        inverse, spare = config.inverse, config.null_space
+        weights = [inverse.joint_weights.get(name, 1.0) for name in kinematics.joint_names]
+        self._invert = TwistInverse(weights, inverse.length_m, inverse.singular_value_threshold, inverse.damping,
+                                    inverse.method)
+        self._length_m, self._rows = inverse.length_m, list(range(6)) if sees_tilt else [0, 1, 2, 5]
+        self._manipulability_gain = spare.manipulability_gain_per_s
+        self._large_from = spare.large_from if spare.projection == "large" else None
+        self._limits, self._others_go_on = config.limits, inverse.at_limits == "saturate"
         self._acceleration = np.array([config.limits.joint_acceleration.get(name, inf)
                                        for name in kinematics.joint_names])
         self._accelerates = bool(config.limits.joint_acceleration)
         self._before = np.zeros(len(kinematics.joint_names))
         lower, upper = kinematics.lower, kinematics.upper
-        self._wish = Wish(lower, upper, config.posture_gain_per_s, config.joint_limit_gain_per_s, config.max_speed)
+        self._wish = Wish(lower, upper, spare.posture_gain_per_s, spare.joint_limit_gain_per_s, spare.max_speed)
         self.lower, self.upper = lower + config.joint_limit_margin, upper - config.joint_limit_margin
         self.posture = self.optical_axis_B = None
 
@@ -64,7 +67,7 @@ class ArmMotion:
         self.optical_axis_B = reference.optical_axis_B
 
     def rest(self):
-        """The arm was told to stand still: motion begins at zero velocity."""
+        """Call this when the arm is told to stand still: its next motion begins at zero velocity."""
         self._before = np.zeros_like(self._before)
 
     def at(self, q):
@@ -73,9 +76,10 @@ class ArmMotion:
         return jacobian, self._invert(jacobian)
 
     def tilt(self, q, inverse, gain, target_C):
-        """Twist that turns the optical axis towards the taught one, as far as the arm can; zeros without one.
+        """Twist that turns the optical axis towards the taught one, as far as the arm can; zeros if none was taught.
 
-        Args: gain: part of the angle [1/s], or of one move.  target_C: (x, y, z) of a point that keeps its place [m].
+        Args: gain: part of the angle to turn per second [1/s], or in one move.  target_C: (x, y, z) of a point that
+            keeps its place in the camera frame [m].
         """
         if self.optical_axis_B is None:
             return np.zeros(6)
@@ -88,7 +92,7 @@ class ArmMotion:
         return np.array([-wy * z, wx * z, wy * x - wx * y, wx, wy, 0.0])
 
     def joint_velocity(self, q, twist, jacobian, inverse, dt_s):
-        """`Motion` of a twist V_C, (6,), held for dt_s at q, (n,); jacobian and inverse as of `at`."""
+        """`Motion` of a twist V_C, (6,), held for dt_s at q, (n,); jacobian and inverse are those that `at` returns."""
         if self._limits.camera_speed_m_s < inf or self._limits.camera_turn_rad_s < inf:
             speed, turn = float(twist[:3] @ twist[:3]) ** 0.5, float(twist[3:] @ twist[3:]) ** 0.5
             twist = twist / max(1.0, speed / self._limits.camera_speed_m_s, turn / self._limits.camera_turn_rad_s)
@@ -120,11 +124,11 @@ class ArmMotion:
         return Motion(q_dot, scaled)
 
     def _without_blocked(self, q, q_dot, joint, twist, jacobian, dt_s):
-        """`Motion` of the joints that are left when those at their limits go no further: saturation in the null space.
+        """`Motion` in which joints at their limits stop there and the others go on: saturation in the null space (T44).
 
-        One joint after the other is held to the room it has, and the rest of the twist is inverted without it, until
-        all keep their limits (T44).
-        Args: q_dot: (n,) that violates a limit.  joint: index of the one that violates it most.
+        The joint that violates its limit most gets only the velocity that its room allows. The rest of the twist is
+        inverted for the other joints. This is repeated until all joints keep their limits.
+        Args: q_dot: (n,) that violates a limit.  joint: index of the joint that violates its limit most.
         """
         horizon_s, names = LIMIT_HORIZON * dt_s, []
         held, others = np.zeros_like(q), np.ones_like(q)
@@ -146,7 +150,7 @@ class ArmMotion:
         return Motion(q_dot, jacobian @ q_dot, Status.JOINT_LIMIT, text)
 
     def unlimited(self, q, twist, inverse):
-        """(n,) joint velocities of the twist and of the spare motion, whatever the limits."""
+        """(n,) joint velocities of the twist and of the spare motion, before any limit is applied."""
         more = None
         if self._manipulability_gain > 0.0:
             more = self._manipulability_gain * self._kinematics.manipulability(q, self._length_m, self._rows)[1]
@@ -158,14 +162,14 @@ class ArmMotion:
         return inverse.joint_velocity(twist) + free
 
     def split(self, q, q_dot):
-        """((n,), (n,)): what of the joint velocities q_dot at q moves the camera, and what is null-space motion."""
+        """((n,), (n,)): the part of the joint velocities q_dot at q that moves the camera, and the null-space part."""
         null = self.at(q)[1].null_part(q_dot)
         return q_dot - null, null
 
     def turning(self, q, q_dot, jacobian, inverse, dt_s):
-        """Correction of q_dot for the Jacobian turning while it is held: makes the twist right half-way.
+        """Correction of q_dot for the change of the Jacobian while q_dot is held: the twist is then right half-way.
 
-        Next to the stretched elbow the Jacobian turns fast. At most TURNING_PART of q_dot.
+        Near the stretched elbow the Jacobian changes fast. The correction is at most TURNING_PART of q_dot.
         """
         half_way = self._kinematics.jacobian(q + (0.5 * dt_s) * q_dot)
         correction = inverse.joint_velocity((jacobian - half_way) @ q_dot)

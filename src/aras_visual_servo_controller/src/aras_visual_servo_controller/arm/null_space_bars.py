@@ -2,7 +2,7 @@
 
 from math import copysign
 
-import cv2  # with the node, not with the first picture: loading it takes the interpreter, and an answer would wait
+import cv2  # imported when the node starts: loading it at the first picture would make an answer wait for it
 import numpy as np
 
 #: Colours of the picture, RGB.
@@ -21,8 +21,8 @@ def shares(split, q, q_dot, velocity_limits):
         q, q_dot: (n,) positions and commanded velocities, as in a record: empty or NaN where there is none.
         velocity_limits: (n,) > 0; where inf, 1 m/s or 1 rad/s takes its place.
     Returns:
-        ((n,), (n,)): of the part that moves the camera, of the null-space part [-]. Zeros for an arm that stands
-        still or whose positions are not known.
+        ((n,), (n,)): shares of the part that moves the camera, and of the null-space part [-]. Zeros for an arm that
+        stands still or whose positions are not known.
     """
     limits = np.where(np.isfinite(velocity_limits), velocity_limits, 1.0)
     q, q_dot = np.asarray(q, dtype=float), np.asarray(q_dot, dtype=float)
@@ -35,7 +35,8 @@ def shares(split, q, q_dot, velocity_limits):
 def draw(names, camera, null):
     """Picture of both shares: two bars per joint from the middle, to the right for positive velocities.
 
-    Lengths are square roots, so that the last hundredths before the goal are seen next to the first swing.
+    The length of a bar is the square root of the share, so that the slow motion near the goal is still visible on the
+    same scale as the fast one at the start.
     Args:
         names: of the n joints.  camera, null: (n,) as of `shares`.
     Returns:

@@ -1,10 +1,10 @@
-"""Joints that put the camera somewhere: damped least squares, from the near posture first. No ROS."""
+"""Inverse kinematics: joint positions that give the camera a wanted pose, by damped least squares. No ROS."""
 
 import numpy as np
 
 from ..ground.spatial import rotation_vector
 
-#: A camera pose counts as reached when it is this near: a tenth of what the strict metric of sweeps tells apart.
+#: A camera pose counts as reached within this distance and angle: a tenth of the limits of a sweep's `success_strict`.
 REACHED_M, REACHED_RAD = 1e-4, 5e-4
 IK_STEPS, IK_DAMPING, IK_MAX_STEP = 60, 1e-2, 0.3
 #: Other postures tried, and how far they are from the near one [m, rad].
@@ -15,10 +15,10 @@ def reach(kinematics, near, X_BC):
     """Joints at which the camera has a pose.
 
     Args:
-        near: (n,) joints to begin with.  X_BC: (4, 4) pose wanted.
+        near: (n,) joint positions to begin with.  X_BC: (4, 4) pose wanted.
     Returns:
-        (joints by name, "") or (None, why not). From `near`, then from IK_GUESSES other postures, always the same ones;
-        joints within their limits are preferred.
+        (joints by name, "") or (None, why not). The search begins at `near`, then at IK_GUESSES other postures, which
+        are the same in every call; a solution within the joint limits is preferred.
     """
     rng, found, missing = np.random.default_rng(0), None, None
     for guess in range(1 + IK_GUESSES):
@@ -37,7 +37,7 @@ def reach(kinematics, near, X_BC):
 
 
 def outside_limits(kinematics, joints):
-    """"outside joint limits: ..." naming every such joint, "" if there is none."""
+    """Text "outside joint limits: ..." that names every such joint; "" if there is none."""
     faults = [f"{name} {joints[name]:.4g} not in [{lower:.4g}, {upper:.4g}]"
               for name, lower, upper in zip(kinematics.joint_names, kinematics.lower, kinematics.upper)
               if not lower <= joints[name] <= upper]

@@ -32,8 +32,9 @@ import numpy as np
 
 from .damping import ROUNDING, RULES
 
-#: Directions count as free below this part of the threshold, smoothly: a free motion of u [rad/s] then moves the camera
-#: by less than FREE * threshold * u, below 1e-3 of it with the default threshold.
+#: A direction counts as free when its singular value is below this part of the threshold (with a smooth transition). A
+#: free motion of u [rad/s] then moves the camera by less than FREE * threshold * u: below 1e-3 u with the default
+#: threshold.
 FREE = 0.05
 
 
@@ -41,7 +42,7 @@ class Inverse:
     """Damped inverse of one Jacobian, made by `TwistInverse`.
 
     Attributes:
-        manipulability: smallest singular value of the scaled Jacobian; a tilt direction below the threshold left out.
+        manipulability: smallest singular value of the scaled Jacobian, without a tilt direction below the threshold.
     """
 
     def __init__(self, scale, rows, ease, rule, threshold, damping2, jacobian):
@@ -76,7 +77,7 @@ class Inverse:
         return (self._U @ (self._kept * ((self._rows * twist) @ self._U))) / self._rows
 
     def lost(self, twist):
-        """Norm of the part it does not achieve, linear part divided by length_m [rad/s]."""
+        """Norm of the part of the twist that is not achieved, its linear part divided by length_m [rad/s]."""
         missed = (1.0 - self._kept) * ((self._rows * twist) @ self._U)
         return float(missed @ missed) ** 0.5
 
@@ -85,13 +86,14 @@ class Inverse:
         return self._ease * ((self._free * (self._Vt @ (wish / self._ease))) @ self._Vt)
 
     def null_part(self, q_dot):
-        """(n,) the part of joint velocities q_dot that lies in the null space: along what counts as free (`FREE`)."""
+        """(n,) the part of joint velocities q_dot along the directions that count as free (`FREE`): the null space."""
         return self._ease * (((self._free > 0.0) * (self._Vt @ (q_dot / self._ease))) @ self._Vt)
 
     def free_of_norm(self, wish, twist):
-        """(n,) the part of `wish` that leaves the rate along the twist alone, and so that of the way to go (T41).
+        """(n,) the part of `wish` that does not change how fast the distance to the goal shrinks (T41).
 
-        The twist of the law is the displacement to go times the gain: J_e of the paper is here the scaled Jacobian.
+        The law's twist is the remaining displacement times the gain, so the part of `wish` along J^T twist is removed.
+        J_e of the paper is here the scaled Jacobian.
         """
         wish = wish / self._ease
         m = len(self._sigmas)
@@ -106,7 +108,8 @@ class Inverse:
 
 
 class Transpose(Inverse):
-    """q_dot = alpha J^T V, alpha the best one for this V: never unbounded, along V only where J is well-conditioned."""
+    """q_dot = alpha J^T V, with the alpha that fits this V best. It is never unbounded, but the camera moves along V
+    only where J is well-conditioned."""
 
     def _joints(self, twist):
         m = len(self._sigmas)
@@ -148,7 +151,7 @@ class TwistInverse:
 
         Args:
             weights: (n,) cost of moving each joint, > 0.  length_m: > 0.
-            threshold: singular values below are damped, > 0.  damping: of a vanishing one, > 0.
+            threshold: singular values below it are damped, > 0.  damping: that of a vanishing singular value, > 0.
             method: one of METHODS.
         """
         ease = 1.0 / np.asarray(weights, dtype=float)
@@ -181,7 +184,7 @@ class Wish:
         self._posture_gain, self._max_speed = posture_gain_per_s, max_speed
 
     def __call__(self, q, posture=None, more=None):
-        """(n,) at joint positions q; posture: (n,) or None; more: (n,), wanted as well, or None."""
+        """(n,) wanted velocities at joint positions q; posture: (n,) or None; more: (n,) added to them, or None."""
         off = q - self._middle
         wish = -self._limit_gain * (off * off * off)
         if posture is not None:

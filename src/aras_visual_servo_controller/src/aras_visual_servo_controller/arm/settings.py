@@ -1,61 +1,71 @@
 """Settings of the arm's motion: sections `inverse`, `null_space` and `limits` of the section `servo`."""
 
+from dataclasses import dataclass
 from math import inf
-from typing import Dict, NamedTuple
+from typing import Dict, Tuple
 
+from ..config.settings import setting
 from .redundancy import METHODS
 
-PROJECTIONS = ("gradient", "large")
-AT_LIMITS = ("scale", "saturate")
-#: Twist above which the projection onto the norm takes over, and from where on it is the only one [rad/s].
-LARGE_FROM = (0.05, 0.3)
+RISING = ("two numbers, 0 <= first < second", lambda ends: ends[0] < ends[1])
 
 
-class LimitsConfig(NamedTuple):
-    """Section `limits`. Joints that are not named, and the camera by default, have none but the URDF's."""
+@dataclass(frozen=True)
+class InverseSettings:
+    """Section `servo.inverse`: how a twist of the camera becomes velocities of the joints."""
 
-    camera_speed_m_s: float = inf
-    camera_turn_rad_s: float = inf
-    joint_acceleration: Dict[str, float] = {}  # by name, > 0 [m/s^2, rad/s^2]
+    length_m: float = setting(
+        0.05, unit="m", above=0,
+        help="Length that makes metres comparable to radians: the linear rows of the Jacobian are divided by it.")
+    singular_value_threshold: float = setting(
+        0.02, above=0,
+        help="Singular values below it are damped, the smaller the more; above it nothing is slowed.")
+    damping: float = setting(0.02, above=0, help="Damping of a direction that the arm has lost.")
+    joint_weights: Dict[str, float] = setting(
+        {}, above=0, by="joint",
+        help="What it costs to move a joint, by its name, e.g. `{J1: 5.0}`; 1 for a joint that is not named.")
+    method: str = setting("damped", choices=METHODS, help="How small singular values are inverted (T40).")
+    at_limits: str = setting(
+        "scale", choices=("scale", "saturate"),
+        help="When a joint reaches its limit: `scale` slows the whole motion, `saturate` lets the other joints go on "
+             "without it (T44).")
 
 
-def _by_joint(section, key, joint_names):
-    """Numbers > 0 by joint name."""
-    table = section.section(key)
-    names = table.keys()
-    for name in names:
-        if joint_names and name not in joint_names:
-            section.fault(f"{key}/{name}: no such joint, allowed {', '.join(joint_names)}")
-    return dict(zip(names, table.numbers(names, above=0.0)))
+@dataclass(frozen=True)
+class NullSpaceSettings:
+    """Section `servo.null_space`: what the arm does with the motion that leaves the camera where it is."""
+
+    posture_gain_per_s: float = setting(2.0, unit="1/s", at_least=0, help="Return to the taught posture.")
+    joint_limit_gain_per_s: float = setting(1.0, unit="1/s", at_least=0, help="Away from the limits of the joints.")
+    manipulability_gain_per_s: float = setting(
+        0.0, unit="rad^2/s", at_least=0,
+        help="Up the logarithm of the manipulability, away from singularities (T42; 4 us).")
+    max_speed: float = setting(0.2, unit="m/s, rad/s", above=0, help="Largest speed of a joint in this motion.")
+    projection: str = setting(
+        "gradient", choices=("gradient", "large"),
+        help="`large`: far from the goal the spare motion may do all that leaves the rate of approach alone (T41).")
+    large_from: Tuple[float, ...] = setting(
+        (0.05, 0.3), unit="rad/s", at_least=0, size=2, condition=RISING,
+        help="With `projection: large`: sizes of the twist, its linear part over length_m, between which that "
+             "projection takes over.")
+
+    def check(self):
+        """The sizes are for the larger projection only."""
+        if self.projection != "large" and self.large_from != NullSpaceSettings.large_from:
+            yield f"large_from: found {self.large_from}, allowed with projection: large"
 
 
-def read_motion(reader, joint_names, defaults):
-    """Values of the three sections, by the fields of `ServoConfig`.
+@dataclass(frozen=True)
+class LimitsSettings:
+    """Section `servo.limits`: limits that are tighter than those of the URDF."""
 
-    Args:
-        reader: `ConfigReader` of the section `servo`.  joint_names: of the arm, () if unknown.
-        defaults: `ServoConfig`.
-    """
-    inverse = reader.section("inverse")
-    values = {"method": inverse.choice("method", METHODS, defaults.method)}
-    values["at_limits"] = inverse.choice("at_limits", AT_LIMITS, defaults.at_limits)
-    for key in ("length_m", "singular_value_threshold", "damping"):
-        values[key] = inverse.number(key, getattr(defaults, key), above=0.0)
-    values["joint_weights"] = _by_joint(inverse, "joint_weights", joint_names)
-    inverse.close()
-
-    null_space = reader.section("null_space")
-    for key in ("posture_gain_per_s", "joint_limit_gain_per_s", "manipulability_gain_per_s"):
-        values[key] = null_space.number(key, getattr(defaults, key), at_least=0.0)
-    values["max_speed"] = null_space.number("max_speed", defaults.max_speed, above=0.0)
-    large = null_space.choice("projection", PROJECTIONS, "gradient") == "large"
-    values["large_from"] = null_space.vector("large_from", 2, LARGE_FROM) if large else None
-    if large and not 0.0 <= values["large_from"][0] < values["large_from"][1]:
-        null_space.fault(f"large_from: found {values['large_from']}, allowed two numbers, 0 <= first < second")
-    null_space.close()
-
-    limits = reader.section("limits")
-    camera = [limits.number(key, inf, above=0.0) for key in ("camera_speed_m_s", "camera_turn_rad_s")]
-    values["limits"] = LimitsConfig(*camera, _by_joint(limits, "joint_acceleration", joint_names))
-    limits.close()
-    return values
+    camera_speed_m_s: float = setting(
+        inf, unit="m/s", above=0,
+        help="Of the camera; the twist is shortened as a whole.")
+    camera_turn_rad_s: float = setting(
+        inf, unit="rad/s", above=0,
+        help="Of the camera; the twist is shortened as a whole.")
+    joint_acceleration: Dict[str, float] = setting(
+        {}, unit="m/s^2, rad/s^2", above=0, by="joint",
+        help="By the name of the joint, e.g. `{J1: 5.0}`: all joints are slowed by one factor, so that the direction "
+             "stays, and brake in time before a limit; stops are at once.")

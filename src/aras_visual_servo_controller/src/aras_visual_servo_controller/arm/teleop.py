@@ -1,4 +1,4 @@
-"""Keyboard teleoperation: from keys to joint velocities. No ROS, no clock of its own; `Keys` alone knows a terminal."""
+"""Keyboard teleoperation: from keys to joint velocities. No ROS and no clock; only `Keys` reads a terminal."""
 
 import os
 import select

@@ -1,7 +1,7 @@
-"""RunRecord from the bags of a run, read offline: no master, no rospy node.
+"""Reads a RunRecord from the bags of a run, without ROS master and node.
 
-Topics are found by the ends of their names, under any namespace: those of `REQUIRED` must be there, those of
-`OPTIONAL` add to the record. Everything is paired by stamp; one row per ServoState, in order of its stamp.
+Topics are found by the ends of their names, under any namespace. Those of `REQUIRED` must be there, those of `OPTIONAL`
+add to the record. There is one row per ServoState in the order of stamps; everything else is paired with it by stamp.
 """
 
 import numpy as np
@@ -9,29 +9,31 @@ import yaml
 
 from .files import BagError, BagFiles
 from ..run.record import RecordBuilder
-from .record_groups import lacking
+from .record_groups import SOURCE_TOPICS, lacking
+from ..config.plugins import load_plugins
 from ..ground.spatial import pose_from_quaternion
 from ..ground.types import FEATURE_NAMES
 
 __all__ = ["BagError", "read_bag"]
 REQUIRED = ("servo_state",)
-OPTIONAL = ("ground_truth/camera_pose", "camera/image_raw", "camera/features", "camera/camera_info",
-            "ground_truth/target_pose", "sim/status", "scenario", "camera/photometric")
+OPTIONAL = ("ground_truth/camera_pose", "camera/image_raw", "camera/camera_info", "ground_truth/target_pose",
+            "sim/status", "scenario", *SOURCE_TOPICS)
 
 
 def read_bag(paths, namespace=None, scenario=None, keep_images=False):
     """Read a run from its bags.
 
     Args:
-        paths: of a bag, of a folder of bags, or a list of bags; one part of a split bag stands for all. A bag that was
-            cut (not closed) is indexed anew on a copy and read as far as it goes.
-        namespace: of the run, e.g. "/aras_visual_servo"; None: the only one in the bag.
-        scenario: `Scenario` the run had, or None: taken from the topic `scenario` (std_msgs/String, YAML) if recorded.
+        paths: of a bag, of a folder of bags, or a list of bags; one part of a split bag stands for all of it. A bag
+            that was not closed is copied, indexed anew and read as far as it goes.
+        namespace: of the run, e.g. "/aras_visual_servo"; None takes the only one in the bag.
+        scenario: `Scenario` of the run; None takes it from the topic `scenario` (std_msgs/String, YAML) if recorded.
         keep_images: keep every image of the servo phase in the record, for a video.
     Returns:
-        RunRecord; what was not recorded, missing or cut is in its `notes`.
+        RunRecord. Its `notes` say what was not recorded, is missing or was cut off.
     Raises:
-        BagError: no such file, no bag, topics missing (all are listed), several runs to choose from, no rows.
+        BagError: the file is missing or no bag, topics are missing (all are listed), there are several runs to choose
+            from, or no row of a run.
     """
     with BagFiles(paths) as bags:
         return _read(bags, find_topics(bags, namespace), scenario, keep_images)
@@ -45,7 +47,7 @@ def find_topics(bags, namespace=None):
         if len(spaces) > 1:
             raise BagError(f"bag '{bags.name}': holds several runs, choose one namespace of "
                            + ", ".join(space.rstrip("/") or "/" for space in spaces))
-        if not spaces:  # then judge by the topics that are there
+        if not spaces:  # the other topics of a run tell its namespace for the error below
             spaces = sorted({topic[:-len(name)] for topic in present for name in OPTIONAL
                              if topic.endswith("/" + name)})
         prefix = spaces[0] if spaces else "/"
@@ -83,6 +85,9 @@ def _read(bags, topics, scenario, keep_images):
         raise BagError(f"bag '{bags.name}': {topics['servo_state']} holds no image's row")
     notes = bags.notes + lacking(topics)
     settings, scenario_name = settings_of(scenario, document, notes)
+    # Features of plugins bring the units and symbols they are shown with.
+    faults = load_plugins(settings.get("servo", {}).get("plugins", []))
+    notes += [f"features of this plugin are shown without unit and symbol: {fault}" for fault in faults]
     images = {}
     if "camera/image_raw" in topics:
         stamps = _stamps_to_keep(states, every=keep_images)
@@ -90,7 +95,7 @@ def _read(bags, topics, scenario, keep_images):
         if len(images) < len(stamps):
             notes.append(f"{len(stamps) - len(images)} of the {len(stamps)} images to show are not in the bag")
     joint_names = max((tuple(sorted(state.joint_names)) for state in states), key=len)
-    # Those of the law that servoed; the usual four in their usual order.
+    # The features of the law that servoed. If they are among the default four, the record has all of these.
     feature_names = max((tuple(state.feature_names) for state in states), key=len)
     if set(feature_names) <= set(FEATURE_NAMES):
         feature_names = FEATURE_NAMES
@@ -99,7 +104,7 @@ def _read(bags, topics, scenario, keep_images):
     unpaired = 0
     X_WT = next(reversed(targets.values()), None)
     if all(np.array_equal(X, X_WT) for X in targets.values()):
-        targets = {}  # it rests
+        targets = {}  # the target rests
     for state in states:
         stamp_ns = state.header.stamp.to_nsec()
         unpaired += stamp_ns not in poses
@@ -133,7 +138,7 @@ class _Answer:
 
 
 def _unique_rows(states):
-    """Sorted by stamp, the last one of each stamp: a respawned controller may answer an image again."""
+    """The states by stamp. Of equal stamps the last one counts: a restarted controller may answer an image again."""
     by_stamp = {state.header.stamp.to_nsec(): state for state in states}
     return [by_stamp[stamp] for stamp in sorted(by_stamp)]
 
@@ -176,7 +181,7 @@ def camera_info_of(message):
 
 
 def settings_of(scenario, document, notes):
-    """(settings, name): of the scenario given, else of the recorded text, else empty."""
+    """(settings, name) of the given scenario, else of the recorded text, else ({}, "unknown") and a note."""
     if scenario is not None:
         return scenario.as_dict(), scenario.name
     settings = yaml.safe_load(document) if document else None

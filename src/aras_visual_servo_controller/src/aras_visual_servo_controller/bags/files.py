@@ -1,4 +1,4 @@
-"""Bag files of a run: found, opened, repaired on a copy, read as one. Uses rosbag's Python API, no master.
+"""Finds the bags of a run, opens them (a damaged one is repaired on a copy) and reads them as one. Needs no ROS master.
 
 A run may be in one bag, in the parts that `rosbag record --split` made (run_0.bag, run_1.bag, ...), in bags of several
 recorders, or in what a recorder left that was killed (run.bag.active).
@@ -19,18 +19,18 @@ NAMES = ("*.bag", "*.bag.active")
 
 
 class BagError(ArasError):
-    """A bag cannot be read, or lacks what a record needs."""
+    """A bag cannot be read, or lacks something that a record needs."""
 
 
 class BagFiles:
-    """Context: the bags of a run, opened and in order of time.
+    """Context in which the bags of a run are open, in the order of time.
 
     Args:
         paths: of a bag, of a folder of bags, or a list of bags. One part of a split bag stands for all of it.
     Attributes:
         name: of the run, for messages.  notes: what was joined or repaired, in words.
     Raises:
-        BagError: no such file, no bag, or one that cannot be repaired.
+        BagError: a file is missing, is no bag, or cannot be repaired.
     """
 
     def __init__(self, paths):
@@ -45,7 +45,7 @@ class BagFiles:
         except BaseException:
             self.__exit__()
             raise
-        self._bags.sort(key=_start)  # stable: of the same start, the order given
+        self._bags.sort(key=_start)  # bags that begin at the same time keep the given order
         return self
 
     def __exit__(self, *_):
@@ -60,7 +60,7 @@ class BagFiles:
         return {topic for bag in self._bags for topic in bag.get_type_and_topic_info().topics}
 
     def messages(self, topics):
-        """(topic, message) of these topics in order; a broken bag ends early, with a note."""
+        """(topic, message) of these topics in order. A broken bag ends early, with a note."""
         for bag in self._bags:
             try:
                 for topic, message, _ in bag.read_messages(topics=list(topics)):
@@ -71,7 +71,7 @@ class BagFiles:
                     self.notes.append(note)
 
     def _open(self, path):
-        import rosbag  # only here: the package is usable without ROS otherwise
+        import rosbag  # only here, so that the rest of the package works without ROS
         try:
             return rosbag.Bag(str(path))
         except Exception as error:  # struct.error, ROSBagException and others: no bag at all, or one that was cut
@@ -96,12 +96,12 @@ class BagFiles:
 
 
 def find_bags(paths):
-    """The files of a run and notes on them: (list of Path, list of str).
+    """(files, notes) of a run: list of Path, and list of str saying what was joined or is missing.
 
     Args:
         paths: list of bags and folders.
     Raises:
-        BagError: a file or a folder's bags are missing.
+        BagError: a file does not exist, or a folder holds no bag.
     """
     found, notes = [], []
     for path in map(Path, paths):
@@ -131,7 +131,7 @@ def find_bags(paths):
 
 
 def _parts(path):
-    """The parts of the split bag that `path` is one of, in order; [] if it is none."""
+    """All parts, in order, of the split bag that `path` is a part of; [] if it is not part of one."""
     match = PART.match(path.name)
     if not match:
         return []
@@ -141,7 +141,7 @@ def _parts(path):
 
 
 def _follow_each_other(parts):
-    """Does each part begin when the one before has ended? Bags of other runs with like names do not."""
+    """Whether each part begins after the one before has ended. Bags of other runs with similar names do not."""
     import rosbag
     end = -1.0
     for part in parts:
@@ -152,7 +152,7 @@ def _follow_each_other(parts):
                 if bag.get_start_time() < end:
                     return False
                 end = bag.get_end_time()
-        except Exception:  # not closed: it can only be the last one
+        except Exception:  # a part that was not closed can only be the last one
             return part == parts[-1]
     return True
 
@@ -172,7 +172,7 @@ def _is_bag(path):
 
 
 def _forget_index(path):
-    """Write 0 where the header says where the index begins: of a bag that was cut, it lies behind the end."""
+    """Set the place of the index in the header to 0. In a bag that was cut it lies behind the end of the file."""
     with open(path, "r+b") as stream:
         at = stream.read(HEADER_BYTES).find(b"index_pos=")
         if at >= 0:

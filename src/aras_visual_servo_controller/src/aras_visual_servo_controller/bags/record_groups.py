@@ -1,12 +1,16 @@
-"""Which topics a run records: groups switched on and off by name, and what a report lacks without each. No ROS."""
+"""Groups of topics that a run records, chosen by name, and what a report lacks without each of them. No ROS."""
 
+from ..features.sources import known_sources
 from ..ground.errors import ParameterError
 
-# Group -> its topics without the namespace, "name/" for all below it; a topic belongs to the first group that fits.
+#: Topics of the features that a servo may work on, without the namespace.
+SOURCE_TOPICS = tuple(source.topic for source in known_sources())
+# Group -> its topics without the namespace. "name/" stands for all topics below it. A topic belongs to the first group
+# that fits.
 GROUPS = {
     "servo": ("servo_state", "servo/", "scenario"),
     "images": ("camera/image_raw", "camera/converted_image"),
-    "features": ("camera/features", "camera/photometric", "camera/camera_info"),
+    "features": (*SOURCE_TOPICS, "camera/camera_info"),
     "joints": ("joint_states", "joint_command"),
     "truth": ("ground_truth/",),
     "tf": ("tf", "tf_static"),
@@ -14,8 +18,8 @@ GROUPS = {
     "status": ("sim/status",),
     "other": (),
 }
-ALWAYS = "servo"       # without it there is no run to report on
-# What a report lacks without a topic: (topic, group, what).
+ALWAYS = "servo"       # always recorded: without it nothing can be reported
+# (topic, its group, what a report lacks without it).
 NEEDED = (("ground_truth/camera_pose", "truth", "the true camera pose: nothing to judge by, no path"),
           ("camera/image_raw", "images", "the camera's images, the video and --replay"),
           ("camera/features", "features", "the features drawn into the video and --replay"),
@@ -27,12 +31,12 @@ def parse_groups(value):
     """Names of the groups to record.
 
     Args:
-        value: "all", names with commas between ("images, truth"), a list of names, or names with a minus to leave out
-            of all ("-images,-tf"). The group `servo` is always among them.
+        value: "all", names with commas between ("images, truth"), a list of names, or names with a minus
+            ("-images,-tf") for all groups but these. The group `servo` is always among them.
     Returns:
         tuple of names, in the order of GROUPS.
     Raises:
-        ParameterError: unknown names (all are listed), or names with and without a minus mixed.
+        ParameterError: a name is unknown (the known ones are listed), or names with and without a minus are mixed.
     """
     names = [str(name).strip() for name in (value.split(",") if isinstance(value, str) else value)]
     names = [name for name in names if name]
@@ -53,7 +57,7 @@ def parse_groups(value):
 
 
 def group_of(topic, namespace="/"):
-    """Group of a resolved topic name; namespace: of the run, e.g. "/aras_visual_servo/"."""
+    """Group of a topic, given by its resolved name. namespace: of the run, e.g. "/aras_visual_servo/"."""
     name = (topic[len(namespace):] if topic.startswith(namespace) else topic).lstrip("/")
     for group, starts in GROUPS.items():
         if any(name == start or start.endswith("/") and name.startswith(start) for start in starts):
@@ -62,6 +66,6 @@ def group_of(topic, namespace="/"):
 
 
 def lacking(present):
-    """Sentences: what a report lacks that has only the topics `present` (names without namespace)."""
+    """What a report lacks if only the topics `present` (names without namespace) were recorded: list of sentences."""
     gone = [(topic, group, what) for topic, group, what in NEEDED if topic not in present]
     return [f"not recorded: {topic} (group {group}); the report lacks {what}" for topic, group, what in gone]

@@ -1,4 +1,4 @@
-"""The recorder node (src/ros/recorder.cpp) as a child process that is stopped properly."""
+"""Runs the recorder node (src/ros/recorder.cpp) as a child process and ends it so that the bag is closed."""
 
 import functools
 import os
@@ -18,13 +18,13 @@ class RecorderError(ArasError):
 
 
 class Recorder:
-    """Records topics to a bag, without a limit on the buffer: a run is recorded whole or not at all.
+    """Records topics to a bag. The buffer has no limit, so no message of a run is lost.
 
     Args:
         program: path of the recorder node.  bag: path of the bag, must not exist.  topics: resolved names.
         node: absolute name for the recorder's node.
         clock: resolved name of /clock; the bag is in simulated time.
-        split_mb: a new bag NAME_0.bag, NAME_1.bag ... after this size [MiB]; 0: one bag.
+        split_mb: size after which a new bag begins, NAME_0.bag, NAME_1.bag, ... [MiB]; 0 writes one bag.
         compression: one of COMPRESSIONS.
     """
 
@@ -35,7 +35,7 @@ class Recorder:
         command += ["--split", "--size", str(int(split_mb))] if split_mb else []
         command += ["-O", str(self.bag)]
         command += self.topics + [f"__name:={name}"] + ([f"/clock:={clock}"] if clock != "/clock" else [])
-        # A group of its own: Ctrl-C in the terminal must not close the bag before the run has ended.
+        # In a process group of its own, so that Ctrl-C in the terminal does not close the bag before the run has ended.
         self._process = subprocess.Popen(command, env=dict(os.environ, ROS_NAMESPACE=namespace or "/"),
                                          start_new_session=True,
                                          preexec_fn=functools.partial(end_with_parent, signal.SIGINT))
@@ -47,7 +47,7 @@ class Recorder:
             raise RecorderError(f"the recorder ended by itself with exit code {code}")
 
     def bags(self):
-        """The bags written so far, closed ones and the one being written, in order: list of paths."""
+        """Paths of the bags so far in order, the closed ones and the one that is being written."""
         names = [f"{self.bag.stem}_*.bag", f"{self.bag.stem}_*.bag.active"] if self._split else \
             [self.bag.name, f"{self.bag.name}.active"]
         found = [path for name in names for path in self.bag.parent.glob(name)]
@@ -60,14 +60,14 @@ class Recorder:
             try:
                 size += path.stat().st_size
             except FileNotFoundError:
-                pass  # renamed meanwhile
+                pass  # the recorder has renamed it meanwhile
         return size
 
     def stop(self, timeout_s=60.0):
-        """End the recording and wait until the bag is closed; harmless when it has ended already.
+        """End the recording and wait until the bag is closed. Does no harm if the recording has ended already.
 
         Args:
-            timeout_s: of wall time, until it is killed [s].
+            timeout_s: wall time after which the recorder is killed [s].
         Raises:
             RecorderError: the bag was not closed.
         """

@@ -1,4 +1,4 @@
-"""A bag's images through the moment extractor once more: are the features the recorded ones, bit for bit? No master.
+"""Makes the features of a bag's images again and compares them with the recorded ones, bit for bit. No ROS master.
 
     result = replay("run.bag")
     print(result.text())
@@ -7,17 +7,24 @@
 import math
 from dataclasses import dataclass
 
+from ..features.sources import known_sources
 from .bag import camera_info_of, decode, find_topics, settings_of
 from .files import BagError, BagFiles
 
-NEEDED = ("camera/image_raw", "camera/features", "camera/camera_info")
-NOT_COMPARED = ("header", "age_s")      # age_s is a matter of when the node ran
+ALWAYS = "camera/features"              # the camera node makes these of every image
+NEEDED = ("camera/image_raw", ALWAYS, "camera/camera_info")
+# age_s is a matter of when the node ran; a reference taught before the bag begins is known by its numbers only.
+NOT_COMPARED = ("header", "age_s", "reference_stamp_ns")
 
 
 @dataclass(frozen=True)
 class Replay:
-    """What a replay found: images compared, and differences as lines "t, field: recorded, again"; `alone`: images
-    without recorded features, or features without their image."""
+    """What a replay found.
+
+    Attributes:
+        images: number of images that were compared.  differences: lines "t, field: recorded, again".
+        alone: number of images without recorded features and of features without their image.
+    """
 
     images: int
     differences: tuple
@@ -25,11 +32,11 @@ class Replay:
 
     @property
     def same(self):
-        """Every image gave the recorded features."""
+        """Whether images were compared and all of them gave the recorded features."""
         return self.images > 0 and not self.differences
 
     def text(self):
-        """One line; then up to five differences."""
+        """The result in one line, and up to five differences in lines of their own."""
         if not self.images:
             return "replay: no image has recorded features of its stamp"
         alone = f" ({self.alone} without a partner)" if self.alone else ""
@@ -43,27 +50,24 @@ def replay(paths, namespace=None, scenario=None):
     """Process the images of a bag again, with the camera and the vision settings of the run.
 
     Args:
-        paths, namespace, scenario: as `bag.read_bag`.
+        paths, namespace, scenario: see `bag.read_bag`.
     Returns:
         Replay.
     Raises:
         BagError: images, features or camera_info were not recorded, or the settings are unknown.
     """
-    from aras_visual_servo_camera import MomentExtractor, PhotometricExtractor
     with BagFiles(paths) as bags:
         topics = find_topics(bags, namespace)
         missing = [name for name in NEEDED if name not in topics]
         if missing:
             raise BagError(f"replay of '{bags.name}': not recorded: {', '.join(missing)}; record the groups images and "
                            "features")
-        recorded, photometric, info, document = {}, {}, None, None
-        wanted = ("camera/features", "camera/photometric", "camera/camera_info", "scenario")
-        names = {topics[name]: name for name in wanted if name in topics}
+        sources = [source for source in known_sources() if source.topic in topics]
+        recorded, info, document = {source.topic: {} for source in sources}, None, None
+        names = {topics[name]: name for name in (*recorded, "camera/camera_info", "scenario") if name in topics}
         for topic, message in bags.messages(names):
-            if names[topic] == "camera/features":
-                recorded[message.header.stamp.to_nsec()] = message
-            elif names[topic] == "camera/photometric":
-                photometric[message.header.stamp.to_nsec()] = message
+            if names[topic] in recorded:
+                recorded[names[topic]][message.header.stamp.to_nsec()] = message
             elif names[topic] == "scenario":
                 document = message.data
             else:
@@ -71,35 +75,35 @@ def replay(paths, namespace=None, scenario=None):
         settings, _ = settings_of(scenario, document, [])
         if "vision" not in settings:
             raise BagError(f"replay of '{bags.name}': how the images were looked at is unknown; give --scenario")
-        compared = [_Comparison(MomentExtractor(info, settings["vision"]), recorded)]
-        if photometric and "photometric" in settings["vision"]:
-            extractor = PhotometricExtractor(info, settings["vision"]["photometric"])
-            compared.append(_PhotometricComparison(extractor, photometric))
+        vision = settings["vision"]
+        compared = {source.topic: _Comparison(source, source.extractor(info, vision), recorded[source.topic])
+                    for source in sources if not source.section or source.section in vision}
         for _, message in bags.messages([topics["camera/image_raw"]]):
             image = decode(message)
-            for comparison in compared:
+            for comparison in compared.values():
                 comparison.add(message.header.stamp.to_nsec(), image)
-    differences = tuple(difference for comparison in compared for difference in comparison.differences)
-    moments = compared[0]
-    return Replay(moments.images, differences, moments.alone + len(recorded) - moments.images)
+    differences = tuple(difference for comparison in compared.values() for difference in comparison.differences)
+    always = compared[ALWAYS]
+    return Replay(always.images, differences, always.alone + len(recorded[ALWAYS]) - always.images)
 
 
 class _Comparison:
-    def __init__(self, extractor, recorded):
-        self._extractor, self._recorded = extractor, recorded
-        self._reference, self._before = None, None
+    """What a source makes of the images, against what was recorded of it."""
+
+    def __init__(self, source, extractor, recorded):
+        self._source, self._extractor, self._recorded = source, extractor, recorded
+        self._reference = None
         self.images, self.alone, self.differences = 0, 0, []
 
     def add(self, stamp_ns, image):
-        """The next image."""
+        """Compare the features of the next image with the recorded ones of its stamp."""
         message = self._recorded.get(stamp_ns)
         if message is None:
             self.alone += 1
-            self._before = self._kept(self._extractor.process(image), image)
+            self._extractor.process(image, stamp_ns)
             return
         self._follow_reference(message)
-        features = self._extractor.process(image)
-        self._before = self._kept(features, image)
+        features = self._extractor.process(image, stamp_ns)
         self.images += 1
         for name in message.__slots__:
             if name not in NOT_COMPARED:
@@ -107,44 +111,25 @@ class _Comparison:
                 if not same(was, now):
                     self.differences.append(f"{stamp_ns * 1e-9:.6f} s, {name}: recorded {was}, again {now}")
 
-    @staticmethod
-    def _kept(features, image):
-        """What of an image a reference may be made of when the next one comes."""
-        return features
-
     def _follow_reference(self, message):
-        """A view that was taught shows in the features after it: they have another reference."""
-        reference = (message.z_star_m, message.area_star) if message.has_reference else None
-        if reference == self._reference:
+        """Features say which image was taught for them, and how far the target was in it."""
+        fields = self._source.tell_reference
+        told = tuple(getattr(message, field) for field in fields) if message.has_reference else None
+        if told == self._reference:
             return
-        self._reference = reference
-        if reference is None:
+        self._reference = told
+        if told is None:
             self._extractor.clear_reference()
-        elif self._before is not None and self._before.area == message.area_star:
-            self._extractor.set_reference(message.z_star_m, self._before)
-        else:  # given as numbers, or taught before the bag begins
-            self._extractor.set_reference(message.z_star_m, message.area_star, message.alpha)
-
-
-class _PhotometricComparison(_Comparison):
-    @staticmethod
-    def _kept(features, image):
-        return image
-
-    def _follow_reference(self, message):
-        """The image before is the reference of one with another hash; if it is not, the values will differ."""
-        reference = (message.reference_hash, message.z_star_m) if message.has_reference else None
-        if reference == self._reference:
             return
-        self._reference = reference
-        if reference is None or self._before is None:
-            self._extractor.clear_reference()
-        else:
-            self._extractor.set_reference(self._before, message.z_star_m)
+        from aras_visual_servo_camera import ArasError
+        try:
+            self._extractor.teach(message.reference_stamp_ns, message.z_star_m)
+        except ArasError:  # given as numbers, or taught before the bag begins
+            self._source.follow(self._extractor, message)
 
 
 def same(a, b):
-    """Equal to the last bit; NaN is equal to NaN. Sequences element by element."""
+    """Whether two values are equal to the last bit, sequences element by element. NaN is equal to NaN."""
     if isinstance(a, (list, tuple)):
         return len(a) == len(b) and all(map(same, a, b))
     if isinstance(a, float) and isinstance(b, float) and math.isnan(a):

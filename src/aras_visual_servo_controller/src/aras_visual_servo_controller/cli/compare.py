@@ -1,4 +1,4 @@
-"""Command lines `compare_laws` and `compare_runs`. Exit codes: 0 done, 2 bad input, 3 could not run."""
+"""The commands `compare_laws` and `compare_runs`. Exit codes: 0 done, 2 bad input, 3 could not run."""
 
 import argparse
 import os
@@ -13,14 +13,16 @@ FOLDER = "comparisons"
 
 
 def compare_laws_main(argv=None):
-    """`compare_laws canonical --laws A,B`: laws side by side on the same tasks. Returns the exit code."""
+    """`compare_laws canonical --laws A,B` runs laws on the same tasks. Returns the exit code."""
     parser = argparse.ArgumentParser(prog="compare_laws", description="Run several laws on the same tasks; one table "
                                      "(comparison.csv, comparison.html) and one figure.")
     parser.add_argument("comparison", nargs="?", default="canonical",
                         help="name of a comparison of this package, or path of a YAML file (default: canonical)")
     parser.add_argument("--laws", type=_names, default=(), metavar="A,B,...",
-                        help="laws of the file, in this order; NAME:INTERACTION takes another matrix (default: all)")
-    parser.add_argument("--tasks", type=_names, default=(), metavar="A,B,...", help="tasks of the file (default: all)")
+                        help="laws of the file to compare, in this order (default: all); NAME:INTERACTION runs a law "
+                             "with another servo.interaction")
+    parser.add_argument("--tasks", type=_names, default=(), metavar="A,B,...",
+                        help="tasks of the file to run (default: all)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
                         help="replace a value of the base scenario, e.g. --set sim.seed=3")
     parser.add_argument("--workers", type=int, metavar="N",
@@ -58,7 +60,7 @@ def compare_laws_main(argv=None):
 
 
 def compare_runs_main(argv=None):
-    """`compare_runs A B`: two or more runs on one page. Returns the exit code."""
+    """`compare_runs A B` shows two or more runs on one page. Returns the exit code."""
     parser = argparse.ArgumentParser(prog="compare_runs", description="Two or more runs side by side on one page "
                                      "(runs.html): camera path, errors, joints against their limits, what differs.")
     parser.add_argument("runs", nargs="+", metavar="RUN", help="name of a scenario or path of a YAML file, which is "

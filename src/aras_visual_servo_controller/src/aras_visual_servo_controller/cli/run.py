@@ -1,4 +1,4 @@
-"""Command lines: `run SCENARIO` and `report BAG`. Exit codes: 0 passed, 1 not passed, 2 bad input, 3 could not run,
+"""The commands `run SCENARIO` and `report BAG`. Exit codes: 0 passed, 1 not passed, 2 bad input, 3 could not run,
 128 + N ended by signal N."""
 
 import argparse
@@ -30,8 +30,9 @@ def run_main(argv=None):
     parser.add_argument("--record", metavar="GROUPS", help="groups of topics to record (only over ROS), e.g. "
                         "images,features,truth or --record=-images; all of them: " + ", ".join(GROUPS))
     parser.add_argument("--split", type=int, metavar="MB", help="split the bag after this size (only over ROS)")
-    parser.add_argument("--compression", choices=tuple(COMPRESSIONS), help="of the bag (only over ROS; default: lz4)")
-    parser.add_argument("--verbose", action="store_true", help="show what the nodes say (only over ROS)")
+    parser.add_argument("--compression", choices=tuple(COMPRESSIONS),
+                        help="compression of the bag (only over ROS; default: lz4)")
+    parser.add_argument("--verbose", action="store_true", help="show the output of the nodes (only over ROS)")
     parser.add_argument("--list", action="store_true", help="list the scenarios that come with the package")
     arguments = parser.parse_args(argv)
     from ..scenario.scenario import load_scenario
@@ -45,7 +46,7 @@ def run_main(argv=None):
     if arguments.overrides and not arguments.in_process:
         parser.error("--set needs --in-process; over ROS change the scenario file")
     if arguments.in_process and (arguments.record or arguments.split or arguments.compression):
-        parser.error("--record, --split and --compression are of the bag; --in-process writes none")
+        parser.error("--record, --split and --compression say how the bag is written; --in-process writes no bag")
     if arguments.split is not None and arguments.split < 1:
         parser.error(f"--split: found {arguments.split}, allowed >= 1")
 
@@ -100,7 +101,7 @@ def report_main(argv=None):
 
 
 def parse_overrides(texts):
-    """Dict of dotted path -> value of texts `key=value`, values in YAML. Raises ParameterError listing the bad ones."""
+    """Dict of dotted path -> value, of texts KEY=VALUE with values in YAML. Raises ParameterError with all bad ones."""
     overrides, faults = {}, []
     for text in texts:
         key, equals, value = text.partition("=")
@@ -149,7 +150,7 @@ def _progress():
 
 
 def guarded(work):
-    """What `work()` returns, or the exit code that says how it failed; the reason is printed."""
+    """Exit code: that of `work()`, or the one that says how it failed, after the reason was printed."""
     try:
         with signals_raise():
             return work()

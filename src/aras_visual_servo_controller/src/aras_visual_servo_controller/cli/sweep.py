@@ -1,5 +1,5 @@
-"""Command lines `sweep`, `rerun`, `compare`. Exit codes: 0 done, 1 a gate fired or bytes differ, 2 bad input,
-3 could not run, 128 + N ended by signal N (what was done is kept)."""
+"""The commands `sweep`, `rerun` and `compare`. Exit codes: 0 done, 1 a gate fired or bytes differ, 2 bad input,
+3 could not run, 128 + N ended by signal N (runs that were done are kept)."""
 
 import argparse
 import os
@@ -16,7 +16,7 @@ FOLDER = "sweeps"
 
 
 def sweep_main(argv=None):
-    """`sweep SCENARIO --starts N`: many starts, one row each. Returns the exit code."""
+    """`sweep SCENARIO --starts N` runs a scenario from many starts. Returns the exit code."""
     parser = argparse.ArgumentParser(prog="sweep", description="Run a scenario from many starts; one row per run in "
                                      "sweep.db and runs.csv, figures and sweep.html beside them.")
     parser.add_argument("scenario", nargs="?", help="name of a scenario of this package, or path of a YAML file")
@@ -51,11 +51,11 @@ def sweep_main(argv=None):
 
 
 def rerun_main(argv=None):
-    """`rerun ID`: one run of a sweep again, with its full result folder. Returns the exit code."""
+    """`rerun ID` repeats one run of a sweep and writes its result folder. Returns the exit code."""
     parser = argparse.ArgumentParser(prog="rerun", description="Repeat one run of a sweep: checks that it gives the "
                                      "same bytes, and writes its summary, trace, figure and report.")
-    parser.add_argument("id", type=int, help="of the run: column id")
-    parser.add_argument("--sweep", metavar="FOLDER", help="of the sweep (default: the newest one in DIR)")
+    parser.add_argument("id", type=int, help="id of the run, see column id of runs.csv")
+    parser.add_argument("--sweep", metavar="FOLDER", help="folder of the sweep (default: the newest one in DIR)")
     parser.add_argument("--results", default="results", metavar="DIR", help="root of the results (default: results)")
     parser.add_argument("--output", metavar="DIR", help="folder to write to (default: FOLDER/runs/ID)")
     arguments = parser.parse_args(argv)
@@ -82,7 +82,7 @@ def rerun_main(argv=None):
         else:
             print(f"run {arguments.id}: {row['outcome']}: {row['detail']}")
         if saved is None:
-            print(f"{'sweep':<20}the run was not done there: nothing to compare with")
+            print(f"{'sweep':<20}this run is not in the sweep yet, so there is nothing to compare with")
             return EXIT_PASSED
         different = [name for name in row if row[name] != saved[name]]
         print(f"{'sweep':<20}" + (f"other values than in the sweep: {', '.join(different)}" if different
@@ -93,13 +93,15 @@ def rerun_main(argv=None):
 
 
 def compare_main(argv=None):
-    """`compare A B [C]`: sweeps side by side, and gates on their numbers. Returns the exit code."""
+    """`compare A B [C]` compares sweeps and checks gates on their numbers. Returns the exit code."""
     parser = argparse.ArgumentParser(prog="compare", description="Sweeps side by side, with paired statistics on the "
                                      "same starts: McNemar's test for success, Wilcoxon's for time and error.")
-    parser.add_argument("sweeps", nargs="+", metavar="FOLDER", help="sweeps A, B, C ...; A is what others are held to")
+    parser.add_argument("sweeps", nargs="+", metavar="FOLDER",
+                        help="folders of sweeps A, B, C ...; all others are compared with A")
     parser.add_argument("--fail-if", action="append", default=[], metavar="EXPRESSION",
                         help="exit with 1 if it holds, e.g. \"success<0.98\" or "
-                             "\"B.time_median_s>1.1*A.time_median_s\"; names without a letter are of the last sweep")
+                             "\"B.time_median_s>1.1*A.time_median_s\"; a name without a letter belongs to the last "
+                             "sweep")
     arguments = parser.parse_args(argv)
 
     def work():
@@ -147,7 +149,7 @@ def _new_sweep(arguments):
 
 
 def _old_sweep(arguments):
-    """The sweep to go on with; what the command line says must be what it was begun with."""
+    """The sweep that is resumed. Options of the command line must be those that it was begun with."""
     from ..scenario.scenario import load_scenario
     from ..sweep.worker import make_setup
     from ..sweep.store import SweepStore
@@ -170,7 +172,7 @@ def _old_sweep(arguments):
                 faults = [f"scenario '{scenario.name}' or its files have changed since the sweep was begun"]
         elif arguments.overrides or any(getattr(arguments, key) is not None
                                         for key in ("starts", "method", "space", "seed", "drive")):
-            faults = ["a sweep goes on as it was begun: leave the other options away"]
+            faults = ["a sweep is resumed with the options it was begun with: leave the others out"]
         if faults:
             raise ParameterError([f"--resume {store.folder}: {fault}" for fault in faults])
     except BaseException:
@@ -203,14 +205,14 @@ def _run(store, arguments):
 def _settings(arguments, scenario):
     from ..run.loop import ServoLoop
     from ..sweep.plan import SweepSettings
-    kinematics = ServoLoop(scenario).kinematics  # what is wrong with the scenario shows here, not in every row
+    kinematics = ServoLoop(scenario).kinematics  # a fault of the scenario is raised here, instead of in every row
     settings = SweepSettings.from_scenario(scenario, kinematics, starts=arguments.starts, method=arguments.method,
                                            space=arguments.space, seed=arguments.seed, drive_to_start=arguments.drive)
     return settings, kinematics
 
 
 def _plain(settings):
-    """Settings as JSON gives them back."""
+    """The settings with the types that JSON gives back, so that they can be compared with stored ones."""
     values = asdict(settings)
     values["ranges"] = {name: list(ends) for name, ends in settings.ranges.items()}
     values["goal"] = {name: list(ends) for name, ends in settings.goal.items()}

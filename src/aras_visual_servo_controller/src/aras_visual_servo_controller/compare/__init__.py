@@ -1,1 +1,1 @@
-"""Comparisons: laws on the same tasks, runs side by side, sweeps against each other."""
+"""Compares laws on the same tasks, runs side by side, and sweeps with each other."""

@@ -1,7 +1,7 @@
-"""Several laws on the same tasks of one scenario: what is compared, and one run of it. No ROS.
+"""Compares several laws on the same tasks of one scenario: reads the comparison file and runs it. No ROS.
 
 A comparison file names a base scenario, tasks (where the camera starts) and laws (what each of them changes in the
-scenario). Every run is a function of the file and its place in it: the same bytes on any core, in any order.
+scenario). The result of a run depends on law and task alone: it is the same on any core and in any order.
 """
 
 from concurrent.futures import ProcessPoolExecutor
@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..config.reader import ConfigReader
+from ..config.reader import read
 from ..ground.errors import ParameterError
 from ..ground.processes import end_with_parent
 from ..scenario.feasibility import Feasibility
@@ -22,11 +22,10 @@ from ..scenario.scenario import load_scenario
 from ..config.files import load_yaml, share_dir
 from ..sweep.plan import Start
 from ..sweep.run import Bench, placed
-from ..sweep.space import CAMERA_AXES, GOAL_AXES, pose_of, tilted_goal
+from ..sweep.space import pose_of, tilted_goal
 from ..run.track import track_of
+from .file import ComparisonFile
 
-#: Sections of a scenario that a law may change.
-SECTIONS = ("servo", "vision", "sim")
 FOLDER = "comparisons"
 
 
@@ -41,7 +40,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A comparison file, checked.
+    """The content of a comparison file that was found valid.
 
     Attributes:
         name, description.  scenarios: law -> `Scenario`.  tasks: tuple of `Task`.
@@ -58,51 +57,43 @@ def load_comparison(name_or_path, laws=(), tasks=(), overrides=None):
 
     Args:
         name_or_path: name of a file of config/comparisons, or path of a YAML file.
-        laws, tasks: the names to compare, in this order; (): all of the file.  A law may be NAME:INTERACTION.
-        overrides: dotted path -> value, for every law, as of `load_scenario`.
+        laws, tasks: the names to compare, in this order; () takes all of the file.  A law may be NAME:INTERACTION.
+        overrides: dotted path -> value, put into the scenario of every law, see `load_scenario`.
     Raises:
-        ParameterError: every fault; unknown names list the known ones.
+        ParameterError: it lists every fault, and for unknown names the known ones.
     """
-    path = _find(name_or_path)
-    reader = ConfigReader(load_yaml(path), str(name_or_path))
-    name, scenario = (reader.texts(key, (), single=True) for key in ("name", "scenario"))
-    description = reader.texts("description", "", single=True)
-    for key, value in (("name", name), ("scenario", scenario)):
-        if not value:
-            reader.fault(f"{key}: found nothing, allowed a text")
-    found_tasks, found_laws = _tasks(reader.section("tasks", True)), _laws(reader.section("laws", True))
-    reader.finish()
-    base = load_scenario(scenario, overrides)
+    file = read(ComparisonFile, load_yaml(_find(name_or_path)), str(name_or_path))
+    base = load_scenario(file.scenario, overrides)
     faults, scenarios = [], {}
-    for wanted in laws or found_laws:
+    for wanted in laws or file.laws:
         law, _, interaction = wanted.partition(":")
-        if law not in found_laws:
-            faults.append(f"--laws: found {law}, allowed {', '.join(found_laws)}")
+        if law not in file.laws:
+            faults.append(f"--laws: found {law}, allowed {', '.join(file.laws)}")
             continue
-        changes = dict(found_laws[law], **({"servo.interaction": interaction} if interaction else {}))
+        changes = dict(file.laws[law].overrides(), **({"servo.interaction": interaction} if interaction else {}))
         try:
             scenarios[wanted] = base.with_overrides(changes)
         except ParameterError as error:
             faults += [f"law {wanted}: {fault}" for fault in error.faults]
-    faults += [f"--tasks: found {task}, allowed {', '.join(found_tasks)}" for task in tasks if task not in found_tasks]
+    faults += [f"--tasks: found {task}, allowed {', '.join(file.tasks)}" for task in tasks if task not in file.tasks]
     if faults:
         raise ParameterError(faults)
-    t_C = _target(base)
-    made = []
-    for task in tasks or found_tasks:
-        title, offset, tilt = found_tasks[task]
-        X = pose_of(offset) if offset else tilted_goal(tilt, t_C, (0.0, 0.0, 1.0))[0]
-        made.append(Task(task, title, X))
-    return Comparison(name, description, scenarios, tuple(made))
+    t_C, made = _target(base), []
+    for name in tasks or file.tasks:
+        task = file.tasks[name]
+        X = pose_of(task.offset) if task.offset else tilted_goal(task.tilt, t_C, (0.0, 0.0, 1.0))[0]
+        made.append(Task(name, task.title or name, X))
+    return Comparison(file.name, file.description, scenarios, tuple(made))
 
 
 def run_comparison(comparison, workers=1, progress=None):
     """Run every law on every task.
 
     Args:
-        comparison: `Comparison`.  workers: processes; 0: this one.  progress: called with (done, total), or None.
+        comparison: `Comparison`.  workers: number of processes; 0 runs in this one.
+        progress: called with (laws done, all laws), or None.
     Returns:
-        list of (task name, law name, row, `Track` or None) task by task; row as of `sweep_judge.COLUMNS`.
+        list of (task name, law name, row, `Track` or None), task by task; a row has the COLUMNS of sweep.judge.
     """
     jobs = [(law, scenario, comparison.tasks) for law, scenario in comparison.scenarios.items()]
     total, done, by_law = len(jobs), 0, {}
@@ -127,7 +118,7 @@ def run_comparison(comparison, workers=1, progress=None):
 
 
 def _run_law(job):
-    """All tasks of one law: list of (row, Track or None)."""
+    """Run all tasks of one law. Returns a list of (row, Track or None)."""
     _, scenario, tasks = job
     bench, results = Bench(scenario), []
     kinematics = Kinematics(scenario.urdf_xml(), scenario.robot["base_link"], scenario.robot["tip_link"])
@@ -160,43 +151,8 @@ def _find(name_or_path):
     return path
 
 
-def _tasks(section):
-    """name -> (title, offset, tilt)."""
-    found = {}
-    for name in section.keys():
-        task = section.section(name)
-        parts = {}
-        for key, axes in (("offset", CAMERA_AXES), ("tilt", GOAL_AXES)):
-            part = task.section(key)
-            parts[key] = {axis: part.number(axis) for axis in axes if axis in part.keys()}
-            part.close()
-        if bool(parts["offset"]) == bool(parts["tilt"]) or (parts["tilt"] and len(parts["tilt"]) != len(GOAL_AXES)):
-            task.fault("allowed is either offset, or tilt with tilt_rad and about_rad")
-        found[name] = (task.texts("title", name, single=True), parts["offset"], parts["tilt"])
-        task.close()
-    section.close()
-    return found
-
-
-def _laws(section):
-    """name -> dotted overrides of the scenario."""
-    found = {}
-    for name in section.keys():
-        law = section.section(name)
-        found[name] = {}
-        for part in law.keys():
-            keys = law.section(part)
-            if part not in SECTIONS:
-                law.fault(f"{part}: unknown section, known are {', '.join(SECTIONS)}")
-            found[name].update({f"{part}.{key}": keys.value(key) for key in keys.keys()})
-            keys.close()
-        law.close()
-    section.close()
-    return found
-
-
 def _target(scenario):
-    """(3,) where the goal camera sees the target [m]; ParameterError where that cannot be told."""
+    """Position of the target in the goal camera, (3,) [m]. ParameterError if the scenario does not tell its outline."""
     outline = Outline.of(scenario)
     if outline is None:
         raise ParameterError(f"scenario '{scenario.name}': a task with tilt needs a flat target of known outline")

@@ -1,4 +1,4 @@
-"""Figure of a comparison of laws: a row per task, a line per law. The same runs give the same picture."""
+"""Figure of a comparison of laws with a row per task and a line per law. The same runs give the same picture."""
 
 import io
 
@@ -6,22 +6,23 @@ import matplotlib.lines
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..report.figure import GREY, STYLE
+from ..features.palette import BLUE, GREEN, GREY, PURPLE, VERMILION
+from ..report.figure import STYLE
 
-#: Okabe and Ito's eight, then again dashed.
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#AA4499", "#E69F00", "#56B4E9", "#000000", "#997700")
+#: Colours of laws and joints. The ninth law has the first colour again, with the next dash of STYLES.
+COLOURS = (BLUE, VERMILION, GREEN, PURPLE, "#E69F00", "#56B4E9", "#000000", "#997700")
 STYLES = ("-", (0, (4, 1.5)), (0, (1, 1.2)))
-#: Below, a run has arrived for the eye [mm, deg].
+#: Smaller values are drawn at this height of the logarithmic axes [mm, deg].
 FLOOR_MM, FLOOR_DEG = 0.01, 0.001
 PANELS = ("distance from the goal [mm]", "angle left [deg]", "retreat along the axis [mm]", "target in the image [px]")
 
 
-#: Laws in a row of the legend; room above the panels for each row, and around them [inch].
+#: Laws in one row of the legend; height of such a row, and the room around all of them, above the panels [inch].
 LEGEND_COLUMNS, LEGEND_ROW_IN, LEGEND_IN = 8, 0.2, 0.15
 
 
 def line_of(index):
-    """Colour and dash of the law of this place."""
+    """Colour and dash of the law that stands at this place of the file."""
     return {"color": COLOURS[index % len(COLOURS)], "linestyle": STYLES[index // len(COLOURS) % len(STYLES)]}
 
 
@@ -41,7 +42,7 @@ def make_figure(comparison, results):
             _dress(row, task, camera, last=task is tasks[-1])
         for panel, title in zip(panels[0], PANELS):
             panel.set_title(title, loc="left")
-        # Lines for the legend, of laws without any run too.
+        # The legend has a line for every law, also for one whose runs were all refused.
         handles = [matplotlib.lines.Line2D([], [], label=law, **line_of(i)) for i, law in enumerate(laws)]
         legend_in = LEGEND_IN + LEGEND_ROW_IN * -(-len(laws) // LEGEND_COLUMNS)
         figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - legend_in / figure.get_figheight()))
@@ -50,7 +51,7 @@ def make_figure(comparison, results):
 
 
 def save_figure(comparison, results, folder):
-    """Write comparison.png and comparison.pdf; the PNG as bytes. OSError: cannot be written."""
+    """Write comparison.png and comparison.pdf. Returns the bytes of the PNG. Raises OSError."""
     figure, stream = make_figure(comparison, results), io.BytesIO()
     with matplotlib.rc_context(STYLE):
         figure.savefig(stream, format="png", dpi=110, metadata={"Software": None})

@@ -1,4 +1,4 @@
-"""Results of a comparison of laws: comparison.{csv,png,pdf,html}, and the table for the terminal."""
+"""Writes the results of a comparison of laws: comparison.{csv,png,pdf,html}, and the table for the terminal."""
 
 import base64
 import csv
@@ -9,12 +9,13 @@ from ..report.template import render
 from ..report.report import ResultFolderError
 from ..report.versions import installed_versions
 
-#: Column of the row, heading, how it is written.
+#: Columns of the table: name in the row, heading, format.
 TABLE = (("error_mm", "error [mm]", "{:.2f}"), ("angle_deg", "[deg]", "{:.3f}"), ("duration_s", "time [s]", "{:.1f}"),
          ("path_mm", "path [mm]", "{:.0f}"), ("detour_mm", "detour [mm]", "{:.0f}"),
          ("farthest_mm", "farthest [mm]", "{:.0f}"), ("joint_room", "joint room", "{:.2f}"),
          ("border_px", "border [px]", "{:.0f}"))
-#: A law has arrived below these: its own stop rule may be coarser than a millimetre where it tells a tilt badly.
+#: A law has arrived if the camera ends this close to the goal. The limits are loose: a law whose features hardly tell a
+#: tilt may stop more than a millimetre away.
 ARRIVED_MM, ARRIVED_DEG = 2.0, 0.5
 COLUMNS = ("outcome", "reason", "detail", "converged", "distance0_mm", "angle0_deg", "error_mm", "x_mm", "y_mm", "z_mm",
            "angle_deg", "duration_s", "images", "path_mm", "detour_mm", "farthest_mm", "joint_room", "border_px",
@@ -36,12 +37,12 @@ def verdict(row):
 
 
 def cells(row):
-    """Texts of TABLE; empty where there is no value."""
+    """The cells of a row of TABLE as texts, empty where there is no value."""
     return ["" if row[column] is None else form.format(row[column]) for column, _, form in TABLE]
 
 
 def csv_text(results):
-    """One row per task and law."""
+    """The results as CSV text, one row per task and law."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(["task", "law", *COLUMNS])
@@ -52,7 +53,7 @@ def csv_text(results):
 
 
 def format_table(comparison, results):
-    """The table as text, a block per task."""
+    """The table as text for the terminal, a block per task."""
     width = max(12, *(len(law) + 2 for law in comparison.scenarios))
     lines = [f"{comparison.name}: {comparison.description}"]
     for task in comparison.tasks:
@@ -63,7 +64,7 @@ def format_table(comparison, results):
 
 
 def save_comparison(comparison, results, folder, command):
-    """Write everything into a folder that is there. Returns the path of comparison.html. ResultFolderError."""
+    """Write all files into an existing folder. Returns the path of comparison.html. Raises ResultFolderError."""
     try:
         (folder / "comparison.csv").write_text(csv_text(results), encoding="utf-8")
         picture = save_figure(comparison, results, folder)

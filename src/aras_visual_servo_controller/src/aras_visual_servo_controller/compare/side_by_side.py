@@ -1,4 +1,4 @@
-"""Two or more runs side by side on one page: camera path, errors, joints against their limits, and what they differ in.
+"""Puts two or more runs side by side on one page: path, errors, joints between their limits, and differing settings.
 
     page = save_side_by_side([read_run("naive_inverse"), read_run("redundant")], folder, command)
 """
@@ -14,7 +14,8 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 
 from ..run.judge import judge, run_in_process
-from ..report.figure import GREY, STYLE, draw_panel
+from ..features.palette import GREY
+from ..report.figure import STYLE, draw_panel
 from ..arm.kinematics import Kinematics
 from .laws_figure import COLOURS, FLOOR_DEG, FLOOR_MM
 from .laws_report import TABLE, cells
@@ -40,13 +41,13 @@ class Run:
 
 
 def read_run(source):
-    """A run to compare.
+    """Read or make a run that is to be compared.
 
     Args:
-        source: name of a scenario or path of a YAML file, which is then run in this process; or a bag, or a folder of
-            bags.
+        source: name of a scenario or path of its YAML file, which is run in this process; or path of a bag, or of a
+            folder of bags.
     Raises:
-        ParameterError, BagError: no such scenario; no run in there.
+        ParameterError: there is no such scenario.  BagError: the bags hold no run.
     """
     path = Path(source)
     if path.suffix == ".bag" or path.is_dir():
@@ -65,12 +66,12 @@ def read_run(source):
 
 
 def rows_of(run):
-    """Result of a run as by `sweep_judge.judge_row` with MEASURES."""
+    """Result of a run: a row of sweep.judge with its MEASURES filled in."""
     return dict(judge_row(run.record), **measures(run.record, run.lower, run.upper, run.outline))
 
 
 def differing(runs):
-    """(setting, values as text) of every setting that is not the same in all runs; names and descriptions left out."""
+    """(setting, its value in each run as text) of every setting that is not the same in all runs."""
     tables = [dict(flat_settings(run.record)) for run in runs]
     keys = list(dict.fromkeys(key for table in tables for key in table))
     return [(key, [table.get(key, "") for table in tables]) for key in keys
@@ -78,7 +79,7 @@ def differing(runs):
 
 
 def make_figure(runs):
-    """A column per run: path, errors, distance and angle left, joints between their limits; the same axes for all."""
+    """Figure with a column per run: path, errors, distance and angle to the goal, joints. A row shares its axes."""
     rows = 4
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(max(4.2 * len(runs), 6.0), 11.5))
@@ -100,7 +101,7 @@ def make_figure(runs):
 
 
 def save_side_by_side(runs, folder, command):
-    """Write runs.png, runs.pdf and runs.html into a folder. Returns the path of the page. ResultFolderError."""
+    """Write runs.png, runs.pdf and runs.html into a folder. Returns the path of the page. Raises ResultFolderError."""
     figure, stream = make_figure(runs), io.BytesIO()
     results = [rows_of(run) for run in runs]
     table = [("ended with", [judge(run.record).reason for run in runs])]
@@ -121,7 +122,7 @@ def save_side_by_side(runs, folder, command):
 
 
 def format_runs(runs):
-    """The table as text."""
+    """The table of the runs as text for the terminal."""
     width = max(14, *(len(run.label) + 2 for run in runs))
     results = [cells(rows_of(run)) for run in runs]
     lines = ["".ljust(16) + "".join(run.label.rjust(width) for run in runs)]
@@ -136,12 +137,12 @@ def _draw_left(run, axes):
     track = track_of(run.record)
     axes.plot(track.t_s, np.maximum(track.distance_mm, FLOOR_MM), color=COLOURS[0], label="distance [mm]")
     axes.plot(track.t_s, np.maximum(track.angle_deg, FLOOR_DEG), color=COLOURS[1], label="angle [deg]")
-    axes.set(yscale="log", xlabel="time since the servo started [s]", ylabel="left to the goal, true pose")
+    axes.set(yscale="log", xlabel="time since the servo started [s]", ylabel="distance to the goal, true pose")
     axes.legend(loc="best")
 
 
 def _draw_joints(run, axes):
-    """Each joint between its limits, -1 to 1; joints without limits are left out."""
+    """Draw where each joint is between its limits, -1 to 1. Joints without limits are left out."""
     rows = run.record.servo_rows
     t_s = run.record.t_s[rows] - run.record.t_s[rows[0]]
     limited = np.flatnonzero(np.isfinite(run.lower) & np.isfinite(run.upper))

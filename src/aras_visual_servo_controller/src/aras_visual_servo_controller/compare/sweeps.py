@@ -1,4 +1,4 @@
-"""Sweeps side by side on the same starts, and gates on their numbers."""
+"""Compares sweeps run by run on the same starts, and evaluates gates: conditions on their numbers."""
 
 import ast
 import math
@@ -14,7 +14,7 @@ def pair(rows_a, rows_b):
     """Pairs of feasible runs of two sweeps: list of (row, row).
 
     Raises:
-        ParameterError: a run has another start there than here: nothing to pair.
+        ParameterError: a run has another start in one sweep than in the other, so there are no pairs.
     """
     by_id = {row["id"]: row for row in rows_b}
     pairs = []
@@ -34,8 +34,8 @@ def compare_pair(rows_a, rows_b):
     """Paired statistics of sweep B against A: dict of pairs, only_a, only_b, success_change,
     mcnemar_p, time_change_s, time_p, error_change_mm and error_p.
 
-    Success by McNemar's test; time and error by Wilcoxon's signed-rank test over the pairs where both succeeded, their
-    change is the median of B - A.
+    Success is compared by McNemar's test. Time and error are compared over the pairs where both runs succeeded, by
+    Wilcoxon's signed-rank test; their change is the median of B - A.
     """
     pairs = pair(rows_a, rows_b)
     only_a = sum(bool(a["success"]) and not b["success"] for a, b in pairs)
@@ -60,7 +60,7 @@ def numbers_of(sweeps):
     Args:
         sweeps: list of rows (list of dicts) per sweep, A first.
     Returns:
-        dict: `A.success` and so on for each; the same without letter for the last one.
+        dict: `A.success` and so on for each sweep, and for the last one the same names without a letter too.
     """
     numbers = {}
     for letter, rows in zip(LETTERS, sweeps):
@@ -76,12 +76,12 @@ def numbers_of(sweeps):
 def gate_fires(expression, numbers):
     """Whether a gate such as "success<0.98 or B.time_median_s > 1.1*A.time_median_s" fires.
 
-    Numbers, names, + - * /, comparisons, and, or, not, brackets; nothing else.
+    An expression may contain numbers, names, + - * /, comparisons, and, or, not, brackets, and nothing else.
 
     Returns:
-        (fires, why): a name without a value (nothing succeeded, say) fires too.
+        (fires, why). A gate also fires if one of its names has no value, for example because no run succeeded.
     Raises:
-        ParameterError: no such expression, or an unknown name; the known ones are listed.
+        ParameterError: this is no such expression, or a name is unknown; the known ones are listed.
     """
     try:
         tree = ast.parse(expression.strip(), mode="eval")
@@ -124,7 +124,7 @@ def _evaluate(node, numbers, used, expression):
         except ZeroDivisionError:
             raise ParameterError(f"--fail-if '{expression}': divides by zero") from None
     if isinstance(node, ast.BoolOp):
-        values = [value_of(child, bool) for child in node.values]  # all of them: each names what it used
+        values = [value_of(child, bool) for child in node.values]  # all of them, so that `used` is complete
         return all(values) if isinstance(node.op, ast.And) else any(values)
     if isinstance(node, ast.Compare) and all(type(op) in _COMPARISONS for op in node.ops):
         values = [value_of(child, float) for child in [node.left] + node.comparators]

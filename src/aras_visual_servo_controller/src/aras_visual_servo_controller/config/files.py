@@ -1,4 +1,4 @@
-"""Where files are found and read: those of this package, `package://` addresses, YAML read strictly."""
+"""Finds and reads files: those of this package and of `package://` addresses. YAML is read strictly."""
 
 import functools
 import os
@@ -81,8 +81,9 @@ def share_dir():
     raise ParameterError(f"the config folder of {PACKAGE} is missing: the package is not installed whole")
 
 
-class _UniqueKeyLoader(yaml.SafeLoader):
-    """SafeLoader that refuses a key given twice (YAML would silently take the last)."""
+class _UniqueKeyLoader(yaml.CSafeLoader):
+    """CSafeLoader, ten times as fast as SafeLoader, that refuses a key given twice: YAML would silently take the
+    last."""
 
     def construct_mapping(self, node, deep=False):
         seen = set()

@@ -1,4 +1,4 @@
-"""Features and laws from outside this package: modules that register them when imported (docs/extending.md)."""
+"""Features and laws from outside this package: modules that register them on import (docs/extending.md)."""
 
 import functools
 import importlib
@@ -15,7 +15,7 @@ def load_plugins(modules):
     for name in modules:
         try:
             importlib.import_module(name)
-        except Exception as error:  # somebody else's code: whatever it raises is the fault of that plugin
+        except Exception as error:  # somebody else's code may raise anything; it is reported as a fault of that plugin
             faults.append(f"plugins: found '{name}', allowed a module that can be imported: "
                           f"{type(error).__name__}: {error}")
     return faults

@@ -1,7 +1,13 @@
-"""Image features by name. One file of this room is one kind of feature; `base` says how to write one."""
+"""Image features by name, and where they come from. One file of this room is one kind of feature, one file of
+`sources` one source; `base` there and here says how to write one.
+"""
 
-from .base import (Feature, FeatureSet, View, expand, is_known, known_features, register_family, register_feature,
-                   wrapped)
+from ..config.settings import setting
+from .base import (Feature, FeatureSet, View, expand, feature_settings, is_known, known_features, register_family,
+                   register_feature, spread, wrapped)
+from .sources import Source, Taught, known_sources, register_source, source_named
+from .style import FeatureStyle, styles
 
-__all__ = ["Feature", "FeatureSet", "View", "expand", "is_known", "known_features", "register_family",
-           "register_feature", "wrapped"]
+__all__ = ["Feature", "FeatureSet", "FeatureStyle", "Source", "Taught", "View", "expand", "feature_settings",
+           "is_known", "known_features", "known_sources", "register_family", "register_feature",
+           "register_source", "setting", "source_named", "spread", "styles", "wrapped"]

@@ -14,6 +14,11 @@ A new feature is a subclass with a name, a value and a row, both of a `View`:
 
 What an image measures comes from `MomentFeatures` (raw and centred moments by name "ij"); the plane of the target is
 (A, B, C) of 1/Z = A x + B y + C in the camera frame (docs/theory.md T5).
+
+A feature with settings of its own describes them as a frozen dataclass (config/settings.py) and finds them as
+`self.settings`; they are read from the section `servo.NAME` of the scenario:
+
+    @register_feature("elongation", settings=ElongationSettings)
 """
 
 import re
@@ -22,6 +27,7 @@ import numpy as np
 
 from . import interaction
 from ..config.plugins import load_room
+from ..config.settings import keys_of, settings_of
 from ..ground.errors import DegenerateFeature, ParameterError
 from ..ground.types import FEATURE_NAMES
 
@@ -29,29 +35,49 @@ _FEATURES, _FAMILIES = {}, {}
 _NUMBERED = re.compile(r"([a-z]+)([1-9][0-9]?)")
 
 
-def register_feature(name):
-    """Class decorator: make a feature known by name."""
+def register_feature(name, settings=None):
+    """Class decorator: make a feature known by name.
+
+    Args: settings: settings class of the feature's own section `servo.NAME`. ParameterError: it does not describe one.
+    """
 
     def add(feature):
         feature.name = name
-        _FEATURES[name] = feature
+        _FEATURES[name] = _owning(feature, name, settings)
         return feature
 
     return add
 
 
-def register_family(prefix):
-    """Class decorator: make features known as `prefix` and a number from 1 to 99, which the class finds as `number`."""
+def register_family(prefix, settings=None):
+    """Class decorator: make features known as `prefix` and a number from 1 to 99, which the class finds as `number`.
+
+    Args: settings: as of `register_feature`; the section is `servo.PREFIX`, for all of the family.
+    """
 
     def add(feature):
-        _FAMILIES[prefix] = feature
+        _FAMILIES[prefix] = _owning(feature, prefix, settings)
         return feature
 
     return add
 
 
-def _feature(name):
-    """Class of that name; None when there is none."""
+def _owning(feature, section, settings):
+    if settings is not None:
+        keys_of(settings)
+    feature.section, feature.settings_class = section, settings
+    return feature
+
+
+def feature_settings():
+    """Features and families with settings of their own: name of their section -> settings class, sorted by name."""
+    feature_class("")
+    found = {feature.section: feature.settings_class for feature in [*_FEATURES.values(), *_FAMILIES.values()]}
+    return {name: found[name] for name in sorted(found) if found[name] is not None}
+
+
+def feature_class(name):
+    """The class registered under that name, or made for that member of a family; None when there is none."""
     load_room(__package__)
     match = _NUMBERED.fullmatch(name)
     if name in _FEATURES or match is None or match[1] not in _FAMILIES:
@@ -59,14 +85,20 @@ def _feature(name):
     return type(name, (_FAMILIES[match[1]],), {"name": name, "number": int(match[2])})
 
 
+def source_of(name):
+    """Name of the source of the feature of that name; None when there is no such feature."""
+    feature = feature_class(name)
+    return None if feature is None else feature.source
+
+
 def is_known(name):
     """Whether there is a feature of that name."""
-    return _feature(name) is not None
+    return feature_class(name) is not None
 
 
 def known_features():
     """Names of the registered features, sorted; "xN" stands for x1, x2, ..., x99."""
-    _feature("")
+    feature_class("")
     return sorted([*_FEATURES, *(f"{prefix}N" for prefix in _FAMILIES)])
 
 
@@ -80,6 +112,11 @@ def expand(names):
         else:
             result += [f"{axis}{number}" for number in range(1, int(match[2]) + 1) for axis in "xy"]
     return tuple(result)
+
+
+def spread(values):
+    """Dict of feature name -> value, of a dict whose keys may be "pointsN": each of x1, y1, ... gets that value."""
+    return {name: value for key, value in values.items() for name in expand((key,))}
 
 
 def _area_row(view):
@@ -158,11 +195,19 @@ class Feature:
         name.  number: of a family's member.  order: of the moments that value and row need.
         angle: it is one, known modulo 2 pi (modulo pi for a symmetric object, unless it is `directed`).
         sees_tilt: it tells a tilt of the camera from a translation.
-        source: what of the camera it is of: moments (MomentFeatures) or photometric (PhotometricFeatures).
+        source: name of the `Source` that it is a feature of.
+        settings: its own, an instance of settings_class; None: it has none.  section: where they stand.
+        unit: of its value: "m", "rad", "1/m", "grey" (grey levels), ..., "-" for none.
+        symbol: plain text, a subscript after the first underscore ("x_n", "α"); "": the name.
+        label: what it is, in a few words; "": the name.
+        colour: of its curves, "#rrggbb"; "": one that the other features do not have. In a family the hues (from, to)
+            [deg] that its members share, see palette.shade.
+    In symbol and label of a family, "{number}" stands for the number.
     """
 
     name, number, order, angle, directed, sees_tilt = "", 0, 2, False, False, False
-    source = "moments"
+    source, section, settings_class, settings = "moments", "", None, None
+    unit, symbol, label, colour = "-", "", "", ""
 
     def value(self, view):
         """The feature in this view."""
@@ -173,43 +218,20 @@ class Feature:
         raise NotImplementedError
 
 
-class _Normalised(Feature):
-    index = 0
-
-    def value(self, view):
-        return getattr(view.features, self.name)
-
-    def row(self, view):
-        return view.L_normalised()[self.index]
-
-
-for _index, _name in enumerate(FEATURE_NAMES[:3]):
-    register_feature(_name)(type(_name, (_Normalised,), {"index": _index, "__doc__": f"{_name} (T4, T9) [m]."}))
-
-
-@register_feature("alpha")
-class Alpha(Feature):
-    """Orientation (T3, T10) [rad]."""
-
-    order, angle = 3, True
-
-    def value(self, view):
-        return view.features.alpha
-
-    def row(self, view):
-        return interaction.orientation(view.m, view.mu, view.plane)
-
-
 class FeatureSet:
     """The features that are servoed on, in this order.
 
-    Attributes: names.  order: of the moments needed.  sees_tilt: whether any of them does.  source: theirs, the same.
+    Attributes: names.  order: of the moments needed.  sees_tilt: whether any of them does.  source: name of their one.
     """
 
-    def __init__(self, names=FEATURE_NAMES):
-        """Raises ParameterError: names unknown (the known ones are listed), given twice, none at all, sources mixed."""
+    def __init__(self, names=FEATURE_NAMES, settings=None):
+        """Args: names.  settings: section -> settings of features that have their own; None: the defaults.
+
+        Raises ParameterError: names unknown (the known ones are listed), given twice, none at all, sources mixed,
+        settings missing that have no default.
+        """
         self.names = expand(names)
-        classes = [_feature(name) for name in self.names]
+        classes = [feature_class(name) for name in self.names]
         faults = [f"features: found '{name}', allowed {', '.join(known_features())}"
                   for name, found in zip(self.names, classes) if found is None]
         if len(set(self.names)) != len(self.names) or not self.names:
@@ -221,6 +243,10 @@ class FeatureSet:
             raise ParameterError(f"features: found {', '.join(self.names)}, of {' and '.join(sorted(sources))}, "
                                  "allowed features of one of them")
         self._features, self.source = [found() for found in classes], sources.pop()
+        for feature in self._features:
+            if feature.settings_class is not None:
+                feature.settings = settings_of(feature.section, feature.settings_class, settings or {},
+                                               f"feature '{feature.name}'")
         self._angles = [(feature.angle, not feature.directed) for feature in self._features]
         self.order = max(feature.order for feature in self._features)
         self.sees_tilt = any(feature.sees_tilt for feature in self._features)

@@ -7,6 +7,7 @@ moments, exact for an object of any shape.
 from . import interaction
 from ..ground.errors import DegenerateFeature
 from .base import Feature, register_feature
+from .palette import BLUE, BROWN, NAVY, VERMILION, VIOLET
 
 
 def _centroid_rows(view):
@@ -17,6 +18,7 @@ def _centroid_rows(view):
 class CentroidX(Feature):
     """x of the centroid (T2, T8) [-]."""
 
+    symbol, label, colour = "x_g", "centroid in x", BLUE
     index = 0
 
     def value(self, view):
@@ -30,6 +32,7 @@ class CentroidX(Feature):
 class CentroidY(CentroidX):
     """y of the centroid (T2, T8) [-]."""
 
+    symbol, label, colour = "y_g", "centroid in y", VERMILION
     index = 1
 
 
@@ -48,6 +51,9 @@ class _SecondOrder(Feature):
         return (view.L_mu(*self.ij) - self.value(view) * view.L_area()) / view.m["00"]
 
 
-for _ij in ((2, 0), (1, 1), (0, 2)):
+for _ij, _label, _colour in (((2, 0), "variance in x", NAVY), ((1, 1), "covariance of x and y", VIOLET),
+                             ((0, 2), "variance in y", BROWN)):
     _name = "n%d%d" % _ij
-    register_feature(_name)(type(_name, (_SecondOrder,), {"ij": _ij, "__doc__": f"{_name}: {_SecondOrder.__doc__}"}))
+    register_feature(_name)(type(_name, (_SecondOrder,), {
+        "ij": _ij, "__doc__": f"{_name}: {_SecondOrder.__doc__}", "symbol": f"n_{_name[1:]}", "label": _label,
+        "colour": _colour}))

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..ground.errors import DegenerateFeature
 from .base import Feature, register_feature
+from .palette import shade
 
 #: A modulus |C_pq| below this part of the object's own a (T/a)^(order/2) counts as zero: there is little but the
 #: noise of an image in it, and that would be divided by.
@@ -112,4 +113,5 @@ class _Invariant(Feature):
 for _name, (_order, _degree, _numerator, _denominator) in _INVARIANTS.items():
     register_feature(_name)(type(_name, (_Invariant,), {
         "__doc__": f"{_name}: {_Invariant.__doc__}", "order": _order + 1, "moment_order": _order, "degree": _degree,
-        "numerator": _numerator, "denominator": _denominator}))
+        "numerator": _numerator, "denominator": _denominator, "symbol": f"c_{_name[1:]}",
+        "label": f"moment invariant {_name[1:]}", "colour": shade((0.0, 360.0), int(_name[1:]))}))

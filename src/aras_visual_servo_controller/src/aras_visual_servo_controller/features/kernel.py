@@ -8,6 +8,7 @@ import numpy as np
 
 from ..ground.errors import DegenerateFeature
 from .base import Feature, register_feature
+from .palette import BLUE, VERMILION
 
 
 def kernel_row(sums, exponent, origin, plane):
@@ -61,6 +62,7 @@ class _Kernel(Feature):
 class KernelX(_Kernel):
     """Integral of X^-p over the object (T47) [-]."""
 
+    symbol, label, colour = "k_x", "kernel projection in x", BLUE
     letter = "x"
 
     def row(self, view):
@@ -72,6 +74,7 @@ class KernelX(_Kernel):
 class KernelY(_Kernel):
     """Integral of Y^-q over the object (T47) [-]: kx of the view with its axes swapped."""
 
+    symbol, label, colour = "k_y", "kernel projection in y", VERMILION
     letter = "y"
 
     def row(self, view):

@@ -2,6 +2,7 @@
 
 from ..ground.errors import DegenerateFeature
 from .base import Feature, register_feature
+from .palette import BLUE
 
 
 @register_feature("photometric")
@@ -9,6 +10,7 @@ class Photometric(Feature):
     """Rms of I - I* over the image, 0 at the goal [grey levels]; of PhotometricFeatures, not of moments."""
 
     sees_tilt, source = True, "photometric"
+    unit, symbol, label, colour = "grey", "ΔI", "rms difference of the luminance", BLUE
 
     def value(self, view):
         if not view.features.has_reference:

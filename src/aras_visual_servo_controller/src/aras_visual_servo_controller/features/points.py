@@ -13,6 +13,7 @@ import numpy as np
 
 from ..ground.errors import DegenerateFeature
 from .base import Feature, register_family
+from .palette import COOL, GREENS, PURPLES, WARM
 
 
 def points(view):
@@ -53,6 +54,7 @@ class _OfPoints(Feature):
 class PointX(_OfPoints):
     """x of a point [-]."""
 
+    symbol, label, colour = "x_{number}", "point {number} in x", COOL
     axis = 0
 
     def value(self, view):
@@ -66,6 +68,7 @@ class PointX(_OfPoints):
 class PointY(PointX):
     """y of a point [-]."""
 
+    symbol, label, colour = "y_{number}", "point {number} in y", WARM
     axis = 1
 
 
@@ -91,6 +94,8 @@ class _OfSegment(_OfPoints):
 class SegmentLength(_OfSegment):
     """Length of a segment [-]."""
 
+    symbol, label, colour = "l_{number}", "length of segment {number}", GREENS
+
     def _value(self, dx, dy):
         return hypot(dx, dy)
 
@@ -102,6 +107,7 @@ class SegmentLength(_OfSegment):
 class SegmentDirection(_OfSegment):
     """Direction of a segment, from its first point to the next [rad]. The order of the points makes it unambiguous."""
 
+    unit, symbol, label, colour = "rad", "α_{number}", "direction of segment {number}", PURPLES
     angle = directed = True
 
     def _value(self, dx, dy):
@@ -115,6 +121,7 @@ class SegmentDirection(_OfSegment):
 class SegmentX(_OfPoints):
     """x of the middle of a segment [-]."""
 
+    symbol, label, colour = "x_m{number}", "middle of segment {number} in x", COOL
     axis = 0
 
     def value(self, view):
@@ -131,4 +138,5 @@ class SegmentX(_OfPoints):
 class SegmentY(SegmentX):
     """y of the middle of a segment [-]."""
 
+    symbol, label, colour = "y_m{number}", "middle of segment {number} in y", WARM
     axis = 1

@@ -5,6 +5,7 @@ Laws that know the pose put it into the `View`; there are no interaction rows (d
 
 from ..ground.errors import DegenerateFeature
 from .base import Feature, register_feature
+from .palette import BLUE, BROWN, GREEN, NAVY, PURPLE, VERMILION
 
 
 class _OfPose(Feature):
@@ -26,10 +27,18 @@ class _ReferencePoint(_OfPose):
         return float(view.reference_point[self.index])
 
 
-for _index, _name in enumerate(("tx", "ty", "tz", "rx", "ry", "rz")):
+for _index, (_name, _colour) in enumerate(zip(("tx", "ty", "tz", "rx", "ry", "rz"),
+                                              (BLUE, VERMILION, GREEN, NAVY, BROWN, PURPLE))):
+    _kind, _axis = _name
     _text = f"{_name} of the displacement from the goal: p_CgC [m], then theta u of R_CgC [rad] (T25)."
-    register_feature(_name)(type(_name, (_Displacement,), {"index": _index, "__doc__": _text}))
+    register_feature(_name)(type(_name, (_Displacement,), {
+        "index": _index, "__doc__": _text, "unit": "m" if _kind == "t" else "rad", "symbol": f"{_kind}_{_axis}",
+        "label": f"camera displaced along {_axis}" if _kind == "t" else f"camera turned about {_axis}",
+        "colour": _colour}))
 
-for _index, _name in enumerate(("xr", "yr", "zr")):
+for _index, (_name, _label, _colour) in enumerate((("xr", "reference point in x", BLUE),
+                                                   ("yr", "reference point in y", VERMILION),
+                                                   ("zr", "logarithm of the reference point's depth", GREEN))):
     _text = f"{_name} of (x, y, ln(Z/Z*)) of the target's reference point, its centroid at the goal (T30) [-]."
-    register_feature(_name)(type(_name, (_ReferencePoint,), {"index": _index, "__doc__": _text}))
+    register_feature(_name)(type(_name, (_ReferencePoint,), {
+        "index": _index, "__doc__": _text, "symbol": f"{_name[0]}_r", "label": _label, "colour": _colour}))

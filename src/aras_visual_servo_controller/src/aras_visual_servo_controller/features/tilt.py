@@ -3,6 +3,7 @@
 from . import interaction
 from ..ground.errors import DegenerateFeature
 from .base import Feature, register_feature
+from .palette import BROWN, MAROON, NAVY, VIOLET
 
 
 def third_order_vector(view):
@@ -48,6 +49,8 @@ class _ThirdOrder(Feature):
 class Sx(_ThirdOrder):
     """Real part of S (T18) [-]."""
 
+    symbol, label, colour = "s_x", "third-order invariant, real part", NAVY
+
     def value(self, view):
         return view.shared(third_order_vector).real
 
@@ -58,6 +61,8 @@ class Sx(_ThirdOrder):
 @register_feature("sy")
 class Sy(_ThirdOrder):
     """Imaginary part of S (T18) [-]."""
+
+    symbol, label, colour = "s_y", "third-order invariant, imaginary part", BROWN
 
     def value(self, view):
         return view.shared(third_order_vector).imag
@@ -70,6 +75,7 @@ class Sy(_ThirdOrder):
 class Px(_ThirdOrder):
     """Elongation, squared (T19) [-]. Its row needs moments to order 3 only."""
 
+    symbol, label, colour = "p_x", "elongation, squared", VIOLET
     order = 3
 
     def value(self, view):
@@ -86,6 +92,8 @@ class Px(_ThirdOrder):
 @register_feature("py")
 class Py(_ThirdOrder):
     """Asymmetry, squared (T19) [-]; without a derivative, and of no use, for an object of central symmetry."""
+
+    symbol, label, colour = "p_y", "asymmetry, squared", MAROON
 
     def value(self, view):
         _, z2, T, a = _complex_moments(view)

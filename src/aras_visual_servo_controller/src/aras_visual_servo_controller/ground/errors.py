@@ -1,6 +1,6 @@
-"""Errors of the controller core: one base, leaves named after their cause.
+"""Errors of the controller core: one base class, and classes named after the cause of the error.
 
-What happens in normal running (target lost, joint limit, ...) is a `types.Status`, not an exception.
+Events of a normal run (target lost, joint limit, ...) are a `types.Status`, not an exception.
 """
 
 

@@ -1,4 +1,4 @@
-"""Rotations and poses: matrices, rotation vectors, quaternions, roll-pitch-yaw angles, computed nowhere else.
+"""Rotations and poses: matrices, rotation vectors, quaternions, roll-pitch-yaw angles. No other module computes them.
 
 A pose X_AB is a 4 x 4 homogeneous matrix, a twist is stacked [v; w], a rotation vector is theta u [rad]. The functions
 that a servo calls at every image are written out for speed; the others are scipy's.
@@ -9,9 +9,9 @@ from math import atan2, cos, sin
 import numpy as np
 
 _EYE = np.eye(4)
-#: Below this angle third-order terms of the series vanish in rounding [rad].
+#: Below this angle third-order terms of the series are smaller than rounding errors [rad].
 _SMALL_RAD = 1e-5
-#: Below this cosine the sine of the angle is too small to tell the axis from: the quaternion tells it [-].
+#: Below this cosine the sine of the angle is too small to find the axis from it, so the quaternion is used [-].
 _NEAR_HALF_TURN = -0.9
 
 
@@ -74,7 +74,7 @@ def rotation_vector(R):
 def rotation_angle(R):
     """Angle of a rotation matrix, in [0, pi] [rad]; NaN for a matrix with NaN.
 
-    From sine and cosine: the arc cosine of the trace alone loses half the digits near zero.
+    It is computed from sine and cosine, because the arc cosine of the trace loses half the digits near zero.
     """
     sine = 0.5 * ((R[2, 1] - R[1, 2]) ** 2 + (R[0, 2] - R[2, 0]) ** 2 + (R[1, 0] - R[0, 1]) ** 2) ** 0.5
     return atan2(sine, 0.5 * (np.trace(R) - 1.0))

@@ -58,6 +58,7 @@ class Features:
     an: float = nan
     z_star_m: float = nan
     area_star: float = nan
+    reference_stamp_ns: int = -1
     orientation_condition: float = nan
     asymmetry: float = nan
     moment_names: Sequence[str] = ()
@@ -111,7 +112,7 @@ class Command:
     """Answer to one observation, for any subset of the joints, by name.
 
     `position` sets set-points at once [m or rad]; `velocity` [m/s or rad/s] is integrated into the set-point until the
-    next command. A joint in neither keeps its set-point and stops integrating.
+    next command. A joint that is in neither of the two keeps its set-point, and its velocity is no longer integrated.
     """
 
     stamp_ns: int
@@ -149,7 +150,8 @@ class Reference:
         s_star: (k,) wanted features; by default xn, yn, an [m], alpha [rad].
         optical_axis_B: (3,) unit vector, optical axis in the robot base frame; None: tilt is not held.
         posture: joint positions by name; None: the spare motion has no posture to return to.
-        view: the taught `Features`, as far as `VIEW_FIELDS` go, for laws that want the matrix there; or None.
+        view: the taught `Features`, with the fields `VIEW_FIELDS` only, for laws that use the matrix at the goal; or
+        None.
         plane_C: (3,) (A, B, C) of the target in the taught camera frame [1/m]; or None.
     """
 
@@ -195,11 +197,11 @@ class Reference:
         return cls(s_star, axis, posture, view, plane)
 
 
-#: What of the taught view a reference keeps, beside its moments.
+#: Fields of the taught view that a reference keeps, beside its moments.
 VIEW_FIELDS = ("xn", "yn", "an", "alpha", "z_star_m", "area_star")
 #: ... and the followed points and the kernel projections, where there are any.
 VIEW_POINTS = ("point_x", "point_y", "kernel_x", "kernel_y")
-_OPTIONAL = {"ambiguous": False, **dict.fromkeys(VIEW_POINTS, ()), "age_s": nan}
+_OPTIONAL = {"ambiguous": False, "reference_stamp_ns": -1, **dict.fromkeys(VIEW_POINTS, ()), "age_s": nan}
 
 
 def _view(source, faults):
@@ -213,7 +215,7 @@ def _view(source, faults):
     m, mu = (_vector(source, key, len(names), faults) for key in ("m", "mu"))
     numbers = {key: float(_vector({key: [source[key]]}, key, 1, faults)[0]) for key in VIEW_FIELDS}
     points = {}
-    for key in VIEW_POINTS:  # of a pair, both or neither
+    for key in VIEW_POINTS:  # x and y come as a pair: both or neither
         count = len(source.get(key[:-1] + "x", ()))
         points[key] = _vector(source, key, count, faults).tolist() if count else ()
     return Features(target_visible=True, valid=True, has_reference=True, moment_names=names, m=m.tolist(),

@@ -4,78 +4,53 @@ A new law is a subclass with one method and a name:
 
     @register("proportional")
     class Proportional(Law):
-        def _twist(self, s, e, dt_s):
+        def _twist(self, look, s, e):
             return np.array([...])                  # V_C, (6,), [v; w]
 
     law = make_law("proportional", [1.0, 1.0, 1.0, 1.0])
     law.reset(s_star)
-    V_C = law.step(features, dt_s)                  # once per image
+    answer = law.step(Look(View(features), dt_s))   # once per image: answer.twist, answer.s, answer.e, ...
 
 s are the features of the scenario (`features.FeatureSet`), e = s - s_star, gains one per feature [1/s]; by default
-s = (xn, yn, an [m], alpha [rad]). dt_s is the time the twist will be held; 0 asks for the instantaneous twist, which
-look-then-move multiplies by its sample time. A law that inverts an interaction matrix sets `needs_plane` and takes
-`self.invert(self.features.matrix(self.view))`: docs/extending.md.
+s = (xn, yn, an [m], alpha [rad]). A `Look` is all that a law is given of an image, an `Answer` all that it says. A law
+that inverts an interaction matrix sets `needs_plane` and takes `self.invert(self.features.matrix(look.view))`:
+docs/extending.md.
+
+A law with settings of its own describes them as a frozen dataclass (config/settings.py) and finds them as
+`self.settings`; they are read from the section `servo.NAME` of the scenario:
+
+    @register("proportional", settings=ProportionalSettings)
 """
 
-from dataclasses import dataclass
 from math import exp, expm1, isfinite, sin
-from typing import Optional, Tuple
 
 import numpy as np
 
 from ..config.plugins import load_room
+from ..config.settings import keys_of, settings_of
 from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError, ShapeError
 from ..features.base import FeatureSet, View
 from ..features.interaction import parallel_condition
-from ..target.target_pose import PlanarTarget
 from ..ground.types import FEATURE_NAMES, Reference
+from .look import Answer
+from .setup import INTERACTIONS, POINT_DEPTHS, POSES, LawSetup
 
-INTERACTIONS = ("desired", "current", "mean")
-POINT_DEPTHS = ("plane", "goal")
-POSES = ("moments", "points")
-BROYDEN_INITIALS = ("desired", "moves")
 #: A matrix with a larger condition number is not inverted: the view does not tell six motions apart.
 MAX_CONDITION = 1e6
 _LAWS = {}
 
 
-@dataclass(frozen=True)
-class LawSetup:
-    """What a scenario says about a law beside its gains.
+def register(name, settings=None):
+    """Class decorator: make a law known by name.
 
-    Attributes:
-        features: names of the features.  interaction: which matrix is inverted, one of INTERACTIONS.
-        adaptive: (part, slope) of `adaptive_factor`, None: constant gains.
-        smooth_start_per_s: rate at which the first twist is let in [1/s]; 0: at once.
-        target: the known target, for laws that want its pose.  target_normal_C: guess of its normal at the goal.
-        point_depth: depth of followed points, one of POINT_DEPTHS: of the target's plane, or always that at the goal.
-        pose_from: what laws of the pose measure, one of POSES.
-        sliding: (switching_per_s, boundary per feature), for law sliding.
-        broyden: (initial, forgetting, move), for law broyden.
-        symmetric_target: the target is the same after half a turn: alpha counts modulo pi, whatever the view says.
-        photometric: (damping, rest_m_per_s, rest_rad_per_s), for law photometric.
+    Args: settings: settings class of the law's own section `servo.NAME`. ParameterError if it does not describe one.
     """
 
-    features: Tuple[str, ...] = FEATURE_NAMES
-    interaction: str = "desired"
-    adaptive: Optional[Tuple[float, float]] = None
-    smooth_start_per_s: float = 0.0
-    target: Optional[PlanarTarget] = None
-    target_normal_C: Tuple[float, ...] = (0.0, 0.0, 1.0)
-    point_depth: str = "plane"
-    pose_from: str = "moments"
-    sliding: Optional[Tuple[float, Tuple[float, ...]]] = None
-    broyden: Tuple[str, float, float] = ("desired", 0.95, 0.01)
-    symmetric_target: bool = False
-    photometric: Tuple[float, float, float] = (0.01, 0.0005, 0.001)
-
-
-def register(name):
-    """Class decorator: make a law known by name."""
-
     def add(law):
+        if settings is not None:
+            keys_of(settings)
         _LAWS[name] = law
-        law.name = name
+        law.name, law.settings_class = name, settings
         return law
 
     return add
@@ -85,6 +60,11 @@ def known_laws():
     """Names of the registered laws, sorted."""
     load_room(__package__)
     return sorted(_LAWS)
+
+
+def law_settings():
+    """Laws with settings of their own: name -> settings class, sorted by name."""
+    return {name: _LAWS[name].settings_class for name in known_laws() if _LAWS[name].settings_class is not None}
 
 
 def make_law(name, gains_per_s, setup=LawSetup()):
@@ -115,20 +95,18 @@ class Law:
     """Base of the laws: checks, feature error, then `_twist` of the subclass.
 
     Attributes:
-        name.  works_on: the features it is made for, None: any.
-        needs_plane: at each step, the target's plane.  needs_pose: `X_CgC` by the kinematics, set before each step.
-        settled: it asks for no motion worth mentioning; else the servo is not done yet, however small e.
-        continuous_only: not for look-then-move.  applied: twist carried out since the last step; None: stopped since.
-        features: `FeatureSet`.  gains_per_s: tuple of k.  s, e: tuples of k, of the last step; view: its `View`.
-        condition: of the interaction matrix used last.
+        name.  works_on: the features it is made for, None: any.  continuous_only: not for look-then-move.
+        needs_plane, needs_pose: what it wants of each `Look`: the target's plane, X_CgC.
+        settings: its own, an instance of settings_class; None: it has none.
+        features: `FeatureSet`.  gains_per_s: tuple of k, made smaller far from the goal where the setup says so.
     """
 
-    name, works_on, needs_plane, needs_pose = "", FEATURE_NAMES, False, False
-    X_CgC, applied, continuous_only, settled = None, None, False, True
+    name, settings_class, works_on, needs_plane, needs_pose = "", None, FEATURE_NAMES, False, False
+    continuous_only = False
 
     def __init__(self, gains_per_s, setup=LawSetup()):
         """Args: gains_per_s: (k,), > 0, in the order of the features [1/s]. setup: `LawSetup`. ParameterError."""
-        self.features, self._setup = FeatureSet(setup.features), setup
+        self.features, self._setup = FeatureSet(setup.features, setup.settings), setup
         names = self.features.names
         self.gains_per_s = tuple(float(gain) for gain in gains_per_s)
         faults = []
@@ -150,9 +128,12 @@ class Law:
             faults.append(f"pose_from: found '{setup.pose_from}', allowed {', '.join(POSES)}")
         if faults:
             raise ParameterError(faults)
-        self._rates, self.view = self.gains_per_s, None
-        self.s = self.e = self._s_star = self._inverse_depths = None
-        self._first, self._t_s, self.condition = None, 0.0, float("nan")
+        self.settings = None
+        if self.settings_class is not None:
+            self.settings = settings_of(self.name, self.settings_class, setup.settings, f"law '{self.name}'")
+        self._rates = self.gains_per_s
+        self._s_star = self._inverse_depths = None
+        self._first, self._t_s, self._condition = None, 0.0, float("nan")
 
     def reset(self, reference):
         """Forget the past; servo to `reference`, s_star (k,) or an object with that attribute (`Reference`)."""
@@ -161,41 +142,51 @@ class Law:
             raise ShapeError(f"s_star: {len(s_star)} values, expected {len(self.features)}")
         if not all(map(isfinite, s_star)):
             raise NotFiniteError(f"s_star: {s_star}")
-        self.s = self.e = None
         self._s_star = s_star
         self._first, self._t_s = None, 0.0
         if self._setup.point_depth == "goal":
             view, (A, B, C) = self.taught_view(reference)
             self._inverse_depths = [A * x + B * y + C for x, y in zip(view.point_x, view.point_y)]
 
-    def step(self, features, dt_s, plane=None):
-        """Camera twist for this image.
+    def step(self, look):
+        """`Answer` to one `Look`.
 
-        Args:
-            features: `Features`, or an object with its attributes.  dt_s: time the twist is held, >= 0 [s].
-            plane: (A, B, C) of the target in the camera frame [1/m], only where needs_plane.
-        Returns:
-            V_C, (6,), [v; w] in the camera frame [m/s; rad/s].
         Raises:
             NotFiniteError: a feature or dt_s is not finite.  DegenerateFeature: a feature does not exist in this view.
         """
-        self.view = self._look(features, plane)
-        s = self.features.values(self.view)
-        if not (isfinite(sum(s)) and isfinite(dt_s)):
-            raise NotFiniteError(f"features {s}, dt_s {dt_s}")
-        symmetric = getattr(features, "symmetric", False) or self._setup.symmetric_target
-        self.s, self.e = s, self.features.error(s, self._s_star, symmetric)
-        if self._setup.adaptive is not None:
-            factor = adaptive_factor(max(map(abs, self.e)), *self._setup.adaptive)
+        look = self._see(look)
+        s = self.features.values(look.view)
+        if not (isfinite(sum(s)) and isfinite(look.dt_s)):
+            raise NotFiniteError(f"features {s}, dt_s {look.dt_s}")
+        symmetric = getattr(look.view.features, "symmetric", False) or self._setup.symmetric_target
+        e = self.features.error(s, self._s_star, symmetric)
+        adaptive = self._setup.adaptive_gain
+        if adaptive is not None:
+            factor = adaptive_factor(max(map(abs, e)), adaptive.infinity_part, adaptive.slope)
             self.gains_per_s = tuple([factor * rate for rate in self._rates])
-        twist = self._twist(self.s, self.e, dt_s)
+        twist = self._twist(look, s, e)
+        settled = self._settled(twist)
         if self._setup.smooth_start_per_s > 0.0:
-            twist = self._let_in(twist, dt_s)
-        self.applied = twist
-        return twist
+            twist = self._let_in(twist, look.dt_s)
+        return Answer(twist, s, e, self._condition_at(s), settled)
 
-    def _look(self, features, plane):
-        return View(features, plane, None, self._inverse_depths)
+    def _see(self, look):
+        """The look with what this law knows of the view besides."""
+        if self._inverse_depths is None:
+            return look
+        return look._replace(view=View(look.view.features, look.view.plane, None, self._inverse_depths))
+
+    def _twist(self, look, s, e):
+        """V_C, (6,). Args: look: `Look`.  s, e: tuples of k, the features and their errors."""
+        raise NotImplementedError
+
+    def _settled(self, twist):
+        """Whether this twist, before it is let in smoothly, is no motion worth mentioning."""
+        return True
+
+    def _condition_at(self, s):
+        """Condition number of the interaction matrix that the twist rests on; the one inverted last, if any."""
+        return self._condition
 
     def taught_view(self, reference):
         """(view, plane_C) of a `Reference`. Raises ParameterError when it has none."""
@@ -209,9 +200,6 @@ class Law:
             self._first = np.array(twist, dtype=float)
         self._t_s += dt_s  # to the end of the time the twist is held: the first image moves already
         return twist - exp(-self._setup.smooth_start_per_s * self._t_s) * self._first
-
-    def _twist(self, s, e, dt_s):
-        raise NotImplementedError
 
     def goal_matrix(self, view, plane):
         """L, (k, 6), of the taught view and plane."""
@@ -228,10 +216,10 @@ class Law:
         sees_tilt, columns = self.features.sees_tilt, [0, 1, 2, 5]
         U, sigmas, Vt = np.linalg.svd(L if sees_tilt else L[:, columns], full_matrices=False)
         largest, least = float(sigmas[0]), float(sigmas[-1])
-        self.condition = largest / least if least > 0.0 else float("inf")
-        if not self.condition < MAX_CONDITION:
+        self._condition = largest / least if least > 0.0 else float("inf")
+        if not self._condition < MAX_CONDITION:
             raise DegenerateFeature(f"features {', '.join(self.features.names)}: condition number of their interaction "
-                                    f"matrix is {self.condition:.3g}, allowed < {MAX_CONDITION:g}")
+                                    f"matrix is {self._condition:.3g}, allowed < {MAX_CONDITION:g}")
         seen = (Vt.T / sigmas) @ U.T
         if sees_tilt:
             return seen
@@ -239,19 +227,15 @@ class Law:
         inverse[columns] = seen
         return inverse
 
-    def current_condition(self):
-        """Condition number of the interaction matrix that the last step rests on."""
-        return self.condition
-
 
 @register("paper")
 class Paper(Law):
     """The published eq. (17) and (18): v = -Lambda L^-1 e, L of eq. (16) (docs/theory.md T12). Unequal gains couple."""
 
-    def current_condition(self):
-        return parallel_condition(self.s[0], self.s[1])
+    def _condition_at(self, s):
+        return parallel_condition(s[0], s[1])
 
-    def _twist(self, s, e, dt_s):
+    def _twist(self, look, s, e):
         kx, ky, kz, ka = self.gains_per_s
         return np.array([kx * (e[0] + s[1] * e[3]), ky * (e[1] - s[0] * e[3]), kz * e[2], 0.0, 0.0, ka * e[3]])
 
@@ -265,11 +249,11 @@ class Decoupled(Law):
     [cos phi - 1, sin phi]] / phi; solved for v. Exact for a target parallel to the image.
     """
 
-    def current_condition(self):
-        return parallel_condition(self.s[0], self.s[1])
+    def _condition_at(self, s):
+        return parallel_condition(s[0], s[1])
 
-    def _twist(self, s, e, dt_s):
-        gains = self.gains_per_s
+    def _twist(self, look, s, e):
+        gains, dt_s = self.gains_per_s, look.dt_s
         if dt_s > 0.0:
             gains = [-expm1(-gain * dt_s) / dt_s for gain in gains]
         x, y = s[0], s[1]

@@ -1,9 +1,12 @@
 """Law `broyden`: the image Jacobian learnt on the way, without calibration (docs/theory.md T32)."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
+from ..config.settings import setting
 from ..ground.errors import ParameterError
-from .base import BROYDEN_INITIALS, Law, LawSetup, register, sampled_gains
+from .base import Law, LawSetup, register, sampled_gains
 
 #: Test moves: images of motion, then images at rest until the joints have followed.
 MOVE_IMAGES, REST_IMAGES = 3, 4
@@ -11,7 +14,19 @@ MOVE_IMAGES, REST_IMAGES = 3, 4
 TRUST = 5.0
 
 
-@register("broyden")
+@dataclass(frozen=True)
+class BroydenSettings:
+    """Settings of law `broyden`, which mode `continuous` only has."""
+
+    initial: str = setting(
+        "desired", choices=("desired", "moves"),
+        help="The first matrix: `desired`, that of the goal, or `moves`, nothing known: a small test move along each "
+             "axis finds it.")
+    forgetting: float = setting(0.95, above=0, at_most=1, help="Weight rho of what was learnt before, per image (T32).")
+    move: float = setting(0.01, above=0, help="Size of the test moves, in radians or in parts of Z*.")
+
+
+@register("broyden", settings=BroydenSettings)
 class Broyden(Law):
     """v = -J^+ Lambda e, with J from what the features did after each twist: recursive least squares that forgets.
 
@@ -28,16 +43,7 @@ class Broyden(Law):
 
     def __init__(self, gains_per_s, setup=LawSetup()):
         super().__init__(gains_per_s, setup)
-        self._initial, self._forgetting, self._move = setup.broyden
-        faults = []
-        if self._initial not in BROYDEN_INITIALS:
-            faults.append(f"broyden/initial: found '{self._initial}', allowed {', '.join(BROYDEN_INITIALS)}")
-        if not 0.0 < self._forgetting <= 1.0:
-            faults.append(f"broyden/forgetting: found {self._forgetting}, allowed > 0 and <= 1")
-        if not self._move > 0.0:
-            faults.append(f"broyden/move: found {self._move}, allowed > 0")
-        if faults:
-            raise ParameterError(faults)
+        self._forgetting, self._move = self.settings.forgetting, self.settings.move
         self._columns = np.arange(6) if self.features.sees_tilt else np.array([0, 1, 2, 5])
         self._J = self._units = None
 
@@ -57,16 +63,17 @@ class Broyden(Law):
         self._units = np.array([view.z_star_m] * 3 + [1.0] * 3)[self._columns]
         n = len(self._columns)
         self._P, self._P_trace = np.eye(n) / self._move**2, n / self._move**2
-        self._s_last = self._dt_last = self.applied = None
+        self._s_last = self._dt_last = None
         self._images, self._motions, self._changes = 0, np.zeros((n, n)), np.zeros((len(self.features), n))
         self._J = None
-        if self._initial == "desired":
+        if self.settings.initial == "desired":
             self._J = self.goal_matrix(view, plane)[:, self._columns] * self._units
 
-    def _twist(self, s, e, dt_s):
+    def _twist(self, look, s, e):
+        dt_s = look.dt_s
         if dt_s <= 0.0:
             raise ParameterError(f"law '{self.name}': found dt_s {dt_s}, allowed > 0: it learns from motion in time")
-        motion, change = self._since_the_last_image(s)
+        motion, change = self._since_the_last_image(look, s)
         self._s_last, self._dt_last = s, dt_s
         if self._J is None:
             self._note(motion, change)
@@ -78,12 +85,12 @@ class Broyden(Law):
         motion = twist[self._columns] / self._units
         return twist * min(1.0, TRUST * self._move / max(float(motion @ motion) ** 0.5 * dt_s, 1e-12))
 
-    def _since_the_last_image(self, s):
+    def _since_the_last_image(self, look, s):
         """(motion (n,), change of the features (k,)); None each when the arm was stopped in between."""
-        if self.applied is None or self._s_last is None:
+        if look.applied is None or self._s_last is None:
             return None, None
-        motion = self.applied[self._columns] / self._units * self._dt_last
-        return motion, np.array(self.features.error(s, self._s_last, self.view.features.symmetric))
+        motion = look.applied[self._columns] / self._units * self._dt_last
+        return motion, np.array(self.features.error(s, self._s_last, look.view.features.symmetric))
 
     def _learn(self, motion, change):
         """Recursive least squares; the covariance grows no larger than it was, however long the arm rests."""

@@ -5,6 +5,7 @@ from math import log
 import numpy as np
 
 from ..ground.errors import DegenerateFeature
+from ..features.base import View
 from .base import register, sampled_gains
 from .pose import PoseLaw
 
@@ -31,16 +32,16 @@ class Hybrid(PoseLaw):
         self._z_star_m = 1.0 / float(plane @ ray)
         self._point_T = self._X_CgT[:3, :3].T @ (self._z_star_m * ray - self._X_CgT[:3, 3])
 
-    def _look(self, features, plane):
-        view = super()._look(features, plane)
-        X, Y, Z = (self.X_CT[:3, :3] @ self._point_T + self.X_CT[:3, 3]).tolist()
+    def _see(self, look):
+        look = super()._see(look)
+        X, Y, Z = (self._X_CT[:3, :3] @ self._point_T + self._X_CT[:3, 3]).tolist()
         if not Z > 0.0:
             raise DegenerateFeature("reference point: behind the camera")
-        view.reference_point = (X / Z, Y / Z, log(Z / self._z_star_m))
-        return view
+        view, point = look.view, (X / Z, Y / Z, log(Z / self._z_star_m))
+        return look._replace(view=View(view.features, view.plane, view.displacement, reference_point=point))
 
-    def _twist(self, s, e, dt_s):
-        gains = sampled_gains(self.gains_per_s, dt_s)
+    def _twist(self, look, s, e):
+        gains = sampled_gains(self.gains_per_s, look.dt_s)
         wx, wy, wz = (-gain * angle for gain, angle in zip(gains[3:], e[3:]))
         x, y = s[0], s[1]
         Z = self._z_star_m * np.exp(s[2])

@@ -29,12 +29,12 @@ class ImageBased(Law):
         if self._setup.interaction == "desired":
             self._inverse = self.invert(self._L_star)
 
-    def _twist(self, s, e, dt_s):
+    def _twist(self, look, s, e):
         inverse = self._inverse
         if inverse is None:
-            L = self.features.matrix(self.view)
+            L = self.features.matrix(look.view)
             inverse = self.invert(L if self._L_star is None else 0.5 * (L + self._L_star))
-        return -(inverse @ self._wanted(e, dt_s))
+        return -(inverse @ self._wanted(e, look.dt_s))
 
     def _wanted(self, e, dt_s):
         """-e_dot wanted, (k,)."""

@@ -1,14 +1,30 @@
 """Law `photometric`: the luminance of the whole image, by Levenberg and Marquardt (docs/theory.md T33 to T35, T46)."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
+from ..config.settings import setting
 from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError
 from .base import MAX_CONDITION, Law, LawSetup, register, sampled_gains
 
 _UPPER = np.triu_indices(6)
 
 
-@register("photometric")
+@dataclass(frozen=True)
+class PhotometricSettings:
+    """Settings of law `photometric`; whose gradient it takes says `vision.photometric.interaction`."""
+
+    damping: float = setting(0.01, at_least=0, help="Damping mu of (T46) at the first image; it falls with the cost.")
+    rest_m_per_s: float = setting(
+        0.0005, unit="m/s", above=0,
+        help="The servo has converged only when the law asks for less speed than this.")
+    rest_rad_per_s: float = setting(
+        0.001, unit="rad/s", above=0,
+        help="The servo has converged only when the law asks for a slower turn than this.")
+
+
+@register("photometric", settings=PhotometricSettings)
 class Photometric(Law):
     """v = -lambda (H + mu diag(H))^-1 b, with H = L^T L, b = L^T (I - I*) as the camera sums them up.
 
@@ -26,7 +42,6 @@ class Photometric(Law):
 
     def __init__(self, gains_per_s, setup=LawSetup()):
         super().__init__(gains_per_s, setup)
-        self._damping, self._rest_m_per_s, self._rest_rad_per_s = setup.photometric
         if setup.interaction != LawSetup.interaction:
             raise ParameterError(f"interaction: found '{setup.interaction}', law '{self.name}' takes what "
                                  "vision.photometric.interaction says")
@@ -35,10 +50,10 @@ class Photometric(Law):
     def reset(self, reference):
         """The reference image is the camera's; s_star is the rms there, 0."""
         super().reset(reference)
-        self._first_rms, self.settled = None, False
+        self._first_rms = None
 
-    def _twist(self, s, e, dt_s):
-        features = self.view.features
+    def _twist(self, look, s, e):
+        features = look.view.features
         if len(features.H) != len(_UPPER[0]) or len(features.b) != 6:
             raise DegenerateFeature(f"photometric: found {len(features.H)} numbers of H and {len(features.b)} of b")
         H, b = np.zeros((6, 6)), np.array(features.b)
@@ -46,18 +61,19 @@ class Photometric(Law):
         H += np.triu(H, 1).T
         if not np.isfinite(H.sum() + b.sum()):
             raise NotFiniteError("photometric: H or b is not finite")
-        self.condition = float(features.condition)
-        if not self.condition < MAX_CONDITION:
-            raise DegenerateFeature(f"photometric: condition number of the interaction matrix is {self.condition:.3g}, "
-                                    f"allowed < {MAX_CONDITION:g}")
+        self._condition = float(features.condition)
+        if not self._condition < MAX_CONDITION:
+            raise DegenerateFeature("photometric: condition number of the interaction matrix is "
+                                    f"{self._condition:.3g}, allowed < {MAX_CONDITION:g}")
         if self._first_rms is None:
             self._first_rms = s[0]
-        mu = self._damping * min(1.0, (s[0] / self._first_rms) ** 2) if self._first_rms > 0.0 else 0.0
+        mu = self.settings.damping * min(1.0, (s[0] / self._first_rms) ** 2) if self._first_rms > 0.0 else 0.0
         try:
             step = np.linalg.solve(H + mu * np.diag(np.diag(H)), b)
         except np.linalg.LinAlgError as error:
             raise DegenerateFeature(f"photometric: {error}") from error
-        twist = -sampled_gains(self.gains_per_s, dt_s)[0] * step
-        self.settled = bool(np.linalg.norm(twist[:3]) < self._rest_m_per_s
-                            and np.linalg.norm(twist[3:]) < self._rest_rad_per_s)
-        return twist
+        return -sampled_gains(self.gains_per_s, look.dt_s)[0] * step
+
+    def _settled(self, twist):
+        return bool(np.linalg.norm(twist[:3]) < self.settings.rest_m_per_s
+                    and np.linalg.norm(twist[3:]) < self.settings.rest_rad_per_s)

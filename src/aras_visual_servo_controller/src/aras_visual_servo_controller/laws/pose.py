@@ -15,8 +15,8 @@ class PoseLaw(Law):
     `pose_from` moments: of the known target (T24). points: of its corners where the target is known, else of points
     that lie where the taught view and its plane put them (T29).
 
-    Attributes: R_CgC, p_CgC: where the camera is, seen from the goal.  X_CT: pose of the target's frame, which without
-    a known target is the camera's at the goal.
+    `_twist` finds in `look.X_CgC` where the camera is by the image, and in `self._X_CT` the pose of the target's frame,
+    which without a known target is the camera's at the goal.
     """
 
     needs_pose = True
@@ -30,7 +30,7 @@ class PoseLaw(Law):
             raise ParameterError(f"target_model: found {len(setup.target.outlines_m)} outlines, allowed one "
                                  "with pose_from: points")
         self._seen = setup.target
-        self._X_CgT = self.X_CT = self._X_CgC_then = self.R_CgC = self.p_CgC = None
+        self._X_CgT = self._X_CT = self._X_CgC_then = None
 
     def reset(self, reference):
         """Finds the pose of the target in the taught view."""
@@ -40,7 +40,7 @@ class PoseLaw(Law):
             self._X_CgT = self._seen.find(view, self._setup.target_normal_C)
         else:
             self._seen, self._X_CgT = self._taught_points(PlanarPoints.measured(view), plane)
-        self.X_CT, self._X_CgC_then = self._X_CgT, np.eye(4)
+        self._X_CT, self._X_CgC_then = self._X_CgT, np.eye(4)
 
     def _taught_points(self, xy, plane):
         """(`PlanarPoints`, X_CgT): the known corners, or the taught points in the taught plane, T the camera there."""
@@ -49,16 +49,16 @@ class PoseLaw(Law):
         rays = np.concatenate([xy, np.ones((len(xy), 1))], axis=1)
         return PlanarPoints(rays / (rays @ plane)[:, None]), np.eye(4)
 
-    def _look(self, features, plane):
-        seen = self._seen
-        X_CT = inverse(self.X_CgC) @ self._X_CgC_then @ self.X_CT
+    def _see(self, look):
+        seen, features = self._seen, look.view.features
+        X_CT = inverse(look.X_CgC) @ self._X_CgC_then @ self._X_CT
         X_CT, residual, condition = seen.follow(X_CT, seen.measured(features))
         if not residual < seen.max_followed:
             raise DegenerateFeature(f"pose of the target: {residual:.2g} of its measures unexplained")
-        self.X_CT, self._X_CgC_then, self.condition = X_CT, self.X_CgC, condition
+        self._X_CT, self._X_CgC_then, self._condition = X_CT, look.X_CgC, condition
         X_CgC = self._X_CgT @ inverse(X_CT)
-        self.R_CgC, self.p_CgC = X_CgC[:3, :3], X_CgC[:3, 3]
-        return View(features, plane, np.concatenate([self.p_CgC, rotation_vector(self.R_CgC)]))
+        displacement = np.concatenate([X_CgC[:3, 3], rotation_vector(X_CgC[:3, :3])])
+        return look._replace(view=View(features, look.view.plane, displacement), X_CgC=X_CgC)
 
 
 @register("pbvs")
@@ -67,6 +67,6 @@ class PoseBased(PoseLaw):
 
     works_on = ("tx", "ty", "tz", "rx", "ry", "rz")
 
-    def _twist(self, s, e, dt_s):
-        wanted = -np.array(sampled_gains(self.gains_per_s, dt_s)) * e
-        return np.concatenate([wanted[:3] @ self.R_CgC, wanted[3:]])
+    def _twist(self, look, s, e):
+        wanted = -np.array(sampled_gains(self.gains_per_s, look.dt_s)) * e
+        return np.concatenate([wanted[:3] @ look.X_CgC[:3, :3], wanted[3:]])

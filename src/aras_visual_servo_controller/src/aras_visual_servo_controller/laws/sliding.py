@@ -1,15 +1,30 @@
 """Law `sliding`: sliding mode with a boundary layer, for any features (docs/theory.md T31)."""
 
+from dataclasses import dataclass
 from math import copysign, exp, log
+from typing import Tuple
 
 import numpy as np
 
+from ..config.settings import setting
 from ..ground.errors import ParameterError
 from .base import LawSetup, register
 from .image import ImageBased
 
 
-@register("sliding")
+@dataclass(frozen=True)
+class SlidingSettings:
+    """Settings of law `sliding`, which needs them."""
+
+    switching_per_s: float = setting(
+        unit="1/s", above=0,
+        help="Rate kappa of (T31): how fast the error falls outside the boundary layer, on top of the gains.")
+    boundary: Tuple[float, ...] = setting(
+        above=0, by="feature", not_empty=True,
+        help="Half the thickness phi of the boundary layer of (T31), one number per feature, in its unit.")
+
+
+@register("sliding", settings=SlidingSettings)
 class Sliding(ImageBased):
     """e_dot = -lambda e - kappa phi sat(e / phi): far away a constant rate on top of the proportional one.
 
@@ -25,12 +40,10 @@ class Sliding(ImageBased):
 
     def __init__(self, gains_per_s, setup=LawSetup()):
         super().__init__(gains_per_s, setup)
-        if setup.sliding is None:
-            raise ParameterError(f"sliding: found nothing, law '{self.name}' needs switching_per_s and boundary")
-        self._switching, boundary = setup.sliding
-        self._boundary = tuple(boundary)
+        self._switching, self._boundary = self.settings.switching_per_s, self.settings.boundary
         if len(self._boundary) != len(self.features):
-            raise ParameterError(f"sliding/boundary: found {len(boundary)} numbers, allowed {len(self.features)}")
+            raise ParameterError(f"{self.name}/boundary: found {len(self._boundary)} numbers, allowed "
+                                 f"{len(self.features)}")
 
     def _wanted(self, e, dt_s):
         return np.array([_rate(error, gain, self._switching, boundary, dt_s)

@@ -18,8 +18,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger, TriggerResponse
 
-from aras_visual_servo_msgs.msg import (MomentFeatures, PhotometricFeatures, ServoState, SimStatus, VisualServoAction,
-                                        VisualServoFeedback, VisualServoResult)
+from aras_visual_servo_msgs.msg import ServoState, SimStatus, VisualServoAction, VisualServoFeedback, VisualServoResult
 from aras_visual_servo_msgs.srv import SetReference, SetReferenceRequest, Teach, TeachResponse
 
 from . import conversions as convert
@@ -37,8 +36,6 @@ WORKER_PERIOD_S = 0.05    # wall time; watchdog
 STATUS_PERIOD_S = 0.2     # wall time; actionlib's status topic
 HELD_S = 0.5              # wall time; a simulator that holds this long at start-up waits for an answer that is lost
 EXIT_STOPPED, EXIT_PARAMETERS = 0, 2
-# What the servo works on: topic and message.
-FEATURES = {"moments": ("camera/features", MomentFeatures), "photometric": ("camera/photometric", PhotometricFeatures)}
 
 
 class ControllerNode:
@@ -61,7 +58,7 @@ class ControllerNode:
     # --- set-up -------------------------------------------------------------------------------------------------
 
     def _read_parameters(self):
-        setup = ControllerSetup(self._set_reference)
+        setup = ControllerSetup(self._teach_camera)
         self._kinematics, self._servo, self._sequence = setup.kinematics, setup.servo, setup.sequence
         self._feedback_period_s = 1.0 / setup.feedback_rate_hz
         self._float_publishers = {joint: rospy.Publisher(name + "/command", Float64, queue_size=10, tcp_nodelay=True)
@@ -104,8 +101,8 @@ class ControllerNode:
         rospy.Service("teach", Teach, self._on_teach)
         rospy.Service("stop", Trigger, self._on_stop)
         rospy.Subscriber("joint_states", convert.LazyJointState, self._on_joints, tcp_nodelay=True)
-        topic, kind = FEATURES[self._servo.source]
-        rospy.Subscriber(topic, kind, self._on_features, tcp_nodelay=True)
+        source = self._servo.source
+        rospy.Subscriber(source.topic, convert.message_class(source.message), self._on_features, tcp_nodelay=True)
         self._status_subscriber = rospy.Subscriber("sim/status", SimStatus, self._on_sim_status)
 
     # --- one image, one answer ----------------------------------------------------------------------------------
@@ -166,8 +163,8 @@ class ControllerNode:
     def _send(self, command):
         message = convert.command_message(command)
         if self._float_publishers:
-            if message.name and self._session.view is not None:
-                self._integrator.command(command, self._session.view[1])
+            if message.name and self._session.seen is not None:
+                self._integrator.command(command, self._session.seen.q)
             message = convert.acknowledgement(command.stamp_ns)
         self._command_publisher.publish(message)
 
@@ -254,37 +251,26 @@ class ControllerNode:
 
     def _on_teach(self, request):
         with self._lock:
-            if self._session.active:
-                return TeachResponse(False, "a goal is active: stop it first", MomentFeatures())
-            if self._session.view is None:
-                return TeachResponse(False, "no image yet", MomentFeatures())
-            features, q = self._session.view
             try:
-                reference = self._set_reference(request.z_star_m or self._sequence.config.z_star_m, features)
-                self._servo.teach(reference, q)
+                stamp_ns = self._session.teach(request.z_star_m or None)
                 self._store_reference()
             except (ArasError, rospy.ROSException, rospy.ServiceException) as error:
-                return TeachResponse(False, str(error), MomentFeatures())
-            moments = reference if isinstance(reference, MomentFeatures) else MomentFeatures()
-            return TeachResponse(True, "this view is the goal", moments)
+                return TeachResponse(False, str(error), rospy.Time())
+            return TeachResponse(True, "this view is the goal", convert.to_time(stamp_ns))
 
-    def _set_reference(self, z_star_m, features):
-        """Make this view the camera node's reference and return its features normalised by it.
+    def _teach_camera(self, stamp_ns, z_star_m):
+        """Make the image of this stamp the camera node's reference, however many have come since.
 
-        The camera node takes the image it processed last, with all its moments. That is the one being answered while
-        the simulator waits for us; in a free run it may be a later one, of an arm that stands still.
         Raises:
             ParameterError: the camera node refused.  rospy.ROSException, ServiceException: it does not answer.
         """
+        if stamp_ns == 0:
+            raise ParameterError("camera/set_reference: the image of time 0 cannot be asked for (a stamp of 0 means "
+                                 "none), teach a later one")
         self._camera_reference.wait_for_service(SERVICE_TIMEOUT_S)
-        response = self._camera_reference(SetReferenceRequest(z_star_m=z_star_m, from_current_view=True))
+        response = self._camera_reference(SetReferenceRequest(z_star_m=z_star_m, stamp=convert.to_time(stamp_ns)))
         if not response.success:
             raise ParameterError(f"camera/set_reference: {response.message}")
-        if self._servo.source == "photometric":
-            return response.photometric
-        if response.reference.area != features.area:
-            rospy.logdebug("taught a later view: m00 %g instead of %g", response.reference.area, features.area)
-        return response.reference
 
     def _watch(self):
         wall_s, now_ns = time.monotonic(), convert.now_ns()

@@ -4,12 +4,13 @@ import math
 import struct
 
 import numpy as np
+import roslib.message
 import rospy
 from sensor_msgs.msg import JointState
 
 from aras_visual_servo_msgs.msg import ServoState
 
-from ..ground.errors import NotFiniteError, ShapeError
+from ..ground.errors import NotFiniteError, ParameterError, ShapeError
 
 _SEQ_SECS_NSECS = struct.Struct("<3I")
 _NS_PER_S = 1_000_000_000
@@ -29,6 +30,14 @@ def now_ns():
     """ROS time now [ns]; 0 before the first /clock message."""
     now = rospy.get_rostime()
     return now.secs * _NS_PER_S + now.nsecs
+
+
+def message_class(name):
+    """Class of a message, "package/Type". Raises ParameterError: there is none of that name."""
+    found = roslib.message.get_message_class(name)
+    if found is None:
+        raise ParameterError(f"message: found '{name}', allowed one of a package that was built")
+    return found
 
 
 class LazyJointState(JointState):

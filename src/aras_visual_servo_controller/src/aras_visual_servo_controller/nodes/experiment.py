@@ -35,6 +35,7 @@ from ..bags.record_groups import group_of, lacking, parse_groups
 from ..bags.recorder import COMPRESSIONS, Recorder
 from ..report.report import create_result_folder, format_summary, save_results
 from ..scenario.scenario import scenario_from_dict
+from ..scenario.schema import default_of
 
 NODES = ("sim", "camera_node", "controller")
 # Topics of the namespace that are not recorded: they cost the run time and can be made from what is.
@@ -241,7 +242,7 @@ class ExperimentNode:
         self._wait("the last servo_state", lambda: [] if self._done_ns is not None else ["phase done"], 10.0)
         self._wait("the pause", lambda: [] if self._status.paused else ["sim/status paused"], 10.0)
         end_ns = self._done_ns + round(CLOSING_S * 1e9)
-        period_ns = round(self._scenario.sim.get("period_s", 0.001) * 1e9)
+        period_ns = round(self._scenario.sim.get("period_s", default_of("sim.period_s")) * 1e9)
         steps = (end_ns - self._status.header.stamp.to_nsec()) // period_ns
         if steps < 0:
             rospy.logwarn("paused late: the run hash is not that of other runs")

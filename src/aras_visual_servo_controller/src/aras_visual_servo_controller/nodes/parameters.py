@@ -100,7 +100,7 @@ class ControllerSetup:
     """The controller node's parameters, made into the objects of the core.
 
     Args:
-        set_reference: as `ExperimentSequence` wants it.
+        teach_camera: as `ExperimentSequence` wants it.
     Raises:
         ParameterError: listing every fault.
 
@@ -109,7 +109,7 @@ class ControllerSetup:
         controllers: joint -> name of its ros_control controller, {} unless the command interface is float64.
     """
 
-    def __init__(self, set_reference):
+    def __init__(self, teach_camera):
         parameters = Parameters()
         robot, servo = parameters.section("robot"), parameters.section("servo")
         experiment = parameters.section("experiment")
@@ -126,7 +126,7 @@ class ControllerSetup:
             self.kinematics = parameters.build(Kinematics, urdf, robot["base_link"], robot["tip_link"])
         if self.kinematics is not None:
             self.servo = parameters.build(Servo, self.kinematics, servo)
-            self.sequence = parameters.build(ExperimentSequence, self.kinematics, self.servo, experiment, set_reference)
+            self.sequence = parameters.build(ExperimentSequence, self.kinematics, self.servo, experiment, teach_camera)
             if interface == "float64":
                 self.controllers = _controllers(parameters, self.kinematics.joint_names)
         parameters.check()

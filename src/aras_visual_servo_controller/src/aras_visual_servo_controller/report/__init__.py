@@ -1,1 +1,1 @@
-"""What a run is shown as: figures, pages, videos and tables."""
+"""Makes figures, pages, videos and tables of a run."""

@@ -10,14 +10,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import Axes3D
 
+from ..features.palette import BLUE, GREEN, GREY, VERMILION
+from ..features.style import styles
 from .pictures import PANELS, image_of, panel_title
 
-# Okabe and Ito's palette: told apart by colour-blind readers too. x, y, z, rotation keep their colour in all panels.
-BLUE, VERMILION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#AA4499"
-GREY = "#8c8c8c"
-
-FEATURE_LABELS = {"xn": "$x_n$ [m]", "yn": "$y_n$ [m]", "an": "$a_n$ [m]", "alpha": r"$\alpha$ [rad]"}
-FEATURE_COLORS = {"xn": BLUE, "yn": VERMILION, "an": GREEN, "alpha": PURPLE}
 TWIST_LABELS = ("$v_x$", "$v_y$", "$v_z$", r"$\omega_x$", r"$\omega_y$", r"$\omega_z$")
 TWIST_STYLES = tuple((color, style) for style in ("-", (0, (4, 1.5))) for color in (BLUE, VERMILION, GREEN))
 
@@ -43,7 +39,7 @@ def save_figure(record, png_path, pdf_path=None, dpi=160):
         for index, panel in enumerate(PANELS):
             axes = figure.add_subplot(grid[divmod(index, 3)], projection=Axes3D.name if panel == "path" else None)
             draw_panel(record, panel, axes, letter="abcdef"[index])
-        # No creation date: the same run gives the same bytes.
+        # Without a creation date the same run gives the same bytes.
         figure.savefig(png_path, dpi=dpi, metadata={"Software": None})
         if pdf_path is not None:
             figure.savefig(pdf_path, metadata={"CreationDate": None})
@@ -95,7 +91,8 @@ def _draw_image(axes, image):
         return
     axes.imshow(image, cmap="gray", vmin=0, vmax=255, interpolation="nearest")
     height, width = image.shape[:2]
-    # The principal axes of the image, faint: where the object is against the centre can be read off.
+    # Faint lines through the middle of the image show how far the object is from it. White and black dashes take turns,
+    # so that the lines are seen on any background.
     axes.axhline((height - 1) / 2, color="#ffffff", alpha=0.45, linewidth=0.6, linestyle=(0, (6, 4)))
     axes.axvline((width - 1) / 2, color="#ffffff", alpha=0.45, linewidth=0.6, linestyle=(0, (6, 4)))
     axes.axhline((height - 1) / 2, color="#000000", alpha=0.25, linewidth=0.6, linestyle=(5, (6, 4)))
@@ -106,9 +103,10 @@ def _draw_errors(record, axes):
     rows = record.servo_rows
     t_s = _servo_time(record, rows)
     axes.axhline(0.0, color=GREY, linewidth=0.8)
-    for column, name in enumerate(record.feature_names):
-        axes.plot(t_s, record.e[rows, column], color=FEATURE_COLORS.get(name), label=FEATURE_LABELS.get(name, name))
-    _finish_time_axes(axes, t_s, r"$\mathbf{e} = \mathbf{s} - \mathbf{s}^*$", columns=2)
+    for style, column in zip(styles(record.feature_names), record.e[rows].T):
+        axes.plot(t_s, column, color=style.colour, label=style.mathtext)
+    _finish_time_axes(axes, t_s, r"$\mathbf{e} = \mathbf{s} - \mathbf{s}^*$",
+                      columns=2 if len(record.feature_names) <= 8 else 4)
 
 
 def _draw_velocity(record, axes):

@@ -1,4 +1,4 @@
-"""A camera that stands beside the arm: what an observer saw of a run, rendered again from its joint positions."""
+"""A camera beside the arm. It renders a run from the recorded joint positions, as somebody standing there saw it."""
 
 import math
 
@@ -9,35 +9,35 @@ from ..scenario.scenario import scenario_from_dict
 from ..config.files import package_paths
 
 NAME = "observer"
-AZIMUTH, ELEVATION = math.radians(-45.0), math.radians(11.0)   # from where it looks
-FIELD_RAD = 0.95                                               # horizontal
+AZIMUTH, ELEVATION = math.radians(-45.0), math.radians(11.0)   # direction from the target to the observer
+FIELD_RAD = 0.95                                               # horizontal field of view
 FLOOR_RGB, TABLE_RGB, BACKGROUND_RGB = [204, 208, 214], [236, 236, 232], [226, 231, 238]
-# An arm with a camera in its hand reaches about this far above the camera, in heights of the camera over the target.
+# The picture shows this much of the arm above the camera, as a multiple of the height of the camera over the target.
 REACH = 1.4
-MARGIN = 1.75    # distance of the observer, in heights of what it looks at
+MARGIN = 1.75    # distance of the observer, as a multiple of the height of what it looks at
 
 
 class ObserverError(ArasError):
-    """The view cannot be rendered: the text says what the record lacks."""
+    """The view cannot be rendered. The text says what the record lacks."""
 
 
 class Observer:
     """Renders the robot of a record, at any of its rows, from the side.
 
     Args:
-        record: RunRecord with settings; its camera poses and target pose choose where the observer stands.
+        record: RunRecord with settings. Where the observer stands follows from its camera poses and target pose.
         width, height: of the picture [px].
     Raises:
-        ObserverError: the record does not say which robot and scene it was, or they are not here.
+        ObserverError: the record does not name its robot and scene, or their files are missing here.
     """
 
     def __init__(self, record, width=640, height=480):
         from aras_visual_servo_sim import Simulation
         if not record.settings:
-            raise ObserverError("the record does not hold its scenario: which robot it was is unknown")
+            raise ObserverError("the record does not hold its scenario, so nobody knows which robot it shows")
         path = record.X_WC[record.servo_rows, :3, 3]
         known = path[np.all(np.isfinite(path), axis=1)]
-        # Rounded: a pose that went through a bag's quaternion gives the same picture.
+        # A pose read from a bag was a quaternion and differs in its last digits. Rounded, it gives the same picture.
         at_C = np.round(known.mean(axis=0), 4) if len(known) else np.array([0.0, 0.0, 1.0])
         at_T = at_C * [1, 1, 0] if record.X_WT is None else np.round(record.X_WT[:3, 3], 4)
         try:

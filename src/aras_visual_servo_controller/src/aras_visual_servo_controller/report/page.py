@@ -1,4 +1,4 @@
-"""report.html of a run: one self-contained page, readable on a phone and on paper, whole without a script."""
+"""report.html of a run: one self-contained page, readable on a phone and on paper, and complete without JavaScript."""
 
 import base64
 import json
@@ -9,14 +9,12 @@ import zlib
 import numpy as np
 import yaml
 
-from . import pictures
-
-from . import plots
-from ..run.record import FEATURE_UNITS
+from . import pictures, plots
 from .rows import comparison_rows, is_number
-from ..config.files import share_dir
+from ..features.style import styles
+from .template import render, source
 
-# A larger video stays beside the page instead of inside: mail and phones choke on more.
+# A larger video is not put into the page but stays a file beside it: mail programs and phones refuse larger pages.
 EMBEDDED_VIDEO_BYTES = 8_000_000
 
 
@@ -27,36 +25,31 @@ def report_html(record, summary, command=None, film=None):
         record: RunRecord.  summary: `report.summarise(record)`.  command: how to repeat the run, None: in process.
         film: `video.Film` of the run, or None.
     """
-    import jinja2
-
-    config = share_dir() / "config"
-    environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True,
-                                     undefined=jinja2.StrictUndefined)
-    template = environment.from_string((config / "report.html.j2").read_text(encoding="utf-8"))
     drawn = plots.plots_of(record, pictures.panel_title(record, "velocity"))
     for plot in drawn:
-        # "<" could end the script element it stands in.
+        # A "<" in the numbers or names could end the script element that contains them.
         plot["json"] = json.dumps(plot.pop("data"), ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
     scenario = yaml.safe_dump(record.settings, sort_keys=False, allow_unicode=True) if record.settings else ""
-    return template.render(
-        summary=summary, images=_images(record), plots=drawn, film=film and _film(film),
-        script=(config / "report.js").read_text(encoding="utf-8") if drawn else "",
+    return render(
+        "report.html.j2", summary=summary, images=_images(record), plots=drawn, film=film and _film(film),
+        script=source("report.js") if drawn else "",
         rows=comparison_rows(summary), features=_feature_rows(summary), settings=flat_settings(record),
         scenario=scenario, scenario_src=data_uri(scenario.encode(), "text/yaml"),
         command=command or f"rosrun aras_visual_servo_controller run {summary['scenario']} --in-process")
 
 
 def data_uri(content, kind):
-    """Bytes as an address that holds them, str."""
+    """A data: address that contains these bytes, str."""
     return f"data:{kind};base64," + base64.b64encode(content).decode("ascii")
 
 
 def png_bytes(image):
-    """A PNG file, bytes, of a uint8 image (h, w) or (h, w, 3) rgb. Always the same bytes for the same pixels."""
+    """The bytes of a PNG file of a uint8 image (h, w) or (h, w, 3) rgb. The same pixels always give the same bytes."""
     height, width = image.shape[:2]
     colour = 2 if image.ndim == 3 else 0
     rows = np.ascontiguousarray(image, dtype=np.uint8).reshape(height, -1)
-    raw = np.concatenate([np.zeros((height, 1), np.uint8), rows], axis=1).tobytes()  # 0: no filter, at each row
+    # Each row begins with the number of its filter, 0 for none.
+    raw = np.concatenate([np.zeros((height, 1), np.uint8), rows], axis=1).tobytes()
 
     def chunk(name, content):
         return struct.pack(">I", len(content)) + name + content + struct.pack(">I", zlib.crc32(name + content))
@@ -66,7 +59,7 @@ def png_bytes(image):
 
 
 def _images(record):
-    """The camera's own pixels: title and address (None: not in the record) of each picture."""
+    """Title and data address of each picture, in the camera's own pixels; address None if the record lacks it."""
     shown = []
     for letter, panel in (("a", "desired"), ("b", "initial"), ("c", "difference"), ("", "final")):
         image = pictures.image_of(record, panel)
@@ -86,23 +79,21 @@ def _film(film):
 
 
 def _feature_rows(summary):
-    names = {"xn": "x<sub>n</sub>", "yn": "y<sub>n</sub>", "an": "a<sub>n</sub>", "alpha": "α"}
-    rows = []
-    for name, value in summary["final_feature_error"].items():
-        unit = FEATURE_UNITS.get(name, "")
-        scale, unit = {"m": (1e3, "mm"), "rad": (180.0 / math.pi, "deg")}.get(unit, (1.0, unit))
-        threshold = summary["thresholds"].get(name)
-        rate, asked = summary["measured_decay_per_s"].get(name), summary["promised_decay_per_s"].get(name)
-        rows.append({"name": names.get(name, name), "unit": unit,
-                     "value": f"{value * scale:+.4f}" if is_number(value) else "unknown",
-                     "threshold": f"{threshold * scale:.4g}" if threshold is not None else "",
-                     "gain": f"{asked:g}" if asked is not None else "",
+    rows, errors = [], summary["final_feature_error"]
+    for style, value in zip(styles(errors), errors.values()):
+        threshold, gain = summary["thresholds"].get(style.name), summary["gains_per_s"].get(style.name)
+        rate = summary["measured_decay_per_s"].get(style.name)
+        # Three digits of the threshold, so that an error can be held against it.
+        digits = max(4, 2 - math.floor(math.log10(threshold * style.factor))) if threshold else 4
+        rows.append({"style": style, "value": f"{value * style.factor:+.{digits}f}" if is_number(value) else "unknown",
+                     "threshold": f"{threshold * style.factor:.4g}" if threshold is not None else "",
+                     "gain": f"{gain:g}" if gain is not None else "",
                      "rate": f"{rate:.2f}" if is_number(rate) else ""})
     return rows
 
 
 def flat_settings(record):
-    """(key, value as text) of every setting of the record's scenario that shapes the result, flat."""
+    """Rows (dotted key, value as text): every setting of the record's scenario that influences the result."""
     rows = []
     for section in ("robot", "sim", "vision", "servo", "experiment"):
         rows += _flatten(section, record.settings.get(section, {}))

@@ -1,4 +1,4 @@
-"""What the panels of a run show, whoever draws them: titles and images. numpy only."""
+"""Titles and images of the panels of a run, for the figure and for the page. numpy only."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ TITLES = {"desired": "desired image", "initial": "initial image", "difference": 
 
 
 def panel_title(record, panel):
-    """Title of a panel. A look-then-move velocity is the law's: each look moves by it times the sample time."""
+    """Title of a panel. In look-then-move each look moves the camera by the law's velocity times the sample time."""
     servo = record.settings.get("servo", {})
     if panel == "velocity" and servo.get("mode") == "look_then_move":
         return f"velocity of the law, T = {servo.get('sample_time_s', 0.01):g} s per look"
@@ -17,7 +17,10 @@ def panel_title(record, panel):
 
 
 def image_of(record, panel):
-    """The uint8 image (h, w) or (h, w, 3) of an image panel, or None; differences: mid grey where equal."""
+    """The uint8 image (h, w) or (h, w, 3) of a panel, None if the record lacks it.
+
+    A difference of two images is mid grey where they are equal.
+    """
     if panel == "desired":
         return record.desired_image
     if panel == "initial":

@@ -1,25 +1,29 @@
-"""Plots of a run as inline SVG for the report: what stands there without a script, and the numbers a script needs to
-zoom, pan, turn and read them off (config/report.js). No matplotlib: these are part of the page, the figure is not.
+"""Plots of a run as inline SVG for the report: what stands there without a script, and the numbers that the script
+config/templates/report.js needs to zoom, pan, turn and read them off. No matplotlib: these plots are part of the page.
 
-A plot is a dict: id, kind ("time" or "path"), title, svg (text), legend (rows of name, colour, dash), data (JSON-able).
+A plot is a dict: id, kind ("time" or "path"), title, svg (text), legend (rows of name, colour, dash), data (for JSON).
 """
 
 import math
+from html import escape
 
 import numpy as np
 
-BLUE, VERMILION, GREEN, PURPLE, GREY = "#0072B2", "#D55E00", "#009E73", "#AA4499", "#8c8c8c"
+from ..features.base import spread
+from ..features.palette import BLUE, GREEN, VERMILION
+from ..features.style import styles, units
+
 # Symbol with its subscript, colour, dash, factor to the unit that is read off.
-FEATURES = {"xn": ("x", "n", BLUE, "", 1e3, "mm"), "yn": ("y", "n", VERMILION, "", 1e3, "mm"),
-            "an": ("a", "n", GREEN, "", 1e3, "mm"), "alpha": ("α", "", PURPLE, "", 180.0 / math.pi, "deg")}
 TWIST = tuple((letter, axis, color, dash, factor, unit)
               for letter, dash, factor, unit in (("v", "", 1e3, "mm/s"), ("ω", "6 3", 180.0 / math.pi, "deg/s"))
               for axis, color in zip("xyz", (BLUE, VERMILION, GREEN)))
+PATH_COLORS = {"path": BLUE, "start": VERMILION, "goal": GREEN}
 WIDTH, HEIGHT = 520, 310
 LEFT, RIGHT, TOP, BOTTOM = 62, 10, 12, 44
-SIGNIFICANT = 7          # digits of the numbers in the page: more than a plot of any zoom can show
-LOG_FLOOR = 1e-7         # errors below are drawn there [m, rad]
-AZIMUTH, ELEVATION = math.radians(-57.0), math.radians(22.0)   # from where the path is seen
+SIGNIFICANT = 7          # digits of the numbers in the page: more than any zoom of a plot can show
+LOG_FLOOR = 1e-7         # smaller errors are drawn at this height, in the units of the features
+DASH, GAP = 4, 3         # of the dashed lines at the thresholds [px]
+AZIMUTH, ELEVATION = math.radians(-57.0), math.radians(22.0)   # direction from which the path is seen
 
 
 def plots_of(record, title_of_velocity="camera velocity"):
@@ -27,7 +31,8 @@ def plots_of(record, title_of_velocity="camera velocity"):
 
     Args:
         record: RunRecord.
-        title_of_velocity: the velocity of a look-then-move run is the law's, not the camera's.
+        title_of_velocity: title of the third plot, which for a look-then-move run shows the velocity that the law asks
+            for and not that of the camera.
     Returns:
         list of plots as described above; [] for a record without servo rows.
     """
@@ -35,16 +40,15 @@ def plots_of(record, title_of_velocity="camera velocity"):
     if not len(rows):
         return []
     t_s = (record.stamp_ns[rows] - record.stamp_ns[rows[0]]) * 1e-9
-    series = [_series(FEATURES.get(name, (name, "", GREY, "", 1.0, "")), record.e[rows, column])
-              for column, name in enumerate(record.feature_names)]
-    thresholds = record.settings.get("servo", {}).get("thresholds", {})
-    levels = [{"y": float(thresholds[name]), "color": FEATURES[name][2]}
-              for name in record.feature_names if name in thresholds and name in FEATURES]
+    features = styles(record.feature_names)
+    series = [_series((one.letter, one.subscript, one.colour, "", one.factor, one.read_unit), record.e[rows, column])
+              for column, one in enumerate(features)]
+    levels = _levels(features, spread(record.settings.get("servo", {}).get("thresholds", {})))
     twist = [_series(style, record.twist[rows, column]) for column, style in enumerate(TWIST)]
     plots = [
-        _time_plot("errors", "feature errors, e = s − s*", t_s, series, "e  [m], [rad]"),
-        _time_plot("convergence", "their size, and where the stop rule lies (dashed)", t_s, series, "|e|  [m], [rad]",
-                   log=True, levels=levels),
+        _time_plot("errors", "feature errors, e = s − s*", t_s, series, f"e  {units(features)}"),
+        _time_plot("convergence", "size of the errors, and thresholds of the stop rule (dashed)", t_s, series,
+                   f"|e|  {units(features)}", log=True, levels=levels),
         _time_plot("velocity", title_of_velocity, t_s, twist, "v [m/s], ω [rad/s]")]
     path = _path_plot(record, rows, t_s)
     return plots + ([path] if path else [])
@@ -60,7 +64,7 @@ def nice_ticks(low, high, count):
 
 
 def tick_text(value, step):
-    """A tick with the digits its step needs; a true minus sign."""
+    """Text of a tick, with as many digits as the step needs and a true minus sign."""
     digits = max(0, -math.floor(math.log10(step) + 1e-9))
     return (f"{value:.{digits}f}" if digits < 6 else f"{value:.1e}").replace("-", "−")
 
@@ -71,8 +75,19 @@ def _series(style, values):
             "y": [_number(value) for value in values]}
 
 
+def _levels(features, thresholds):
+    """Lines at the thresholds: y, colour, dash and where the dash begins. Lines of the same height take turns."""
+    found = [(float(thresholds[one.name]), one.colour) for one in features if one.name in thresholds]
+    levels = []
+    for index, (y, colour) in enumerate(found):
+        sharing, before = (sum(other == y for other, _ in some) for some in (found, found[:index]))
+        levels.append({"y": y, "color": colour, "dash": f"{DASH} {sharing * (DASH + GAP) - DASH}",
+                       "offset": -before * (DASH + GAP)})
+    return levels
+
+
 def _number(value):
-    """Rounded for the page; None for what is not finite (JSON has no NaN)."""
+    """The number rounded for the page, None if it is not finite: JSON has no NaN."""
     return float(f"{value:.{SIGNIFICANT}g}") if math.isfinite(value) else None
 
 
@@ -110,7 +125,8 @@ def _time_svg(data):
                      f'<text x="{LEFT - 6}" y="{v + 4:.1f}" text-anchor="end">{words}</text>')
     for level in data["levels"] if data["log"] else ():
         v = at(0, math.log10(level["y"]))[1]
-        parts.append(f'<path class="level" stroke="{level["color"]}" d="M{LEFT} {v:.1f}H{WIDTH - RIGHT}"/>')
+        parts.append(f'<path class="level" stroke="{level["color"]}" stroke-dasharray="{level["dash"]}" '
+                     f'stroke-dashoffset="{level["offset"]}" d="M{LEFT} {v:.1f}H{WIDTH - RIGHT}"/>')
     for one, ys in zip(data["series"], drawn):
         style = f' stroke="{one["color"]}" stroke-dasharray="{one["dash"] or "none"}"'
         parts += [_polyline("curve", [at(*point) for point in run], style) for run in _runs(data["t"], ys)]
@@ -118,7 +134,7 @@ def _time_svg(data):
     parts.append(f'<text x="{(LEFT + WIDTH - RIGHT) / 2}" y="{HEIGHT - 7}" text-anchor="middle">'
                  'time since the servo started [s]</text>')
     parts.append(f'<text transform="translate(13 {(TOP + HEIGHT - BOTTOM) / 2}) rotate(-90)" text-anchor="middle">'
-                 f'{data["label"]}</text>')
+                 f'{escape(data["label"])}</text>')
     return _svg(parts)
 
 
@@ -152,16 +168,15 @@ def _path_plot(record, rows, t_s):
     if not known.any():
         return None
     data = {"t": [_number(t) for t in t_s[known]], "p": [[_number(x) for x in point] for point in p[known]],
-            "goal": [_number(x) for x in goal] if np.all(np.isfinite(goal)) else None}
-    legend = [{"name": "path", "sub": "", "color": BLUE, "dash": ""},
-              {"name": "○ start", "sub": "", "color": VERMILION, "dash": ""},
-              {"name": "★ goal (taught)", "sub": "", "color": GREEN, "dash": ""}]
+            "goal": [_number(x) for x in goal] if np.all(np.isfinite(goal)) else None, "colors": PATH_COLORS}
+    words = {"path": "path", "start": "○ start", "goal": "★ goal (taught)"}
+    legend = [{"name": words[part], "sub": "", "color": color, "dash": ""} for part, color in PATH_COLORS.items()]
     return {"id": "path", "kind": "path", "title": "path of the camera in the world, to scale", "legend": legend,
             "data": data, "svg": _path_svg(data)}
 
 
 def path_box(data):
-    """Centre and half edges of the box around path and goal, (3,) each [m]; no edge under a third of the longest."""
+    """Centre and half edges of the box around path and goal, (3,) each [m]. No edge is under a third of the longest."""
     points = np.array(data["p"] + ([data["goal"]] if data["goal"] else []))
     low, high = points.min(axis=0), points.max(axis=0)
     edges = np.maximum(high - low, 1e-3)
@@ -171,11 +186,11 @@ def path_box(data):
 def _path_svg(data):
     centre, half = path_box(data)
     sa, ca, se, ce = math.sin(AZIMUTH), math.cos(AZIMUTH), math.sin(ELEVATION), math.cos(ELEVATION)
-    round_half = math.hypot(half[0], half[1])   # so that the box fits however it is turned
+    round_half = math.hypot(half[0], half[1])   # with it the box fits into the picture however it is turned
     scale = min((WIDTH - 110) / (2 * round_half), (HEIGHT - 80) / (2 * (half[2] * ce + round_half * se)))
 
     def at(p):
-        """Orthographic view from azimuth and elevation, world z up."""
+        """Place in the picture of a point: orthographic view from AZIMUTH and ELEVATION, world z up."""
         x, y, z = np.asarray(p) - centre
         return WIDTH / 2 + scale * (-sa * x + ca * y), HEIGHT / 2 - 8 - scale * (ce * z - se * (ca * x + sa * y))
 

@@ -1,11 +1,11 @@
 """Result folder of a run: summary.json, trace.csv, figure.{png,pdf}, report.html. Reads a RunRecord, writes files.
 
-    folder = create_result_folder("results", scenario.name)      # before the run: a full or read-only disk shows now
+    folder = create_result_folder("results", scenario.name)      # before the run, to notice a full or read-only disk
     summary = save_results(record, folder)
     print(format_summary(summary))
 
-Everything but `real_time_factor`, `wall_s` and `versions` is a function of the record: the same run gives the same
-bytes. No wall-clock date is written into any file; the folder's name carries it.
+The same run gives the same bytes, except for `real_time_factor`, `wall_s` and `versions`. No file contains the date of
+the run; the name of the folder does.
 """
 
 import csv
@@ -19,10 +19,12 @@ from pathlib import Path
 
 import numpy as np
 
+from ..features.base import spread
+from ..features.style import styles
 from ..ground.errors import ArasError
 from ..ground.spatial import quaternion_xyzw
 from ..run.judge import judge, tracking
-from ..run.record import FEATURE_UNITS, TWIST_NAMES
+from ..run.record import TWIST_NAMES
 from .rows import comparison_rows, is_number
 from .versions import installed_versions
 
@@ -33,7 +35,6 @@ PUBLISHED = {
     "experiment_2": {"label": "paper, experiment 2",
                      "x_mm": 4.0, "y_mm": 8.9, "z_mm": 7.2, "angle_deg": 0.03},
 }
-FEATURE_SYMBOLS = {"xn": "x_n", "yn": "y_n", "an": "a_n", "alpha": "alpha"}
 
 
 class ResultFolderError(ArasError):
@@ -41,11 +42,11 @@ class ResultFolderError(ArasError):
 
 
 def create_result_folder(output, scenario_name, stamp=None):
-    """Make the empty folder OUTPUT/SCENARIO/STAMP and prove that it can be written.
+    """Make the empty folder OUTPUT/SCENARIO/STAMP and try whether it can be written.
 
     Args:
         output: root folder of all results.  scenario_name: name of the scenario.
-        stamp: name of the folder; None: local wall time, e.g. 20260131-142501, with -2, -3 ... when taken.
+        stamp: name of the folder. None takes the local time, e.g. 20260131-142501, with -2, -3, ... if that exists.
     Returns:
         Path of the new folder.
     Raises:
@@ -73,20 +74,21 @@ def create_result_folder(output, scenario_name, stamp=None):
 
 
 def save_results(record, folder, command=None, video=False, panels=False):
-    """Judge a run and write its result folder, the numbers before the pictures.
+    """Judge a run and write its result folder. The numbers are written first, before the pictures are drawn.
 
     Args:
         record: RunRecord.  folder: existing folder.  command: how to repeat the run, for the report.
         video: write video.mp4 too (needs the images of the servo phase in the record, and ffmpeg) and show it in the
-            report; what stands in its way becomes a note of the report, which is written all the same.
+            report. If the video cannot be made, the report is written without it and a note in it says why.
         panels: write each of the six panels as panel_NAME.pdf too.
     Returns:
         The summary, as written to summary.json (see `summarise`), with `report`, the path of report.html (str).
     Raises:
-        ResultFolderError: a file cannot be written.  NothingToJudge (trace.csv is there already).
+        ResultFolderError: a file cannot be written.
+        NothingToJudge: the run never servoed; only trace.csv is written then.
     """
     from . import figure
-    from . import page  # matplotlib and jinja2 take half a second to import
+    from . import page  # only here: matplotlib and jinja2 take half a second to import
     folder = Path(folder)
     _write(folder / "trace.csv", trace_csv(record))
     summary = summarise(record)
@@ -95,7 +97,7 @@ def save_results(record, folder, command=None, video=False, panels=False):
         film, notes = _save_video(record, folder / "video.mp4")
         summary["notes"] += notes
     else:
-        (folder / "video.mp4").unlink(missing_ok=True)  # of an earlier report of another run
+        (folder / "video.mp4").unlink(missing_ok=True)  # an earlier report may have left one
     _write(folder / "summary.json", json.dumps(_json_safe(summary), indent=2) + "\n")
     try:
         figure.save_figure(record, folder / "figure.png", folder / "figure.pdf")
@@ -117,7 +119,10 @@ def _save_video(record, path):
 
 
 def summarise(record):
-    """Summary of a run as a JSON-able dict; judged by `experiment.judge`, keys in the order they are read."""
+    """Summary of a run as a dict for JSON, judged by the scenario's `experiment.judge`.
+
+    The keys stand in the order in which readers ask for them.
+    """
     result = judge(record)
     servo = record.settings.get("servo", {})
     base = published_name(record.scenario)
@@ -135,8 +140,8 @@ def summarise(record):
         "tracking": tracking(record) if servo.get("track") else None,
         "published": PUBLISHED.get(base),
         "final_feature_error": result.final_feature_error,
-        "thresholds": dict(servo.get("thresholds", {})),
-        "gains_per_s": dict(servo.get("gains_per_s", {})),
+        "thresholds": spread(servo.get("thresholds", {})),
+        "gains_per_s": spread(servo.get("gains_per_s", {})),
         "promised_decay_per_s": result.gains_per_s,
         "measured_decay_per_s": result.decay_per_s,
         "law": servo.get("law"),
@@ -157,13 +162,13 @@ def published_name(scenario):
 
 
 def trace_csv(record):
-    """The record as CSV text: one row per image. Empty cells are values that did not exist at that image.
+    """The record as CSV text, one row per image. A cell is empty if its value did not exist at that image.
 
-    Columns: t_s, phase, status, e_<feature>, V_<vx..wz>, q_<joint>, p_WC_{x,y,z}_m and q_WC_{x,y,z,w} (true pose of
-    the camera in the world, unit quaternion with w >= 0).
+    Columns: t_s, phase, status, e_<feature>_<unit>, V_<vx..wz>, q_<joint>, p_WC_{x,y,z}_m and q_WC_{x,y,z,w} (true
+    pose of the camera in the world, unit quaternion with w >= 0).
     """
     header = (["t_s", "phase", "status"]
-              + [f"e_{name}_{FEATURE_UNITS.get(name, '')}".rstrip("_") for name in record.feature_names]
+              + [f"e_{style.column}" for style in styles(record.feature_names)]
               + [f"V_{name}_{'m_s' if name[0] == 'v' else 'rad_s'}" for name in TWIST_NAMES]
               + [f"q_{name}" for name in record.joint_names]
               + [f"p_WC_{axis}_m" for axis in "xyz"] + [f"q_WC_{axis}" for axis in "xyzw"])
@@ -190,7 +195,7 @@ def format_summary(summary):
     rates = {name: rate for name, rate in summary["measured_decay_per_s"].items() if is_number(rate)}
     if rates and summary["promised_decay_per_s"]:
         asked = summary["promised_decay_per_s"]
-        text = ", ".join(f"{FEATURE_SYMBOLS.get(name, name)} {rate:.2f} (asked {asked[name]:g})"
+        text = ", ".join(f"{name} {rate:.2f} (asked {asked[name]:g})"
                          for name, rate in rates.items() if name in asked)
         lines.append(f"{'decay [1/s]':<20}{text}")
     if is_number(summary["real_time_factor"]):
@@ -205,7 +210,7 @@ def format_summary(summary):
 
 
 def _json_safe(value):
-    """NaN and infinity as null: JSON has neither."""
+    """The value with null for NaN and infinity, which JSON does not have."""
     if isinstance(value, dict):
         return {key: _json_safe(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
@@ -214,7 +219,7 @@ def _json_safe(value):
 
 
 def _write(path, text):
-    """Write a whole file or none: a run that is cut leaves no half of a file."""
+    """Write a whole file or none, so that an interrupted run leaves no half of a file."""
     partial = path.with_name(path.name + ".part")
     try:
         partial.write_text(text, encoding="utf-8")

@@ -30,5 +30,5 @@ def _signed(error, key):
 
 
 def is_number(value):
-    """Is it there and finite?"""
+    """Whether the value exists and is finite."""
     return value is not None and math.isfinite(value)

@@ -1,4 +1,4 @@
-"""Versions of what a result depends on, read from the installed files; no ROS."""
+"""Versions of the programs and libraries that a result depends on, read from the installed files without ROS."""
 
 import functools
 import glob
@@ -10,7 +10,7 @@ from importlib import metadata
 
 from ..config.files import share_dir
 
-# Shared libraries of Debian's packages; the file name carries the version.
+# Shared libraries of Debian's packages. The version is part of the file name.
 _LIBRARIES = {"visp": "libvisp_core.so.*", "bullet": "libBulletDynamics*.so.*",
               "kdl": "liborocos-kdl.so.*", "opencv": "libopencv_core.so.*"}
 _FOLDERS = ("/usr/lib/*-linux-gnu", "/usr/lib", "/usr/local/lib")

@@ -13,20 +13,22 @@ from pathlib import Path
 
 import numpy as np
 
+from ..features.palette import BLUE, GREEN, VERMILION, rgb
+from ..features.style import styles
 from ..ground.errors import ArasError
-from .plots import FEATURES
 
 WIDTH, VIEW_HEIGHT, CURVES_HEIGHT = 1280, 480, 240
 HALF = WIDTH // 2
-HOLD_S = 0.8                  # the last frame stands still for this long
-SEEN_RGB, WANTED_RGB, TRAIL_RGB = (230, 80, 0), (0, 158, 115), (0, 114, 178)
+LEGEND_COLUMNS = 8
+HOLD_S = 0.8                  # the last frame is shown for this long
+SEEN_RGB, WANTED_RGB, TRAIL_RGB = rgb(VERMILION), rgb(GREEN), rgb(BLUE)
 SUBPIXEL_BITS = 4             # cv2 draws at fractions of a pixel
 ENCODER = ("-c:v", "libx264", "-preset", "veryfast", "-crf", "21", "-pix_fmt", "yuv420p", "-movflags", "+faststart",
            "-fflags", "+bitexact", "-flags:v", "+bitexact", "-map_metadata", "-1")
 
 
 class VideoError(ArasError):
-    """The video cannot be made; the text says what is missing."""
+    """The video cannot be made. The text says what is missing."""
 
 
 @dataclass(frozen=True)
@@ -43,12 +45,14 @@ def save_video(record, path, ffmpeg="ffmpeg"):
     """Write the video of the servo phase, one frame per image, at the speed of simulated time.
 
     Args:
-        record: RunRecord with `images`.  path: of the .mp4 to write, replaced whole or not at all.
+        record: RunRecord with `images`.
+        path: of the .mp4 to write; an earlier file there is replaced when this one is complete.
         ffmpeg: name or path of the encoder.
     Returns:
         Film.
     Raises:
-        VideoError: no ffmpeg, no images in the record, no robot to show, or ffmpeg failed, with its words.
+        VideoError: ffmpeg is missing or failed (its words are quoted), the record has no images, or its robot cannot
+            be shown.
     """
     program = shutil.which(ffmpeg)
     if program is None:
@@ -75,7 +79,7 @@ def save_video(record, path, ffmpeg="ffmpeg"):
                     process.stdin.write(frame.tobytes())
                     frames += 1
         except BrokenPipeError:
-            pass  # it died: its words say why
+            pass  # ffmpeg has ended; what it printed says why, and is reported below
         except BaseException:
             process.kill()
             raise
@@ -130,7 +134,7 @@ class Composer:
         return frame
 
     def _camera_view(self, index):
-        """The camera's image, as large as fits, with what was seen and what is wanted."""
+        """The camera's image, as large as fits, with the features that are seen and those that are wanted drawn in."""
         import cv2
         image = self._record.images[self._rows[index]]
         image = np.repeat(image[..., None], 3, axis=2) if image.ndim == 2 else image
@@ -141,7 +145,7 @@ class Composer:
         picture = np.ascontiguousarray(cv2.resize(image, size, interpolation=cv2.INTER_NEAREST))
 
         def at(p):
-            """Corner of cv2's fixed-point pixels for (u, v) of the camera's image."""
+            """(u, v) of the camera's image as cv2 takes points: fixed-point numbers, here of the enlarged picture."""
             return tuple(int(round(((x + 0.5) * scale - 0.5) * (1 << SUBPIXEL_BITS))) for x in p)
 
         def line(a, b, color, width):
@@ -171,28 +175,27 @@ class Composer:
         return view
 
     def _curves(self):
-        """Feature errors, faint and full, (CURVES_HEIGHT, WIDTH, 3) each, and the columns of the time axis' ends."""
+        """The plot of the feature errors in faint and in full colours, (CURVES_HEIGHT, WIDTH, 3) each, and the columns
+        of pixels where its time axis begins and ends."""
         import matplotlib
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
-        from .figure import FEATURE_COLORS, FEATURE_LABELS, STYLE
-        pictures, dpi = [], 100
+        from .figure import STYLE
+        shown, pictures, dpi = styles(self._record.feature_names), [], 100
         for strength in (0.22, 1.0):
             with matplotlib.rc_context(dict(STYLE, **{"font.size": 13, "axes.labelsize": 14, "xtick.labelsize": 13,
                                                       "ytick.labelsize": 13, "legend.fontsize": 14})):
                 figure = Figure(figsize=(WIDTH / dpi, CURVES_HEIGHT / dpi), dpi=dpi)
                 canvas = FigureCanvasAgg(figure)
                 axes = figure.add_axes((0.08, 0.24, 0.9, 0.72))
-                for column, name in enumerate(self._record.feature_names):
-                    axes.plot(self._t_s, self._record.e[self._rows, column], alpha=strength, linewidth=2.4,
-                              color=FEATURE_COLORS.get(name))
-                    axes.plot([], [], color=FEATURE_COLORS.get(name), linewidth=2.4,
-                              label=FEATURE_LABELS.get(name, name))
+                for style, column in zip(shown, self._record.e[self._rows].T):
+                    axes.plot(self._t_s, column, alpha=strength, linewidth=2.4, color=style.colour)
+                    axes.plot([], [], color=style.colour, linewidth=2.4, label=style.mathtext)
                 axes.set_xlim(0.0, max(self._t_s[-1], 1e-9))
                 axes.set_xlabel("time since the servo started [s]", labelpad=1)
                 axes.set_ylabel(r"$\mathbf{e}$")
-                axes.legend(loc="upper right", ncol=len(FEATURES), handlelength=1.4)
+                axes.legend(loc="upper right", ncol=min(len(shown), LEGEND_COLUMNS), handlelength=1.4)
                 canvas.draw()
                 pictures.append(np.array(canvas.buffer_rgba())[:, :, :3])
         return (*pictures, 0.08 * WIDTH, 0.98 * WIDTH)

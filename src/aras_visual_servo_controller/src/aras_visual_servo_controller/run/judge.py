@@ -1,4 +1,4 @@
-"""Judge a run by the true camera pose, not by what the servo saw; numpy only.
+"""Judge a run by the true camera pose, not by the features that the servo saw. Needs numpy only.
 
 `judge(record)` is a pure function of the record. `run_in_process(scenario)` makes such a record without ROS.
 """
@@ -8,13 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..features.base import spread
 from ..ground.errors import ArasError
 from ..ground.spatial import rotation_angle
 from ..ground.types import FEATURE_NAMES, Status
 
 # A decay is fitted while the error is above this share of its largest value ...
 FIT_FLOOR_SHARE = 0.05
-# ... and above this many times its stop threshold: below, the pixels and not the law shape it.
+# ... and above this many times its stop threshold. Below that, the error is shaped by the pixels and not by the law.
 FIT_FLOOR_THRESHOLDS = 3.0
 FIT_MIN_ROWS = 8
 
@@ -29,14 +30,14 @@ class Judgement:
 
     Attributes:
         converged: the stop rule was met.  reason: the last status in words.
-        passed: converged, and the true final error is within the scenario's `experiment.judge`.
-        faults: why not passed, one line each.
+        passed: the run converged, and the true final error is within the scenario's `experiment.judge`.
+        faults: why the run did not pass, one line each.
         duration_s: simulated seconds from the first servo image to the one that ended it.
         final_error: x_mm, y_mm, z_mm of p_CgC in the goal camera frame Cg and the total angle_deg of R_CgC.
         initial_error: the same at the first servo image.
-        final_feature_error: feature name -> e at the end [m, alpha in rad].
-        decay_per_s: feature name -> rate of the fitted exponential [1/s], NaN where the error is too small to tell.
-        gains_per_s: feature name -> lambda asked for; {} if the law promises no exponential.
+        final_feature_error: feature name -> e at the end, in its unit (features.styles).
+        decay_per_s: feature name -> rate of the fitted exponential [1/s], NaN where the error is too small for a fit.
+        gains_per_s: feature name -> gain lambda of the scenario; {} if the law promises no exponential decay.
         limits: the scenario's judge thresholds, {} if it has none.
         images: number of servo images.
     """
@@ -64,7 +65,7 @@ def run_in_process(scenario, progress=None, keep_images=False):
     Returns:
         RunRecord.
     """
-    from .loop import ServoLoop  # binds to the C++ modules: only when really run
+    from .loop import ServoLoop  # needs the C++ modules, so it is imported only when a scenario is run
     return ServoLoop(scenario).run(progress=progress, keep_images=keep_images)
 
 
@@ -106,7 +107,8 @@ def taught_pose(record):
 
 
 def goal_pose(record, row):
-    """X_WCg, (4, 4), at an image: the taught pose of the camera relative to the target, where the target is then."""
+    """X_WCg, (4, 4), at an image: the camera's taught pose relative to the target, for the target's pose at that
+    image."""
     X_WCg = taught_pose(record)
     if record.target_poses is None:
         return X_WCg
@@ -115,7 +117,7 @@ def goal_pose(record, row):
 
 
 def tracking(record):
-    """How well a goal was followed, over the second half of the servo images: root mean squares.
+    """How well a moving goal was followed: root mean squares over the second half of the servo images.
 
     Returns:
         dict e (feature name -> rms of e), position_mm and angle_deg (of the true X_CgC, Cg moving with the target).
@@ -147,7 +149,7 @@ def fit_decay(record):
         dict feature name -> rate, NaN if fewer than FIT_MIN_ROWS images stand above the floor.
     """
     rows = record.servo_rows
-    t_s, thresholds = record.t_s[rows], record.settings.get("servo", {}).get("thresholds", {})
+    t_s, thresholds = record.t_s[rows], spread(record.settings.get("servo", {}).get("thresholds", {}))
     rates = {}
     for column, name in enumerate(record.feature_names):
         size = np.abs(record.e[rows, column])

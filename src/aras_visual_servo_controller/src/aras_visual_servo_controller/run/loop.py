@@ -1,6 +1,6 @@
-"""The whole servo loop in one process: simulator, moments, sequence. No ROS, no wall time in what it computes.
+"""The whole servo loop in one process: simulator, moments, sequence. No ROS; results do not depend on wall time.
 
-The nodes do the same in the same order with the same objects; in lockstep they give the same bytes (tests/ros).
+The nodes call the same objects in the same order, and in lockstep they give the same bytes (tests/ros).
 """
 
 import time
@@ -11,16 +11,19 @@ from ..ground.errors import ParameterError
 from ..arm.kinematics import Kinematics
 from .record import RecordBuilder
 from ..config.files import package_paths
+from ..features.sources import source_named
 from .sequence import ExperimentSequence
 from ..servo.servo import Servo
 from ..ground.types import Observation, ServoRecord, Status
 
-#: Simulated time that a run goes on after its end, arm at rest: over ROS the simulator cannot be paused at once, and
-#: both ways of running must end at the same tick to end with the same run hash [s].
+#: Simulated time for which a run goes on after its end, with the arm at rest [s]. Over ROS the simulator cannot be
+#: paused at once, and a run over ROS and one in process must end at the same tick to have the same run hash.
 CLOSING_S = 2.0
 #: Simulated time after which `run` gives up on an experiment that does not end by itself [s].
 DEFAULT_LIMIT_S = 300.0
 PROGRESS_ROWS = 30
+#: Source whose features are in the record and drawn into the video, also when the servo works on another source.
+SHOWN = "moments"
 
 
 class ServoLoop:
@@ -29,26 +32,26 @@ class ServoLoop:
     >>> loop = ServoLoop(load_scenario("experiment_1"))
     >>> record = loop.run()
 
-    One step: the simulator advances to the next image and takes it; the extractor makes features of it; the sequence
-    answers; the answer goes back to the simulator, which applies it from that very state on.
+    In one step the simulator advances to the next image and renders it, the extractor computes its features, and the
+    sequence answers with a command. The simulator applies the command from the state that the image shows.
 
     Args:
         scenario: a `Scenario`.
         camera: name of the camera; None: the first of the scenario.
-        sim: a Simulation made of the same robot, controllers and `sim` section, to be reset and used again (making one
-            takes as long as a second of simulated time); None: a new one. Either way the bytes are the same.
+        sim: a Simulation made of the same robot, controllers and `sim` section, which is reset and used again; None: a
+        new
+            one is made, which takes as long as a second of simulated time. Either way the bytes are the same.
     Raises:
         ParameterError, ModelError and the errors of simulator and extractor: what is wrong with the scenario.
 
     Attributes:
-        sim, extractor, kinematics, servo, sequence: the parts.
-        photometric: PhotometricExtractor, None unless the servo wants its features.
+        sim, extractor, kinematics, servo, sequence: the parts.  extractor: makes the moments that the record shows.
+        servo_extractor: makes the features that the servo works on; where these are moments, it is `extractor`.
         frame: index of the image answered last, -1 before the first.
     """
 
     def __init__(self, scenario, camera=None, sim=None):
-        from aras_visual_servo_camera import MomentExtractor, PhotometricExtractor  # C++: not needed to import this
-        from aras_visual_servo_sim import Simulation
+        from aras_visual_servo_sim import Simulation  # C++: not needed to import this
 
         self.scenario = scenario
         urdf = scenario.urdf_xml()
@@ -61,18 +64,18 @@ class ServoLoop:
         self.sim = sim
         self.camera_info = self.sim.camera_info(self.camera)
         believed = scenario.believed_camera_info(self.camera_info)
-        self.extractor = MomentExtractor(believed, scenario.vision)
         self.kinematics = Kinematics(urdf, scenario.robot["base_link"], scenario.robot["tip_link"])
         self.servo = Servo(self.kinematics, scenario.servo)
-        self.photometric = None
-        if self.servo.source == "photometric":
-            self.photometric = PhotometricExtractor(believed, scenario.vision["photometric"])
-        self.sequence = ExperimentSequence(self.kinematics, self.servo, scenario.experiment, self._set_reference)
+        shown, servoed_on = source_named(SHOWN), self.servo.source
+        self.extractor = self.servo_extractor = shown.extractor(believed, scenario.vision)
+        if servoed_on is not shown:
+            self.servo_extractor = servoed_on.extractor(believed, scenario.vision)
+        self.sequence = ExperimentSequence(self.kinematics, self.servo, scenario.experiment, self._teach_camera)
         self.frame = -1
-        self._image = None
         self._placed_ns = 0
-        self._target_moves = any("motion" in model for model in scenario.sim.get("scene", {}).get("models", [])[:1])
-        self._late = next((each.get("latency_s", 0.0) for each in cameras if each["name"] == self.camera), 0.0) > 0.0
+        self._frame = None  # taken last: image, joints, poses of camera and models at its stamp
+        target = next(iter(scenario.sim.get("scene", {}).get("models", [])), None)
+        self._target, self._target_moves = target and target["name"], target is not None and "motion" in target
         names = list(self.sim.joint_names)
         missing = [name for name in self.kinematics.joint_names if name not in names]
         if missing:
@@ -80,54 +83,51 @@ class ServoLoop:
         order = [names.index(name) for name in self.kinematics.joint_names]
         self._order = None if order == list(range(len(names))) else order
 
-    def _set_reference(self, z_star_m, features):
-        """Make this view the reference; returns its features, normalised by it."""
+    def _teach_camera(self, stamp_ns, z_star_m):
+        """Make the image of this stamp the one that features are relative to: camera/set_reference without ROS."""
         from aras_visual_servo_camera import DegenerateFeature
-        if self.photometric is not None:
-            self.photometric.set_reference(self._image, z_star_m)
-        try:
-            self.extractor.set_reference(z_star_m, self.extractor.features)
-        except DegenerateFeature:  # of a texture the moments may make nothing
-            if self.photometric is None:
-                raise
-        features = self.extractor.rebuild_features()  # nothing is followed twice over one image
-        return features if self.photometric is None else self.photometric.process(self._image)
+        self.servo_extractor.teach(stamp_ns, z_star_m)
+        if self.extractor is not self.servo_extractor:
+            try:
+                self.extractor.teach(stamp_ns, z_star_m)
+            except DegenerateFeature:
+                pass  # a texture may have no usable moments, and the servo does not need them
 
-    def _see(self):
-        """(moments, what the servo works on) of the image."""
-        features = self.extractor.process(self._image)
-        return features, features if self.photometric is None else self.photometric.process(self._image)
+    def _see(self, image, stamp_ns):
+        """(moments, features that the servo works on) of the image."""
+        features = self.extractor.process(image, stamp_ns)
+        if self.extractor is self.servo_extractor:
+            return features, features
+        return features, self.servo_extractor.process(image, stamp_ns)
 
     def place(self, joints, settle_s=0.0):
-        """Put the arm down somewhere instead of driving it there.
+        """Put the arm at joint positions at once instead of driving it there.
 
         Args:
             joints: dict of joint name -> position [m, rad]; the others stay.
-            settle_s: simulated time to let it come to rest against gravity and friction, its set-points there [s].
+            settle_s: simulated time in which the arm comes to rest under gravity and friction, with these positions as
+                set-points [s].
         """
         self.sim.set_joint_positions(joints)
         self.sim.step(round(settle_s * 1e9 / self.sim.period_ns))
         self._placed_ns = self.sim.time_ns
 
     def teach(self, z_star_m):
-        """Make the next image the reference, without an experiment around it.
+        """Make the next image the reference, outside an experiment.
 
         Args:
             z_star_m: depth of the target in this view [m].
         Returns:
-            (record, features, image) as `step`, of phase "teach".
+            (record, features, image) as `step` returns them, with phase "teach".
         Raises:
             ParameterError: the target is not fit for a reference in this view.
         """
-        stamp_ns = self._take()
-        image = self._image
-        features, seen = self._see()
+        stamp_ns, image, q = self._take()
+        features, seen = self._see(image, stamp_ns)
         self.frame += 1
-        if not (seen.target_visible and seen.valid):
+        if self.servo.why_lost(seen):
             raise ParameterError("target not in view at the goal")
-        q = self._joint_positions()
-        self.servo.teach(self._set_reference(z_star_m, seen), q)
-        features = self.extractor.features
+        self.sequence.teach(stamp_ns, seen, q, z_star_m)
         record = ServoRecord(stamp_ns, Status.IDLE, "taught", "teach", joint_names=self.kinematics.joint_names, q=q,
                              set_point=np.full(len(q), np.nan))
         return record, features, image
@@ -143,31 +143,28 @@ class ServoLoop:
             (record, features, image): ServoRecord, the extractor's features (moments), and the image, a view that the
             next step overwrites.
         """
-        sim = self.sim
-        stamp_ns = self._take()
-        image = self._image
-        features, seen = self._see()
+        stamp_ns, image, q = self._take()
+        features, seen = self._see(image, stamp_ns)
         self.frame += 1
-        command, record = self.sequence.step(Observation(stamp_ns, seen, self._joint_positions(), self.frame))
-        sim.set_command(position=command.position, velocity=command.velocity, stamp_ns=stamp_ns)
+        command, record = self.sequence.step(Observation(stamp_ns, seen, q, self.frame))
+        self.sim.set_command(position=command.position, velocity=command.velocity, stamp_ns=stamp_ns)
         return record, features, image
 
     def _take(self):
-        """Take the next image that was not on its way while the arm was put elsewhere. Returns its stamp [ns]."""
+        """Take the next image that was not on its way while the arm was put elsewhere.
+
+        Returns: (stamp_ns, image, q), q (n,) the joint positions that it shows, in the order of the kinematics.
+        """
         stamp_ns = self.sim.step_to_image(self.camera)
         while stamp_ns < self._placed_ns:
             stamp_ns = self.sim.step_to_image(self.camera)
-        self._image = self.sim.render(self.camera)
-        return stamp_ns
-
-    def _joint_positions(self):
-        """(n,) of the instant that the image shows, in the order of the kinematics."""
-        q = self.sim.frame_state(self.camera)["joint_positions"] if self._late else self.sim.joint_positions
-        return q if self._order is None else q[self._order]
+        frame = self._frame = self.sim.frame(self.camera)
+        q = frame.joint_positions
+        return stamp_ns, frame.image, q if self._order is None else q[self._order]
 
     def camera_pose(self):
         """X_WC, (4, 4), of the instant that the image answered last shows."""
-        return self.sim.frame_state(self.camera)["camera_pose"] if self._late else self.sim.camera_pose(self.camera)
+        return self._frame.camera_pose
 
     def run(self, progress=None, limit_s=DEFAULT_LIMIT_S, closing_s=CLOSING_S, keep_images=False):
         """Run the experiment from here to its end.
@@ -195,21 +192,12 @@ class ServoLoop:
             builder.note(f"given up after {limit_s:g} s of simulated time in phase {record.phase}")
         wall_s = time.perf_counter() - started_s
         return builder.finish(run_hash=self.sim.run_hash, wall_s=wall_s, camera_info=self.camera_info,
-                              X_WT=self._target_pose())
+                              X_WT=self._target and self.sim.model_pose(self._target))
 
     def _row(self, builder, progress):
         record, features, image = self.step()
-        X_WT = self._target_pose() if self._target_moves else None
+        X_WT = self._frame.model_poses[self._target] if self._target_moves else None
         builder.add_answer(record, self.camera_pose(), features, image, X_WT)
         if progress is not None and self.frame % PROGRESS_ROWS == 0:
             progress(record.stamp_ns * 1e-9, record.phase)
         return record
-
-    def _target_pose(self):
-        """X_WT, (4, 4), of the scene's first model; None without one."""
-        models = self.scenario.sim.get("scene", {}).get("models", [])
-        if not models:
-            return None
-        name = models[0]["name"]
-        return np.asarray(self.sim.frame_state(self.camera)["model_poses"][name] if self._late
-                          else self.sim.model_pose(name))

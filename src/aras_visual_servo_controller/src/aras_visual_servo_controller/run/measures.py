@@ -1,6 +1,6 @@
-"""What the true path of a run says about a law, beside where it ended: numpy only.
+"""Measures of the camera's path in a run, beside its final error. They describe how a law moves. Needs numpy only.
 
-All of it is of the servo phase, from the true camera poses and measured joints of a RunRecord.
+All are taken over the servo phase, from the true camera poses and the measured joint positions of a RunRecord.
 """
 
 from math import inf
@@ -20,7 +20,7 @@ MEASURES = {
 
 
 def measures(record, lower, upper, outline=None):
-    """Dict of MEASURES; None where a value cannot be told.
+    """Dict of MEASURES; None where a value is unknown.
 
     Args:
         record: RunRecord with a taught view and servo rows.  lower, upper: limits of its joints, in their order.

@@ -1,4 +1,4 @@
-"""Pairs what two streams say about the same instant: features and joint states, by stamp, never "latest". No ROS."""
+"""Pairs the features and the joint state of the same instant, by their stamps; never the latest of each. No ROS."""
 
 import collections
 
@@ -6,8 +6,8 @@ import collections
 class StampPairer:
     """Matches each features message with the joint state of exactly the same stamp.
 
-    Features are handed out in the order they came. Features wait for a joint state that is still on its way; once a
-    later joint state has come, the one looked for does not exist, and the features are handed out with None.
+    Features are handed out in the order in which they came. They wait until the joint state of their stamp has come.
+    When a later joint state comes first, there is none of that stamp, and the features are handed out with None.
 
     Args:
         capacity: joint states kept; 400 are 4 s at 100 Hz.

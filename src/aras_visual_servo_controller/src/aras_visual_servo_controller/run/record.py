@@ -1,8 +1,8 @@
 """RunRecord: everything one run left behind, one row per image.
 
-The record is the border between running and judging: the in-process loop fills it row by row through
-`RecordBuilder`, `bags.bag` fills it from a rosbag with the same builder, and the judge, the figures and the reports
-read nothing else. No ROS, no wall clock except in `wall_s`.
+The record is all that judging knows of a run. The in-process loop fills it row by row with a `RecordBuilder`,
+`bags.bag` fills it from a rosbag with the same builder, and the judge, the figures and the reports read nothing else.
+No ROS, and no wall clock except in `wall_s`.
 """
 
 from dataclasses import dataclass, field
@@ -12,7 +12,6 @@ import numpy as np
 from ..ground.errors import ShapeError
 from ..ground.types import FEATURE_NAMES, Status
 
-FEATURE_UNITS = {"xn": "m", "yn": "m", "an": "m", "alpha": "rad", "photometric": "grey"}
 TWIST_NAMES = ("vx", "vy", "vz", "wx", "wy", "wz")
 RAW_NAMES = ("area", "xg", "yg", "alpha")
 
@@ -33,7 +32,7 @@ class RunRecord:
         joint_names: m names, sorted: the columns of q and set_point.  feature_names: k names.
         stamp_ns: (n,) int64, simulated time of the state each image shows [ns].
         phase: (n,) str, one of PHASES.  status: (n,) int, codes of ServoState.  status_text: (n,) str.
-        s, s_star, e: (n, k), features, reference, e = s - s_star [m, alpha in rad].
+        s, s_star, e: (n, k), features, reference, e = s - s_star, in the features' units (features.styles).
         twist: (n, 6), commanded V_C = [v; w] in the camera frame [m/s, rad/s].
         q: (n, m) measured at the stamp, set_point: (n, m) sent in answer [m or rad].
         raw: (n, 4), columns RAW_NAMES: m00, centroid, orientation; normalised image coordinates [-], [rad].
@@ -93,9 +92,9 @@ class RunRecord:
 
     @property
     def servo_rows(self):
-        """Indices of the images of the servo phase, the one that ended it included: (j,) int.
+        """Indices of the images of the servo phase, with the one that ended it: (j,) int.
 
-        The end may be reported by the last `servo` row (its status is in TERMINAL) or by the `done` row after it.
+        The phase ends with a `servo` row whose status is in TERMINAL, or with the `done` row that follows.
         """
         rows = self.rows("servo")
         if not len(rows):
@@ -134,7 +133,7 @@ class RecordBuilder:
 
     def add_row(self, stamp_ns, phase, status=0, status_text="", s=None, s_star=None, e=None, twist=None, q=None,
                 set_point=None, X_WC=None, raw=None, image=None, X_WT=None):
-        """Append one image's row; what is None becomes NaN.
+        """Append the row of one image; values that are None become NaN.
 
         Args:
             stamp_ns: simulated time of the image [ns].  phase: one of PHASES.  status: code of ServoState.
@@ -196,8 +195,8 @@ class RecordBuilder:
     def _end(self):
         """Number of rows up to the one that says how the run ended.
 
-        What follows is the time until the simulator stands: what a node says of it is a matter of wall time. It is left
-        out, so that a run over ROS and one in process give the same trace, byte for byte.
+        The rows after it belong to the time until the simulator is stopped, and how many a node sends depends on wall
+        time. They are left out, so that a run over ROS and one in process give the same trace, byte for byte.
         """
         active = [i for i, row in enumerate(self._rows) if row[1] not in ("idle", "done")]
         if not active:
@@ -207,7 +206,7 @@ class RecordBuilder:
 
     def finish(self, run_hash="", wall_s=float("nan"), real_time_factor=None, camera_info=None, X_WT=None,
                versions=None):
-        """The record, up to the end of the run. real_time_factor: None takes simulated time of all rows over wall_s."""
+        """The record, up to the end of the run. real_time_factor: None: simulated time of all rows over wall_s."""
         if real_time_factor is None:
             simulated_s = (self._rows[-1][0] - self._rows[0][0]) * 1e-9 if self._rows else np.nan
             real_time_factor = simulated_s / wall_s

@@ -3,9 +3,10 @@
     idle -> to_goal -> settle_goal -> teach -> to_start -> settle_start -> servo -> done      start()
     idle -> servo -> done                                                                     start(servo_only=True)
 
-to_goal, to_start: quintic joint trajectories. settle_*: at least settle_s, then until the joints rest. teach: one
-image, whose view becomes the reference. servo: `Servo` decides, until it has finished. An image that ends a phase is
-answered in the next phase already. A pure function of the observations: in process and over ROS give the same bytes.
+In to_goal and to_start the joints follow quintic trajectories. settle_* lasts at least settle_s, and then until the
+joints rest. teach lasts one image, whose view becomes the reference. In servo, `Servo` answers until it has finished.
+The image that ends a phase is already answered in the next phase. The answers depend on the observations alone, so that
+a run in process and one over ROS give the same bytes.
 """
 
 from dataclasses import dataclass, replace
@@ -14,50 +15,12 @@ from typing import Callable, Mapping, Optional, Tuple
 
 import numpy as np
 
-from ..config.reader import ConfigReader
 from ..ground.errors import ArasError, ParameterError
 from ..arm.trajectory import JointTrajectory
 from ..ground.types import Command, Observation, ServoRecord, Status
+from .settings import ExperimentSettings
 
 PHASES = ("idle", "to_goal", "settle_goal", "teach", "to_start", "settle_start", "servo", "done")
-
-
-@dataclass(frozen=True)
-class ExperimentConfig:
-    """The scenario's section `experiment`, checked against the arm; key `judge` is somebody else's."""
-
-    goal: Mapping[str, float]  # joint positions [m, rad]; a joint not named stays
-    start: Mapping[str, float]
-    z_star_m: float  # depth of the target in the goal view
-    settle_s: float = 0.5  # wait at least
-    settle_limit_s: float = 2.0  # wait at most this much longer for the joints to rest
-    settle_speed: float = 0.002  # slower than this is at rest [m/s, rad/s]
-    speed_part: float = 0.3  # of the joints' velocity limits, used by trajectories
-    acceleration: float = 2.0  # of trajectories [m/s^2, rad/s^2]
-    image_period_s: float = 1.0 / 30.0  # taken for the first image only, then measured
-
-    @classmethod
-    def from_dict(cls, source, kinematics):
-        """Read the section. Raises ParameterError listing every fault."""
-        reader = ConfigReader(source, "experiment")
-        reader.ignore("judge")
-        values = {"z_star_m": reader.number("z_star_m", above=0.0)}
-        for key in ("goal", "start"):
-            place = reader.section(key, required=True)
-            joints = place.section("joints", required=True)
-            place.close()
-            values[key] = {}
-            for i, name in enumerate(kinematics.joint_names):
-                if name in joints.keys():
-                    lower, upper = float(kinematics.lower[i]), float(kinematics.upper[i])
-                    values[key][name] = joints.number(name, at_least=lower, at_most=upper)
-            joints.close()
-        values["settle_s"] = reader.number("settle_s", cls.settle_s, at_least=0.0)
-        for key in ("settle_limit_s", "settle_speed", "acceleration", "image_period_s"):
-            values[key] = reader.number(key, getattr(cls, key), above=0.0)
-        values["speed_part"] = reader.number("speed_part", cls.speed_part, above=0.0, at_most=1.0)
-        reader.finish()
-        return cls(**values)
 
 
 @dataclass
@@ -76,22 +39,21 @@ class ExperimentSequence:
 
     Attributes:
         phase: one of PHASES.  result: `SequenceResult`, None until done.
-        teach_stamp_ns: stamp of the image that was taught, or None.  servo_stamp_ns: of the first one servoed on.
+        teach_stamp_ns: stamp of the image that was taught, or None.  servo_stamp_ns: that of the first servo image.
     """
 
-    def __init__(self, kinematics, servo, config: Mapping, set_reference: Callable):
+    def __init__(self, kinematics, servo, config: Mapping, teach_camera: Callable[[int, float], None]):
         """Set up.
 
         Args:
             kinematics: `Kinematics`.  servo: `Servo`.  config: the scenario's section `experiment` (dict).
-            set_reference: called once, in phase teach, as set_reference(z_star_m, features); must return the features
-                of this same view normalised by the new reference (object with the fields of MomentFeatures,
-                has_reference true). Over ROS: the service camera/set_reference; in process:
-                MomentExtractor.set_reference. An exception it raises ends the experiment with status FAULT.
+            teach_camera: called as teach_camera(stamp_ns, z_star_m) when a view is taught. From then on features are
+                relative to the image of this stamp. Over ROS this is the service camera/set_reference, in process
+                `teach` of the extractors. An exception that it raises ends the experiment with status FAULT.
         Raises: ParameterError.
         """
-        self.config = ExperimentConfig.from_dict(config, kinematics)
-        self._kinematics, self._servo, self._set_reference = kinematics, servo, set_reference
+        self.config = ExperimentSettings.from_dict(config, kinematics)
+        self._kinematics, self._servo, self._teach_camera = kinematics, servo, teach_camera
         self._no_velocity = dict.fromkeys(kinematics.joint_names, 0.0)
         self._n = len(kinematics.joint_names)
         self._reset("idle")
@@ -110,11 +72,22 @@ class ExperimentSequence:
         return self.phase == "done"
 
     def start(self, servo_only: bool = False) -> None:
-        """Begin with the next step. servo_only: servo to the reference taught last. ParameterError without one."""
+        """Begin with the next step. servo_only: servo to the reference taught last; ParameterError if there is none."""
         if servo_only and self._servo.reference is None:
             raise ParameterError("servo: no reference, teach one first")
         self._reset("settle_start" if servo_only else "to_goal")
         self._servo_only = servo_only
+
+    def teach(self, stamp_ns: int, features, q, z_star_m: Optional[float] = None) -> None:
+        """Make the image of this stamp the goal of the servo, and the reference of the camera's features.
+
+        Args: features, q: of this image.  z_star_m: depth of the target in it [m]; None: the experiment's.
+        Raises: ParameterError: the view is not fit to be a reference; and what `teach_camera` raises.
+        """
+        z_star_m = self.config.z_star_m if z_star_m is None else z_star_m
+        reference = self._servo.as_reference(features, q, z_star_m)
+        self._teach_camera(stamp_ns, z_star_m)
+        self._servo.set_reference(reference)
 
     def step(self, observation: Observation) -> Tuple[Command, ServoRecord]:
         """Answer to one image. Idle and done: an empty command (pure acknowledgement, set-points hold)."""
@@ -147,7 +120,7 @@ class ExperimentSequence:
         stamp_ns = observation.stamp_ns
         if self.phase in ("to_goal", "to_start"):
             if self._trajectory is None:
-                self._plan(stamp_ns, q, self.config.goal if self.phase == "to_goal" else self.config.start)
+                self._plan(stamp_ns, q, (self.config.goal if self.phase == "to_goal" else self.config.start).joints)
             if stamp_ns - self._since_ns < 1e9 * self._trajectory.duration_s:
                 return self._follow(stamp_ns)
             self.phase = self.phase.replace("to_", "settle_")
@@ -158,7 +131,7 @@ class ExperimentSequence:
         if self.phase == "settle_goal":
             return self._teach(observation, q)
         if self.phase == "settle_start":
-            if not self._fit(observation.features):
+            if self._servo.why_lost(observation.features):
                 where = "where servoing starts" if self._servo_only else "at the start"
                 return self._end(stamp_ns, Status.TARGET_LOST, f"target not in view {where}")
             self.phase, self.servo_stamp_ns = "servo", stamp_ns
@@ -182,17 +155,13 @@ class ExperimentSequence:
         waited_s = 1e-9 * (stamp_ns - self._since_ns) - self.config.settle_s
         return waited_s >= 0.0 and (self._speed < self.config.settle_speed or waited_s >= self.config.settle_limit_s)
 
-    @staticmethod
-    def _fit(features):
-        return features is not None and features.target_visible and features.valid
-
     def _teach(self, observation, q):
         stamp_ns = observation.stamp_ns
         self.phase = "teach"
-        if not self._fit(observation.features):
+        if self._servo.why_lost(observation.features):
             return self._end(stamp_ns, Status.TARGET_LOST, "target not in view at the goal")
         try:
-            self._servo.teach(self._set_reference(self.config.z_star_m, observation.features), q)
+            self.teach(stamp_ns, observation.features, q)
         except Exception as error:  # the callback may be a service call: whatever it raises is the reason
             return self._end(stamp_ns, Status.FAULT, f"teach: {error}")
         self.teach_stamp_ns = stamp_ns
@@ -215,7 +184,7 @@ class ExperimentSequence:
         self.phase = "done"
         position = {}
         if self._trajectory is not None and self._set_point is not None and self.servo_stamp_ns is None:
-            # break off where the integrated set-point now is
+            # The trajectory ends at the set-point that it has now.
             self._set_point = self._trajectory.position(1e-9 * (stamp_ns - self._begin_ns))
             position = self._kinematics.by_name(self._set_point)
         return Command(stamp_ns, position, dict(self._no_velocity)), self._record(stamp_ns, np.zeros(self._n), reason)

@@ -1,6 +1,6 @@
-"""What the controller node decides, without ROS: refuse or answer an image, stop, watch for missing input.
+"""The decisions of the controller node, without ROS: refuse or answer an image, stop, watch for missing input.
 
-The node brings messages, clocks and threads; every rule of what is answered is here, and is tested without a master.
+The node adds messages, clocks and threads. Every rule on how to answer stands here and is tested without a master.
 Times: `stamp_ns`, `now_ns` are ROS time (simulated with a simulator), `wall_s` is a monotonic wall clock.
 """
 
@@ -9,22 +9,22 @@ import numpy as np
 from ..ground.errors import ArasError, ParameterError
 from ..ground.types import Command, Observation, ServoRecord, Status
 
-#: Wall time without features, while ROS time stands still too, after which that is reported [s].
+#: When ROS time stands still and no features come for this wall time, that is reported [s].
 STANDSTILL_S = 2.0
 
 
 class Session:
-    """One sequence and what surrounds it.
+    """Feeds images to one sequence, and keeps the state of the goal that it works on.
 
     Args:
         kinematics: `Kinematics`.  servo: `Servo`.  sequence: `ExperimentSequence` over both.
-        input_timeout_s: features older than this are refused, and without any for this long the arm is stopped.
-        time_limit_s: of a goal that gets no features at all and does not bring its own limit.
+        input_timeout_s: features older than this are refused; the arm is stopped when none come for this long.
+        time_limit_s: after this time a goal that gets no features ends, unless it brings its own limit.
     Attributes:
         active: a goal is being worked on.
-        frame: index of the image answered last, -1 before the first.
-        last_ns: stamp of the image answered last, -1 before the first.
-        view: (features, q) answered last, or None.
+        frame: index of the last answered image, -1 before the first.
+        last_ns: stamp of the last answered image, -1 before the first.
+        seen: the last answered `Observation`, or None.
         stale: input is missing, and that was reported.
     """
 
@@ -37,7 +37,7 @@ class Session:
         self._forget()
 
     def _forget(self):
-        self.last_ns, self.frame, self.view = -1, -1, None
+        self.last_ns, self.frame, self.seen = -1, -1, None
 
     # --- one image, one answer ----------------------------------------------------------------------------------
 
@@ -47,17 +47,19 @@ class Session:
         Args:
             features: of the image.  q: (n,) joint positions of the same stamp [m or rad], None if there is none.
         Returns:
-            (Command, ServoRecord): always, whatever is wrong; the command of a refused image stops the arm.
+            (Command, ServoRecord), in every case. While a goal is active, the command for a refused image stops the
+            arm.
         """
         refusal = self._refusal(stamp_ns, q, now_ns)
         if refusal:
             if self.active:
                 return self._hold(stamp_ns, refusal)
             return Command(stamp_ns), ServoRecord(stamp_ns, Status.IDLE, f"refused: {refusal}")
-        self.last_ns, self.view, self.stale = stamp_ns, (features, q), False
+        self.last_ns, self.stale = stamp_ns, False
         self.frame += 1
         self._fresh_ns, self._fresh_wall_s = stamp_ns, wall_s
-        return self._sequence.step(Observation(stamp_ns, features, q, self.frame))
+        self.seen = Observation(stamp_ns, features, q, self.frame)
+        return self._sequence.step(self.seen)
 
     def _refusal(self, stamp_ns, q, now_ns):
         if stamp_ns <= self.last_ns:
@@ -69,13 +71,13 @@ class Session:
         return ""
 
     def _hold(self, stamp_ns, reason):
-        """Zero velocity, STALE_INPUT; goes on with the next good image."""
+        """Answer with zero velocity and STALE_INPUT; the goal goes on with the next good image."""
         _, record = self._servo.stale(stamp_ns, reason)
         record.status, record.status_text, record.phase = Status.STALE_INPUT, reason, self._sequence.phase
         return self.standstill(stamp_ns), record
 
     def standstill(self, stamp_ns):
-        """Command of zero velocity for every joint: set-points hold."""
+        """Command of zero velocity for every joint: the set-points stay."""
         return Command(stamp_ns, velocity=dict.fromkeys(self._kinematics.joint_names, 0.0))
 
     # --- goals --------------------------------------------------------------------------------------------------
@@ -84,7 +86,7 @@ class Session:
         """Begin a goal with the next image.
 
         Args:
-            reference: "taught" or "experiment"; the others as in VisualServo.action.
+            reference: "taught" or "experiment".  The other arguments are those of VisualServo.action.
         Raises:
             ParameterError: listing every fault of the goal; nothing is active then.
         """
@@ -105,11 +107,26 @@ class Session:
         self._fresh_ns, self._fresh_wall_s = now_ns, wall_s
         self.active, self.stale = True, False
 
+    def teach(self, z_star_m=None):
+        """Make the view of the last answered image the goal.
+
+        Args: z_star_m: depth of the target in it [m]; None: the experiment's.
+        Returns: stamp of that image [ns].
+        Raises: ParameterError: a goal is active, there is no image yet, or the view is not fit to be a reference; and
+            what the sequence's `teach_camera` raises.
+        """
+        if self.active:
+            raise ParameterError("a goal is active: stop it first")
+        if self.seen is None:
+            raise ParameterError("no image yet")
+        self._sequence.teach(self.seen.stamp_ns, self.seen.features, self.seen.q, z_star_m)
+        return self.seen.stamp_ns
+
     def end(self, now_ns, reason, status=Status.STOPPED):
         """End the goal now, between two images.
 
         Returns:
-            (Command, ServoRecord), the command stops the arm; without a goal a standstill and None.
+            (Command, ServoRecord); the command stops the arm. Without a goal: (command of zero velocity, None).
         """
         if not self.active:
             return self.standstill(now_ns), None
@@ -152,7 +169,8 @@ class Session:
             self.stale = True
             return self._hold(now_ns, reason)
         if self.last_ns >= 0 and wall_s - self._fresh_wall_s > STANDSTILL_S:
-            # The simulator is paused or waits: nothing moves. No command, it would answer an image that was not seen.
+            # The simulator is paused or waits, so nothing moves. A command now would pass for the answer to an image
+            # that did not come, so none is sent.
             self._fresh_wall_s, self.stale = wall_s, True
             text = f"no features for {STANDSTILL_S:g} s of wall time, and ROS time stands still"
             return None, self._hold(now_ns, text)[1]

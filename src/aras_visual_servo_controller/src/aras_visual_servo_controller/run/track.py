@@ -1,4 +1,4 @@
-"""How a run goes home, for figures: true distance, angle, retreat, and the target's way through the image."""
+"""The way of a run to its goal, for figures: true distance, angle, retreat, and the target's way through the image."""
 
 from dataclasses import dataclass, field
 from math import degrees
@@ -10,10 +10,11 @@ from ..ground.spatial import rotation_angle
 
 @dataclass
 class Track:
-    """What a figure shows of a run: (n,) each, of the servo phase.
+    """What a figure shows of a run's servo phase, (n,) each.
 
     Attributes:
-        t_s.  distance_mm, angle_deg: from the goal.  retreat_mm: away from the target along the goal's optical axis.
+        t_s: time since its first image.  distance_mm, angle_deg: of the camera from the goal.
+        retreat_mm: how far the camera is behind the goal along the goal's optical axis, away from the target.
         u_px, v_px: middle of the target's outline in the image.
     """
 

@@ -1,26 +1,41 @@
-"""What a scenario may say: the schema's verdict in our words, and what no schema can say."""
+"""Checks a scenario: the schema's errors in our words, and the checks that a schema cannot express."""
 
 import functools
-import json
 import math
 import re
 
-from ..features.base import expand
-from ..config.files import share_dir
-from ..servo.settings import ServoConfig
+from ..config.plugins import load_plugins
+from ..features.base import expand, source_of
+from ..features.sources import source_named
+from ..ground.errors import ParameterError
 from ..ground.types import FEATURE_NAMES
+from ..servo.settings import ServoSettings
+from .schema import default_of, scenario_schema, sources
 
 
 def check(document):
     """Faults of a scenario document, `path: what, allowed` each, sorted by path; [] if there are none."""
-    faults = []
-    for error in _validator().iter_errors(document):
+    missing, faults = load_plugins(_plugins(document)), []
+    try:
+        validator, schema = _validator(sources())
+    except ParameterError as error:
+        return error.faults
+    for error in validator.iter_errors(document):
         faults.extend(_describe(error))
-    return sorted(set(faults or _feature_faults(document) + _latency_faults(document)))
+    if faults:  # a missing plugin may be the cause; if it is the only fault, setting up the servo reports it
+        faults += [f"servo.{fault}" for fault in missing]
+    return sorted(set(faults or _feature_faults(document) + _latency_faults(document, schema)))
+
+
+def _plugins(document):
+    """Modules to import before it is known what the section `servo` may say; () where there is no list of names."""
+    servo = document.get("servo") if isinstance(document, dict) else None
+    names = servo.get("plugins") if isinstance(servo, dict) else None
+    return [name for name in names if isinstance(name, str)] if isinstance(names, list) else ()
 
 
 def _feature_faults(document):
-    """Gains and thresholds are one per feature, by name; the camera is told to make what the features are of."""
+    """Faults of features: each needs a gain and a threshold by its name, and a camera that makes its source."""
     servo = document["servo"]
     names, faults = expand(servo.get("features", FEATURE_NAMES)), []
     for section in ("gains_per_s", "thresholds"):
@@ -28,18 +43,23 @@ def _feature_faults(document):
         faults += [f"servo.{section}.{name}: missing" for name in names if name not in given]
         faults += [f"servo.{section}.{key}: unknown key, known are {', '.join(names)}"
                    for key in given if key not in names]
-    if "photometric" in names and "photometric" not in document["vision"]:
-        faults.append("vision.photometric: missing, the feature 'photometric' is made there; {} for its defaults")
+    for name in names:
+        source = source_of(name)
+        section = "" if source is None else source_named(source).section
+        if section and section not in document["vision"]:
+            faults.append(f"vision.{section}: missing, the feature '{name}' is made there; {{}} for its defaults")
     return faults
 
 
-def _latency_faults(document):
-    """An image must be answered before it is stale, and so must the next one: one frame and its rounding later."""
+def _latency_faults(document, schema):
+    """Faults of latencies: an image must be answered before it is stale, also one that comes a frame later, with the
+    rounding of its time to ticks."""
     sim, faults = document["sim"], []
-    timeout_s = document["servo"].get("input_timeout_s", ServoConfig.input_timeout_s)
-    period_s = sim.get("period_s", 0.001)
+    timeout_s = document["servo"].get("input_timeout_s", ServoSettings.input_timeout_s)
+    period_s = sim.get("period_s", default_of("sim.period_s", schema))
+    rate_hz = default_of("sim.cameras.rate_hz", schema)
     for i, camera in enumerate(sim.get("cameras", [])):
-        latency_s, frame_s = camera.get("latency_s", 0.0), 1.0 / camera.get("rate_hz", 30.0)
+        latency_s, frame_s = camera.get("latency_s", 0.0), 1.0 / camera.get("rate_hz", rate_hz)
         longest_s = timeout_s - frame_s - 2.0 * period_s
         if latency_s > max(0.0, longest_s):
             faults.append(f"sim.cameras[{i}].latency_s: found {latency_s:g}, allowed <= servo.input_timeout_s - "
@@ -47,17 +67,16 @@ def _latency_faults(document):
     return faults
 
 
-@functools.lru_cache(maxsize=None)
-def _validator():
-    import jsonschema
-    with open(share_dir() / "config" / "scenario.schema.json", encoding="utf-8") as stream:
-        schema = json.load(stream)
-    jsonschema.Draft7Validator.check_schema(schema)
+@functools.lru_cache(maxsize=4)
+def _validator(made_of):
+    """(validator, schema). Args: made_of: `sources` of the schema."""
+    import jsonschema  # slow to import
     # YAML knows .nan and .inf, JSON does not: a number is a finite one.
     is_number = jsonschema.Draft7Validator.TYPE_CHECKER.is_type
     checker = jsonschema.Draft7Validator.TYPE_CHECKER.redefine(
         "number", lambda _, value: is_number(value, "number") and math.isfinite(value))
-    return jsonschema.validators.extend(jsonschema.Draft7Validator, type_checker=checker)(schema)
+    schema = scenario_schema()
+    return jsonschema.validators.extend(jsonschema.Draft7Validator, type_checker=checker)(schema), schema
 
 
 def _describe(error):
@@ -65,21 +84,48 @@ def _describe(error):
     where = _dotted(error.absolute_path)
     if error.validator == "additionalProperties":
         known = sorted(error.schema.get("properties", {}))
-        unknown = sorted(set(error.instance) - set(known))
+        unknown = sorted(set(error.instance) - set(known), key=str)
         return [f"{_dotted(list(error.absolute_path) + [key])}: unknown key, known are {', '.join(known)}"
                 for key in unknown]
     if error.validator == "required":
         missing = [key for key in error.validator_value if key not in error.instance]
         return [f"{_dotted(list(error.absolute_path) + [key])}: missing" for key in missing]
+    if error.validator in ("anyOf", "oneOf"):
+        return _describe_kinds(error, where)
     allowed = {
         "type": lambda v: "a finite number" if v == "number" else v,
-        "enum": lambda v: " | ".join(map(str, v)),
+        "enum": lambda v: " | ".join(map(str, v)), "const": str,
         "minimum": lambda v: f">= {v}", "maximum": lambda v: f"<= {v}",
         "exclusiveMinimum": lambda v: f"> {v}", "exclusiveMaximum": lambda v: f"< {v}",
         "minItems": lambda v: f"at least {v} entries", "maxItems": lambda v: f"at most {v} entries",
         "minProperties": lambda v: f"at least {v} key(s)", "pattern": lambda v: f"text like {v}",
     }.get(error.validator, lambda v: f"{error.validator} {v}")(error.validator_value)
     return [f"{where}: found {_short(error.instance)}, allowed {allowed}{_number_hint(error.instance)}"]
+
+
+def _describe_kinds(error, where):
+    """Lines for a value of which there are several kinds. Maps are told apart by keys that have one fixed value, other
+    values by their type."""
+    told_by = set.intersection(*({key for key, value in kind.get("properties", {}).items() if "const" in value}
+                                 for kind in error.validator_value))
+    if isinstance(error.instance, dict) and told_by - set(error.instance):
+        return [f"{_dotted(list(error.absolute_path) + [key])}: missing" for key in told_by - set(error.instance)]
+    kinds, differing = {}, {}  # differing: place -> (what stands there, what the kinds have there)
+    for fault in error.context:
+        kinds.setdefault(fault.schema_path[0], []).append(fault)
+    for number, faults in list(kinds.items()):
+        for fault in faults:
+            if fault.validator == "const" or (fault.validator in ("type", "enum") and not fault.path):
+                del kinds[number]
+                value = fault.validator_value if isinstance(fault.validator_value, list) else [fault.validator_value]
+                differing.setdefault(_dotted(fault.absolute_path), (fault.instance, []))[1].extend(map(str, value))
+                break
+    if kinds:  # the faults of the kind that is meant, or of all kinds that it may be
+        return [line for faults in kinds.values() for fault in faults for line in _describe(fault)]
+    if not differing:
+        return [f"{where}: found {_short(error.instance)}, which is of two kinds at once"]
+    return [f"{place}: found {_short(found)}, allowed {' | '.join(dict.fromkeys(allowed))}{_number_hint(found)}"
+            for place, (found, allowed) in differing.items()]
 
 
 def _number_hint(value):

@@ -1,7 +1,8 @@
-"""Can this run be done at all? Asked before anything moves, by kinematics and the target's outline. No ROS.
+"""Checks before anything moves whether a run can be done at all, by kinematics and the target's outline. No ROS.
 
-Refused, with the reason by name: a goal or start outside joint limits; a target that the image does not show whole at
-the goal or at the start; a wrist that would have to pass its limits, because the shorter turn home leads beyond them.
+A run is refused, with its reason, when goal or start are outside joint limits, when the image does not show the whole
+target at the goal or at the start, or when the wrist would have to pass its limits because the shorter turn home leads
+beyond them.
 """
 
 from math import pi
@@ -13,9 +14,9 @@ from ..arm.kinematics import Kinematics
 from ..target.outline import Outline
 from ..arm.reach import outside_limits
 
-#: The target is refused as not in view when it is cut by more than this: within, the image decides [px].
+#: The target counts as not in view when it is cut by more than this [px]; when it is cut by less, the image decides.
 CUT_PX = 1.0
-#: The last joint turns the camera about its optical axis when the two are this nearly one (cosine, distance).
+#: The last joint turns the camera about its optical axis when both axes agree this nearly (cosine, distance).
 ALIGNED, ON_AXIS_M = 0.999, 1e-6
 #: The last joint alone turns the camera home when the others add less than this part of a full turn.
 OTHERS_TURN = 0.02
@@ -38,12 +39,12 @@ class Feasibility:
     """
 
     def __init__(self, scenario, kinematics, look=True):
-        """Args: scenario: `Scenario`. kinematics: `Kinematics` of its robot. look: ask too what the image will show."""
+        """Args: scenario: `Scenario`. kinematics: `Kinematics` of its robot. look: check the target's outline too."""
         self._kinematics, self._look = kinematics, look
         self.outline = Outline.of(scenario)
 
     def refusal(self, goal, start):
-        """Why a run cannot be done, "REASON: detail", "" if nothing speaks against it.
+        """Why a run cannot be done, "REASON: detail"; "" if it can be done as far as these checks tell.
 
         Args: goal, start: (n,) joint positions.
         """
@@ -62,7 +63,8 @@ class Feasibility:
         return self._wound_up(np.asarray(goal, dtype=float), np.asarray(start, dtype=float))
 
     def _wound_up(self, goal, start):
-        """The servo turns the camera home the shorter way round; a limited last joint may not have that way."""
+        """Why the last joint cannot do the turn home: the servo turns the camera the shorter way round, and that may
+        lead beyond the joint's limits."""
         last, sign = self._wrist()
         if last is None:
             return ""

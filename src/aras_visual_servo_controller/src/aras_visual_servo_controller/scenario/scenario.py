@@ -1,7 +1,7 @@
 """Scenarios: the one file that says what a run is. Loaded and checked without ROS and without a master.
 
 `load_scenario("experiment_1")` reads config/scenarios/experiment_1.yaml of this package, `load_scenario(PATH)` any
-other file. Everything is checked against config/scenario.schema.json first; every fault is listed with its path.
+other file. Everything is checked against the schema first (schema.py); every fault is listed with its path.
 """
 
 import copy
@@ -58,7 +58,7 @@ class Scenario:
         return self.urdf_path.read_text(encoding="utf-8")
 
     def believed_camera_info(self, camera_info):
-        """Intrinsics that the moments are computed with, of the true ones: the same, unless a sweep says otherwise."""
+        """Intrinsics with which the moments are computed: the true ones, unless a sweep perturbs them."""
         return camera_info
 
     def controllers(self):
@@ -82,7 +82,7 @@ class Scenario:
 
     @staticmethod
     def _placed(kinematics, *places):
-        """Joint vector of the last of the places that names each joint."""
+        """Joint vector; each joint has the position of the last place that names it."""
         return kinematics.vector({name: q for joints in places for name, q in joints.items()})
 
     def as_dict(self):

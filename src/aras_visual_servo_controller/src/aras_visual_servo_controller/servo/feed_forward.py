@@ -1,12 +1,12 @@
-"""Moving targets: the motion of the target, estimated from image and joints, and the twist that goes along with it.
+"""Moving targets: the motion of the target is estimated from image and joints, and the camera moves along with it.
 
-A law that only sees the error lags behind a target that moves at v by v / lambda. What the target does is what is left
-of the motion in the image when that of the camera is taken away; here it is taken away in space rather than in the
-image, where a target that moves evenly does so however the camera turns (T45):
+A law that only knows the error lags behind a target that moves at v by v / lambda. The target's own motion is the
+motion that is seen, less the camera's motion. The difference is taken in space and not in the image, because there a
+target with a constant velocity has a constant velocity however the camera turns (T45):
 
 1. The error says where the goal of the camera is now, X_CG, and the joints say where the camera is, X_BC.
 2. A Kalman filter with a constant-velocity model follows a point of the target and the attitude of the goal in B.
-3. The camera moves along as if it were fixed to the target; the law is left with what is not predicted.
+3. The camera moves as if it were fixed to the target. The law corrects only the error that remains.
 
 References:
     P. I. Corke and M. C. Good, IEEE T-RA 12(5), 1996 (feed-forward of the target's velocity).
@@ -14,11 +14,12 @@ References:
     F. Bensalah and F. Chaumette, IROS 1995 (targets that change their motion abruptly).
 """
 
+from dataclasses import dataclass
 from math import cos, sin
-from typing import NamedTuple, Optional
 
 import numpy as np
 
+from ..config.settings import setting
 from ..ground.errors import ParameterError
 from ..features.base import View
 from ..ground.spatial import exponential, inverse, rotation, rotation_vector
@@ -29,28 +30,26 @@ POSE_FEATURES = ("tx", "ty", "tz", "rx", "ry", "rz")
 RANK = 1e-4
 
 
-class FeedForwardConfig(NamedTuple):
-    """Keys of the section `servo/feed_forward`."""
+@dataclass(frozen=True)
+class FeedForwardSettings:
+    """Section `servo.feed_forward`: the estimated motion of the target is fed forward."""
 
-    acceleration_m_s2: float = 0.5  # of targets like this one: what the filter takes for noise of its model
-    acceleration_rad_s2: float = 1.0
-    noise_m: float = 0.0003  # of one image
-    noise_rad: float = 0.001
-    speed_m_s: float = 0.1  # of targets like this one, before anything was seen
-    turn_rad_s: float = 0.3
-    part: float = 1.0  # of the estimated motion that is fed forward
-
-    @classmethod
-    def read(cls, reader) -> Optional["FeedForwardConfig"]:
-        """From the `ConfigReader` of the section `servo`; None without the section."""
-        if "feed_forward" not in reader.keys():
-            reader.ignore("feed_forward")
-            return None
-        section = reader.section("feed_forward")
-        values = [section.number(key, cls._field_defaults[key], above=0.0) for key in cls._fields[:-1]]
-        values.append(section.number("part", cls._field_defaults["part"], at_least=0.0, at_most=1.0))
-        section.close()
-        return cls(*values)
+    acceleration_m_s2: float = setting(
+        0.5, unit="m/s^2", above=0,
+        help="Acceleration of targets like this one (standard deviation): a larger one follows turns sooner, and noise "
+             "as well.")
+    acceleration_rad_s2: float = setting(1.0, unit="rad/s^2", above=0, help="The same of their turn.")
+    noise_m: float = setting(
+        0.0003, unit="m", above=0,
+        help="Noise of the place that one image gives the goal (standard deviation).")
+    noise_rad: float = setting(0.001, unit="rad", above=0, help="Noise of the attitude that one image gives it.")
+    speed_m_s: float = setting(
+        0.1, unit="m/s", above=0,
+        help="Speed of targets like this one, before anything was seen (standard deviation).")
+    turn_rad_s: float = setting(
+        0.3, unit="rad/s", above=0,
+        help="Turn of targets like this one, before anything was seen.")
+    part: float = setting(1.0, at_least=0, at_most=1, help="Part of the estimated motion that is fed forward.")
 
 
 class ConstantVelocity:
@@ -82,14 +81,14 @@ class TargetMotion:
     """
 
     def __init__(self, config, features):
-        """Args: config: `FeedForwardConfig`. features: `FeatureSet` of the law."""
+        """Args: config: `FeedForwardSettings`. features: `FeatureSet` of the law."""
         self._config, self._features = config, features
         self._exact = features.names in (FEATURE_NAMES, POSE_FEATURES)
         self._point_G = self._to_go = None
         self.clear()
 
     def clear(self):
-        """Forget what was seen: the target may have changed its motion."""
+        """Forget the estimate, because the target may have changed its motion."""
         config = self._config
         self._places = ConstantVelocity(config.acceleration_m_s2, config.noise_m, config.speed_m_s)
         self._turns = ConstantVelocity(config.acceleration_rad_s2, config.noise_rad, config.turn_rad_s)
@@ -97,7 +96,7 @@ class TargetMotion:
         self.velocity, self.turn = np.zeros(3), np.zeros(3)
 
     def set_reference(self, reference):
-        """Take over the goal. Raises ParameterError: it says nothing of the target in space."""
+        """Take over the goal. Raises ParameterError: the reference does not say where the target is in space."""
         if reference.view is None:
             raise ParameterError("feed_forward: the reference holds no view of the target: teach it again")
         view = reference.view
@@ -125,7 +124,7 @@ class TargetMotion:
         return X_CG[:3, :3], X_CG[:3, :3] @ self._point_G + X_CG[:3, 3]
 
     def twist(self, stamp_ns, X_BC, s, e):
-        """Take an image in; V_C, (6,), of a camera that goes along with the target.
+        """Update the estimate with one image. Returns V_C, (6,), of a camera that moves along with the target.
 
         Args: X_BC: (4, 4) pose of the camera at the image.  s, e: (k,) features and errors of the law.
         """

@@ -21,7 +21,7 @@ class LookThenMove:
     """
 
     def __init__(self, kinematics, arm, config):
-        """Args: kinematics: `Kinematics`. arm: `ArmMotion`. config: `ServoConfig`."""
+        """Args: kinematics: `Kinematics`. arm: `ArmMotion`. config: `ServoSettings`."""
         self._kinematics, self._arm, self._config = kinematics, arm, config
         self.clear(None)
 

@@ -1,65 +1,64 @@
-"""What the arm does while the target is not seen: hold still, back off along the path travelled, or search.
+"""What the arm does while the target is not seen: hold still, go back along the path it came, or search.
 
-Only images that came in time are answered by motion: without one the servo holds, whatever is configured here.
+The arm moves only in answer to an image that came in time. Without an image it holds still, whatever is configured
+here.
 """
 
 from collections import deque
+from dataclasses import dataclass
 from math import atan2, ceil, cos, pi, sin
 from typing import NamedTuple, Optional
 
 import numpy as np
 
 from ..arm.limits import velocity_factor
+from ..config.settings import setting
 from ..ground.spatial import exponential, inverse, rotation_vector
 
 ACTIONS = ("hold", "back_off", "search")
-PATTERNS = ("translate", "tilt")
 #: Images whose joint positions are kept for the way back: ten minutes at 30 Hz.
 PATH_LENGTH = 18000
 #: Directions of one ring of the search.
 DIRECTIONS = 8
-#: A place of the search is reached within this part of a step of it, or given up after this many times the time that
-#: the way there takes at full speed, and a while: an arm may be slow to get there, or not get there at all.
+#: A place of the search counts as reached at a distance of NEAR_PART of a step. The search goes on to the next place
+#: after PATIENT times the time that the way takes at full speed, plus WHILE_S: an arm may be slow, or may not get there
+#: at all.
 NEAR_PART, PATIENT, WHILE_S = 0.1, 2.0, 0.3
-#: The last of the way to a place of the search takes at least this many periods: joints follow late.
+#: Near a place of the search the arm slows down, so that the rest of the way takes at least this many periods: joints
+#: follow their commands with a delay.
 EASE_PERIODS = 5.0
 
 
-class LostTargetConfig(NamedTuple):
-    """Keys `on_lost` (action) and `lost_target` (the others) of the section `servo`."""
+@dataclass(frozen=True)
+class LostTargetSettings:
+    """Section `servo.lost_target`: how the arm backs off or searches, where `on_lost` says so."""
 
-    action: str = "hold"
-    speed: float = 0.5  # of the fastest joint [m/s, rad/s]
-    time_limit_s: float = 10.0  # of being lost, then STOPPED
-    attempts: int = 5  # recoveries of one run; lost once more: STOPPED
-    patience_s: float = 0.1  # held still first: an object passes by
-    confirm_s: float = 0.2  # the target has to be seen for this long
-    slow_down: float = 0.5  # factor on the twist after each recovery
-    pattern: str = "translate"  # search: camera moved in its own x, y, or turned about them
-    step_m: float = 0.04  # search: distance of the rings
-    step_rad: float = 0.08
-    rings: int = 3
-    speed_m_s: float = 0.1  # search: of the camera
-    turn_rad_s: float = 0.3
-
-    @classmethod
-    def read(cls, reader):
-        """From the `ConfigReader` of the section `servo`."""
-        values = {"action": reader.choice("on_lost", ACTIONS, cls._field_defaults["action"])}
-        section = reader.section("lost_target")
-        values["pattern"] = section.choice("pattern", PATTERNS, cls._field_defaults["pattern"])
-        for key in ("speed", "time_limit_s", "step_m", "step_rad", "speed_m_s", "turn_rad_s"):
-            values[key] = section.number(key, cls._field_defaults[key], above=0.0)
-        for key in ("patience_s", "confirm_s"):
-            values[key] = section.number(key, cls._field_defaults[key], at_least=0.0)
-        values["slow_down"] = section.number("slow_down", cls._field_defaults["slow_down"], above=0.0, at_most=1.0)
-        for key in ("attempts", "rings"):
-            number = section.number(key, cls._field_defaults[key], at_least=1)
-            if number is not None and number != int(number):
-                section.fault(f"{key}: found {number}, allowed a whole number")
-            values[key] = None if number is None else int(number)
-        section.close()
-        return cls(**values)
+    patience_s: float = setting(
+        0.1, unit="s", at_least=0,
+        help="The arm holds still for this long first: something may have passed by.")
+    speed: float = setting(0.5, unit="m/s, rad/s", above=0, help="Speed of the fastest joint.")
+    confirm_s: float = setting(
+        0.2, unit="s", at_least=0,
+        help="The target has to be seen for this long before the law takes over again.")
+    slow_down: float = setting(
+        0.5, above=0, at_most=1,
+        help="The twist of the law is multiplied by this after each recovery, so that what overshot does not do so "
+             "again.")
+    attempts: int = setting(5, at_least=1, help="Recoveries of one run; lost once more, the servo ends as `STOPPED`.")
+    time_limit_s: float = setting(
+        10.0, unit="s", above=0,
+        help="Lost for this long, the servo ends as `STOPPED`; its own time limit holds as well.")
+    pattern: str = setting(
+        "translate", choices=("translate", "tilt"),
+        help="Of a search: the camera moves along its own x and y, or turns about them.")
+    step_m: float = setting(
+        0.04, unit="m", above=0,
+        help="Distance between the rings of a search with `pattern: translate`; each ring has eight places, the first "
+             "where the target was seen last.")
+    step_rad: float = setting(0.08, unit="rad", above=0, help="The same with `pattern: tilt`.")
+    rings: int = setting(3, at_least=1, help="Number of rings of a search.")
+    speed_m_s: float = setting(0.1, unit="m/s", above=0, help="Speed of the camera in a search.")
+    turn_rad_s: float = setting(0.3, unit="rad/s", above=0, help="Turn of the camera in a search.")
 
 
 class Recovery(NamedTuple):
@@ -75,7 +74,7 @@ def search_places(config, first_angle):
     """Displacements of the camera from where it saw the target last, (6,) each: [translation m; rotation vector rad].
 
     Rings of `DIRECTIONS` places, beginning in the direction in which the target was seen last.
-    Args: config: `LostTargetConfig`. first_angle: of that direction in the image [rad].
+    Args: config: `LostTargetSettings`. first_angle: of that direction in the image [rad].
     """
     places = []
     for ring in range(1, config.rings + 1):
@@ -95,9 +94,9 @@ class LostTarget:
         recoveries: how often the arm moved until the target was found again, since `clear`.
     """
 
-    def __init__(self, kinematics, arm, config):
-        """Args: kinematics: `Kinematics`. arm: `ArmMotion`. config: `LostTargetConfig`."""
-        self._kinematics, self._arm, self._config = kinematics, arm, config
+    def __init__(self, kinematics, arm, action, config):
+        """Args: kinematics: `Kinematics`. arm: `ArmMotion`. action: one of ACTIONS. config: `LostTargetSettings`."""
+        self._kinematics, self._arm, self._action, self._config = kinematics, arm, action, config
         self._speed = np.minimum(kinematics.velocity, config.speed)
         self.clear()
 
@@ -113,7 +112,7 @@ class LostTarget:
 
     @property
     def factor(self):
-        """On the twist of the law: slower after each recovery."""
+        """Factor on the twist of the law: it becomes smaller with each recovery."""
         return self._config.slow_down**self.recoveries
 
     def found(self, stamp_ns):
@@ -124,8 +123,8 @@ class LostTarget:
         return stamp_ns - self._seen_ns >= 1e9 * self._config.confirm_s
 
     def servoed(self, q, features):
-        """The law has an answer to this image of the target, taken at joint positions q, (n,)."""
-        if self._config.action == "hold":
+        """Call this when the law has answered an image of the target, taken at joint positions q, (n,)."""
+        if self._action == "hold":
             return
         if self._lost_ns is not None:
             self.recoveries += self._moved
@@ -134,12 +133,14 @@ class LostTarget:
         self._direction = atan2(getattr(features, "yg", 0.0), getattr(features, "xg", 0.0))
 
     def step(self, stamp_ns, q, dt_s, visible) -> Optional[Recovery]:
-        """Answer to an image without the target, or with it (visible) while it is not sure yet; None: hold still.
+        """Answer to an image without the target, or to one that shows it (visible) but not for long enough yet.
+
+        None: hold still.
 
         Args: q: (n,) measured at stamp_ns.  dt_s: time the answer holds, > 0 [s].
         """
         config = self._config
-        if config.action == "hold":
+        if self._action == "hold":
             return None
         zeros, twist = np.zeros_like(q), np.zeros(6)
         if self._lost_ns is None:
@@ -157,7 +158,7 @@ class LostTarget:
             return Recovery(zeros, twist, "target not in view, waiting")
         self._moved = True
         state = "in view again" if visible else "target not in view"
-        if config.action == "back_off":
+        if self._action == "back_off":
             q_dot = self._back(q, dt_s)
             text = f"{state}, backing off: {len(self._path)} images of the path left"
             return Recovery(q_dot, self._kinematics.jacobian(q) @ q_dot, text)
@@ -170,7 +171,7 @@ class LostTarget:
         """Joint velocities that go back along the path for dt_s, at the speed limit; zeros at its end."""
         if self._here is None:
             self._here = q
-        begin, left = self._here, 1.0  # part of this period that is left
+        begin, left = self._here, 1.0  # left: part of this period that is not used up yet
         while self._path and left > 0.0:
             way = self._path[-1] - self._here
             needed = float(np.max(np.abs(way) / self._speed)) / dt_s  # periods
@@ -179,7 +180,7 @@ class LostTarget:
             else:
                 self._here, left = self._path.pop(), left - needed
         if not self._path:
-            self._path.append(self._here)  # the place where it began is where it waits
+            self._path.append(self._here)  # the arm waits where the path began
         return (self._here - begin) / dt_s
 
     def _look_around(self, stamp_ns, q, dt_s):

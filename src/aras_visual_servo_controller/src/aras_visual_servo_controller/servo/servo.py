@@ -1,7 +1,7 @@
 """The servo: one observation in, one joint command and one record out. No ROS, no wall time, no random numbers.
 
     servo = Servo(kinematics, scenario["servo"])
-    servo.teach(features, q)                     # this view is the goal (features normalised by its own reference)
+    servo.teach(features, q, z_star_m)           # this view, the target z_star_m away, is the goal
     servo.start(stamp_ns)                        # or start(stamp_ns, set_point=q_last_commanded)
     command, record = servo.step(Observation(stamp_ns, features, q), dt_s)
     ... until servo.finished
@@ -22,12 +22,13 @@ from ..arm.motion import ArmMotion
 from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError
 from .feed_forward import TargetMotion
 from ..features.base import FeatureSet, View
-from ..features.interaction import plane_from_pose
+from ..features.sources import Source, source_named
 from ..laws.base import make_law
+from ..laws.look import Look
 from .look_then_move import LookThenMove
 from .lost_target import LostTarget
-from .settings import ServoConfig
-from ..ground.types import Command, Features, Observation, Reference, ServoRecord, Status
+from .settings import ServoSettings
+from ..ground.types import Command, Observation, Reference, ServoRecord, Status
 from .visibility import keep_in_view
 
 _FINAL = (Status.CONVERGED, Status.TIMED_OUT, Status.STOPPED, Status.FAULT)
@@ -38,7 +39,7 @@ class Servo:
     """Drives the camera to the taught view.
 
     Attributes:
-        config: `ServoConfig` in use.  reference: `Reference` or None.  status: `Status` of the last step.
+        config: `ServoSettings` in use.  reference: `Reference` or None.  status: `Status` of the last step.
         finished: only start() moves again (CONVERGED, TIMED_OUT, STOPPED or FAULT).
     """
 
@@ -46,11 +47,12 @@ class Servo:
         """Args: kinematics: `Kinematics`. config: the scenario's section `servo` (dict). Raises ParameterError."""
         names = kinematics.joint_names
         self._kinematics = kinematics
-        self._scenario_config = self.config = ServoConfig.from_dict(config, names)
-        self._features = FeatureSet(self.config.features)
+        self._scenario_config = self.config = ServoSettings.from_dict(config, names)
+        self._features = FeatureSet(self.config.features, self.config.settings)
+        self._source = source_named(self._features.source)
         self._arm = ArmMotion(kinematics, self.config, self._features.sees_tilt)
-        self._look = LookThenMove(kinematics, self._arm, self.config)
-        self._lost = LostTarget(kinematics, self._arm, self.config.lost_target)
+        self._moves = LookThenMove(kinematics, self._arm, self.config)
+        self._lost = LostTarget(kinematics, self._arm, self.config.on_lost, self.config.lost_target)
         forward = self.config.feed_forward
         self._target_motion = None if forward is None else TargetMotion(forward, self._features)
         self._law = self._make_law()
@@ -72,38 +74,50 @@ class Servo:
         return self._features.names
 
     @property
-    def source(self) -> str:
-        """What of the camera it wants: `moments` (MomentFeatures) or `photometric` (PhotometricFeatures)."""
-        return self._features.source
+    def source(self) -> Source:
+        """Where the features come from."""
+        return self._source
+
+    def why_lost(self, features) -> str:
+        """What is wrong with features that are not fit to servo on, or with None; "": they are."""
+        return "no image" if features is None else self._source.why_lost(features)
 
     def split(self, q, q_dot):
         """((n,), (n,)): what of the joint velocities q_dot at q moves the camera, and what is null-space motion."""
         return self._arm.split(q, q_dot)
 
     def _make_law(self):
-        return make_law(self.config.law, self.config.gains_per_s, self.config.law_setup)
+        return make_law(self.config.law, self.config.gains_per_s, self.config)
 
     def configure(self, law="", gains_per_s=(), thresholds=(), time_limit_s=0.0) -> None:
         """Override the scenario's values from the next start on; empty or 0 takes the scenario's. ParameterError."""
         self.config = self._scenario_config.with_overrides(law, gains_per_s, thresholds, time_limit_s)
 
-    def teach(self, features, q) -> Reference:
-        """This view, seen at joint positions q, is the goal. ParameterError when the features are not fit for it."""
-        fit = features is not None and features.target_visible and features.valid and features.has_reference
-        try:
-            s_star = np.array(self._features.values(View(features)) if fit else [nan])
-        except DegenerateFeature as error:
-            raise ParameterError(f"teach: {error}") from error
-        q = self._kinematics.vector(q)
-        if not (np.isfinite(s_star).all() and np.isfinite(q).all()):
-            raise ParameterError("teach: the view has no valid, normalised features of the target")
-        view = plane = None
-        if hasattr(features, "moment_names"):
-            view, t = Features.from_object(features), features.z_star_m * np.array([features.xg, features.yg, 1.0])
-            plane = plane_from_pose(self.config.target_normal_C, t)
-        axis_B = self._kinematics.pose(q)[:3, 2].copy()
-        self.set_reference(Reference(s_star, axis_B, self._kinematics.by_name(q), view, plane))
+    def teach(self, features, q, z_star_m) -> Reference:
+        """Make a view the goal. Args and errors: those of `as_reference`."""
+        self.set_reference(self.as_reference(features, q, z_star_m))
         return self.reference
+
+    def as_reference(self, features, q, z_star_m) -> Reference:
+        """A view as a goal; nothing is changed.
+
+        Args:
+            features: of the view, whatever reference they have themselves.  q: joint positions there.
+            z_star_m: depth of the target in this view, > 0 [m].
+        Raises: ParameterError: the features are not fit for it.
+        """
+        text, q = self.why_lost(features), self._kinematics.vector(q)
+        if not (isfinite(z_star_m) and z_star_m > 0.0):
+            raise ParameterError(f"z_star_m of the view to teach: found {z_star_m}, allowed > 0")
+        try:
+            taught = None if text else self._source.taught(features, z_star_m, self.config.target_normal_C)
+            s_star = np.array([nan] if text else self._features.values(View(taught.features)))
+        except DegenerateFeature as error:
+            raise ParameterError(f"the view to teach: {error}") from error
+        if not (np.isfinite(s_star).all() and np.isfinite(q).all()):
+            raise ParameterError(f"the view to teach has no valid features of the target: {text or 'not finite'}")
+        axis_B = self._kinematics.pose(q)[:3, 2].copy()
+        return Reference(s_star, axis_B, self._kinematics.by_name(q), taught.view, taught.plane_C)
 
     def set_reference(self, reference: Reference) -> None:
         """Use a reference taught before."""
@@ -165,10 +179,10 @@ class Servo:
         if gap_s > self.config.input_timeout_s or features is None:
             text = "no image" if features is None else f"no image for {gap_s:.3f} s"
             return self._rest(stamp_ns, Status.STALE_INPUT, text)
-        if self._look.under_way and self._look.goes_on(stamp_ns, q, gap_s):
+        if self._moves.under_way and self._moves.goes_on(stamp_ns, q, gap_s):
             return self._follow(stamp_ns, dt_s)
-        if not (features.target_visible and features.valid):
-            text = _why_lost(features)
+        text = self._source.why_lost(features)
+        if text:
             return self._without_target(stamp_ns, q, dt_s, text)
         if not self._lost.found(stamp_ns):
             return self._without_target(stamp_ns, q, dt_s, "", visible=True)
@@ -176,14 +190,12 @@ class Servo:
 
     def _servo(self, stamp_ns, features, q, dt_s):
         """One look at valid features."""
-        look, law = self.config.mode == "look_then_move", self._law
+        look_then_move, law = self.config.mode == "look_then_move", self._law
         try:
-            if law.needs_pose:
-                law.X_CgC = self._displacement(q)
-            if law.needs_plane:
-                twist = law.step(features, 0.0 if look else dt_s, self._plane(q))
-            else:
-                twist = law.step(features, 0.0 if look else dt_s)
+            view = View(features, self._plane(q) if law.needs_plane else None)
+            X_CgC = self._displacement(q) if law.needs_pose else None
+            answer = law.step(Look(view, 0.0 if look_then_move else dt_s, X_CgC, self._applied))
+            twist = answer.twist
         except NotFiniteError as error:
             return self._rest(stamp_ns, Status.FAULT, f"not finite: {error}")
         except DegenerateFeature as error:
@@ -192,12 +204,11 @@ class Servo:
             return self._rest(stamp_ns, Status.FAULT, f"law '{law.name}': {type(error).__name__}: {error}")
         if np.shape(twist) != (6,) or not isfinite(float(twist.sum())):
             return self._rest(stamp_ns, Status.FAULT, f"law '{law.name}' gave a twist that is not six finite numbers")
+        self._applied, self._s, self._e, self._cond_l = twist, answer.s, answer.e, answer.condition
         self._lost.servoed(q, features)
         if self._lost.recoveries:
             twist = twist * self._lost.factor
-        self._s, self._e = law.s, law.e
-        self._cond_l = law.current_condition()
-        below = law.settled and all([abs(error) < most for error, most in zip(self._e, self.config.thresholds)])
+        below = answer.settled and all([abs(error) < most for error, most in zip(self._e, self.config.thresholds)])
         if not below:
             self._below_ns = None
         elif self._below_ns is None:
@@ -210,19 +221,19 @@ class Servo:
         gain, target_C = self.config.tilt_gain_per_s, None
         if gain > 0.0 and not self._features.sees_tilt:
             target_C = features.xn, features.yn, features.an
-        if look:
+        if look_then_move:
             return self._rest_until_held(stamp_ns) if below else self._plan(stamp_ns, q, twist, target_C, dt_s)
         jacobian, inverse = self._arm.at(q)
         self._manipulability = inverse.manipulability
         if target_C is not None:
-            twist += self._arm.tilt(q, inverse, -expm1(-gain * dt_s) / dt_s, target_C)
+            twist = twist + self._arm.tilt(q, inverse, -expm1(-gain * dt_s) / dt_s, target_C)
         if self.config.visibility is not None:
             twist, bent = keep_in_view(self.config.visibility, features, twist)
             self._text = "servoing, kept in view" if bent else self._text
         q_dot, self._twist, status, text = self._arm.joint_velocity(q, twist, jacobian, inverse, dt_s)
         if status is not None:
             self.status, self._text = status, text
-        law.applied = self._twist
+        self._applied = self._twist
         velocity = self._kinematics.by_name(q_dot)
         return Command(stamp_ns, {}, velocity), self._record(stamp_ns, self._text, q_dot, self._nans)
 
@@ -241,14 +252,14 @@ class Servo:
 
     def _without_target(self, stamp_ns, q, dt_s, text, visible=False):
         """TARGET_LOST: the arm holds still, or does what `on_lost` says until the target is found again."""
-        self._law.applied = None
+        self._applied = None
         recovery = self._lost.step(stamp_ns, q, dt_s, visible)
         if recovery is None:
             return self._rest(stamp_ns, Status.TARGET_LOST, text)
         if recovery.gave_up:
             return self._rest(stamp_ns, Status.STOPPED, recovery.text)
         command, record = self._rest(stamp_ns, Status.TARGET_LOST, recovery.text)
-        self._look.shift(recovery.q_dot * dt_s)
+        self._moves.shift(recovery.q_dot * dt_s)
         command.velocity = self._kinematics.by_name(recovery.q_dot)
         record.q_dot, record.twist = recovery.q_dot, recovery.twist
         return command, record
@@ -257,14 +268,14 @@ class Servo:
 
     def _plan(self, stamp_ns, q, twist, target_C, dt_s):
         """Begin the move that one look asks for."""
-        self._twist, self._manipulability, joint = self._look.plan(stamp_ns, q, twist, target_C)
+        self._twist, self._manipulability, joint = self._moves.plan(stamp_ns, q, twist, target_C)
         if joint is not None:
             self.status, self._text = Status.JOINT_LIMIT, f"joint '{joint}' at its limit"
         return self._follow(stamp_ns, dt_s)
 
     def _follow(self, stamp_ns, dt_s):
         """Command of the move under way."""
-        set_point, q_dot = self._look.follow(stamp_ns, dt_s)
+        set_point, q_dot = self._moves.follow(stamp_ns, dt_s)
         by_name = self._kinematics.by_name
         if self.status not in _MOVING_STATUSES:
             self.status, self._text = Status.SERVOING, "moving"
@@ -281,13 +292,13 @@ class Servo:
     def _clear(self, stamp_ns, set_point):
         self._text = ""
         self._start_ns, self._last_ns, self._below_ns = stamp_ns, None, None
-        self._look.clear(set_point)
+        self._moves.clear(set_point)
         self._lost.clear()
         if self._target_motion is not None:
             self._target_motion.clear()
         self._arm.rest()
         self._forget()
-        self._q = self._nans
+        self._q, self._applied = self._nans, None
 
     def _forget(self):
         self._s = self._e = (nan,) * len(self._features)
@@ -298,12 +309,12 @@ class Servo:
         if status not in _FINAL:
             self._below_ns = None
             self._forget()
-        self._twist, self._law.applied = np.zeros(6), None
+        self._twist, self._applied = np.zeros(6), None
         self._arm.rest()
         self.status, self._text = status, text
-        if not self._look.under_way:
+        if not self._moves.under_way:
             return Command(stamp_ns, {}, dict(self._no_velocity)), self._record(stamp_ns, text, self._zeros, self._nans)
-        set_point = self._look.break_off(stamp_ns)
+        set_point = self._moves.break_off(stamp_ns)
         record = self._record(stamp_ns, text, self._zeros, set_point)
         return Command(stamp_ns, self._kinematics.by_name(set_point), dict(self._no_velocity)), record
 
@@ -313,12 +324,3 @@ class Servo:
             np.array(self._s), self._s_star, np.array(self._e), self._twist, self._kinematics.joint_names, self._q,
             q_dot, set_point, self._manipulability, self._cond_l,
         )  # fmt: skip
-
-
-def _why_lost(features):
-    """What is wrong with features that are not fit to servo on."""
-    if getattr(features, "fault", ""):
-        return features.fault
-    if getattr(features, "ambiguous", False):
-        return "several objects in view, and it is not clear which is the target"
-    return "target cut by the border or not orientable" if features.target_visible else "target not in view"

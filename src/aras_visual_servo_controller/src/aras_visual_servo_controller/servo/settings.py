@@ -1,144 +1,134 @@
 """Settings of the servo: the scenario's section `servo`, checked as a whole."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Dict, Optional, Tuple
+from typing import Optional, Tuple
 
-from ..config.reader import ConfigReader
-from ..ground.errors import ParameterError
-from .feed_forward import FeedForwardConfig
-from ..features.base import expand, is_known, known_features
-from ..laws.base import BROYDEN_INITIALS, INTERACTIONS, POINT_DEPTHS, POSES, LawSetup, known_laws, make_law
-from .lost_target import LostTargetConfig
-from ..arm.settings import LimitsConfig, read_motion
-from ..config.plugins import load_plugins
+from ..arm.settings import InverseSettings, LimitsSettings, NullSpaceSettings
 from ..config.files import load_yaml, resolve_uri
-from ..target.target_pose import PlanarTarget
+from ..config.plugins import load_plugins
+from ..config.reader import Names, read
+from ..config.schema import schema_of, with_sections
+from ..config.settings import keys_of, required_keys, setting
+from ..features.base import expand, feature_settings, is_known, known_features
+from ..ground.errors import ParameterError
 from ..ground.types import FEATURE_NAMES
-from .visibility import VisibilityConfig
+from ..laws.base import LawSetup, known_laws, law_settings, make_law
+from ..target.target_pose import PlanarTarget
+from .feed_forward import FeedForwardSettings
+from .lost_target import ACTIONS, LostTargetSettings
+from .visibility import VisibilitySettings
 
 MODES = ("continuous", "look_then_move")
 
 
-@dataclass(frozen=True)
-class ServoConfig:
-    """Keys of the section, with their defaults. Gains and thresholds are in the order of `features`."""
+@dataclass(frozen=True, kw_only=True)
+class ServoSettings(LawSetup):
+    """Section `servo`; what all laws share it has from `LawSetup`. Gains, thresholds: in the order of `features`."""
 
-    law: str
-    mode: str
-    gains_per_s: Tuple[float, ...]  # > 0 [1/s]
-    thresholds: Tuple[float, ...]  # of |e|, > 0 [m, m, m, rad]
-    time_limit_s: float  # of simulated time
-    features: Tuple[str, ...] = FEATURE_NAMES
-    interaction: str = "desired"  # which interaction matrix law ibvs inverts: desired, current, mean
-    point_depth: str = "plane"  # of followed points: plane (of the target), goal (always that at the goal)
-    pose_from: str = "moments"  # what laws of the pose measure: moments, points
-    sliding: Optional[Tuple[float, Tuple[float, ...]]] = None  # section: switching_per_s, boundary (one per feature)
-    broyden: Tuple[str, float, float] = LawSetup.broyden  # section: initial, forgetting, move
-    photometric: Tuple[float, float, float] = LawSetup.photometric  # section: damping, rest_m_per_s, rest_rad_per_s
-    target_normal_C: Tuple[float, ...] = (0.0, 0.0, 1.0)  # of the target's plane, in the camera frame at the goal
-    symmetric_target: bool = False  # the target is the same after half a turn
-    adaptive_gain: Optional[Tuple[float, float]] = None  # section: infinity_part, slope, see laws.adaptive_factor
-    smooth_start_per_s: float = 0.0  # 0: the first twist comes at once
-    target_model: Optional[PlanarTarget] = None  # file of the known target, for law pbvs
-    plugins: Tuple[str, ...] = ()  # Python modules that register features and laws of their own
-    hold_s: float = 0.2  # converged when |e| is below all thresholds for this long
-    input_timeout_s: float = 0.2  # a longer gap between images stops the arm
-    tilt_gain_per_s: float = 3.0  # 0: tilt is not held
-    sample_time_s: float = 0.01  # look_then_move: a look moves the set-point by gain * sample_time_s of the error
-    settle_speed: float = 0.002  # look_then_move: joints slower than this have settled [m/s, rad/s] ...
-    settle_tolerance: float = 0.02  # ... and are this close to their set-points, friction included [m, rad] ...
-    settle_limit_s: float = 1.0  # ... or have had this long
-    acceleration: float = 2.0  # look_then_move: of the moves [m/s^2, rad/s^2]
-    method: str = "damped"  # section inverse, see redundancy.py
-    at_limits: str = "scale"  # the whole motion, or saturate: the joints that are not at a limit go on
-    length_m: float = 0.05
-    singular_value_threshold: float = 0.02
-    damping: float = 0.02
-    joint_weights: Dict[str, float] = None  # section inverse/joint_weights: cost of moving a joint, default 1
-    posture_gain_per_s: float = 2.0  # section null_space: return to the taught posture
-    joint_limit_gain_per_s: float = 1.0  # section null_space: away from joint limits
-    manipulability_gain_per_s: float = 0.0  # section null_space: away from singularities [m^2/s, rad^2/s]
-    max_speed: float = 0.2  # section null_space: of any joint [m/s, rad/s]
-    large_from: Optional[Tuple[float, float]] = None  # section null_space: projection onto the norm, from this twist on
-    limits: LimitsConfig = LimitsConfig()
-    visibility: Optional[VisibilityConfig] = None
-    joint_limit_margin: float = 0.01  # kept to every joint limit [m, rad]
-    feed_forward: Optional[FeedForwardConfig] = None  # of the motion of the target
-    track: bool = False  # the goal is followed until the time limit
-    lost_target: LostTargetConfig = LostTargetConfig()  # keys on_lost and lost_target
+    law: str = setting(
+        not_empty=True,
+        help="The control law by name: one of docs/features_and_laws.md, or one registered by you. A law that has "
+             "settings of its own finds them in a section of its name.")
+    plugins: Tuple[str, ...] = setting(
+        (),
+        help="Python modules that register features and laws of their own; they are imported first.")
+    mode: str = setting(
+        choices=MODES,
+        help="`continuous`: a velocity for every image. `look_then_move`: one image, one move, settle, the next image.")
+    gains_per_s: Tuple[float, ...] = setting(
+        unit="1/s", above=0, by="feature", not_empty=True,
+        help="Rate at which each feature decays (`points4: 2.0` for all of four points); look_then_move: gain times "
+             "sample_time_s < 2.")
+    thresholds: Tuple[float, ...] = setting(
+        above=0, by="feature", not_empty=True,
+        help="The servo has converged when the error of every feature is below its threshold for hold_s: xn, yn and an "
+             "in m, alpha in rad, the others as they are.")
+    hold_s: float = setting(
+        0.2, unit="s", at_least=0,
+        help="The servo has converged when every error was below its threshold for this long.")
+    time_limit_s: float = setting(unit="s", above=0, help="Simulated time after which the servo ends.")
+    input_timeout_s: float = setting(
+        0.2, unit="s", above=0,
+        help="A longer gap between images stops the arm for that image.")
+    tilt_gain_per_s: float = setting(
+        3.0, unit="1/s", at_least=0,
+        help="Return of the optical axis to its taught direction, from the joint positions; 0: it is not held.")
+    sample_time_s: float = setting(
+        0.01, unit="s", above=0,
+        help="look_then_move: a look asks for gain times this of the error.")
+    settle_speed: float = setting(
+        0.002, unit="m/s, rad/s", above=0,
+        help="look_then_move: joints have settled when they are slower than this and within settle_tolerance.")
+    settle_tolerance: float = setting(
+        0.02, unit="m, rad", above=0,
+        help="look_then_move: how near to its set-point a joint has settled, friction included.")
+    settle_limit_s: float = setting(
+        1.0, unit="s", above=0,
+        help="look_then_move: joints that have not settled after this long are taken as they are.")
+    acceleration: float = setting(
+        2.0, unit="m/s^2, rad/s^2", above=0,
+        help="look_then_move: acceleration of the moves.")
+    inverse: InverseSettings = setting(InverseSettings(), help="From the twist of the camera to joint velocities.")
+    null_space: NullSpaceSettings = setting(NullSpaceSettings(), help="Motion that leaves the camera where it is.")
+    limits: LimitsSettings = setting(LimitsSettings(), help="Limits that are tighter than those of the URDF.")
+    joint_limit_margin: float = setting(0.01, unit="m, rad", at_least=0, help="Kept to the limit of every joint.")
+    visibility: Optional[VisibilitySettings] = setting(
+        None,
+        help="The object is kept in a view of this size (T43; 55 us).")
+    feed_forward: Optional[FeedForwardSettings] = setting(
+        None,
+        help="The estimated motion of the target is fed forward (T45); mode `continuous` only.")
+    track: bool = setting(
+        False,
+        help="The goal is followed until the time limit; the servo has converged if every error is below its threshold "
+             "then. Mode `continuous` only.")
+    on_lost: str = setting(
+        "hold", choices=ACTIONS,
+        help="While the target is lost: `hold` still, `back_off` along the path travelled while it was seen, or "
+             "`search` around the pose that saw it last.")
+    lost_target: LostTargetSettings = setting(LostTargetSettings(), help="How `back_off` and `search` are done.")
 
     @classmethod
     def from_dict(cls, source, joint_names=()):
         """Read the section. Raises ParameterError listing every fault."""
-        reader = ConfigReader(source, "servo")
-        values = {"plugins": reader.texts("plugins", ())}
-        for fault in load_plugins(values["plugins"]):
-            reader.fault(fault)
-        values.update({"law": reader.choice("law", known_laws()), "mode": reader.choice("mode", MODES)})
-        features = values["features"] = expand(reader.texts("features", FEATURE_NAMES))
-        for name in features:
-            if not is_known(name):
-                reader.fault(f"features: found {name}, allowed {', '.join(known_features())}")
-        for key in ("gains_per_s", "thresholds"):
-            values[key] = tuple(reader.section(key, True).spread(expand).numbers(features, above=0.0))
-        values["point_depth"] = reader.choice("point_depth", POINT_DEPTHS, cls.point_depth)
-        values["pose_from"] = reader.choice("pose_from", POSES, cls.pose_from)
-        values["interaction"] = reader.choice("interaction", INTERACTIONS, cls.interaction)
-        values["target_normal_C"] = reader.vector("target_normal_C", 3, cls.target_normal_C)
-        if not values["target_normal_C"][2] > 0.0:
-            reader.fault(f"target_normal_C: found {values['target_normal_C']}, allowed z > 0 (away from the camera)")
-        values["symmetric_target"] = reader.flag("symmetric_target", cls.symmetric_target)
-        values["smooth_start_per_s"] = reader.number("smooth_start_per_s", 0.0, at_least=0.0)
-        target = reader.texts("target_model", (), single=True)
-        if target:
-            try:
-                values["target_model"] = PlanarTarget(load_yaml(resolve_uri(target, key="target_model"))["outlines_m"])
-            except (ParameterError, KeyError, ValueError) as error:
-                reader.fault(f"target_model: found {target}, allowed the file of a planar target: {error}")
-        values["sliding"], values["broyden"] = _sliding(reader, features), _broyden(reader)
-        values["photometric"] = _photometric(reader)
-        adaptive = reader.section("adaptive_gain")
-        if adaptive.keys():
-            part = adaptive.number("infinity_part", above=0.0)
-            if part is not None and not part < 1.0:
-                adaptive.fault(f"infinity_part: found {part}, allowed < 1")
-            values["adaptive_gain"] = (part, adaptive.number("slope", above=0.0))
-        adaptive.close()
-        values["time_limit_s"] = reader.number("time_limit_s", above=0.0)
-        for key in ("hold_s", "tilt_gain_per_s", "joint_limit_margin"):
-            values[key] = reader.number(key, getattr(cls, key), at_least=0.0)
-        settling = ("settle_speed", "settle_tolerance", "settle_limit_s")
-        for key in ("input_timeout_s", "sample_time_s", "acceleration", *settling):
-            values[key] = reader.number(key, getattr(cls, key), above=0.0)
-
-        values["lost_target"] = LostTargetConfig.read(reader)
-        values["feed_forward"] = FeedForwardConfig.read(reader)
-        values["track"] = reader.flag("track", cls.track)
-        if values["mode"] == "look_then_move" and (values["feed_forward"] is not None or values["track"]):
-            reader.fault("feed_forward, track: found with mode look_then_move, allowed with mode continuous")
-        values["visibility"] = VisibilityConfig.read(reader)
-        values.update(read_motion(reader, joint_names, cls))
-        if values["mode"] == "look_then_move" and None not in (*values["gains_per_s"], values["sample_time_s"]):
-            for name, value in zip(features, values["gains_per_s"]):
-                if value * values["sample_time_s"] >= 2.0:
-                    reader.fault(f"gains_per_s/{name}: found {value}, allowed < 2 / sample_time_s (it would diverge)")
-        reader.finish()
-        config = cls(**values)
+        faults = [f"servo/{fault}" for fault in load_plugins(_names_in(source, "plugins"))]
+        sections = own_sections()
+        features = expand(_names_in(source, "features") or FEATURE_NAMES)
+        law = source.get("law") if isinstance(source, Mapping) else None
+        if isinstance(law, str) and law not in known_laws():
+            faults.append(f"servo/law: found {law}, allowed {', '.join(known_laws())}")
+        faults += [f"servo/features: found {name}, allowed {', '.join(known_features())}"
+                   for name in features if not is_known(name)]
+        names = Names(features, tuple(joint_names), expand=expand)
+        config, settings = read(cls, source, "servo", names, sections, faults), {}
+        for name, section in sections.items():
+            if isinstance(source, Mapping) and name in source:
+                settings[name] = read(section, source[name], f"servo/{name}", names, faults=faults)
+            elif not required_keys(section):
+                settings[name] = section()
+        target = _target(config.target_model if config else "", faults)
+        if faults:
+            raise ParameterError(faults)
+        config = replace(config, features=features, target=target, settings=settings)
         config._check_law(config.law)
         return config
 
+    def check(self):
+        """What the mode allows."""
+        if self.mode != "look_then_move":
+            return
+        if self.feed_forward is not None or self.track:
+            yield "feed_forward, track: found with mode look_then_move, allowed with mode continuous"
+        for name, gain in zip(expand(self.features), self.gains_per_s):
+            if gain * self.sample_time_s >= 2.0:
+                yield f"gains_per_s/{name}: found {gain}, allowed < 2 / sample_time_s (it would diverge)"
+
     def _check_law(self, name):
         """Raises ParameterError when law, features and mode do not fit."""
-        law = make_law(name, self.gains_per_s, self.law_setup)
+        law = make_law(name, self.gains_per_s, self)
         if law.continuous_only and self.mode != "continuous":
             raise ParameterError(f"mode: found {self.mode}, allowed with law '{name}': continuous")
-
-    @property
-    def law_setup(self):
-        """`LawSetup` of these settings."""
-        return LawSetup(self.features, self.interaction, self.adaptive_gain, self.smooth_start_per_s,
-                        self.target_model, self.target_normal_C, self.point_depth, self.pose_from, self.sliding,
-                        self.broyden, self.symmetric_target, self.photometric)
 
     def with_overrides(self, law="", gains_per_s=(), thresholds=(), time_limit_s=0.0):
         """Copy with the values of a goal of VisualServo.action; empty or 0 keeps. Raises ParameterError."""
@@ -165,28 +155,38 @@ class ServoConfig:
         return replace(self, **changes)
 
 
-def _sliding(reader, features):
-    section, result = reader.section("sliding"), None
-    if section.keys():
-        switching = section.number("switching_per_s", above=0.0)
-        boundary = section.section("boundary", True).spread(expand).numbers(features, above=0.0)
-        result = (switching, tuple(boundary))
-    section.close()
-    return result
+def own_sections():
+    """Sections of the laws and features that have settings of their own: name -> settings class.
+
+    Raises ParameterError: two of them want the same section, or one that is a key of the servo already.
+    """
+    laws, features = law_settings(), feature_settings()
+    taken = [name for name in features if name in laws]
+    keys = {key.name for key in keys_of(ServoSettings)}
+    taken += [name for name in (*laws, *features) if name in keys]
+    if taken:
+        raise ParameterError([f"servo/{name}: found a law or feature of this name with settings, allowed a name that "
+                              "no other section and no key has" for name in taken])
+    return {**laws, **features}
 
 
-def _broyden(reader):
-    section, (initial, forgetting, move) = reader.section("broyden"), LawSetup.broyden
-    result = (section.choice("initial", BROYDEN_INITIALS, initial),
-              section.number("forgetting", forgetting, above=0.0, at_most=1.0), section.number("move", move, above=0.0))
-    section.close()
-    return result
+def servo_schema(sections):
+    """JSON Schema of the section `servo`. Args: sections: as of `own_sections`."""
+    return with_sections(schema_of(ServoSettings), sections)
 
 
-def _photometric(reader):
-    section, (damping, rest_m_per_s, rest_rad_per_s) = reader.section("photometric"), LawSetup.photometric
-    result = (section.number("damping", damping, at_least=0.0),
-              section.number("rest_m_per_s", rest_m_per_s, above=0.0),
-              section.number("rest_rad_per_s", rest_rad_per_s, above=0.0))
-    section.close()
-    return result
+def _names_in(source, key):
+    """The names that a list holds, () if it is none; its faults are for the reader to tell."""
+    names = source.get(key, ()) if isinstance(source, Mapping) else ()
+    return tuple(name for name in names if isinstance(name, str)) if isinstance(names, (list, tuple)) else ()
+
+
+def _target(uri, faults):
+    """The planar target that a file describes, None for ""."""
+    if not uri:
+        return None
+    try:
+        return PlanarTarget(load_yaml(resolve_uri(uri, key="target_model"))["outlines_m"])
+    except (ParameterError, KeyError, ValueError) as error:
+        faults.append(f"servo/target_model: found {uri}, allowed the file of a planar target: {error}")
+        return None

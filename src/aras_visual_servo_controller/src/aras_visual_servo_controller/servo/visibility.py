@@ -1,53 +1,50 @@
-"""The object is kept in view: a barrier that bends the way of the camera where the object comes too near to the border.
+"""Keeps the object in view: where the object comes too near to the image border, the camera's twist is changed.
 
-The edges of the object in the image are its centroid +- `extent` standard deviations along x and along y. Each has some
-room h to the border of the view, the margin taken off, and may use up at most rate_per_s of it a second: L_edge V <=
-rate h (T43). Where the twist of the law asks for more, the camera moves along with the object sideways, by as much as
-is needed. The law loses some of its way to the side, and none of its turn and of its height: it does not stall.
+The edges of the object in the image are its centroid +- `extent` standard deviations along x and along y. Each edge has
+a distance h to the border of the view, less the margin, and may approach the border by at most rate_per_s times h per
+second: L_edge V <= rate h (T43). Where the law's twist would exceed that, the camera's sideways velocity is changed by
+as much as is needed. The rotation and the motion along the optical axis stay those of the law, so that the law does not
+get stuck.
 
 References:
     P. I. Corke and S. A. Hutchinson, IEEE T-RA 17(4), 2001 (repelled by the border of the image).
     A. D. Ames et al., European Control Conference, 2019 (control barrier functions).
 """
 
-from typing import NamedTuple, Optional
+from dataclasses import dataclass
 
 import numpy as np
 
+from ..config.settings import setting
 from ..features.base import View
 from ..features.interaction import centroid
 
-#: An edge is moved by moving the camera sideways only where that moves it: at least this part of the centroid's motion.
+#: The camera is moved sideways for an edge only if that moves the edge by at least this part of the centroid's motion.
 LEAST_EFFECT = 0.2
 
 
-class VisibilityConfig(NamedTuple):
-    """Keys of the section `servo/visibility`."""
+@dataclass(frozen=True)
+class VisibilitySettings:
+    """Section `servo.visibility`: the object is kept inside a view."""
 
-    half_width: float  # of the view, in normalised coordinates: tangent of half the field of view
-    half_height: float
-    margin: float = 0.05  # in normalised coordinates
-    extent: float = 2.0  # edges of the object, in standard deviations from its centroid
-    rate_per_s: float = 3.0
-
-    @classmethod
-    def read(cls, reader) -> Optional["VisibilityConfig"]:
-        """From the `ConfigReader` of the section `servo`; None without it."""
-        section = reader.section("visibility")
-        if not section.keys():
-            return None
-        values = [section.number(key, above=0.0) for key in ("half_width", "half_height")]
-        values.append(section.number("margin", cls._field_defaults["margin"], at_least=0.0))
-        values += [section.number(key, cls._field_defaults[key], above=0.0) for key in ("extent", "rate_per_s")]
-        section.close()
-        return cls(*values)
+    half_width: float = setting(
+        above=0,
+        help="Half the width of the view in normalised image coordinates: the tangent of half the field of view.")
+    half_height: float = setting(above=0, help="Half the height of the view, likewise.")
+    margin: float = setting(
+        0.05, at_least=0,
+        help="Margin kept to the border of the view, in normalised image coordinates.")
+    extent: float = setting(2.0, above=0, help="The object ends this many standard deviations from its centroid.")
+    rate_per_s: float = setting(
+        3.0, unit="1/s", above=0,
+        help="The object uses up its room to the border at this rate at most (T43).")
 
 
 def keep_in_view(config, features, twist):
     """(twist, bent): V_C, (6,), with the sideways motion that keeps the object in view, and whether it has any.
 
-    Args: config: `VisibilityConfig`. features: valid `MomentFeatures` with centred moments of order 3. twist: (6,).
-    The target is taken as parallel to the image, an away.
+    Args: config: `VisibilitySettings`. features: valid `MomentFeatures` with centred moments of order 3. twist: (6,).
+    The target is assumed to be parallel to the image, at the distance an.
     """
     view = View(features, np.array([0.0, 0.0, 1.0 / features.an]))
     area, L_g, L_area = features.area, centroid(view.m, view.plane), view.L_area()

@@ -1,1 +1,1 @@
-"""Many runs: where they start, running them on every core, storing, judging and showing them."""
+"""Sweeps: many runs of a scenario are planned, run on every core, stored, judged and shown."""

@@ -1,6 +1,6 @@
-"""Runs what a sweep has pending: in this process, on the cores of this machine, or on a Dask scheduler's workers.
+"""Does the pending runs of a sweep: in this process, on the cores of this machine, or on workers of a Dask scheduler.
 
-Every run is a pure function of its start, so it matters to no row where it ran, in what order, or how often.
+The result of a run depends on its start alone, so runs may be done anywhere, in any order, and again.
 """
 
 import os
@@ -13,19 +13,21 @@ from ..ground.processes import temporary_folder
 from .judge import COLUMNS
 from .worker import plain, run_chunk
 
-#: Runs handed out at once: about half a second of work.
+#: A worker is given this many runs at a time, about half a second of work.
 CHUNK = 8
-#: A run whose worker died this often is a row that says so.
+#: If the worker dies this often in a run, the run is stored as an error.
 DEATHS = 3
 CONNECT_S = 10.0
 
 
 class EngineError(ArasError):
-    """No worker can do the runs."""
+    """There is no worker that can do the runs."""
 
 
 class Progress:
-    """A line on stderr: runs done, rate, time left. On a terminal it is rewritten, else a new one every `every_s`."""
+    """Shows runs done, rate and time left on stderr: in one line that is rewritten, or without a terminal in a new line
+    every `every_s`.
+    """
 
     def __init__(self, total, done=0, stream=None, every_s=10.0, clock=time.monotonic):
         self.total, self.already = total, done
@@ -55,7 +57,7 @@ class Progress:
         return f"{self.done}/{self.total} runs  {rate:.1f} runs/s  {left}  {counts}"
 
     def end(self):
-        """Leave the line."""
+        """End the line, so that the next output begins below it."""
         if self._terminal:
             print(file=self._stream, flush=True)
 
@@ -64,12 +66,12 @@ def run_pending(store, setup, workers=None, scheduler=None, progress=None):
     """Do every run that is pending and save it.
 
     Args:
-        store: `SweepStore`, open for writing.  setup: of `sweep_worker.make_setup`.
+        store: `SweepStore`, open for writing.  setup: of `worker.make_setup`.
         workers: processes on this machine; None: one a core; 0: this process, without Dask.
         scheduler: address of a Dask scheduler, "tcp://host:8786", instead of local workers.
     Raises:
-        EngineError: no scheduler or no worker.  ParameterError: workers refuse the sweep.  Interrupted: what was done
-        is saved.
+        EngineError: there is no scheduler or no worker.  ParameterError: the workers refuse the sweep.
+        Interrupted: a signal came; the runs that were done are saved.
     """
     pending = store.pending()
     if not pending:
@@ -92,10 +94,10 @@ def run_pending(store, setup, workers=None, scheduler=None, progress=None):
 
 
 def _with_dask(setup, pending, workers, scheduler, save):
-    # BLAS threads of several workers on the same cores only wait for each other; set before anything is spawned.
+    # Workers that each have BLAS threads for every core would slow each other down. Processes inherit this setting.
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
-    import dask  # these take a second to import
+    import dask  # only here: these take a second to import
     from distributed import Client
     from .cluster import local_cluster
     with temporary_folder("aras-sweep-") as folder, dask.config.set({
@@ -128,7 +130,7 @@ def _collect(client, setup, pending, save):
     count = max(1, sum(client.nthreads().values()))
     size = max(1, min(CHUNK, len(pending) // (4 * count)))
     chunks = [pending[i:i + size] for i in range(0, len(pending), size)]
-    # The scenario goes to the workers once with each chunk: 5 kB, less than the results.
+    # The scenario is sent with every chunk: its 5 kB are less than the results.
     futures = {_submit(client, setup, chunk): chunk for chunk in chunks}
     suspects = []
     for future in as_completed(list(futures)):
@@ -137,7 +139,7 @@ def _collect(client, setup, pending, save):
             save(_result(future))
         except KilledWorker:
             suspects += chunk
-    # Dask suspects all that waited on a worker that died. One at a time, none is blamed for another.
+    # When a worker dies, Dask gives up all chunks it held. Their runs are repeated one at a time to find the fatal one.
     for start in suspects:
         try:
             save(_result(_submit(client, setup, [start])))

@@ -1,4 +1,4 @@
-"""Figures of a sweep: maps of the convergence domain, success against distance, what went wrong. Matplotlib only."""
+"""Figures of a sweep: maps of the convergence domain, success against distance, and why runs failed."""
 
 import io
 
@@ -7,12 +7,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..ground.errors import ParameterError
-from ..report.figure import BLUE, GREY, STYLE, VERMILION
+from ..features.palette import BLUE, GREY, VERMILION
+from ..report.figure import STYLE
 from .statistics import reasons, success_curve
 
 FIGURES = ("map", "curve", "reasons")
 DEFAULT_AXES = ("x0_mm", "y0_mm")
-#: Columns a map may have as axes beside start_*, offset_*, goal_* and numeric p_*.
+#: Columns that may be axes of a map, together with start_*, offset_*, goal_* and those of p_* that hold numbers.
 AXES = ("x0_mm", "y0_mm", "z0_mm", "distance0_mm", "angle0_deg")
 LABELS = {"x0_mm": "initial $x$ [mm]", "y0_mm": "initial $y$ [mm]", "z0_mm": "initial $z$ [mm]",
           "distance0_mm": "initial distance [mm]", "angle0_deg": "initial angle [deg]"}
@@ -89,7 +90,7 @@ def _norm(column, values, limits):
     if limits:
         return Normalize(*limits)
     low, high = float(values.min()), float(values.max())
-    # The error of lost runs is a thousand times that of the others.
+    # A run that was lost ends a thousand times farther away than the others; only a logarithmic scale shows both.
     return LogNorm(max(low, 1e-6), max(high, 2e-6)) if column == "error_mm" and high > 100.0 * low else \
         Normalize(low, high if high > low else low + 1e-9)
 
@@ -100,7 +101,7 @@ def _limits(values):
 
 
 def _cell_edges(rows, axes):
-    """Edges of square cells, about four points in each; None if there is no area."""
+    """Edges (x, y) of a grid of cells with about four points in each; None if there are too few points or no area."""
     if len(rows) < 16:
         return None
     x, y = _columns(rows, axes)
@@ -111,7 +112,7 @@ def _cell_edges(rows, axes):
 
 
 def _cells(panel, x, y, values, colours, norm, edges):
-    """Means over the cells, behind the points."""
+    """Draw the mean of each cell behind the points."""
     if edges is None:
         return
     total, edges_x, edges_y = np.histogram2d(x, y, bins=edges)
@@ -126,7 +127,7 @@ def _curve(rows):
     feasible = [row for row in rows if row["outcome"] != "infeasible" and row["distance0_mm"] is not None]
     distances = [row["distance0_mm"] for row in feasible]
     bins = int(np.clip(len(feasible) // 12, 1, 10))
-    shift = 0.006 * (max(distances) - min(distances)) if distances else 0.0  # so that equal curves are both seen
+    shift = 0.006 * (max(distances) - min(distances)) if distances else 0.0  # equal curves do not hide each other
     for name, label, colour, style, sign in (("success", "error < 10 % of the distance, < 10°", BLUE, "o-", -1),
                                              ("success_strict", "error < 1 mm, < 0.3°", VERMILION, "s--", 1)):
         curve = success_curve(distances, [row[name] for row in feasible], bins)

@@ -1,4 +1,4 @@
-"""What a run of a sweep came to: one row of results, a pure function of its record."""
+"""Judges a run of a sweep: its result is one row, which depends on the record of the run alone."""
 
 import hashlib
 
@@ -8,15 +8,15 @@ from ..run.judge import judge
 from ..run.measures import MEASURES
 from ..ground.types import FEATURE_NAMES, Status
 
-#: A run has succeeded when this part of the initial distance is left, and less than this angle (the metric of recent
-#: visual-servoing benchmarks) ...
+#: A run has succeeded if the camera ends within this part of the initial distance and within this angle (the metric of
+#: recent visual-servoing benchmarks) ...
 SUCCESS_PART, SUCCESS_DEG = 0.1, 10.0
-#: ... and strictly so when this is left.
+#: ... and succeeded strictly if it ends within these.
 STRICT_MM, STRICT_DEG = 1.0, 0.3
-#: Status that prevailed in the last part of a run that timed out.
+#: The reason of a run that timed out names the most frequent status of its last part, which is this long.
 LAST_PART_S = 1.0
 
-#: Columns of a run's result beside its start, and their type in SQLite.
+#: Columns of a result and their type in SQLite. The columns of the start are stored beside them.
 COLUMNS = {
     "id": "INTEGER PRIMARY KEY", "outcome": "TEXT", "reason": "TEXT", "detail": "TEXT", "converged": "INTEGER",
     "success": "INTEGER", "success_strict": "INTEGER", "duration_s": "REAL", "images": "INTEGER",
@@ -28,14 +28,14 @@ COLUMNS = {
 
 
 def judge_row(record):
-    """Result of a run as a dict of COLUMNS, without id and MEASURES; a pure function of the record."""
+    """Result of a run as a dict of COLUMNS. `id` and MEASURES are left None for the caller to fill in."""
     judgement = judge(record)
     error, row = judgement.final_error, dict.fromkeys(COLUMNS)
     row.update(initial_columns(judgement.initial_error))
     row.update({key: error[key] for key in ("x_mm", "y_mm", "z_mm", "angle_deg")})
     row["error_mm"] = _length(error)
     row["converged"] = int(judgement.converged)
-    near_mm = max(SUCCESS_PART * row["distance0_mm"], STRICT_MM)  # a turn on the spot begins at no distance
+    near_mm = max(SUCCESS_PART * row["distance0_mm"], STRICT_MM)  # a start that is only turned has no distance
     row["success"] = int(row["error_mm"] < near_mm and row["angle_deg"] < SUCCESS_DEG)
     row["success_strict"] = int(row["error_mm"] < STRICT_MM and row["angle_deg"] < STRICT_DEG)
     row.update(outcome="success" if row["success"] else "failure", reason=_reason(record, judgement, row["success"]),
@@ -71,7 +71,7 @@ def _reason(record, judgement, success):
 
 
 def initial_columns(error):
-    """Columns of the distance that a run begins at, of a `pose_error`."""
+    """The columns that say how far from the goal a run begins, from the `pose_error` of its start."""
     return {"distance0_mm": _length(error), "angle0_deg": error["angle_deg"], "x0_mm": error["x_mm"],
             "y0_mm": error["y_mm"], "z0_mm": error["z_mm"]}
 

@@ -1,7 +1,7 @@
 """What a sweep may vary beside the start: scenario section `sweep.perturb`, name -> [low, high] or {values: [...]}.
 
-`KNOWN` are the ones with a name of their own; any other number or choice of the sections in DOTTED_SECTIONS is
-given by its dotted path, e.g. `servo.gains_per_s.xn: [1.0, 5.0]`.
+The perturbations in `KNOWN` have names of their own. Any other number or choice in the sections DOTTED_SECTIONS is
+varied by its dotted path, e.g. `servo.gains_per_s.xn: [1.0, 5.0]`.
 """
 
 import copy
@@ -12,28 +12,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from math import isfinite
 
+from ..config.settings import keys_of
 from ..ground.errors import ParameterError
 from ..scenario.scenario import Scenario
+from ..scenario.schema import default_of
+from ..scenario.sweep import Perturbations
 from ..config.files import load_yaml, resolve_uri
 
-KNOWN = {
-    "z_star_error": "relative error of the depth estimate: z_star_m times 1 + value",
-    "pid_gain_scale": "factor on p, i and d of every joint controller",
-    "friction_scale": "factor on the dry friction of every joint",
-    "damping_scale": "factor on the viscous damping of every joint",
-    "noise_stddev": "noise of every camera [grey levels]",
-    "focal_error": "relative error of the focal length that the moments are computed with",
-    "principal_point_error_px": "error of the principal point that they are computed with, in u and in v [px]",
-    "latency_images": "images by which every image is delivered late, rounded down: added to the cameras' latency_s",
-    "target": "shape: name of a file of aras_description/targets, or its URI",
-    "target_scale": "factor on the size of every model of the scene that has outlines or an image",
-}
+#: Those with a name of their own, and the lowest value allowed where a lower one has no meaning.
+KNOWN = {key.name: key.at_least for key in keys_of(Perturbations)}
 DOTTED_SECTIONS = ("sim", "vision", "servo", "experiment")
-#: Lowest value allowed, where a negative one has no meaning.
-AT_LEAST = {"z_star_error": -0.95, "pid_gain_scale": 0.0, "friction_scale": 0.0, "damping_scale": 0.0,
-            "noise_stddev": 0.0, "target_scale": 0.01, "focal_error": -0.9, "principal_point_error_px": -1000.0,
-            "latency_images": 0.0}
-#: Perturbations that no section of the scenario can say, with the value that changes nothing.
+#: Perturbations for which a scenario has no key, each with the value that changes nothing.
 BESIDE = {"pid_gain_scale": 1.0, "friction_scale": 1.0, "damping_scale": 1.0, "focal_error": 0.0,
           "principal_point_error_px": 0.0}
 
@@ -54,15 +43,15 @@ class Perturbation:
         return float(self.low + u * (self.high - self.low))
 
     def ends(self):
-        """Values that between them show every fault."""
+        """Values to try: a scenario that accepts these accepts all of them."""
         return self.values or (self.low, self.high)
 
 
 def read_perturbations(section, scenario):
-    """Perturbations of the section, in the order of the file, each tried on the scenario.
+    """Perturbations of the section, in the order of the file. Each is tried on the scenario.
 
     Raises:
-        ParameterError: unknown names (the known ones are listed), ranges that are none, values the scenario refuses.
+        ParameterError: it lists unknown names with the known ones, malformed ranges, and values the scenario refuses.
     """
     faults, found = [], []
     for name, source in section.items():
@@ -87,7 +76,7 @@ def read_perturbations(section, scenario):
 
 
 def perturbed(scenario, parameters):
-    """The scenario with these values in place, a Scenario.
+    """The scenario with these values put in, a Scenario.
 
     Args:
         scenario: `Scenario`.  parameters: dict of perturbation name -> value; {} returns the scenario itself.
@@ -113,14 +102,14 @@ def perturbed(scenario, parameters):
 
 
 def simulator_key(scenario, parameters):
-    """Text that is equal for scenarios which the same Simulation can serve."""
+    """A text that is equal for two runs if one Simulation can serve both."""
     scales = {name: value for name, value in parameters.items() if name.endswith("_scale")}
     return json.dumps([scenario.robot, scenario.sim, scales], sort_keys=True)
 
 
 @dataclass(frozen=True)
 class _PerturbedScenario(Scenario):
-    """A scenario whose robot differs from its files, or whose loop has a wrong calibration or comes late."""
+    """A scenario whose robot differs from its files, or whose camera is believed to have another calibration."""
 
     beside: dict = None
 
@@ -171,12 +160,12 @@ def _check_value(name, value):
         if not isinstance(value, str):
             raise ParameterError(f"found {value}, allowed is the name of a target file")
         resolve_uri(_target_uri(value), key="target")
-    elif name in KNOWN and (not _is_number(value) or value < AT_LEAST[name]):
-        raise ParameterError(f"found {value}, allowed >= {AT_LEAST[name]:g}")
+    elif name in KNOWN and (not _is_number(value) or value < KNOWN[name]):
+        raise ParameterError(f"found {value}, allowed >= {KNOWN[name]:g}")
 
 
 def _is_path(name, scenario):
-    """Whether the dotted path leads to a plain value that may stand in the scenario."""
+    """Whether the dotted path names a plain value of the scenario, or a key of a section that could hold one."""
     section, *keys = name.split(".")
     if section not in DOTTED_SECTIONS or not keys or name.startswith("experiment.start"):
         return False
@@ -192,7 +181,8 @@ def _camera(camera, parameters):
         camera["noise_stddev"] = parameters["noise_stddev"]
     images = int(parameters.get("latency_images", 0))
     if images:
-        camera["latency_s"] = camera.get("latency_s", 0.0) + images / camera["rate_hz"]
+        rate_hz = camera.get("rate_hz", default_of("sim.cameras.rate_hz"))
+        camera["latency_s"] = camera.get("latency_s", 0.0) + images / rate_hz
     return camera
 
 

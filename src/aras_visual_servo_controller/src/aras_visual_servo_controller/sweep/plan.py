@@ -1,25 +1,20 @@
-"""Which runs a sweep consists of: starts, goals and perturbations, all from one seed; what cannot be run is refused.
+"""Plans the runs of a sweep: starts, goals and perturbations from one seed. Starts that cannot be run are marked so.
 
-Starts and goals depend on method, space, ranges, number and seed only, not on what is perturbed nor on the law: two
-sweeps of the same seed have the same starts, run for run, and can be compared in pairs.
+Starts and goals depend on method, space, ranges, number and seed, but not on perturbations or the law. So two sweeps
+with the same seed have the same starts, and their runs can be compared in pairs.
 """
 
 from dataclasses import dataclass, field
-from math import isfinite
 
 import numpy as np
 
+from ..config.reader import Names, read
 from ..ground.errors import ParameterError
 from ..scenario.feasibility import Feasibility
 from ..arm.reach import reach
+from ..scenario.sweep import JOINT_HALF_WIDTH, SweepSection
 from .perturb import read_perturbations
-from .space import AXES, DEFAULTS, GOAL_AXES, View, in_ball, pose_of, tilted_goal
-
-METHODS = ("latin_hypercube", "grid", "random")
-SPACES = ("camera", "joint", "ball", "view")
-#: Half-width of the joint ranges about the goal if the scenario does not say [m, rad].
-DEFAULT_JOINT_HALF_WIDTH = 0.2
-DEFAULT_STARTS = 100
+from .space import View, in_ball, pose_of, tilted_goal
 
 
 @dataclass(frozen=True)
@@ -28,11 +23,11 @@ class Start:
 
     Attributes:
         id: from 1, in the order of sampling.
-        joints: where the arm starts, by name [m, rad]; None if there is no such place.
+        joints: where the arm starts, by name [m, rad]; None if no joint positions take the camera there.
         offset: displacement X_CgC from the goal by axis (rotation vector) [m, rad]; {} in space joint.
         parameters: perturbation name -> value.
         refusal: why this start cannot be run, "" if it can be tried.
-        goal: {} for the scenario's; else tilt_rad, about_rad, and of what replaces it joints and target_normal_C.
+        goal: tilt_rad, about_rad, joints and target_normal_C of the goal; {} keeps that of the scenario.
     """
 
     id: int
@@ -45,7 +40,7 @@ class Start:
 
 @dataclass(frozen=True)
 class SweepSettings:
-    """Section `sweep` of a scenario with its defaults, checked."""
+    """The checked section `sweep` of a scenario, with defaults for what it leaves out."""
 
     starts: int
     method: str
@@ -58,49 +53,40 @@ class SweepSettings:
 
     @classmethod
     def from_scenario(cls, scenario, kinematics, **changes):
-        """Read the section; keyword arguments that are not None replace its keys.
+        """Read the section. Keyword arguments that are not None replace its keys.
 
         Raises:
-            ParameterError: every fault, a line each.
+            ParameterError: it lists every fault in a line of its own.
         """
-        section = dict(scenario.sweep)
-        section.update({key: value for key, value in changes.items() if value is not None})
-        faults = []
-        starts, seed = section.get("starts", DEFAULT_STARTS), section.get("seed", 0)
-        for key, value, least in (("starts", starts, 1), ("seed", seed, 0)):
-            if not isinstance(value, int) or isinstance(value, bool) or value < least:
-                faults.append(f"sweep.{key}: found {value}, allowed is a whole number >= {least}")
-        method, space = section.get("method", METHODS[0]), section.get("space", SPACES[0])
-        for key, value, known in (("method", method, METHODS), ("space", space, SPACES)):
-            if value not in known:
-                faults.append(f"sweep.{key}: found {value}, allowed {', '.join(known)}")
-        ranges = {}
-        if space in AXES:
-            # A part of the axes: the others stay at the goal, or, where there is no such place, at their defaults.
-            given = {**({} if space == "camera" else DEFAULTS[space]), **(section.get(space) or DEFAULTS[space])}
-            ranges = _ranges(space, given, AXES[space], faults)
-        elif space == "joint":
-            around = {name: (q - DEFAULT_JOINT_HALF_WIDTH, q + DEFAULT_JOINT_HALF_WIDTH)
-                      for name, q in kinematics.by_name(scenario.goal_posture(kinematics)).items()
-                      if name in scenario.experiment["goal"]["joints"]}
-            ranges = _ranges("joints", section.get("joints") or around, kinematics.joint_names, faults)
-        goal = _ranges("goal", section.get("goal", {}), GOAL_AXES, faults)
-        perturbations = []
+        given = dict(scenario.sweep)
+        given.update({key: value for key, value in changes.items() if value is not None})
+        faults, perturbations = [], ()
+        section = read(SweepSection, given, "sweep", Names(joints=kinematics.joint_names), faults=faults, separator=".")
         try:
-            perturbations = read_perturbations(section.get("perturb", {}), scenario)
+            perturbations = tuple(read_perturbations(given.get("perturb", {}), scenario))
         except ParameterError as error:
             faults += error.faults
         if faults:
             raise ParameterError(faults)
-        return cls(starts, method, space, seed, bool(section.get("drive_to_start", False)), ranges,
-                   tuple(perturbations), goal)
+        if section.space == "joint":
+            ranges = section.joints or _around(scenario.experiment["goal"]["joints"])
+            ranges = {name: ranges[name] for name in kinematics.joint_names if name in ranges}
+        else:
+            ranges = getattr(section, section.space).as_dict()
+        return cls(section.starts, section.method, section.space, section.seed, section.drive_to_start, ranges,
+                   perturbations, section.goal.as_dict() if section.goal else {})
+
+
+def _around(joints):
+    """Ranges about the goal, of every joint that it names."""
+    return {name: (at - JOINT_HALF_WIDTH, at + JOINT_HALF_WIDTH) for name, at in joints.items()}
 
 
 def sample(method, count, dimensions, seed):
     """Points in the unit cube.
 
     Args:
-        method: one of METHODS. A grid has at most `count` points, the cell centres of the largest grid that fits.
+        method: one of METHODS. A grid is the largest with at most `count` points, the centres of its cells.
         count: >= 1.  dimensions: >= 0.  seed: whole number, or a sequence of them.
     Returns:
         (n, dimensions), n <= count, each in [0, 1).
@@ -119,11 +105,15 @@ def sample(method, count, dimensions, seed):
 
 
 def make_starts(settings, scenario, kinematics):
-    """The runs of a sweep: list of `Start`, a function of its arguments alone. ParameterError: no such space here."""
+    """The runs of a sweep, a list of `Start`; equal arguments give equal runs.
+
+    Raises:
+        ParameterError: the scenario does not have what the space or the goals need.
+    """
     varied = {name: ends for name, ends in settings.ranges.items() if ends[0] < ends[1]}
     places = sample(settings.method, settings.starts, 6 if settings.space == "ball" else len(varied),
                     [settings.seed, 1])
-    # A grid over the perturbations too would leave few places: there they are drawn at random.
+    # A grid over starts and perturbations would have few places for each, so perturbations are drawn at random then.
     method = "random" if settings.method == "grid" else settings.method
     values = sample(method, len(places), len(settings.perturbations), [settings.seed, 2])
     goals = sample(method, len(places), len(settings.goal), [settings.seed, 3])
@@ -140,13 +130,13 @@ def make_starts(settings, scenario, kinematics):
 
 
 class _Planner:
-    """From a sampled place to joints, or to why there are none."""
+    """Turns a sampled place into joint positions, or into the reason why there are none."""
 
     def __init__(self, settings, scenario, kinematics):
         self._settings, self._scenario, self._kinematics = settings, scenario, kinematics
         self._goal = scenario.goal_posture(kinematics)
         self._X_WCg = kinematics.pose(self._goal)
-        # What a perturbation makes of target and camera is known in the run only.
+        # If perturbations change target or camera, only the run itself shows whether the target is in view.
         known = not any(p.name.startswith(("target", "sim.")) for p in settings.perturbations)
         self._feasibility = Feasibility(scenario, kinematics, look=known)
         self._view = View(scenario, self._X_WCg) if settings.space == "view" else None
@@ -190,7 +180,7 @@ def _between(ends, t):
 
 
 def _grid_shape(count, dimensions):
-    """Points along each axis, as even as can be, product <= count."""
+    """Number of points along each axis: as equal as possible, with a product of at most `count`."""
     shape = [max(1, int(round(count ** (1.0 / dimensions), 9)))] * dimensions
     while np.prod(shape) > count:
         shape[int(np.argmax(shape))] -= 1
@@ -198,15 +188,3 @@ def _grid_shape(count, dimensions):
         while np.prod(shape) // shape[axis] * (shape[axis] + 1) <= count and shape[axis] <= min(shape):
             shape[axis] += 1
     return shape
-
-
-def _ranges(key, section, known, faults):
-    ranges = {}
-    for name, ends in section.items():
-        if name not in known:
-            faults.append(f"sweep.{key}.{name}: unknown, known are {', '.join(known)}")
-        elif len(ends) != 2 or not all(isfinite(end) for end in ends) or ends[0] > ends[1]:
-            faults.append(f"sweep.{key}.{name}: found {list(ends)}, allowed [low, high] with low <= high")
-        else:
-            ranges[name] = (float(ends[0]), float(ends[1]))
-    return {name: ranges[name] for name in known if name in ranges}

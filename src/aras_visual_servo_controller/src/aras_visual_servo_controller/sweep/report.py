@@ -1,25 +1,24 @@
-"""Report of a sweep: runs.csv, {map,curve,reasons}.{png,pdf}, sweep.html. Reads the store, nothing else.
+"""Report of a sweep: runs.csv, {map,curve,reasons}.{png,pdf}, sweep.html. It reads nothing but the store.
 
-A function of the rows: the same runs give the same bytes, whatever machine did them in whatever order.
+The same runs give the same bytes, on whatever machine and in whatever order they were done.
 """
 
 import base64
 import math
-from pathlib import Path
 
 from ..report.report import ResultFolderError
-from ..config.files import share_dir
+from ..report.template import render
 from .figure import DEFAULT_AXES, save_figures
 from .judge import STRICT_DEG, STRICT_MM, SUCCESS_DEG, SUCCESS_PART
 from .statistics import aggregate, reasons
 
-CAPTIONS = {"map": "Over two axes: success, time to the end, final error. Cells are means of the runs in them.",
+CAPTIONS = {"map": "Success, time to the end and final error over two axes. A cell shows the mean of the runs in it.",
             "curve": "Success against the initial distance, with 95 % Wilson intervals.",
             "reasons": "Why runs did not succeed."}
 
 
 def save_csv(store):
-    """Write runs.csv; its path."""
+    """Write runs.csv. Returns its path."""
     path = store.folder / "runs.csv"
     _write(path, store.csv().encode())
     return path
@@ -29,7 +28,7 @@ def save_report(store, axes=DEFAULT_AXES):
     """Write runs.csv, the figures and sweep.html.
 
     Args:
-        store: `SweepStore` with at least one run.  axes: two columns, see `sweep_figure.known_axes`.
+        store: `SweepStore` with at least one run.  axes: two columns, see `figure.known_axes`.
     Returns:
         Path of sweep.html.
     Raises:
@@ -48,14 +47,11 @@ def save_report(store, axes=DEFAULT_AXES):
 
 def report_html(store, rows, pictures):
     """The report as one self-contained page, str."""
-    import jinja2
-    template = (Path(share_dir()) / "config" / "sweep.html.j2").read_text(encoding="utf-8")
-    environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True,
-                                     undefined=jinja2.StrictUndefined)
     numbers = aggregate(rows)
     planned = len(store.starts())
-    return environment.from_string(template).render(
-        name=store.meta["setup"]["scenario"]["name"], numbers=numbers, planned=planned, missing=planned - len(rows),
+    return render(
+        "sweep.html.j2", name=store.meta["setup"]["scenario"]["name"], numbers=numbers, planned=planned,
+        missing=planned - len(rows),
         rates=[(label, f"{100 * numbers[key]:.2f} %", f"{100 * numbers[key + '_low']:.2f} to "
                                                       f"{100 * numbers[key + '_high']:.2f} %")
                for label, key in rate_labels() if not math.isnan(numbers[key])],
@@ -77,7 +73,7 @@ def rate_labels():
 
 
 def setting_rows(meta):
-    """(name, value) of what the sweep varied."""
+    """(name, value) of everything that the sweep varied."""
     settings = meta["settings"]
     rows = [(key, str(settings[key])) for key in ("starts", "method", "space", "seed")]
     rows += [(f"range of {name}", f"{low:g} to {high:g}") for name, (low, high) in settings["ranges"].items()]

@@ -1,8 +1,8 @@
-"""One run of a sweep, on any machine: a pure function of the scenario and the `Start`.
+"""One run of a sweep. Its result depends on the scenario and the `Start` alone, not on the machine.
 
-The arm is placed at the goal, settles, the view is taught; it is placed at the start, settles, and servos. Nothing
-is driven there, which takes two thirds of an experiment (`drive_to_start: true` drives, as `run` does). A run ends when
-the servo does, or once the target has been out of view for LOST_LIMIT_S: the arm stands still then.
+The arm is placed at the goal, settles there, and the view is taught; then it is placed at the start, settles and
+servos. To drive to these places, as `run` does, takes two thirds of an experiment; only `drive_to_start: true` does so.
+A run ends with the servo, or when the target has been out of view for LOST_LIMIT_S: the arm stands still by then.
 """
 
 from collections import OrderedDict
@@ -17,26 +17,27 @@ from ..run.loop import DEFAULT_LIMIT_S, ServoLoop
 from ..target.outline import Outline
 from ..run.record import RecordBuilder
 from ..run.measures import measures
-from ..run.sequence import ExperimentConfig
+from ..run.settings import ExperimentSettings
 from .judge import COLUMNS, initial_columns, judge_row
 from .perturb import perturbed, simulator_key
-from .space import CAMERA_AXES
+from ..scenario.sweep import CAMERA_AXES
 from ..ground.types import Status
 
 LOST_LIMIT_S = 1.0
-#: Simulators kept by a worker: runs that differ in gains or start share one.
+#: A worker keeps this many simulators. Runs that differ only in gains or start share one.
 KEPT_SIMULATORS = 4
 
 
 class Infeasible(ArasError):
-    """The start cannot be run; no fault of the law."""
+    """The start cannot be run, which is not the fault of the law."""
 
 
 class Bench:
     """Runs starts of one scenario, one after another.
 
     Args:
-        scenario: `Scenario`.  drive_to_start: drive to goal and start as `run` does, instead of placing the arm.
+        scenario: `Scenario`.
+        drive_to_start: drive the arm to goal and start as `run` does, instead of placing it there.
     """
 
     def __init__(self, scenario, drive_to_start=False):
@@ -49,14 +50,14 @@ class Bench:
         """Run one start.
 
         Returns:
-            (row, record): dict of COLUMNS, never raises for what goes wrong in a run; RunRecord, or None if infeasible
-            or broken.
+            (row, record): dict of COLUMNS, and RunRecord or None if the run was infeasible or broke off. Whatever
+            goes wrong in a run is told in its row and not raised.
         """
         try:
             if start.refusal:
                 raise Infeasible(start.refusal)
             parameters = dict(start.parameters)
-            if self._noisy(parameters):  # every run its own noise
+            if self._noisy(parameters):  # every run has its own noise
                 parameters.setdefault("sim.seed", self.scenario.sim.get("seed", 0) + start.id)
             scenario = perturbed(self.scenario, parameters)
             scenario = placed(scenario, start)
@@ -76,7 +77,7 @@ class Bench:
         except Infeasible as refusal:
             reason = str(refusal).partition(":")[0]
             return dict(self._empty(start), outcome="infeasible", reason=reason, detail=str(refusal)), None
-        except Exception as error:  # whatever a run dies of is its result; the sweep goes on
+        except Exception as error:  # whatever stops a run is its result; the sweep goes on
             return dict(self._empty(start), outcome="error", reason=f"error: {type(error).__name__}",
                         detail=str(error)), None
 
@@ -95,8 +96,8 @@ class Bench:
 
     @staticmethod
     def _place(loop, builder, start):
-        config = ExperimentConfig.from_dict(loop.scenario.experiment, loop.kinematics)
-        loop.place(config.goal, config.settle_s)
+        config = ExperimentSettings.from_dict(loop.scenario.experiment, loop.kinematics)
+        loop.place(config.goal.joints, config.settle_s)
         try:
             record, features, image = loop.teach(config.z_star_m)
         except ParameterError as error:
@@ -141,11 +142,11 @@ class Bench:
                 row.update(initial_columns({"x_mm": 1e3 * offset[0], "y_mm": 1e3 * offset[1], "z_mm": 1e3 * offset[2],
                                             "angle_deg": angle_deg}))
         except ArasError:
-            pass  # no robot, no distance: the reason is told already
+            pass  # the distance is unknown; the row tells already why there was no run
         return row
 
     def _planned_error(self, start):
-        """Error of the start by kinematics, for runs that never began."""
+        """`pose_error` of the start by kinematics, for a run that was never begun."""
         if self._kinematics is None:
             robot = self.scenario.robot
             self._kinematics = Kinematics(self.scenario.urdf_xml(), robot["base_link"], robot["tip_link"])
@@ -154,7 +155,7 @@ class Bench:
 
 
 def placed(scenario, start):
-    """The scenario with the goal and the start of a run in place."""
+    """The scenario with the goal and the start of a run put in."""
     experiment = dict(scenario.experiment, start={"joints": dict(start.joints)})
     if not start.goal:
         return replace(scenario, experiment=experiment)

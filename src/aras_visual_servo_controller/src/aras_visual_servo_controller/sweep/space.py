@@ -1,7 +1,8 @@
-"""Where the runs of a sweep start, by space: from numbers in the unit cube to a displacement X_CgC of the camera.
+"""Spaces that the starts of a sweep are drawn from: each turns numbers into a displacement X_CgC of the camera.
 
-camera: a box along the goal camera's axes. ball: within a distance and an angle of the goal, uniformly. view: where the
-target appears in the image, over all of it that shows it whole. (Space joint needs no displacement: sweep_plan.)
+Space camera is a box along the axes of the goal camera; ball lies within a distance and an angle of the goal,
+uniformly; view is over the places of the image where the whole target is seen. Space joint draws joint positions: see
+plan.
 """
 
 from math import acos, cos, pi, sin
@@ -9,29 +10,19 @@ from math import acos, cos, pi, sin
 import numpy as np
 
 from ..ground.errors import ParameterError
+from ..scenario.sweep import BALL_AXES, CAMERA_AXES
 from ..target.outline import Outline
 from ..ground.spatial import rotation, rotation_vector
 
-CAMERA_AXES = ("x_m", "y_m", "z_m", "rx_rad", "ry_rad", "rz_rad")
-BALL_AXES = ("distance_m", "angle_rad")
-VIEW_AXES = ("u", "v", "depth_m", "rz_rad")
-GOAL_AXES = ("tilt_rad", "about_rad")
-#: Where the camera starts if the scenario does not say: displaced from the goal, along its own axes (z along the view).
-#: Backwards only: at the goals of the paper the arm is all but stretched.
-DEFAULTS = {
-    "camera": {"x_m": (-0.15, 0.15), "y_m": (-0.2, 0.2), "z_m": (-0.2, -0.03), "rz_rad": (-0.7, 0.7)},
-    "ball": {"distance_m": (0.0, 0.2), "angle_rad": (0.0, pi / 6.0)},
-    "view": {"u": (-1.0, 1.0), "v": (-1.0, 1.0), "depth_m": (0.4, 0.6), "rz_rad": (-pi, pi)},
-}
-AXES = {"camera": CAMERA_AXES, "ball": BALL_AXES, "view": VIEW_AXES}
-#: u = +-1 leaves this much of the image between target and border: a target that touches it is not measured [px].
+#: At u, v = +-1 the target keeps this distance from the border of the image, since one that touches it is not measured
+#: [px].
 VIEW_MARGIN_PX = 2.0
-#: Space view: the image at the goal counts as parallel to the target below this angle [rad].
+#: In space view, image and target count as parallel at the goal if they are tilted by less than this [rad].
 PARALLEL_RAD = 0.01
 
 
 def pose_of(offset):
-    """X_CgC, (4, 4), of a displacement by axis of CAMERA_AXES (rotation vector); missing axes are 0."""
+    """X_CgC, (4, 4), of a displacement along and a rotation vector about CAMERA_AXES; missing axes are 0."""
     delta = np.array([offset.get(axis, 0.0) for axis in CAMERA_AXES])
     X = np.eye(4)
     X[:3, :3], X[:3, 3] = rotation(delta[3:]), delta[:3]
@@ -39,17 +30,17 @@ def pose_of(offset):
 
 
 def offset_of(X):
-    """The inverse of `pose_of`: dict by axis."""
+    """The displacement of X_CgC as a dict by axis: the inverse of `pose_of`."""
     return dict(zip(CAMERA_AXES, [*X[:3, 3].tolist(), *rotation_vector(X[:3, :3]).tolist()]))
 
 
 def in_ball(ranges, place):
-    """Displacement within a distance and an angle of the goal, as by axis of CAMERA_AXES.
+    """Displacement within a distance and an angle of the goal, by axis of CAMERA_AXES.
 
     Args:
         ranges: BALL_AXES -> (least, most).  place: (6,) in the unit cube.
     Returns:
-        dict; position and rotation vector are each uniform in their (hollow) ball.
+        dict by axis. Position and rotation vector are each uniform in a ball, hollow if its least radius is not 0.
     """
     parts = []
     for (low, high), (a, b, c) in zip((ranges[axis] for axis in BALL_AXES), (place[:3], place[3:])):
@@ -65,7 +56,7 @@ class View:
     Args:
         scenario: `Scenario`.  X_WCg: (4, 4) pose of the camera at the goal.
     Raises:
-        ParameterError: no flat target of known outline, or it is not seen parallel at the goal.
+        ParameterError: there is no flat target of known outline, or it is not parallel to the image at the goal.
     """
 
     def __init__(self, scenario, X_WCg):
@@ -83,17 +74,17 @@ class View:
         self._half = np.array(outline.half) - VIEW_MARGIN_PX * px
 
     def offset(self, point):
-        """Displacement of the camera, dict by axis, at which the target is seen there.
+        """Displacement of the camera, dict by axis, from which the target is seen at this place of the image.
 
         Args:
-            point: u, v: place of the outline's box in the room the image leaves it, -1 at the left or upper border, 1
-                at the right or lower one.  depth_m.  rz_rad: turn of the camera about its axis.
+            point: dict of u, v: place of the box around the outline, -1 at the left or upper border of the image and 1
+                at the right or lower one; depth_m: of the target; rz_rad: turn of the camera about its axis.
         Raises:
             ParameterError: the target does not fit into the image at that depth.
         """
         R = rotation(np.array([0.0, 0.0, point["rz_rad"]]))
         depth_m = point["depth_m"]
-        outline = (self._points @ R)[:, :2] / depth_m  # R^T of every point
+        outline = (self._points @ R)[:, :2] / depth_m  # R^T times every point
         least, most = -self._half - outline.min(axis=0), self._half - outline.max(axis=0)
         if not (least < most).all():
             raise ParameterError(f"target does not fit into the image: at depth {depth_m:.3g} m")
@@ -106,13 +97,13 @@ class View:
 
 
 def tilted_goal(point, t_C, normal_C):
-    """The goal camera moved on a sphere about the target, which it keeps in the same place of the image.
+    """Pose of a goal camera that is moved on a sphere about the target and sees it in the same place of the image.
 
     Args:
-        point: tilt_rad, about_rad: by how much, and about which axis of the image plane (0: x, pi/2: y).
-        t_C: (3,) target in the goal camera [m].  normal_C: (3,) its normal there.
+        point: dict of tilt_rad: by how much, and about_rad: about which axis in the image plane (0: x, pi/2: y).
+        t_C: (3,) position of the target in the goal camera [m].  normal_C: (3,) its normal there.
     Returns:
-        (X_CgCn, normal (3,) in Cn): the new camera in the old one.
+        (X_CgCn, normal): pose of the new camera Cn in the old one, and the normal of the target in Cn, (3,).
     """
     R = rotation(point["tilt_rad"] * np.array([cos(point["about_rad"]), sin(point["about_rad"]), 0.0]))
     X = np.eye(4)

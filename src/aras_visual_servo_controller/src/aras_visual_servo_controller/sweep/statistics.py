@@ -1,4 +1,4 @@
-"""Statistics of sweeps: pure functions of rows, checked against published tables in the tests."""
+"""Statistics of sweeps. All are pure functions of rows; the tests hold them against published tables."""
 
 import math
 
@@ -22,17 +22,17 @@ def wilson(successes, count, z=Z_95):
     p, square = successes / count, z * z / count
     middle = (p + square / 2.0) / (1.0 + square)
     half = z / (1.0 + square) * math.sqrt(p * (1.0 - p) / count + square / (4.0 * count))
-    # At the ends the bound is exact; rounding would leave 1e-17.
+    # For no success the lower bound is exactly 0, for nothing but successes the upper one is 1; rounding would miss it.
     return (0.0 if successes == 0 else middle - half), (1.0 if successes == count else middle + half)
 
 
 def mcnemar(only_a, only_b):
-    """Exact two-sided p-value that two methods succeed equally often on the same starts.
+    """Exact two-sided p-value of the hypothesis that two methods succeed equally often on the same starts.
 
     Args:
         only_a, only_b: number of pairs where only A, only B succeeded.
     Returns:
-        p in [0, 1]; 1 without such pairs.
+        p in [0, 1]; 1 if there are no such pairs.
     Reference: McNemar, Psychometrika 12(2), 1947; the exact form is a sign test.
     """
     from scipy.stats import binomtest
@@ -41,12 +41,12 @@ def mcnemar(only_a, only_b):
 
 
 def signed_rank(a, b):
-    """Wilcoxon's signed-rank test of paired values, two-sided.
+    """Two-sided p-value of Wilcoxon's signed-rank test of paired values.
 
     Args:
         a, b: (n,) paired values.
     Returns:
-        p in [0, 1]; 1 if every pair is equal, NaN without pairs.
+        p in [0, 1]; 1 if the values of every pair are equal, NaN if there are no pairs.
     """
     from scipy.stats import wilcoxon
     difference = np.asarray(a, dtype=float) - np.asarray(b, dtype=float)
@@ -80,11 +80,11 @@ def success_curve(distances, successes, bins=8):
 
 
 def aggregate(rows):
-    """Numbers of a sweep by name; infeasible starts count in `runs` and `infeasible` only.
+    """Numbers of a sweep by name. Infeasible starts are counted in `runs` and `infeasible` and left out of the rest.
 
     Returns:
-        dict name -> number; rates are of the feasible runs, times and errors of those that succeeded. NaN where there
-        is nothing to take it from.
+        dict name -> number. Rates are those of the feasible runs, times and errors those of the runs that succeeded; a
+        number is NaN if there are no such runs.
     """
     feasible = [row for row in rows if row["outcome"] != "infeasible"]
     won = [row for row in feasible if row["success"]]
@@ -108,7 +108,7 @@ def aggregate(rows):
 
 
 def reasons(rows):
-    """(outcome, reason, count), most frequent first, of every run that did not succeed."""
+    """(outcome, reason, count) of the runs that did not succeed, the most frequent first."""
     counts = {}
     for row in rows:
         if row["outcome"] != "success":

@@ -1,7 +1,7 @@
-"""The file of a sweep: SQLite, one row per run, written as the runs come in. Survives being killed at any time.
+"""The file of a sweep in SQLite. Runs are saved as they come in, so a process that is killed loses only its last ones.
 
-Tables: `meta` (key, value as JSON), `starts` (every run planned), `runs` (every run done: its start and its result,
-nothing that differs from one machine or day to another), `timing` (id, wall_s, done_at).
+Tables: `meta` (key, value as JSON); `starts` (every run that is planned); `runs` (every run that is done: its start and
+its result, nothing that depends on machine or day); `timing` (id, wall_s, done_at).
 """
 
 import csv
@@ -16,7 +16,7 @@ from pathlib import Path
 from ..ground.errors import ArasError
 from .plan import Start
 from .judge import COLUMNS
-from .space import GOAL_AXES
+from ..scenario.sweep import GOAL_AXES
 
 FILE = "sweep.db"
 LAYOUT = 2
@@ -27,10 +27,10 @@ class StoreError(ArasError):
 
 
 class SweepStore:
-    """One sweep on disk; use `create` or `open`.
+    """One sweep on disk. Make it with `create` or `open`.
 
     Attributes:
-        folder: of the sweep.  meta: dict as given to `create`.
+        folder: of the sweep.  meta: the dict that was given to `create`.
         extra: columns of `runs` beside COLUMNS: start_<joint>, offset_<axis>, goal_<axis>, p_<perturbation>.
     """
 
@@ -41,7 +41,7 @@ class SweepStore:
 
     @classmethod
     def create(cls, folder, meta, starts):
-        """Make the file in an existing folder without one, with all the runs planned (list of `Start`)."""
+        """Make the file, with all planned runs (list of `Start`), in a folder that exists and holds no sweep yet."""
         path = Path(folder) / FILE
         if path.exists():
             raise StoreError(f"{path}: there is a sweep already; go on with --resume")
@@ -72,7 +72,7 @@ class SweepStore:
 
     @classmethod
     def open(cls, folder, writing=False):
-        """Open a sweep's folder (or its file). Raises StoreError if there is none, or somebody else is writing."""
+        """Open the folder or the file of a sweep. Raises StoreError if it is missing or another process writes it."""
         folder = Path(folder)
         path = folder if folder.is_file() else folder / FILE
         if not path.is_file():
@@ -86,14 +86,14 @@ class SweepStore:
         return cls(path.parent, connection, meta, lock)
 
     def starts(self):
-        """Every run planned, list of `Start` by id."""
+        """Every run that is planned: list of `Start`, ordered by id."""
         with _speaking(self.folder):
             rows = self._connection.execute("SELECT id, joints, offset, parameters, refusal, goal FROM starts "
                                             "ORDER BY id")
             return [Start(row[0], *map(json.loads, row[1:4]), row[4], json.loads(row[5])) for row in rows]
 
     def start(self, run_id):
-        """One run planned. Raises StoreError listing the range of ids."""
+        """The planned run of this id. Raises StoreError with the range of ids if there is none."""
         starts = self.starts()
         found = [start for start in starts if start.id == run_id]
         if not found:
@@ -101,13 +101,13 @@ class SweepStore:
         return found[0]
 
     def pending(self):
-        """Runs planned and not done, list of `Start` by id."""
+        """Runs that are planned and not done: list of `Start`, ordered by id."""
         with _speaking(self.folder):
             done = {row[0] for row in self._connection.execute("SELECT id FROM runs")}
         return [start for start in self.starts() if start.id not in done]
 
     def add(self, results, starts):
-        """Save runs, all or none.
+        """Save these runs, either all or none.
 
         Args:
             results: list of (row, wall_s), row a dict of COLUMNS.  starts: dict id -> `Start`.
@@ -122,7 +122,7 @@ class SweepStore:
                                          [(row["id"], wall_s, now) for row, wall_s in results])
 
     def rows(self):
-        """Every run done, list of dicts by id: COLUMNS and `extra`."""
+        """Every run that is done: list of dicts of COLUMNS and `extra`, ordered by id."""
         names = list(COLUMNS) + self.extra
         with _speaking(self.folder):
             found = self._connection.execute(f"SELECT {', '.join(map(_quoted, names))} FROM runs ORDER BY id")
@@ -140,7 +140,7 @@ class SweepStore:
         return stream.getvalue()
 
     def close(self):
-        """Close the file and let others write."""
+        """Close the file and release the lock, so that other processes may write."""
         with _speaking(self.folder):
             self._connection.close()
         if self._lock is not None:
@@ -162,7 +162,7 @@ class SweepStore:
 
 
 class _speaking:
-    """Turns SQLite's errors into StoreError with the file's name."""
+    """Context: turns SQLite's errors into StoreError with the name of the file."""
 
     def __init__(self, path):
         self._path = path
@@ -184,7 +184,7 @@ def _connect(path):
 
 
 def _lock(folder):
-    """Held as long as the sweep is written; the system frees it when the process dies."""
+    """Handle of the lock that keeps other processes from writing. The system releases it when the process ends."""
     try:
         handle = os.open(Path(folder) / ".lock", os.O_CREAT | os.O_RDWR, 0o644)
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)

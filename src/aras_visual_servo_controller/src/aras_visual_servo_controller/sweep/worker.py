@@ -1,4 +1,4 @@
-"""What a worker of a sweep calls: some starts in, their results out. Simulators are kept from one call to the next."""
+"""What a worker of a sweep does: it gets some starts, runs them, and returns results. It keeps its simulators."""
 
 import ctypes
 import hashlib
@@ -16,7 +16,7 @@ from .run import Bench
 
 
 def make_setup(scenario, drive_to_start):
-    """What a worker must know of a sweep: a plain dict, with the hash of the files it must have too."""
+    """What a worker must know of a sweep, as a plain dict, with the hash of the files that it must have."""
     return {"scenario": scenario.as_dict(), "base": str(scenario._base or "."), "path": str(scenario.path or ""),
             "drive_to_start": bool(drive_to_start), "files": files_hash(scenario)}
 
@@ -31,7 +31,7 @@ def files_hash(scenario):
 
 
 def scenario_of(setup):
-    """The scenario of `make_setup`. Raises ParameterError if this machine's files are others."""
+    """The scenario of a setup. Raises ParameterError if robot or targets on this machine are not those of the sweep."""
     path = Path(setup["path"]) if setup["path"] else None
     scenario = scenario_from_dict(setup["scenario"], source=setup["scenario"]["name"], base=Path(setup["base"]),
                                   path=path)
@@ -42,14 +42,14 @@ def scenario_of(setup):
 
 
 def run_chunk(setup, starts):
-    """Run some starts; what a worker calls.
+    """Run some starts. This is the function that workers call.
 
     Args:
         setup: of `make_setup`.  starts: list of dicts, fields of `Start`.
     Returns:
         list of (row, wall_s).
     Raises:
-        ParameterError: this machine cannot run the sweep at all.
+        ParameterError: this machine has other files and cannot run the sweep.
     """
     bench = _bench(setup)
     results = []
@@ -65,7 +65,7 @@ def plain(start):
     return asdict(start)
 
 
-_kept = threading.local()  # simulators belong to one thread
+_kept = threading.local()  # a simulator may be used by one thread only
 
 
 def _bench(setup):
@@ -76,8 +76,11 @@ def _bench(setup):
 
 
 def _keep_memory():
-    """Undo what Dask asks of glibc on its workers, to return every freed image to the system: 10 000 page faults and
-    two thirds more time a run. M_TRIM_THRESHOLD is -1, M_MMAP_THRESHOLD -3 (malloc.h); 32 MiB is the most it takes."""
+    """Let glibc keep freed memory for the next image.
+
+    Dask makes its workers return all freed memory to the system at once, which costs 10 000 page faults and two thirds
+    more time in every run. -1 is M_TRIM_THRESHOLD, -3 is M_MMAP_THRESHOLD (malloc.h), which may be 32 MiB at most.
+    """
     if "MALLOC_TRIM_THRESHOLD_" in os.environ:
         mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
         if mallopt is not None:

@@ -1,6 +1,8 @@
-"""Where a scenario's target lies in the image, from poses alone: for what must be known before anything moves, and for
-judging a run by the truth. Flat targets of known outline, pinhole cameras and plumb_bob lenses. No ROS."""
+"""Where a scenario's target lies in the image, computed from poses alone. This tells before a run whether the target
+will be in view, and after a run how near it came to the image border. It works for flat targets of known outline, with
+pinhole cameras and plumb_bob lenses. No ROS."""
 
+import functools
 from math import inf, tan
 
 import numpy as np
@@ -32,7 +34,7 @@ class Outline:
 
     @classmethod
     def of(cls, scenario):
-        """Of a scenario; None where it cannot be told: no flat model, one that moves, a lens other than plumb_bob."""
+        """`Outline` of a scenario; None where it is unknown: no flat model, a moving one, a lens but plumb_bob."""
         models = scenario.sim.get("scene", {}).get("models", [])
         camera = scenario.sim["cameras"][0]
         outlines = _outlines(models[0], scenario) if models else None
@@ -78,6 +80,13 @@ def _outlines(model, scenario):
     if "file" not in model:
         return None
     try:
-        return load_yaml(resolve_uri(model["file"], scenario._base)).get("outlines_m")
+        path = resolve_uri(model["file"], scenario._base)
+        return _outlines_of(path, path.stat().st_mtime_ns)
     except ParameterError:  # another kind of file than a flat target's
         return None
+
+
+@functools.lru_cache(maxsize=32)
+def _outlines_of(path, _mtime_ns):
+    """Outlines in a target's file, None if it has none; read again when the file has changed, not in every run."""
+    return load_yaml(path).get("outlines_m")

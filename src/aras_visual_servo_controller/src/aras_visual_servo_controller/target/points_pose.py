@@ -12,9 +12,10 @@ import numpy as np
 from ..ground.errors import DegenerateFeature, NotFiniteError
 from ..ground.spatial import exponential
 
-#: Largest coordinate left unexplained [-]: four pixels at f = 200 px; noise of corners is below half a pixel.
+#: Largest residual of a coordinate at which a pose is accepted [-]: four pixels at f = 200 px; the noise of corners is
+#: below half a pixel.
 MAX_LEFT = 0.02
-#: Steps end when the last one was this short [m, rad]: what is left is its square.
+#: Iteration ends after a step shorter than this [m, rad]: the error that is left is about the square of the step.
 SHORT, MAX_STEPS = 1e-5, 20
 _BEHIND = "pose of the points: behind the camera"
 
@@ -52,8 +53,8 @@ class PlanarPoints:
     def improve(self, X_CT, xy):
         """One Gauss-Newton step.
 
-        Returns: (X_CT, residual before the step: largest coordinate left unexplained, condition number of the matrix,
-        length of the step).
+        Returns: (X_CT, largest residual of a coordinate before the step, condition number of the matrix, length of the
+        step).
         """
         if xy.shape != self._flat.shape:
             raise DegenerateFeature(f"pose of the points: found {len(xy)} points in this view, {len(self._flat)} known")
@@ -76,7 +77,7 @@ class PlanarPoints:
         return exponential(-twist) @ X_CT, float(np.abs(left).max()), float(sigmas[0] / sigmas[-1]), length
 
     def follow(self, X_CT, xy):
-        """Steps from a pose nearby; from nothing where that leads nowhere.
+        """Gauss-Newton steps from a pose nearby; where they find no pose, `find` looks for one without a first guess.
 
         Returns: (X_CT, residual, condition number).
         """
@@ -96,9 +97,10 @@ class PlanarPoints:
         return X_CT, residual, condition
 
     def find(self, xy):
-        """X_CT from nothing but a view: by homography, and its mirror image in the line of sight.
+        """X_CT from a view alone.
 
-        Seen from afar both explain a view nearly as well; the better one is returned.
+        The first guesses are the pose of the homography and its mirror image in the line of sight. From afar both
+        explain a view nearly equally well; the better one is returned.
         Raises DegenerateFeature: no pose of these points explains this view.
         """
         best, least = None, MAX_LEFT
@@ -159,10 +161,10 @@ def corners_clockwise(outline):
 
 
 def find_corners(outline, xy):
-    """Which corner of an outline each point is, and the pose.
+    """Find which corner of an outline each point is, and the pose.
 
     Args: outline: (N, 2) in the target's plane z = 0 [m].  xy: (N, 2), its corners seen, clockwise on the screen.
-    Returns: (`PlanarPoints` in the order of xy, X_CT). A target of symmetry has several such poses: one of them.
+    Returns: (`PlanarPoints` in the order of xy, X_CT). A symmetric target has several such poses; one is returned.
     Raises: DegenerateFeature: another number of corners, or no pose explains the view.
     """
     corners = corners_clockwise(outline)

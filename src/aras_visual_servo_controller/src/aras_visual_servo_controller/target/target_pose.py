@@ -1,8 +1,8 @@
 """Pose of a known planar target from the moments of its image: least squares by Gauss-Newton (docs/theory.md T24).
 
-Ten measures of an image, free of scale: x_g/sqrt(a), y_g/sqrt(a), ln(sqrt(a)) and mu_ij / a^((i+j+2)/2) to third order.
-A pose predicts them by projecting the target's outline, and their interaction matrix (T7, T8) says which twist explains
-what is left.
+An image is described by ten measures: x_g/sqrt(a), y_g/sqrt(a), ln(sqrt(a)) and mu_ij / a^((i+j+2)/2) to third order.
+All but ln(sqrt(a)) are free of scale. For a given pose they are predicted by projecting the target's outline. Their
+interaction matrix (T7, T8) says which twist explains the difference between measured and predicted values.
 """
 
 from math import log
@@ -20,13 +20,14 @@ _DIVISORS = np.arange(1, ORDER + 2)[:, None]
 #: Gauss-Legendre nodes of [0, 1]; three are exact for polynomials of degree 5, what order 4 asks for.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(3)
 _NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
-#: Largest measure left unexplained by the pose found in a first view: coverage images of the target leave 2e-5, of
-#: another of our targets 4e-3 at least; and by the pose that is followed.
+#: Largest residual of a measure at which a pose is accepted, in a first view and while it is followed. In a first view,
+#: coverage images of the right target leave 2e-5, those of another of our targets at least 4e-3.
 MAX_FOUND, MAX_FOLLOWED = 1e-3, 0.05
 FOLLOW_STEPS = 5
-#: Below this the pose found is taken without a look at other minima.
+#: A pose with a residual below this is taken without trying the other first guesses.
 SURE = 1e-4
-#: First guesses: the normal given and others tilted from it by this much; turns about it.
+#: First guesses: the given normal and others tilted from it by this angle, each at this number of turns about the
+#: normal.
 GUESS_TILT_RAD, GUESS_TURNS = 0.35, 8
 _BEHIND = "pose of the target: behind the camera"
 
@@ -92,7 +93,7 @@ class PlanarTarget:
     def improve(self, X_CT, measured):
         """One Gauss-Newton step.
 
-        Returns: (X_CT, residual before the step: largest measure left unexplained, condition number of the matrix).
+        Returns: (X_CT, largest residual of a measure before the step, condition number of the matrix).
         """
         measures, L = self.predicted(X_CT)
         left = measured - measures
@@ -108,7 +109,7 @@ class PlanarTarget:
         return measures_of(features)
 
     def follow(self, X_CT, measured):
-        """`improve` once; again, at most FOLLOW_STEPS times, while the pose it began at was far off."""
+        """`improve` once, and again, at most FOLLOW_STEPS times, while the pose before the step was far off."""
         for _ in range(FOLLOW_STEPS):
             X_CT, residual, condition = self.improve(X_CT, measured)
             if residual < MAX_FOUND:
@@ -116,11 +117,11 @@ class PlanarTarget:
         return X_CT, residual, condition
 
     def find(self, features, normal_C, steps=40):
-        """X_CT from nothing but a view and a guess of the plane's normal; features with z_star_m for a first depth.
+        """X_CT from a view alone and a guess of the plane's normal; `features` give z_star_m as a first depth.
 
-        A planar target has a second, wrong minimum beside its pose: several guesses are tried, the best is returned. A
-        target of central symmetry has two poses, of which one is returned.
-        Raises: DegenerateFeature: none explains the view.
+        Beside the right pose a planar target has a second, wrong minimum. So several guesses are tried, and the best
+        result is returned. A target of central symmetry has two poses, of which one is returned.
+        Raises: DegenerateFeature: no pose explains the view.
         """
         measured, best, least = measures_of(features), None, MAX_FOUND
         t = features.z_star_m * np.array([features.xg, features.yg, 1.0])
@@ -169,7 +170,7 @@ def measures_of(features):
 
 
 def _centred(m, xg, yg):
-    """mu[i, j] to ORDER of raw moments m[i, j]: the shift of the origin is linear on both sides."""
+    """mu[i, j] to ORDER of raw moments m[i, j]: shifting the origin is one matrix for x and one for y."""
     return _shift(xg) @ m @ _shift(yg).T
 
 
@@ -195,9 +196,9 @@ def _centred_rows(mu, xg, yg, n20, n11, n02, plane):
     return np.array(rows)
 
 
-#: What (T7) takes of mu, as places in the flat array, and what it is multiplied by: mu_ij, i mu_{i-1,j+1},
-#: j mu_{i+1,j-1}, i mu_{i-1,j}, j mu_{i,j-1}, k mu_{i,j+1}, k mu_{i+1,j} with k = i + j + 3. Where i or j is 0 the term
-#: is multiplied by it, whatever stands there.
+#: The terms of (T7), as places in the flattened mu and factors: mu_ij, i mu_{i-1,j+1}, j mu_{i+1,j-1}, i mu_{i-1,j},
+#: j mu_{i,j-1}, k mu_{i,j+1}, k mu_{i+1,j} with k = i + j + 3. Where an index would be -1 the factor i or j is 0, so
+#: that any place will do.
 _DOWN_I, _DOWN_J = np.maximum(_I - 1, 0), np.maximum(_J - 1, 0)
 _TERMS = (ORDER + 1) * np.array([_I, _DOWN_I, _I + 1, _DOWN_I, _I, _I, _I + 1]) + np.array(
     [_J, _J + 1, _DOWN_J, _J, _DOWN_J, _J + 1, _J])

@@ -26,8 +26,19 @@ class ControllerAlone(unittest.TestCase):
         wait_until(cls.plant.connected, "the controller's subscriptions")
         wait_until(lambda: cls.watcher.goals.get_num_connections(), "the action server")
         wait_until(cls.watcher.connected, "the controller's topics")
+        wait_until(cls.answered, "the first answer")
+
+    @classmethod
+    def answered(cls):
+        """Send one more image; whether any was answered, so that every connection is known to carry messages.
+
+        A publisher counts a connection a moment before the other side is ready, and what it sends then is lost.
+        """
+        cls.plant.publish()
+        return bool(cls.watcher.states)
 
     def tearDown(self):
+        self.plant.answer_after_s, self.plant.refusal = 0.0, ""
         self.plant.start()
         call("stop", Trigger)
         self.plant.stop()
@@ -38,8 +49,9 @@ class ControllerAlone(unittest.TestCase):
 
     def begin_servo(self):
         """Teach the view the plant shows with x = 0, then servo on one that is 0.05 m off."""
-        self.plant.start(xn=0.0)
-        wait_until(lambda: call("teach", Teach, 0.5).success, "the view to be taught")
+        stamp_ns = self.plant.publish(xn=0.0)
+        wait_until(lambda: self.watcher.states.get(stamp_ns), "the answer")
+        self.assertTrue(call("teach", Teach, 0.5).success)
         self.plant.start(xn=0.05)
         goal = self.watcher.send_goal("taught", time_limit_s=1000.0)
         self.plant.start(xn=0.1)
@@ -144,6 +156,33 @@ class ControllerAlone(unittest.TestCase):
         self.assertEqual(result.result.status, ServoState.FAULT)
         for word in ("elsewhere", "no_such_law"):
             self.assertIn(word, result.result.reason)
+
+    def test_teaches_the_image_it_answered_by_its_stamp_while_images_go_on_coming(self):
+        self.plant.answer_after_s = 0.2  # six images
+        self.plant.start(xn=lambda count: 0.001 * count)
+        for _ in range(3):
+            stamp_ns = self.plant.publish(xn=0.0)
+            wait_until(lambda: self.watcher.states.get(stamp_ns), "the answer")
+            answer = call("teach", Teach, 0.4)
+            self.assertTrue(answer.success, answer.message)
+            came_since = sum(stamp > answer.stamp.to_nsec() for stamp in list(self.plant.published))
+            self.assertGreaterEqual(came_since, 3)
+            request = self.plant.asked[-1]
+            self.assertEqual((request.stamp, request.z_star_m, request.from_current_view), (answer.stamp, 0.4, False))
+            view = self.plant.published[answer.stamp.to_nsec()]
+            self.assertEqual(rospy.get_param("controller/taught_reference")["s_star"],
+                             [0.4 * view.xg, 0.4 * view.yg, 0.4, view.alpha])
+
+    def test_a_view_that_the_camera_refuses_is_not_taught(self):
+        self.plant.start(xn=0.0)
+        wait_until(lambda: call("teach", Teach, 0.5).success, "the view to be taught")
+        before = rospy.get_param("controller/taught_reference")
+        self.plant.refusal = "reference/stamp: found another"
+        self.plant.start(xn=0.2)
+        answer = call("teach", Teach, 0.5)
+        self.assertFalse(answer.success)
+        self.assertIn("camera/set_reference: reference/stamp: found another", answer.message)
+        self.assertEqual(rospy.get_param("controller/taught_reference"), before)
 
     def test_teach_is_refused_while_a_goal_is_active(self):
         self.begin_servo()

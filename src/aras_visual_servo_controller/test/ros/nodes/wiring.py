@@ -101,7 +101,12 @@ def call(name, service_type=Empty, *arguments):
 
 
 class FakePlant:
-    """Plays simulator and camera: an arm that stands still in front of a target, on wall time."""
+    """Plays simulator and camera: an arm that stands still in front of a target, on wall time.
+
+    Attributes:
+        published: MomentFeatures by stamp [ns].  asked: requests of camera/set_reference, in order.
+        answer_after_s: wall time until they are answered.  refusal: text that they are refused with, "": they are not.
+    """
 
     def __init__(self, joint_names, set_reference_type):
         self._names = joint_names
@@ -111,13 +116,16 @@ class FakePlant:
         self._response = set_reference_type._response_class
         self._stop = threading.Event()
         self._thread = None
+        self.published, self.asked = {}, []
+        self.answer_after_s, self.refusal = 0.0, ""
 
     def connected(self):
         return self._features_publisher.get_num_connections() > 0 and self._joints_publisher.get_num_connections() > 0
 
     def _on_set_reference(self, request):
-        reference = self.features(rospy.Time.now(), z_star_m=request.z_star_m)
-        return self._response(success=True, reference=reference)
+        self.asked.append(request)
+        time.sleep(self.answer_after_s)
+        return self._response(success=not self.refusal, message=self.refusal, stamp=request.stamp)
 
     @staticmethod
     def features(stamp, **changes):
@@ -127,6 +135,7 @@ class FakePlant:
         message.header.stamp, message.header.frame_id = stamp, "camera_optical_frame"
         for name, value in changes.items():
             setattr(message, name, value)
+        message.xg, message.yg = message.xn / message.an, message.yn / message.an
         return message
 
     def publish(self, stamp=None, joints=True, q=None, **changes):
@@ -136,17 +145,20 @@ class FakePlant:
             message = JointState(name=self._names, position=q or [0.1] * len(self._names))
             message.header.stamp = stamp
             self._joints_publisher.publish(message)
-        self._features_publisher.publish(self.features(stamp, **changes))
+        self.published[stamp.to_nsec()] = self.features(stamp, **changes)
+        self._features_publisher.publish(self.published[stamp.to_nsec()])
         return stamp.to_nsec()
 
     def start(self, rate_hz=30.0, **changes):
-        """Publish images with these features until stop()."""
+        """Publish images with these features until stop(); a function gives the value by the number of the image."""
         self.stop()
         self._stop.clear()
 
         def loop():
+            count = 0
             while not self._stop.wait(1.0 / rate_hz):
-                self.publish(**changes)
+                self.publish(**{name: value(count) if callable(value) else value for name, value in changes.items()})
+                count += 1
         self._thread = threading.Thread(target=loop, daemon=True)
         self._thread.start()
 

@@ -1,5 +1,7 @@
 """Limits, spare motion and visibility in the closed loop of the servo, on exact pictures."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from bench import Bench, DT_S, config
@@ -10,9 +12,9 @@ from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.features.base import View
 from aras_visual_servo_controller.features.interaction import centroid
 from aras_visual_servo_controller.servo.servo import Servo
-from aras_visual_servo_controller.servo.settings import ServoConfig
+from aras_visual_servo_controller.servo.settings import ServoSettings
 from aras_visual_servo_controller.ground.types import Status
-from aras_visual_servo_controller.servo.visibility import VisibilityConfig, keep_in_view
+from aras_visual_servo_controller.servo.visibility import VisibilitySettings, keep_in_view
 
 ACCELERATION = 2.0
 STILL = {"posture_gain_per_s": 0.0, "joint_limit_gain_per_s": 0.0}
@@ -29,7 +31,7 @@ class BentBench(Bench):
         self.camera.X_WT[:2, 3] = self.X_WG[:2, 3]
         self.camera.star = None
         self.camera.star = (self.X_WG[2, 3] - 0.19, self.camera.features(self.X_WG).area)
-        self.servo.teach(self.camera.features(self.X_WG), self.goal_q)
+        self.servo.teach(self.camera.features(self.X_WG), self.goal_q, self.camera.star[0])
         self.servo.start(0, self.set_point)
 
 
@@ -112,7 +114,7 @@ def test_projection_onto_the_norm_keeps_the_rate_of_approach():
 
 # --- visibility ---------------------------------------------------------------------------------------------------
 
-VIEW = VisibilityConfig(half_width=0.5, half_height=0.4, margin=0.02)
+VIEW = VisibilitySettings(half_width=0.5, half_height=0.4, margin=0.02)
 
 
 def edges(features, extent=2.0):
@@ -151,9 +153,9 @@ def test_an_object_that_would_leave_the_view_stays_and_the_servo_arrives():
             bench.step()
         return max(outside), bench
 
-    view = VisibilityConfig(half_width=0.42, half_height=0.42, margin=0.02)
+    view = VisibilitySettings(half_width=0.42, half_height=0.42, margin=0.02)
     worst, _ = view_left()
-    kept, bench = view_left(visibility=view._asdict())
+    kept, bench = view_left(visibility=dataclasses.asdict(view))
     assert worst > 0.015 and kept < -0.015
     assert bench.records[-1].status == Status.CONVERGED
     assert any(record.status_text == "servoing, kept in view" for record in bench.records)
@@ -171,7 +173,7 @@ def test_faults_of_the_sections_are_named(bad, word):
 
 def test_a_joint_with_little_room_uses_it_and_the_others_make_up_for_the_rest():
     kinematics = arm()
-    setup = ServoConfig.from_dict(config(inverse={"at_limits": "saturate"}, null_space=STILL), kinematics.joint_names)
+    setup = ServoSettings.from_dict(config(inverse={"at_limits": "saturate"}, null_space=STILL), kinematics.joint_names)
     motion = ArmMotion(kinematics, setup, sees_tilt=False)
     q = kinematics.vector({**EDGE_START, "J1": 0.4})
     twist = kinematics.jacobian(q) @ kinematics.vector(

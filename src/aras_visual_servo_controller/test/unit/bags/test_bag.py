@@ -1,14 +1,19 @@
 """RunRecord from a rosbag written here: topics found under any namespace, rows paired by stamp."""
 
+import sys
+
 import numpy as np
 import pytest
 import rosbag
 import rospy
+import yaml
 from messages import NAMESPACE, messages_of, state_message, write
-from synthetic import blob, make_record
+from std_msgs.msg import String
+from synthetic import SETTINGS, blob, make_record
 
 from aras_visual_servo_controller.bags.bag import BagError, read_bag
 from aras_visual_servo_controller.cli.run import report_main
+from aras_visual_servo_controller.features import base as features, styles
 from aras_visual_servo_controller.run.judge import judge
 
 SERVO_IMAGES = 30
@@ -89,6 +94,30 @@ def test_images_after_the_end_do_not_change_the_trace(tmp_path, original):
 def test_a_bag_that_does_not_name_its_scenario_is_read_and_noted(tmp_path, original):
     record = read_bag(write(tmp_path / "run.bag", messages_of(original, scenario=False)))
     assert record.settings == {} and any("which scenario" in note for note in record.notes)
+
+
+def with_plugin(original, name):
+    """Messages of a run whose scenario names a plugin."""
+    text = yaml.safe_dump({"name": "mine", **SETTINGS, "servo": {**SETTINGS["servo"], "plugins": [name]}})
+    return [(topic, String(data=text) if topic == "scenario" else message, stamp)
+            for topic, message, stamp in messages_of(original)]
+
+
+def test_features_of_a_plugin_are_shown_as_in_the_run(tmp_path, original, monkeypatch):
+    (tmp_path / "plugin_of_a_bag.py").write_text(
+        "from aras_visual_servo_controller.features import Feature, register_feature\n"
+        "register_feature('bent')(type('Bent', (Feature,), {'unit': '1/m'}))\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    record = read_bag(write(tmp_path / "run.bag", with_plugin(original, "plugin_of_a_bag")))
+    assert styles(["bent"])[0].unit == "1/m" and record.notes == ()
+    sys.modules.pop("plugin_of_a_bag")
+    features._FEATURES.pop("bent")
+
+
+def test_a_plugin_that_is_not_here_is_noted(tmp_path, original):
+    [note] = read_bag(write(tmp_path / "run.bag", with_plugin(original, "not_here"))).notes
+    assert "without unit and symbol" in note and "'not_here'" in note
 
 
 def test_a_bag_that_was_cut_is_read_as_far_as_it_goes(tmp_path, original):

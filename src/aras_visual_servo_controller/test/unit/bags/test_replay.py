@@ -16,12 +16,13 @@ from std_msgs.msg import String  # noqa: E402
 from messages import image_message
 
 from aras_visual_servo_controller.bags.bag import BagError  # noqa: E402
-from aras_visual_servo_controller.bags.replay import NOT_COMPARED, replay, same  # noqa: E402
+from aras_visual_servo_controller.bags.replay import replay, same  # noqa: E402
 
 VISION = {"object": "dark", "segmentation": "coverage"}
 INFO = {"width": 64, "height": 48, "K": [100.0, 0, 31.5, 0, 100.0, 23.5, 0, 0, 1], "D": [0.0] * 5,
         "distortion_model": "plumb_bob", "P": [0.0] * 12, "R": [1.0, 0, 0, 0, 1, 0, 0, 0, 1], "frame_id": "camera"}
 TAUGHT, IMAGES = 3, 8
+TAUGHT_NS = (TAUGHT + 1) * 1_000_000_000
 
 
 def wedge(k):
@@ -37,7 +38,7 @@ def texture(k):
     return np.repeat(grey[..., None], 3, axis=2)
 
 
-def write_photometric(path, change=None):
+def write_photometric(path, change=None, late=0):
     """The same with photometric features, whatever the moments make of a texture."""
     vision = {**VISION, "photometric": {"levels": 2, "border_px": 4}}
     moments, extractor = camera.MomentExtractor(INFO, vision), camera.PhotometricExtractor(INFO, vision["photometric"])
@@ -47,15 +48,16 @@ def write_photometric(path, change=None):
             "width", "height", "K", "D", "P", "R", "distortion_model")}), rospy.Time(0, 1))
         for k in range(IMAGES):
             stamp, image = rospy.Time(k + 1), texture(k)
-            for name, kind, seen in (("features", MomentFeatures, moments.process(image)),
-                                     ("photometric", PhotometricFeatures, extractor.process(image))):
-                message = kind(**{key: getattr(seen, key) for key in kind.__slots__ if key not in NOT_COMPARED})
+            stamp_ns = stamp.to_nsec()
+            for name, kind, seen in (("features", MomentFeatures, moments.process(image, stamp_ns)),
+                                     ("photometric", PhotometricFeatures, extractor.process(image, stamp_ns))):
+                message = kind(**{key: getattr(seen, key) for key in kind.__slots__ if hasattr(seen, key)})
                 message.header.stamp = stamp
                 if k == change and name == "photometric":
                     message.b = [value + 1e-9 * abs(value) for value in message.b]
                 bag.write(f"/a/camera/{name}", message, stamp)
-            if k == TAUGHT:
-                extractor.set_reference(image, 0.59)
+            if k == TAUGHT + late:
+                extractor.teach(TAUGHT_NS, 0.59)
             state = ServoState(phase="servo")
             state.header.stamp = stamp
             bag.write("/a/camera/image_raw", image_message(image, stamp), stamp)
@@ -63,15 +65,20 @@ def write_photometric(path, change=None):
     return path
 
 
-def test_photometric_features_are_replayed_with_their_reference(tmp_path):
-    result = replay(write_photometric(tmp_path / "run.bag"))
+@pytest.mark.parametrize("late", [0, 2])
+def test_photometric_features_are_replayed_with_their_reference(tmp_path, late):
+    result = replay(write_photometric(tmp_path / "run.bag", late=late))
     assert result.same and result.images == IMAGES, result.text()
+
+
+def test_one_changed_value_of_photometric_features_is_found(tmp_path):
     changed = replay(write_photometric(tmp_path / "changed.bag", change=IMAGES - 1))
     assert [line.split(":")[0] for line in changed.differences] == [f"{IMAGES}.000000 s, b"]
 
 
-def write(path, change=None, without=(), vision=VISION):
-    """What a camera node would have published for IMAGES images, the view TAUGHT made the reference."""
+def write(path, change=None, without=(), vision=VISION, late=0, first=0):
+    """What a camera node would have published for IMAGES images, the view TAUGHT made the reference `late` images on.
+    Those before the `first` are not in the bag."""
     extractor = camera.MomentExtractor(INFO, vision)
     with rosbag.Bag(str(path), "w") as bag:
         def put(topic, message, stamp):
@@ -83,11 +90,13 @@ def write(path, change=None, without=(), vision=VISION):
                                                                            "distortion_model")}), rospy.Time(0, 1))
         for k in range(IMAGES):
             stamp = rospy.Time(k + 1)
-            features = extractor.process(wedge(k))
+            features = extractor.process(wedge(k), stamp.to_nsec())
             message = MomentFeatures(**{name: getattr(features, name) for name in MomentFeatures.__slots__
-                                        if name not in NOT_COMPARED})
-            if k == TAUGHT:
-                extractor.set_reference(0.59, features)
+                                        if hasattr(features, name)})
+            if k == TAUGHT + late:
+                extractor.teach(TAUGHT_NS, 0.59)
+            if k < first:
+                continue
             message.header.stamp = stamp
             if change is not None and k == change:
                 message.xg = math.nextafter(message.xg, 1.0) if hasattr(math, "nextafter") else message.xg + 1e-16
@@ -99,10 +108,16 @@ def write(path, change=None, without=(), vision=VISION):
     return path
 
 
-def test_the_same_images_give_the_same_features_bit_for_bit(tmp_path):
-    result = replay(write(tmp_path / "run.bag"))
-    assert result.same and result.images == IMAGES and result.alone == 0
+@pytest.mark.parametrize("late", [0, 2])
+def test_the_same_images_give_the_same_features_bit_for_bit(tmp_path, late):
+    result = replay(write(tmp_path / "run.bag", late=late))
+    assert result.same and result.images == IMAGES and result.alone == 0, result.text()
     assert "8 images give the recorded features" in result.text()
+
+
+def test_a_reference_taught_before_the_bag_begins_is_taken_from_the_features(tmp_path):
+    result = replay(write(tmp_path / "run.bag", first=TAUGHT + 1))
+    assert result.same and result.images == IMAGES - TAUGHT - 1, result.text()
 
 
 def test_points_are_replayed_too(tmp_path):

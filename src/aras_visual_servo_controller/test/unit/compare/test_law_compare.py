@@ -57,7 +57,7 @@ def test_a_law_brings_its_own_features_and_vision():
     ({"tasks": {"a": {"offset": {"x_m": "far"}}}}, {}, "tasks/a/offset/x_m: found far, allowed a finite number"),
     ({"tasks": {"a": {"title": "nowhere"}}}, {}, "tasks/a/allowed is either offset, or tilt"),
     ({"tasks": {"a": {"tilt": {"tilt_rad": 0.1}}}}, {}, "tilt with tilt_rad and about_rad"),
-    ({"laws": {"a": {"robot": {"urdf": "x"}}}}, {}, "robot: unknown section, known are servo, vision, sim"),
+    ({"laws": {"a": {"robot": {"urdf": "x"}}}}, {}, "robot: unknown key, allowed servo, sim, vision"),
     ({"laws": {"a": {"servo": {"law": "ibvs", "gain": 2}}}}, {}, "law a: "),
     ({"scenery": 1}, {}, "scenery: unknown key"),
 ])

@@ -10,8 +10,7 @@ S. Boudet, IEEE T-RA 15(2), 1999; E. Malis, ICRA 2004 (mean of two matrices).
 
 import numpy as np
 import pytest
-from views import view
-from views import exponential, plane_of, tilted_pose
+from views import exponential, look_at, plane_of, tilted_pose, view
 
 from aras_visual_servo_controller.ground.errors import DegenerateFeature
 from aras_visual_servo_controller.features.base import FeatureSet
@@ -37,20 +36,20 @@ LAWS = {"current": ("ibvs", ("points4",), {"interaction": "current"}),
 
 
 def run(kind, displacement, seconds=6.0, dt_s=DT_S, goal=GOAL, outline=SQUARE):
-    """Poses (n, 4, 4) of the camera in that of the goal, from exp(displacement), and the law."""
+    """Poses (n, 4, 4) of the camera in that of the goal, from exp(displacement), and the last `Answer`."""
     name, features, more = LAWS[kind]
     taught, count = view(goal, outline), len(FeatureSet(features))
     law = make_law(name, [GAIN_PER_S] * count, LawSetup(features, **more))
     law.reset(Reference(FeatureSet(features).values(taught), view=taught.features, plane_C=plane_of(goal)))
-    X, path = goal @ exponential(displacement, 1.0), []
+    X, path, answer = goal @ exponential(displacement, 1.0), [], None
     for _ in range(round(seconds / dt_s)):
         path.append(np.linalg.inv(goal) @ X)
-        law.X_CgC = path[-1]
         try:
-            X = X @ exponential(law.step(view(X, outline).features, dt_s, plane_of(X)), dt_s)
+            answer = law.step(look_at(view(X, outline).features, dt_s, plane_of(X), path[-1]))
+            X = X @ exponential(answer.twist, dt_s)
         except (DegenerateFeature, AssertionError):  # matrix singular, or target behind the camera
             break
-    return np.array(path), law
+    return np.array(path), answer
 
 
 def turn(degrees):
@@ -164,9 +163,8 @@ def test_twist_of_hybrid_moves_each_feature_at_its_rate(seed):
     law.reset(Reference(FeatureSet(HYBRID).values(taught), view=taught.features, plane_C=plane_of(goal)))
 
     def features(X):
-        law.X_CgC = np.linalg.inv(goal) @ X
-        twist = law.step(view(X).features, 0.0)
-        return np.array(law.s), np.array(law.e), twist
+        answer = law.step(look_at(view(X).features, X_CgC=np.linalg.inv(goal) @ X))
+        return np.array(answer.s), np.array(answer.e), answer.twist
 
     _, e, twist = features(start)
     h = 1e-5
@@ -178,7 +176,7 @@ def test_twist_of_hybrid_moves_each_feature_at_its_rate(seed):
 
 
 def test_each_of_the_six_of_hybrid_decays_at_its_gain():
-    path, law = run("hybrid", GENERAL, 1.0)
+    path, last = run("hybrid", GENERAL, 1.0)
     first = [*(image_of_middle(path)[0]), np.log((np.linalg.inv(path[0]) @ [0, 0, Z_STAR_M, 1])[2] / Z_STAR_M)]
     angle = rotation_vector(path[0][:3, :3])
-    np.testing.assert_allclose(law.e, np.exp(-GAIN_PER_S * 29 * DT_S) * np.array([*first, *angle]), atol=HELD * 0.2)
+    np.testing.assert_allclose(last.e, np.exp(-GAIN_PER_S * 29 * DT_S) * np.array([*first, *angle]), atol=HELD * 0.2)

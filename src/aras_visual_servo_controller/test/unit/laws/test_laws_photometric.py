@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from bench import Bench, config
 from toy_plant import arm
+from views import look_at
 
 from aras_visual_servo_controller.ground.errors import DegenerateFeature, NotFiniteError, ParameterError
 from aras_visual_servo_controller.features.base import FeatureSet
 from aras_visual_servo_controller.laws.base import LawSetup, make_law
+from aras_visual_servo_controller.laws.photometric import PhotometricSettings
 from aras_visual_servo_controller.scenario.check import check
 from aras_visual_servo_controller.servo.servo import Servo
 from aras_visual_servo_controller.ground.types import Observation, Reference, Status
@@ -33,7 +35,8 @@ def features(xi=(0.0,) * 6, rms=None, **more):
 
 
 def law_of(damping=0.0, rest=(1e-4, 1e-4), **more):
-    law = make_law("photometric", [GAIN], LawSetup(NAMES, photometric=(damping, *rest), **more))
+    law = make_law("photometric", [GAIN], LawSetup(
+        NAMES, settings={"photometric": PhotometricSettings(damping, *rest)}, **more))
     law.reset(Reference(np.zeros(1)))
     return law
 
@@ -42,22 +45,22 @@ XI = np.array([0.01, -0.02, 0.03, 0.1, -0.05, 0.2])
 
 
 def test_without_damping_the_twist_goes_the_gauss_newton_step_at_the_gain_asked_for():
-    twist = law_of().step(features(XI), DT_S)
+    twist = law_of().step(look_at(features(XI), DT_S)).twist
     np.testing.assert_allclose(twist * DT_S, XI * (1.0 - np.exp(-GAIN * DT_S)), rtol=ROUNDING)
-    np.testing.assert_allclose(law_of().step(features(XI), 0.0), XI * GAIN, rtol=ROUNDING)
+    np.testing.assert_allclose(law_of().step(look_at(features(XI), 0.0)).twist, XI * GAIN, rtol=ROUNDING)
 
 
 def test_damping_is_that_of_levenberg_and_marquardt():
     H = L.T @ L
     expected = GAIN * np.linalg.solve(H + 0.5 * np.diag(np.diag(H)), H @ XI)
-    np.testing.assert_allclose(law_of(damping=0.5).step(features(XI), 0.0), expected, rtol=ROUNDING)
+    np.testing.assert_allclose(law_of(damping=0.5).step(look_at(features(XI), 0.0)).twist, expected, rtol=ROUNDING)
 
 
 def test_damping_falls_with_the_cost_and_never_rises_above_what_was_asked():
     law, H = law_of(damping=0.5), L.T @ L
     for rms, damping in ((20.0, 0.5), (10.0, 0.125), (40.0, 0.5), (0.0, 0.0)):
         expected = GAIN * np.linalg.solve(H + damping * np.diag(np.diag(H)), H @ XI)
-        np.testing.assert_allclose(law.step(features(XI, rms=rms), 0.0), expected, rtol=ROUNDING)
+        np.testing.assert_allclose(law.step(look_at(features(XI, rms=rms), 0.0)).twist, expected, rtol=ROUNDING)
 
 
 def test_cost_decreases_at_every_step_whatever_the_damping():
@@ -65,14 +68,13 @@ def test_cost_decreases_at_every_step_whatever_the_damping():
         law, xi, costs = law_of(damping), XI.copy(), []
         for _ in range(50):
             costs.append(features(xi).rms)
-            xi = xi - law.step(features(xi), DT_S) * DT_S
+            xi = xi - law.step(look_at(features(xi), DT_S)).twist * DT_S
         assert (np.diff(costs) < 0.0).all(), damping
 
 
 def test_error_is_the_rms_and_the_condition_that_of_the_camera():
-    law = law_of()
-    law.step(features(XI, rms=12.5), DT_S)
-    assert law.s == law.e == (12.5,) and law.current_condition() == 5.0
+    answer = law_of().step(look_at(features(XI, rms=12.5), DT_S))
+    assert answer.s == answer.e == (12.5,) and answer.condition == 5.0
     assert FeatureSet(NAMES).source == "photometric" and FeatureSet(NAMES).sees_tilt
     assert FeatureSet().source == "moments"
 
@@ -80,8 +82,7 @@ def test_error_is_the_rms_and_the_condition_that_of_the_camera():
 def test_settled_says_that_the_twist_is_small():
     law = law_of(rest=(0.001, 0.01))
     for xi, settled in (((0.1, 0, 0, 0, 0, 0), False), ((1e-4, 0, 0, 0, 0, 0), True), ((0, 0, 0, 0.1, 0, 0), False)):
-        law.step(features(xi), DT_S)
-        assert law.settled is settled, xi
+        assert law.step(look_at(features(xi), DT_S)).settled is settled, xi
 
 
 @pytest.mark.parametrize("change, error, text", [
@@ -94,14 +95,14 @@ def test_settled_says_that_the_twist_is_small():
     ({"rms": float("nan")}, NotFiniteError, "nan")])
 def test_what_cannot_be_inverted_is_an_error_by_name(change, error, text):
     with pytest.raises(error, match=text):
-        law_of().step(features(XI, **change), DT_S)
+        law_of().step(look_at(features(XI, **change), DT_S))
 
 
 def bench():
     """A servo that was taught at the goal and started."""
     servo = Servo(arm(), config(**PHOTOMETRIC, photometric={"damping": 0.0, "rest_m_per_s": 0.001}))
     goal = Bench().goal_q
-    servo.teach(features(), goal)
+    servo.teach(features(), goal, 0.6)
     servo.start(0)
     return servo, goal
 
@@ -112,7 +113,7 @@ def step(servo, q, k, seen):
 
 def test_servo_moves_on_luminance_and_ends_when_cost_and_twist_are_small():
     servo, q = bench()
-    assert servo.source == "photometric" and servo.feature_names == NAMES
+    assert servo.source.name == "photometric" and servo.feature_names == NAMES
     command, record = step(servo, q, 1, features(XI))
     assert record.status in (Status.SERVOING, Status.NEAR_SINGULARITY, Status.JOINT_LIMIT)
     assert any(command.velocity.values()) and record.e[0] > 1.0 and record.cond_l == 5.0
@@ -144,11 +145,17 @@ def test_numbers_that_are_not_finite_are_a_fault():
     assert record.status == Status.FAULT and set(command.velocity.values()) == {0.0}
 
 
-def test_a_view_without_reference_cannot_be_taught():
+def test_a_view_that_shows_too_little_cannot_be_taught():
     servo = Servo(arm(), config(**PHOTOMETRIC))
-    for seen in (features(has_reference=False), features(valid=False), None):
+    for seen in (features(target_visible=False), features(valid=False), None):
         with pytest.raises(ParameterError, match="teach"):
-            servo.teach(seen, Bench().goal_q)
+            servo.teach(seen, Bench().goal_q, 0.6)
+
+
+def test_the_goal_is_an_rms_of_zero_whatever_the_taught_view_was_compared_with():
+    for seen in (features(XI), features(has_reference=False, rms=np.nan)):
+        reference = Servo(arm(), config(**PHOTOMETRIC)).teach(seen, Bench().goal_q, 0.6)
+        assert reference.s_star.tolist() == [0.0] and reference.view is None and reference.plane_C is None
 
 
 def test_every_fault_of_the_settings_is_listed():

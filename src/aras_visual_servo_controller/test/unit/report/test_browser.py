@@ -32,6 +32,8 @@ window.addEventListener("load", () => {
   document.querySelector("#errors button[data-do=all]").click();
   said.push("whole:" + (texts("velocity") === before));
   document.querySelector("#errors .legend button").click();
+  const strokes = [...document.querySelectorAll("#convergence .level")].map((one) => one.getAttribute("stroke"));
+  said.push("levels:" + new Set(strokes).size);
   said.push("hidden:" + document.querySelectorAll("#errors > svg .curve").length);
   const path = () => document.querySelector("#path .curve").getAttribute("points");
   const seen = path();
@@ -67,6 +69,7 @@ def test_a_reader_can_zoom_read_off_hide_and_turn(page, tmp_path, size):
     assert re.fullmatch(r"t = \d\.\d{3} s", said["readout"]) and said["value"].endswith(" mm")
     assert [said[key] for key in ("zoomed", "whole", "turned", "open", "wide")] == ["true"] * 5
     assert said["hidden"] == "3"  # curves left of four
+    assert said["levels"] == "4"  # thresholds, each in the colour of its feature
 
 
 def test_it_prints(page, tmp_path):

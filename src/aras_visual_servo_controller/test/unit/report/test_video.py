@@ -10,6 +10,8 @@ from synthetic import make_record
 
 pytest.importorskip("cv2")
 pytest.importorskip("aras_visual_servo_sim")
+from aras_visual_servo_controller.features import expand, styles  # noqa: E402
+from aras_visual_servo_controller.features.palette import rgb  # noqa: E402
 from aras_visual_servo_controller.report import video  # noqa: E402
 from aras_visual_servo_controller.run.judge import run_in_process  # noqa: E402
 from aras_visual_servo_controller.report.observer import Observer, ObserverError, standpoint, with_stand  # noqa: E402
@@ -87,6 +89,17 @@ def test_errors_are_drawn_up_to_the_moment_shown(short):
     curves = slice(video.VIEW_HEIGHT, None)
     colourful = [np.ptp(frame[curves].astype(int), axis=2).sum() for frame in (early, late)]
     assert colourful[1] > 1.2 * colourful[0]
+
+
+@pytest.mark.parametrize("names", [("xn", "yn", "an", "alpha"), expand(("points4",)), ("photometric",)])
+def test_the_curves_have_the_colours_of_the_features(short, names):
+    level = np.resize(np.linspace(0.2, -0.2, len(names)), (len(short), len(names)))
+    wanted = {rgb(style.colour) for style in styles(names)}
+    for e, columns in ((level, slice(0, video.WIDTH // 6)), (np.full_like(level, np.nan), slice(None))):
+        # The curves, left of the legend; then the legend alone, since there are no errors to draw.
+        composer = video.Composer(dataclasses.replace(short, feature_names=names, e=e), sorted(short.images))
+        strip = composer.frame(7)[video.VIEW_HEIGHT:, columns]
+        assert wanted <= {tuple(pixel) for pixel in strip.reshape(-1, 3).tolist()}
 
 
 @needs_ffmpeg

@@ -54,8 +54,8 @@ def test_another_seed_of_a_noisy_camera_gives_another_hash(record):
 def test_a_law_with_the_wrong_sign_does_not_converge(monkeypatch):
     def turned(original):
         class Turned(original):
-            def step(self, features, dt_s):
-                return -super().step(features, dt_s)
+            def _twist(self, look, s, e):
+                return -super()._twist(look, s, e)
         return Turned
 
     scenario = load_scenario("experiment_1", {"servo.time_limit_s": 3.0})

@@ -24,26 +24,26 @@ SERVO = {
 class Stage:
     """The loop that a simulator, a camera and a node would close."""
 
-    def __init__(self, set_reference=None, **changes):
+    def __init__(self, teach_camera=None, **changes):
         self.arm = arm()
         X_WT = np.eye(4)
         X_WT[:3, 3] = [-0.03, 0.05, 0.19]
         self.camera = Camera(X_WT)
         self.servo = Servo(self.arm, SERVO)
-        self.asked = []
+        self.asked, self.areas = [], {}
         experiment = {**EXPERIMENT, **changes}
-        self.sequence = ExperimentSequence(self.arm, self.servo, experiment, set_reference or self.take_reference)
+        self.sequence = ExperimentSequence(self.arm, self.servo, experiment, teach_camera or self.teach_camera)
         self.set_point, self.stamp_ns = np.zeros(6), 0
         self.hidden_in = ()
         self.records, self.set_points = [], []
 
-    def take_reference(self, z_star_m, features):
-        self.asked.append(z_star_m)
-        self.camera.star = (z_star_m, features.area)
-        return self.camera.features(self.arm.pose(self.set_point))
+    def teach_camera(self, stamp_ns, z_star_m):
+        self.asked.append((stamp_ns, z_star_m))
+        self.camera.star = (z_star_m, self.areas[stamp_ns])
 
     def step(self):
         features = self.camera.features(self.arm.pose(self.set_point))
+        self.areas[self.stamp_ns] = features.area
         features.target_visible = self.sequence.phase not in self.hidden_in
         command, record = self.sequence.step(Observation(self.stamp_ns, features, self.set_point.copy()))
         self.records.append(record)
@@ -76,7 +76,7 @@ def test_experiment_goes_through_its_phases_and_ends_at_the_true_goal():
     result = stage.run()
     assert stage.phases() == list(PHASES[1:])
     assert result.converged and result.status == Status.CONVERGED
-    assert stage.asked == [0.5934]
+    assert stage.asked == [(stage.sequence.teach_stamp_ns, 0.5934)]
     X_WG = stage.arm.pose(stage.arm.vector(GOAL))
     assert pose_error(X_WG, stage.arm.pose(stage.set_point))[0] < FINAL_POSITION_M
     assert np.abs(result.e).max() < 1e-6
@@ -138,13 +138,37 @@ def test_target_out_of_view_ends_the_experiment_with_the_reason(phase, reason):
 
 
 def test_failing_teach_ends_the_experiment_with_its_reason():
-    def refuse(z_star_m, features):
+    def refuse(stamp_ns, z_star_m):
         raise ValueError("camera node does not answer")
 
     stage = Stage(refuse)
     stage.sequence.start()
     result = stage.run()
     assert result.status == Status.FAULT and "camera node does not answer" in result.reason
+    assert stage.servo.reference is None
+
+
+def test_a_view_is_taught_by_its_stamp_after_later_ones_came():
+    stage = Stage()
+    seen = {}
+    for gantry in (0.0, 0.02, 0.04):
+        stage.set_point[:] = stage.arm.vector({**GOAL, "gantry": gantry})
+        seen[stage.stamp_ns] = (stage.camera.features(stage.arm.pose(stage.set_point)), stage.set_point.copy())
+        stage.step()
+    stamp_ns = PERIOD_NS
+    features, q = seen[stamp_ns]
+    stage.sequence.teach(stamp_ns, features, q)
+    assert stage.asked == [(stamp_ns, 0.5934)] and stage.camera.star == (0.5934, features.area)
+    np.testing.assert_allclose(stage.servo.reference.s_star[:3], [0.5934 * features.xg, 0.5934 * features.yg, 0.5934])
+
+
+def test_a_view_that_is_not_fit_changes_neither_the_servo_nor_the_camera():
+    stage = Stage()
+    features = stage.camera.features(stage.arm.pose(stage.set_point))
+    features.valid = False
+    with pytest.raises(ParameterError, match="teach"):
+        stage.sequence.teach(0, features, stage.set_point)
+    assert stage.asked == [] and stage.servo.reference is None
 
 
 def test_servo_only_goes_to_the_view_taught_last():

@@ -1,5 +1,7 @@
 """What the controller node decides, with a servo and a sequence that only note what they are asked."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from toy_plant import GOAL, arm
@@ -11,6 +13,7 @@ from aras_visual_servo_controller.run.session import STANDSTILL_S, Session
 from aras_visual_servo_controller.ground.types import FEATURE_NAMES, Features, Reference, Status
 
 MS = 1_000_000
+ASKED = []  # (stamp_ns, z_star_m) that the camera was asked to teach
 SERVO = {"law": "decoupled", "mode": "continuous", "gains_per_s": dict.fromkeys(FEATURE_NAMES, 1.0),
          "thresholds": dict.fromkeys(FEATURE_NAMES, 1e-3), "time_limit_s": 20.0}
 EXPERIMENT = {"goal": {"joints": GOAL}, "start": {"joints": GOAL}, "z_star_m": 0.5}
@@ -23,7 +26,7 @@ def session():
     kinematics = arm()
     servo = Servo(kinematics, SERVO)
     servo.set_reference(Reference(np.array([0.0, 0.0, 0.5, 0.0])))
-    sequence = ExperimentSequence(kinematics, servo, EXPERIMENT, lambda z_star_m, features: features)
+    sequence = ExperimentSequence(kinematics, servo, EXPERIMENT, lambda *asked: ASKED.append(asked))
     return Session(kinematics, servo, sequence, input_timeout_s=0.2, time_limit_s=20.0)
 
 
@@ -118,6 +121,23 @@ def test_a_bad_goal_lists_all_its_faults_and_starts_nothing(session):
         session.begin("elsewhere", "no_such_law", (), (1.0,), 0.0, 0, 0.0)
     assert "elsewhere" in str(error.value) and "no_such_law" in str(error.value)
     assert not session.active
+
+
+def test_teach_takes_the_image_answered_last_and_asks_the_camera_for_it_by_stamp(session):
+    ASKED.clear()
+    with pytest.raises(ParameterError, match="no image yet"):
+        session.teach()
+    session.answer(0, replace(SEEN, xg=0.3), Q, 0, 0.0)
+    session.answer(33 * MS, SEEN, Q, 33 * MS, 0.0)
+    assert session.teach(0.4) == 33 * MS and ASKED == [(33 * MS, 0.4)]
+    np.testing.assert_array_equal(session._servo.reference.s_star, [0.4 * 0.1, 0.0, 0.4, 0.1])
+    assert session.teach() == 33 * MS and ASKED[1:] == [(33 * MS, EXPERIMENT["z_star_m"])]
+
+
+def test_teach_is_refused_while_a_goal_is_active(session):
+    servoing(session)
+    with pytest.raises(ParameterError, match="active"):
+        session.teach()
 
 
 def test_after_a_restart_of_time_stamps_start_anew(session):

@@ -9,8 +9,8 @@ from toy_plant import GOAL, PERIOD_NS, Camera, arm
 from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.run.judge import goal_pose, judge, pose_error, taught_pose, tracking
 from aras_visual_servo_controller.features.base import FeatureSet, View
-from aras_visual_servo_controller.servo.feed_forward import (POSE_FEATURES, ConstantVelocity, FeedForwardConfig,
-                                                             TargetMotion)
+from aras_visual_servo_controller.servo.feed_forward import (
+    POSE_FEATURES, ConstantVelocity, FeedForwardSettings, TargetMotion)
 from aras_visual_servo_controller.features.interaction import plane_from_pose
 from aras_visual_servo_controller.servo.servo import Servo
 from aras_visual_servo_controller.ground.spatial import exponential
@@ -145,7 +145,7 @@ def estimator(names, X_GT, normal):
     features = FeatureSet(names)
     view, star = seen(X_GT)
     plane = plane_from_pose(normal, Z_STAR * np.array([view.xg, view.yg, 1.0]))
-    motion = TargetMotion(FeedForwardConfig(), features)
+    motion = TargetMotion(FeedForwardSettings(), features)
     s_star = np.zeros(6) if names == POSE_FEATURES else np.array(features.values(View(view)))
     motion.set_reference(Reference(s_star, view=Features.from_object(view), plane_C=plane))
     return motion, features, s_star, star

@@ -7,7 +7,7 @@ from toy_plant import GOAL, START, arm, pose_error
 
 from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.arm.limits import velocity_factor
-from aras_visual_servo_controller.servo.lost_target import LostTargetConfig, search_places
+from aras_visual_servo_controller.servo.lost_target import LostTargetSettings, search_places
 from aras_visual_servo_controller.servo.servo import Servo
 from aras_visual_servo_controller.ground.types import FEATURE_NAMES, Observation, Status
 
@@ -142,10 +142,10 @@ def test_search_keeps_to_its_speed_its_limits_and_its_time(pattern):
 
 
 def test_search_places_begin_where_the_target_was_seen_last():
-    places = search_places(LostTargetConfig(step_m=0.1), 0.7)
+    places = search_places(LostTargetSettings(step_m=0.1), 0.7)
     np.testing.assert_allclose(places[0], [0.1 * np.cos(0.7), 0.1 * np.sin(0.7), 0, 0, 0, 0], atol=ROUNDING)
     assert len(places) == 24
-    turned = search_places(LostTargetConfig(pattern="tilt", step_rad=0.1), 0.7)[0]
+    turned = search_places(LostTargetSettings(pattern="tilt", step_rad=0.1), 0.7)[0]
     axis = np.array([0.0, 0.0, 1.0]) + np.cross(turned[3:], [0.0, 0.0, 1.0])  # optical axis, to first order
     np.testing.assert_allclose(axis[:2], [0.1 * np.cos(0.7), 0.1 * np.sin(0.7)], atol=ROUNDING)
 

@@ -1,7 +1,5 @@
 """The servo on the true arm, exact pictures and joints that follow: decay, singular goal, limits, bad input."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from bench import Bench, DT_S, LAMBDA, config, resting
@@ -10,7 +8,7 @@ from toy_plant import GOAL, PERIOD_NS, START, arm, pose_error
 from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.laws.base import Law, register
 from aras_visual_servo_controller.servo.servo import Servo
-from aras_visual_servo_controller.ground.types import FEATURE_NAMES, Observation, Reference, Status
+from aras_visual_servo_controller.ground.types import FEATURE_NAMES, Features, Observation, Reference, Status
 
 #: Wanted true accuracy; thresholds of 1 um and 1 urad leave below 2 um.
 
@@ -97,7 +95,7 @@ def test_sag_of_the_joints_leaves_no_pose_error():
 def test_wrong_gain_sign_never_converges():
     @register("wrong_sign")
     class WrongSign(Law):
-        def _twist(self, s, e, dt_s):
+        def _twist(self, look, s, e):
             return -np.array([e[0] + s[1] * e[3], e[1] - s[0] * e[3], e[2], 0.0, 0.0, e[3]])
 
     try:
@@ -270,11 +268,26 @@ def test_start_without_reference_is_refused():
         Servo(arm(), config()).start(0)
 
 
-@pytest.mark.parametrize("change", [{"valid": False}, {"xn": np.nan}, {"has_reference": False}])
+FIT = dict(target_visible=True, valid=True, area=0.01, xg=0.1, yg=0.2, alpha=0.3, moment_names=("00",), m=(0.01,))
+
+
+@pytest.mark.parametrize("change", [{"valid": False}, {"target_visible": False}, {"xg": np.nan}])
 def test_teach_refuses_a_view_that_is_not_fit(change):
-    fit = dict(target_visible=True, valid=True, has_reference=True, xn=0.0, yn=0.0, an=0.6, alpha=0.0, symmetric=False)
     with pytest.raises(ParameterError, match="teach"):
-        Servo(arm(), config()).teach(SimpleNamespace(**{**fit, **change}), GOAL)
+        Servo(arm(), config()).teach(Features(**{**FIT, **change}), GOAL, 0.6)
+
+
+@pytest.mark.parametrize("z_star_m", [0.0, -0.6, np.nan, np.inf])
+def test_teach_refuses_a_depth_that_is_none(z_star_m):
+    with pytest.raises(ParameterError, match="z_star_m"):
+        Servo(arm(), config()).teach(Features(**FIT), GOAL, z_star_m)
+
+
+@pytest.mark.parametrize("before", [{}, {"has_reference": True, "xn": 5.0, "yn": 5.0, "an": 5.0, "z_star_m": 5.0}])
+def test_a_taught_view_is_normalised_by_itself_whatever_reference_it_had(before):
+    reference = Servo(arm(), config()).teach(Features(**{**FIT, **before}), GOAL, 0.6)
+    np.testing.assert_array_equal(reference.s_star, [0.6 * 0.1, 0.6 * 0.2, 0.6, 0.3])
+    assert (reference.view.z_star_m, reference.view.area_star, reference.view.an) == (0.6, 0.01, 0.6)
 
 
 def test_reference_survives_being_stored():

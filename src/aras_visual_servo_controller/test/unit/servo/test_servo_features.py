@@ -25,8 +25,8 @@ def law_that():
     def make(twist):
         @laws.register("made_for_test")
         class Made(laws.Law):
-            def _twist(self, s, e, dt_s):
-                return twist(self)
+            def _twist(self, look, s, e):
+                return twist(look)
 
         return "made_for_test"
 
@@ -57,8 +57,8 @@ def test_a_goal_of_four_gains_for_six_features_is_refused():
 
 
 @pytest.mark.parametrize("twist, text", [
-    (lambda law: np.zeros(5), "six finite numbers"), (lambda law: np.full(6, np.nan), "six finite numbers"),
-    (lambda law: 1 / 0, "ZeroDivisionError"), (lambda law: None, "six finite numbers")])
+    (lambda look: np.zeros(5), "six finite numbers"), (lambda look: np.full(6, np.nan), "six finite numbers"),
+    (lambda look: 1 / 0, "ZeroDivisionError"), (lambda look: None, "six finite numbers")])
 def test_whatever_a_law_does_wrong_the_arm_stands_still_with_fault(law_that, twist, text):
     bench = Bench(law=law_that(twist))
     command, record = bench.servo.step(bench.look(), 1 / 30)
@@ -69,7 +69,7 @@ def test_whatever_a_law_does_wrong_the_arm_stands_still_with_fault(law_that, twi
 @pytest.mark.parametrize("on_lost", ["hold", "back_off"])
 def test_law_is_told_what_was_carried_out_and_nothing_over_a_stop(law_that, on_lost):
     told, twist = [], np.array([0.0, 0.0, 0.0, 0.0, 0.0, 400.0])  # far above what the joints can do
-    bench = Bench(law=law_that(lambda law: told.append(law.applied) or twist.copy()), on_lost=on_lost,
+    bench = Bench(law=law_that(lambda look: told.append(look.applied) or twist.copy()), on_lost=on_lost,
                   lost_target={"patience_s": 0.0, "confirm_s": 0.0})
     _, record = bench.step()
     bench.step()
@@ -83,7 +83,7 @@ def test_law_is_told_what_was_carried_out_and_nothing_over_a_stop(law_that, on_l
 
 
 def test_a_view_that_a_feature_does_not_exist_in_stops_the_arm_until_it_does(law_that):
-    def fail(law):
+    def fail(look):
         raise DegenerateFeature("round")
 
     bench = Bench(law=law_that(fail))
@@ -97,7 +97,7 @@ def test_moments_of_too_low_an_order_are_refused_when_taught():
     view = bench.camera.features(bench.X_WG)
     view.moment_names, view.m, view.mu = view.moment_names[:3], view.m[:3], view.mu[:3]
     with pytest.raises(ParameterError, match="vision.order"):
-        bench.servo.teach(view, bench.goal_q)
+        bench.servo.teach(view, bench.goal_q, 0.5)
 
 
 def test_every_fault_of_the_features_is_listed():

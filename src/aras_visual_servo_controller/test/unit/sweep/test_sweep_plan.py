@@ -9,7 +9,8 @@ from aras_visual_servo_controller.arm.reach import REACHED_M, REACHED_RAD, reach
 from aras_visual_servo_controller.ground.spatial import rotation, rotation_vector
 from aras_visual_servo_controller.scenario.scenario import load_scenario, scenario_from_dict
 from aras_visual_servo_controller.sweep.perturb import perturbed
-from aras_visual_servo_controller.sweep.plan import METHODS, SweepSettings, make_starts, sample
+from aras_visual_servo_controller.scenario.sweep import METHODS
+from aras_visual_servo_controller.sweep.plan import SweepSettings, make_starts, sample
 from aras_visual_servo_controller.sweep.space import pose_of
 
 #: Of rotation matrices and their vectors, angles up to 2 rad: a few rounding errors.

@@ -1,13 +1,13 @@
-#include "aras_visual_servo_sim/coverage_renderer.hpp"
+#include "aras_visual_servo_sim/render/coverage_renderer.hpp"
 
 #include <cstring>
 
-#include "aras_visual_servo_sim/coverage_rasterizer.hpp"
-#include "image_circle.hpp"
-#include "pixel_color.hpp"
-#include "planar_layer.hpp"
-#include "tile_painter.hpp"
-#include "triangle_list.hpp"
+#include "aras_visual_servo_sim/image/pixel_color.hpp"
+#include "render/coverage/coverage_rasterizer.hpp"
+#include "render/coverage/image_circle.hpp"
+#include "render/planar/planar_layer.hpp"
+#include "render/tiles/tile_painter.hpp"
+#include "render/triangles/triangle_list.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "aras_visual_servo_sim/coverage_rasterizer.hpp"
-#include "aras_visual_servo_sim/errors.hpp"
-#include "aras_visual_servo_sim/geometry_image.hpp"
-#include "planar_layer.hpp"
-#include "triangle_list.hpp"
-#include "view_volume.hpp"
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/render/geometry_image.hpp"
+#include "render/coverage/coverage_rasterizer.hpp"
+#include "render/planar/planar_layer.hpp"
+#include "render/triangles/triangle_list.hpp"
+#include "render/view/view_volume.hpp"
 
 namespace aras_visual_servo_sim {
 

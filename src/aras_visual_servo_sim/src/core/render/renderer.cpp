@@ -1,6 +1,6 @@
-#include "aras_visual_servo_sim/renderer.hpp"
+#include "aras_visual_servo_sim/render/renderer.hpp"
 
-#include "aras_visual_servo_sim/errors.hpp"
+#include "aras_visual_servo_sim/config/errors.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

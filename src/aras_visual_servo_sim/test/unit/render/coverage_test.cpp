@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "render_test_tools.hpp"
+#include "tools/render_tools.hpp"
 
 namespace aras_visual_servo_sim::testing {
 namespace {

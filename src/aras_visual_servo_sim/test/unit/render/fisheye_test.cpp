@@ -1,9 +1,9 @@
 // The equidistant lens beyond 90 degrees from its axis: projection, pictures, bodies, depth.
 #include <gtest/gtest.h>
 
-#include "aras_visual_servo_sim/errors.hpp"
-#include "aras_visual_servo_sim/geometry_image.hpp"
-#include "fisheye_tools.hpp"
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/render/geometry_image.hpp"
+#include "tools/fisheye_tools.hpp"
 
 namespace aras_visual_servo_sim::testing {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "aras_visual_servo_sim/errors.hpp"
-#include "aras_visual_servo_sim/geometry_image.hpp"
-#include "render_test_tools.hpp"
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/render/geometry_image.hpp"
+#include "tools/render_tools.hpp"
 
 namespace aras_visual_servo_sim::testing {
 namespace {

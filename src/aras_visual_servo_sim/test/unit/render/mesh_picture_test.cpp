@@ -6,10 +6,11 @@
 #include <filesystem>
 #include <fstream>
 
-#include "aras_visual_servo_sim/errors.hpp"
-#include "aras_visual_servo_sim/scene_loader.hpp"
-#include "aras_visual_servo_sim/urdf_loader.hpp"
-#include "render_test_tools.hpp"
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/robot/urdf_loader.hpp"
+#include "aras_visual_servo_sim/scene/mesh_loader.hpp"
+#include "aras_visual_servo_sim/scene/scene_loader.hpp"
+#include "tools/render_tools.hpp"
 
 namespace aras_visual_servo_sim::testing {
 namespace {

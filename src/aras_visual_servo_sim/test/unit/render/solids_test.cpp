@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "aras_visual_servo_sim/errors.hpp"
-#include "render_test_tools.hpp"
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "tools/render_tools.hpp"
 
 namespace aras_visual_servo_sim::testing {
 namespace {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <memory>
 
-#include "../allocations.hpp"
-#include "aras_visual_servo_sim/coverage_renderer.hpp"
-#include "fixture.hpp"
+#include "aras_visual_servo_sim/render/coverage_renderer.hpp"
+#include "tools/allocations.hpp"
+#include "tools/pan_lift.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

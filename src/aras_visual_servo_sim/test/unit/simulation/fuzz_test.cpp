@@ -5,9 +5,9 @@
 #include <random>
 #include <sstream>
 
-#include "../physics/helpers.hpp"
-#include "aras_visual_servo_sim/errors.hpp"
-#include "aras_visual_servo_sim/simulation.hpp"
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/simulation/simulation.hpp"
+#include "tools/physics_tools.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -184,7 +184,7 @@ std::string outcome(int fuzz_case) {
     if (mesh != std::string::npos) urdf.replace(mesh, 5, "<sphere radius=\"0.02\"");
     Simulation simulation(loadRobotModel(urdf, "fuzz.urdf"), SimulationConfig::fromYaml(sim), controllers);
     simulation.step(5);
-    if (!simulation.cameraNames().empty()) simulation.render(0);
+    if (!simulation.cameras().names().empty()) simulation.render(0);
     simulation.restoreState(simulation.saveState());
   } catch (const ArasError& error) {
     return *error.what() ? error.what() : "no word";

@@ -1,7 +1,7 @@
 // Arms of the sizes of public ones, as their users write them: transmissions, safety controllers, a gripper that
 // mimics, a camera tag; held against gravity by their controllers.
-#include "../physics/helpers.hpp"
-#include "aras_visual_servo_sim/simulation.hpp"
+#include "aras_visual_servo_sim/simulation/simulation.hpp"
+#include "tools/physics_tools.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -38,7 +38,7 @@ void holdsAndSees(const std::string& file, int axes, const std::string& position
       EXPECT_NEAR(q, start[static_cast<int>(i)], 70.0 / 2000.0) << names[i];
     }
   }
-  ASSERT_EQ(simulation.cameraNames(), std::vector<std::string>{"camera"});
+  ASSERT_EQ(simulation.cameras().names(), std::vector<std::string>{"camera"});
   const Image& image = simulation.render(0);
   EXPECT_EQ(image.width, 64);
 }

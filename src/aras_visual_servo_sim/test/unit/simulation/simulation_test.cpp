@@ -1,12 +1,12 @@
-#include "aras_visual_servo_sim/simulation.hpp"
+#include "aras_visual_servo_sim/simulation/simulation.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "aras_visual_servo_sim/errors.hpp"
-#include "fixture.hpp"
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "tools/pan_lift.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -50,7 +50,7 @@ TEST(Simulation, TwoCamerasKeepTheirOwnRates) {
   EXPECT_EQ(simulation.stepToImage("fast"), 0);
   EXPECT_EQ(simulation.stepToImage("fast"), 10000000);
   EXPECT_EQ(simulation.stepToImage("slow"), 100000000);
-  EXPECT_TRUE(simulation.frameDue(simulation.cameraIndex("fast")));
+  EXPECT_TRUE(simulation.cameras()[simulation.cameras().index("fast")].frameDue(simulation.ticks()));
 }
 
 TEST(Simulation, SameCallsGiveTheSameHashAndResetGivesItAgain) {
@@ -116,8 +116,8 @@ TEST(Simulation, NonFiniteCommandIsRefusedCountedAndTheArmHolds) {
   simulation.setCommand(velocity("pan", 0.5));
   simulation.step(50);
   EXPECT_THROW(simulation.setCommand(velocity("pan", kNan)), NotFiniteError);
-  EXPECT_EQ(simulation.refusedCommands(), 1U);
-  EXPECT_NE(simulation.lastRefusal().find("pan"), std::string::npos);
+  EXPECT_EQ(simulation.commands().refused(), 1U);
+  EXPECT_NE(simulation.commands().lastRefusal().find("pan"), std::string::npos);
   const double set_point = simulation.world().controllerState("pan_controller").set_point;
   simulation.step(50);
   EXPECT_EQ(simulation.world().controllerState("pan_controller").set_point, set_point);
@@ -130,7 +130,7 @@ TEST(Simulation, CommandFromTheFutureOrTooOldIsRefused) {
   EXPECT_THROW(simulation.setCommand(position("pan", 0.1), simulation.timeNs() - 100000001), ParameterError);
   EXPECT_NO_THROW(simulation.setCommand(position("pan", 0.1), simulation.timeNs() - 100000000));
   EXPECT_NO_THROW(simulation.setCommand(JointCommand(), 0)) << "an empty command is an acknowledgement";
-  EXPECT_EQ(simulation.refusedCommands(), 2U);
+  EXPECT_EQ(simulation.commands().refused(), 2U);
 }
 
 TEST(Simulation, VelocityCommandStopsActingAfterItsTimeout) {

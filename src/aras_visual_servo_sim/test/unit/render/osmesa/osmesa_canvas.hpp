@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "aras_visual_servo_sim/image.hpp"
+#include "aras_visual_servo_sim/image/image.hpp"
 #include "osmesa_library.hpp"
 
 namespace aras_visual_servo_sim {

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "aras_visual_servo_sim/errors.hpp"
+#include "aras_visual_servo_sim/config/errors.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <memory>
+
+#include "aras_visual_servo_camera/image/image_view.hpp"
+#include "aras_visual_servo_camera/image/last_views.hpp"
+#include "aras_visual_servo_camera/image/pixel_map.hpp"
+#include "aras_visual_servo_camera/moments/moment_features.hpp"
+#include "aras_visual_servo_camera/moments/moments.hpp"
+#include "aras_visual_servo_camera/segmentation/segmentation.hpp"
+
+namespace aras_visual_servo_camera {
+
+class KernelProjection;
+class PointFeatures;
+
+/** Computes the features of an image: segmentation, moments, features. Not thread-safe. The same images give the same
+ * bits. */
+class MomentExtractor {
+ public:
+  MomentExtractor(const CameraIntrinsics& intrinsics, const VisionConfig& config);
+  ~MomentExtractor();
+
+  /** @param stamp_ns  of the image; with one it can be taught while it is among the last (LastViews)
+   *  @throws ShapeError if the image is not the size of the intrinsics */
+  const MomentFeatures& process(const ImageView& image, std::int64_t stamp_ns = kNoStamp);
+
+  /** Features of the last image. Before the first image the target is not visible. */
+  const MomentFeatures& features() const { return features_; }
+  const ObjectMask& mask() const { return *mask_; }
+
+  /** Make the image of this stamp the reference, seen from depth z_star_m.
+   *  @throws ParameterError if it is not among the last images; else as setReference() */
+  void teach(std::int64_t stamp_ns, double z_star_m);
+  /** See FeatureBuilder. Points keep the order of the view. A reference that is given as numbers has no points.
+   *  @throws ShapeError if the view does not have the configured number of points */
+  void setReference(double z_star_m, const MomentFeatures& features);
+  void setReference(double z_star_m, double area_star, double alpha_star);
+  void clearReference();
+  const std::optional<Reference>& reference() const { return builder_.reference(); }
+
+  /** Take a camera with another lens, zoom or size. The reference stays. */
+  void setIntrinsics(const CameraIntrinsics& intrinsics);
+  const CameraIntrinsics& intrinsics() const { return map_->intrinsics(); }
+
+  /** Call this when time was set back or images are missing: earlier images are forgotten, the reference stays. */
+  void forgetPrevious();
+
+ private:
+  VisionConfig config_;
+  std::unique_ptr<PixelMap> map_;
+  std::unique_ptr<MomentAccumulator> accumulator_;
+  Segmentation segmentation_;
+  FeatureBuilder builder_;
+  std::unique_ptr<KernelProjection> kernel_;
+  std::unique_ptr<PointFeatures> points_;  // null when no points are asked for
+  MomentFeatures features_;
+  LastViews<MomentFeatures> last_views_;
+  std::int64_t reference_stamp_ns_ = kNoStamp;
+  ObjectMask nothing_;
+  const ObjectMask* mask_;
+};
+
+}  // namespace aras_visual_servo_camera

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace YAML {
+class Node;
+}
+
+namespace aras_visual_servo_camera {
+
+/** Pinhole camera with a lens, as sensor_msgs/CameraInfo describes it.
+ *
+ *  Pixel (u, v) covers [u - 1/2, u + 1/2] x [v - 1/2, v + 1/2]: the centre of a w-pixel row is u = (w - 1) / 2.
+ *  Normalised coordinates: x = X/Z to the right, y = Y/Z down, frame C (optical). Immutable once built. */
+class CameraIntrinsics {
+ public:
+  /** Largest angle of a ray from the optical axis, 80 degrees [rad]: x = X/Z is 5.7 there and infinite at 90 degrees. A
+   * fisheye may see farther, but its pixels beyond this angle have no coordinates (Undistorted::valid is false), and an
+   * object that reaches there has no features. */
+  static constexpr double kWidestAngle = 80.0 * 3.14159265358979323846 / 180.0;
+
+  /** @param K  row-major 3 x 3 [px]: fx, 0, cx, 0, fy, cy, 0, 0, 1; cx, cy may lie outside the image
+   *  @param distortion_model  "" or "none" (D empty or zero), "plumb_bob" (k1 k2 p1 p2 [k3]),
+   *      "rational_polynomial" (k1 k2 p1 p2 k3 k4 k5 k6) or "equidistant" (k1 k2 k3 k4)
+   *  @throws ParameterError listing every fault: no size, K zero or not finite, focal length not > 0, skew,
+   *      unknown model, wrong length of D */
+  CameraIntrinsics(int width_px, int height_px, const std::array<double, 9>& K, const std::string& distortion_model,
+                   const std::vector<double>& D);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  double fx() const { return fx_; }
+  double fy() const { return fy_; }
+  double cx() const { return cx_; }
+  double cy() const { return cy_; }
+  /** False when the lens is ideal: x depends on u alone and y on v alone. */
+  bool distorted() const { return lens_ != Lens::kNone; }
+  bool operator==(const CameraIntrinsics& other) const;
+
+  struct Undistorted {
+    double x = 0.0, y = 0.0;  ///< normalised coordinates [-]
+    /** d(x, y)/d(u, v) [1/px], row-major. */
+    std::array<double, 4> jacobian{};
+    bool valid = false;  ///< false: no ray of the lens model reaches this pixel, or one beyond kWidestAngle
+  };
+
+  /** The ray of a pixel position; Newton's method on the lens model, to rounding. */
+  Undistorted undistort(double u_px, double v_px) const;
+
+  /** Pixel position of the ray (x, y, 1): the lens model itself. */
+  std::array<double, 2> project(double x, double y) const;
+
+ private:
+  enum class Lens { kNone, kPolynomial, kEquidistant };
+
+  /** Distorted coordinates and their Jacobian d(xd, yd)/d(x, y), row-major. */
+  void distort(double x, double y, double xd[2], double J[4]) const;
+  void distortPolynomial(double x, double y, double xd[2], double J[4]) const;
+  void distortEquidistant(double x, double y, double xd[2], double J[4]) const;
+  double angleOf(double rd) const;
+
+  int width_, height_;
+  double fx_ = 0.0, fy_ = 0.0, cx_ = 0.0, cy_ = 0.0;
+  Lens lens_ = Lens::kNone;
+  std::array<double, 8> D_{};
+};
+
+/** @param node  mapping with width, height, K (9), D, distortion_model; P, R, frame_id, binning_x, binning_y, roi and
+ *      header are accepted and not used
+ *  @throws ParameterError listing every fault */
+CameraIntrinsics readCameraInfo(const YAML::Node& node);
+
+}  // namespace aras_visual_servo_camera

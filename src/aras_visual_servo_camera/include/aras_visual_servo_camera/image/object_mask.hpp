@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace aras_visual_servo_camera {
+
+/** Pixels u_begin <= u < u_end of row v that lie wholly in the object (weight 1). */
+struct Span {
+  int v, u_begin, u_end;
+};
+
+/** A pixel of the object's edge and the part of it that the object covers, 0 to 1. */
+struct EdgePixel {
+  int v, u;
+  double weight;
+};
+
+/** The object in one image: the weight of each pixel. Pixels that are not listed have weight zero. Sorted by row. */
+struct ObjectMask {
+  int width_px = 0, height_px = 0;
+  bool visible = false;           ///< an object of at least min_area_px is in view
+  bool touches_border = false;    ///< ... and lies on the first or last row or column, or reaches pixels without a ray
+  bool soft_edges = false;        ///< weights are area coverage, else every weight is 1
+  bool ambiguous = false;         ///< there are objects, and it is not clear which one is the target: none is taken
+  int components = 0;             ///< objects that pass the area filter
+  int area_px = 0;                ///< pixels of the chosen one (coverage of one half or more)
+  double u_px = 0.0, v_px = 0.0;  ///< mean position of those pixels
+  std::vector<Span> spans;
+  std::vector<EdgePixel> edge;
+
+  /** Weights as grey levels, 255 for weight 1. @param out  height_px rows of width_px bytes, overwritten */
+  void render(std::uint8_t* out) const;
+};
+
+}  // namespace aras_visual_servo_camera

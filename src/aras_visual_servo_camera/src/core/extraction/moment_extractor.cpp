@@ -1,0 +1,88 @@
+#include "aras_visual_servo_camera/extraction/moment_extractor.hpp"
+
+#include "aras_visual_servo_camera/config/errors.hpp"
+#include "moments/kernel_projection.hpp"
+#include "points/point_features.hpp"
+
+namespace aras_visual_servo_camera {
+
+MomentExtractor::MomentExtractor(const CameraIntrinsics& intrinsics, const VisionConfig& config)
+    : config_(config),
+      segmentation_(config),
+      builder_(config.order, config.asymmetry_threshold, config.orientation_threshold),
+      mask_(&nothing_) {
+  setIntrinsics(intrinsics);
+}
+
+MomentExtractor::~MomentExtractor() = default;
+
+void MomentExtractor::setIntrinsics(const CameraIntrinsics& intrinsics) {
+  map_ = std::make_unique<PixelMap>(intrinsics);
+  segmentation_.setMap(*map_);
+  accumulator_ = std::make_unique<MomentAccumulator>(*map_, config_.order);
+  if (config_.kernel) kernel_ = std::make_unique<KernelProjection>(*map_, config_.kernel->p, config_.kernel->q);
+  if (config_.points != PointSource::kNone) {
+    auto points = std::make_unique<PointFeatures>(config_, *map_);
+    if (points_) points->takeReference(*points_);
+    points_ = std::move(points);
+  }
+  forgetPrevious();
+  mask_ = &nothing_;
+  nothing_.width_px = intrinsics.width();
+  nothing_.height_px = intrinsics.height();
+  features_ = builder_.build({false, false, 0}, {});
+}
+
+const MomentFeatures& MomentExtractor::process(const ImageView& image, std::int64_t stamp_ns) {
+  if (image.width_px != map_->width() || image.height_px != map_->height())
+    throw ShapeError("image: found " + std::to_string(image.width_px) + " x " + std::to_string(image.height_px) +
+                     ", allowed " + std::to_string(map_->width()) + " x " + std::to_string(map_->height()) +
+                     ", the size in camera_info");
+  mask_ = &segmentation_.process(image);
+  if (points_) mask_ = &points_->find(*mask_, segmentation_.objects());
+  const std::vector<double>& m = accumulator_->process(*mask_);
+  const bool cut = mask_->touches_border || accumulator_->leftTheLens();
+  const int hard_area_px = mask_->soft_edges ? 0 : mask_->area_px;
+  features_ = builder_.build({mask_->visible, cut, mask_->components, mask_->ambiguous, hard_area_px}, m);
+  if (points_) points_->write(builder_.reference(), &features_);
+  if (kernel_) kernel_->write(*mask_, &features_);
+  features_.reference_stamp_ns = reference_stamp_ns_;
+  if (stamp_ns != kNoStamp) last_views_.add(stamp_ns) = features_;
+  return features_;
+}
+
+void MomentExtractor::teach(std::int64_t stamp_ns, double z_star_m) {
+  setReference(z_star_m, last_views_.at(stamp_ns));
+  reference_stamp_ns_ = stamp_ns;
+}
+
+void MomentExtractor::setReference(double z_star_m, const MomentFeatures& features) {
+  if (points_ && features.valid) points_->check(features);
+  builder_.setReference(z_star_m, features);
+  reference_stamp_ns_ = kNoStamp;
+  segmentation_.setReferenceShape(features.area, features.mu);
+  if (points_) points_->setReference(features);
+}
+
+void MomentExtractor::setReference(double z_star_m, double area_star, double alpha_star) {
+  builder_.setReference({z_star_m, area_star, alpha_star});
+  reference_stamp_ns_ = kNoStamp;
+  segmentation_.clearReferenceShape();
+  if (points_) points_->clearReference();
+}
+
+void MomentExtractor::clearReference() {
+  builder_.clearReference();
+  reference_stamp_ns_ = kNoStamp;
+  segmentation_.clearReferenceShape();
+  if (points_) points_->clearReference();
+}
+
+void MomentExtractor::forgetPrevious() {
+  segmentation_.forgetPrevious();
+  builder_.forgetPrevious();
+  if (points_) points_->forgetPrevious();
+  last_views_.clear();
+}
+
+}  // namespace aras_visual_servo_camera

@@ -1,0 +1,192 @@
+#include "aras_visual_servo_camera/image/camera_intrinsics.hpp"
+
+#include <algorithm>
+#include <aras_visual_servo_common/fault_list.hpp>
+#include <aras_visual_servo_common/text.hpp>
+#include <aras_visual_servo_common/yaml_reader.hpp>
+#include <cmath>
+#include <limits>
+
+#include "schema_sections.hpp"
+
+namespace aras_visual_servo_camera {
+namespace {
+
+using aras_visual_servo_common::FaultList;
+using aras_visual_servo_common::numberText;
+using aras_visual_servo_common::YamlReader;
+
+constexpr int kMaxSide = 1 << 15;
+constexpr int kNewtonSteps = 50;
+constexpr double kNewtonResidual = 1e-13;  // normalised coordinates are of order 1: some hundred roundings
+
+}  // namespace
+
+CameraIntrinsics::CameraIntrinsics(int width_px, int height_px, const std::array<double, 9>& K,
+                                   const std::string& distortion_model, const std::vector<double>& D)
+    : width_(width_px), height_(height_px), fx_(K[0]), fy_(K[4]), cx_(K[2]), cy_(K[5]) {
+  FaultList faults;
+  const auto fault = [&faults](const std::string& key, const std::string& found, const std::string& allowed) {
+    faults.add("camera_info/" + key, found, allowed);
+  };
+  if (width_ < 1 || width_ > kMaxSide) fault("width", std::to_string(width_), "1 to 32768");
+  if (height_ < 1 || height_ > kMaxSide) fault("height", std::to_string(height_), "1 to 32768");
+  if (!(fx_ > 0.0) || !std::isfinite(fx_))
+    fault("K[0] (fx)", numberText(fx_), "> 0 (an uncalibrated camera has K = 0)");
+  if (!(fy_ > 0.0) || !std::isfinite(fy_))
+    fault("K[4] (fy)", numberText(fy_), "> 0 (an uncalibrated camera has K = 0)");
+  if (!std::isfinite(cx_)) fault("K[2] (cx)", numberText(cx_), "a finite number");
+  if (!std::isfinite(cy_)) fault("K[5] (cy)", numberText(cy_), "a finite number");
+  for (int k : {1, 3, 6, 7})
+    if (K[k] != 0.0) fault("K[" + std::to_string(k) + "]", numberText(K[k]), "0");
+  if (K[8] != 1.0) fault("K[8]", numberText(K[8]), "1");
+
+  std::vector<std::size_t> lengths{0};
+  if (distortion_model == "plumb_bob") {
+    lengths = {0, 4, 5};
+  } else if (distortion_model == "rational_polynomial") {
+    lengths = {0, 8};
+  } else if (distortion_model == "equidistant") {
+    lengths = {4};
+  } else if (distortion_model.empty() || distortion_model == "none") {
+    lengths = {D.size()};
+    if (std::any_of(D.begin(), D.end(), [](double d) { return d != 0.0; }))
+      fault("D", "coefficients other than 0", "zeros without a distortion_model");
+  } else {
+    fault("distortion_model", "'" + distortion_model + "'", "none, plumb_bob, rational_polynomial, equidistant");
+    lengths = {D.size()};
+  }
+  if (std::find(lengths.begin(), lengths.end(), D.size()) == lengths.end()) {
+    std::string allowed;
+    for (std::size_t length : lengths) allowed += (allowed.empty() ? "" : " or ") + std::to_string(length);
+    fault("D", std::to_string(D.size()) + " coefficients", allowed + " for " + distortion_model);
+  }
+  for (double d : D)
+    if (!std::isfinite(d)) fault("D", numberText(d), "finite numbers");
+  faults.throwIfAny();
+
+  std::copy_n(D.begin(), std::min(D.size(), D_.size()), D_.begin());
+  if (distortion_model == "equidistant") {
+    lens_ = Lens::kEquidistant;
+  } else if (std::any_of(D_.begin(), D_.end(), [](double d) { return d != 0.0; })) {
+    lens_ = Lens::kPolynomial;
+  }
+}
+
+bool CameraIntrinsics::operator==(const CameraIntrinsics& o) const {
+  return width_ == o.width_ && height_ == o.height_ && fx_ == o.fx_ && fy_ == o.fy_ && cx_ == o.cx_ && cy_ == o.cy_ &&
+         lens_ == o.lens_ && D_ == o.D_;
+}
+
+// x_d = x (1 + k1 r2 + k2 r4 + k3 r6) / (1 + k4 r2 + k5 r4 + k6 r6) + 2 p1 x y + p2 (r2 + 2 x2), and y likewise (REP
+// 104, OpenCV calib3d). J is its derivative.
+void CameraIntrinsics::distortPolynomial(double x, double y, double xd[2], double J[4]) const {
+  const double k1 = D_[0], k2 = D_[1], p1 = D_[2], p2 = D_[3], k3 = D_[4], k4 = D_[5], k5 = D_[6], k6 = D_[7];
+  const double r2 = x * x + y * y;
+  const double above = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3)), below = 1.0 + r2 * (k4 + r2 * (k5 + r2 * k6));
+  const double d_above = k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3), d_below = k4 + r2 * (2.0 * k5 + r2 * 3.0 * k6);
+  const double radial = above / below;
+  const double d_radial = (d_above * below - above * d_below) / (below * below);  // with respect to r2
+  xd[0] = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x);
+  xd[1] = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y;
+  J[0] = radial + 2.0 * x * x * d_radial + 2.0 * p1 * y + 6.0 * p2 * x;
+  J[1] = J[2] = 2.0 * x * y * d_radial + 2.0 * p1 * x + 2.0 * p2 * y;
+  J[3] = radial + 2.0 * y * y * d_radial + 6.0 * p1 * y + 2.0 * p2 * x;
+}
+
+// theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8), theta = atan r, (x_d, y_d) = (x, y) theta_d
+// / r (Kannala and Brandt, IEEE PAMI 28(8), 2006, as OpenCV's fisheye model and REP 104's equidistant).
+void CameraIntrinsics::distortEquidistant(double x, double y, double xd[2], double J[4]) const {
+  constexpr double kSmall = 1e-8;  // below, theta_d / r = 1 to rounding
+  const double r2 = x * x + y * y, r = std::sqrt(r2);
+  const double theta = std::atan(r), t2 = theta * theta;
+  const double scale_of_theta = 1.0 + t2 * (D_[0] + t2 * (D_[1] + t2 * (D_[2] + t2 * D_[3])));
+  const double slope = 1.0 + t2 * (3.0 * D_[0] + t2 * (5.0 * D_[1] + t2 * (7.0 * D_[2] + t2 * 9.0 * D_[3])));
+  const double scale = r < kSmall ? 1.0 : theta * scale_of_theta / r;
+  // d(scale)/d(r2) = (d theta_d / dr - scale) / (2 r2), with d theta_d / dr = slope / (1 + r2)
+  const double d_scale = r < kSmall ? 0.0 : (slope / (1.0 + r2) - scale) / (2.0 * r2);
+  xd[0] = x * scale;
+  xd[1] = y * scale;
+  J[0] = scale + 2.0 * x * x * d_scale;
+  J[1] = J[2] = 2.0 * x * y * d_scale;
+  J[3] = scale + 2.0 * y * y * d_scale;
+}
+
+void CameraIntrinsics::distort(double x, double y, double xd[2], double J[4]) const {
+  if (lens_ == Lens::kPolynomial) return distortPolynomial(x, y, xd, J);
+  if (lens_ == Lens::kEquidistant) return distortEquidistant(x, y, xd, J);
+  xd[0] = x;
+  xd[1] = y;
+  J[0] = J[3] = 1.0;
+  J[1] = J[2] = 0.0;
+}
+
+std::array<double, 2> CameraIntrinsics::project(double x, double y) const {
+  double xd[2], J[4];
+  distort(x, y, xd, J);
+  return {fx_ * xd[0] + cx_, fy_ * xd[1] + cy_};
+}
+
+/** The angle from the axis at which the equidistant lens draws at rd, or infinity: steps up to where it would pass rd,
+ *  fold over or leave the widest angle, then bisection. */
+double CameraIntrinsics::angleOf(double rd) const {
+  constexpr double kStep = 0.02;  // [rad]
+  const auto drawn = [this](double theta) {
+    const double t2 = theta * theta;
+    return theta * (1.0 + t2 * (D_[0] + t2 * (D_[1] + t2 * (D_[2] + t2 * D_[3]))));
+  };
+  double low = 0.0, high = kStep;
+  while (drawn(high) < rd) {
+    if (high > kWidestAngle || drawn(high) <= drawn(low)) return std::numeric_limits<double>::infinity();
+    low = high;
+    high += kStep;
+  }
+  for (int k = 0; k < kNewtonSteps; ++k) {  // to rounding: 0.02 / 2^50
+    const double middle = 0.5 * (low + high);
+    (drawn(middle) < rd ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+CameraIntrinsics::Undistorted CameraIntrinsics::undistort(double u_px, double v_px) const {
+  const double xd = (u_px - cx_) / fx_, yd = (v_px - cy_) / fy_;
+  Undistorted out;
+  out.x = xd;
+  out.y = yd;
+  if (lens_ ==
+      Lens::kEquidistant) {  // the angle, found by itself, is the solution to rounding; what follows polishes it
+    const double rd = std::hypot(xd, yd), theta = angleOf(rd);
+    if (theta > kWidestAngle) return out;
+    if (rd > 0.0) {
+      out.x *= std::tan(theta) / rd;
+      out.y *= std::tan(theta) / rd;
+    }
+  }
+  double at[2], J[4];
+  for (int step = 0; step < kNewtonSteps; ++step) {
+    distort(out.x, out.y, at, J);
+    const double ex = xd - at[0], ey = yd - at[1], det = J[0] * J[3] - J[1] * J[2];
+    if (!(J[0] > 0.0 && J[3] > 0.0 && det > 0.0)) return out;  // beyond the fold of the lens polynomial: no ray
+    if (std::abs(ex) + std::abs(ey) <= kNewtonResidual * (1.0 + std::abs(xd) + std::abs(yd))) {
+      out.valid = true;
+      out.jacobian = {J[3] / det / fx_, -J[1] / det / fy_, -J[2] / det / fx_, J[0] / det / fy_};
+      return out;
+    }
+    out.x += (J[3] * ex - J[1] * ey) / det;
+    out.y += (J[0] * ey - J[2] * ex) / det;
+  }
+  return out;
+}
+
+CameraIntrinsics readCameraInfo(const YAML::Node& node) {
+  YamlReader reader(node, schemaSections().section("camera_info"), "camera_info");
+  const int width = reader.get<int>("width");
+  const int height = reader.get<int>("height");
+  const auto K = reader.get<std::array<double, 9>>("K");
+  const auto model = reader.get<std::string>("distortion_model");
+  const auto D = reader.get<std::vector<double>>("D");
+  reader.finish();
+  return CameraIntrinsics(width, height, K, model, D);
+}
+
+}  // namespace aras_visual_servo_camera

@@ -1,0 +1,129 @@
+#include "points/point_features.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "aras_visual_servo_camera/config/errors.hpp"
+
+namespace aras_visual_servo_camera {
+namespace {
+
+// Before there is a reference: with more objects than wanted, the largest are taken if they are larger than the others
+// by this factor.
+constexpr double kClearlyLarger = 1.5;
+
+template <class Pixels>
+void append(const std::vector<Pixels>& from, std::vector<Pixels>* to) {
+  to->insert(to->end(), from.begin(), from.end());
+}
+
+template <class Pixels>
+void sortByRow(std::vector<Pixels>* pixels) {
+  std::stable_sort(pixels->begin(), pixels->end(), [](const Pixels& a, const Pixels& b) { return a.v < b.v; });
+}
+
+}  // namespace
+
+PointFeatures::PointFeatures(const VisionConfig& config, const PixelMap& map)
+    : source_(config.points),
+      count_(static_cast<std::size_t>(config.point_count)),
+      corners_(map, config.point_count),
+      centroids_(map, 1),
+      tracker_(config.point_count, config.points == PointSource::kCorners) {}
+
+const ObjectMask& PointFeatures::find(const ObjectMask& chosen, const std::vector<ObjectMask>& objects) {
+  if (source_ == PointSource::kCorners) {
+    found_ = corners_.find(chosen);
+    return chosen;
+  }
+  findBlobs(objects);
+  unite(chosen, objects);
+  return together_;
+}
+
+// The centroid of an object that is cut by the border is not the object's, so such an object is not used.
+void PointFeatures::findBlobs(const std::vector<ObjectMask>& objects) {
+  found_.clear();
+  object_of_.clear();
+  for (std::size_t k = 0; k < objects.size(); ++k) {
+    if (objects[k].touches_border) continue;
+    const std::vector<double>& m = centroids_.process(objects[k]);
+    if (!(m[0] > 0.0) || centroids_.leftTheLens()) continue;
+    found_.push_back({m[momentIndex(1, 0)] / m[0], m[momentIndex(0, 1)] / m[0]});
+    object_of_.push_back(k);
+  }
+  if (tracker_.hasReference() || found_.size() <= count_) return;
+  std::vector<std::size_t> by_area;
+  for (std::size_t k = 0; k < found_.size(); ++k) by_area.push_back(k);
+  const auto area = [&](std::size_t k) { return static_cast<double>(objects[object_of_[k]].area_px); };
+  std::stable_sort(by_area.begin(), by_area.end(), [&](std::size_t a, std::size_t b) { return area(a) > area(b); });
+  if (area(by_area[count_ - 1]) < kClearlyLarger * area(by_area[count_])) return;
+  by_area.resize(count_);
+  std::sort(by_area.begin(), by_area.end());
+  for (std::size_t k = 0; k < count_; ++k) {
+    found_[k] = found_[by_area[k]];
+    object_of_[k] = object_of_[by_area[k]];
+  }
+  found_.resize(count_);
+  object_of_.resize(count_);
+}
+
+void PointFeatures::unite(const ObjectMask& chosen, const std::vector<ObjectMask>& objects) {
+  const std::vector<int> matched = tracker_.match(found_, 0.0);
+  together_.width_px = chosen.width_px;
+  together_.height_px = chosen.height_px;
+  together_.soft_edges = chosen.soft_edges;
+  together_.components = chosen.components;
+  together_.visible = !matched.empty();
+  together_.area_px = 0;
+  together_.u_px = together_.v_px = 0.0;
+  together_.spans.clear();
+  together_.edge.clear();
+  std::vector<ImagePoint> points;
+  for (const int k : matched) {
+    const ObjectMask& object = objects[object_of_[k]];
+    append(object.spans, &together_.spans);
+    append(object.edge, &together_.edge);
+    together_.u_px += object.area_px * object.u_px;
+    together_.v_px += object.area_px * object.v_px;
+    together_.area_px += object.area_px;
+    points.push_back(found_[k]);
+  }
+  found_ = std::move(points);
+  if (!together_.visible) return;
+  together_.u_px /= together_.area_px;
+  together_.v_px /= together_.area_px;
+  sortByRow(&together_.spans);
+  sortByRow(&together_.edge);
+}
+
+void PointFeatures::write(const std::optional<Reference>& reference, MomentFeatures* features) {
+  double turn = 0.0;
+  if (reference && std::isfinite(features->alpha)) turn = features->alpha - reference->alpha_star;
+  features->point_x.clear();
+  features->point_y.clear();
+  for (const int k : tracker_.match(found_, turn)) {
+    features->point_x.push_back(found_[k].x);
+    features->point_y.push_back(found_[k].y);
+  }
+  features->valid = features->target_visible && !features->touches_border && !features->point_x.empty();
+}
+
+void PointFeatures::check(const MomentFeatures& features) const {
+  const std::size_t n = std::min(features.point_x.size(), features.point_y.size());
+  if (n != count_ || features.point_x.size() != features.point_y.size())
+    throw ShapeError("reference/points: found " + std::to_string(n) + ", allowed " + std::to_string(count_) +
+                     ", vision.point_count");
+  for (std::size_t k = 0; k < n; ++k)
+    if (!std::isfinite(features.point_x[k]) || !std::isfinite(features.point_y[k]))
+      throw ParameterError("reference/points: found a coordinate that is not finite, allowed finite numbers");
+}
+
+void PointFeatures::setReference(const MomentFeatures& features) {
+  std::vector<ImagePoint> points;
+  for (std::size_t k = 0; k < features.point_x.size(); ++k)
+    points.push_back({features.point_x[k], features.point_y[k]});
+  tracker_.setReference(points);
+}
+
+}  // namespace aras_visual_servo_camera

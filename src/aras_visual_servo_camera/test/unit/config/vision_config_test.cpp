@@ -1,0 +1,168 @@
+#include "aras_visual_servo_camera/config/vision_config.hpp"
+
+#include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+
+#include "aras_visual_servo_camera/config/errors.hpp"
+#include "schema_sections.hpp"
+
+namespace aras_visual_servo_camera {
+namespace {
+
+std::string faultsOf(const std::string& yaml) {
+  try {
+    readVisionConfig(YAML::Load(yaml));
+  } catch (const ParameterError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/** A document with every key of the section, none as its default. */
+const char kEveryKey[] =
+    "{object: bright, segmentation: fixed, threshold: 100, object_grey: 200, background_grey: 30, min_contrast: 12, "
+    "adaptive_block_px: 51, adaptive_offset: 7, component: nearest_to_previous, min_area_px: 9, order: 5, "
+    "asymmetry_threshold: 0.1, orientation_threshold: 0.2, points: blobs, point_count: 5, "
+    "kernel: {p: 2, q: 3}, lost_area_px: 4, border_margin_px: 3, switch_ratio: 1.5, switch_images: 7, "
+    "photometric: {interaction: current, illumination: offset, levels: 2, switch_px: 0.6, smoothing_px: 1.5, "
+    "border_px: 11, min_contrast: 4, target_normal_C: [0.1, 0.2, 0.9]}}";
+
+std::vector<std::string> keysOf(const YAML::Node& map) {
+  std::vector<std::string> keys;
+  for (const auto& entry : map) keys.push_back(entry.first.Scalar());
+  std::sort(keys.begin(), keys.end());
+  return keys;
+}
+
+std::vector<std::string> keysOf(const aras_visual_servo_common::Schema& section) {
+  std::vector<std::string> keys;
+  for (const auto& property : section.properties) keys.push_back(property.first);
+  return keys;
+}
+
+TEST(VisionConfig, EveryKeyOfTheSectionsIsRead) {  // by the next test, which has them all
+  const YAML::Node document = YAML::Load(kEveryKey);
+  const auto& vision = schemaSections().section("vision");
+  EXPECT_EQ(keysOf(document), keysOf(vision));
+  for (const char* part : {"kernel", "photometric"})
+    EXPECT_EQ(keysOf(document[part]), keysOf(*vision.property(document, part)));
+}
+
+TEST(VisionConfig, ReadsEveryKey) {
+  const VisionConfig c = readVisionConfig(YAML::Load(kEveryKey));
+  EXPECT_EQ(c.object, ObjectShade::kBright);
+  EXPECT_EQ(c.segmentation, SegmentationMethod::kFixed);
+  EXPECT_EQ(c.threshold, 100.0);
+  EXPECT_EQ(c.object_grey.value(), 200.0);
+  EXPECT_EQ(c.background_grey.value(), 30.0);
+  EXPECT_EQ(c.min_contrast, 12.0);
+  EXPECT_EQ(c.adaptive_block_px, 51);
+  EXPECT_EQ(c.adaptive_offset, 7.0);
+  EXPECT_EQ(c.component, ComponentChoice::kNearestToPrevious);
+  EXPECT_EQ(c.min_area_px, 9);
+  EXPECT_EQ(c.order, 5);
+  EXPECT_EQ(c.asymmetry_threshold, 0.1);
+  EXPECT_EQ(c.orientation_threshold, 0.2);
+  EXPECT_EQ(c.points, PointSource::kBlobs);
+  EXPECT_EQ(c.point_count, 5);
+  EXPECT_EQ(c.kernel.value().p, 2.0);
+  EXPECT_EQ(c.kernel.value().q, 3.0);
+  EXPECT_EQ(c.lost_area_px.value(), 4);
+  EXPECT_EQ(c.border_margin_px, 3);
+  EXPECT_EQ(c.switch_ratio, 1.5);
+  EXPECT_EQ(c.switch_images, 7);
+  const PhotometricConfig& p = c.photometric.value();
+  EXPECT_EQ(p.interaction, GradientOf::kCurrent);
+  EXPECT_EQ(p.illumination, Illumination::kOffset);
+  EXPECT_EQ(p.levels, 2);
+  EXPECT_EQ(p.switch_px, 0.6);
+  EXPECT_EQ(p.smoothing_px, 1.5);
+  EXPECT_EQ(p.border_px, 11);
+  EXPECT_EQ(p.min_contrast, 4.0);
+  EXPECT_EQ(p.target_normal_C, (std::array<double, 3>{0.1, 0.2, 0.9}));
+}
+
+TEST(VisionConfig, FaultsOfTheKernelAreListedWithTheOthers) {
+  EXPECT_FALSE(readVisionConfig(YAML::Load("{object: dark, segmentation: coverage}")).kernel.has_value());
+  const std::string faults = faultsOf("{object: dark, segmentation: coverage, order: 2, kernel: {p: 0, r: 1}}");
+  for (const char* part :
+       {"vision/order", "vision/kernel/p: found 0, allowed >= 0.01 and <= 8", "vision/kernel/r: found an unknown key"})
+    EXPECT_NE(faults.find(part), std::string::npos) << faults;
+}
+
+TEST(VisionConfig, PointsRequireTheirNumber) {
+  EXPECT_EQ(readVisionConfig(YAML::Load("{object: dark, segmentation: coverage}")).points, PointSource::kNone);
+  EXPECT_NE(faultsOf("{object: dark, segmentation: coverage, points: corners}").find("vision/point_count"),
+            std::string::npos);
+  EXPECT_NE(
+      faultsOf("{object: dark, segmentation: coverage, points: corners, point_count: 2}").find("found 2, allowed >= 3"),
+      std::string::npos);
+}
+
+TEST(VisionConfig, GreysAreEstimatedUnlessGiven) {
+  const VisionConfig c = readVisionConfig(YAML::Load("{object: dark, segmentation: coverage}"));
+  EXPECT_FALSE(c.object_grey.has_value());
+  EXPECT_FALSE(c.background_grey.has_value());
+}
+
+TEST(VisionConfig, ObjectAndSegmentationAreRequired) {
+  const std::string faults = faultsOf("{order: 3}");
+  EXPECT_EQ(faults.find("threshold"), std::string::npos) << faults;  // only `fixed` asks for one
+  EXPECT_NE(faults.find("vision/object: found nothing"), std::string::npos) << faults;
+  EXPECT_NE(faults.find("vision/segmentation: found nothing"), std::string::npos) << faults;
+}
+
+TEST(VisionConfig, FixedSegmentationRequiresAThreshold) {
+  EXPECT_NE(faultsOf("{object: dark, segmentation: fixed}").find("vision/threshold"), std::string::npos);
+}
+
+TEST(VisionConfig, SomethingOtherThanAMappingIsRefused) {
+  EXPECT_EQ(faultsOf("[1, 2]"), "vision: found [1, 2], allowed a map");
+  EXPECT_NE(faultsOf("").find("vision/object: found nothing"), std::string::npos);
+}
+
+TEST(VisionConfig, AllFaultsAreListedAtOnce) {
+  const std::string faults = faultsOf("{object: green, segmentation: coverage, order: 2, min_area: 3}");
+  for (const char* part : {"vision/object: found green, allowed one of dark, bright", "vision/order: found 2",
+                           "vision/min_area: found an unknown key"})
+    EXPECT_NE(faults.find(part), std::string::npos) << faults;
+}
+
+class BadValue : public ::testing::TestWithParam<std::pair<const char*, const char*>> {};
+
+TEST_P(BadValue, IsRefusedByName) {
+  const auto [key, value] = GetParam();
+  const std::string object = std::string(key) == "object" ? "" : "object: dark, ";
+  const std::string method = std::string(key) == "segmentation" ? "" : "segmentation: coverage, ";
+  const std::string faults = faultsOf("{" + object + method + key + ": " + value + "}");
+  EXPECT_NE(faults.find(std::string("vision/") + key + ": found"), std::string::npos) << faults;
+}
+
+INSTANTIATE_TEST_SUITE_P(EachKey, BadValue,
+                         ::testing::Values(std::pair("object", "grey"), std::pair("object", "[dark]"),
+                                           std::pair("segmentation", "soft"), std::pair("threshold", "-1"),
+                                           std::pair("threshold", "256"), std::pair("threshold", "'128'"),
+                                           std::pair("object_grey", ".nan"), std::pair("object_grey", "300"),
+                                           std::pair("background_grey", "dark"), std::pair("min_contrast", "0"),
+                                           std::pair("adaptive_block_px", "50"), std::pair("adaptive_block_px", "1"),
+                                           std::pair("adaptive_offset", "-3"), std::pair("component", "biggest"),
+                                           std::pair("min_area_px", "0"), std::pair("min_area_px", "2.5"),
+                                           std::pair("lost_area_px", "51"), std::pair("border_margin_px", "-1"),
+                                           std::pair("switch_ratio", "0.9"), std::pair("switch_images", "0"),
+                                           std::pair("order", "2"), std::pair("order", "9"), std::pair("order", "null"),
+                                           std::pair("asymmetry_threshold", "-0.1"),
+                                           std::pair("orientation_threshold", "1.5")));
+
+TEST(VisionConfig, GreysInTheWrongOrderForTheShadeAreRefused) {
+  EXPECT_NE(
+      faultsOf("{object: dark, segmentation: coverage, object_grey: 200, background_grey: 20}").find("object_grey"),
+      std::string::npos);
+  EXPECT_NE(
+      faultsOf("{object: bright, segmentation: coverage, object_grey: 20, background_grey: 200}").find("object_grey"),
+      std::string::npos);
+}
+
+}  // namespace
+}  // namespace aras_visual_servo_camera

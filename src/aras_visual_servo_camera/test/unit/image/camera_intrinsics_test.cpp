@@ -1,0 +1,164 @@
+#include "aras_visual_servo_camera/image/camera_intrinsics.hpp"
+
+#include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
+
+#include <cmath>
+#include <limits>
+
+#include "aras_visual_servo_camera/config/errors.hpp"
+
+namespace aras_visual_servo_camera {
+namespace {
+
+const std::array<double, 9> kK{195.05, 0, 150.0, 0, 190.0, 130.0, 0, 0, 1};
+constexpr double kRoundTrip = 1e-10;  // pixels: Newton stops at 1e-13 normalised, f = 195 px, some roundings
+constexpr double kStep = 1e-4;        // pixels, of the central difference
+constexpr double kDifference = 1e-8;  // per pixel: truncation h^2, rounding eps / h = 2e-12
+
+struct Lens {
+  const char* model;
+  std::vector<double> D;
+};
+
+const std::vector<Lens> kLenses{{"none", {}},
+                                {"plumb_bob", {-0.3306, 0.117, 0.001, -0.002, 0.0}},
+                                {"plumb_bob", {0.1, -0.05, 0.0, 0.0}},
+                                {"rational_polynomial", {0.2, 0.1, 0.001, -0.001, 0.02, 0.4, 0.15, 0.01}},
+                                {"equidistant", {0.02, -0.01, 0.003, -0.001}},
+                                {"equidistant", {0.0, 0.0, 0.0, 0.0}}};
+
+TEST(CameraIntrinsics, UndistortIsTheInverseOfProject) {
+  for (const Lens& lens : kLenses) {
+    const CameraIntrinsics camera(320, 240, kK, lens.model, lens.D);
+    for (double u : {0.0, 77.25, 150.0, 319.0}) {
+      for (double v : {0.0, 130.0, 201.5, 239.0}) {
+        const auto ray = camera.undistort(u, v);
+        ASSERT_TRUE(ray.valid) << lens.model << " " << u << " " << v;
+        const auto back = camera.project(ray.x, ray.y);
+        EXPECT_NEAR(back[0], u, kRoundTrip) << lens.model;
+        EXPECT_NEAR(back[1], v, kRoundTrip) << lens.model;
+      }
+    }
+  }
+}
+
+TEST(CameraIntrinsics, JacobianIsTheDifferenceQuotientOfUndistort) {
+  for (const Lens& lens : kLenses) {
+    const CameraIntrinsics camera(320, 240, kK, lens.model, lens.D);
+    for (const auto& [u, v] : std::vector<std::pair<double, double>>{{20, 30}, {151, 131}, {300, 70}}) {
+      const auto ray = camera.undistort(u, v);
+      const auto right = camera.undistort(u + kStep, v), left = camera.undistort(u - kStep, v);
+      const auto below = camera.undistort(u, v + kStep), above = camera.undistort(u, v - kStep);
+      EXPECT_NEAR(ray.jacobian[0], (right.x - left.x) / (2 * kStep), kDifference) << lens.model;
+      EXPECT_NEAR(ray.jacobian[1], (below.x - above.x) / (2 * kStep), kDifference) << lens.model;
+      EXPECT_NEAR(ray.jacobian[2], (right.y - left.y) / (2 * kStep), kDifference) << lens.model;
+      EXPECT_NEAR(ray.jacobian[3], (below.y - above.y) / (2 * kStep), kDifference) << lens.model;
+    }
+  }
+}
+
+TEST(CameraIntrinsics, IdealLensIsThePinholeFormula) {
+  const CameraIntrinsics camera(320, 240, kK, "plumb_bob", {0, 0, 0, 0, 0});
+  EXPECT_FALSE(camera.distorted());
+  const auto ray = camera.undistort(20.0, 30.0);
+  EXPECT_DOUBLE_EQ(ray.x, (20.0 - 150.0) / 195.05);
+  EXPECT_DOUBLE_EQ(ray.y, (30.0 - 130.0) / 190.0);
+}
+
+TEST(CameraIntrinsics, EquidistantLensMapsAngleToRadius) {
+  const CameraIntrinsics camera(320, 240, kK, "equidistant", {0, 0, 0, 0});
+  EXPECT_TRUE(camera.distorted());
+  const double theta = 0.7;
+  EXPECT_NEAR(camera.project(std::tan(theta), 0.0)[0], 150.0 + 195.05 * theta, kRoundTrip);
+}
+
+TEST(CameraIntrinsics, AFisheyeHasCoordinatesUpToTheWidestAngleOnly) {
+  const double f = 100.0;
+  const CameraIntrinsics camera(400, 400, {f, 0, 199.5, 0, f, 199.5, 0, 0, 1}, "equidistant", {0, 0, 0, 0});
+  for (const double theta : {0.1, 0.9, 1.3, 1.39}) {
+    const auto ray = camera.undistort(199.5 + f * theta * 0.6, 199.5 + f * theta * 0.8);
+    ASSERT_TRUE(ray.valid) << theta;
+    EXPECT_NEAR(ray.x / (0.6 * std::tan(theta)), 1.0, 1e-11);
+    EXPECT_NEAR(ray.y / (0.8 * std::tan(theta)), 1.0, 1e-11);
+  }
+  for (const double theta : {1.40, 1.5707963, 1.6, 1.75})  // 80 degrees are 1.3963
+    EXPECT_FALSE(camera.undistort(199.5 + f * theta, 199.5).valid) << theta;
+}
+
+TEST(CameraIntrinsics, PixelsBeyondTheFoldOfTheLensHaveNoRay) {
+  // r (1 - 0.8 r^2) grows up to r = 0.645, where it is 0.43: no ray is bent to 0.8.
+  const CameraIntrinsics camera(320, 240, kK, "plumb_bob", {-0.8, 0, 0, 0});
+  EXPECT_TRUE(camera.undistort(150.0 + 0.3 * 195.05, 130.0).valid);
+  EXPECT_FALSE(camera.undistort(150.0 + 0.8 * 195.05, 130.0).valid);
+}
+
+std::string faultsOf(const std::array<double, 9>& K, const std::string& model, const std::vector<double>& D,
+                     int width = 320, int height = 240) {
+  try {
+    CameraIntrinsics(width, height, K, model, D);
+  } catch (const ParameterError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(CameraIntrinsics, UncalibratedCameraIsRefusedWithEveryFault) {
+  const std::string faults = faultsOf({}, "plumb_bob", {});
+  for (const char* key : {"K[0]", "K[4]", "K[8]"}) EXPECT_NE(faults.find(key), std::string::npos) << faults;
+}
+
+TEST(CameraIntrinsics, EachBadEntryIsNamed) {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  for (double bad : {0.0, -195.0, nan, inf}) {
+    auto K = kK;
+    K[0] = bad;
+    EXPECT_NE(faultsOf(K, "none", {}).find("fx"), std::string::npos) << bad;
+    K = kK;
+    K[4] = bad;
+    EXPECT_NE(faultsOf(K, "none", {}).find("fy"), std::string::npos) << bad;
+  }
+  for (int k : {2, 5}) {
+    auto K = kK;
+    K[k] = nan;
+    EXPECT_NE(faultsOf(K, "none", {}).find("K[" + std::to_string(k) + "]"), std::string::npos);
+  }
+  auto skewed = kK;
+  skewed[1] = 0.5;
+  EXPECT_NE(faultsOf(skewed, "none", {}).find("K[1]"), std::string::npos);
+  EXPECT_NE(faultsOf(kK, "none", {}, 0).find("width"), std::string::npos);
+  EXPECT_NE(faultsOf(kK, "none", {}, 320, -1).find("height"), std::string::npos);
+  EXPECT_NE(faultsOf(kK, "brown", {0.1}).find("distortion_model"), std::string::npos);
+  EXPECT_NE(faultsOf(kK, "plumb_bob", {0.1}).find("D"), std::string::npos);
+  EXPECT_NE(faultsOf(kK, "rational_polynomial", {0.1, 0, 0, 0, 0}).find("D"), std::string::npos);
+  EXPECT_NE(faultsOf(kK, "equidistant", {0.1, 0, 0, 0, 0}).find("D"), std::string::npos);
+  EXPECT_NE(faultsOf(kK, "plumb_bob", {0.1, nan, 0, 0}).find("finite"), std::string::npos);
+  EXPECT_NE(faultsOf(kK, "", {0.1}).find("D"), std::string::npos);
+  EXPECT_EQ(faultsOf(kK, "", {0, 0, 0, 0, 0}), "");
+}
+
+TEST(CameraIntrinsics, PrincipalPointOutsideTheImageIsAllowed) {
+  auto K = kK;
+  K[2] = -40.0;
+  EXPECT_EQ(faultsOf(K, "none", {}), "");
+}
+
+TEST(CameraInfo, IsReadFromAMapping) {
+  const auto node = YAML::Load(
+      "{width: 320, height: 240, K: [195.05, 0, 150, 0, 190, 130, 0, 0, 1], D: [], distortion_model: plumb_bob, "
+      "frame_id: camera, P: [], R: []}");
+  EXPECT_TRUE(readCameraInfo(node) == CameraIntrinsics(320, 240, kK, "plumb_bob", {}));
+}
+
+TEST(CameraInfo, MissingAndUnknownKeysAreAllListed) {
+  try {
+    readCameraInfo(YAML::Load("{width: 320, K: [1, 2], D: [], distortion_model: none, focal: 3}"));
+    FAIL() << "nothing thrown";
+  } catch (const ParameterError& error) {
+    for (const char* key : {"height", "/K", "focal"})
+      EXPECT_NE(std::string(error.what()).find(key), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace aras_visual_servo_camera

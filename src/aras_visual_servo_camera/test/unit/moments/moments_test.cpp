@@ -1,0 +1,114 @@
+#include "aras_visual_servo_camera/moments/moments.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "aras_visual_servo_camera/config/errors.hpp"
+#include "coverage_image.hpp"
+
+namespace aras_visual_servo_camera {
+namespace {
+
+constexpr double kRounding = 1e-12;  // relative, of sums over thousands of pixels
+
+ObjectMask maskOf(const CameraIntrinsics& camera, std::vector<Span> spans, std::vector<EdgePixel> edge = {}) {
+  ObjectMask mask;
+  mask.width_px = camera.width();
+  mask.height_px = camera.height();
+  mask.visible = true;
+  mask.spans = std::move(spans);
+  mask.edge = std::move(edge);
+  return mask;
+}
+
+TEST(Moments, NamesAndIndicesAgree) {
+  const std::vector<std::string> names = momentNames(4);
+  ASSERT_EQ(names.size(), static_cast<std::size_t>(momentCount(4)));
+  for (int i = 0; i <= 4; ++i)
+    for (int j = 0; i + j <= 4; ++j) EXPECT_EQ(names[momentIndex(i, j)], std::to_string(i) + std::to_string(j));
+}
+
+TEST(Moments, AreTheSumsOfTheirDefinition) {
+  for (bool distorted : {false, true}) {
+    const CameraIntrinsics camera = testing::testCamera(distorted);
+    const PixelMap map(camera);
+    MomentAccumulator accumulator(map, 4);
+    const ObjectMask mask = maskOf(camera, {{50, 100, 140}, {51, 90, 95}, {51, 97, 130}},
+                                   {{49, 101, 0.25}, {51, 95, 0.5}, {52, 99, 0.125}});
+    std::vector<double> expected(momentCount(4), 0.0);
+    const auto add = [&](int u, int v, double weight) {
+      const auto ray = camera.undistort(u, v);
+      const double area = ray.jacobian[0] * ray.jacobian[3] - ray.jacobian[1] * ray.jacobian[2];
+      for (int i = 0; i <= 4; ++i)
+        for (int j = 0; i + j <= 4; ++j)
+          expected[momentIndex(i, j)] += weight * area * std::pow(ray.x, i) * std::pow(ray.y, j);
+    };
+    for (const Span& s : mask.spans)
+      for (int u = s.u_begin; u < s.u_end; ++u) add(u, s.v, 1.0);
+    for (const EdgePixel& e : mask.edge) add(e.u, e.v, e.weight);
+    const std::vector<double>& m = accumulator.process(mask);
+    for (int k = 0; k < momentCount(4); ++k) EXPECT_NEAR(m[k], expected[k], kRounding * expected[0]) << distorted << k;
+  }
+}
+
+TEST(Moments, AreaElementsAddUpToTheViewedArea) {
+  // Corners of the image undistorted by the same lens bound the view; its area by the midpoint rule, error of order
+  // w^2.
+  constexpr double kMidpoint = 1e-5;
+  const CameraIntrinsics camera = testing::testCamera(true);
+  const PixelMap map(camera);
+  std::vector<Span> all;
+  for (int v = 60; v < 180; ++v) all.push_back({v, 80, 240});
+  const double area = MomentAccumulator(map, 0).process(maskOf(camera, all))[0];
+  testing::Polygon outline;
+  const auto side = [&](double u0, double v0, double u1, double v1) {
+    for (int k = 0; k < 400; ++k) {
+      const auto ray = camera.undistort(u0 + (u1 - u0) * k / 400, v0 + (v1 - v0) * k / 400);
+      outline.push_back({ray.x, ray.y});
+    }
+  };
+  side(79.5, 59.5, 239.5, 59.5);
+  side(239.5, 59.5, 239.5, 179.5);
+  side(239.5, 179.5, 79.5, 179.5);
+  side(79.5, 179.5, 79.5, 59.5);
+  EXPECT_NEAR(area / testing::polygonMoments(outline, 0)[0], 1.0, kMidpoint);
+}
+
+TEST(Moments, SoftEdgesTakeThePixelOffTheSecondMoments) {
+  const CameraIntrinsics camera = testing::testCamera();
+  const PixelMap map(camera);
+  MomentAccumulator accumulator(map, 2);
+  ObjectMask mask = maskOf(camera, {{50, 100, 140}, {51, 100, 140}});
+  const std::vector<double> hard = accumulator.process(mask);
+  mask.soft_edges = true;
+  const std::vector<double> soft = accumulator.process(mask);
+  const double pixel = hard[0] / (12.0 * camera.fx() * camera.fx());
+  for (int k : {0, 1, 2, 4}) EXPECT_EQ(soft[k], hard[k]);
+  EXPECT_NEAR(hard[3] - soft[3], pixel, kRounding * hard[0]);
+  EXPECT_NEAR(hard[5] - soft[5], pixel, kRounding * hard[0]);
+}
+
+TEST(Moments, MaskOfAnotherSizeIsAShapeError) {
+  const PixelMap map(testing::testCamera());
+  ObjectMask mask;
+  mask.width_px = 10;
+  mask.height_px = 10;
+  EXPECT_THROW(MomentAccumulator(map, 3).process(mask), ShapeError);
+}
+
+TEST(Moments, EmptyMaskGivesZeros) {
+  const CameraIntrinsics camera = testing::testCamera();
+  const PixelMap map(camera);
+  MomentAccumulator accumulator(map, 3);
+  for (double m : accumulator.process(maskOf(camera, {}))) EXPECT_EQ(m, 0.0);
+}
+
+TEST(PolygonMoments, OfASquareAreTheTextbookOnes) {
+  const auto m = testing::polygonMoments({{1, 2}, {3, 2}, {3, 4}, {1, 4}}, 3);
+  const std::vector<double> expected{4, 8, 12, 52.0 / 3, 24, 112.0 / 3, 40, 52, 224.0 / 3, 120};
+  for (int k = 0; k < 10; ++k) EXPECT_NEAR(m[k], expected[k], kRounding * expected[9]);
+}
+
+}  // namespace
+}  // namespace aras_visual_servo_camera

@@ -1,0 +1,119 @@
+#include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
+
+#include <cmath>
+
+#include "aras_visual_servo_camera/config/errors.hpp"
+#include "aras_visual_servo_camera/config/vision_config.hpp"
+#include "aras_visual_servo_camera/photometric/photometric_extractor.hpp"
+#include "coverage_image.hpp"
+#include "usual_vision.hpp"
+
+// Numbers are held against brute force by test_photometric.py; here what memory and sizes are about, under sanitizers
+// too.
+namespace aras_visual_servo_camera {
+namespace {
+
+using testing::GreyImage;
+
+GreyImage waves(int width, int height, double shift_px) {
+  GreyImage image(width, height, 0);
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u)
+      image.at(u, v) = static_cast<std::uint8_t>(
+          std::lround(128.0 + 50.0 * std::sin(0.21 * (u - shift_px) + 0.05 * v) + 50.0 * std::cos(0.17 * v)));
+  return image;
+}
+
+CameraIntrinsics cameraOf(int width, int height, bool distorted) {
+  return CameraIntrinsics(width, height, {100, 0, 0.5 * width, 0, 100, 0.5 * height, 0, 0, 1}, "plumb_bob",
+                          distorted ? std::vector<double>{-0.33, 0.117, 0.001, 0.0, 0.0} : std::vector<double>());
+}
+
+struct Case {
+  int width, height, levels;
+  bool distorted;
+  Illumination illumination;
+};
+
+class Photometric : public ::testing::TestWithParam<Case> {};
+
+TEST_P(Photometric, SeesAShiftOfTheImageAtAnySize) {
+  const Case c = GetParam();
+  PhotometricConfig config = testing::usualPhotometric();
+  config.levels = c.levels;
+  config.illumination = c.illumination;
+  PhotometricExtractor extractor(cameraOf(c.width, c.height, c.distorted), config);
+  const GreyImage reference = waves(c.width, c.height, 0.0), shifted = waves(c.width, c.height, 1.5);
+  extractor.setReference(reference.view(), 0.5);
+  const PhotometricFeatures home = extractor.process(reference.view()), away = extractor.process(shifted.view());
+  EXPECT_TRUE(home.valid && away.valid) << home.fault << away.fault;
+  EXPECT_EQ(home.level, 0);
+  EXPECT_EQ(home.rms, 0.0);
+  EXPECT_GT(away.rms, 1.0);
+  // The image moved to the right: the camera must go the same way.
+  ASSERT_EQ(away.H.size(), 21u);
+  ASSERT_EQ(away.b.size(), 6u);
+  EXPECT_GT(away.motion_px, 0.1);
+  EXPECT_GT(-away.b[0], 0.0);  // descends
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, Photometric,
+                         ::testing::Values(Case{160, 120, 1, false, Illumination::kConstant},
+                                           Case{161, 119, 3, false, Illumination::kOffset},
+                                           Case{97, 83, 2, true, Illumination::kGainAndOffset},
+                                           Case{33, 31, 1, true, Illumination::kGainAndOffset}));
+
+TEST(Photometric, PixelsThatNoRayReachesAreLeftOut) {
+  // The lens polynomial folds over at r = 1: beyond, nothing reaches the pixels.
+  const CameraIntrinsics folded(161, 161, {70, 0, 80, 0, 70, 80, 0, 0, 1}, "plumb_bob", {-0.3333, 0.0, 0.0, 0.0});
+  PhotometricExtractor extractor(folded, testing::usualPhotometric());
+  const GreyImage image = waves(161, 161, 0.0);
+  extractor.setReference(image.view(), 0.5);
+  const PhotometricFeatures features = extractor.process(waves(161, 161, 1.0).view());
+  EXPECT_TRUE(features.valid) << features.fault;
+  EXPECT_LT(features.pixels, 140 * 140);
+  EXPECT_GT(features.pixels, 1000);
+  for (double h : features.H) EXPECT_TRUE(std::isfinite(h));
+}
+
+TEST(Photometric, AnotherCameraHasNoReference) {
+  PhotometricExtractor extractor(cameraOf(160, 120, false), testing::usualPhotometric());
+  const GreyImage image = waves(160, 120, 0.0), small = waves(80, 60, 0.0);
+  extractor.setReference(image.view(), 0.5);
+  extractor.setIntrinsics(cameraOf(80, 60, false));
+  EXPECT_THROW(extractor.process(image.view()), ShapeError);
+  EXPECT_FALSE(extractor.process(small.view()).has_reference);
+  EXPECT_EQ(extractor.features().reference_hash, 0u);
+}
+
+TEST(Photometric, VisionReadsItsSection) {
+  EXPECT_FALSE(readVisionConfig(YAML::Load("{object: dark, segmentation: otsu}")).photometric);
+  const VisionConfig config = readVisionConfig(
+      YAML::Load("{object: dark, segmentation: otsu, photometric: {interaction: current, illumination: "
+                 "offset, levels: 3, switch_px: 0.7, smoothing_px: 1.5, border_px: 4, min_contrast: 5, "
+                 "target_normal_C: [0.1, 0.2, 0.9]}}"));
+  ASSERT_TRUE(config.photometric);
+  EXPECT_EQ(config.photometric->interaction, GradientOf::kCurrent);
+  EXPECT_EQ(config.photometric->illumination, Illumination::kOffset);
+  EXPECT_EQ(config.photometric->levels, 3);
+  EXPECT_EQ(config.photometric->switch_px, 0.7);
+  EXPECT_EQ(config.photometric->smoothing_px, 1.5);
+  EXPECT_EQ(config.photometric->border_px, 4);
+  EXPECT_EQ(config.photometric->min_contrast, 5.0);
+  EXPECT_EQ(config.photometric->target_normal_C[1], 0.2);
+}
+
+TEST(Photometric, FaultsOfTheSectionAreListedWithTheOthers) {
+  try {
+    readVisionConfig(YAML::Load("{object: grey, segmentation: otsu, photometric: {levels: many, sigma: 1}}"));
+    FAIL() << "accepted";
+  } catch (const ParameterError& error) {
+    const std::string text = error.what();
+    for (const char* part : {"vision/object", "vision/photometric/levels", "vision/photometric/sigma"})
+      EXPECT_NE(text.find(part), std::string::npos) << part << " in " << text;
+  }
+}
+
+}  // namespace
+}  // namespace aras_visual_servo_camera

@@ -1,0 +1,321 @@
+#include "aras_visual_servo_camera/segmentation/segmentation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "aras_visual_servo_camera/config/errors.hpp"
+#include "coverage_image.hpp"
+#include "usual_vision.hpp"
+
+namespace aras_visual_servo_camera {
+namespace {
+
+using testing::GreyImage;
+using testing::kBackgroundGrey;
+using testing::kObjectGrey;
+
+constexpr double kRounding = 1e-12;  // sums of at most 77 k weights
+constexpr double kGreyStep = 1.0 / (kBackgroundGrey - kObjectGrey);
+
+void fill(GreyImage* image, int u0, int v0, int width, int height, std::uint8_t grey) {
+  for (int v = v0; v < v0 + height; ++v)
+    for (int u = u0; u < u0 + width; ++u) image->at(u, v) = grey;
+}
+
+VisionConfig with(SegmentationMethod method) {
+  VisionConfig config = testing::usualVision();
+  config.segmentation = method;
+  return config;
+}
+
+double weightOf(const ObjectMask& mask) {
+  double sum = 0.0;
+  for (const Span& s : mask.spans) sum += s.u_end - s.u_begin;
+  for (const EdgePixel& e : mask.edge) sum += e.weight;
+  return sum;
+}
+
+const std::vector<SegmentationMethod> kMethods{SegmentationMethod::kFixed, SegmentationMethod::kOtsu,
+                                               SegmentationMethod::kAdaptive, SegmentationMethod::kCoverage};
+
+class EveryMethod : public ::testing::TestWithParam<SegmentationMethod> {
+ protected:
+  ObjectMask run(const GreyImage& image) { return Segmentation(with(GetParam())).process(image.view()); }
+};
+INSTANTIATE_TEST_SUITE_P(Segmentation, EveryMethod, ::testing::ValuesIn(kMethods));
+
+TEST_P(EveryMethod, FindsADarkRectangleOfWholePixels) {
+  GreyImage image(320, 240, kBackgroundGrey);
+  fill(&image, 100, 60, 40, 30, kObjectGrey);
+  const ObjectMask mask = run(image);
+  EXPECT_TRUE(mask.visible);
+  EXPECT_FALSE(mask.touches_border);
+  EXPECT_EQ(mask.components, 1);
+  EXPECT_EQ(mask.area_px, 1200);
+  EXPECT_NEAR(weightOf(mask), 1200.0, kRounding);
+  EXPECT_DOUBLE_EQ(mask.u_px, 119.5);
+  EXPECT_DOUBLE_EQ(mask.v_px, 74.5);
+}
+
+TEST_P(EveryMethod, FindsABrightObjectWhenToldTo) {
+  GreyImage image(320, 240, kObjectGrey);
+  fill(&image, 100, 60, 40, 30, kBackgroundGrey);
+  VisionConfig config = with(GetParam());
+  config.object = ObjectShade::kBright;
+  const ObjectMask mask = Segmentation(config).process(image.view());
+  EXPECT_EQ(mask.area_px, 1200);
+  EXPECT_NEAR(weightOf(mask), 1200.0, kRounding);
+}
+
+TEST_P(EveryMethod, EmptyViewHasNoTarget) {
+  GreyImage image(320, 240, kBackgroundGrey);
+  EXPECT_FALSE(run(image).visible);
+  std::mt19937 random(5);
+  testing::addNoise(4.0, &random, &image);
+  const ObjectMask mask = run(image);
+  EXPECT_FALSE(mask.visible);
+  EXPECT_EQ(mask.components, 0);
+}
+
+TEST_P(EveryMethod, SpecksAreNeitherCountedNorChosen) {
+  GreyImage image(320, 240, kBackgroundGrey);
+  fill(&image, 10, 10, 7, 7, kObjectGrey);  // 49 pixels, one less than the default of min_area_px
+  fill(&image, 150, 100, 30, 30, kObjectGrey);
+  const ObjectMask mask = run(image);
+  EXPECT_EQ(mask.components, 1);
+  EXPECT_EQ(mask.area_px, 900);
+}
+
+TEST_P(EveryMethod, OfTwoObjectsTheLargerIsWeighedAlone) {
+  GreyImage image(320, 240, kBackgroundGrey);
+  fill(&image, 100, 100, 30, 30, kObjectGrey);
+  fill(&image, 131, 100, 20, 20, kObjectGrey);  // one pixel of background between them
+  const ObjectMask mask = run(image);
+  EXPECT_EQ(mask.components, 2);
+  EXPECT_EQ(mask.area_px, 900);
+  EXPECT_NEAR(weightOf(mask), 900.0, kRounding);
+}
+
+TEST_P(EveryMethod, TouchingPixelsAtCornersAreOneObject) {
+  GreyImage image(320, 240, kBackgroundGrey);
+  fill(&image, 100, 100, 20, 20, kObjectGrey);
+  fill(&image, 120, 120, 20, 20, kObjectGrey);
+  const ObjectMask mask = run(image);
+  EXPECT_EQ(mask.components, 1);
+  EXPECT_EQ(mask.area_px, 800);
+}
+
+TEST_P(EveryMethod, ObjectCutByEachBorderSaysSo) {
+  const std::vector<std::array<int, 4>> boxes{
+      {0, 100, 30, 30}, {290, 100, 30, 30}, {100, 0, 30, 30}, {100, 210, 30, 30}};
+  for (const auto& box : boxes) {
+    GreyImage image(320, 240, kBackgroundGrey);
+    fill(&image, box[0], box[1], box[2], box[3], kObjectGrey);
+    const ObjectMask mask = run(image);
+    EXPECT_TRUE(mask.visible);
+    EXPECT_TRUE(mask.touches_border) << box[0] << ", " << box[1];
+    EXPECT_NEAR(weightOf(mask), 900.0, kRounding);
+  }
+}
+
+TEST_P(EveryMethod, ObjectOnePixelFromTheBorderIsWhole) {
+  GreyImage image(320, 240, kBackgroundGrey);
+  fill(&image, 1, 1, 30, 30, kObjectGrey);
+  const ObjectMask mask = run(image);
+  EXPECT_FALSE(mask.touches_border);
+  EXPECT_NEAR(weightOf(mask), 900.0, kRounding);
+}
+
+TEST_P(EveryMethod, OddSizedImagesAndRingsAreHandled) {
+  GreyImage image(61, 43, kBackgroundGrey);
+  fill(&image, 20, 10, 20, 20, kObjectGrey);
+  fill(&image, 25, 15, 10, 10, kBackgroundGrey);  // a hole
+  const ObjectMask mask = run(image);
+  EXPECT_EQ(mask.components, 1);
+  EXPECT_NEAR(weightOf(mask), 300.0, kRounding);
+}
+
+TEST_P(EveryMethod, RenderedWeightsAddUpToTheWeights) {
+  const GreyImage image = testing::coverageImage(testing::project(testing::blob(0.15), {0.0, 0.0, 0.5, 0.3, 0.0, 0.0}),
+                                                 testing::testCamera());
+  const ObjectMask mask = run(image);
+  std::vector<std::uint8_t> rendered(320 * 240, 77);
+  mask.render(rendered.data());
+  const double sum = std::accumulate(rendered.begin(), rendered.end(), 0.0) / 255.0;
+  // each edge pixel is rounded by at most half a level
+  EXPECT_NEAR(sum, weightOf(mask), 0.5 / 255.0 * static_cast<double>(mask.edge.size()) + kRounding);
+  EXPECT_GT(sum, 1000.0);
+}
+
+TEST(Segmentation, FullViewOfTheObjectTouchesTheBorder) {
+  const GreyImage image(320, 240, kObjectGrey);
+  for (VisionConfig config : {with(SegmentationMethod::kFixed), with(SegmentationMethod::kCoverage)}) {
+    config.object_grey = kObjectGrey;
+    config.background_grey = kBackgroundGrey;
+    const ObjectMask mask = Segmentation(config).process(image.view());
+    EXPECT_TRUE(mask.visible);
+    EXPECT_TRUE(mask.touches_border);
+    EXPECT_NEAR(weightOf(mask), 320.0 * 240.0, kRounding);
+  }
+}
+
+TEST(Segmentation, OneLevelImagesHaveNoObjectWhenLevelsAreEstimated) {
+  for (std::uint8_t grey : {0, 20, 128, 255}) {
+    const GreyImage image(320, 240, grey);
+    for (SegmentationMethod method : {SegmentationMethod::kOtsu, SegmentationMethod::kCoverage})
+      EXPECT_FALSE(Segmentation(with(method)).process(image.view()).visible) << int{grey};
+  }
+}
+
+TEST(Segmentation, OnePixelIsAnObjectWhenTheAreaFilterAllowsIt) {
+  GreyImage image(320, 240, kBackgroundGrey);
+  image.at(7, 9) = kObjectGrey;
+  for (SegmentationMethod method : kMethods) {
+    VisionConfig config = with(method);
+    config.min_area_px = 1;
+    const ObjectMask mask = Segmentation(config).process(image.view());
+    EXPECT_EQ(mask.area_px, 1);
+    EXPECT_NEAR(weightOf(mask), 1.0, kRounding);
+  }
+}
+
+TEST(Segmentation, ThresholdItselfBelongsToTheBackground) {
+  GreyImage image(320, 240, 200);
+  fill(&image, 100, 100, 10, 10, 128);
+  fill(&image, 110, 100, 10, 10, 127);
+  VisionConfig config = with(SegmentationMethod::kFixed);
+  config.threshold = 128;
+  EXPECT_EQ(Segmentation(config).process(image.view()).area_px, 100);
+  config.threshold = 128.5;
+  EXPECT_EQ(Segmentation(config).process(image.view()).area_px, 200);
+  config.threshold = 0;
+  EXPECT_FALSE(Segmentation(config).process(image.view()).visible);
+}
+
+TEST(Segmentation, CoverageWeighsAnEdgePixelByItsGrey) {
+  GreyImage image(320, 240, kBackgroundGrey);
+  fill(&image, 100, 100, 20, 20, kObjectGrey);
+  image.at(99, 105) = 178;   // about a quarter covered
+  image.at(120, 105) = 230;  // not at all
+  const ObjectMask mask = Segmentation(testing::usualVision()).process(image.view());
+  EXPECT_NEAR(weightOf(mask), 400.0 + (230 - 178) * kGreyStep,
+              20 * kGreyStep * 0.01);  // levels within 0.01 of the truth
+}
+
+TEST(Segmentation, SmallSpecksBesideTheObjectDoNotWeigh) {
+  GreyImage image(320, 240, kBackgroundGrey);
+  fill(&image, 100, 100, 20, 20, kObjectGrey);
+  image.at(121, 110) = kObjectGrey;  // one pixel of background between: within reach of the edge
+  image.at(122, 110) = 125;
+  EXPECT_NEAR(weightOf(Segmentation(testing::usualVision()).process(image.view())), 400.0, kRounding);
+}
+
+TEST(Segmentation, NearestToPreviousFollowsTheObjectItChose) {
+  VisionConfig config = testing::usualVision();
+  config.component = ComponentChoice::kNearestToPrevious;
+  Segmentation segmentation(config);
+  GreyImage first(320, 240, kBackgroundGrey);
+  fill(&first, 50, 50, 20, 20, kObjectGrey);
+  EXPECT_EQ(segmentation.process(first.view()).area_px, 400);
+  GreyImage second(320, 240, kBackgroundGrey);
+  fill(&second, 55, 52, 20, 20, kObjectGrey);
+  fill(&second, 200, 150, 60, 60, kObjectGrey);  // larger, but far away
+  EXPECT_EQ(segmentation.process(second.view()).area_px, 400);
+  segmentation.forgetPrevious();
+  EXPECT_EQ(segmentation.process(second.view()).area_px, 3600);
+}
+
+TEST(Segmentation, AdaptiveThresholdCopesWithAGradientThatNoGlobalOneDoes) {
+  GreyImage image(320, 240, 0);
+  for (int v = 0; v < 240; ++v)
+    for (int u = 0; u < 320; ++u) image.at(u, v) = static_cast<std::uint8_t>(80 + u / 2);  // 80 to 239
+  for (int v = 100; v < 130; ++v)
+    for (int u = 240; u < 270; ++u)
+      image.at(u, v) = static_cast<std::uint8_t>(image.at(u, v) - 60);  // brighter than the left
+  EXPECT_EQ(Segmentation(with(SegmentationMethod::kAdaptive)).process(image.view()).area_px, 900);
+  EXPECT_NE(Segmentation(with(SegmentationMethod::kOtsu)).process(image.view()).area_px, 900);
+}
+
+TEST(Segmentation, ColourImagesGiveTheMaskOfTheirGrey) {
+  GreyImage image(64, 48, kBackgroundGrey);
+  fill(&image, 20, 15, 13, 11, kObjectGrey);
+  for (PixelFormat format : {PixelFormat::kRgb8, PixelFormat::kBgr8, PixelFormat::kRgba8}) {
+    const int n = channels(format);
+    const std::size_t step = 64 * n + 5;  // padded rows
+    std::vector<std::uint8_t> data(step * 48, 3);
+    for (int v = 0; v < 48; ++v)
+      for (int u = 0; u < 64; ++u)
+        for (int k = 0; k < n; ++k) data[v * step + u * n + k] = image.at(u, v);
+    const ObjectMask mask = Segmentation(testing::usualVision()).process({data.data(), 64, 48, step, format});
+    EXPECT_EQ(mask.area_px, 143);
+    EXPECT_DOUBLE_EQ(mask.u_px, 26.0);
+  }
+}
+
+TEST(Segmentation, RedAndBlueAreToldApartByTheFormat) {
+  std::vector<std::uint8_t> data(3 * 40 * 40, 0);
+  for (std::size_t k = 0; k < data.size(); k += 3) data[k] = 255;  // red in rgb8: grey 76; blue in bgr8: grey 29
+  VisionConfig config = with(SegmentationMethod::kFixed);
+  config.threshold = 50;
+  EXPECT_FALSE(Segmentation(config).process({data.data(), 40, 40, 120, PixelFormat::kRgb8}).visible);
+  EXPECT_TRUE(Segmentation(config).process({data.data(), 40, 40, 120, PixelFormat::kBgr8}).visible);
+}
+
+TEST(Segmentation, ImageWithoutPixelsIsAShapeError) {
+  Segmentation segmentation{testing::usualVision()};
+  EXPECT_THROW(segmentation.process(ImageView()), ShapeError);
+  const GreyImage image(8, 8, 0);
+  EXPECT_THROW(segmentation.process({image.data.data(), 8, 8, 7, PixelFormat::kMono8}), ShapeError);
+}
+
+std::array<int, 256> histogramOf(const GreyImage& image) {
+  std::array<int, 256> h{};
+  for (std::uint8_t g : image.data) ++h[g];
+  return h;
+}
+
+TEST(GreyLevels, AreFoundWhateverTheShareOfTheObject) {
+  constexpr double kLevel = 0.5;  // sigma 5 over 150 pixels and more: 0.4
+  std::mt19937 random(3);
+  for (int side : {12, 60, 200}) {
+    GreyImage image(320, 240, kBackgroundGrey);
+    fill(&image, 20, 20, side, side, kObjectGrey + 40);
+    testing::addNoise(5.0, &random, &image);
+    const auto levels = estimateGreyLevels(histogramOf(image), ObjectShade::kDark, 50, 25.0);
+    ASSERT_TRUE(levels.has_value());
+    EXPECT_NEAR(levels->object, kObjectGrey + 40, 4 * kLevel) << side;
+    EXPECT_NEAR(levels->background, kBackgroundGrey, kLevel) << side;
+  }
+}
+
+TEST(GreyLevels, AreExactInACleanImage) {
+  constexpr double kEdgePixels = 0.05;  // levels: a few edge pixels fall into the window of 2 levels
+  const GreyImage image = testing::coverageImage(testing::project(testing::blob(0.1), {0.0, 0.0, 0.5, 0.3, 0.0, 0.0}),
+                                                 testing::testCamera());
+  const auto levels = estimateGreyLevels(histogramOf(image), ObjectShade::kDark, 50, 25.0);
+  ASSERT_TRUE(levels.has_value());
+  EXPECT_NEAR(levels->object, kObjectGrey, kEdgePixels);
+  EXPECT_NEAR(levels->background, kBackgroundGrey, kEdgePixels);
+}
+
+TEST(GreyLevels, NoiseAloneIsNotTwoLevels) {
+  std::mt19937 random(4);
+  GreyImage image(320, 240, 128);
+  testing::addNoise(12.0, &random, &image);
+  EXPECT_FALSE(estimateGreyLevels(histogramOf(image), ObjectShade::kDark, 50, 25.0).has_value());
+}
+
+TEST(Otsu, SplitsTwoLevelsInTheMiddleOfTheGap) {
+  std::array<int, 256> h{};
+  h[20] = 500;
+  h[230] = 70000;
+  EXPECT_EQ(otsuThreshold(h).value(), (20 + 229) / 2);
+  h[20] = 0;
+  EXPECT_FALSE(otsuThreshold(h).has_value());
+}
+
+}  // namespace
+}  // namespace aras_visual_servo_camera

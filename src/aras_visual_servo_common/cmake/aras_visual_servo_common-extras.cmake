@@ -1,0 +1,57 @@
+# For packages that depend on aras_visual_servo_common: the target to link with, and the schema sections in a library.
+find_package(Eigen3 REQUIRED NO_MODULE)
+find_package(yaml-cpp REQUIRED)
+
+if(NOT TARGET aras_visual_servo_common::aras_visual_servo_common)
+  add_library(aras_visual_servo_common::aras_visual_servo_common INTERFACE IMPORTED)
+  set_target_properties(aras_visual_servo_common::aras_visual_servo_common PROPERTIES
+    INTERFACE_INCLUDE_DIRECTORIES "${aras_visual_servo_common_INCLUDE_DIRS}"
+    INTERFACE_LINK_LIBRARIES "${aras_visual_servo_common_LIBRARIES};yaml-cpp;Eigen3::Eigen")
+endif()
+
+# aras_embed_schema(TARGET FOLDER): puts each FOLDER/NAME.yaml into TARGET, a library. Its sources then find
+#   #include "schema_sections.hpp"
+#   const aras_visual_servo_common::SchemaFolder& PROJECT_NAME::schemaSections();
+function(aras_embed_schema target folder)
+  get_filename_component(folder ${folder} ABSOLUTE)
+  file(GLOB sections CONFIGURE_DEPENDS ${folder}/*.yaml)
+  if(NOT sections)
+    message(FATAL_ERROR "aras_embed_schema: ${folder} holds no .yaml")
+  endif()
+  set(entries "")
+  foreach(section IN LISTS sections)
+    get_filename_component(name ${section} NAME_WE)
+    file(READ ${section} text)
+    string(APPEND entries "      {\"${name}\", R\"schema(${text})schema\"},\n")
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${section})
+  endforeach()
+  set(generated ${CMAKE_CURRENT_BINARY_DIR}/schema_sections)
+  file(WRITE ${generated}/new.hpp "#pragma once
+
+#include <aras_visual_servo_common/schema.hpp>
+
+namespace ${PROJECT_NAME} {
+
+/** The sections of this package's folder schema/, as they were when it was built. */
+const aras_visual_servo_common::SchemaFolder& schemaSections();
+
+}  // namespace ${PROJECT_NAME}
+")
+  file(WRITE ${generated}/new.cpp "#include \"schema_sections.hpp\"
+
+namespace ${PROJECT_NAME} {
+
+const aras_visual_servo_common::SchemaFolder& schemaSections() {
+  static const aras_visual_servo_common::SchemaFolder kSections({
+${entries}  });
+  return kSections;
+}
+
+}  // namespace ${PROJECT_NAME}
+")
+  # Copied only when they differ: configuring again compiles nothing again.
+  configure_file(${generated}/new.hpp ${generated}/schema_sections.hpp COPYONLY)
+  configure_file(${generated}/new.cpp ${generated}/schema_sections.cpp COPYONLY)
+  target_sources(${target} PRIVATE ${generated}/schema_sections.cpp)
+  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${generated}>)
+endfunction()

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "aras_visual_servo_common/fault_list.hpp"
+#include "aras_visual_servo_common/range.hpp"
+
+namespace aras_visual_servo_common {
+
+struct Schema;
+using SchemaPtr = std::shared_ptr<const Schema>;
+
+/** What a schema section says of one value, and of what it holds. The words are those of JSON Schema, see README.md. */
+struct Schema {
+  enum class Type { kAny, kObject, kArray, kNumber, kInteger, kBoolean, kString };
+
+  std::string name;  ///< the section and the way into it, e.g. "vision/kernel/p"
+  Type type = Type::kAny;
+  std::string description, unit;
+  std::optional<YAML::Node> default_value;
+  std::vector<YAML::Node> choices;  ///< `enum`, or the one value of `const`; empty: any value
+
+  // object
+  std::map<std::string, SchemaPtr> properties;
+  std::vector<std::string> required;
+  bool closed = false;   ///< other keys are refused ...
+  SchemaPtr additional;  ///< ... or must be like this; null and not closed: they may be anything
+
+  // array
+  SchemaPtr items;
+  std::size_t min_items = 0;
+  std::optional<std::size_t> max_items;
+
+  // number, integer
+  Range range;
+
+  // string
+  std::size_t min_length = 0;
+  std::optional<std::string> pattern;
+  std::function<bool(const std::string&)> matches;  ///< whether a text has the pattern
+
+  // alternatives: `anyOf` (at least one holds), `oneOf` (exactly one holds)
+  std::vector<SchemaPtr> any_of, one_of;
+
+  /** Adds a fault for everything in a value that is not as it should be; `where` names it in the messages. */
+  void check(const YAML::Node& value, const std::string& where, FaultList& faults) const;
+
+  /** The schema of a key of this map. It comes from the section itself, else from the alternative that the map fits or
+   *  from any other alternative that has the key, else it is that of all other keys. Null when the section does not
+   *  describe the key. */
+  SchemaPtr property(const YAML::Node& map, const std::string& key) const;
+
+  /** What is allowed, in words: "a list of 3 numbers", "one of dark, bright". */
+  std::string text() const;
+};
+
+/** The sections a package ships, by the names of their files. */
+class SchemaFolder {
+ public:
+  /** @param texts  name of a section (its file without .yaml) -> what the file says */
+  explicit SchemaFolder(std::map<std::string, std::string> texts);
+
+  /** A section, with each `$ref` put in place. It is read when it is first asked for and stays where it is.
+   *  @throws UnknownNameError  @throws SchemaError listing everything in it that is not of the vocabulary */
+  const Schema& section(const std::string& name) const;
+
+  std::vector<std::string> names() const;
+
+ private:
+  std::map<std::string, std::string> texts_;
+  mutable std::map<std::string, SchemaPtr> sections_;
+  mutable std::mutex mutex_;
+};
+
+/** A value as messages show it: on one line, cut after 60 characters. */
+std::string shown(const YAML::Node& value);
+
+}  // namespace aras_visual_servo_common

@@ -1,0 +1,123 @@
+"""Tables of keys for people, in Markdown, made from the schema of a section (config/schema.py)."""
+
+HEAD = ("| key | unit | default | allowed | meaning |", "|---|---|---|---|---|")
+
+
+def table_of(schema, elsewhere=()):
+    """Lines of the table of a section.
+
+    Args: schema: of the section.  elsewhere: dotted keys whose own keys have a table of their own.
+    """
+    return [*HEAD, *(f"| {' | '.join(row)} |" for row in _rows(_section(schema), "", set(elsewhere)))]
+
+
+def part_of(sections, name):
+    """Schema of "section", "section.key" ..., of a list that of its entries; None if there is no such thing."""
+    first, *keys = name.split(".")
+    schema = sections.get(first)
+    for key in keys:
+        schema = _section(schema or {}).get("properties", {}).get(key)
+    return schema
+
+
+def _section(schema):
+    """The schema that has the keys: the given one, that of a list's or table's entries, or all kinds put together."""
+    schema = schema.get("items", {}) if schema.get("type") == "array" else schema
+    if isinstance(schema.get("additionalProperties"), dict):
+        schema = _section(schema["additionalProperties"])
+    kinds = [kind for kind in schema.get("oneOf", schema.get("anyOf", ())) if "properties" in kind]
+    if not kinds:
+        return schema
+    properties = {}
+    for key in dict.fromkeys(key for kind in kinds for key in kind["properties"]):
+        with_key = [kind for kind in kinds if key in kind["properties"]]
+        found = dict(with_key[0]["properties"][key])
+        if "const" in found:
+            found["enum"] = list(dict.fromkeys(kind["properties"][key].get("const") for kind in with_key))
+            del found["const"]
+        only = [] if len(with_key) == len(kinds) else [_told_by(kind) for kind in with_key]
+        if only and all(only):
+            found["description"] = f"With {' or '.join(only)}: {found.get('description', '')}"
+        needed = sum(key in kind.get("required", ()) for kind in with_key)
+        properties[key] = {**found, "needed": needed == len(with_key)}
+    return {"properties": properties, "required": [key for key, found in properties.items() if found.pop("needed")]}
+
+
+def _told_by(kind):
+    """`key: value` of the key that tells this kind from the others, "" without."""
+    fixed = [(key, value["const"]) for key, value in kind["properties"].items() if "const" in value]
+    return f"`{fixed[0][0]}: {fixed[0][1]}`" if fixed else ""
+
+
+def _rows(schema, before, elsewhere):
+    """Cells of a row for each key, the required ones first, those of a section after the section's own."""
+    required = schema.get("required", ())
+    properties = schema.get("properties", {})
+    for key in sorted(properties, key=lambda key: key not in required):
+        found, name = properties[key], before + key
+        inner = _section(found)
+        yield (f"`{name}`", found.get("unit", ""), _default(found, inner, key in required), _allowed(found),
+               found.get("description", "").replace("|", "\\|"))
+        if "properties" in inner and name not in elsewhere:
+            by_name = isinstance(found.get("additionalProperties"), dict)
+            entry = "[]" if found.get("type") == "array" else ".NAME" if by_name else ""
+            yield from _rows(inner, f"{name}{entry}.", elsewhere)
+
+
+def _default(found, inner, required):
+    if required:
+        return "required"
+    if "properties" in inner and isinstance(found.get("default", {}), dict):
+        own = {key: value["default"] for key, value in inner["properties"].items() if "default" in value}
+        given = {**own, **found.get("default", {})}
+        return f"`{_plain(given)}`" if given != own else "as below" if "default" in found else "off"
+    if found.get("default") in (None, {}, [], ""):
+        return "none"
+    text = _plain(found["default"])
+    return f"`{text}`" if isinstance(found["default"], (str, list, dict)) else text
+
+
+def _plain(value):
+    """As YAML has it, in one line."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, float):
+        return f"{value:g}"
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key}: {_plain(entry)}" for key, entry in value.items()) + "}"
+    return f"[{', '.join(map(_plain, value))}]" if isinstance(value, list) else str(value)
+
+
+def _allowed(schema):
+    """In a few words."""
+    if "enum" in schema:
+        return ", ".join(f"`{_plain(value)}`" for value in schema["enum"])
+    if "const" in schema:
+        return f"`{_plain(schema['const'])}`"
+    kinds = schema.get("oneOf", schema.get("anyOf"))
+    if kinds:
+        return " or ".join(dict.fromkeys(filter(None, map(_allowed, kinds))))
+    kind = schema.get("type", "")
+    if kind == "array":
+        return _list(schema)
+    if kind == "object":
+        entries = schema.get("additionalProperties")
+        return f"{_allowed(entries)} by name" if isinstance(entries, dict) and _allowed(entries) else ""
+    words = {"number": "a number", "integer": "a whole number", "boolean": "true, false", "string": "a text"}
+    bounds = _bounds(schema)
+    return f"{'whole ' * (kind == 'integer')}{bounds}" if bounds else words.get(kind, "")
+
+
+def _list(schema):
+    entries, least, most = schema.get("items", {}), schema.get("minItems"), schema.get("maxItems")
+    size = str(least) if least is not None and least == most else f"at most {most}" if most is not None else "a list of"
+    names = {"number": "numbers", "integer": "whole numbers", "string": "texts", "array": "lists", "object": "sections"}
+    of = names.get(entries.get("type"), "")
+    if entries.get("type") == "array":
+        of = f"lists, each {_list(entries)}"
+    return " ".join(filter(None, (size, of, _bounds(entries)))) if of else ""
+
+
+def _bounds(schema):
+    signs = (("exclusiveMinimum", ">"), ("minimum", ">="), ("exclusiveMaximum", "<"), ("maximum", "<="))
+    return ", ".join(f"{sign} {_plain(schema[word])}" for word, sign in signs if word in schema)

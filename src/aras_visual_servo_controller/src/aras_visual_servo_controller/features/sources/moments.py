@@ -1,0 +1,37 @@
+"""Source `moments`: image moments of the target, its corners, its kernel projections (MomentFeatures)."""
+
+import numpy as np
+
+from ...ground.types import Features
+from ..interaction import plane_from_pose
+from .base import Source, Taught, register_source
+
+
+@register_source("moments")
+class Moments(Source):
+    """The camera node always makes them."""
+
+    topic, message = "camera/features", "aras_visual_servo_msgs/MomentFeatures"
+    tell_reference = ("reference_stamp_ns", "z_star_m", "area_star")
+
+    def extractor(self, camera_info, vision):
+        from aras_visual_servo_camera import MomentExtractor  # C++: not needed to import this
+        return MomentExtractor(camera_info, vision)
+
+    def why_lost(self, features):
+        if features.target_visible and features.valid:
+            return ""
+        if getattr(features, "ambiguous", False):
+            return "several objects in view, and it is not clear which is the target"
+        return "target cut by the border or not orientable" if features.target_visible else "target not in view"
+
+    def taught(self, features, z_star_m, normal_C):
+        """Normalised by its own area, a view has an = Z* (T4)."""
+        view = Features.from_object(features)
+        view.has_reference, view.z_star_m, view.area_star = True, float(z_star_m), view.area
+        view.an, view.xn, view.yn = view.z_star_m, view.z_star_m * view.xg, view.z_star_m * view.yg
+        return Taught(view, view, plane_from_pose(normal_C, view.z_star_m * np.array([view.xg, view.yg, 1.0])))
+
+    def follow(self, extractor, features):
+        """Area and orientation are in the features; the orientation may be half a turn off."""
+        extractor.set_reference(features.z_star_m, features.area_star, features.alpha)

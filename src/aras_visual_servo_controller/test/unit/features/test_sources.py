@@ -1,0 +1,125 @@
+"""Where features come from: what servo, loop, nodes and bags ask a source, and one that is a file of its own."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from bench import Bench, config
+from toy_plant import GOAL, arm
+
+from aras_visual_servo_controller.bags.record_groups import group_of
+from aras_visual_servo_controller.features import base as features
+from aras_visual_servo_controller.features.sources import base as sources
+from aras_visual_servo_controller.features import (Feature, FeatureSet, Source, Taught, known_sources, register_feature,
+                                                   register_source, source_named)
+from aras_visual_servo_controller.ground.errors import ParameterError
+from aras_visual_servo_controller.ground.types import Observation, Status
+from aras_visual_servo_controller.scenario.check import check
+from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo_controller.servo.servo import Servo
+
+INFO = {"width": 160, "height": 120, "K": [100.0, 0, 79.5, 0, 100.0, 59.5, 0, 0, 1], "D": [0.0] * 5,
+        "distortion_model": "plumb_bob"}
+VISION = {"object": "dark", "segmentation": "coverage", "photometric": {"levels": 2}}
+
+
+def textured_wedge():
+    u, v = np.meshgrid(np.arange(160), np.arange(120))
+    image = np.rint(215 + 15 * np.sin(0.2 * u + 0.1 * v)).astype(np.uint8)
+    for row in range(30):
+        image[40 + row, 50:50 + 2 * (row + 1)] = 20
+    return image
+
+
+def test_an_unknown_source_lists_the_known_ones():
+    assert [source.name for source in known_sources()] == ["moments", "photometric"]
+    with pytest.raises(ParameterError, match="found 'sonar', allowed moments, photometric"):
+        source_named("sonar")
+
+
+@pytest.mark.parametrize("source", known_sources(), ids=lambda source: source.name)
+def test_a_message_has_the_fields_of_what_the_source_makes_in_process(source):
+    pytest.importorskip("aras_visual_servo_camera")
+    message = pytest.importorskip("roslib.message").get_message_class(source.message)
+    seen = source.extractor(INFO, VISION).process(textured_wedge(), 5)
+    assert {name for name in dir(seen) if not name.startswith("_")} == set(message.__slots__) - {"header", "age_s"}
+    assert set(source.tell_reference) <= set(message.__slots__)
+    assert source.why_lost(seen) == "" and group_of("/a/" + source.topic, "/a/") == "features"
+
+
+@pytest.mark.parametrize("source", known_sources(), ids=lambda source: source.name)
+def test_a_taught_view_has_the_values_that_the_camera_gives_it_once_it_is_the_reference(source):
+    """Bit for bit: the camera need not be asked for them."""
+    pytest.importorskip("aras_visual_servo_camera")
+    extractor = source.extractor(INFO, VISION)
+    seen = extractor.process(textured_wedge(), 5)
+    extractor.teach(5, 0.59)
+    again = extractor.process(textured_wedge(), 6)
+    taught = source.taught(seen, 0.59, (0.0, 0.0, 1.0))
+    names = {"moments": ("xn", "yn", "an", "alpha"), "photometric": ("photometric",)}[source.name]
+    values = [FeatureSet(names).values(features.View(each)) for each in (taught.features, again)]
+    assert values[0] == values[1] and np.isfinite(values[0]).all()
+
+
+@pytest.mark.parametrize("change, text", [
+    ({"target_visible": False, "valid": False}, "target not in view"), ({"valid": False}, "cut by the border"),
+    ({"valid": False, "ambiguous": True}, "several objects")])
+def test_moments_say_why_they_are_not_fit(change, text):
+    seen = SimpleNamespace(**{"target_visible": True, "valid": True, **change})
+    assert text in source_named("moments").why_lost(seen)
+
+
+@pytest.mark.parametrize("change, text", [
+    ({"valid": False, "fault": "six motions look alike"}, "six motions look alike"),
+    ({"target_visible": False, "valid": False, "fault": ""}, "target not in view"),
+    ({"valid": False, "fault": ""}, "features not valid")])
+def test_luminance_says_why_it_is_not_fit(change, text):
+    seen = SimpleNamespace(**{"target_visible": True, "valid": True, "fault": "", **change})
+    assert source_named("photometric").why_lost(seen) == text
+
+
+@pytest.fixture
+def sonar():
+    """A source and its feature as a plugin registers them."""
+
+    @register_source("sonar")
+    class Sonar(Source):
+        topic, message, section = "camera/sonar", "std_msgs/Float64MultiArray", "kernel"
+
+        def taught(self, seen, z_star_m, normal_C):
+            return Taught(SimpleNamespace(echo=z_star_m))
+
+    @register_feature("echo")
+    class Echo(Feature):
+        source = "sonar"
+
+        def value(self, view):
+            return view.features.echo
+
+        def row(self, view):
+            return np.array([0.0, 0.0, -1.0, 0.0, 0.0, 0.0])
+
+    yield
+    sources._SOURCES.pop("sonar")
+    features._FEATURES.pop("echo")
+
+
+def test_a_source_of_somebody_else_is_taught_and_servoed_on(sonar):
+    servo = Servo(arm(), config(law="ibvs", features=["echo"], gains_per_s={"echo": 1.0}, thresholds={"echo": 1e-3},
+                                interaction="current"))
+    assert servo.source.topic == "camera/sonar"
+    bench, seen = Bench(), SimpleNamespace(target_visible=True, valid=True, echo=3.0)
+    reference = servo.teach(seen, GOAL, 0.6)
+    assert reference.s_star.tolist() == [0.6] and reference.view is None
+    servo.start(0)
+    seen.valid = False
+    _, record = servo.step(Observation(33_333_333, seen, bench.goal_q), 1 / 30)
+    assert (record.status, record.status_text) == (Status.TARGET_LOST, "features not valid")
+
+
+def test_a_scenario_names_the_section_that_its_source_needs(sonar):
+    document = load_scenario("experiment_1").as_dict()
+    document["servo"].update(features=["echo"], gains_per_s={"echo": 1.0}, thresholds={"echo": 1.0})
+    assert check(document) == ["vision.kernel: missing, the feature 'echo' is made there; {} for its defaults"]
+    document["vision"]["kernel"] = {"p": 1.0, "q": 1.0}
+    assert check(document) == []

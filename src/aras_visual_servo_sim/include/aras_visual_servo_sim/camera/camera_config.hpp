@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "aras_visual_servo_sim/config/types.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** What camera_info says where that is not how the image is drawn: a plumb_bob camera with f = fx = fy [px]. */
+struct ToldIntrinsics {
+  double f_px = 0.0, cx_px = 0.0, cy_px = 0.0;
+  std::vector<double> distortion;  ///< k1 k2 p1 p2 k3
+};
+
+/** A camera as a scenario or a URDF describes it; schema/camera.yaml says what each key means and what it may be. */
+struct CameraConfig {
+  /** With the section's defaults; what the section requires is empty or zero. */
+  CameraConfig();
+
+  std::string name, frame;
+  std::string mount;  ///< if not empty: the link that carries C instead, at X_MC, and `frame` is but a name for C
+  Pose X_MC;
+  int width = 0, height = 0;
+  std::optional<double> horizontal_fov_rad, fx_px, fy_px, cx_px, cy_px;
+  std::string distortion_model;
+  std::vector<double> distortion;
+  std::optional<double> cutoff_angle_rad;
+  double rate_hz = 0.0;
+  std::string encoding;
+  double near_m = 0.0, far_m = 0.0;  ///< Z; through a fisheye max(|X|, |Y|, |Z|)
+  std::string sampling;
+  double noise_mean = 0.0, noise_stddev = 0.0;
+  double exposure_s = 0.0;
+  int exposure_samples = 0;
+  double latency_s = 0.0;
+  double drop_probability = 0.0;
+  bool triggered = false;
+  double baseline_m = 0.0;
+  std::optional<ToldIntrinsics> told;  ///< for `compatibility: gazebo`; nothing: camera_info says how it is drawn
+};
+
+}  // namespace aras_visual_servo_sim

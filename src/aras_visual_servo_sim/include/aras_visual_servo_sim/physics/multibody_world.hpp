@@ -1,0 +1,135 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "aras_visual_servo_sim/config/types.hpp"
+#include "aras_visual_servo_sim/physics/world_config.hpp"
+#include "aras_visual_servo_sim/robot/robot_model.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** Commands by joint name; a joint may be absent from any map. */
+struct JointCommand {
+  std::map<std::string, double> position;  ///< set-point [m or rad]
+  std::map<std::string, double> velocity;  ///< [m/s or rad/s]; position controllers integrate it into their set-point
+  std::map<std::string, double> effort;    ///< [N or N m]
+
+  bool empty() const { return position.empty() && velocity.empty() && effort.empty(); }
+};
+
+/** Force at a point of contact. */
+struct ContactForce {
+  std::string a, b;          ///< links, solids, or `ground_plane`
+  Eigen::Vector3d point_W;   ///< [m]
+  Eigen::Vector3d normal_W;  ///< from b to a
+  double depth_m = 0.0;
+  Eigen::Vector3d force_W;  ///< on a [N]
+};
+
+/** The robot as an articulated body under gravity, its joint controllers, friction and limits.
+ *
+ *  The root link is fixed in the world W, by default with its frame in W's, or a free body; then a base takes no effort
+ *  and has a pose and a twist beside the joints. Joints that mimic others have entries in the joint vectors and nothing
+ *  to be commanded. One step takes the state at t to t + period_s:
+ *  velocities first, then positions with the new velocities (semi-implicit Euler, first order).
+ *  Vectors of joints are in RobotModel::joint_names order, shape (n,).
+ */
+class MultibodyWorld {
+ public:
+  /** State: q = 0 (clamped to the limits), at rest. @throws ParameterError if the configuration is out of range. */
+  MultibodyWorld(const RobotModel& model, const WorldConfig& config);
+  ~MultibodyWorld();
+  MultibodyWorld(const MultibodyWorld&) = delete;
+  MultibodyWorld& operator=(const MultibodyWorld&) = delete;
+
+  const RobotModel& model() const;
+  const WorldConfig& config() const;
+
+  /** Back to tick 0: given positions, at rest, set-points there, controllers without memory, gains as configured, the
+   *  base where it began. Entries of mimic joints follow from the others.
+   *  @throws ShapeError, NotFiniteError, ParameterError (outside the position limits); nothing changes then. */
+  void reset(const Eigen::VectorXd& q);
+
+  /** Positions by joint name, at rest, set-points there; other joints keep theirs and their velocity. A mimic joint may
+   *  be named with the position it has by what it follows, no other. The clock goes on.
+   *  @throws UnknownNameError, NotFiniteError, ParameterError; nothing changes then. */
+  void setJointPositions(const std::map<std::string, double>& positions);
+
+  /** As reset(q) for velocities, positions untouched; for experiments and tests. Mimic joints' entries follow. */
+  void setJointVelocities(const Eigen::VectorXd& v);
+
+  /** Where something touched in the last step. */
+  std::vector<ContactForce> contacts() const;
+  /** Pose of an obstacle of the contacts. @throws UnknownNameError */
+  Pose obstaclePose(const std::string& obstacle) const;
+  /** Its twist [v; w] in world axes, of its frame; zero for one without mass. @throws UnknownNameError */
+  Twist obstacleTwist(const std::string& obstacle) const;
+  /** What touches what from now on. Obstacles that were there before stay where they are and keep their velocity.
+   *  @throws ParameterError, ModelError; nothing changes then. */
+  void setContacts(const ContactConfig& config);
+  /** Places an obstacle, at rest. @throws UnknownNameError, NotFiniteError */
+  void setObstaclePose(const std::string& obstacle, const Pose& X_WO);
+
+  bool floatingBase() const;
+  /** X_WB of the root link, or of the child of a floating joint. */
+  Pose basePose() const;
+  /** Places a floating base, at rest; the joints keep their positions and velocities.
+   *  @throws ParameterError if the base is fixed, NotFiniteError */
+  void setBasePose(const Pose& X_WB);
+  /** Twist of a floating base, [v; w] of its frame's origin in world axes. @throws as setBasePose */
+  void setBaseTwist(const Twist& V_WB_W);
+
+  /** n periods. */
+  void step(int n = 1);
+
+  std::int64_t ticks() const;
+
+  const Eigen::VectorXd& jointPositions() const;
+  const Eigen::VectorXd& jointVelocities() const;
+  /** What the actuators really applied in the last step, [N or N m]. */
+  const Eigen::VectorXd& jointEfforts() const;
+
+  /** @throws UnknownNameError, NotFiniteError, ParameterError (joint takes no such command); nothing changes then. */
+  void setCommand(const JointCommand& command);
+  void setPosition(const std::string& joint, double set_point);
+  void setVelocity(const std::string& joint, double velocity);
+  void setEffort(const std::string& joint, double effort);
+
+  /** As a Float64 on the controller's command topic: position, velocity or effort as its type has it; no timeout. */
+  void setControllerCommand(const std::string& controller, double value);
+
+  std::vector<std::string> controllerNames() const;
+  const ControllerConfig& controllerConfig(const std::string& controller) const;
+  ControllerState controllerState(const std::string& controller) const;
+  /** Changes gains while running; the integral is kept. @throws UnknownNameError, ParameterError */
+  void setGains(const std::string& controller, const PidGains& gains);
+
+  /** X_WL of any link, fixed ones included. */
+  Pose linkPose(int link) const;
+  Pose linkPose(const std::string& link) const;
+  /** V_WL_L: twist of L in W, expressed in L, [v; w]. */
+  Twist linkTwist(int link) const;
+  Twist linkTwist(const std::string& link) const;
+
+  /** Inertia matrix the joints see before mimic joints are taken out, a free base following, (n, n). */
+  Eigen::MatrixXd massMatrix() const;
+  /** Kinetic plus potential energy (zero where every centre of mass is at the world origin) [J]. */
+  double energy() const;
+
+  /** Everything that decides the future, gains included, as bytes. */
+  std::string saveState() const;
+  /** @throws StateError if the bytes do not come from a world of this model and these controllers. */
+  void restoreState(const std::string& state);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "aras_visual_servo_sim/camera/camera_model.hpp"
+#include "aras_visual_servo_sim/config/types.hpp"
+#include "aras_visual_servo_sim/image/image.hpp"
+#include "aras_visual_servo_sim/scene/scene.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** Makes the image a camera sees. Same arguments, same bytes: nothing of earlier frames survives. */
+class Renderer {
+ public:
+  virtual ~Renderer() = default;
+
+  /** Renders one frame.
+   *  @param X_WC  pose of the camera's optical frame C (x right, y down, z forward) in the world
+   *  @param out   given the camera's size and encoding; memory is reused from frame to frame
+   *  @throws NotFiniteError if a pose is not finite, RenderError if the renderer fails */
+  void render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out);
+
+ private:
+  virtual void doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) = 0;
+};
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,117 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "aras_visual_servo_sim/config/types.hpp"
+#include "aras_visual_servo_sim/robot/joint_limits.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** Shape of a visual, in its own frame. Boxes are centred; cylinders are centred with their axis along z. */
+struct Geometry {
+  enum class Type { kBox, kCylinder, kSphere, kMesh };
+  Type type = Type::kBox;
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  ///< box: full edge lengths
+  double radius_m = 0.0;                             ///< cylinder, sphere
+  double length_m = 0.0;                             ///< cylinder
+  std::string filename;                              ///< mesh: as written, e.g. package://pkg/meshes/a.stl
+  Eigen::Vector3d scale = Eigen::Vector3d::Ones();   ///< mesh
+};
+
+/** One <visual> of a link. */
+struct Visual {
+  std::string link;
+  Pose X_link_visual;
+  Geometry geometry;
+  Rgba color;
+  bool has_color = false;  ///< false: the URDF gave no material, `color` is the default grey
+  std::string texture;     ///< picture of the URDF's material, as written; empty: none
+};
+
+/** One <collision> of a link. */
+struct Collision {
+  Geometry geometry;
+  Pose X_link_collision;
+};
+
+/** kFloating: only as the one joint of the root link, whose child is then the robot's free base. */
+enum class JointType { kFixed, kRevolute, kContinuous, kPrismatic, kFloating };
+
+/** <mimic>: q = multiplier * q of another joint + offset. Chains are resolved: that joint mimics nobody. */
+struct Mimic {
+  int joint = -1;  ///< index into RobotModel::joints of the joint it follows, -1: it follows none
+  double multiplier = 1.0, offset = 0.0;
+};
+
+struct Joint {
+  std::string name;
+  JointType type = JointType::kFixed;
+  int parent_link = -1;  ///< index into RobotModel::links
+  int child_link = -1;
+  Pose X_PJ;                                        ///< child link's frame in the parent link's, at q = 0
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  ///< unit, in the child link's frame
+  JointLimits limits;    ///< stops and set-points; narrowed by those of the joints that mimic this one
+  JointLimits enforced;  ///< on the commands of its controller: the same unless joint_limits overrides them
+  SoftLimits soft;       ///< likewise
+  Mimic mimic;
+  double damping = 0.0;                          ///< [N s/m] or [N m s/rad]
+  double friction = 0.0;                         ///< Coulomb, [N] or [N m]
+  std::vector<std::string> hardware_interfaces;  ///< from <transmission>, without "hardware_interface/"
+  int index = -1;                                ///< into RobotModel::joint_names, -1 for fixed and floating
+
+  bool moves() const { return type != JointType::kFixed && type != JointType::kFloating; }
+};
+
+struct Link {
+  std::string name;
+  int parent_joint = -1;  ///< index into RobotModel::joints, -1 for the root
+  double mass_kg = 0.0;
+  Eigen::Vector3d com_m = Eigen::Vector3d::Zero();          ///< in the link frame
+  Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  ///< about the centre of mass, axes of the link frame
+  std::vector<Visual> visuals;
+  std::vector<Collision> collisions;
+};
+
+/** A <gazebo reference="link"><sensor type="camera"> with its plugin's names; zero or empty where the tag was absent.
+ */
+struct CameraTag {
+  std::string link, sensor_name, camera_name, image_topic, camera_info_topic, trigger_topic, frame, format;
+  std::optional<std::string> robot_namespace;
+  Pose X_link_sensor;  ///< the sensor looks along its x, z up
+  double update_rate_hz = 0.0, horizontal_fov_rad = 0.0, near_m = 0.0, far_m = 0.0;
+  int width = 0, height = 0;
+  double noise_mean = 0.0, noise_stddev = 0.0;                    ///< of intensities 0 .. 1
+  double cx = 0.0, cy = 0.0, focal_length = 0.0, baseline = 0.0;  ///< the plugin's, [px], [m]
+  std::vector<double> sensor_distortion;                          ///< k1 k2 p1 p2 k3 of the sensor's <distortion>
+  std::vector<double> distortion;                                 ///< the same of the plugin's keys
+  bool auto_distortion = false, triggered = false;
+  bool fisheye = false;           ///< <sensor type="wideanglecamera"> with an equidistant <lens>
+  double cutoff_angle_rad = 0.0;  ///< of that lens
+};
+
+/** What a URDF says, checked; constant after loading. Links come parents first. */
+struct RobotModel {
+  std::string name;
+  std::string source_name;  ///< file name for messages
+  std::vector<Link> links;
+  std::vector<Joint> joints;
+  std::vector<std::string> joint_names;  ///< moving joints sorted by name: the order of every joint vector
+  std::vector<int> moving_joints;        ///< joint_names[i] is joints[moving_joints[i]].name
+  std::vector<CameraTag> cameras;
+  std::vector<std::string> warnings;  ///< what was ignored, one line each
+
+  int dofs() const { return static_cast<int>(joint_names.size()); }
+  /** @return index into joint_names. @throws UnknownNameError */
+  int jointIndex(const std::string& joint_name) const;
+  /** @return index into links. @throws UnknownNameError */
+  int linkIndex(const std::string& link_name) const;
+  /** Moving joint at an index of joint_names. */
+  const Joint& movingJoint(int index) const { return joints[moving_joints[index]]; }
+  /** The floating joint between the root link and its only child, or null. */
+  const Joint* floatingJoint() const;
+};
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "aras_visual_servo_sim/image/image.hpp"
+#include "aras_visual_servo_sim/image/texture.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** What lies beyond the edges of a picture on a surface. */
+enum class Wrap {
+  kRepeat,
+  kMirror,  ///< repeated, every other one turned over
+  kClamp    ///< the texels at the edge go on
+};
+
+/** A picture on triangles of a mesh. */
+struct MeshPicture {
+  TexturePtr texture;  ///< never null
+  Wrap wrap_s = Wrap::kRepeat, wrap_t = Wrap::kRepeat;
+};
+
+/** Triangles with a normal and a colour at each vertex; metres, counter-clockwise seen from outside. Never changed
+ *  after it was made, so shapes share it. */
+struct TriangleMesh {
+  std::vector<Eigen::Vector3f> points;
+  std::vector<Eigen::Vector3f> normals;  ///< one for each point, unit length
+  std::vector<Rgb> colors;               ///< one for each point; empty: the shape's own colour
+  /** One for each point, or none: s to the right and t down the picture, which reaches from 0 to 1. */
+  std::vector<Eigen::Vector2f> texture_coordinates;
+  std::vector<MeshPicture> pictures;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::int32_t> picture_of;  ///< for each triangle an index into pictures, -1: none; empty: none has one
+  /** For each triangle the one beyond its edge from corner k to k + 1 that has both of these points: the surface goes
+   * on there without a crease. */
+  std::vector<std::array<std::uint32_t, 3>> neighbours;
+  static constexpr std::uint32_t kNone = 0xffffffff;
+  Eigen::Vector3f box_min = Eigen::Vector3f::Zero();  ///< bounding box
+  Eigen::Vector3f box_max = Eigen::Vector3f::Zero();
+
+  /** Sets neighbours and box, when all else is there. */
+  void finish();
+};
+
+using MeshPtr = std::shared_ptr<const TriangleMesh>;
+
+/** Box centred at the origin. @param size_m  edge lengths, > 0  @throws ModelError */
+MeshPtr makeBox(const Eigen::Vector3d& size_m);
+/** Cylinder along z, centred at the origin. @throws ModelError unless radius_m and length_m are > 0 */
+MeshPtr makeCylinder(double radius_m, double length_m, int segments = 32);
+/** Sphere centred at the origin. @throws ModelError unless radius_m > 0 */
+MeshPtr makeSphere(double radius_m, int segments = 32);
+
+}  // namespace aras_visual_servo_sim

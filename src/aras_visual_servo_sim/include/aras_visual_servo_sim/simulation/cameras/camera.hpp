@@ -1,0 +1,115 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "aras_visual_servo_sim/camera/camera_model.hpp"
+#include "aras_visual_servo_sim/config/types.hpp"
+#include "aras_visual_servo_sim/image/image.hpp"
+#include "aras_visual_servo_sim/physics/multibody_world.hpp"
+#include "aras_visual_servo_sim/render/geometry_image.hpp"
+#include "aras_visual_servo_sim/simulation/cameras/exposure.hpp"
+#include "aras_visual_servo_sim/simulation/cameras/frame_plan.hpp"
+#include "aras_visual_servo_sim/simulation/cameras/frames_in_flight.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** One camera over time: which frames it takes, what its shutter has seen so far, which frames are on their way.
+ *
+ *  A frame is exposed at the first tick at or after index / rate. Without latency it can be taken at that tick; with
+ *  latency it is kept as poses and can be taken when it is delivered, latency_s later. A frame that nobody took at its
+ *  tick is missed. `now` is the present tick. */
+class Camera {
+ public:
+  /** @param index  among the cameras, keeps their noise and their drops apart  @param seed  of the simulation
+   *  @param link  that carries it  @throws ParameterError for a rate beyond that of the ticks */
+  Camera(CameraModel model, int link, int index, std::uint64_t seed, std::int64_t period_ns);
+
+  const CameraModel& model() const { return model_; }
+  Pose pose(const MultibodyWorld& world) const;    ///< X_WC
+  Twist twist(const MultibodyWorld& world) const;  ///< V_WC_C
+
+  // --- which frames
+  bool late() const { return flight_.late(); }
+  std::int64_t latencyTicks() const { return flight_.latencyTicks(); }
+  /** Tick at which the next frame is exposed that was not yet, or kNeverTick. */
+  std::int64_t nextExposureTick() const { return plan_.nextTick(); }
+  /** Tick at which the next frame can be taken that was neither taken, missed nor dropped, or kNeverTick. */
+  std::int64_t nextFrameTick() const;
+  /** True if a frame can be taken now and was not taken yet. */
+  bool frameDue(std::int64_t now) const { return nextFrameTick() == now; }
+  /** True if a frame was taken now. */
+  bool frameTaken(std::int64_t now) const;
+  /** True if a frame that is neither dropped nor missed is exposed now: without latency the one that is due. */
+  bool frameExposed(std::int64_t now) const { return late() ? flight_.exposedAt(now) : frameDue(now); }
+  /** See FramePlan::trigger. */
+  void trigger(std::int64_t now) { plan_.trigger(now); }
+  std::uint64_t droppedFrames() const { return plan_.state().dropped; }
+
+  /** Takes or misses the frame that is due, of a camera without latency. */
+  void takeFrame() { unhashed_frame_ = plan_.pass(); }
+  void missFrame() { plan_.pass(); }
+  /** Exposes the frame of this tick, of a camera with latency. @param present  of this tick */
+  void expose(Moment present, const MultibodyWorld& world);
+  /** Takes the frame that is delivered now. @return its tick */
+  std::int64_t takeDelivered();
+  /** The frame taken at the present tick of a camera with latency; null if there is none, or no latency. */
+  const ExposedFrame* takenFrame() const { return flight_.taken(); }
+  /** The frame taken last and those in flight of a camera with latency, oldest first; none of one without. */
+  std::vector<const ExposedFrame*> lateFrames() const;
+  /** Time goes on: an image drawn from here on is not that of a frame taken before. */
+  void leaveTick() { unhashed_frame_ = -1; }
+  /** Time has come to this tick: frames whose time it was are lost. */
+  void passTo(std::int64_t now) { flight_.passTo(now); }
+  void keepModels(const std::shared_ptr<ModelSet>& models) { flight_.keepModels(models); }
+  bool hasFramesInFlight() const { return !flight_.empty(); }
+
+  // --- the shutter
+  bool blurs() const { return exposure_.blurs(); }
+  /** True if the next image has a sample at this tick: note() wants to know. Of every scheduled frame, dropped or not
+   *  asked for too: a trigger may come in the middle of its exposure. */
+  bool samples(std::int64_t now) const { return exposure_.samples(now, plan_.tickFrom(now + 1)); }
+  std::int64_t nextSampleTick(std::int64_t now) const { return exposure_.nextSample(now, plan_.tickFrom(now + 1)); }
+  void note(Moment moment);
+  /** Something was put elsewhere: images are not blurred along a way that nothing went. */
+  void forgetPast() { exposure_.forget(); }
+  /** True at the ticks of its schedule: an image drawn then is the mean over the exposure. */
+  bool scheduledAt(std::int64_t now) const { return plan_.tickFrom(now) == now; }
+  std::vector<Exposure::Sample> samplesOf(const Moment& present) const { return exposure_.samplesOf(present); }
+
+  // --- the image
+  Image image{};
+  GeometryImage geometry{};
+  /** Adds the noise of the frame that was drawn. */
+  void addNoise(std::int64_t now);
+  /** Once for each frame taken: its image is drawn now. */
+  bool imageIsOfNewFrame();
+
+  // --- whole state
+  struct State {
+    FramePlan::State plan;
+    std::int64_t unhashed_frame = -1;  ///< taken, its image not drawn yet
+    std::vector<Moment> past;
+    std::optional<ExposedFrame> taken;
+    std::deque<ExposedFrame> in_flight;
+  };
+  const FramePlan::State& plan() const { return plan_.state(); }
+  std::int64_t unhashedFrame() const { return unhashed_frame_; }
+  const std::vector<Moment>& past() const { return exposure_.past(); }
+  const FramesInFlight& flight() const { return flight_; }
+  void restore(State state);
+
+ private:
+  CameraModel model_;
+  int link_;
+  std::uint64_t noise_seed_;
+  FramePlan plan_;
+  Exposure exposure_;
+  FramesInFlight flight_;
+  std::int64_t unhashed_frame_ = -1;
+};
+
+}  // namespace aras_visual_servo_sim

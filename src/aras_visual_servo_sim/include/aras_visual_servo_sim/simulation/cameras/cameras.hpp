@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "aras_visual_servo_sim/robot/robot_model.hpp"
+#include "aras_visual_servo_sim/simulation/cameras/camera.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** The cameras of a simulation, in the order in which they are configured. */
+class Cameras {
+ public:
+  /** @param seed  of the simulation @throws ParameterError naming the camera: its name is taken, there is no such link,
+   *          a value is out of range */
+  void add(const CameraConfig& config, const RobotModel& robot, std::uint64_t seed, std::int64_t period_ns);
+
+  const std::vector<std::string>& names() const { return names_; }
+  /** @throws UnknownNameError naming the cameras there are */
+  int index(const std::string& camera) const;
+  std::size_t size() const { return cameras_.size(); }
+  const Camera& operator[](int index) const { return cameras_[static_cast<std::size_t>(index)]; }
+  Camera& operator[](int index) { return cameras_[static_cast<std::size_t>(index)]; }
+  auto begin() const { return cameras_.begin(); }
+  auto end() const { return cameras_.end(); }
+  auto begin() { return cameras_.begin(); }
+  auto end() { return cameras_.end(); }
+
+  /** Whether some camera has latency, and the longest of them. */
+  bool anyLate() const { return longest_latency_ > 0; }
+  std::int64_t longestLatencyTicks() const { return longest_latency_; }
+  /** Frames passed over so far because of drop_probability. */
+  std::uint64_t droppedFrames() const;
+
+  /** Before models come or go: frames in flight keep those they were exposed with. */
+  void keepModels(const ModelSet& models);
+  /** Something was put elsewhere: exposures begin anew. */
+  void forgetPast();
+  void reset();
+
+ private:
+  std::vector<std::string> names_;
+  std::vector<Camera> cameras_;
+  std::int64_t longest_latency_ = 0;
+};
+
+}  // namespace aras_visual_servo_sim

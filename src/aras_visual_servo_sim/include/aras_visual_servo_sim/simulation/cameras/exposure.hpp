@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "aras_visual_servo_sim/simulation/cameras/moment.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** The shutter of a camera: which ticks one image is the mean of, and where things were then.
+ *
+ *  The exposure ends at the tick T of the frame. It is cut into `samples` equal parts, each of them stands for its
+ * middle: sample j is taken at T - (j + 1/2) exposure / samples, at the nearest tick, of two equally near ones the
+ * later. Whoever steps notes the moments on the way; samples from before the first one noted count for that one. */
+class Exposure {
+ public:
+  /** Opens for no time at all. */
+  Exposure() = default;
+  /** @param exposure_s  >= 0, 0 as above [s]  @param samples  >= 1  @param period_ns  of a tick, > 0 [ns] */
+  Exposure(double exposure_s, int samples, std::int64_t period_ns);
+
+  /** False if every image is that of one moment. */
+  bool blurs() const { return !ages_.empty(); }
+  /** True if the image of a frame at frame_tick has a sample at `tick`. */
+  bool samples(std::int64_t tick, std::int64_t frame_tick) const;
+  /** The first tick after `tick` that the image of a frame at frame_tick > tick has a sample at, or frame_tick. */
+  std::int64_t nextSample(std::int64_t tick, std::int64_t frame_tick) const;
+
+  /** Keeps a moment, later than those before, for the frame at frame_tick. Drops what that frame has no use for. */
+  void note(Moment moment, std::int64_t frame_tick);
+  void forget() { past_.clear(); }
+  const std::vector<Moment>& past() const { return past_; }
+  void setPast(std::vector<Moment> past) { past_ = std::move(past); }
+
+  /** A moment and how many samples fall to it. */
+  struct Sample {
+    const Moment* moment;
+    std::uint32_t count;
+  };
+  /** What the image of a frame at present.tick is the mean of, in the order of time. @pre blurs()
+   *  @return pointers into past() and to `present`; the counts sum up to the number of samples */
+  std::vector<Sample> samplesOf(const Moment& present) const;
+
+ private:
+  std::vector<std::int64_t> ages_;  ///< of the samples, in ticks before the frame's, oldest first
+  std::vector<Moment> past_;
+};
+
+}  // namespace aras_visual_servo_sim

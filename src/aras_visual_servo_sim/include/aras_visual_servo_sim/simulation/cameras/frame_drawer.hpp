@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "aras_visual_servo_sim/config/types.hpp"
+#include "aras_visual_servo_sim/render/geometry_image.hpp"
+#include "aras_visual_servo_sim/render/renderer.hpp"
+#include "aras_visual_servo_sim/simulation/cameras/camera.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** Draws what a camera sees: a frame that was taken late, as it was exposed; else the present. */
+class FrameDrawer {
+ public:
+  FrameDrawer();
+
+  /** The image, with its noise.
+   *  @param now    the present tick: at a scheduled frame's, the mean over the exposure that ends there
+   *  @param scene  as it is now, and so again afterwards @throws RenderError */
+  const Image& draw(Camera& camera, std::int64_t now, const Pose& X_WC, Scene& scene);
+  /** Depth and ids of what that image shows, without blur. */
+  const GeometryImage& drawGeometry(Camera& camera, const Pose& X_WC, const Scene& scene, Distance distance);
+
+ private:
+  void drawOnce(Camera& camera, const Pose& X_WC, const Scene& scene);
+  void drawMean(Camera& camera, const Moment& present, Scene& scene);
+  void drawLate(Camera& camera, const ExposedFrame& frame, const Scene& now);
+
+  std::unique_ptr<Renderer> renderer_;
+  GeometryRenderer geometry_renderer_;
+};
+
+}  // namespace aras_visual_servo_sim

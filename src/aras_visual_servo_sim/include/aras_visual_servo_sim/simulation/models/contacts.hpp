@@ -1,0 +1,56 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "aras_visual_servo_sim/config/package_paths.hpp"
+#include "aras_visual_servo_sim/physics/contact_config.hpp"
+#include "aras_visual_servo_sim/physics/multibody_world.hpp"
+#include "aras_visual_servo_sim/robot/robot_model.hpp"
+#include "aras_visual_servo_sim/simulation/models/models.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** What touches what: the contacts of the configuration and those that solids bring along, among the models there are.
+ *  Tells the world, and moves the solids that are pushed. */
+class Contacts {
+ public:
+  /** @param robot  outlives this object */
+  Contacts(const ContactConfig& config, const RobotModel& robot, const PackagePaths& packages);
+
+  /** Takes the models as they were constructed. @throws ParameterError, ModelError as check and change do */
+  void begin(const ModelSet& built, const std::vector<SolidEntry>& solids);
+  /** For a world that is made now. */
+  const ContactConfig& present() const { return present_; }
+  bool any() const { return present_.any(); }
+  /** Whether a model can be touched. */
+  bool has(const std::string& model) const;
+
+  /** @throws ParameterError for a solid that touches what is not there, or has mass and nothing to touch */
+  void check(const std::string& solid, const ModelSet& set) const;
+  /** The models of a set touch from now on. @throws as MultibodyWorld::setContacts; nothing changes then */
+  void change(const ModelSet& set, MultibodyWorld& world);
+  /** Likewise, for a world that is made afterwards. */
+  void change(const ModelSet& set) { present_ = among(set); }
+  /** Tells the world where a model was put. */
+  void place(const std::string& model, const Models& models, MultibodyWorld& world) const;
+  /** Takes n periods, one after the other: what moves by itself is placed before, what is pushed is seen afterwards. */
+  void step(std::int64_t n, std::int64_t period_ns, Models& models, MultibodyWorld& world) const;
+
+ private:
+  ContactConfig among(const ModelSet& set);
+  void addMeshPoints(ContactConfig& contacts);
+  bool isThere(const std::string& name, const ModelSet& set) const;
+
+  ContactConfig config_, present_;
+  const RobotModel& robot_;
+  PackagePaths packages_;
+  std::vector<std::string> solids_;                                  ///< of the configuration, in its order
+  std::map<std::string, Pose> built_starts_;                         ///< the models as constructed
+  std::map<std::string, std::vector<Eigen::Vector3d>> mesh_points_;  ///< of the files read so far
+};
+
+}  // namespace aras_visual_servo_sim

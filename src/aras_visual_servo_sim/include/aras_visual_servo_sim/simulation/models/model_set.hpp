@@ -1,0 +1,47 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "aras_visual_servo_sim/config/types.hpp"
+#include "aras_visual_servo_sim/robot/robot_model.hpp"
+#include "aras_visual_servo_sim/scene/scene.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** A solid as something that can be touched. */
+struct TouchableSolid {
+  double mass_kg = 0.0;              ///< 0: it stays where it is put
+  std::vector<Collision> shapes;     ///< in its frame
+  std::vector<std::string> touches;  ///< `all`, `robot`, links and solids that it touches by its own entry
+};
+
+/** A model in a saved state. */
+struct SavedModel {
+  std::string name, entry;  ///< entry: its YAML if it was spawned, else empty
+  Pose X_WM, X_WM0;         ///< where it is, where it started
+};
+
+/** The models there are, with the robot's own bodies among those of the scene. */
+struct ModelSet {
+  Scene scene;
+  std::vector<int> body_links;         ///< link of each body of the scene, -1 for solids
+  std::map<std::string, Pose> starts;  ///< of each model
+  std::map<std::string, TouchableSolid> solids;
+  std::map<std::string, std::string> spawned;  ///< entry, as YAML, of each model that was spawned
+
+  /** Flat models first, then solids, each in the order of the scene. */
+  std::vector<std::string> names() const;
+  /** @return X_WM of a model, to be read or set @throws UnknownNameError naming the models there are */
+  Pose& place(const std::string& model);
+  const Pose& place(const std::string& model) const;
+  /** X_WM of every model by name. */
+  std::map<std::string, Pose> poses() const;
+  /** Takes a model out. */
+  void remove(const std::string& model);
+  /** All there is to know to compose this set again from the one that was constructed. */
+  std::vector<SavedModel> saved() const;
+};
+
+}  // namespace aras_visual_servo_sim

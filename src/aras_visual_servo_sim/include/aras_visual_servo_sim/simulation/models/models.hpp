@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "aras_visual_servo_sim/config/package_paths.hpp"
+#include "aras_visual_servo_sim/physics/multibody_world.hpp"
+#include "aras_visual_servo_sim/scene/scene_config.hpp"
+#include "aras_visual_servo_sim/simulation/models/model_set.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** A motion under way. */
+struct MotionRun {
+  ModelMotion motion;
+  Pose X_WM0;             ///< where the model was when it began
+  std::int64_t start_ns;  ///< when that was
+};
+
+/** What is in the scene besides the robot: flat models and solids, where they are and how they move by themselves.
+ *  Times are simulated ones, in nanoseconds. */
+class Models {
+ public:
+  /** No model at all. */
+  Models() = default;
+  /** The models of a configuration, each where it starts, and the robot's bodies.
+   *  @throws ParameterError listing every fault of the files they are made of */
+  Models(const SceneConfig& config, const RobotModel& robot, const PackagePaths& packages);
+
+  const ModelSet& set() const { return set_; }
+  const Scene& scene() const { return set_.scene; }
+  /** To draw it as it was at another time; whoever does puts everything back. */
+  Scene& scene() { return set_.scene; }
+  std::vector<std::string> names() const { return set_.names(); }
+  /** X_WM. @throws UnknownNameError naming the models there are */
+  const Pose& pose(const std::string& model) const { return set_.place(model); }
+  const std::map<std::string, MotionRun>& motions() const { return motions_; }
+  bool hasMotion(const std::string& model) const { return motions_.count(model) > 0; }
+  /** V_WM_W of a model that has a motion. @throws std::out_of_range if it has none */
+  Twist motionTwist(const std::string& model, std::int64_t now_ns) const {
+    return at(motions_.at(model), now_ns).V_WM_W;
+  }
+
+  /** Every model where it started, the configured motions from now on. */
+  void start(std::int64_t now_ns);
+  /** Puts the models that move where they are now. */
+  void move(std::int64_t now_ns);
+  /** Puts the robot's bodies where its links are. */
+  void follow(const MultibodyWorld& world);
+  /** Places a model; whether it stays there its motion says. @throws UnknownNameError */
+  void place(const std::string& model, const Pose& X_WM) { set_.place(model) = X_WM; }
+  /** Moves a model from now and from where it is; nothing: it stays where it is. @throws UnknownNameError */
+  void setMotion(const std::string& model, const std::optional<ModelMotion>& motion, std::int64_t now_ns);
+
+  // --- models come and go: a set of them is made, and taken over when nothing speaks against it
+  /** The models there are and one more.
+   *  @param yaml  what the entry was read from, for saved states  @param X_WM  in place of the entry's own pose
+   *  @throws ParameterError if a model or link has its name, NotFiniteError, ModelError */
+  ModelSet with(const SceneEntry& entry, const std::string& yaml, const std::optional<Pose>& X_WM) const;
+  /** The models there are but one. @throws UnknownNameError */
+  ModelSet without(const std::string& model) const;
+  /** The models of a saved state. @throws StateError if one is neither built in nor was spawned */
+  ModelSet composed(const std::vector<SavedModel>& saved) const;
+  /** From now on these are the models; motions of those that are gone end. */
+  void become(ModelSet next);
+  /** The same, with other motions under way. */
+  void become(ModelSet next, std::map<std::string, MotionRun> motions);
+  /** The set as constructed. */
+  const ModelSet& built() const { return built_ ? *built_ : set_; }
+  /** Back to the set as constructed; start() puts each model where it began. */
+  void reset();
+
+ private:
+  static ModelPlacement at(const MotionRun& run, std::int64_t now_ns);
+  void add(ModelSet& set, const SceneEntry& entry, const std::string& yaml) const;
+
+  PackagePaths packages_;
+  ModelSet set_;
+  std::shared_ptr<const ModelSet> built_;     ///< as constructed; null as long as it is the one there is
+  std::map<std::string, MotionRun> motions_;  ///< of the models that move
+};
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,156 @@
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "aras_visual_servo_sim/config/package_paths.hpp"
+#include "aras_visual_servo_sim/physics/multibody_world.hpp"
+#include "aras_visual_servo_sim/robot/robot_model.hpp"
+#include "aras_visual_servo_sim/simulation/cameras/cameras.hpp"
+#include "aras_visual_servo_sim/simulation/cameras/frame_drawer.hpp"
+#include "aras_visual_servo_sim/simulation/commands.hpp"
+#include "aras_visual_servo_sim/simulation/frame.hpp"
+#include "aras_visual_servo_sim/simulation/models/contacts.hpp"
+#include "aras_visual_servo_sim/simulation/models/models.hpp"
+#include "aras_visual_servo_sim/simulation/simulation_config.hpp"
+#include "aras_visual_servo_sim/simulation/start.hpp"
+#include "aras_visual_servo_sim/simulation/state/run_hash.hpp"
+#include "aras_visual_servo_sim/simulation/time/clock.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** Robot, scene and cameras under one clock of integer nanoseconds.
+ *
+ *  One tick: controllers and physics take the state from t to t + period. Frame k of a camera belongs to the first tick
+ *  at or after k / rate, frame 0 to tick 0. A frame is *taken* by takeFrame or stepToImage, or missed by stepping past
+ *  it; either way its joint state enters the run hash, and so does its image if it is rendered at that tick after it
+ *  was taken. Frames of a camera with latency are exposed by themselves and taken when they are delivered (Camera).
+ *  Same construction, same calls: same bytes. Frames: W world (of a fixed base, unless placed elsewhere, the root
+ *  link), C camera optical (x right, y down), M model. Not thread-safe. */
+class Simulation {
+ public:
+  static constexpr std::int64_t kNever = kNeverTick;
+
+  /** @param controllers  ros_control's layout, see parseControllers
+   *  @throws ParameterError, ModelError listing what is wrong */
+  Simulation(RobotModel model, SimulationConfig config, const YAML::Node& controllers,
+             const PackagePaths& packages = PackagePaths());
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  const RobotModel& model() const { return model_; }
+  const SimulationConfig& config() const { return config_; }
+  const MultibodyWorld& world() const { return *world_; }
+  const Models& models() const { return models_; }
+  const Scene& scene() const { return models_.scene(); }
+  const Cameras& cameras() const { return cameras_; }
+  const Commands& commands() const { return commands_; }
+
+  // --- time
+  std::int64_t ticks() const { return world_->ticks(); }
+  std::int64_t periodNs() const { return clock_.periodNs(); }
+  std::int64_t timeNs() const { return clock_.ns(ticks()); }
+  double timeS() const { return 1e-9 * static_cast<double>(timeNs()); }
+  /** Advances n >= 0 periods. Frames not taken before are missed. @throws ParameterError if n < 0 */
+  void step(std::int64_t n = 1);
+  /** Advances to the next frame of a camera that was neither taken nor missed, and takes it.
+   *  @return its stamp: when it was exposed [ns] @throws UnknownNameError */
+  std::int64_t stepToImage(const std::string& camera);
+
+  // --- cameras, by index in cameras()
+  /** Asks a triggered camera for one frame: the next of its schedule after the present tick. */
+  void trigger(int camera) { cameras_[camera].trigger(ticks()); }
+  /** Exposes the frames of this tick of cameras with latency. step() does so too, before time goes on; call it before
+   *  what is true now is changed, to have it in these frames. */
+  void expose();
+  /** Takes the frame that is due. @return its stamp: when it was exposed [ns] @throws ParameterError if none is due */
+  std::int64_t takeFrame(int camera);
+  /** What the camera sees now; at a frame's tick of a camera with an exposure, the mean over it, see Exposure. Joints
+   *  and models that are placed, spawned or deleted have no past: the exposure begins there. Of a camera with latency,
+   *  at the tick at which a frame was taken, that frame.
+   *  @return valid as long as the simulation; its content until the next render of this camera @throws RenderError */
+  const Image& render(int camera);
+  /** Depth and ids of what the image of this camera shows, noise and blur apart; content until the next call for this
+   *  camera. segmentationIds of shownScene says what the ids mean. */
+  const GeometryImage& renderGeometry(int camera, Distance distance = Distance::kDepth);
+  /** The models that the image of a camera shows: those of a frame that was taken late, else those there are. */
+  const Scene& shownScene(int camera) const;
+  /** What was true when the image of a camera was exposed: of a frame that was taken late, else of the present. */
+  FrameState frameState(int camera) const;
+  /** The image with it. */
+  Frame frame(int camera) { return {&render(camera), frameState(camera)}; }
+  Pose cameraPose(int camera) const { return cameras_[camera].pose(*world_); }     ///< X_WC at the present
+  Twist cameraTwist(int camera) const { return cameras_[camera].twist(*world_); }  ///< V_WC_C, [v; w]
+
+  // --- commands, see Commands
+  void setCommand(const JointCommand& command, std::optional<std::int64_t> stamp_ns = std::nullopt) {
+    commands_.apply(command, stamp_ns, timeNs(), *world_);
+  }
+  void setControllerCommand(const std::string& controller, double value) {
+    commands_.apply(controller, value, *world_);
+  }
+  void refuse(const std::string& reason) { commands_.refuse(reason, *world_); }
+  void setGains(const std::string& controller, const PidGains& gains) { world_->setGains(controller, gains); }
+  /** Places joints, at rest. @throws as MultibodyWorld::setJointPositions */
+  void setJointPositions(const std::map<std::string, double>& positions);
+
+  // --- models: what is in the scene besides the robot, flat ones and solids
+  /** Adds a model until the next reset.
+   *  @param entry  one of `models` or `solids` of the scene section, see sceneEntryFromYaml and modelEntry
+   *  @param X_WM   where, in place of its position_m and rpy_rad
+   *  @throws ParameterError (also: a model or link has the name), ModelError, NotFiniteError; nothing changes then */
+  void spawnModel(const YAML::Node& entry, const std::optional<Pose>& X_WM = std::nullopt);
+  /** Removes a model; one of the configuration is back after a reset. @throws UnknownNameError */
+  void deleteModel(const std::string& model);
+  /** True if some model has a motion, or is a free body. */
+  bool modelsMove() const { return !models_.motions().empty() || !config_.world.contacts.free_bodies.empty(); }
+  /** Places a model, which then stays there: a motion it had ends.
+   *  @throws UnknownNameError naming the models there are, NotFiniteError */
+  void setModelPose(const std::string& model, const Pose& X_WM);
+  /** Moves a model from now and from where it is; nothing: it stays where it is. @throws UnknownNameError */
+  void setModelMotion(const std::string& model, const std::optional<ModelMotion>& motion) {
+    models_.setMotion(model, motion, timeNs());
+  }
+  /** V_WM_W at the present tick, as in ModelPlacement; zero for a model without motion or mass.
+   *  @throws UnknownNameError */
+  Twist modelTwist(const std::string& model) const;
+
+  // --- whole state
+  /** Joints and models back to where they started, at rest, their motions from the beginning; time, frames and counters
+   *  go on. */
+  void resetWorld();
+  /** Back to tick 0: everything as constructed, gains, models and counters included. */
+  void reset();
+  /** Everything that decides the future and the run hash, as bytes. */
+  std::string saveState() const;
+  /** @throws StateError if the bytes are not from a simulation of this construction; nothing changes then. */
+  void restoreState(const std::string& state);
+  /** Of the joint positions and velocities at every frame, and every image rendered for one, since the reset. */
+  std::string runHash() const { return run_hash_.hex(); }
+
+ private:
+  void makeWorld();
+  Moment present(const Camera& camera);
+  void startModels();
+  void change(ModelSet next);
+  void restoreWorld(const std::string& state, const ModelSet& models, bool changed);
+
+  RobotModel model_;
+  SimulationConfig config_;
+  Clock clock_;
+  std::unique_ptr<MultibodyWorld> world_;
+  Start start_;
+  Models models_;
+  Contacts contacts_;
+  Cameras cameras_;
+  FrameDrawer drawer_;
+  Commands commands_;
+  RunHash run_hash_;
+};
+
+}  // namespace aras_visual_servo_sim

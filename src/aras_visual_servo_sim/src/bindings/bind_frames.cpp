@@ -1,0 +1,112 @@
+#include "bind_frames.hpp"
+
+#include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace py = pybind11;
+
+namespace aras_visual_servo_sim {
+namespace {
+
+/** A Frame whose image is an array; what else it holds becomes arrays when it is asked for. */
+struct PythonFrame {
+  py::array image;
+  FrameState state;
+};
+
+/** Read-only array over the camera's own image; keeps the simulation alive. */
+py::array viewOf(const Image& image, const py::object& simulation) {
+  std::vector<py::ssize_t> shape = {image.height, image.width};
+  if (image.channels() > 1) shape.push_back(image.channels());
+  py::array_t<std::uint8_t> view(shape, image.data.data(), simulation);
+  py::detail::array_proxy(view.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return std::move(view);
+}
+
+const Image& drawn(Simulation& simulation, int camera) {
+  const py::gil_scoped_release release;
+  return simulation.render(camera);
+}
+
+py::array render(const py::object& self, const std::string& camera) {
+  auto& simulation = self.cast<Simulation&>();
+  return viewOf(drawn(simulation, simulation.cameras().index(camera)), self);
+}
+
+PythonFrame frame(const py::object& self, const std::string& camera) {
+  auto& simulation = self.cast<Simulation&>();
+  const int index = simulation.cameras().index(camera);
+  return {viewOf(drawn(simulation, index), self), simulation.frameState(index)};
+}
+
+py::dict modelPoses(const FrameState& state) {
+  py::dict poses;
+  for (const auto& [name, X_WM] : state.models) poses[name.c_str()] = X_WM.matrix();
+  return poses;
+}
+
+py::dict frameState(const Simulation& simulation, const std::string& camera) {
+  const FrameState state = simulation.frameState(simulation.cameras().index(camera));
+  py::dict result;
+  result["stamp_ns"] = state.stamp_ns;
+  result["joint_positions"] = state.q;
+  result["joint_velocities"] = state.v;
+  result["camera_pose"] = state.X_WC.matrix();
+  result["camera_twist"] = state.V_WC_C;
+  result["model_poses"] = modelPoses(state);
+  return result;
+}
+
+void bindFrame(py::module_& module) {
+  py::class_<PythonFrame>(module, "Frame",
+                          "An image of a camera and what was true when it was exposed. Never changes,\n"
+                          "but for the content of its image.")
+      .def_property_readonly(
+          "stamp_ns", [](const PythonFrame& self) { return self.state.stamp_ns; },
+          "Simulated time of the exposure, int [ns].")
+      .def_readonly("image", &PythonFrame::image,
+                    "uint8 array (h, w, 3), or (h, w) for mono8, top row first; a read-only view without a copy, its\n"
+                    "content valid until the next render of this camera.")
+      .def_property_readonly(
+          "joint_positions", [](const PythonFrame& self) -> Eigen::VectorXd { return self.state.q; },
+          "(n,) float64 [m or rad], in the order of Simulation.joint_names (sorted by name).")
+      .def_property_readonly(
+          "joint_velocities", [](const PythonFrame& self) -> Eigen::VectorXd { return self.state.v; },
+          "(n,) float64 [m/s or rad/s].")
+      .def_property_readonly(
+          "camera_pose", [](const PythonFrame& self) { return self.state.X_WC.matrix(); }, "X_WC, (4, 4).")
+      .def_property_readonly(
+          "camera_twist", [](const PythonFrame& self) -> Twist { return self.state.V_WC_C; },
+          "V_WC_C, (6,): [v; w] [m/s; rad/s].")
+      .def_property_readonly(
+          "model_poses", [](const PythonFrame& self) { return modelPoses(self.state); },
+          "dict of name -> X_WM, (4, 4), of the models and solids of the scene.");
+}
+
+}  // namespace
+
+void bindFrames(py::module_& module, py::class_<Simulation>& type) {
+  bindFrame(module);
+  type.def("frame", &frame, py::arg("camera") = "camera",
+           "Draws what render draws, and tells what was true then, as one Frame.\n\n"
+           "Raises:\n    UnknownNameError, RenderError.")
+      .def("frame_state", &frameState, py::arg("camera") = "camera",
+           "What was true when the image of this camera was exposed: of the frame taken last at the present tick if "
+           "the\n"
+           "camera has latency, else of the present. Nothing is drawn.\n\n"
+           "Returns:\n    dict of stamp_ns [ns], joint_positions (n,) [m or rad], joint_velocities (n,), camera_pose\n"
+           "    X_WC (4, 4), camera_twist V_WC_C (6,), model_poses: dict of name -> X_WM (4, 4).")
+      .def("render", &render, py::arg("camera") = "camera",
+           "What the camera sees now; at a frame of a camera with exposure_s the mean over it; where a frame of a\n"
+           "camera with latency_s was taken, that frame.\n\n"
+           "Returns:\n    uint8 array (h, w, 3), or (h, w) for mono8, top row first; a\n"
+           "    read-only view without a copy, its content valid until the next render of this camera.\n"
+           "Raises:\n    UnknownNameError, RenderError.");
+}
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,118 @@
+#include "aras_visual_servo_sim/camera/camera_model.hpp"
+
+#include <algorithm>
+#include <aras_visual_servo_common/text.hpp>
+#include <cmath>
+
+#include "aras_visual_servo_sim/camera/camera_config_reader.hpp"
+#include "aras_visual_servo_sim/config/errors.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+using aras_visual_servo_common::numberText;
+
+/** A principal point outside the image is legal (a cropped image) but ten images away it is a mistake. */
+constexpr double kFarthestCenter = 10.0;
+
+}  // namespace
+
+CameraModel::CameraModel(const CameraConfig& config) : config_(config) {
+  FaultList faults;
+  checkKeys(config, faults);
+  if (config.far_m <= config.near_m) {
+    faults.add("far_m", numberText(config.far_m), "> near_m, " + numberText(config.near_m));
+  }
+  if (config.exposure_s >= 1.0 / config.rate_hz) {
+    faults.add("exposure_s", numberText(config.exposure_s), "< 1 / rate_hz, " + numberText(1.0 / config.rate_hz));
+  }
+  sampling_ = config.sampling == "center" ? Sampling::kCenter : Sampling::kCoverage;
+  readLens(faults);
+  readFocalLength(faults);
+  cx_ = config.cx_px.value_or(0.5 * (config.width - 1));
+  cy_ = config.cy_px.value_or(0.5 * (config.height - 1));
+  if (std::abs(cx_) > kFarthestCenter * config.width) {
+    faults.add("cx_px", numberText(cx_), "within 10 image widths of 0");
+  }
+  if (std::abs(cy_) > kFarthestCenter * config.height) {
+    faults.add("cy_px", numberText(cy_), "within 10 image heights of 0");
+  }
+  if (faults.empty()) {
+    encoding_ = encodingFromName(config.encoding);
+    lens_ == Lens::kEquidistant ? findImageAngle(faults) : findImageRadius(faults);
+  }
+  if (faults.empty()) return;
+  FaultList named;
+  named.adopt(ParameterError(faults.lines()), "camera '" + config.name + "': ");
+  named.throwIfAny();
+}
+
+void CameraModel::readFocalLength(FaultList& faults) {
+  const std::optional<double>& field = config_.horizontal_fov_rad;
+  const bool focal = config_.fx_px && config_.fy_px;
+  if (field ? config_.fx_px || config_.fy_px : !focal) {
+    faults.add("horizontal_fov_rad", field ? "it together with fx_px or fy_px" : "nothing",
+               "either it or both fx_px and fy_px");
+  } else if (focal) {
+    fx_ = *config_.fx_px;
+    fy_ = *config_.fy_px;
+  } else {
+    const bool fisheye = lens_ == Lens::kEquidistant;
+    if (*field >= (fisheye ? 2.0 * M_PI : M_PI)) {
+      faults.add("horizontal_fov_rad", numberText(*field),
+                 fisheye ? "< 2 pi" : "< pi, or through an equidistant lens < 2 pi");
+    }
+    const double half = 0.5 * *field;
+    fx_ = fy_ = 0.5 * config_.width / (fisheye ? half : std::tan(half));
+  }
+}
+
+void CameraModel::readLens(FaultList& faults) {
+  const std::string& name = config_.distortion_model;
+  std::size_t count = 5;
+  if (name == "plumb_bob") {
+    lens_ = Lens::kPlumbBob;
+  } else if (name == "rational_polynomial") {
+    lens_ = Lens::kRational;
+    count = 8;
+  } else if (name == "equidistant") {
+    lens_ = Lens::kEquidistant;
+    count = 4;
+  }
+  const std::vector<double>& given = config_.distortion;
+  distortion_ = given;
+  distortion_.resize(count, 0.0);
+  if (!given.empty() && given.size() != count) {
+    faults.add("distortion", std::to_string(given.size()) + " coefficients",
+               "0 or " + std::to_string(count) + " for " + name);
+  }
+  const bool all_zero = std::all_of(given.begin(), given.end(), [](double coefficient) { return coefficient == 0.0; });
+  if (name == "none" && !all_zero) faults.add("distortion", "coefficients", "only zeros for none");
+  if (lens_ != Lens::kEquidistant && all_zero) lens_ = Lens::kNone;  // draws faster, same result
+  if (config_.cutoff_angle_rad && lens_ != Lens::kEquidistant) {
+    faults.add("cutoff_angle_rad", numberText(*config_.cutoff_angle_rad), "only with distortion_model equidistant");
+  }
+}
+
+Eigen::Matrix3d CameraModel::K() const {
+  Eigen::Matrix3d K = Eigen::Matrix3d::Identity();
+  const std::optional<ToldIntrinsics>& told = config_.told;
+  K(0, 0) = told ? told->f_px : fx_;
+  K(1, 1) = told ? told->f_px : fy_;
+  K(0, 2) = told ? told->cx_px : cx_;
+  K(1, 2) = told ? told->cy_px : cy_;
+  return K;
+}
+
+Eigen::Matrix<double, 3, 4> CameraModel::P() const {
+  Eigen::Matrix<double, 3, 4> P = Eigen::Matrix<double, 3, 4>::Zero();
+  P.leftCols<3>() = K();
+  P(0, 3) = -P(0, 0) * config_.baseline_m;
+  return P;
+}
+
+std::string CameraModel::distortionModel() const {
+  return config_.told || config_.distortion_model == "none" ? "plumb_bob" : config_.distortion_model;
+}
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,84 @@
+#include "aras_visual_servo_sim/image/image.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/config/splitmix.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+constexpr int kQuantiles = 1 << 16;
+
+/** Quantiles of the standard normal distribution at (k + 1/2) / 2^16, by bisection of erfc: made once. */
+const std::vector<float>& normalQuantiles() {
+  static const std::vector<float> table = [] {
+    std::vector<float> quantiles(kQuantiles);
+    double z = -5.0;
+    for (int k = 0; k < kQuantiles / 2; ++k) {
+      const double p = (k + 0.5) / kQuantiles;
+      for (int i = 0; i < 20; ++i) {  // Newton from the previous quantile, below the root of a convex function
+        const double density = std::exp(-0.5 * z * z) / std::sqrt(2.0 * M_PI);
+        const double step = (p - 0.5 * std::erfc(-z / std::sqrt(2.0))) / density;
+        z += std::clamp(step, -0.25, 0.25);
+        if (std::abs(step) < 1e-12) break;
+      }
+      quantiles[k] = static_cast<float>(z);
+      quantiles[kQuantiles - 1 - k] = static_cast<float>(-z);
+    }
+    return quantiles;
+  }();
+  return table;
+}
+
+}  // namespace
+
+Encoding encodingFromName(const std::string& name) {
+  if (name == "rgb8") return Encoding::kRgb8;
+  if (name == "bgr8") return Encoding::kBgr8;
+  if (name == "mono8") return Encoding::kMono8;
+  throw ParameterError("encoding: found '" + name + "', allowed rgb8, bgr8, mono8");
+}
+
+const char* encodingName(Encoding encoding) {
+  switch (encoding) {
+    case Encoding::kRgb8:
+      return "rgb8";
+    case Encoding::kBgr8:
+      return "bgr8";
+    default:
+      return "mono8";
+  }
+}
+
+int channelsOf(Encoding encoding) { return encoding == Encoding::kMono8 ? 1 : 3; }
+
+void Image::resize(int new_width, int new_height, Encoding new_encoding) {
+  width = new_width;
+  height = new_height;
+  encoding = new_encoding;
+  data.resize(stride() * height);
+}
+
+void addGaussianNoise(Image& image, double stddev, std::uint64_t seed, std::uint64_t frame_index, double mean) {
+  if (!std::isfinite(stddev) || stddev < 0.0) {
+    throw ParameterError("noise_stddev: found " + std::to_string(stddev) + ", allowed finite and >= 0");
+  }
+  if (!std::isfinite(mean)) throw ParameterError("noise_mean: found " + std::to_string(mean) + ", allowed finite");
+  if (stddev == 0.0 && mean == 0.0) return;
+  using splitmix::kGolden;
+  using splitmix::mix;
+  const std::uint64_t stream = mix(mix(seed + kGolden) ^ (frame_index * kGolden + 1));
+  const std::vector<float>& quantiles = normalQuantiles();
+  const float scale = static_cast<float>(stddev), offset = static_cast<float>(mean);
+  std::uint64_t bits = 0;
+  for (std::size_t i = 0; i < image.data.size(); ++i, bits >>= 16) {
+    if (i % 4 == 0) bits = mix(stream + (i / 4 + 1) * kGolden);  // four 16-bit draws from one word
+    const float value = image.data[i] + offset + scale * quantiles[bits & 0xffff];
+    image.data[i] = static_cast<std::uint8_t>(std::clamp(std::floor(value + 0.5f), 0.0f, 255.0f));
+  }
+}
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <BulletCollision/btBulletCollisionCommon.h>
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "aras_visual_servo_sim/physics/contact_config.hpp"
+#include "contact_points.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** Convex shapes on bodies and where they overlap. Bullet's narrow phase between shapes, with nothing remembered from
+ *  one call to the next; exact points against the plane. */
+class ContactShapes {
+ public:
+  explicit ContactShapes(const ContactConfig& config);
+  ~ContactShapes();
+  ContactShapes(const ContactShapes&) = delete;
+  ContactShapes& operator=(const ContactShapes&) = delete;
+
+  /** Adds a shape to a body. @throws ModelError if it is a mesh whose points are not in the configuration */
+  void add(int body, const Geometry& geometry, const Pose& X_BS);
+  bool has(int body) const;
+
+  /** The pairs and bodies to look at from now on. */
+  void watchPair(int a, int b, double friction);
+  void watchGround(int body);
+
+  /** Places all shapes of a body. */
+  void place(int body, const Pose& X_WB);
+
+  /** Overlaps now, in an order that depends on nothing but the calls above. */
+  const std::vector<ContactPoint>& find();
+
+ private:
+  struct Shape {
+    int body;
+    Pose X_BS, X_WS;
+    Geometry geometry;
+    std::vector<Eigen::Vector3d> corners;  // of boxes and meshes
+    std::unique_ptr<btCollisionShape> shape;
+    std::unique_ptr<btCollisionObject> object;
+  };
+  struct Pair {
+    std::size_t a, b;  // of shapes_
+    double friction;
+  };
+
+  void findOnGround(const Shape& shape);
+  void addGroundPoint(const Shape& shape, const Eigen::Vector3d& p_W);
+  void findBetween(const Pair& pair);
+
+  ContactConfig config_;
+  std::vector<std::unique_ptr<Shape>> shapes_;
+  std::vector<Pair> pairs_;
+  std::vector<std::size_t> grounded_;
+  std::vector<ContactPoint> points_;
+  btDefaultCollisionConfiguration bullet_config_;
+  btCollisionDispatcher dispatcher_;
+  btDbvtBroadphase broadphase_;
+  btCollisionWorld world_;
+};
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,200 @@
+#include "aras_visual_servo_sim/physics/multibody_world.hpp"
+
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "world_impl.hpp"
+
+namespace aras_visual_servo_sim {
+
+MultibodyWorld::MultibodyWorld(const RobotModel& model, const WorldConfig& config)
+    : impl_(std::make_unique<Impl>(model, config)) {}
+MultibodyWorld::~MultibodyWorld() = default;
+
+const RobotModel& MultibodyWorld::model() const { return impl_->model; }
+const WorldConfig& MultibodyWorld::config() const { return impl_->config; }
+std::int64_t MultibodyWorld::ticks() const { return impl_->ticks; }
+const Eigen::VectorXd& MultibodyWorld::jointPositions() const { return impl_->q; }
+const Eigen::VectorXd& MultibodyWorld::jointVelocities() const { return impl_->v; }
+const Eigen::VectorXd& MultibodyWorld::jointEfforts() const { return impl_->effort; }
+
+void MultibodyWorld::reset(const Eigen::VectorXd& q) {
+  if (q.size() != impl_->model.dofs()) {
+    throw ShapeError("reset: found " + std::to_string(q.size()) + " positions, must be " +
+                     std::to_string(impl_->model.dofs()));
+  }
+  for (int i = 0; i < q.size(); ++i) {
+    if (!impl_->coupling.follows(i)) impl_->checkPosition(i, q[i]);
+  }
+  impl_->q = q;
+  for (auto& drive : impl_->drives) drive.memory().gains = drive.controller().gains;
+  impl_->start();
+}
+
+void MultibodyWorld::setJointPositions(const std::map<std::string, double>& positions) {
+  Eigen::VectorXd wanted = impl_->q;
+  for (const auto& item : positions) {
+    const int i = impl_->model.jointIndex(item.first);
+    if (!impl_->coupling.follows(i)) impl_->checkPosition(i, item.second);
+    wanted[i] = item.second;
+  }
+  for (const auto& item : positions) impl_->checkFollower(impl_->model.jointIndex(item.first), wanted);
+  for (const auto& item : positions) {
+    const int i = impl_->model.jointIndex(item.first);
+    if (impl_->coupling.follows(i)) continue;
+    impl_->q[i] = item.second;
+    impl_->v[i] = 0.0;
+    impl_->effort[i] = 0.0;
+    impl_->drives[impl_->coupling.coordinate(i)].start(item.second);
+  }
+  impl_->coupling.complete(impl_->q, impl_->v);
+  impl_->body.setPositions(impl_->q);
+}
+
+void MultibodyWorld::setJointVelocities(const Eigen::VectorXd& v) {
+  if (v.size() != impl_->model.dofs()) {
+    throw ShapeError("setJointVelocities: found " + std::to_string(v.size()) + " velocities, must be " +
+                     std::to_string(impl_->model.dofs()));
+  }
+  if (!v.allFinite()) throw NotFiniteError("setJointVelocities: found a velocity that is not finite, must be finite");
+  impl_->v = v;
+  impl_->coupling.complete(impl_->q, impl_->v);
+}
+
+std::vector<ContactForce> MultibodyWorld::contacts() const {
+  std::vector<ContactForce> forces;
+  if (!impl_->contacts) return forces;
+  const auto& points = impl_->contacts->points();
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    forces.push_back({impl_->contacts->nameOf(points[k].a), impl_->contacts->nameOf(points[k].b), points[k].point,
+                      points[k].normal, points[k].depth_m, impl_->contacts->force(k)});
+  }
+  return forces;
+}
+
+Pose MultibodyWorld::obstaclePose(const std::string& obstacle) const {
+  return impl_->contacts->obstaclePose(impl_->obstacle(obstacle));
+}
+
+void MultibodyWorld::setObstaclePose(const std::string& obstacle, const Pose& X_WO) {
+  const std::size_t index = impl_->obstacle(obstacle);
+  if (!X_WO.p.allFinite() || !X_WO.q.coeffs().allFinite()) {
+    throw NotFiniteError("solid '" + obstacle + "': pose is not finite");
+  }
+  const auto& obstacles = impl_->contacts->obstacles();
+  for (std::size_t k = index; k < obstacles.size(); ++k) {
+    if (obstacles[k].name == obstacle) impl_->contacts->placeObstacle(k, {X_WO.p, X_WO.q.normalized()});
+  }
+}
+
+Twist MultibodyWorld::obstacleTwist(const std::string& obstacle) const {
+  return impl_->contacts->obstacleVelocity(impl_->obstacle(obstacle));
+}
+
+void MultibodyWorld::setContacts(const ContactConfig& config) { impl_->setContacts(config); }
+
+bool MultibodyWorld::floatingBase() const { return impl_->body.base() != nullptr; }
+
+Pose MultibodyWorld::basePose() const {
+  return impl_->body.base() ? impl_->body.base()->pose() : impl_->initialBasePose();
+}
+
+void MultibodyWorld::setBasePose(const Pose& X_WB) {
+  impl_->checkBase("setBasePose", X_WB.p.allFinite() && X_WB.q.coeffs().allFinite());
+  impl_->placeBase(X_WB);
+}
+
+void MultibodyWorld::setBaseTwist(const Twist& V_WB_W) {
+  impl_->checkBase("setBaseTwist", V_WB_W.allFinite());
+  FloatingBase& base = *impl_->body.base();
+  Twist velocity = V_WB_W;  // of the centre of mass
+  velocity.head<3>() += V_WB_W.tail<3>().cross(base.com() - base.p());
+  base.setVelocity(velocity);
+}
+
+void MultibodyWorld::step(int n) {
+  if (n < 0) throw ParameterError("step: found " + std::to_string(n) + " periods, allowed >= 0");
+  for (int i = 0; i < n; ++i) impl_->step();
+}
+
+void MultibodyWorld::setCommand(const JointCommand& command) { impl_->command(command, true); }
+
+void MultibodyWorld::setPosition(const std::string& joint, double set_point) {
+  impl_->command(JointCommand{{{joint, set_point}}, {}, {}}, true);
+}
+
+void MultibodyWorld::setVelocity(const std::string& joint, double velocity) {
+  impl_->command(JointCommand{{}, {{joint, velocity}}, {}}, true);
+}
+
+void MultibodyWorld::setEffort(const std::string& joint, double effort) {
+  impl_->command(JointCommand{{}, {}, {{joint, effort}}}, true);
+}
+
+void MultibodyWorld::setControllerCommand(const std::string& controller, double value) {
+  const JointDrive& drive = impl_->driveOf(controller);
+  JointCommand command;
+  (drive.takesPosition()   ? command.position
+   : drive.takesVelocity() ? command.velocity
+                           : command.effort)
+      .emplace(drive.joint().name, value);
+  impl_->command(command, false);
+}
+
+std::vector<std::string> MultibodyWorld::controllerNames() const {
+  std::vector<std::string> names;
+  for (const auto& controller : impl_->config.controllers) names.push_back(controller.name);
+  return names;
+}
+
+const ControllerConfig& MultibodyWorld::controllerConfig(const std::string& controller) const {
+  return impl_->driveOf(controller).controller();
+}
+
+ControllerState MultibodyWorld::controllerState(const std::string& controller) const {
+  const DriveMemory& memory = impl_->driveOf(controller).memory();
+  ControllerState state;
+  state.set_point = memory.set_point;
+  state.process_value = memory.process_value;
+  state.process_value_dot = memory.process_value_dot;
+  state.error = memory.error;
+  state.time_step_s = impl_->config.period_s;
+  state.command = memory.command;
+  state.gains = memory.gains;
+  return state;
+}
+
+void MultibodyWorld::setGains(const std::string& controller, const PidGains& gains) {
+  JointDrive& drive = impl_->driveOf(controller);
+  checkGains(gains, controller);
+  drive.memory().gains = gains;
+}
+
+Pose MultibodyWorld::linkPose(int link) const {
+  if (link < 0 || link >= static_cast<int>(impl_->model.links.size())) {
+    throw UnknownNameError("link index is " + std::to_string(link) + ", must be in [0, " +
+                           std::to_string(impl_->model.links.size()) + ")");
+  }
+  return impl_->body.linkPose(link);
+}
+
+Pose MultibodyWorld::linkPose(const std::string& link) const { return linkPose(impl_->model.linkIndex(link)); }
+
+Twist MultibodyWorld::linkTwist(int link) const {
+  linkPose(link);
+  return impl_->body.linkTwist(link, impl_->v);
+}
+
+Twist MultibodyWorld::linkTwist(const std::string& link) const { return linkTwist(impl_->model.linkIndex(link)); }
+
+Eigen::MatrixXd MultibodyWorld::massMatrix() const {
+  std::vector<double> M;
+  impl_->body.massMatrix(M);
+  return Eigen::Map<const Eigen::MatrixXd>(M.data(), impl_->model.dofs(), impl_->model.dofs());
+}
+
+double MultibodyWorld::energy() const {
+  std::vector<double> M;
+  impl_->body.massMatrix(M);
+  return impl_->body.kineticEnergy(M, impl_->v) + impl_->body.potentialEnergy();
+}
+
+}  // namespace aras_visual_servo_sim

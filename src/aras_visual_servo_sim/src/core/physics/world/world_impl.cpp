@@ -1,0 +1,241 @@
+#include "world_impl.hpp"
+
+#include <cmath>
+
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
+
+namespace aras_visual_servo_sim {
+
+namespace {
+
+void checkConfig(const WorldConfig& config) {
+  FaultList faults;
+  const Schema& section = sectionOf("sim");
+  checkValue(section, "period_s", config.period_s, faults);
+  const Eigen::Vector3d& gravity = config.gravity_m_s2;
+  checkValue(section, "gravity_m_s2", std::vector<double>(gravity.data(), gravity.data() + gravity.size()), faults);
+  checkValue(section, "command_timeout_s", config.command_timeout_s, faults);
+  if (config.X_WB && !(config.X_WB->p.allFinite() && config.X_WB->q.coeffs().allFinite())) {
+    faults.add("base_pose", "a value that is not finite", "finite numbers");
+  }
+  faults.throwIfAny();
+  for (const auto& controller : config.controllers) checkGains(controller.gains, controller.name);
+}
+
+bool isFloating(const RobotModel& model, const WorldConfig& config) {
+  return config.base == Base::kFloating || (config.base == Base::kFromModel && model.floatingJoint());
+}
+
+/** How far a mimic joint may be named off the position it has: the rounding of a few operations. */
+constexpr double kMimicRounding = 1e-9;
+
+/** Periods after which a timeout is no different from none: far below the largest tick. */
+constexpr double kLongestTimeout = 1e18;
+
+}  // namespace
+
+MultibodyWorld::Impl::Impl(const RobotModel& the_model, const WorldConfig& the_config)
+    : model((checkConfig(the_config), the_model)),
+      config(the_config),
+      coupling(model),
+      body(model, config.gravity_m_s2, isFloating(model, config), initialBasePose()),
+      solver(coupling.coordinates()),
+      graphs(coupling.coordinates()) {
+  const int n = model.dofs();
+  const int coordinates = coupling.coordinates();
+  q = v = v_free = effort = Eigen::VectorXd::Zero(n);
+  v_next = v_free_c = total = Eigen::VectorXd::Zero(coordinates);
+  M.resize(static_cast<std::size_t>(n) * n);
+  M_c.resize(static_cast<std::size_t>(coordinates) * coordinates);
+  makeDrives();
+  body.setPositions(q);
+  setContacts(config.contacts);
+  start();
+}
+
+void MultibodyWorld::Impl::makeDrives() {
+  for (int c = 0; c < coupling.coordinates(); ++c) {
+    const int i = coupling.joint(c);
+    const ControllerConfig* controller = nullptr;
+    for (const auto& each : config.controllers) {
+      if (each.joint != model.joint_names[i]) continue;
+      if (controller) {
+        throw ParameterError("joint '" + each.joint + "': found controllers " + controller->name + " and " + each.name +
+                             ", allowed one");
+      }
+      controller = &each;
+    }
+    drives.emplace_back(coupling.driven(model, c), controller, config.drive, config.period_s);
+    q[i] = clampPosition(model.movingJoint(i).limits, 0.0);
+  }
+  for (const auto& each : config.controllers) driveOfJoint(each.joint);
+}
+
+/** The first tick at or after the timeout; the small slack keeps 0.1 s / 0.001 s at 100. */
+std::int64_t MultibodyWorld::Impl::expiryTick(double timeout_s) const {
+  const double periods = std::ceil(timeout_s / config.period_s - 1e-9);
+  return timeout_s > 0.0 && periods < kLongestTimeout ? ticks + static_cast<std::int64_t>(periods) : kNever;
+}
+
+Pose MultibodyWorld::Impl::initialBasePose() const {
+  if (config.X_WB) return *config.X_WB;
+  return model.floatingJoint() ? model.floatingJoint()->X_PJ : Pose{};
+}
+
+void MultibodyWorld::Impl::start() {
+  ticks = 0;
+  v.setZero();
+  effort.setZero();
+  coupling.complete(q, v);
+  for (std::size_t c = 0; c < drives.size(); ++c) drives[c].start(q[coupling.joint(static_cast<int>(c))]);
+  placeBase(initialBasePose());
+  if (contacts) contacts->reset();
+}
+
+void MultibodyWorld::Impl::placeBase(const Pose& X_WB) {
+  if (body.base()) {
+    body.base()->place(X_WB);
+    body.base()->setVelocity(Twist::Zero());
+  }
+  body.setPositions(q);
+}
+
+void MultibodyWorld::Impl::step() {
+  const double dt = config.period_s;
+  const int coordinates = coupling.coordinates();
+  for (int c = 0; c < coordinates; ++c) {
+    const int i = coupling.joint(c);
+    drives[c].prepare(q[i], v[i], ticks, graphs[c]);
+    v_next[c] = v[i];
+  }
+  body.massMatrix(M);
+  body.freeVelocities(v, dt, v_free);
+  if (coupling.any()) coupling.reduce(M, v_free, M_c, v_free_c);
+  const auto& M_used = coupling.any() ? M_c : M;
+  const auto& v_free_used = coupling.any() ? v_free_c : v_free;
+  if (contacts) {
+    contacts->prepare(body, coupling, v_free);
+    contacts->solve(M_used, v_free_used, graphs, solver, v_next, total);
+  } else {
+    solver.solve(M_used, v_free_used, graphs, dt, v_next, total);
+  }
+  checkVelocities();
+  for (int c = 0; c < coordinates; ++c) {
+    const int i = coupling.joint(c);
+    effort[i] = graphs[c].actuatorEffort(v_next[c], total[c]);
+    // A stop is reached to the last bit; for the others this changes nothing.
+    q[i] = clampPosition(drives[c].joint().limits, q[i] + dt * v_next[c]);
+    drives[c].finish(q[i], v_next[c], v[i]);
+    v[i] = v_next[c];
+  }
+  if (coupling.any()) coupling.complete(q, v);
+  if (contacts) contacts->finish(body);
+  if (body.base()) body.base()->advance(v, v_free, dt);
+  body.setPositions(q);
+  ++ticks;
+}
+
+void MultibodyWorld::Impl::checkVelocities() const {
+  for (int c = 0; c < coupling.coordinates(); ++c) {
+    if (std::isfinite(v_next[c])) continue;
+    throw NotFiniteError("joint '" + model.joint_names[coupling.joint(c)] + "': velocity is " + shown(v_next[c]) +
+                         " after tick " + std::to_string(ticks) +
+                         ", must be finite (gains too high for the explicit drive?)");
+  }
+}
+
+const JointDrive& MultibodyWorld::Impl::driveOfJoint(const std::string& name) const {
+  const int joint = model.jointIndex(name);
+  if (coupling.follows(joint)) {
+    throw ParameterError("joint '" + name + "': mimics '" + driveOf(joint).joint().name +
+                         "', must be moved through that joint");
+  }
+  return driveOf(joint);
+}
+
+JointDrive& MultibodyWorld::Impl::driveOfJoint(const std::string& name) {
+  return const_cast<JointDrive&>(static_cast<const Impl*>(this)->driveOfJoint(name));
+}
+
+JointDrive& MultibodyWorld::Impl::driveOf(const std::string& controller) {
+  std::string known;
+  for (auto& drive : drives) {
+    if (!drive.hasController()) continue;
+    if (drive.controller().name == controller) return drive;
+    known += (known.empty() ? "" : ", ") + drive.controller().name;
+  }
+  throw UnknownNameError("controller '" + controller + "' does not exist, allowed: " + known);
+}
+
+std::size_t MultibodyWorld::Impl::obstacle(const std::string& name) const {
+  std::string known;
+  if (contacts) {
+    for (std::size_t k = 0; k < contacts->obstacles().size(); ++k) {
+      if (contacts->obstacles()[k].name == name) return k;
+      known += (known.empty() ? "" : ", ") + contacts->obstacles()[k].name;
+    }
+  }
+  throw UnknownNameError("solid '" + name + "': takes no part in the contacts, those that do are: " + known);
+}
+
+void MultibodyWorld::Impl::setContacts(const ContactConfig& wanted) {
+  std::unique_ptr<WorldContacts> next;
+  if (wanted.any()) {
+    next = std::make_unique<WorldContacts>(model, wanted, body, config.gravity_m_s2, config.period_s);
+    if (contacts) next->takeOver(*contacts);
+  }
+  contacts = std::move(next);
+}
+
+void MultibodyWorld::Impl::checkBase(const std::string& what, bool finite) const {
+  if (!body.base()) throw ParameterError(what + ": the base is fixed, must be floating (sim/base: floating)");
+  if (!finite) throw NotFiniteError(what + ": found a value that is not finite, must be finite");
+}
+
+void MultibodyWorld::Impl::checkFollower(int joint, const Eigen::VectorXd& wanted) const {
+  if (!coupling.follows(joint)) return;
+  const double position = coupling.position(joint, wanted);
+  if (std::abs(wanted[joint] - position) <= kMimicRounding * (1.0 + std::abs(position))) return;
+  throw ParameterError("joint '" + model.joint_names[joint] + "': position is " + shown(wanted[joint]) + ", must be " +
+                       shown(position) + " (it mimics '" + driveOf(joint).joint().name + "') or left out");
+}
+
+void MultibodyWorld::Impl::checkPosition(int joint, double position) const {
+  const JointLimits& limits = model.movingJoint(joint).limits;
+  const std::string what = "joint '" + model.joint_names[joint] + "': position is " + shown(position);
+  if (!std::isfinite(position)) throw NotFiniteError(what + ", must be finite");
+  if (limits.has_position && (position < limits.lower || position > limits.upper)) {
+    throw ParameterError(what + ", must be in [" + shown(limits.lower) + ", " + shown(limits.upper) + "]");
+  }
+}
+
+void MultibodyWorld::Impl::checkCommand(const std::map<std::string, double>& values, bool (JointDrive::*takes)() const,
+                                        const char* kind) const {
+  for (const auto& item : values) {
+    const JointDrive& drive = driveOfJoint(item.first);
+    const std::string what = "joint '" + item.first + "': " + kind + " command is " + shown(item.second);
+    if (!std::isfinite(item.second)) throw NotFiniteError(what + ", must be finite");
+    if ((drive.*takes)()) continue;
+    throw ParameterError(what + ", must be one its controller takes (" +
+                         (drive.hasController() ? controllerTypeName(drive.controller().type) : "it has none") + ")");
+  }
+}
+
+void MultibodyWorld::Impl::command(const JointCommand& command, bool expires) {
+  checkCommand(command.position, &JointDrive::takesPosition, "position");
+  checkCommand(command.velocity, &JointDrive::takesVelocity, "velocity");
+  checkCommand(command.effort, &JointDrive::takesEffort, "effort");
+  for (const auto& item : command.position) driveOfJoint(item.first).commandPosition(item.second);
+  for (const auto& item : command.velocity) {
+    JointDrive& drive = driveOfJoint(item.first);
+    drive.commandVelocity(item.second,
+                          expiryTick(expires ? config.command_timeout_s : drive.controller().command_timeout_s));
+  }
+  for (const auto& item : command.effort) {
+    JointDrive& drive = driveOfJoint(item.first);
+    drive.commandEffort(item.second, expiryTick(drive.controller().command_timeout_s));
+  }
+}
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "aras_visual_servo_sim/physics/multibody_world.hpp"
+#include "physics/body/articulated_body.hpp"
+#include "physics/contact/world_contacts.hpp"
+#include "physics/drive/joint_coupling.hpp"
+#include "physics/drive/joint_drive.hpp"
+#include "physics/drive/joint_solver.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** What is inside a MultibodyWorld: the parts and the order in which they act. */
+class MultibodyWorld::Impl {
+ public:
+  Impl(const RobotModel& the_model, const WorldConfig& the_config);
+
+  void start();
+  void step();
+
+  /** At rest; the joints stay. */
+  void placeBase(const Pose& X_WB);
+  Pose initialBasePose() const;
+
+  /** One checked command: everything is looked up before anything is done.
+   *  @param expires  whether its velocities do so after config.command_timeout_s; else, as efforts, after the time of
+   *                  their controller */
+  void command(const JointCommand& command, bool expires);
+
+  /** @throws UnknownNameError, ParameterError naming what a mimic joint follows */
+  const JointDrive& driveOfJoint(const std::string& name) const;
+  JointDrive& driveOfJoint(const std::string& name);
+  const JointDrive& driveOf(int joint) const { return drives[coupling.coordinate(joint)]; }
+  JointDrive& driveOf(const std::string& controller);
+
+  /** Index of an obstacle of the contacts. @throws UnknownNameError */
+  std::size_t obstacle(const std::string& name) const;
+  void setContacts(const ContactConfig& config);
+  void checkBase(const std::string& what, bool finite) const;
+  /** A mimic joint that is named must be where what it follows puts it. */
+  void checkFollower(int joint, const Eigen::VectorXd& wanted) const;
+  void checkPosition(int joint, double position) const;
+
+  /** Reads or writes everything that decides the future, in one order for both. */
+  template <typename Stream>
+  void visitState(Stream& stream);
+
+  /** What a saved state must match: the joints, their controllers, the base and the period. */
+  std::string signature() const;
+
+  const RobotModel model;
+  const WorldConfig config;
+  JointCoupling coupling;
+  ArticulatedBody body;
+  JointSolver solver;
+  std::unique_ptr<WorldContacts> contacts;  // null: nothing touches
+  std::vector<JointDrive> drives;           // of the coordinates
+  std::vector<JointGraph> graphs;
+  std::vector<double> M, M_c;               // of the joints, of the coordinates
+  Eigen::VectorXd q, v, v_free, effort;     // of the joints
+  Eigen::VectorXd v_next, v_free_c, total;  // of the coordinates
+  std::int64_t ticks = 0;
+
+ private:
+  void makeDrives();
+  std::int64_t expiryTick(double timeout_s) const;
+  void checkVelocities() const;
+  void checkCommand(const std::map<std::string, double>& values, bool (JointDrive::*takes)() const,
+                    const char* kind) const;
+};
+
+/** A number as it stands in messages. */
+inline std::string shown(double value) {
+  std::ostringstream out;
+  out << value;
+  return out.str();
+}
+
+}  // namespace aras_visual_servo_sim

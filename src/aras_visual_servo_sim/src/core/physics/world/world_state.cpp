@@ -1,0 +1,97 @@
+// Saving and restoring a MultibodyWorld.
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "state_stream.hpp"
+#include "world_impl.hpp"
+
+namespace aras_visual_servo_sim {
+
+namespace {
+
+template <typename Stream>
+void visitBase(Stream& stream, FloatingBase& base) {
+  Pose pose = base.pose();
+  Twist velocity = base.velocity();
+  for (int k = 0; k < 3; ++k) stream.value(pose.p[k]);
+  for (int k = 0; k < 4; ++k) stream.value(pose.q.coeffs()[k]);
+  for (int k = 0; k < 6; ++k) stream.value(velocity[k]);
+  base.restore(pose, velocity);
+}
+
+template <typename Stream>
+void visitContacts(Stream& stream, WorldContacts& contacts) {
+  for (std::size_t i = 0; i < contacts.obstacles().size(); ++i) {
+    Pose pose = contacts.obstaclePose(i);
+    for (int k = 0; k < 3; ++k) stream.value(pose.p[k]);
+    for (int k = 0; k < 4; ++k) stream.value(pose.q.coeffs()[k]);
+    contacts.restoreObstacle(i, pose);
+  }
+  for (FreeBody& body : contacts.freeBodies()) {
+    Twist velocity = body.velocity();
+    for (int k = 0; k < 6; ++k) stream.value(velocity[k]);
+    body.restore(body.pose(), velocity);
+  }
+}
+
+template <typename Stream>
+void visitMemory(Stream& stream, DriveMemory& memory) {
+  for (double* value : {&memory.set_point, &memory.soft_position, &memory.velocity_command, &memory.process_value,
+                        &memory.process_value_dot, &memory.error, &memory.command, &memory.gains.p, &memory.gains.i,
+                        &memory.gains.d, &memory.gains.i_min, &memory.gains.i_max, &memory.pid.error,
+                        &memory.pid.last_error, &memory.pid.error_dot, &memory.pid.integral, &memory.pid.command}) {
+    stream.value(*value);
+  }
+  stream.value(memory.expiry_tick);
+  stream.value(memory.gains.antiwindup);
+  stream.value(memory.pid.last_error_valid);
+}
+
+}  // namespace
+
+template <typename Stream>
+void MultibodyWorld::Impl::visitState(Stream& stream) {
+  stream.value(ticks);
+  for (int i = 0; i < model.dofs(); ++i) {
+    stream.value(q[i]);
+    stream.value(v[i]);
+    stream.value(effort[i]);
+  }
+  for (auto& drive : drives) visitMemory(stream, drive.memory());
+  if (body.base()) visitBase(stream, *body.base());
+  if (contacts) visitContacts(stream, *contacts);
+}
+
+std::string MultibodyWorld::Impl::signature() const {
+  std::string text = model.name + '\n' + shown(config.period_s) + (body.base() ? " floating" : "");
+  if (contacts) {
+    for (const Obstacle& obstacle : contacts->obstacles()) text += "\nsolid " + obstacle.name;
+  }
+  for (const auto& drive : drives) {
+    text += '\n' + drive.joint().name;
+    if (drive.hasController())
+      text += ' ' + drive.controller().name + ' ' + controllerTypeName(drive.controller().type);
+  }
+  return text;
+}
+
+std::string MultibodyWorld::saveState() const {
+  StateWriter writer;
+  writer.text(impl_->signature());
+  impl_->visitState(writer);
+  return writer.bytes();
+}
+
+void MultibodyWorld::restoreState(const std::string& state) {
+  StateWriter mine;
+  mine.text(impl_->signature());
+  StateWriter whole = mine;
+  impl_->visitState(whole);
+  if (state.size() != whole.bytes().size() || state.compare(0, mine.bytes().size(), mine.bytes()) != 0) {
+    throw StateError("state: found " + std::to_string(state.size()) +
+                     " bytes of another model or other controllers, must come from saveState() of a world like this");
+  }
+  StateReader reader(state, mine.bytes().size());
+  impl_->visitState(reader);
+  impl_->body.setPositions(impl_->q);
+}
+
+}  // namespace aras_visual_servo_sim

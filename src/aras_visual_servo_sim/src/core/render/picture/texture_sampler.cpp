@@ -1,0 +1,204 @@
+#include "texture_sampler.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "aras_visual_servo_sim/image/pixel_color.hpp"
+#include "tile_integrals.hpp"
+
+namespace aras_visual_servo_sim {
+
+void TextureSampler::sample(const CameraModel& camera, const Pose& X_CM, const PlanarModel::Picture& picture,
+                            const PixelBox& box, Image& out) {
+  camera_ = &camera;
+  texture_ = picture.texture.get();
+  const double width = texture_->width(), height = texture_->height();
+  // A point (X, Y) of the model's plane lies on the ray (R.col(0), R.col(1), p) (X, Y, 1): its inverse takes rays to
+  // points. Then from metres to texels, t growing downwards.
+  Eigen::Matrix3d plane = X_CM.q.toRotationMatrix();
+  plane.col(2) = X_CM.p;
+  Eigen::Matrix3d texels;
+  texels << width / picture.size_m.x(), 0.0, 0.5 * width, 0.0, -height / picture.size_m.y(), 0.5 * height, 0.0, 0.0,
+      1.0;
+  bool visible = false;
+  Eigen::Matrix3d inverse;
+  plane.computeInverseWithCheck(inverse, visible, 1e-9);  // else seen from its own plane: it covers nothing
+  if (!visible) return;
+  T_ = texels * inverse;
+  Eigen::Matrix3d rays;  // of pixel coordinates (u, v, 1), without a lens
+  rays << 1.0 / camera.fx(), 0.0, -camera.cx() / camera.fx(), 0.0, 1.0 / camera.fy(), -camera.cy() / camera.fy(), 0.0,
+      0.0, 1.0;
+  pixels_ = T_ * rays;
+  if (camera.sampling() == CameraModel::Sampling::kCenter) {
+    sampleCenters(box, out);
+    return;
+  }
+  for (int v = box.v0; v < box.v1; v += kTile) {
+    for (int u = box.u0; u < box.u1; u += kTile) {
+      sampleTile({u, v, std::min(u + kTile, box.u1), std::min(v + kTile, box.v1)}, out);
+    }
+  }
+}
+
+/** Ray through pixel coordinates; through a lens, bilinear between those through the corners of the pixel. */
+Eigen::Vector3d TextureSampler::ray(double u, double v) const {
+  if (camera_->lens() == CameraModel::Lens::kNone) {
+    return {(u - camera_->cx()) / camera_->fx(), (v - camera_->cy()) / camera_->fy(), 1.0};
+  }
+  const int i = std::clamp(static_cast<int>(u + 0.5), 0, camera_->width() - 1);
+  const int j = std::clamp(static_cast<int>(v + 0.5), 0, camera_->height() - 1);
+  const double a = u + 0.5 - i, b = v + 0.5 - j;
+  const Eigen::Vector3d* top = camera_->cornerRays().data() + std::size_t(j) * (camera_->width() + 1) + i;
+  if (a == 0.0 && b == 0.0) return *top;
+  const Eigen::Vector3d* bottom = top + camera_->width() + 1;
+  return (1.0 - b) * ((1.0 - a) * top[0] + a * top[1]) + b * ((1.0 - a) * bottom[0] + a * bottom[1]);
+}
+
+void TextureSampler::write(const double* rgb, std::uint8_t* pixel, Encoding encoding) const {
+  const auto byte = [](double x) { return static_cast<std::uint8_t>(std::clamp(x + 0.5, 0.0, 255.0)); };
+  pixel[0] = byte(rgb[encoding == Encoding::kBgr8 ? 2 : 0]);
+  if (encoding == Encoding::kMono8) return;
+  pixel[1] = byte(rgb[1]);
+  pixel[2] = byte(rgb[encoding == Encoding::kBgr8 ? 0 : 2]);
+}
+
+void TextureSampler::sampleCenters(const PixelBox& box, Image& out) const {
+  for (int v = box.v0; v < box.v1; ++v) {
+    for (int u = box.u0; u < box.u1; ++u) sampleCenter(u, v, out);
+  }
+}
+
+/** Texel nearest to what the centre of a pixel sees. */
+void TextureSampler::sampleCenter(int u, int v, Image& out) const {
+  const Eigen::Vector3d m = onPicture(u, v);
+  const Eigen::Array2d st = m.head<2>().array() / std::max(m.z(), 1e-300);
+  const int i = static_cast<int>(std::clamp(st.x(), 0.0, texture_->width() - 1.0));
+  const int j = static_cast<int>(std::clamp(st.y(), 0.0, texture_->height() - 1.0));
+  const std::uint8_t* rgb = texture_->texel(i, j);
+  const auto pixel = pixelOf({rgb[0], rgb[1], rgb[2]}, out.encoding);
+  std::copy(pixel.begin(), pixel.begin() + out.channels(), out.pixel(u, v));
+}
+
+void TextureSampler::sampleTile(const PixelBox& box, Image& out) {
+  const Tile tile = findCorners(box);
+  if (!tile.seen) return;
+  if (!tile.regular) {
+    sampleRays(box, out);
+  } else if (out.channels() == 3) {
+    tile.border ? integrateBorder<3>(tile, out) : integrateInside<3>(tile, out);
+  } else {
+    tile.border ? integrateBorder<1>(tile, out) : integrateInside<1>(tile, out);
+  }
+}
+
+TextureSampler::Tile TextureSampler::findCorners(const PixelBox& box) {
+  Tile tile;
+  tile.box = box;
+  const bool pinhole = camera_->lens() == CameraModel::Lens::kNone;
+  const int columns = box.u1 - box.u0, rows = box.v1 - box.v0;
+  const Eigen::Vector3d step = pixels_.col(0);
+  for (int j = 0; j <= rows; ++j) {
+    const Eigen::Vector3d first = pixels_ * Eigen::Vector3d(box.u0 - 0.5, box.v0 + j - 0.5, 1.0);
+    Eigen::Vector2d* corner = corners_.data() + j * kStride;
+    for (int i = 0; i <= columns; ++i, ++corner) {
+      const Eigen::Vector3d m =
+          pinhole ? Eigen::Vector3d(first + double(i) * step) : onPicture(box.u0 + i - 0.5, box.v0 + j - 0.5);
+      if (m.z() <= 0.0) {
+        tile.regular = false;
+        return tile;
+      }
+      *corner = m.head<2>() * (1.0 / m.z());
+    }
+  }
+  // Without a lens squares become convex, and smaller from one side to the other: the first and last ones tell all.
+  const int step_u = pinhole ? columns : 1, step_v = pinhole ? rows : 1;
+  Eigen::Array2d low = corners_[0], high = low;
+  for (int j = 0; j <= rows; j += step_v) {
+    for (int i = 0; i <= columns; i += step_u) {
+      const Eigen::Vector2d* corner = corners_.data() + j * kStride + i;
+      low = low.min(corner->array());
+      high = high.max(corner->array());
+      tile.rows = std::max({tile.rows, std::abs(corner->y() - corner[i > 0 ? -1 : 1].y()),
+                            std::abs(corner->y() - corner[j > 0 ? -kStride : kStride].y())});
+    }
+  }
+  constexpr double kSmall = 0.125;  // [texels] a whole tile: single precision would show
+  const Eigen::Array2d size(texture_->width(), texture_->height());
+  tile.border = (low < 0.0).any() || (high > size).any() || (high - low).maxCoeff() < kSmall;
+  tile.seen = !((high < 0.0).any() || (low > size).any());
+  tile.low = low;
+  return tile;
+}
+
+/** The level of which the largest pixel covers kRows rows at least; `merged` rows of the picture are one of it. */
+const Texture::Level& TextureSampler::levelOf(const Tile& tile, int channels, double& merged) const {
+  const std::vector<Texture::Level>& levels = texture_->levels(channels);
+  std::size_t k = 0;
+  while (k + 1 < levels.size() && tile.rows >= 2.0 * kRows * double(1 << k)) ++k;
+  merged = double(1 << k);
+  return levels[k];
+}
+
+/** Edges of a row of pixels: their corners below those of the row before, the integrals of which are known. */
+template <int channels>
+void TextureSampler::integrateInside(const Tile& tile, Image& out) const {
+  using Integrals = TileIntegrals<channels>;
+  double merged = 1.0;
+  const Texture::Level& level = levelOf(tile, channels, merged);
+  const int columns = tile.box.u1 - tile.box.u0, rows = tile.box.v1 - tile.box.v0;
+  const int column = static_cast<int>(tile.low.x()), row = static_cast<int>(tile.low.y() / merged);
+  Integrals integrals(level, texture_->width(), column, row);
+  std::array<float, Integrals::kMostEdges + 1> x[2]{}, y[2]{};
+  typename Integrals::Values across[2], down;
+  for (int j = 0; j <= rows; ++j) {
+    const Eigen::Vector2d* corner = corners_.data() + j * kStride;
+    auto &x1 = x[j % 2], &y1 = y[j % 2], &x0 = x[1 - j % 2], &y0 = y[1 - j % 2];
+    for (int i = 0; i <= columns; ++i) {
+      x1[i] = static_cast<float>(corner[i].x() - column);
+      y1[i] = static_cast<float>(corner[i].y() / merged - row);
+    }
+    integrals.along(x1.data(), y1.data(), x1.data() + 1, y1.data() + 1, columns, across[j % 2]);
+    if (j == 0) continue;
+    integrals.along(x0.data(), y0.data(), x1.data(), y1.data(), columns + 1, down);
+    std::uint8_t* pixel = out.pixel(tile.box.u0, tile.box.v0 + j - 1);
+    for (int i = 0; i < columns; ++i, pixel += channels) {
+      const auto sum = across[1 - j % 2][i] + down[i + 1] - across[j % 2][i] - down[i];
+      const float area = 0.5f * ((x1[i + 1] - x0[i]) * (y1[i] - y0[i + 1]) - (y1[i + 1] - y0[i]) * (x1[i] - x0[i + 1]));
+      // Sums cover `merged` rows each, and so does a unit of y.
+      const float scale = 1.0f / (area * static_cast<float>(merged));
+      double mean[3];
+      for (int c = 0; c < channels; ++c) mean[c] = SumLanes<channels>::at(sum, c) * scale;
+      write(mean, pixel, out.encoding);
+    }
+  }
+}
+
+/** Means of 8 x 8 rays a pixel, where the plane's horizon is near. */
+void TextureSampler::sampleRays(const PixelBox& box, Image& out) const {
+  constexpr int kRays = 8;
+  for (int v = box.v0; v < box.v1; ++v) {
+    for (int u = box.u0; u < box.u1; ++u) {
+      double sum[3] = {0.0, 0.0, 0.0};
+      int count = 0;
+      for (int k = 0; k < kRays * kRays; ++k) {
+        const Eigen::Vector3d m =
+            onPicture(u - 0.5 + (k % kRays + 0.5) / kRays, v - 0.5 + (k / kRays + 0.5) / kRays);  // NOLINT
+        const double s = m.x() / m.z(), t = m.y() / m.z();
+        if (!(m.z() > 0.0 && s >= 0.0 && t >= 0.0 && s < texture_->width() && t < texture_->height())) continue;
+        const std::uint8_t* rgb = texture_->texel(static_cast<int>(s), static_cast<int>(t));
+        for (int c = 0; c < 3; ++c) sum[c] += rgb[c];
+        ++count;
+      }
+      if (count == 0) {
+        sampleCenter(u, v, out);
+        continue;
+      }
+      for (double& value : sum) value /= count;
+      if (out.channels() == 1) sum[0] = greyOf(sum[0], sum[1], sum[2]);
+      write(sum, out.pixel(u, v), out.encoding);
+    }
+  }
+}
+
+}  // namespace aras_visual_servo_sim

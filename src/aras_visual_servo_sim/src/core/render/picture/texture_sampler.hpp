@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "aras_visual_servo_sim/camera/camera_model.hpp"
+#include "aras_visual_servo_sim/scene/scene.hpp"
+#include "render/coverage/coverage_rasterizer.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** Colours of pixels that look at a planar model's picture.
+ *
+ *  The square of a pixel is a quadrangle on the picture; the integral of the texels over it is, by Green's theorem, the
+ *  integral of their running sum along its four edges, and neighbouring pixels share edges. Edges are taken as straight
+ *  on the picture and the scale as constant over a pixel, which perspective and lenses spoil by second-order terms.
+ *  Where a pixel covers many texel rows, rows are merged first (Texture::Level) so that at least kRows remain. Pixels
+ *  at the picture's border get the mean of the part that sees it (texture_border.cpp). */
+class TextureSampler {
+ public:
+  /** Writes the colours of the pixels in box that see the picture; others are undefined.
+   *  @param X_CM  pose of the model in the camera's frame */
+  void sample(const CameraModel& camera, const Pose& X_CM, const PlanarModel::Picture& picture, const PixelBox& box,
+              Image& out);
+
+ private:
+  static constexpr int kTile = 16;           ///< [px] block of pixels that share corners and edges
+  static constexpr int kStride = kTile + 1;  ///< corners of a row of them
+  static constexpr int kRows =
+      4;  ///< rows of texels that the largest pixel of a tile still covers, if there are as many
+
+  /** Texture coordinates of a ray (in C): (s, t) = m.head<2>() / m.z() with m = T * ray; m.z() > 0 in front. */
+  struct Tile {
+    PixelBox box;
+    bool border = false;  ///< some corner lies outside the picture; or the tile sees next to nothing of it
+    bool seen = true;     ///< some pixel may see the picture
+    bool regular = true;  ///< every corner sees the plane
+    double rows = 1.0;    ///< texel rows that the largest pixel covers
+    Eigen::Array2d low;   ///< least texture coordinates of its corners
+  };
+  Eigen::Vector3d ray(double u, double v) const;
+  Eigen::Vector3d onPicture(double u, double v) const { return T_ * ray(u, v); }
+  void sampleCenters(const PixelBox& box, Image& out) const;
+  void sampleCenter(int u, int v, Image& out) const;
+  void sampleTile(const PixelBox& box, Image& out);
+  Tile findCorners(const PixelBox& box);
+  const Texture::Level& levelOf(const Tile& tile, int channels, double& merged) const;
+  template <int channels>
+  void integrateInside(const Tile& tile, Image& out) const;
+  template <int channels>
+  void integrateBorder(const Tile& tile, Image& out);
+  void sampleRays(const PixelBox& box, Image& out) const;
+  void write(const double* rgb, std::uint8_t* pixel, Encoding encoding) const;
+
+  const CameraModel* camera_ = nullptr;
+  const Texture* texture_ = nullptr;
+  Eigen::Matrix3d T_, pixels_;  ///< rays, and without a lens pixel coordinates, to texture coordinates
+  std::array<Eigen::Vector2d, kStride * kStride> corners_;
+  std::array<double, 4 * kStride * kStride> across_, down_;  ///< integrals along edges to the right, downwards
+};
+
+}  // namespace aras_visual_servo_sim

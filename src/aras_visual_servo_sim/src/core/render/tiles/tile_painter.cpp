@@ -1,0 +1,264 @@
+#include "tile_painter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "aras_visual_servo_sim/image/pixel_color.hpp"
+#include "whole_tile.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+constexpr float kCrease = 24.0f;  // [grey levels] between triangles of one surface that count as an edge
+
+float dot(const float* a, const float* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+}  // namespace
+
+void TilePainter::paint(const CameraModel& camera, const TriangleList& triangles, const TileBins& bins,
+                        const Rgb& background, const std::vector<Image>& pictures, Image& image) {
+  camera_ = &camera;
+  list_ = &triangles;
+  bins_ = &bins;
+  pictures_ = &pictures;
+  image_ = &image;
+  background_ = background;
+  statistics_ = {};
+  for (int tile = 0; tile < bins.tiles(); ++tile) {
+    if (bins.mark(tile) == TileBins::Mark::kNone) continue;
+    ++statistics_.tiles;
+    paintTile(tile);
+  }
+}
+
+void TilePainter::paintTile(int tile) {
+  box_ = bins_->pixels(tile);
+  keep_ = bins_->mark(tile) == TileBins::Mark::kBodies;
+  candidates_.clear();
+  for (const std::uint32_t* triangle = bins_->begin(tile); triangle != bins_->end(tile); ++triangle) {
+    TileTriangle candidate;
+    if (candidate.set(*list_, *triangle, camera_->nearM(), box_)) candidates_.push_back(candidate);
+  }
+  if (paintWhole()) return;
+  setUp();
+  const bool centers = camera_->sampling() == CameraModel::Sampling::kCenter;
+  for (std::uint32_t k = 0; k < candidates_.size(); ++k) centers ? collectCenters(k) : collect(k);
+  for (int v = box_.v0; v < box_.v1; ++v) {
+    for (int u = box_.u0; u < box_.u1; ++u) paintPixel((v - box_.v0) * kTile + u - box_.u0);
+  }
+}
+
+/** The short way for a tile that sees nothing but one facet. @return false if it is none, or has a picture */
+bool TilePainter::paintWhole() {
+  const TileTriangle* front = wholeFront(*camera_, candidates_, box_);
+  if (!front) return false;
+  const Facet& facet = list_->facet(front->triangle);
+  if (keep_ && facet.planar) return true;
+  if (facet.picture >= 0 || facet.texture) return false;
+  shadeTile(*camera_, facet, box_, *image_);
+  return true;
+}
+
+void TilePainter::setUp() {
+  fragments_.clear();
+  first_.fill(-1);
+  front_.fill(-1);
+  floor_.fill(0.0f);
+  front_nearest_.fill(0.0f);
+  for (int v = box_.v0; v < box_.v1; ++v) {
+    for (int u = box_.u0; u < box_.u1; ++u) {
+      Pixel& pixel = pixels_[(v - box_.v0) * kTile + u - box_.u0];
+      pixel.rays = PixelRays::of(*camera_, u, v);
+      for (int k = 0; k < 3; ++k) {
+        pixel.middle[k] = static_cast<float>(pixel.rays.middle[k]);
+        pixel.across[k] = static_cast<float>(pixel.rays.across[k]);
+        pixel.down[k] = static_cast<float>(pixel.rays.down[k]);
+      }
+    }
+  }
+}
+
+/** Notes the pixels that a triangle may be seen in. */
+void TilePainter::collect(std::uint32_t index) {
+  const TileTriangle& t = candidates_[index];
+  const std::array<float, 3> half{0.5f * (std::abs(t.a[0]) + std::abs(t.b[0])),
+                                  0.5f * (std::abs(t.a[1]) + std::abs(t.b[1])),
+                                  0.5f * (std::abs(t.a[2]) + std::abs(t.b[2]))};
+  std::array<float, 3> outer;
+  for (int k = 0; k < 3; ++k) outer[k] = t.seam[k] ? std::numeric_limits<float>::max() : -half[k];
+  for (int v = 0; v < box_.v1 - box_.v0; ++v) {
+    float least[kTile], most[kTile], rim[kTile];  // of the distances to the edges, seams left out in rim
+    for (int u = 0; u < kTile; ++u) {
+      const float x = u + 0.5f, y = v + 0.5f;
+      const float e0 = t.a[0] * x + t.b[0] * y + t.c[0], e1 = t.a[1] * x + t.b[1] * y + t.c[1],
+                  e2 = t.a[2] * x + t.b[2] * y + t.c[2];
+      least[u] = std::min(std::min(e0 - half[0], e1 - half[1]), e2 - half[2]);
+      most[u] = std::min(std::min(e0 + half[0], e1 + half[1]), e2 + half[2]);
+      rim[u] = std::min(std::min(e0 + outer[0], e1 + outer[1]), e2 + outer[2]);
+    }
+    for (int u = 0; u < box_.u1 - box_.u0; ++u) {
+      if (most[u] < 0.0f) continue;
+      const int p = v * kTile + u;
+      const Pixel& pixel = pixels_[p];
+      const float z = dot(t.plane, pixel.middle) + t.bias;
+      const float reach = 0.5f * (std::abs(dot(t.plane, pixel.across)) + std::abs(dot(t.plane, pixel.down)));
+      if (z + reach < floor_[p]) continue;
+      if (least[u] > 0.0f && z - reach > floor_[p]) {
+        if (front_[p] >= 0 && front_nearest_[p] >= z - reach) {
+          fragments_.push_back({std::uint32_t(front_[p]), first_[p], front_nearest_[p], true});
+          first_[p] = static_cast<int>(fragments_.size()) - 1;
+        }
+        front_[p] = static_cast<int>(index);
+        floor_[p] = z - reach;
+        front_nearest_[p] = z + reach;
+        continue;
+      }
+      fragments_.push_back({index, first_[p], z + reach, rim[u] > 0.0f});
+      first_[p] = static_cast<int>(fragments_.size()) - 1;
+    }
+  }
+}
+
+/** All or nothing, by the middle of the pixel. */
+void TilePainter::collectCenters(std::uint32_t index) {
+  const TileTriangle& t = candidates_[index];
+  for (int v = 0; v < box_.v1 - box_.v0; ++v) {
+    for (int u = 0; u < box_.u1 - box_.u0; ++u) {
+      bool inside = true;
+      for (int k = 0; k < 3; ++k) inside = inside && t.a[k] * (u + 0.5f) + t.b[k] * (v + 0.5f) + t.c[k] >= t.least[k];
+      if (!inside) continue;
+      const int p = v * kTile + u;
+      const float z = dot(t.plane, pixels_[p].middle) + t.bias;
+      if (z <= floor_[p]) continue;
+      floor_[p] = z;
+      front_[p] = static_cast<int>(index);
+    }
+  }
+}
+
+void TilePainter::paintPixel(int p) {
+  seen_.clear();
+  const auto isBody = [this](std::uint32_t k) { return !list_->facet(candidates_[k].triangle).planar; };
+  int front = front_[p];
+  bool any_body = front >= 0 && isBody(front), smooth = true;
+  for (int k = first_[p]; k >= 0; k = fragments_[k].next) {
+    if (fragments_[k].nearest < floor_[p]) continue;
+    seen_.push_back(fragments_[k].candidate);
+    any_body = any_body || isBody(fragments_[k].candidate);
+    smooth = smooth && fragments_[k].smooth;
+  }
+  if (keep_ && !any_body) return;
+  double rgb[3] = {double(background_.r), double(background_.g), double(background_.b)};
+  if (!seen_.empty()) front = smooth ? smoothFront(p) : -1;
+  if (front >= 0) {
+    Eigen::Map<Eigen::Vector3d>{rgb} = colorOf(candidates_[front], p, {PixelSamples::kCount, 0.0, 0.0});
+  } else if (!seen_.empty()) {
+    ++statistics_.sampled_pixels;
+    samplePixel(p, rgb);
+  }
+  std::uint8_t* out = image_->pixel(box_.u0 + p % kTile, box_.v0 + p / kTile);
+  if (image_->encoding == Encoding::kMono8) {
+    *out = greyOf(rgb[0], rgb[1], rgb[2]);
+    return;
+  }
+  const auto bytes = pixelOf({byteOf(rgb[0]), byteOf(rgb[1]), byteOf(rgb[2])}, image_->encoding);
+  std::copy(bytes.begin(), bytes.end(), out);
+}
+
+/** Which of the candidates seen_, none of which ends in the pixel, its middle sees; -1 unless they are one surface of
+ *  about one colour, front_ is of it too or behind it. */
+int TilePainter::smoothFront(int p) const {
+  const float x = p % kTile + 0.5f, y = p / kTile + 0.5f;
+  const TileTriangle& first = candidates_[seen_.front()];
+  const Eigen::Vector3f& color = list_->facet(first.triangle).rgb[0];
+  int front = -1;
+  float nearest = 0.0f;
+  const bool alone = front_[p] < 0 || candidates_[front_[p]].surface == first.surface;
+  const auto look = [&](std::uint32_t index) {
+    const TileTriangle& t = candidates_[index];
+    const float z = dot(t.plane, pixels_[p].middle) + t.bias;
+    const float reach = 0.5f * (std::abs(dot(t.plane, pixels_[p].across)) + std::abs(dot(t.plane, pixels_[p].down)));
+    if (!alone && z - reach <= front_nearest_[p]) return false;
+    const Eigen::Vector3f& other = list_->facet(t.triangle).rgb[0];
+    if (t.surface != first.surface || (other - color).cwiseAbs().maxCoeff() > kCrease) return false;
+    for (int k = 0; k < 3; ++k) {
+      if (!(t.a[k] * x + t.b[k] * y + t.c[k] >= t.least[k])) return true;
+    }
+    if (z > nearest) {
+      front = static_cast<int>(index);
+      nearest = z;
+    }
+    return true;
+  };
+  for (const std::uint32_t index : seen_) {
+    if (!look(index)) return -1;
+  }
+  return front_[p] < 0 || !alone || look(static_cast<std::uint32_t>(front_[p])) ? front : -1;
+}
+
+/** The mean of the colours of the candidates seen_ and front_, and of the background in rgb, each where it is seen. */
+void TilePainter::samplePixel(int p, double* rgb) {
+  const Pixel& pixel = pixels_[p];
+  const float x = p % kTile + 0.5f, y = p / kTile + 0.5f;
+  if (front_[p] >= 0) seen_.push_back(static_cast<std::uint32_t>(front_[p]));
+  const auto nothing = static_cast<std::int32_t>(seen_.size());
+  samples_.clear(nothing);
+  for (std::int32_t k = nothing - 1; k >= 0; --k) {
+    const TileTriangle& t = candidates_[seen_[k]];
+    PixelSamples::Triangle triangle{t.a,
+                                    t.b,
+                                    {},
+                                    t.least,
+                                    dot(t.plane, pixel.middle) + t.bias,
+                                    dot(t.plane, pixel.across),
+                                    dot(t.plane, pixel.down)};
+    for (int i = 0; i < 3; ++i) triangle.c[i] = t.a[i] * x + t.b[i] * y + t.c[i];
+    samples_.see(triangle, k);
+  }
+  Eigen::Map<Eigen::Vector3d> color(rgb);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  int left = PixelSamples::kCount;
+  for (std::int32_t k = nothing - 1; k >= 0 && left > 0; --k) {
+    const PixelSamples::Share share = samples_.shareOf(k);
+    if (share.count == 0) continue;
+    left -= share.count;
+    sum += share.count * colorOf(candidates_[seen_[k]], p, share);
+  }
+  color = (sum + left * color) / PixelSamples::kCount;
+}
+
+/** Of the part of a pixel that sees a triangle. */
+Eigen::Vector3d TilePainter::colorOf(const TileTriangle& candidate, int p, const PixelSamples::Share& share) {
+  const Facet& facet = list_->facet(candidate.triangle);
+  if (facet.picture < 0) {
+    const Eigen::Vector3d color = facet.color(pixels_[p].rays.at(share.x, share.y));
+    return facet.texture ? Eigen::Vector3d(color.cwiseProduct(textureOf(candidate, p, share)) / 255.0) : color;
+  }
+  const Image& picture = (*pictures_)[facet.picture];
+  const std::uint8_t* seen = picture.pixel(box_.u0 + p % kTile, box_.v0 + p / kTile);
+  const bool grey = picture.channels() == 1, bgr = picture.encoding == Encoding::kBgr8;
+  return {double(seen[grey || !bgr ? 0 : 2]), double(seen[grey ? 0 : 1]), double(seen[grey || bgr ? 0 : 2])};
+}
+
+/** Mean of the texels over the part of the pixel's square that lies in the triangle, hidden or not. */
+Eigen::Vector3d TilePainter::textureOf(const TileTriangle& t, int p, const PixelSamples::Share& share) {
+  const Facet& facet = list_->facet(t.triangle);
+  const PixelRays& rays = pixels_[p].rays;
+  Eigen::Vector2d middle;
+  if (!facet.texel(rays.at(share.x, share.y), middle)) middle = facet.texels[0];
+  if (camera_->sampling() == CameraModel::Sampling::kCenter) return TextureArea::at(*facet.texture, middle);
+  outline_ = {{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
+  if (share.count < PixelSamples::kCount) {
+    const float x = p % kTile + 0.5f, y = p / kTile + 0.5f;
+    for (int k = 0; k < 3 && !outline_.empty(); ++k) {
+      texture_area_.clip(outline_, {t.a[k], t.b[k]}, -(t.a[k] * x + t.b[k] * y + t.c[k]));
+    }
+  }
+  for (Eigen::Vector2d& point : outline_) {
+    if (!facet.texel(rays.at(point.x(), point.y()), point)) return TextureArea::at(*facet.texture, middle);
+  }
+  return outline_.size() < 3 ? TextureArea::at(*facet.texture, middle) : texture_area_.mean(*facet.texture, outline_);
+}
+
+}  // namespace aras_visual_servo_sim

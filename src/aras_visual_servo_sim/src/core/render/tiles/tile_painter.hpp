@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "pixel_samples.hpp"
+#include "render/picture/texture_area.hpp"
+#include "render/triangles/triangle_list.hpp"
+#include "render/view/pixel_rays.hpp"
+#include "tile_bins.hpp"
+#include "tile_triangle.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** Paints the marked tiles of an image from projected triangles, nearest on top: a pixel is the mean over its square.
+ *
+ *  A pixel wholly covered by one surface in front of all others has that surface's colour in its middle. Where several
+ *  are seen, or the background, PixelSamples says how much of it each triangle has. Edges shared by triangles have each
+ *  sample on one side of them only; edges beyond which a surface goes on smoothly are no reason to sample. */
+class TilePainter {
+ public:
+  /** What the last frame took. */
+  struct Statistics {
+    int tiles = 0;           ///< painted
+    int sampled_pixels = 0;  ///< in which more than one thing is seen
+  };
+
+  /** @param bins      marked, and triangles sorted into them
+   *  @param pictures  what pixels see of planar models' pictures
+   *  @param image     planar models and background are painted already: where the mark is kBodies, pixels that see no
+   *                   body are left alone */
+  void paint(const CameraModel& camera, const TriangleList& triangles, const TileBins& bins, const Rgb& background,
+             const std::vector<Image>& pictures, Image& image);
+
+  const Statistics& statistics() const { return statistics_; }
+
+ private:
+  static constexpr int kTile = TileBins::kTile;
+  static constexpr int kPixels = kTile * kTile;
+
+  /** A triangle that a pixel may see. */
+  struct Fragment {
+    std::uint32_t candidate;
+    int next;       // of the same pixel, -1: none
+    float nearest;  // upper bound of near_m / Z
+    bool smooth;    // no edges cross the pixel but seams
+  };
+  struct Pixel {
+    PixelRays rays;
+    float middle[3], across[3], down[3];  // rays, rounded
+  };
+
+  void paintTile(int tile);
+  bool paintWhole();
+  void setUp();
+  void collect(std::uint32_t candidate);
+  void collectCenters(std::uint32_t candidate);
+  void paintPixel(int pixel);
+  int smoothFront(int pixel) const;
+  void samplePixel(int pixel, double* rgb);
+  Eigen::Vector3d colorOf(const TileTriangle& candidate, int pixel, const PixelSamples::Share& share);
+  Eigen::Vector3d textureOf(const TileTriangle& candidate, int pixel, const PixelSamples::Share& share);
+
+  const CameraModel* camera_ = nullptr;
+  const TriangleList* list_ = nullptr;
+  const TileBins* bins_ = nullptr;
+  const std::vector<Image>* pictures_ = nullptr;
+  Image* image_ = nullptr;
+  Rgb background_;
+  Statistics statistics_;
+
+  // Of the tile being painted.
+  PixelBox box_;
+  bool keep_ = false;
+  std::vector<TileTriangle> candidates_;
+  std::vector<Fragment> fragments_;
+  std::vector<std::uint32_t> seen_;  // scratch: candidates of one pixel
+  PixelSamples samples_;             // scratch
+  TextureArea texture_area_;
+  std::vector<Eigen::Vector2d> outline_;  // scratch: of what a pixel sees of a triangle
+  std::array<Pixel, kPixels> pixels_;
+  std::array<int, kPixels> first_;    // fragment of each pixel, -1: none
+  std::array<int, kPixels> front_;    // candidate that covers the pixel, the one whose farthest point is nearest
+  std::array<float, kPixels> floor_;  // that point: what lies wholly behind it is not seen
+  std::array<float, kPixels> front_nearest_;
+};
+
+}  // namespace aras_visual_servo_sim

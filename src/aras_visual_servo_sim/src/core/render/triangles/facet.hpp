@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+
+#include "aras_visual_servo_sim/scene/mesh_loader.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** A triangle of the scene before it is clipped to the view and cut for the lens, in the camera's frame C.
+ *
+ *  Everything about a point of it follows linearly from the ray (in C) that sees it, whatever the lens: with
+ *  b = areal * ray, the sum of b is 1 / Z (along the ray's own length) and b / sum(b) are the areal coordinates. */
+struct Facet {
+  Eigen::Matrix3d areal = Eigen::Matrix3d::Zero();  ///< row k: (p_i x p_j) / det(p_0, p_1, p_2), corner k left out
+  Eigen::Vector3d plane = Eigen::Vector3d::Zero();  ///< plane . ray = 1 / Z: the sum of the rows
+  double bias = 0.0;                     ///< added to near_m / Z: lifts faces over what lies in the same plane
+  std::array<Eigen::Vector3f, 3> rgb;    ///< at the corners, lit, 0 .. 255
+  int picture = -1;                      ///< index into PlanarLayer::pictures(), which has its colour instead
+  const MeshPicture* texture = nullptr;  ///< its texels are multiplied by rgb / 255
+  /** Texture coordinates at the corners, in texels: s to the right, t down. */
+  std::array<Eigen::Vector2d, 3> texels{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+  std::uint32_t surface = 0;  ///< facets of one shape or one face of a planar model share it
+  bool planar = false;        ///< of a planar model, not of a body
+  bool one_color = false;     ///< the corners' colours are equal
+
+  /** @return false if its plane passes through the camera: it covers nothing */
+  bool place(const std::array<Eigen::Vector3d, 3>& points_C);
+  /** Areal coordinates of the point on a ray, held inside the triangle. */
+  Eigen::Vector3d weights(const Eigen::Vector3d& ray) const;
+  /** Of the corners, texture left out. */
+  Eigen::Vector3d color(const Eigen::Vector3d& ray) const;
+  /** Texture coordinates of the point of its plane on a ray, inside or not. @return false if there is none ahead,
+   *  or but a grazing one */
+  bool texel(const Eigen::Vector3d& ray, Eigen::Vector2d& point) const;
+};
+
+/** Corner of a projected triangle [px]: image edges at 0 and width or height, y down. */
+struct Vertex {
+  float x, y;
+  bool seam;  ///< the surface goes on smoothly beyond the edge from here to the triangle's next corner
+};
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "aras_visual_servo_sim/scene/scene.hpp"
+#include "facet.hpp"
+#include "render/planar/planar_layer.hpp"
+#include "render/view/view_volume.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** Projects bodies and planar models to triangles in pixels: culled, clipped, lit, cut small enough for the lens. */
+class TriangleList {
+ public:
+  void begin(const CameraModel& camera, const ViewVolume& volume);
+  /** Adds what is in view of the bodies. @return false if nothing is */
+  bool addBodies(const Scene& scene, const Pose& X_CW);
+  /** Adds the planar models, each face a hair nearer than what it is painted over. */
+  void addPlanar(const PlanarLayer& planar, const Pose& X_CW);
+
+  /** For each body in view: where its vertices end, and its index in the scene. */
+  const std::vector<std::pair<std::size_t, std::size_t>>& bodies() const { return bodies_; }
+  /** Three for each triangle, oriented either way. */
+  const std::vector<Vertex>& vertices() const { return vertices_; }
+  /** What triangle k is a part of. */
+  const Facet& facet(std::size_t k) const { return facets_[facet_of_[k]]; }
+  /** Plane of triangle k in the camera's frame: plane . ray = 1 / Z for the point on a ray (x, y, 1). */
+  const Eigen::Vector3d& plane(std::size_t k) const { return facet(k).plane; }
+
+ private:
+  /** Corner on its way through lens and cutting: normalised coordinates in the frame of its cell, and pixel. */
+  struct Corner {
+    Eigen::Vector2d xy;
+    Eigen::Vector2d px;
+  };
+  using Points = std::array<Eigen::Vector3d, 3>;
+  using Seams = std::array<bool, 3>;  // of the edges from corner k to k + 1: see Vertex
+
+  void addShape(const Shape& shape, const Pose& X_CS, const Eigen::Vector3d& light_C);
+  bool isSeen(const Points& points_C, const ViewCell& cell, bool inside) const;
+  /** Projects a triangle as part of facet, whose place is yet to be set. */
+  void addTriangle(const Points& points_C, const Seams& seams, const ViewCell& cell, bool inside, Facet facet);
+  Corner corner(const Eigen::Vector3d& p_C) const;
+  double bend(const Corner& from, const Corner& to, const Eigen::Vector2d& middle_px) const;
+  void cut(const std::array<Corner, 3>& corners, const Seams& seams, int depth);
+
+  const CameraModel* camera_ = nullptr;
+  const ViewVolume* volume_ = nullptr;
+  const ViewCell* cell_ = nullptr;  // of the triangle being added
+  std::vector<Vertex> vertices_;
+  std::vector<std::pair<std::size_t, std::size_t>> bodies_;
+  std::vector<Facet> facets_;
+  std::uint32_t surfaces_ = 0;
+  std::vector<std::uint32_t> facet_of_;
+  std::vector<Eigen::Vector3d> points_, polygon_;        // scratch
+  std::vector<Eigen::Vector3f> colors_;                  // scratch
+  std::vector<Corner> corners_;                          // scratch
+  std::vector<char> drawn_;                              // scratch: of a mesh's triangles
+  std::vector<std::pair<const ViewCell*, bool>> cells_;  // scratch: of the shape or face, and whether it is inside
+};
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "aras_visual_servo_sim/robot/robot_model.hpp"
+#include "aras_visual_servo_sim/scene/mesh_loader.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** Meshes of geometries and pictures of materials; loads each file once, however many shapes use it. */
+class MeshCache {
+ public:
+  explicit MeshCache(const PackagePaths& packages) : packages_(packages) {}
+
+  /** @throws ModelError if a file is missing or not readable */
+  MeshPtr of(const Geometry& geometry);
+  /** @throws ModelError as of() */
+  TexturePtr picture(const std::string& uri);
+
+ private:
+  MeshPtr load(const std::string& uri, const Eigen::Vector3d& scale);
+
+  const PackagePaths& packages_;
+  std::map<std::string, MeshPtr> meshes_;
+  std::map<std::string, TexturePtr> textures_;
+};
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,158 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <tuple>
+
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/scene/triangle_mesh.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+using Eigen::Vector3f;
+
+void requirePositive(double value, const char* what) {
+  if (!std::isfinite(value) || !(value > 0.0)) {
+    throw ModelError(std::string(what) + ": found " + std::to_string(value) + " m, allowed finite and > 0");
+  }
+}
+
+std::uint32_t addPoint(TriangleMesh& mesh, const Vector3f& point, const Vector3f& normal) {
+  mesh.points.push_back(point);
+  mesh.normals.push_back(normal);
+  return static_cast<std::uint32_t>(mesh.points.size() - 1);
+}
+
+}  // namespace
+
+void TriangleMesh::finish() {
+  struct Edge {
+    std::uint32_t low, high, triangle, corner;
+    bool operator<(const Edge& other) const {
+      return std::tie(low, high, triangle, corner) < std::tie(other.low, other.high, other.triangle, other.corner);
+    }
+    bool joins(const Edge& other) const { return low == other.low && high == other.high; }
+  };
+  std::vector<Edge> edges;
+  edges.reserve(3 * triangles.size());
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax(triangles[t][k], triangles[t][(k + 1) % 3]);
+      edges.push_back({low, high, t, k});
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  neighbours.assign(triangles.size(), {kNone, kNone, kNone});
+  for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
+    if (!edges[i].joins(edges[i + 1])) continue;
+    const bool first = i == 0 || !edges[i].joins(edges[i - 1]);
+    const bool last = i + 2 >= edges.size() || !edges[i].joins(edges[i + 2]);
+    if (!first || !last) continue;  // more than two triangles meet
+    neighbours[edges[i].triangle][edges[i].corner] = edges[i + 1].triangle;
+    neighbours[edges[i + 1].triangle][edges[i + 1].corner] = edges[i].triangle;
+  }
+  if (points.empty()) return;
+  box_min = box_max = points.front();
+  for (const Vector3f& point : points) {
+    box_min = box_min.cwiseMin(point);
+    box_max = box_max.cwiseMax(point);
+  }
+}
+
+/** Faces carry the picture upright, +z up; the top face has the picture's top at +x, the bottom face at -x: Gazebo's.
+ */
+MeshPtr makeBox(const Eigen::Vector3d& size_m) {
+  for (int i = 0; i < 3; ++i) requirePositive(size_m[i], "box size");
+  auto mesh = std::make_shared<TriangleMesh>();
+  const Vector3f half = 0.5f * size_m.cast<float>();
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const float side : {-1.0f, 1.0f}) {
+      const Vector3f normal = side * Vector3f::Unit(axis);
+      const Vector3f e1 = Vector3f::Unit((axis + 1) % 3),
+                     e2 = side * Vector3f::Unit((axis + 2) % 3);  // e1 x e2 = normal
+      const Vector3f up = axis == 2 ? Vector3f(side * Vector3f::UnitX()) : Vector3f::UnitZ(), right = up.cross(normal);
+      const auto corner = [&](float s1, float s2) {
+        const Vector3f p = normal + s1 * e1 + s2 * e2;
+        mesh->texture_coordinates.emplace_back(0.5f * (1.0f + p.dot(right)), 0.5f * (1.0f - p.dot(up)));
+        return addPoint(*mesh, p.cwiseProduct(half), normal);
+      };
+      const std::uint32_t a = corner(-1, -1), b = corner(1, -1), c = corner(1, 1), d = corner(-1, 1);
+      mesh->triangles.push_back({a, b, c});
+      mesh->triangles.push_back({a, c, d});
+    }
+  }
+  mesh->finish();
+  return mesh;
+}
+
+/** The picture goes once round the side, clockwise seen from +z, from +y on, its top at the bottom: Gazebo's. The ends
+ *  show the disc in the middle of it, as seen from outside with the picture's top at +y. */
+MeshPtr makeCylinder(double radius_m, double length_m, int segments) {
+  requirePositive(radius_m, "cylinder radius");
+  requirePositive(length_m, "cylinder length");
+  auto mesh = std::make_shared<TriangleMesh>();
+  const float radius = static_cast<float>(radius_m), half = static_cast<float>(0.5 * length_m);
+  const auto add = [&mesh](const Vector3f& point, const Vector3f& normal, float s, float t) {
+    mesh->texture_coordinates.emplace_back(s, t);
+    return addPoint(*mesh, point, normal);
+  };
+  const std::uint32_t bottom = add({0, 0, -half}, {0, 0, -1}, 0.5f, 0.5f);
+  const std::uint32_t top = add({0, 0, half}, {0, 0, 1}, 0.5f, 0.5f);
+  for (int i = 0; i <= segments; ++i) {  // the last ones lie on the first, at the picture's other edge
+    const float turn = static_cast<float>(i) / static_cast<float>(segments);
+    const float angle = static_cast<float>(2.0 * M_PI * (i % segments) / segments);
+    const Vector3f out(std::cos(angle), std::sin(angle), 0.0f), low(0, 0, -half), high(0, 0, half);
+    const std::uint32_t here = add(radius * out + low, out, 0.25f - turn, 0.0f);
+    add(radius * out + high, out, 0.25f - turn, 1.0f);
+    add(radius * out + low, {0, 0, -1}, 0.5f - 0.5f * out.x(), 0.5f - 0.5f * out.y());
+    add(radius * out + high, {0, 0, 1}, 0.5f + 0.5f * out.x(), 0.5f - 0.5f * out.y());
+    if (i == segments) break;
+    const std::uint32_t next = here + 4;
+    mesh->triangles.push_back({here, next, next + 1});
+    mesh->triangles.push_back({here, next + 1, here + 1});
+    mesh->triangles.push_back({bottom, next + 2, here + 2});
+    mesh->triangles.push_back({top, here + 3, next + 3});
+  }
+  mesh->finish();
+  return mesh;
+}
+
+/** The picture goes once round, counter-clockwise seen from +z, from +x on, its top at +z. */
+MeshPtr makeSphere(double radius_m, int segments) {
+  requirePositive(radius_m, "sphere radius");
+  auto mesh = std::make_shared<TriangleMesh>();
+  const float radius = static_cast<float>(radius_m);
+  const int rings = segments / 2, columns = segments + 1;
+  for (int ring = 0; ring <= rings; ++ring) {
+    const double polar = M_PI * ring / rings;
+    for (int i = 0; i < columns; ++i) {
+      const double angle = 2.0 * M_PI * (i % segments) / segments;
+      const Eigen::Vector3d out(std::sin(polar) * std::cos(angle), std::sin(polar) * std::sin(angle), std::cos(polar));
+      addPoint(*mesh, radius * out.cast<float>(), out.cast<float>());
+      mesh->texture_coordinates.emplace_back(float(i) / float(segments), float(ring) / float(rings));
+    }
+  }
+  for (int ring = 0; ring < rings; ++ring) {
+    for (int i = 0; i < segments; ++i) {
+      const std::uint32_t a = ring * columns + i, b = a + 1, c = a + columns, d = b + columns;
+      if (ring > 0) mesh->triangles.push_back({a, c, b});
+      if (ring < rings - 1) mesh->triangles.push_back({b, c, d});
+    }
+  }
+  mesh->finish();
+  return mesh;
+}
+
+MeshPtr withPicture(const TriangleMesh& mesh, const TexturePtr& texture) {
+  if (mesh.texture_coordinates.size() != mesh.points.size()) {
+    throw ModelError("picture '" + texture->name() + "': its mesh has no texture coordinates");
+  }
+  auto pictured = std::make_shared<TriangleMesh>(mesh);
+  pictured->colors.clear();
+  pictured->pictures = {{texture, Wrap::kRepeat, Wrap::kRepeat}};
+  pictured->picture_of.assign(mesh.triangles.size(), 0);
+  return pictured;
+}
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,47 @@
+// What a robot's <visual> tags look like.
+#include <algorithm>
+#include <cmath>
+
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/scene/scene_loader.hpp"
+#include "scene/mesh/mesh_cache.hpp"
+
+namespace aras_visual_servo_sim {
+
+void addRobotBodies(const RobotModel& robot, const PackagePaths& packages, Scene& scene) {
+  MeshCache meshes(packages);
+  const auto byte = [](double value) {
+    return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 1.0) * 255));
+  };
+  for (const Link& link : robot.links) {
+    if (link.visuals.empty()) continue;
+    if (scene.findBody(link.name)) {
+      throw ModelError("link '" + link.name + "': a solid of the scene has the same name (" + robot.source_name + ")");
+    }
+    Body body;
+    body.name = link.name;
+    for (const Visual& visual : link.visuals) {
+      try {
+        MeshPtr mesh = meshes.of(visual.geometry);
+        // The URDF's material wins over the mesh file's.
+        if (!visual.texture.empty()) {
+          mesh = withPicture(*mesh, meshes.picture(visual.texture));
+        } else if (visual.has_color && !mesh->colors.empty()) {
+          auto plain = std::make_shared<TriangleMesh>(*mesh);
+          plain->colors.clear();
+          plain->pictures.clear();
+          plain->picture_of.clear();
+          mesh = plain;
+        }
+        Rgb color{byte(visual.color.r), byte(visual.color.g), byte(visual.color.b)};
+        if (!visual.texture.empty()) color = {255, 255, 255};
+        body.shapes.push_back({visual.X_link_visual, mesh, color});
+      } catch (const ModelError& error) {
+        throw ModelError("link '" + link.name + "': <visual>: " + error.what() + " (" + robot.source_name + ")");
+      }
+    }
+    scene.bodies.push_back(std::move(body));
+  }
+}
+
+}  // namespace aras_visual_servo_sim

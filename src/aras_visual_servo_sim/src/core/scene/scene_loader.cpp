@@ -1,0 +1,83 @@
+#include "aras_visual_servo_sim/scene/scene_loader.hpp"
+
+#include <filesystem>
+
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
+#include "planar_shape.hpp"
+#include "scene/mesh/mesh_cache.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+YAML::Node readFile(const std::string& path) {
+  try {
+    return YAML::LoadFile(path);
+  } catch (const YAML::Exception& error) {
+    throw ModelError("file '" + path + "': " + error.what());
+  }
+}
+
+PlanarModel modelOf(const ModelEntry& entry, const PackagePaths& packages) {
+  if (entry.file.empty()) return planarModelOf(entry.name, entry.shape, packages);
+  const PlanarModel loaded = loadPlanarModel(packages.resolve(entry.file), packages);
+  return {entry.name, loaded.outlines(), loaded.color(), loaded.board(), loaded.picture()};
+}
+
+void add(const ModelEntry& entry, const PackagePaths& packages, Scene& scene) {
+  scene.models.push_back(modelOf(entry, packages));
+  scene.models.back().X_WM = entry.X_WM;
+  scene.models.back().visible = entry.visible;
+  if (entry.motion) scene.motions.emplace(entry.name, *entry.motion);
+}
+
+void add(const SolidEntry& entry, const PackagePaths& packages, MeshCache& meshes, Scene& scene) {
+  Body body;
+  if (entry.urdf.empty()) {
+    body.name = entry.name;
+    body.shapes.push_back({Pose{}, meshes.of(entry.geometry), entry.color});
+  } else {
+    body = bodyFromUrdf(entry.name, entry.urdf, packages);
+  }
+  body.X_WB = entry.X_WB;
+  scene.bodies.push_back(std::move(body));
+  if (entry.motion) scene.motions.emplace(entry.name, *entry.motion);
+}
+
+}  // namespace
+
+PlanarModel planarModelFromYaml(const YAML::Node& node, const std::string& source_name, const PackagePaths& packages,
+                                const std::string& base_dir) {
+  YamlReader reader(node, sectionOf("target"), source_name);
+  const auto name = reader.get<std::string>("name");
+  const PlanarShape shape = readPlanarShape(reader);
+  reader.finish();
+  return planarModelOf(name, shape, packages, base_dir);
+}
+
+PlanarModel loadPlanarModel(const std::string& path, const PackagePaths& packages) {
+  return planarModelFromYaml(readFile(path), path, packages, std::filesystem::path(path).parent_path().string());
+}
+
+Scene loadScene(const SceneConfig& config, const PackagePaths& packages) {
+  Scene scene;
+  scene.background = config.background;
+  scene.light_direction_W = config.light_direction_W;
+  for (const ModelEntry& entry : config.models) add(entry, packages, scene);
+  MeshCache meshes(packages);
+  for (const SolidEntry& entry : config.solids) add(entry, packages, meshes, scene);
+  return scene;
+}
+
+void loadSceneEntry(const SceneEntry& entry, const PackagePaths& packages, Scene& scene) {
+  if (const auto* model = std::get_if<ModelEntry>(&entry)) return add(*model, packages, scene);
+  MeshCache meshes(packages);
+  add(std::get<SolidEntry>(entry), packages, meshes, scene);
+}
+
+std::vector<Collision> collisionsOf(const SolidEntry& solid, const PackagePaths& packages) {
+  if (!solid.urdf.empty()) return collisionsFromUrdf(solid.name, solid.urdf, packages);
+  return {{solid.geometry, Pose{}}};
+}
+
+}  // namespace aras_visual_servo_sim

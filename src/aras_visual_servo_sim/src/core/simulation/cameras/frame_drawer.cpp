@@ -1,0 +1,75 @@
+#include "aras_visual_servo_sim/simulation/cameras/frame_drawer.hpp"
+
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/image/image_mean.hpp"
+#include "aras_visual_servo_sim/render/coverage_renderer.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+/** A scene to put things into as they were when a frame was exposed. */
+Scene sceneOf(const ExposedFrame& frame, const Scene& now) { return frame.models ? frame.models->scene : now; }
+
+}  // namespace
+
+FrameDrawer::FrameDrawer() : renderer_(std::make_unique<CoverageRenderer>()) {}
+
+const Image& FrameDrawer::draw(Camera& camera, std::int64_t now, const Pose& X_WC, Scene& scene) {
+  if (const ExposedFrame* late = camera.takenFrame()) {
+    drawLate(camera, *late, scene);
+  } else if (camera.blurs() && camera.scheduledAt(now)) {
+    drawMean(camera, momentOf(now, X_WC, scene), scene);
+  } else {
+    drawOnce(camera, X_WC, scene);
+  }
+  camera.addNoise(now);
+  return camera.image;
+}
+
+void FrameDrawer::drawOnce(Camera& camera, const Pose& X_WC, const Scene& scene) {
+  renderer_->render(camera.model(), X_WC, scene, camera.image);
+}
+
+void FrameDrawer::drawMean(Camera& camera, const Moment& present, Scene& scene) {
+  ImageMean mean;
+  try {
+    for (const Exposure::Sample& sample : camera.samplesOf(present)) {
+      show(*sample.moment, scene);
+      drawOnce(camera, sample.moment->X_WC, scene);
+      mean.add(camera.image, sample.count);
+    }
+  } catch (const ArasError&) {
+    show(present, scene);
+    throw;
+  }
+  show(present, scene);
+  mean.write(camera.image);
+}
+
+void FrameDrawer::drawLate(Camera& camera, const ExposedFrame& frame, const Scene& now) {
+  Scene scene = sceneOf(frame, now);
+  const auto drawAt = [&](const Moment& moment) {
+    show(moment, scene);
+    drawOnce(camera, moment.X_WC, scene);
+  };
+  if (frame.samples.empty()) return drawAt(frame.present);
+  ImageMean mean;
+  for (const auto& [moment, count] : frame.samples) {
+    drawAt(moment);
+    mean.add(camera.image, count);
+  }
+  mean.write(camera.image);
+}
+
+const GeometryImage& FrameDrawer::drawGeometry(Camera& camera, const Pose& X_WC, const Scene& now, Distance distance) {
+  if (const ExposedFrame* late = camera.takenFrame()) {
+    Scene scene = sceneOf(*late, now);
+    show(late->present, scene);
+    geometry_renderer_.render(camera.model(), late->present.X_WC, scene, camera.geometry, distance);
+  } else {
+    geometry_renderer_.render(camera.model(), X_WC, now, camera.geometry, distance);
+  }
+  return camera.geometry;
+}
+
+}  // namespace aras_visual_servo_sim

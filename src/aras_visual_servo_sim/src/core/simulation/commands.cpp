@@ -1,0 +1,58 @@
+#include "aras_visual_servo_sim/simulation/commands.hpp"
+
+#include "aras_visual_servo_sim/config/errors.hpp"
+
+namespace aras_visual_servo_sim {
+
+void Commands::refuse(const std::string& reason, MultibodyWorld& world) {
+  ++refused_;
+  last_refusal_ = reason;
+  for (const ControllerConfig& controller : world.config().controllers) {
+    if (controller.type != ControllerType::kEffort) world.setVelocity(controller.joint, 0.0);
+  }
+}
+
+template <typename Action>
+void Commands::acceptOrRefuse(const Action& action, MultibodyWorld& world) {
+  try {
+    action();
+  } catch (const ArasError& error) {
+    refuse(error.what(), world);
+    throw;
+  }
+}
+
+void Commands::checkAge(std::int64_t age_ns, bool may_be_old, std::int64_t now_ns) const {
+  const auto seconds = [](std::int64_t ns) { return 1e-9 * static_cast<double>(ns); };
+  const double age_s = seconds(age_ns), late_s = seconds(age_ns - latency_ns_);
+  if (age_s < 0.0) {
+    throw ParameterError("command: stamp is " + std::to_string(-age_s) + " s in the future, now is " +
+                         std::to_string(seconds(now_ns)) + " s of simulated time");
+  }
+  if (!may_be_old && timeout_s_ > 0.0 && late_s > timeout_s_) {
+    throw ParameterError("command: stamp is " + std::to_string(age_s) + " s old, allowed <= " +
+                         std::to_string(timeout_s_ + age_s - late_s) + " s (sim/command_timeout_s" +
+                         (latency_ns_ > 0 ? " and the longest latency_s of a camera)" : ")"));
+  }
+}
+
+void Commands::apply(const JointCommand& command, std::optional<std::int64_t> stamp_ns, std::int64_t now_ns,
+                     MultibodyWorld& world) {
+  acceptOrRefuse(
+      [&] {
+        checkAge(now_ns - stamp_ns.value_or(now_ns), command.empty(), now_ns);
+        world.setCommand(command);
+      },
+      world);
+}
+
+void Commands::apply(const std::string& controller, double value, MultibodyWorld& world) {
+  acceptOrRefuse([&] { world.setControllerCommand(controller, value); }, world);
+}
+
+void Commands::restore(std::uint64_t refused, const std::string& last_refusal) {
+  refused_ = refused;
+  last_refusal_ = last_refusal;
+}
+
+}  // namespace aras_visual_servo_sim

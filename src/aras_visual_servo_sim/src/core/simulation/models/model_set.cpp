@@ -1,0 +1,68 @@
+#include "aras_visual_servo_sim/simulation/models/model_set.hpp"
+
+#include <algorithm>
+
+#include "aras_visual_servo_sim/config/errors.hpp"
+
+namespace aras_visual_servo_sim {
+
+std::vector<std::string> ModelSet::names() const {
+  std::vector<std::string> names;
+  for (const PlanarModel& model : scene.models) names.push_back(model.name());
+  for (std::size_t k = 0; k < body_links.size(); ++k) {
+    if (body_links[k] < 0) names.push_back(scene.bodies[k].name);
+  }
+  return names;
+}
+
+const Pose& ModelSet::place(const std::string& model) const {
+  for (const PlanarModel& planar : scene.models) {
+    if (planar.name() == model) return planar.X_WM;
+  }
+  for (std::size_t k = 0; k < body_links.size(); ++k) {
+    if (body_links[k] < 0 && scene.bodies[k].name == model) return scene.bodies[k].X_WB;
+  }
+  std::string known;
+  for (const std::string& name : names()) known += (known.empty() ? "" : ", ") + name;
+  throw UnknownNameError("model '" + model + "' does not exist; models: " + (known.empty() ? "none" : known));
+}
+
+Pose& ModelSet::place(const std::string& model) {
+  return const_cast<Pose&>(static_cast<const ModelSet*>(this)->place(model));
+}
+
+std::map<std::string, Pose> ModelSet::poses() const {
+  std::map<std::string, Pose> poses;
+  for (const PlanarModel& model : scene.models) poses[model.name()] = model.X_WM;
+  for (std::size_t k = 0; k < body_links.size(); ++k) {
+    if (body_links[k] < 0) poses[scene.bodies[k].name] = scene.bodies[k].X_WB;
+  }
+  return poses;
+}
+
+void ModelSet::remove(const std::string& model) {
+  auto& planar = scene.models;
+  planar.erase(std::remove_if(planar.begin(), planar.end(), [&](const auto& m) { return m.name() == model; }),
+               planar.end());
+  for (std::size_t k = 0; k < body_links.size(); ++k) {
+    if (body_links[k] >= 0 || scene.bodies[k].name != model) continue;
+    scene.bodies.erase(scene.bodies.begin() + static_cast<std::ptrdiff_t>(k));
+    body_links.erase(body_links.begin() + static_cast<std::ptrdiff_t>(k));
+    break;
+  }
+  scene.motions.erase(model);
+  starts.erase(model);
+  solids.erase(model);
+  spawned.erase(model);
+}
+
+std::vector<SavedModel> ModelSet::saved() const {
+  std::vector<SavedModel> models;
+  for (const std::string& name : names()) {
+    const auto entry = spawned.find(name);
+    models.push_back({name, entry == spawned.end() ? "" : entry->second, place(name), starts.at(name)});
+  }
+  return models;
+}
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,133 @@
+#include "aras_visual_servo_sim/simulation/models/models.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
+#include "aras_visual_servo_sim/scene/scene_loader.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+constexpr double kSecondsPerNs = 1e-9;
+
+TouchableSolid touchable(const SolidEntry& solid, const PackagePaths& packages) {
+  return {solid.mass_kg, collisionsOf(solid, packages), solid.touches};
+}
+
+}  // namespace
+
+Models::Models(const SceneConfig& config, const RobotModel& robot, const PackagePaths& packages) : packages_(packages) {
+  FaultList faults;
+  faults.collect([&] {
+    set_.scene = loadScene(config, packages);
+    for (const SolidEntry& solid : config.solids) set_.solids[solid.name] = touchable(solid, packages);
+  });
+  set_.body_links.assign(set_.scene.bodies.size(), -1);
+  faults.collect([&] { addRobotBodies(robot, packages, set_.scene); });
+  faults.throwIfAny();
+  for (std::size_t k = set_.body_links.size(); k < set_.scene.bodies.size(); ++k) {
+    set_.body_links.push_back(robot.linkIndex(set_.scene.bodies[k].name));
+  }
+  set_.starts = set_.poses();
+}
+
+void Models::start(std::int64_t now_ns) {
+  for (const auto& [name, X_WM] : set_.starts) place(name, X_WM);
+  motions_.clear();
+  for (const auto& [name, motion] : set_.scene.motions) {
+    motions_.emplace(name, MotionRun{motion, set_.starts.at(name), now_ns});
+  }
+}
+
+ModelPlacement Models::at(const MotionRun& run, std::int64_t now_ns) {
+  return run.motion.at(run.X_WM0, kSecondsPerNs * static_cast<double>(now_ns - run.start_ns));
+}
+
+void Models::move(std::int64_t now_ns) {
+  for (const auto& [name, run] : motions_) place(name, at(run, now_ns).X_WM);
+}
+
+void Models::follow(const MultibodyWorld& world) {
+  for (std::size_t k = 0; k < set_.body_links.size(); ++k) {
+    if (set_.body_links[k] >= 0) set_.scene.bodies[k].X_WB = world.linkPose(set_.body_links[k]);
+  }
+}
+
+void Models::setMotion(const std::string& model, const std::optional<ModelMotion>& motion, std::int64_t now_ns) {
+  const Pose& X_WM = pose(model);
+  motions_.erase(model);
+  if (!motion) return;
+  motions_.emplace(model, MotionRun{*motion, X_WM, now_ns});
+  move(now_ns);
+}
+
+void Models::add(ModelSet& set, const SceneEntry& entry, const std::string& yaml) const {
+  loadSceneEntry(entry, packages_, set.scene);
+  if (const auto* solid = std::get_if<SolidEntry>(&entry)) {
+    set.body_links.push_back(-1);
+    set.solids[solid->name] = touchable(*solid, packages_);
+  }
+  set.spawned[nameOf(entry)] = yaml;
+}
+
+ModelSet Models::with(const SceneEntry& entry, const std::string& yaml, const std::optional<Pose>& X_WM) const {
+  const std::string& name = nameOf(entry);
+  const std::vector<std::string> taken = names();
+  if (std::find(taken.begin(), taken.end(), name) != taken.end() || scene().findBody(name)) {
+    throw ParameterError("model '" + name + "': a model or link of this name exists, allowed: another name");
+  }
+  if (X_WM && (!X_WM->p.allFinite() || !X_WM->q.coeffs().allFinite())) {
+    throw NotFiniteError("model '" + name + "': pose is not finite");
+  }
+  ModelSet next = set_;
+  add(next, entry, yaml);
+  if (X_WM) next.place(name) = *X_WM;
+  next.starts[name] = next.place(name);
+  return next;
+}
+
+ModelSet Models::without(const std::string& model) const {
+  pose(model);  // throws
+  ModelSet next = set_;
+  next.remove(model);
+  return next;
+}
+
+ModelSet Models::composed(const std::vector<SavedModel>& saved) const {
+  ModelSet set = built();
+  for (const std::string& name : built().names()) {
+    const auto same = [&name](const SavedModel& model) { return model.name == name && model.entry.empty(); };
+    if (std::none_of(saved.begin(), saved.end(), same)) set.remove(name);
+  }
+  for (const SavedModel& model : saved) {
+    if (!model.entry.empty()) {
+      add(set, sceneEntryFromYaml(YAML::Load(model.entry)), model.entry);
+    } else if (built().starts.count(model.name) == 0) {
+      throw StateError("saved state: model '" + model.name + "' is not in this scene");
+    }
+    set.starts[model.name] = model.X_WM0;
+  }
+  for (const SavedModel& model : saved) set.place(model.name) = model.X_WM;
+  return set;
+}
+
+void Models::become(ModelSet next) {
+  if (!built_) built_ = std::make_shared<const ModelSet>(std::move(set_));
+  set_ = std::move(next);
+  for (auto run = motions_.begin(); run != motions_.end();) {
+    run = set_.starts.count(run->first) > 0 ? std::next(run) : motions_.erase(run);
+  }
+}
+
+void Models::become(ModelSet next, std::map<std::string, MotionRun> motions) {
+  become(std::move(next));
+  motions_ = std::move(motions);
+}
+
+void Models::reset() {
+  if (built_) set_ = *built_;
+}
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,220 @@
+#include "aras_visual_servo_sim/simulation/simulation.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "aras_visual_servo_sim/camera/camera_tags.hpp"
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/robot/joint_limits_reader.hpp"
+
+namespace aras_visual_servo_sim {
+
+Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::Node& controllers,
+                       const PackagePaths& packages)
+    : model_(std::move(model)),
+      config_(std::move(config)),
+      clock_(config_.world.period_s),
+      start_(config_.initial_positions),
+      contacts_(config_.world.contacts, model_, packages),
+      commands_(config_.world.command_timeout_s) {
+  FaultList faults;
+  faults.collect([&] { applyJointLimits(controllers, model_); });
+  faults.collect([&] { config_.world.controllers = parseControllers(controllers, model_); });
+  faults.collect([&] { models_ = Models(config_.scene, model_, packages); });
+  if (faults.empty()) faults.collect([&] { contacts_.begin(models_.set(), config_.scene.solids); });
+  faults.collect([&] { start_.check(model_); });
+  if (config_.cameras.empty()) {
+    faults.collect([&] { config_.cameras = camerasFromTags(model_, model_.warnings, config_.gazebo_cameras); });
+  }
+  for (const CameraConfig& camera : config_.cameras) {
+    faults.collect([&] { cameras_.add(camera, model_, config_.seed, periodNs()); });
+  }
+  commands_.allowLatency(clock_.ns(cameras_.longestLatencyTicks()));
+  if (faults.empty()) faults.collect([&] { makeWorld(); });
+  faults.throwIfAny();
+  startModels();
+}
+
+void Simulation::makeWorld() {
+  WorldConfig config = config_.world;
+  config.contacts = contacts_.present();
+  world_ = start_.makeWorld(model_, config);
+}
+
+// --- time -----------------------------------------------------------------------------------------------------------
+
+void Simulation::step(std::int64_t n) {
+  if (n < 0) throw ParameterError("step: found " + std::to_string(n) + " periods, allowed >= 0");
+  const std::int64_t end = ticks() + n;
+  while (ticks() < end) {
+    expose();
+    const std::int64_t now = ticks();
+    std::int64_t next = end;
+    for (Camera& camera : cameras_) {
+      if (!camera.late() && camera.frameDue(now)) {
+        run_hash_.add(*world_, timeNs());
+        camera.missFrame();
+      }
+      camera.leaveTick();
+      next = std::min(next, camera.nextExposureTick());
+      if (!camera.blurs()) continue;
+      if (camera.samples(now)) camera.note(present(camera));
+      next = std::min(next, camera.nextSampleTick(now));
+    }
+    if (contacts_.any()) {
+      contacts_.step(next - now, periodNs(), models_, *world_);
+    } else {
+      world_->step(static_cast<int>(next - now));
+    }
+    for (Camera& camera : cameras_) camera.passTo(ticks());
+  }
+  models_.move(timeNs());
+  if (n > 0) expose();
+}
+
+std::int64_t Simulation::stepToImage(const std::string& camera) {
+  const int index = cameras_.index(camera);
+  const std::int64_t tick = cameras_[index].nextFrameTick();
+  if (tick == kNever) {
+    throw ParameterError("camera '" + camera + "': takes frames only when triggered, and nobody asked for one");
+  }
+  step(tick - ticks());
+  return takeFrame(index);
+}
+
+// --- cameras --------------------------------------------------------------------------------------------------------
+
+/** Where everything is that this camera can see now. */
+Moment Simulation::present(const Camera& camera) {
+  models_.move(timeNs());
+  models_.follow(*world_);
+  return momentOf(ticks(), camera.pose(*world_), scene());
+}
+
+void Simulation::expose() {
+  if (!cameras_.anyLate()) return;
+  for (Camera& camera : cameras_) {
+    if (!camera.late() || camera.nextExposureTick() != ticks()) continue;
+    run_hash_.add(*world_, timeNs());
+    camera.expose(present(camera), *world_);
+  }
+}
+
+std::int64_t Simulation::takeFrame(int index) {
+  Camera& camera = cameras_[index];
+  if (!camera.frameDue(ticks())) {
+    throw ParameterError("camera '" + cameras_.names()[index] + "': no frame is due at tick " +
+                         std::to_string(ticks()));
+  }
+  expose();  // before anything of this tick is taken
+  if (camera.late()) return clock_.ns(camera.takeDelivered());
+  run_hash_.add(*world_, timeNs());
+  camera.takeFrame();
+  return timeNs();
+}
+
+const Image& Simulation::render(int index) {
+  Camera& camera = cameras_[index];
+  models_.follow(*world_);
+  const Image& image = drawer_.draw(camera, ticks(), cameraPose(index), models_.scene());
+  if (camera.imageIsOfNewFrame()) run_hash_.add(image.data.data(), image.data.size());
+  return image;
+}
+
+const GeometryImage& Simulation::renderGeometry(int index, Distance distance) {
+  models_.follow(*world_);
+  return drawer_.drawGeometry(cameras_[index], cameraPose(index), scene(), distance);
+}
+
+const Scene& Simulation::shownScene(int camera) const {
+  const ExposedFrame* late = cameras_[camera].takenFrame();
+  return late && late->models ? late->models->scene : scene();
+}
+
+FrameState Simulation::frameState(int index) const {
+  const Camera& camera = cameras_[index];
+  if (const ExposedFrame* late = camera.takenFrame()) {
+    const ModelSet& set = late->models ? *late->models : models_.set();
+    return {clock_.ns(late->tick()), late->q,      late->v,
+            late->present.X_WC,      late->V_WC_C, modelPoses(late->present, set)};
+  }
+  return {timeNs(),          world_->jointPositions(), world_->jointVelocities(),
+          cameraPose(index), cameraTwist(index),       models_.set().poses()};
+}
+
+void Simulation::setJointPositions(const std::map<std::string, double>& positions) {
+  world_->setJointPositions(positions);
+  cameras_.forgetPast();
+}
+
+// --- models ---------------------------------------------------------------------------------------------------------
+
+/** Models came or went. */
+void Simulation::change(ModelSet next) {
+  cameras_.keepModels(models_.set());
+  models_.become(std::move(next));
+  cameras_.forgetPast();
+}
+
+void Simulation::spawnModel(const YAML::Node& node, const std::optional<Pose>& X_WM) {
+  const SceneEntry entry = sceneEntryFromYaml(node);
+  YAML::Emitter text;
+  text << YAML::Flow << node;
+  const std::string& name = nameOf(entry);
+  ModelSet next = models_.with(entry, text.c_str(), X_WM);
+  if (next.solids.count(name) > 0) {
+    contacts_.check(name, next);
+    contacts_.change(next, *world_);
+  }
+  change(std::move(next));
+  const auto motion = scene().motions.find(name);
+  if (motion != scene().motions.end()) setModelMotion(name, motion->second);
+}
+
+void Simulation::deleteModel(const std::string& model) {
+  ModelSet next = models_.without(model);
+  if (contacts_.has(model)) contacts_.change(next, *world_);
+  change(std::move(next));
+}
+
+void Simulation::setModelPose(const std::string& model, const Pose& X_WM) {
+  if (!X_WM.p.allFinite() || !X_WM.q.coeffs().allFinite()) {
+    throw NotFiniteError("model '" + model + "': pose is not finite");
+  }
+  models_.place(model, {X_WM.p, X_WM.q.normalized()});
+  setModelMotion(model, std::nullopt);
+  contacts_.place(model, models_, *world_);
+  cameras_.forgetPast();
+}
+
+Twist Simulation::modelTwist(const std::string& model) const {
+  models_.pose(model);  // throws
+  if (models_.hasMotion(model)) return models_.motionTwist(model, timeNs());
+  return contacts_.has(model) ? world_->obstacleTwist(model) : Twist(Twist::Zero());
+}
+
+// --- starting again -------------------------------------------------------------------------------------------------
+
+void Simulation::startModels() {
+  models_.start(timeNs());
+  for (const std::string& model : models_.names()) contacts_.place(model, models_, *world_);
+  models_.move(timeNs());
+}
+
+void Simulation::resetWorld() {
+  start_.putBack(*world_);
+  startModels();
+  cameras_.forgetPast();
+}
+
+void Simulation::reset() {
+  models_.reset();
+  contacts_.change(models_.set());
+  makeWorld();
+  resetWorld();
+  cameras_.reset();
+  run_hash_.reset();
+  commands_.restore(0, "");
+}
+
+}  // namespace aras_visual_servo_sim

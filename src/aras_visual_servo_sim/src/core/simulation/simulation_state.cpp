@@ -1,0 +1,96 @@
+// Saving and restoring a Simulation, one magic word first.
+#include <utility>
+
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/simulation/simulation.hpp"
+#include "simulation/state/state_record.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+constexpr std::uint64_t kMagic = 0x32304d4953415241ULL;  // "ARASIM02"
+
+/** Of a camera, as it stands in the record. */
+struct FrameCounters {
+  std::int64_t next_frame, unhashed_frame, asked;
+  std::uint64_t dropped;
+};
+
+}  // namespace
+
+std::string Simulation::saveState() const {
+  StateWriter out;
+  out.put(kMagic);
+  out.putText(world_->saveState());
+  out.put(run_hash_.state());
+  out.put(commands_.refused());
+  out.putText(commands_.lastRefusal());
+  out.put<std::uint64_t>(cameras_.size());
+  for (const Camera& camera : cameras_) {
+    const FramePlan::State& plan = camera.plan();
+    out.put(FrameCounters{plan.next, camera.unhashedFrame(), plan.asked, plan.dropped});
+  }
+  out.putModels(models_.set().saved());
+  out.putMotions(models_.motions());
+  for (const Camera& camera : cameras_) {
+    if (!camera.blurs()) continue;
+    out.put<std::uint64_t>(camera.past().size());
+    for (const Moment& moment : camera.past()) out.putMoment(moment);
+  }
+  for (const Camera& camera : cameras_) {
+    if (camera.late()) out.putFrames(camera.flight());
+  }
+  return out.take();
+}
+
+/** The state of the world, what touches in it being that of a set of models. @throws StateError; nothing changes then
+ */
+void Simulation::restoreWorld(const std::string& state, const ModelSet& models, bool changed) {
+  if (!changed) return world_->restoreState(state);
+  const std::string before = world_->saveState();
+  contacts_.change(models, *world_);
+  try {
+    world_->restoreState(state);
+  } catch (const ArasError&) {
+    contacts_.change(models_.set(), *world_);
+    world_->restoreState(before);
+    throw;
+  }
+}
+
+void Simulation::restoreState(const std::string& state) {
+  StateReader in(state);
+  if (in.get<std::uint64_t>() != kMagic) throw StateError("saved state: not written by this version");
+  const std::string world = in.getText();
+  const auto hash = in.get<std::uint64_t>();
+  const auto refused = in.get<std::uint64_t>();
+  const std::string refusal = in.getText();
+  if (in.get<std::uint64_t>() != cameras_.size()) throw StateError("saved state: other number of cameras");
+  std::vector<Camera::State> cameras(cameras_.size());
+  for (Camera::State& camera : cameras) {
+    const auto counters = in.get<FrameCounters>();
+    camera.plan = {counters.next_frame, counters.asked != 0, counters.dropped};
+    camera.unhashed_frame = counters.unhashed_frame;
+  }
+  const auto compose = [this](const std::vector<SavedModel>& saved) { return models_.composed(saved); };
+  ModelSet models = compose(in.getModels());
+  std::map<std::string, MotionRun> motions = in.getMotions(models);
+  for (std::size_t k = 0; k < cameras.size(); ++k) {
+    if (!cameras_[static_cast<int>(k)].blurs()) continue;
+    for (auto left = in.get<std::uint64_t>(); left > 0; --left) cameras[k].past.push_back(in.getMoment(models.scene));
+  }
+  for (std::size_t k = 0; k < cameras.size(); ++k) {
+    if (cameras_[static_cast<int>(k)].late()) in.getFrames(model_.dofs(), models.scene, compose, cameras[k]);
+  }
+  if (!in.atEnd()) throw StateError("saved state: bytes left over");
+
+  const ModelSet& now = models_.set();
+  const bool changed = !models.spawned.empty() || !now.spawned.empty() || models.starts.size() != now.starts.size();
+  restoreWorld(world, models, changed);  // throws before anything else changed
+  run_hash_.setState(hash);
+  commands_.restore(refused, refusal);
+  for (std::size_t k = 0; k < cameras.size(); ++k) cameras_[static_cast<int>(k)].restore(std::move(cameras[k]));
+  models_.become(std::move(models), std::move(motions));
+}
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,102 @@
+#include "state_record.hpp"
+
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/simulation/state/run_hash.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+/** Hash of the first `size` bytes. */
+std::uint64_t checksum(const std::string& bytes, std::size_t size) {
+  RunHash hash;
+  hash.add(bytes.data(), size);
+  return hash.state();
+}
+
+}  // namespace
+
+void StateWriter::putText(const std::string& text) {
+  put<std::uint64_t>(text.size());
+  bytes_ += text;
+}
+
+void StateWriter::putVector(const Eigen::VectorXd& values) {
+  put<std::uint64_t>(values.size());
+  for (const double value : values) put(value);
+}
+
+void StateWriter::putPose(const Pose& pose) {
+  for (int k = 0; k < 3; ++k) put(pose.p[k]);
+  for (int k = 0; k < 4; ++k) put(pose.q.coeffs()[k]);
+}
+
+void StateWriter::putMoment(const Moment& moment) {
+  put(moment.tick);
+  putPose(moment.X_WC);
+  for (const std::vector<Pose>* poses : {&moment.models, &moment.bodies}) {
+    put<std::uint64_t>(poses->size());
+    for (const Pose& pose : *poses) putPose(pose);
+  }
+}
+
+std::string StateWriter::take() {
+  put(checksum(bytes_, bytes_.size()));
+  return std::move(bytes_);
+}
+
+StateReader::StateReader(const std::string& bytes) : bytes_(bytes) {
+  std::uint64_t sum = 0;
+  if (bytes.size() >= sizeof(sum)) {
+    end_ = bytes.size() - sizeof(sum);
+    std::memcpy(&sum, bytes.data() + end_, sizeof(sum));
+  }
+  if (end_ == 0 || sum != checksum(bytes, end_)) {
+    throw StateError("saved state: found " + std::to_string(bytes.size()) +
+                     " bytes that are damaged, cut short or none of save_state's");
+  }
+}
+
+std::string StateReader::getText() {
+  const auto size = get<std::uint64_t>();
+  const char* data = take(size);
+  return std::string(data, size);
+}
+
+Eigen::VectorXd StateReader::getVector(Eigen::Index size) {
+  if (get<std::uint64_t>() != static_cast<std::uint64_t>(size)) throw StateError("saved state: of another robot");
+  Eigen::VectorXd values(size);
+  for (double& value : values) value = get<double>();
+  return values;
+}
+
+Pose StateReader::getPose() {
+  Pose pose;
+  for (int k = 0; k < 3; ++k) pose.p[k] = get<double>();
+  for (int k = 0; k < 4; ++k) pose.q.coeffs()[k] = get<double>();
+  return pose;
+}
+
+std::vector<Pose> StateReader::getPoses(std::size_t count) {
+  if (get<std::uint64_t>() != count) throw StateError("saved state: exposure of another scene");
+  std::vector<Pose> poses;
+  for (std::size_t k = 0; k < count; ++k) poses.push_back(getPose());
+  return poses;
+}
+
+Moment StateReader::getMoment(const Scene& scene) {
+  Moment moment;
+  moment.tick = get<std::int64_t>();
+  moment.X_WC = getPose();
+  moment.models = getPoses(scene.models.size());
+  moment.bodies = getPoses(scene.bodies.size());
+  return moment;
+}
+
+const char* StateReader::take(std::uint64_t size) {
+  if (size > end_ - at_) throw StateError("saved state: found " + std::to_string(end_) + " bytes, needs more");
+  const char* data = bytes_.data() + at_;
+  at_ += size;
+  return data;
+}
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,87 @@
+#include "conversions.hpp"
+
+#include <algorithm>
+#include <aras_visual_servo_common/text.hpp>
+#include <cmath>
+
+#include "aras_visual_servo_sim/config/errors.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+constexpr std::int64_t kNanosecondsPerSecond = 1000000000;
+constexpr double kUnitTolerance = 1e-3;  // single-precision senders and three-digit command lines pass
+
+}  // namespace
+
+ros::Time toRosTime(std::int64_t time_ns) {
+  ros::Time time;
+  time.sec = static_cast<std::uint32_t>(time_ns / kNanosecondsPerSecond);
+  time.nsec = static_cast<std::uint32_t>(time_ns % kNanosecondsPerSecond);
+  return time;
+}
+
+std::int64_t toNanoseconds(const ros::Time& time) {
+  return static_cast<std::int64_t>(time.sec) * kNanosecondsPerSecond + time.nsec;
+}
+
+geometry_msgs::Pose toMessage(const Pose& pose) {
+  geometry_msgs::Pose message;
+  message.position.x = pose.p.x();
+  message.position.y = pose.p.y();
+  message.position.z = pose.p.z();
+  message.orientation.x = pose.q.x();
+  message.orientation.y = pose.q.y();
+  message.orientation.z = pose.q.z();
+  message.orientation.w = pose.q.w();
+  return message;
+}
+
+Pose fromMessage(const geometry_msgs::Pose& message) {
+  Pose pose;
+  pose.p = {message.position.x, message.position.y, message.position.z};
+  pose.q =
+      Eigen::Quaterniond(message.orientation.w, message.orientation.x, message.orientation.y, message.orientation.z);
+  if (pose.q.coeffs().isZero(0.0)) pose.q.setIdentity();
+  const double length = pose.q.norm();
+  if (!pose.p.allFinite() || !std::isfinite(length)) throw NotFiniteError("pose: not finite");
+  if (std::abs(length - 1.0) > kUnitTolerance) {
+    throw ParameterError("pose: orientation has length " + aras_visual_servo_common::numberText(length) +
+                         ", must be 1");
+  }
+  pose.q.normalize();
+  return pose;
+}
+
+geometry_msgs::Twist toMessage(const Twist& V) {
+  geometry_msgs::Twist message;
+  message.linear.x = V[0];
+  message.linear.y = V[1];
+  message.linear.z = V[2];
+  message.angular.x = V[3];
+  message.angular.y = V[4];
+  message.angular.z = V[5];
+  return message;
+}
+
+sensor_msgs::CameraInfo toMessage(const CameraModel& camera) {
+  sensor_msgs::CameraInfo message;
+  message.header.frame_id = camera.config().frame;
+  message.width = static_cast<std::uint32_t>(camera.width());
+  message.height = static_cast<std::uint32_t>(camera.height());
+  message.distortion_model = camera.distortionModel();
+  message.D = camera.D();
+  const Eigen::Matrix3d K = camera.K();
+  const Eigen::Matrix3d R = camera.R();
+  const Eigen::Matrix<double, 3, 4> P = camera.P();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      message.K[3 * row + column] = K(row, column);
+      message.R[3 * row + column] = R(row, column);
+    }
+    for (int column = 0; column < 4; ++column) message.P[4 * row + column] = P(row, column);
+  }
+  return message;
+}
+
+}  // namespace aras_visual_servo_sim

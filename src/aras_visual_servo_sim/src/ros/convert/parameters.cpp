@@ -1,0 +1,102 @@
+#include "parameters.hpp"
+
+#include <aras_visual_servo_common/ros/yaml_from_xmlrpc.hpp>
+#include <string>
+
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
+#include "aras_visual_servo_sim/robot/urdf_loader.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+using aras_visual_servo_common::yamlFromXmlRpc;
+
+const std::string kControllerSuffix = "Controller";
+
+bool endsWith(const std::string& text, const std::string& suffix) {
+  return text.size() >= suffix.size() && text.compare(text.size() - suffix.size(), suffix.size(), suffix) == 0;
+}
+
+YAML::Node section(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const std::string& name) {
+  XmlRpc::XmlRpcValue value;
+  if (private_node.getParam(name, value) || private_node.getParam("scenario/" + name, value) ||
+      node.getParam("scenario/" + name, value)) {
+    return yamlFromXmlRpc(value);
+  }
+  return YAML::Node();
+}
+
+/** The private parameters of the node itself; those in sections are read with their sections. */
+YAML::Node ownParameters(const ros::NodeHandle& private_node) {
+  YAML::Node own(YAML::NodeType::Map);
+  XmlRpc::XmlRpcValue tree;
+  if (!private_node.getParam(private_node.getNamespace(), tree)) return own;
+  if (tree.getType() != XmlRpc::XmlRpcValue::TypeStruct) return own;
+  for (auto& [name, value] : tree) {
+    const bool is_section = name == "sim" || name == "time" || name == "scenario";
+    own[name] = is_section ? YAML::Node(YAML::NodeType::Map) : yamlFromXmlRpc(value);
+  }
+  return own;
+}
+
+/** A file that begins with the robot's name, as Gazebo packages have it, loaded into the robot's namespace: everything
+ *  is put where it would be in Gazebo, for whoever else reads it. */
+void liftNested(const ros::NodeHandle& node) {
+  XmlRpc::XmlRpcValue nested;
+  const std::string name = node.getNamespace().substr(node.getNamespace().rfind('/') + 1);
+  if (name.empty() || !node.getParam(name, nested) || nested.getType() != XmlRpc::XmlRpcValue::TypeStruct) return;
+  node.deleteParam(name);
+  for (auto& [key, value] : nested) node.setParam(key, value);
+}
+
+YAML::Node findControllers(const ros::NodeHandle& node) {
+  YAML::Node controllers(YAML::NodeType::Map);
+  XmlRpc::XmlRpcValue tree;
+  if (!node.getParam(node.getNamespace(), tree) || tree.getType() != XmlRpc::XmlRpcValue::TypeStruct) {
+    return controllers;
+  }
+  if (tree.hasMember("joint_limits")) controllers["joint_limits"] = yamlFromXmlRpc(tree["joint_limits"]);
+  for (auto& [name, value] : tree) {
+    if (value.getType() != XmlRpc::XmlRpcValue::TypeStruct || !value.hasMember("type")) continue;
+    XmlRpc::XmlRpcValue& type = value["type"];
+    if (type.getType() == XmlRpc::XmlRpcValue::TypeString && endsWith(type, kControllerSuffix)) {
+      controllers[name] = yamlFromXmlRpc(value);
+    }
+  }
+  return controllers;
+}
+
+}  // namespace
+
+NodeParameters loadParameters(const ros::NodeHandle& node, const ros::NodeHandle& private_node) {
+  NodeParameters parameters;
+  FaultList faults;
+  YamlReader own(ownParameters(private_node), sectionOf("node"));
+  parameters.gazebo_names = own.get<bool>("gazebo_names");
+  parameters.gazebo_camera_names = own.get<bool>("gazebo_camera_names");
+  parameters.base_tf = own.get<bool>("base_tf");
+  faults.collect([&] { own.finish(); }, "~");
+  faults.collect([&] { parameters.simulation = SimulationConfig::fromYaml(section(node, private_node, "sim")); });
+  faults.collect([&] { parameters.time = TimeConfig::fromYaml(section(node, private_node, "time")); });
+  liftNested(node);
+  parameters.controllers = findControllers(node);
+
+  std::string urdf, key;
+  if (!node.searchParam("robot_description", key) || !node.getParam(key, urdf)) {
+    faults.add("robot_description: not found in " + node.getNamespace() + " or above, must be a URDF document");
+  } else {
+    faults.collect([&] {
+      parameters.robot = loadRobotModel(urdf, key);
+      parseControllers(parameters.controllers, parameters.robot);
+      parameters.joint_states = parseJointStates(parameters.controllers, parameters.robot);
+    });
+  }
+  if (!parameters.time.joint_state_rate_given && parameters.joint_states.publish_rate_hz) {
+    parameters.time.joint_state_rate_hz = *parameters.joint_states.publish_rate_hz;
+  }
+  faults.throwIfAny();
+  return parameters;
+}
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <yaml-cpp/yaml.h>
+
+#include "aras_visual_servo_sim/physics/joint_state_config.hpp"
+#include "aras_visual_servo_sim/robot/robot_model.hpp"
+#include "aras_visual_servo_sim/simulation/simulation_config.hpp"
+#include "aras_visual_servo_sim/simulation/time/time_config.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** Everything the node reads from the parameter server, parsed. */
+struct NodeParameters {
+  RobotModel robot;
+  SimulationConfig simulation;
+  TimeConfig time;
+  YAML::Node controllers;  ///< every map of the namespace whose `type` ends in "Controller"
+  JointStateConfig joint_states;
+  bool gazebo_names = false;         ///< also answer /gazebo/pause_physics and the like
+  bool gazebo_camera_names = false;  ///< the URDF's cameras have the topics that Gazebo gives them
+  bool base_tf = true;               ///< say where the base is on /tf and /tf_static
+};
+
+/** Reads `robot_description` (searched upwards), the controllers of the namespace, and of the private namespace the
+ *  sections `sim` and `time`, which may also stand under `scenario/` there or in the namespace, `gazebo_names`,
+ *  `gazebo_camera_names` and `base_tf`.
+ *  @throws ParameterError listing every fault of all of them */
+NodeParameters loadParameters(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,126 @@
+#include "command_inputs.hpp"
+
+#include <ros/console.h>
+#include <ros/master.h>
+#include <ros/names.h>
+#include <ros/this_node.h>
+#include <ros/transport_hints.h>
+
+#include <algorithm>
+#include <boost/function.hpp>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "convert/conversions.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+constexpr std::uint32_t kCommandQueue = 1000;  // messages
+constexpr double kWarnPeriodS = 1.0;           // wall, between two warnings
+
+void readArray(const std::string& kind, const std::vector<std::string>& names, const std::vector<double>& values,
+               std::map<std::string, double>& to) {
+  if (!values.empty() && values.size() != names.size()) {
+    throw ShapeError("joint_command: " + kind + " has " + std::to_string(values.size()) + " entries, allowed 0 or " +
+                     std::to_string(names.size()) + " (one for each name)");
+  }
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (!std::isnan(values[k])) to[names[k]] = values[k];  // infinities are for the core to refuse
+  }
+}
+
+}  // namespace
+
+JointCommand commandFromMessage(const sensor_msgs::JointState& message) {
+  JointCommand command;
+  readArray("position", message.name, message.position, command.position);
+  readArray("velocity", message.name, message.velocity, command.velocity);
+  readArray("effort", message.name, message.effort, command.effort);
+  for (const std::string& joint : message.name) {
+    if (command.position.count(joint) + command.velocity.count(joint) + command.effort.count(joint) == 0) {
+      throw NotFiniteError("joint_command: joint '" + joint + "': no finite position, velocity or effort");
+    }
+  }
+  return command;
+}
+
+CommandInputs::CommandInputs(ros::NodeHandle& node, Simulation& simulation, LockstepGate& gate, const WireTime& time)
+    : simulation_(simulation), gate_(gate), time_(time) {
+  const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
+  joint_command_ = node.subscribe("joint_command", kCommandQueue, &CommandInputs::onJointCommand, this, hints);
+  for (const std::string& controller : simulation.world().controllerNames()) {
+    const boost::function<void(const std_msgs::Float64::ConstPtr&)> callback =
+        [this, controller](const std_msgs::Float64::ConstPtr& message) { onControllerCommand(controller, message); };
+    controller_commands_.push_back(node.subscribe<std_msgs::Float64>(controller + "/command", kCommandQueue, callback,
+                                                                     ros::VoidConstPtr(), hints));
+  }
+}
+
+void CommandInputs::onJointCommand(const ros::MessageEvent<const sensor_msgs::JointState>& event) {
+  const sensor_msgs::JointState::ConstPtr& message = event.getConstMessage();
+  const std::string& sender = event.getPublisherName();
+  if (gate_.holding() && !gate_.nodes().empty()) {
+    kept_.push_back({sender, message});
+  } else {
+    apply(*message);
+  }
+  // A stamp from the future answers nothing: its sender lives in another time.
+  const std::int64_t stamp_ns = time_.simulated(message->header.stamp);
+  gate_.commandReceived(stamp_ns <= simulation_.timeNs() ? stamp_ns : -1, sender);
+  if (!gate_.holding()) applyKept();
+}
+
+void CommandInputs::applyKept() {
+  std::stable_sort(kept_.begin(), kept_.end(), [](const Kept& a, const Kept& b) { return a.sender < b.sender; });
+  for (const Kept& kept : kept_) apply(*kept.message);
+  kept_.clear();
+}
+
+void CommandInputs::apply(const sensor_msgs::JointState& message) {
+  try {
+    JointCommand command;
+    try {
+      command = commandFromMessage(message);
+    } catch (const ArasError& error) {
+      simulation_.refuse(error.what());
+      throw;
+    }
+    std::optional<std::int64_t> stamp_ns;
+    if (!message.header.stamp.isZero()) stamp_ns = time_.simulated(message.header.stamp);
+    simulation_.setCommand(command, stamp_ns);
+  } catch (const ArasError& error) {
+    ROS_WARN_THROTTLE(kWarnPeriodS, "command refused, the arm holds: %s", error.what());
+  }
+}
+
+void CommandInputs::onControllerCommand(const std::string& controller, const std_msgs::Float64::ConstPtr& message) {
+  try {
+    simulation_.setControllerCommand(controller, message->data);
+  } catch (const ArasError& error) {
+    ROS_WARN_THROTTLE(kWarnPeriodS, "command refused, the arm holds: %s/command: %s", controller.c_str(), error.what());
+  }
+}
+
+std::string CommandInputs::answerers() const {
+  const std::string topic = joint_command_.getTopic();
+  XmlRpc::XmlRpcValue request, response, state;
+  request[0] = ros::this_node::getName();
+  std::string names;
+  if (ros::master::execute("getSystemState", request, response, state, false)) {
+    XmlRpc::XmlRpcValue& publishers = state[0];
+    for (int k = 0; k < publishers.size(); ++k) {
+      if (static_cast<std::string>(publishers[k][0]) != topic) continue;
+      for (int j = 0; j < publishers[k][1].size(); ++j) {
+        names += (names.empty() ? "" : ", ") + static_cast<std::string>(publishers[k][1][j]);
+      }
+    }
+  }
+  return names.empty() ? "nobody publishes " + topic
+                       : names + " (" + std::to_string(joint_command_.getNumPublishers()) + " connected)";
+}
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <ros/message_event.h>
+#include <ros/node_handle.h>
+#include <ros/subscriber.h>
+#include <sensor_msgs/JointState.h>
+#include <std_msgs/Float64.h>
+
+#include <string>
+#include <vector>
+
+#include "aras_visual_servo_sim/simulation/simulation.hpp"
+#include "aras_visual_servo_sim/simulation/time/lockstep_gate.hpp"
+#include "convert/wire_time.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** A stamped command as the core wants it. NaN entries are left out; a joint of which nothing finite remains is a
+ * fault.
+ *  @throws ShapeError if an array is neither empty nor as long as `name`; NotFiniteError naming the joint */
+JointCommand commandFromMessage(const sensor_msgs::JointState& message);
+
+/** Listens to `joint_command` and every `<controller>/command`. A command that is refused never stops the node: it is
+ *  counted, warned about, and the arm holds.
+ *
+ *  Where the lockstep waits for several nodes, the joint commands that come while it holds are kept and applied when it
+ *  goes on, in the order of their senders' names: who was faster decides nothing. */
+class CommandInputs {
+ public:
+  CommandInputs(ros::NodeHandle& node, Simulation& simulation, LockstepGate& gate, const WireTime& time);
+
+  /** Applies the commands kept: the lockstep goes on. */
+  void applyKept();
+  /** Forgets them: after a reset. */
+  void forgetKept() { kept_.clear(); }
+
+  /** Who the master knows to publish `joint_command`, in words; asks the master. */
+  std::string answerers() const;
+
+ private:
+  struct Kept {
+    std::string sender;
+    sensor_msgs::JointState::ConstPtr message;
+  };
+  void onJointCommand(const ros::MessageEvent<const sensor_msgs::JointState>& event);
+  void apply(const sensor_msgs::JointState& message);
+  void onControllerCommand(const std::string& controller, const std_msgs::Float64::ConstPtr& message);
+
+  Simulation& simulation_;
+  LockstepGate& gate_;
+  const WireTime& time_;
+  std::vector<Kept> kept_;
+  ros::Subscriber joint_command_;
+  std::vector<ros::Subscriber> controller_commands_;
+};
+
+}  // namespace aras_visual_servo_sim

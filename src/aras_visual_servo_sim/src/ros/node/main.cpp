@@ -1,0 +1,27 @@
+#include <ros/callback_queue.h>
+#include <ros/console.h>
+#include <ros/init.h>
+#include <ros/node_handle.h>
+
+#include <cstdlib>
+#include <exception>
+
+#include "convert/parameters.hpp"
+#include "sim_node.hpp"
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "sim");
+  ros::NodeHandle node;
+  const ros::NodeHandle private_node("~");
+  ros::CallbackQueue queue;
+  node.setCallbackQueue(&queue);
+  try {
+    aras_visual_servo_sim::SimNode sim(node, queue, aras_visual_servo_sim::loadParameters(node, private_node));
+    sim.run();
+  } catch (const std::exception& error) {
+    ROS_FATAL("sim: cannot run:\n%s", error.what());
+    ros::shutdown();
+    return EXIT_FAILURE;
+  }
+  return EXIT_SUCCESS;
+}

@@ -1,0 +1,60 @@
+#include "geometry_publisher.hpp"
+
+#include <sensor_msgs/image_encodings.h>
+
+#include <cstring>
+
+namespace aras_visual_servo_sim {
+namespace {
+
+constexpr std::uint32_t kQueue = 10;
+
+template <typename T>
+void send(image_transport::Publisher& publisher, const GeometryImage& image, const std::vector<T>& values,
+          const std::string& encoding, const std::string& frame, const ros::Time& stamp) {
+  sensor_msgs::Image message;
+  message.header.stamp = stamp;
+  message.header.frame_id = frame;
+  message.width = static_cast<std::uint32_t>(image.width);
+  message.height = static_cast<std::uint32_t>(image.height);
+  message.encoding = encoding;
+  message.step = static_cast<std::uint32_t>(image.width * sizeof(T));
+  message.data.resize(values.size() * sizeof(T));
+  std::memcpy(message.data.data(), values.data(), message.data.size());
+  publisher.publish(message);
+}
+
+}  // namespace
+
+GeometryPublisher::GeometryPublisher(const ros::NodeHandle& node, Simulation& simulation,
+                                     const std::vector<CameraTopics>& topics)
+    : simulation_(simulation) {
+  image_transport::ImageTransport transport(node);
+  for (const CameraTopics& camera : topics) {
+    cameras_.push_back({transport.advertise(camera.depth, kQueue), transport.advertise(camera.segmentation, kQueue)});
+  }
+  tellIds(simulation.scene());
+}
+
+void GeometryPublisher::tellIds(const Scene& scene) {
+  std::map<std::string, int> ids;
+  for (const auto& [name, id] : segmentationIds(scene)) ids[name] = id;
+  if (ids == ids_) return;
+  ids_ = ids;
+  ros::NodeHandle("~").setParam("segmentation_ids", ids);
+}
+
+void GeometryPublisher::publish(int camera, const ros::Time& stamp) {
+  Output& output = cameras_[camera];
+  const bool depth = output.depth.getNumSubscribers() > 0, ids = output.ids.getNumSubscribers() > 0;
+  if (!depth && !ids) return;
+  const GeometryImage& image = simulation_.renderGeometry(camera);
+  const std::string& frame = simulation_.cameras()[camera].model().config().frame;
+  namespace encodings = sensor_msgs::image_encodings;
+  if (depth) send(output.depth, image, image.depth_m, encodings::TYPE_32FC1, frame, stamp);
+  if (!ids) return;
+  tellIds(simulation_.shownScene(camera));
+  send(output.ids, image, image.ids, encodings::TYPE_16UC1, frame, stamp);
+}
+
+}  // namespace aras_visual_servo_sim

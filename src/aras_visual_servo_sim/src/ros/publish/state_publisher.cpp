@@ -1,0 +1,243 @@
+#include "state_publisher.hpp"
+
+#include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/TwistStamped.h>
+#include <ros/console.h>
+#include <rosgraph_msgs/Clock.h>
+
+#include <algorithm>
+
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "convert/conversions.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+constexpr std::uint32_t kSmallQueue = 1000;  // messages: a recorder that hesitates for seconds loses nothing
+constexpr std::uint32_t kImageQueue = 200;   // images: the same, at 30 Hz, within 50 MB
+constexpr std::size_t kLongestPath = 2000;   // poses kept for display
+constexpr double kPathPeriodS = 0.5;         // wall
+constexpr double kErrorPeriodS = 5.0;        // wall, between two reports of the same failure
+const std::string kTargetModel = "target";
+
+/** The model named `target`, else the first; empty without any. */
+std::string targetOf(const std::vector<std::string>& models) {
+  if (std::find(models.begin(), models.end(), kTargetModel) != models.end()) return kTargetModel;
+  return models.empty() ? "" : models.front();
+}
+
+void assign(std::vector<double>& to, const Eigen::VectorXd& from) { to.assign(from.data(), from.data() + from.size()); }
+
+}  // namespace
+
+StatePublisher::StatePublisher(const ros::NodeHandle& node, Simulation& simulation, const NodeParameters& parameters,
+                               const std::vector<CameraTopics>& topics, const WireTime& time)
+    : node_(node),
+      transport_(node_),
+      simulation_(simulation),
+      time_(time),
+      render_always_(parameters.time.render_always),
+      clock_schedule_(std::min(parameters.time.clock_rate_hz, 1e9 / simulation.periodNs()), simulation.periodNs()),
+      joint_schedule_(std::min(parameters.time.joint_state_rate_hz, 1e9 / simulation.periodNs()),
+                      simulation.periodNs()),
+      geometry_(node_, simulation, topics),
+      base_frames_(node_, simulation, parameters.base_tf),
+      extra_joints_(parameters.joint_states.extra_joints) {
+  clock_ = node_.advertise<rosgraph_msgs::Clock>("/clock", kSmallQueue);
+  joints_ = node_.advertise<sensor_msgs::JointState>("joint_states", kSmallQueue);
+  target_pose_ = node_.advertise<geometry_msgs::PoseStamped>("ground_truth/target_pose", kSmallQueue);
+  target_twist_ = node_.advertise<geometry_msgs::TwistStamped>("ground_truth/target_twist", kSmallQueue);
+  path_ = node_.advertise<nav_msgs::Path>("camera_path", 1);
+  path_message_.header.frame_id = kWorldFrame;
+  joint_message_.name = simulation.model().joint_names;
+  for (const ExtraJoint& joint : extra_joints_) joint_message_.name.push_back(joint.name);
+  for (std::size_t k = 0; k < topics.size(); ++k) advertiseCamera(static_cast<int>(k), topics[k]);
+  for (const ControllerConfig& controller : simulation.config().world.controllers) {
+    controllers_.push_back(
+        {controller.name, controller.publish_state,
+         node_.advertise<aras_visual_servo_msgs::JointControllerState>(controller.name + "/state", kSmallQueue)});
+  }
+}
+
+void StatePublisher::advertiseCamera(int camera, const CameraTopics& topics) {
+  const std::string& name = simulation_.cameras().names()[camera];
+  const CameraModel& model = simulation_.cameras()[camera].model();
+  const std::string truth = camera == 0 ? "ground_truth/" : "ground_truth/" + name + "/";
+  CameraOutput output;
+  output.image = transport_.advertise(topics.image, kImageQueue);
+  output.info = node_.advertise<sensor_msgs::CameraInfo>(topics.info, kSmallQueue);
+  output.pose = node_.advertise<geometry_msgs::PoseStamped>(truth + "camera_pose", kSmallQueue);
+  output.twist = node_.advertise<geometry_msgs::TwistStamped>(truth + "camera_twist", kSmallQueue);
+  output.info_message = toMessage(model);
+  output.image_message.header.frame_id = model.config().frame;
+  output.image_message.width = static_cast<std::uint32_t>(model.width());
+  output.image_message.height = static_cast<std::uint32_t>(model.height());
+  output.image_message.encoding = encodingName(model.encoding());
+  output.image_message.step = static_cast<std::uint32_t>(model.width() * channelsOf(model.encoding()));
+  cameras_.push_back(output);
+}
+
+std::int64_t StatePublisher::nextTick() const {
+  std::int64_t next = std::min(clock_schedule_.tickOf(next_clock_), joint_schedule_.tickOf(next_joints_));
+  for (const Camera& camera : simulation_.cameras()) {
+    next = std::min({next, camera.nextFrameTick(), camera.nextExposureTick()});
+  }
+  return next;
+}
+
+std::vector<int> StatePublisher::publishDue() {
+  const std::int64_t tick = simulation_.ticks();
+  if (sampled_tick_ == tick) return {};
+  sampled_tick_ = tick;
+  const bool clock_due = clock_schedule_.tickOf(next_clock_) <= tick;
+  const bool joints_due = joint_schedule_.tickOf(next_joints_) <= tick;
+  simulation_.expose();
+  std::vector<int> exposed, due;
+  for (std::size_t k = 0; k < cameras_.size(); ++k) {
+    const int camera = static_cast<int>(k);
+    if (simulation_.cameras()[camera].frameExposed(tick)) exposed.push_back(camera);
+    if (simulation_.cameras()[camera].frameDue(tick)) due.push_back(camera);
+  }
+
+  next_clock_ = clock_schedule_.firstIndexFrom(tick + 1);
+  next_joints_ = joint_schedule_.firstIndexFrom(tick + 1);
+  const ros::Time stamp = time_.now();
+  if (clock_due || !exposed.empty() || !due.empty()) publishClock();
+  if (joints_due || !exposed.empty()) publishPresentJoints();
+  if (joints_due) publishControllers(stamp);
+  if (!exposed.empty()) publishTarget(stamp);
+  for (std::size_t k = 0; k < cameras_.size(); ++k) {
+    const int camera = static_cast<int>(k);
+    if (std::count(exposed.begin(), exposed.end(), camera)) {
+      publishCamera(camera, stamp, simulation_.cameraPose(camera), simulation_.cameraTwist(camera));
+    }
+    if (!std::count(due.begin(), due.end(), camera)) continue;
+    simulation_.takeFrame(camera);
+    ++frames_;
+    publishImage(camera);
+  }
+  return due;
+}
+
+std::int64_t StatePublisher::imageNs(int camera) const {
+  const ExposedFrame* late = simulation_.cameras()[camera].takenFrame();
+  return late ? late->tick() * simulation_.periodNs() : simulation_.timeNs();
+}
+
+void StatePublisher::publishClock() {
+  rosgraph_msgs::Clock clock;
+  clock.clock = time_.now();
+  clock_.publish(clock);
+}
+
+void StatePublisher::reset() {
+  next_clock_ = next_joints_ = 0;
+  sampled_tick_ = -1;
+  frames_ = dropped_frames_ = 0;
+  path_message_.poses.clear();
+}
+
+void StatePublisher::publishPresentJoints() {
+  const MultibodyWorld& world = simulation_.world();
+  publishJoints(time_.now(), world.jointPositions(), world.jointVelocities(), world.jointEfforts());
+  base_frames_.publish(time_.now());
+}
+
+void StatePublisher::publishJoints(const ros::Time& stamp, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                                   const Eigen::VectorXd& efforts) {
+  joint_message_.header.stamp = stamp;
+  assign(joint_message_.position, q);
+  assign(joint_message_.velocity, v);
+  assign(joint_message_.effort, efforts);
+  for (const ExtraJoint& joint : extra_joints_) {
+    joint_message_.position.push_back(joint.position);
+    joint_message_.velocity.push_back(joint.velocity);
+    joint_message_.effort.push_back(joint.effort);
+  }
+  joints_.publish(joint_message_);
+}
+
+void StatePublisher::publishControllers(const ros::Time& stamp) {
+  for (const ControllerOutput& output : controllers_) {
+    if (!output.always && output.state.getNumSubscribers() == 0) continue;
+    const ControllerState state = simulation_.world().controllerState(output.name);
+    aras_visual_servo_msgs::JointControllerState message;
+    message.header.stamp = stamp;
+    message.set_point = state.set_point;
+    message.process_value = state.process_value;
+    message.process_value_dot = state.process_value_dot;
+    message.error = state.error;
+    message.time_step = state.time_step_s;
+    message.command = state.command;
+    message.p = state.gains.p;
+    message.i = state.gains.i;
+    message.d = state.gains.d;
+    message.i_clamp = state.gains.i_max;
+    message.antiwindup = state.gains.antiwindup;
+    output.state.publish(message);
+  }
+}
+
+void StatePublisher::publishTarget(const ros::Time& stamp) {
+  const std::string target = targetOf(simulation_.models().names());
+  if (target.empty()) return;
+  geometry_msgs::PoseStamped pose;
+  pose.header.stamp = stamp;
+  pose.header.frame_id = kWorldFrame;
+  pose.pose = toMessage(simulation_.models().pose(target));
+  target_pose_.publish(pose);
+  geometry_msgs::TwistStamped twist;
+  twist.header = pose.header;
+  twist.twist = toMessage(simulation_.modelTwist(target));
+  target_twist_.publish(twist);
+}
+
+void StatePublisher::publishCamera(int camera, const ros::Time& stamp, const Pose& X_WC, const Twist& V_WC_C) {
+  CameraOutput& output = cameras_[camera];
+  geometry_msgs::PoseStamped pose;
+  pose.header.stamp = stamp;
+  pose.header.frame_id = kWorldFrame;
+  pose.pose = toMessage(X_WC);
+  output.pose.publish(pose);
+  geometry_msgs::TwistStamped twist;
+  twist.header.stamp = stamp;
+  twist.header.frame_id = output.info_message.header.frame_id;
+  twist.twist = toMessage(V_WC_C);
+  output.twist.publish(twist);
+  if (camera == 0) publishPath(stamp, pose.pose);
+}
+
+void StatePublisher::publishImage(int camera) {
+  CameraOutput& output = cameras_[camera];
+  const ros::Time stamp = time_.at(imageNs(camera));
+  output.info_message.header.stamp = stamp;
+  output.info.publish(output.info_message);
+  geometry_.publish(camera, stamp);
+  if (!render_always_ && output.image.getNumSubscribers() == 0) return;
+  try {
+    const Image& image = simulation_.render(camera);
+    output.image_message.header.stamp = stamp;
+    output.image_message.data = image.data;
+    output.image.publish(output.image_message);
+  } catch (const ArasError& error) {
+    ++dropped_frames_;
+    ROS_ERROR_THROTTLE(kErrorPeriodS, "no image: %s", error.what());
+  }
+}
+
+void StatePublisher::publishPath(const ros::Time& stamp, const geometry_msgs::Pose& pose) {
+  if (path_.getNumSubscribers() == 0) return;
+  if (path_message_.poses.size() >= kLongestPath) path_message_.poses.erase(path_message_.poses.begin());
+  geometry_msgs::PoseStamped entry;
+  entry.header.stamp = stamp;
+  entry.header.frame_id = kWorldFrame;
+  entry.pose = pose;
+  path_message_.poses.push_back(entry);
+  const ros::WallTime now = ros::WallTime::now();
+  if ((now - path_sent_).toSec() < kPathPeriodS) return;
+  path_sent_ = now;
+  path_message_.header.stamp = stamp;
+  path_.publish(path_message_);
+}
+
+}  // namespace aras_visual_servo_sim

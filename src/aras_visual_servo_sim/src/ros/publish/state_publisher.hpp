@@ -1,0 +1,99 @@
+#pragma once
+
+#include <aras_visual_servo_msgs/JointControllerState.h>
+#include <image_transport/image_transport.h>
+#include <nav_msgs/Path.h>
+#include <ros/node_handle.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Image.h>
+#include <sensor_msgs/JointState.h>
+
+#include <string>
+#include <vector>
+
+#include "aras_visual_servo_sim/simulation/cameras/frame_schedule.hpp"
+#include "aras_visual_servo_sim/simulation/simulation.hpp"
+#include "base_frames.hpp"
+#include "camera_topics.hpp"
+#include "convert/parameters.hpp"
+#include "convert/wire_time.hpp"
+#include "geometry_publisher.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** Puts on the wire what is due at a tick, each message with the stamp of the state it describes.
+ *
+ *  Order at an image: clock, joint_states, ground truth, camera_info, image. Of a camera with latency the last two come
+ * that much later, after the clock, with the stamp of the others. */
+class StatePublisher {
+ public:
+  /** @param topics  of every camera of the simulation */
+  StatePublisher(const ros::NodeHandle& node, Simulation& simulation, const NodeParameters& parameters,
+                 const std::vector<CameraTopics>& topics, const WireTime& time);
+
+  /** Tick of the next sample after the present one. */
+  std::int64_t nextTick() const;
+
+  /** Publishes what is due at the present tick and was not published yet.
+   *  @return the cameras, by index, whose images went out */
+  std::vector<int> publishDue();
+
+  void publishClock();
+  /** Forgets the samples taken: after a reset of the simulation. */
+  void reset();
+  /** After a restored state: samples it anew. A frame that was taken at its tick already is sent once more, and so are
+   *  joint states and camera poses of the frames that are on their way. @return as publishDue */
+  std::vector<int> resume();
+
+  /** Stamp of the image of a camera that went out at the present tick, in the simulation's time [ns]. */
+  std::int64_t imageNs(int camera) const;
+
+  std::uint64_t frames() const { return frames_; }
+  /** Frames that could not be rendered, and those of drop_probability. */
+  std::uint64_t droppedFrames() const { return dropped_frames_ + simulation_.cameras().droppedFrames(); }
+
+ private:
+  struct CameraOutput {
+    image_transport::Publisher image;
+    ros::Publisher info, pose, twist;
+    sensor_msgs::CameraInfo info_message;
+    sensor_msgs::Image image_message;
+  };
+  struct ControllerOutput {
+    std::string name;
+    bool always;
+    ros::Publisher state;
+  };
+
+  void advertiseCamera(int camera, const CameraTopics& topics);
+  void publishPresentJoints();
+  void publishJoints(const ros::Time& stamp, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                     const Eigen::VectorXd& efforts);
+  void publishControllers(const ros::Time& stamp);
+  void publishTarget(const ros::Time& stamp);
+  void publishCamera(int camera, const ros::Time& stamp, const Pose& X_WC, const Twist& V_WC_C);
+  void publishImage(int camera);
+  void publishLate();
+  void publishPath(const ros::Time& stamp, const geometry_msgs::Pose& pose);
+
+  ros::NodeHandle node_;
+  image_transport::ImageTransport transport_;
+  Simulation& simulation_;
+  const WireTime& time_;
+  bool render_always_;
+  FrameSchedule clock_schedule_, joint_schedule_;
+  std::int64_t next_clock_ = 0, next_joints_ = 0;  ///< indices into the schedules
+  std::int64_t sampled_tick_ = -1;
+  std::uint64_t frames_ = 0, dropped_frames_ = 0;
+  ros::Publisher clock_, joints_, target_pose_, target_twist_, path_;
+  std::vector<CameraOutput> cameras_;
+  GeometryPublisher geometry_;
+  BaseFrames base_frames_;
+  std::vector<ExtraJoint> extra_joints_;
+  std::vector<ControllerOutput> controllers_;
+  sensor_msgs::JointState joint_message_;
+  nav_msgs::Path path_message_;
+  ros::WallTime path_sent_;
+};
+
+}  // namespace aras_visual_servo_sim
