@@ -1,4 +1,4 @@
-"""A sweep on a Dask scheduler that speaks TLS, switched on by the three lines of docs/sweeps.md."""
+"""A sweep on a Dask scheduler that speaks TLS, switched on by the three lines of README.md."""
 import json
 import os
 import pathlib
@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "sweeps.md"
+PAGE = pathlib.Path(__file__).resolve().parents[2] / "README.md"
 LIMIT_S = 120.0  # wall time for what takes some seconds
 SWEEP = ("rosrun", "aras_visual_servo_controller", "sweep", "experiment_1", "--starts", "2", "--set",
          "servo.time_limit_s=0.2", "--output", "results", "--scheduler")

@@ -3,6 +3,7 @@
 
 import argparse
 import os
+import re
 import sys
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from ..bags.record_groups import GROUPS, parse_groups
 from ..bags.recorder import COMPRESSIONS
 
 EXIT_PASSED, EXIT_FAILED, EXIT_PARAMETERS, EXIT_BROKEN = range(4)
+NAMESPACE = re.compile(r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
 
 
 def run_main(argv=None):
@@ -32,6 +34,9 @@ def run_main(argv=None):
     parser.add_argument("--split", type=int, metavar="MB", help="split the bag after this size (only over ROS)")
     parser.add_argument("--compression", choices=tuple(COMPRESSIONS),
                         help="compression of the bag (only over ROS; default: lz4)")
+    parser.add_argument("--namespace", metavar="NAME", help="namespace of the graph, with a clock and frames of its "
+                        "own, so that several runs share a master (only over ROS; default: aras_visual_servo, global "
+                        "clock)")
     parser.add_argument("--verbose", action="store_true", help="show the output of the nodes (only over ROS)")
     parser.add_argument("--list", action="store_true", help="list the scenarios that come with the package")
     arguments = parser.parse_args(argv)
@@ -47,6 +52,9 @@ def run_main(argv=None):
         parser.error("--set needs --in-process; over ROS change the scenario file")
     if arguments.in_process and (arguments.record or arguments.split or arguments.compression):
         parser.error("--record, --split and --compression say how the bag is written; --in-process writes no bag")
+    if arguments.namespace is not None and (arguments.in_process or not NAMESPACE.fullmatch(arguments.namespace)):
+        parser.error(f"--namespace: found '{arguments.namespace}', allowed is a name of ROS, letters, digits and _ "
+                     "with / between, without --in-process")
     if arguments.split is not None and arguments.split < 1:
         parser.error(f"--split: found {arguments.split}, allowed >= 1")
 
@@ -140,7 +148,8 @@ def _run_over_ros(scenario, arguments):
         extra.append(f"record_compression:={arguments.compression}")
     if arguments.video:
         extra.append("video:=true")
-    return run_over_ros(scenario, os.path.expanduser(arguments.output), extra, verbose=arguments.verbose)
+    return run_over_ros(scenario, os.path.expanduser(arguments.output), extra, verbose=arguments.verbose,
+                        namespace=arguments.namespace)
 
 
 def _progress():

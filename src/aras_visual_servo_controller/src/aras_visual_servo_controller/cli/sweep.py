@@ -3,6 +3,7 @@
 
 import argparse
 import os
+import re
 import shlex
 import sys
 from dataclasses import asdict
@@ -41,8 +42,11 @@ def sweep_main(argv=None):
         parser.error("SCENARIO is missing (or --resume FOLDER)")
 
     def work():
+        from ..scenario.schema import NAME
         if arguments.workers is not None and arguments.workers < 0:
             raise ParameterError(f"--workers: found {arguments.workers}, allowed >= 0")
+        if arguments.name is not None and not re.fullmatch(NAME, arguments.name):
+            raise ParameterError(f"--name: found '{arguments.name}', allowed letters, digits, _ . -, not only dots")
         store = _new_sweep(arguments) if arguments.resume is None else _old_sweep(arguments)
         with store:
             return _run(store, arguments)
@@ -135,7 +139,7 @@ def _new_sweep(arguments):
     from ..sweep.store import FILE, StoreError, SweepStore
     from ..report.versions import installed_versions
     scenario = load_scenario(arguments.scenario, parse_overrides(arguments.overrides))
-    settings, kinematics = _settings(arguments, scenario)
+    settings, kinematics = _settings(scenario, _asked(arguments))
     if arguments.name and (Path(arguments.output) / FOLDER / scenario.name / arguments.name / FILE).exists():
         raise StoreError(f"sweep '{arguments.name}' is there already; go on with --resume, or choose another --name")
     starts = make_starts(settings, scenario, kinematics)
@@ -165,13 +169,15 @@ def _old_sweep(arguments):
     try:
         faults = []
         if scenario is not None:
-            settings, _ = _settings(arguments, scenario)
-            faults = [f"{key}: found {value}, the sweep was begun with {store.meta['settings'][key]}"
-                      for key, value in _plain(settings).items() if value != store.meta["settings"][key]]
+            begun_with = store.meta["settings"]
+            settings, _ = _settings(scenario, {key: begun_with[key] if value is None else value
+                                               for key, value in _asked(arguments).items()})
+            faults = [f"{key}: found {value}, the sweep was begun with {begun_with[key]}"
+                      for key, value in _plain(settings).items() if value != begun_with[key]]
             if not faults and make_setup(scenario, settings.drive_to_start) != store.meta["setup"]:
-                faults = [f"scenario '{scenario.name}' or its files have changed since the sweep was begun"]
-        elif arguments.overrides or any(getattr(arguments, key) is not None
-                                        for key in ("starts", "method", "space", "seed", "drive")):
+                faults = [f"scenario '{scenario.name}' or its files have changed since the sweep was begun, or it was begun with "
+                          "other values of --set"]
+        elif arguments.overrides or any(value is not None for value in _asked(arguments).values()):
             faults = ["a sweep is resumed with the options it was begun with: leave the others out"]
         if faults:
             raise ParameterError([f"--resume {store.folder}: {fault}" for fault in faults])
@@ -202,13 +208,17 @@ def _run(store, arguments):
     return EXIT_PASSED
 
 
-def _settings(arguments, scenario):
+def _asked(arguments):
+    """The settings that the command line can give; None: it does not."""
+    return {"starts": arguments.starts, "method": arguments.method, "space": arguments.space, "seed": arguments.seed,
+            "drive_to_start": arguments.drive}
+
+
+def _settings(scenario, changes):
     from ..run.loop import ServoLoop
     from ..sweep.plan import SweepSettings
     kinematics = ServoLoop(scenario).kinematics  # a fault of the scenario is raised here, instead of in every row
-    settings = SweepSettings.from_scenario(scenario, kinematics, starts=arguments.starts, method=arguments.method,
-                                           space=arguments.space, seed=arguments.seed, drive_to_start=arguments.drive)
-    return settings, kinematics
+    return SweepSettings.from_scenario(scenario, kinematics, **changes), kinematics
 
 
 def _plain(settings):

@@ -28,6 +28,7 @@ from aras_visual_servo_msgs.srv import Step
 from ..bags.bag import read_bag
 from ..ground.errors import ArasError, ParameterError
 from ..ground.processes import Interrupted, check_signals, signals_held, signals_raise
+from .goal_sender import GoalSender
 from .graph import Graph
 from ..run.loop import CLOSING_S
 from .parameters import Parameters
@@ -83,8 +84,7 @@ class ExperimentNode:
         self._changed = threading.Condition()
         self._status = self._state = self._result = None
         self._done_ns = None
-        self._accepted = set()
-        self._goal_ids = []
+        self._goals_sent = 0
         self.folder = None
 
     # ---- parts of a run -----------------------------------------------------------------------------------------
@@ -110,14 +110,15 @@ class ExperimentNode:
         return self._report(wall_s)
 
     def _subscribe(self):
-        rospy.Subscriber("sim/status", SimStatus, self._on_status)
-        rospy.Subscriber("servo_state", ServoState, self._on_state, tcp_nodelay=True)
-        rospy.Subscriber("servo/result", VisualServoActionResult, self._on_result)
-        rospy.Subscriber("servo/status", GoalStatusArray, self._on_goals)
         # The settings travel in the bag, so that any bag can be judged again.
         self._settings = rospy.Publisher("scenario", String, queue_size=1, latch=True)
         self._settings.publish(yaml.safe_dump(self._scenario.as_dict(), sort_keys=False))
         self._goals = rospy.Publisher("servo/goal", VisualServoActionGoal, queue_size=10, latch=False)
+        self._goal = GoalSender(self._goals.publish)
+        rospy.Subscriber("sim/status", SimStatus, self._on_status)
+        rospy.Subscriber("servo_state", ServoState, self._on_state, tcp_nodelay=True)
+        rospy.Subscriber("servo/result", VisualServoActionResult, self._on_result)
+        rospy.Subscriber("servo/status", GoalStatusArray, self._on_goals)
         self._step = rospy.ServiceProxy("sim/step", Step)
         self._pause, self._unpause = (rospy.ServiceProxy(f"sim/{name}", Empty) for name in ("pause", "unpause"))
 
@@ -176,7 +177,7 @@ class ExperimentNode:
         self._send_goal(VisualServoGoal.EXPERIMENT)
         lockstep = bool(self._scenario.time.get("lockstep", False))
         self._wait("the controller to take the goal" + (" and to arm the lockstep" if lockstep else ""),
-                   lambda: [] if self._taken(lockstep) else ["goal taken" if not self._accepted else "lockstep armed"],
+                   lambda: [] if self._taken(lockstep) else ["lockstep armed" if self._goal.taken else "goal taken"],
                    self._startup_timeout_s)
         started_s = time.monotonic()
         self._unpause()
@@ -194,6 +195,8 @@ class ExperimentNode:
                 self._recorder.check()
             if now_s - looked_s > GRAPH_POLL_S:
                 looked_s = now_s
+                with self._changed:
+                    self._goal.look(now_s)
                 uri = self._follow_controller(controller, uri)
             stamp = self._status.header.stamp
             if stamp != last_time:
@@ -211,17 +214,19 @@ class ExperimentNode:
     def _taken(self, lockstep):
         if self._result is not None:
             raise RunError(f"the controller refused the goal: {self._result.reason}")
-        return self._accepted and (not lockstep or self._status.lockstep_armed)
+        with self._changed:
+            self._goal.look(time.monotonic())
+        return self._goal.taken and (not lockstep or self._status.lockstep_armed)
 
     def _send_goal(self, reference):
         goal = VisualServoActionGoal()
         goal.header.stamp = rospy.get_rostime()
-        goal.goal_id.id = f"{rospy.get_name()}-{os.getpid()}-{len(self._goal_ids)}"
+        goal.goal_id.id = f"{rospy.get_name()}-{os.getpid()}-{self._goals_sent}"
         goal.goal_id.stamp = goal.header.stamp
         goal.goal.reference = reference
         with self._changed:
-            self._goal_ids.append(goal.goal_id.id)
-        self._goals.publish(goal)
+            self._goals_sent += 1
+            self._goal.send(goal, time.monotonic())
 
     def _follow_controller(self, controller, uri):
         """If the controller was started again, give it the goal again: the taught one if it was servoing."""
@@ -276,14 +281,13 @@ class ExperimentNode:
 
     def _on_result(self, message):
         with self._changed:
-            if self._goal_ids and message.status.goal_id.id == self._goal_ids[-1]:
+            if message.status.goal_id.id == self._goal.goal_id:
                 self._result = message.result
                 self._changed.notify_all()
 
     def _on_goals(self, message):
         with self._changed:
-            self._accepted |= {entry.goal_id.id for entry in message.status_list
-                               if entry.status != GoalStatus.PENDING and entry.goal_id.id in self._goal_ids}
+            self._goal.heard({entry.goal_id.id: entry.status == GoalStatus.PENDING for entry in message.status_list})
 
     # ---- afterwards ---------------------------------------------------------------------------------------------
 

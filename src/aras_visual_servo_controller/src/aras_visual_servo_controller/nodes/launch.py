@@ -3,6 +3,9 @@
 However it ends, nothing is left behind: see guard.py.
 """
 
+import contextlib
+import errno
+import hashlib
 import json
 import os
 import shutil
@@ -19,11 +22,13 @@ from .graph import Graph
 from ..report.report import format_summary
 
 LAUNCH_FILE = ("aras_visual_servo_controller", "servo.launch")
+NAMESPACE = "aras_visual_servo"  # that of servo.launch
+NODES = ("sim", "camera_node", "controller", "experiment", "robot_state_publisher")  # which servo.launch starts
 EXIT_BROKEN = 3        # the run ended without an outcome
 TAIL_LINES = 40        # of the log, shown when there is no outcome
 
 
-def run_over_ros(scenario, results_dir, arguments=(), verbose=False):
+def run_over_ros(scenario, results_dir, arguments=(), verbose=False, namespace=None):
     """Run servo.launch and wait for its end.
 
     Args:
@@ -31,14 +36,18 @@ def run_over_ros(scenario, results_dir, arguments=(), verbose=False):
         arguments: more arguments of servo.launch, `name:=value` each.
         verbose: show what the nodes say; else it is kept in roslaunch.log of the result folder, and only the outcome
             is printed.
+        namespace: of the graph, with a clock and frames of its own; None: that of servo.launch, with the global ones.
     Returns:
         exit code of the experiment node: 0 passed, 1 not passed, 2 bad parameters, 3 could not run.
     Raises:
-        ArasError: there is no roslaunch in PATH.  Interrupted: by a signal; what was recorded is in a closed bag.
+        ArasError: there is no roslaunch in PATH, or a run of this namespace is there already.
+        Interrupted: by a signal; what was recorded is in a closed bag.
     """
     environment = marked(_environment(dict(os.environ)))
     before = _folders(Path(results_dir) / scenario.name)
-    with temporary_folder("aras_run_") as folder:
+    if namespace is not None:
+        arguments = [*arguments, f"ns:={namespace}", "side_by_side:=true"]
+    with _alone("/" + (namespace or NAMESPACE).strip("/"), environment), temporary_folder("aras_run_") as folder:
         outcome = Path(folder) / "exit_code"
         command = ["roslaunch", *LAUNCH_FILE, f"scenario:={scenario.path}", f"model:={scenario.urdf_path}",
                    f"controllers:={scenario.controllers_path}", f"results_dir:={os.path.abspath(results_dir)}",
@@ -59,6 +68,30 @@ def run_over_ros(scenario, results_dir, arguments=(), verbose=False):
         return code
 
 
+@contextlib.contextmanager
+def _alone(namespace, environment):
+    """Holds the namespace of a master for this process. Raises ArasError if somebody runs there already.
+
+    Nodes of the same name end each other. The master can be asked only for those that have started, so that runs which
+    start at the same moment also compete for the name of a socket, which nobody connects to and which ends with us.
+    """
+    graph = Graph("/run", environment["ROS_MASTER_URI"])
+    master = graph.master_uri() or environment["ROS_MASTER_URI"]
+    with socket.socket(socket.AF_UNIX) as claim:
+        graph_of = [f"{namespace}/{name}" for name in NODES]
+        try:
+            claim.bind("\0aras_run/" + hashlib.sha256(f"{master} {namespace}".encode()).hexdigest())
+            found = graph.running(graph_of)
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE:
+                raise
+            found = graph.running(graph_of) or ["another run"]
+        if found:
+            raise ArasError(f"namespace {namespace} of the master {master}: {', '.join(found)} runs there already; "
+                            "wait for its end, or choose another with --namespace")
+        yield
+
+
 def _folders(parent):
     return set(parent.iterdir()) if parent.is_dir() else set()
 
@@ -67,7 +100,10 @@ def _keep_log(parent, before, log):
     """Copy what the nodes said into the folder of the run. Returns the new folders, sorted."""
     made = sorted(_folders(parent) - before)
     for folder in made[-1:]:
-        shutil.copyfile(log, folder / "roslaunch.log")
+        try:
+            shutil.copyfile(log, folder / "roslaunch.log")
+        except OSError as error:
+            print(f"note: {folder / 'roslaunch.log'} cannot be written: {error.strerror}", file=sys.stderr)
     return made
 
 

@@ -3,6 +3,7 @@
 The result of a run depends on its start alone, so runs may be done anywhere, in any order, and again.
 """
 
+import collections
 import os
 import sys
 import time
@@ -27,22 +28,24 @@ class EngineError(ArasError):
 class Progress:
     """Shows runs done, rate and time left on stderr: in one line that is rewritten, or without a terminal in a new line
     every `every_s`.
+
+    Args:
+        total: runs of the sweep.  rows: of those that were done before.
     """
 
-    def __init__(self, total, done=0, stream=None, every_s=10.0, clock=time.monotonic):
-        self.total, self.already = total, done
-        self.done = done
+    def __init__(self, total, rows=(), stream=None, every_s=10.0, clock=time.monotonic):
+        self.total, self.already = total, len(rows)
+        self.done = len(rows)
         self._stream, self._clock = stream or sys.stderr, clock
         self._terminal = self._stream.isatty()
         self._every_s = 0.2 if self._terminal else every_s
-        self._counts = {}
+        self._counts = collections.Counter(row["outcome"] for row in rows)
         self._began_s = self._shown_s = clock()
 
     def add(self, rows):
         """Count runs that are done."""
         self.done += len(rows)
-        for row in rows:
-            self._counts[row["outcome"]] = self._counts.get(row["outcome"], 0) + 1
+        self._counts.update(row["outcome"] for row in rows)
         if self._clock() - self._shown_s >= self._every_s or self.done == self.total:
             self._shown_s = self._clock()
             print(("\r" if self._terminal else "") + self.line(), end="" if self._terminal else "\n",
@@ -76,7 +79,7 @@ def run_pending(store, setup, workers=None, scheduler=None, progress=None):
     pending = store.pending()
     if not pending:
         return
-    progress = progress or Progress(len(store.starts()), len(store.starts()) - len(pending))
+    progress = progress or Progress(len(store.starts()), store.rows())
     by_id = {start.id: start for start in pending}
 
     def save(results):

@@ -1,7 +1,9 @@
 """The commands `sweep`, `rerun`, `compare` as a user types them: resume, interruption, a killed worker, bad input."""
 
+import contextlib
 import os
 import pathlib
+import shutil
 import signal
 import sqlite3
 import subprocess
@@ -220,6 +222,31 @@ def test_a_resume_must_ask_for_the_same_sweep(undisturbed, capsys):
     assert "have changed since the sweep was begun" in capsys.readouterr().err
 
 
+def test_a_resume_without_options_takes_those_it_was_begun_with(undisturbed, capsys):
+    words = ["--output", str(undisturbed.parents[2]), "--name", "whole", "--resume", "--workers", "0"]
+    assert sweep_main([*QUICK, *words]) == 0
+    assert f"{STARTS} runs" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("statement", [
+    "UPDATE meta SET value = '{' WHERE key = 'setup'", "UPDATE meta SET value = '[1]' WHERE key = 'setup'",
+    "DELETE FROM meta WHERE key = 'columns'", "UPDATE starts SET joints = 'nonsense' WHERE id = 3",
+    "UPDATE starts SET goal = NULL WHERE id = 3",
+])
+def test_a_file_with_broken_values_is_told_in_one_sentence(undisturbed, tmp_path, statement, capsys):
+    shutil.copytree(undisturbed, tmp_path / "broken")
+    with contextlib.closing(sqlite3.connect(str(tmp_path / "broken" / "sweep.db"))) as connection, connection:
+        connection.execute(statement)
+    assert sweep_main(["--resume", str(tmp_path / "broken"), "--workers", "0"]) == 3
+    said = capsys.readouterr().err
+    assert "broken" in said and "Traceback" not in said
+
+
+def test_a_name_that_leaves_the_folder_of_sweeps_is_refused(tmp_path, capsys):
+    assert sweep(tmp_path, "..", "--workers", "0") == 2
+    assert "--name: found '..', allowed" in capsys.readouterr().err and not list(tmp_path.iterdir())
+
+
 def test_a_second_writer_is_refused(undisturbed, capsys):
     with SweepStore.open(undisturbed, writing=True):
         assert sweep_main(["--resume", str(undisturbed), "--workers", "0"]) == 3
@@ -238,9 +265,11 @@ def test_runs_outside_the_sweep_are_refused(undisturbed, capsys):
 
 def test_progress_tells_rate_and_time_left(capsys):
     now = iter([0.0, 5.0, 5.0, 10.0, 10.0, 10.0])
-    progress = Progress(100, done=20, stream=sys.stderr, every_s=5.0, clock=lambda: next(now))
-    progress.add([{"outcome": "success"}] * 10)
-    assert "30/100 runs" in progress.line() and "1.0 runs/s  1 min 10 s left  10 success" in progress.line()
+    before = [{"outcome": "success"}] * 20
+    progress = Progress(100, before, stream=sys.stderr, every_s=5.0, clock=lambda: next(now))
+    progress.add([{"outcome": "success"}] * 9 + [{"outcome": "failure"}])
+    assert "30/100 runs" in progress.line()
+    assert "1.0 runs/s  1 min 10 s left  29 success, 1 failure" in progress.line()
 
 
 def deadly_chunk(setup, starts):
