@@ -175,8 +175,8 @@ def _old_sweep(arguments):
             faults = [f"{key}: found {value}, the sweep was begun with {begun_with[key]}"
                       for key, value in _plain(settings).items() if value != begun_with[key]]
             if not faults and make_setup(scenario, settings.drive_to_start) != store.meta["setup"]:
-                faults = [f"scenario '{scenario.name}' or its files have changed since the sweep was begun, or it was begun with "
-                          "other values of --set"]
+                faults = [f"scenario '{scenario.name}' or its files have changed since the sweep was begun, or it was "
+                          "begun with other values of --set"]
         elif arguments.overrides or any(value is not None for value in _asked(arguments).values()):
             faults = ["a sweep is resumed with the options it was begun with: leave the others out"]
         if faults:

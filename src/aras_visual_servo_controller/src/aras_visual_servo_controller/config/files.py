@@ -60,7 +60,8 @@ def _check_nesting(path, text):
             anchor, values, depth = within.pop()
         elif isinstance(event, yaml.AliasEvent):
             if anchor not in anchored:
-                raise ParameterError(f"{path}: line {event.start_mark.line + 1}: *{anchor} stands for nothing before it")
+                raise ParameterError(f"{path}: line {event.start_mark.line + 1}: *{anchor} stands for nothing that is "
+                                     "before it")
             values, depth = anchored[anchor]
         elif not isinstance(event, yaml.ScalarEvent):
             continue

@@ -164,7 +164,7 @@ def test_a_file_that_is_no_mapping_is_refused_with_its_name(tmp_path, text, reas
 @pytest.mark.parametrize("bytes_, reason", [
     (b"name: caf\xe9\n", "not UTF-8: found the byte 0xe9 at position 9"),
     (b"a: " + b"[" * 100_000 + b"]" * 100_000, "line 1: found 65 sections within sections, allowed <= 64"),
-    (b"a: &a [*a]", "line 1: *a stands for nothing before it"),
+    (b"a: &a [*a]", "line 1: *a stands for nothing that is before it"),
     (b"a0: &a0 [1, 1]\n" + b"".join(b"a%d: &a%d [*a%d, *a%d]\n" % (k, k, k - 1, k - 1) for k in range(1, 40)),
      "line 17: found 524285 values, allowed <= 500000"),
     (b"a0: &a0 [1]\n" + b"".join(b"a%d: &a%d [*a%d]\n" % (k, k, k - 1) for k in range(1, 100)),
