@@ -1,4 +1,4 @@
-"""Runs a scenario over ROS from the command line: roslaunch as a child, and the experiment node's exit code as ours.
+"""Runs a scenario over ROS from the command line: starts roslaunch and gives back the experiment node's exit code.
 
 However it ends, nothing is left behind: see guard.py.
 """
@@ -24,8 +24,8 @@ from ..report.report import format_summary
 LAUNCH_FILE = ("aras_visual_servo_controller", "servo.launch")
 NAMESPACE = "aras_visual_servo"  # that of servo.launch
 NODES = ("sim", "camera_node", "controller", "experiment", "robot_state_publisher")  # which servo.launch starts
-EXIT_BROKEN = 3        # the run ended without an outcome
-TAIL_LINES = 40        # of the log, shown when there is no outcome
+EXIT_BROKEN = 3        # the run ended and the experiment node left no exit code
+TAIL_LINES = 40        # so many last lines of the log are shown when there is no result
 
 
 def run_over_ros(scenario, results_dir, arguments=(), verbose=False, namespace=None):
@@ -34,8 +34,8 @@ def run_over_ros(scenario, results_dir, arguments=(), verbose=False, namespace=N
     Args:
         scenario: `Scenario` with a path.  results_dir: root of the result folders.
         arguments: more arguments of servo.launch, `name:=value` each.
-        verbose: show what the nodes say; else it is kept in roslaunch.log of the result folder, and only the outcome
-            is printed.
+        verbose: show the output of the nodes; without it the output goes to roslaunch.log in the result folder, and
+            only the outcome is printed.
         namespace: of the graph, with a clock and frames of its own; None: that of servo.launch, with the global ones.
     Returns:
         exit code of the experiment node: 0 passed, 1 not passed, 2 bad parameters, 3 could not run.
@@ -129,7 +129,8 @@ def _environment(environment):
         return environment
     host = urlparse(uri).hostname or "localhost"
     if not host.startswith("127.") and host not in ("localhost", "::1", socket.gethostname()):
-        raise ArasError(f"ROS_MASTER_URI={uri}: no master answers there, and none can be started on another machine")
+        raise ArasError(f"ROS_MASTER_URI={uri}: no master answers there, and roslaunch can start one on this machine "
+                        "only: start it there, or name a host of this machine")
     if "ROS_IP" not in environment and host != socket.gethostname():
         environment.setdefault("ROS_HOSTNAME", "localhost")
     with socket.socket() as probe:
