@@ -5,8 +5,8 @@ import re
 import sys
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
-# A median or the worst of 16 runs; another build or processor rounds otherwise, and a pixel more or less on the object's
-# edge changes one of them by this much.
+# A median, or the worst of 16 runs. Another build or processor rounds otherwise, and a pixel more or less on the edge
+# of the object changes one of them by this much.
 SHARE, LEAST = 0.2, 0.02
 
 
