@@ -8,6 +8,8 @@ import io
 import json
 import math
 import re
+import subprocess
+import sys
 from html.parser import HTMLParser
 
 import numpy as np
@@ -163,6 +165,16 @@ def test_a_folder_that_cannot_be_written_is_an_error_with_the_reason(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(ResultFolderError, match="cannot be written: Not a directory.*--output"):
         create_result_folder(tmp_path / "file", "experiment_1")
+
+
+def test_a_full_disk_is_noticed_before_the_run(tmp_path):
+    code = ("import resource, signal, sys; signal.signal(signal.SIGXFSZ, signal.SIG_IGN); "
+            "resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)); "  # files of a full disk grow no more
+            "from aras_visual_servo_controller.report.report import create_result_folder; "
+            "create_result_folder(sys.argv[1], 'experiment_1')")
+    done = subprocess.run([sys.executable, "-c", code, str(tmp_path)], stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 1 and "experiment_1': cannot be written: File too large" in done.stderr
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
 
 
 def test_two_runs_in_one_second_get_two_folders(tmp_path, monkeypatch):
