@@ -136,7 +136,8 @@ def _curve(rows):
             rate = np.array([point["rate"] for point in curve])
             low, high = ([point[key] for point in curve] for key in ("ci_low", "ci_high"))
             panel.errorbar(x, rate, [np.maximum(0, rate - low), np.maximum(0, high - rate)], color=colour, fmt=style,
-                           markersize=4, linewidth=1.2, elinewidth=1.0, capsize=2.5, label=f"{metric(name).label}: {metric(name).threshold}")
+                           markersize=4, linewidth=1.2, elinewidth=1.0, capsize=2.5,
+                           label=f"{metric(name).label}: {metric(name).threshold}")
     panel.set_ylim(-0.03, 1.03)
     panel.set_xlabel("initial distance [mm]")
     panel.set_ylabel("success rate, 95 % Wilson")

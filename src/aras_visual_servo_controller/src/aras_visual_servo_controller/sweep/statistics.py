@@ -85,8 +85,8 @@ def aggregate(rows):
     """Numbers of a sweep by name. Infeasible starts are counted in `runs` and `infeasible` and left out of the rest.
 
     Returns:
-        dict name -> number. Rates, of every metric, are those of the feasible runs of which it says something; times and errors those of the runs that succeeded; a
-        number is NaN if there are no such runs.
+        dict name -> number. Rates, one of each metric, are those of the feasible runs of which it says something, times
+        and errors those of the runs that succeeded; a number is NaN if there are no such runs.
     """
     feasible = [row for row in rows if row["outcome"] != "infeasible"]
     won = [row for row in feasible if row["success"]]
