@@ -6,9 +6,9 @@
     texts:                         # word for word, {name:format} stands for a figure, lines may break anywhere
     - {file: README.md, text: 'at {loop:.0f} times real time'}
 
-`made_by: run`: the name is SCENARIO.KEY, KEY one of RUN_KEYS; these are the same on every machine, but for rounding, and
-a test makes them again (tests/closed_loop/test_figures_of_runs.py). `script/bench: ROW` is a row of what script/bench prints.
-Anything else is a command that a person runs. Timings are held only to be the same here and in the text.
+`made_by: run`: the name is SCENARIO.KEY, KEY one of RUN_KEYS. These are the same on every machine, but for rounding, and
+a test makes them again (tests/closed_loop/test_figures_of_runs.py). `script/bench: ROW` is a row of what script/bench
+prints. Anything else is a command that a person runs. Timings are held only to be the same here and in the text.
 Formats are those of Python, and `t`: a whole number of three digits and noughts, thousands apart.
 """
 import argparse
@@ -20,8 +20,8 @@ import yaml
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 LIST = ROOT / "docs" / "figures.yaml"
-HEADER = ("# Figures of README.md and docs/, what makes them, and the texts that state them. `script/figures` renews this\n"
-          "# file and the texts; script/docs/figures.py says how to read it.\n")
+HEADER = ("# Figures of README.md and docs/, what makes them, and the texts that state them. `script/figures` renews\n"
+          "# this file and the texts; script/docs/figures.py says how to read it.\n")
 RUN_KEYS = ("x_mm", "y_mm", "z_mm", "angle_deg", "duration_s", "x0_mm", "y0_mm", "z0_mm", "angle0_deg")
 BENCH = "script/bench: "
 _FIGURE = re.compile(r"\{([\w.]+):([^}]*)\}")
@@ -100,8 +100,8 @@ def renew(listed, made, root=ROOT):
 
 def save(listed, path=LIST):
     lines = [HEADER, "figures:\n"]
-    lines += [f"  {name}: {json.dumps(figure, ensure_ascii=False)}\n" for name, figure in listed["figures"].items()]
-    lines += ["texts:\n", *(f"- {json.dumps(text, ensure_ascii=False)}\n" for text in listed["texts"])]
+    lines += [f"  {name}: {json.dumps(figure)}\n" for name, figure in listed["figures"].items()]
+    lines += ["texts:\n", *(f"- {json.dumps(text)}\n" for text in listed["texts"])]
     path.write_text("".join(lines))
 
 

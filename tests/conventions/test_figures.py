@@ -51,6 +51,7 @@ def test_a_new_value_goes_into_the_list_and_into_the_text(figures, tmp_path):
 
 def test_a_text_that_is_not_there_is_an_error_that_shows_it(figures, tmp_path):
     (tmp_path / "page.md").write_text("Nothing here.\n")
-    listed = {"figures": {"loop": {"value": 1, "made_by": "run"}}, "texts": [{"file": "page.md", "text": "{loop:.0f} x"}]}
+    listed = {"figures": {"loop": {"value": 1, "made_by": "run"}},
+              "texts": [{"file": "page.md", "text": "{loop:.0f} x"}]}
     with pytest.raises(SystemExit, match="found 0 times '1 x', allowed once"):
         figures.renew(listed, {"loop": 2}, tmp_path)
