@@ -1,4 +1,4 @@
-"""Figures of README.md and docs/: one file, docs/figures.yaml, says what they are, what makes them and where they stand.
+"""Figures of README.md and docs/: docs/figures.yaml says what they are, what makes them and where they stand.
 
     figures:                       # by name
       six_dof_points.x_mm: {value: 0.06, made_by: run, tolerance: 0.02}
@@ -6,8 +6,8 @@
     texts:                         # word for word, {name:format} stands for a figure, lines may break anywhere
     - {file: README.md, text: 'at {loop:.0f} times real time'}
 
-`made_by: run`: the name is SCENARIO.KEY, KEY one of RUN_KEYS. These are the same on every machine, but for rounding, and
-a test makes them again (tests/closed_loop/test_figures_of_runs.py). `script/bench: ROW` is a row of what script/bench
+`made_by: run`: the name is SCENARIO.KEY, KEY one of RUN_KEYS. These are the same on every machine, but for rounding,
+and a test makes them again (tests/closed_loop/test_figures_of_runs.py). `script/bench: ROW` is a row of what script/bench
 prints. Anything else is a command that a person runs. Timings are held only to be the same here and in the text.
 Formats are those of Python, and `t`: a whole number of three digits and noughts, thousands apart.
 """
@@ -79,7 +79,7 @@ def made_by_bench(figures, measured):
 
 
 def renew(listed, made, root=ROOT):
-    """Puts what was made into the list and into the texts. Returns [(name, before, now)] of what the text shows anew."""
+    """Put what was made into the list and into the texts. Returns [(name, before, now)] of what changed."""
     before = {text["text"]: say(text["text"], listed["figures"]) for text in listed["texts"]}
     changes = []
     for name, value in made.items():
