@@ -7,8 +7,9 @@
     - {file: README.md, text: 'at {loop:.0f} times real time'}
 
 `made_by: run`: the name is SCENARIO.KEY, KEY one of RUN_KEYS. These are the same on every machine, but for rounding,
-and a test makes them again (tests/closed_loop/test_figures_of_runs.py). `script/bench: ROW` is a row of what script/bench
-prints. Anything else is a command that a person runs. Timings are held only to be the same here and in the text.
+and a test makes them again (tests/closed_loop/test_figures_of_runs.py). `script/bench: ROW` is a row of what
+script/bench prints. Anything else is a command that a person runs. Timings are held only to be the same here and in
+the text.
 Formats are those of Python, and `t`: a whole number of three digits and noughts, thousands apart.
 """
 import argparse
