@@ -8,27 +8,8 @@ from .._kinematics import ChainKinematics
 from ..ground.errors import ParameterError
 
 
-class Kinematics:
-    """Chain base_link -> tip_link of a URDF.
-
-    Attributes:
-        joint_names: tuple of the moving joints of the chain, SORTED BY NAME: the order of every joint vector.
-        lower, upper: (n,) position limits [m or rad], +-inf where the URDF has none (continuous joints).
-        velocity: (n,) velocity limits [m/s or rad/s], inf where the URDF has none.
-    """
-
-    def __init__(self, urdf_xml: str, base_link: str, tip_link: str):
-        """Raises ModelError: bad URDF, unknown link, tip not below base, joint types the chain cannot represent."""
-        self._chain = ChainKinematics(urdf_xml, base_link, tip_link)
-        self.joint_names = tuple(self._chain.joint_names)
-        self.lower, self.upper, self.velocity = self._chain.lower, self._chain.upper, self._chain.velocity
-        #: q -> X_BC, (4, 4) homogeneous. Raises ShapeError, NotFiniteError.
-        self.pose = self._chain.pose
-        #: q -> J_BC_C, (6, n): twist of C in B, taken at C's origin, expressed in C, [v; w]. Same errors.
-        self.jacobian = self._chain.jacobian
-        #: q, length_m, rows of the twist -> (w, (n,) gradient of ln w): Yoshikawa's manipulability of these rows,
-        #: linear ones divided by length_m (docs/theory.md T42); (0, zeros) where it vanishes. Same errors.
-        self.manipulability = self._chain.manipulability
+class JointVectors:
+    """What joint vectors of a robot with `joint_names` can do."""
 
     def vector(self, q):
         """Joint vector, never shared with the caller, from an array in the order of joint_names or a mapping by name.
@@ -46,3 +27,39 @@ class Kinematics:
     def by_name(self, vector):
         """{name: value} of a joint vector."""
         return dict(zip(self.joint_names, vector.tolist()))
+
+
+class Kinematics(JointVectors):
+    """Chain base_link -> tip_link of a URDF.
+
+    Attributes:
+        joint_names: tuple of the moving joints of the chain, SORTED BY NAME: the order of every joint vector.
+        lower, upper: (n,) position limits [m or rad], +-inf where the URDF has none (continuous joints).
+        velocity: (n,) velocity limits [m/s or rad/s], inf where the URDF has none.
+        spare_motion: True, the joints may move without the camera.
+    """
+
+    spare_motion = True
+
+    def __init__(self, urdf_xml: str, base_link: str, tip_link: str):
+        """Raises ModelError: bad URDF, unknown link, tip not below base, joint types the chain cannot represent."""
+        self._chain = ChainKinematics(urdf_xml, base_link, tip_link)
+        self.joint_names = tuple(self._chain.joint_names)
+        self.lower, self.upper, self.velocity = self._chain.lower, self._chain.upper, self._chain.velocity
+        #: q -> X_BC, (4, 4) homogeneous. Raises ShapeError, NotFiniteError.
+        self.pose = self._chain.pose
+        #: q -> J_BC_C, (6, n): twist of C in B, taken at C's origin, expressed in C, [v; w]. Same errors.
+        self.jacobian = self._chain.jacobian
+        #: q, length_m, rows of the twist -> (w, (n,) gradient of ln w): Yoshikawa's manipulability of these rows,
+        #: linear ones divided by length_m (docs/theory.md T42); (0, zeros) where it vanishes. Same errors.
+        self.manipulability = self._chain.manipulability
+
+    @staticmethod
+    def way(start, end):
+        """(n,) velocities that, held for one second, bring the joints from start to end, (n,) each."""
+        return end - start
+
+    @staticmethod
+    def moved(q, q_dot, dt_s):
+        """(n,) joint positions after the velocities q_dot were held for dt_s at q, (n,) each."""
+        return q + dt_s * q_dot

@@ -3,7 +3,7 @@
 import rospy
 
 from ..ground.errors import ArasError, ParameterError
-from ..arm.kinematics import Kinematics
+from ..arm.robot import robot_kinematics
 from ..run.sequence import ExperimentSequence
 from ..servo.servo import Servo
 
@@ -123,7 +123,7 @@ class ControllerSetup:
         self.kinematics = self.servo = self.sequence = None
         self.controllers = {}
         if not parameters.faults:
-            self.kinematics = parameters.build(Kinematics, urdf, robot["base_link"], robot["tip_link"])
+            self.kinematics = parameters.build(robot_kinematics, urdf, robot["base_link"], robot["tip_link"])
         if self.kinematics is not None:
             self.servo = parameters.build(Servo, self.kinematics, servo)
             self.sequence = parameters.build(ExperimentSequence, self.kinematics, self.servo, experiment, teach_camera)

@@ -100,6 +100,23 @@ def test_half_a_turn_is_no_trouble_where_rotation_is_measured(kind):
     np.testing.assert_allclose(path[:, :3, 3], 0.0, atol=1e-6)
 
 
+@pytest.mark.parametrize("degrees", [45.0, 90.0, 135.0])
+def test_the_advance_with_the_matrix_of_the_goal_has_a_closed_form(degrees):
+    """Of a square about the optical axis: Z / Z* = 1 - (a - b) tan(b / 2), a the whole turn, b what is left of it.
+
+    The twist is v_z = -gain Z* (Z* / Z cos b - 1), w_z = gain Z* / Z sin b, the other four are zero. With u = Z / Z*,
+    du / db = (u - cos b) / sin b, which this solves. Its least value is how near the camera comes.
+    """
+    dt_s = DT_S / 16.0
+    path, _ = run("desired", turn(degrees), 8.0, dt_s)
+    left, advance = np.array([rotation_vector(X[:3, :3])[2] for X in path]), path[:, 2, 3] / Z_STAR_M
+    np.testing.assert_allclose(advance, (np.radians(degrees) - left) * np.tan(left / 2.0), atol=HELD / 16.0)
+    b = np.linspace(0.0, np.radians(degrees), 100001)
+    nearest = Z_STAR_M * ((b[-1] - b) * np.tan(b / 2.0)).max()
+    assert path[:, 2, 3].max() == pytest.approx(nearest, rel=HELD / 16.0)
+    assert 1e3 * nearest == pytest.approx({45.0: 39.06, 90.0: 163.19, 135.0: 402.85}[degrees], abs=0.01)
+
+
 # --- pure retreat, tilt, general motion ------------------------------------------------------------------------------
 
 
