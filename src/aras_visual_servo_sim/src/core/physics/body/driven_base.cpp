@@ -12,8 +12,8 @@ using Eigen::Vector3d;
 
 namespace {
 
-/** Below this angle third-order terms of the series are smaller than rounding errors [rad]. */
-constexpr double kSmallRad = 1e-5;
+/** Below this angle the series of (angle - sin(angle)) / angle^3 is exact to rounding with three terms [rad]. */
+constexpr double kSmallRad = 1e-2;
 /** A quaternion whose squared length is that near to 1 is left as it is, so that a pose taken back keeps its bits. */
 constexpr double kUnit = 1e-14;
 
@@ -38,11 +38,11 @@ Pose exponential(const Twist& V) {
   const Vector3d v = V.head<3>();
   const Vector3d w = V.tail<3>();
   const double angle = w.norm();
-  double b = 0.5, c = 1.0 / 6.0;
-  if (angle > kSmallRad) {
-    b = (1.0 - std::cos(angle)) / (angle * angle);
-    c = (angle - std::sin(angle)) / (angle * angle * angle);
-  }
+  const double square = angle * angle;
+  const double half = angle > 0.0 ? std::sin(0.5 * angle) / (0.5 * angle) : 1.0;
+  const double b = 0.5 * half * half;  // (1 - cos) / angle^2 without cancellation
+  const double c = angle > kSmallRad ? (angle - std::sin(angle)) / (square * angle)
+                                     : (1.0 - square / 20.0 * (1.0 - square / 42.0)) / 6.0;
   const Vector3d wv = w.cross(v);
   return {v + b * wv + c * w.cross(wv), quaternionFromVector(w)};
 }

@@ -67,6 +67,7 @@ void MultibodyWorld::setJointPositions(const std::map<std::string, double>& posi
 }
 
 void MultibodyWorld::setJointVelocities(const Eigen::VectorXd& v) {
+  if (impl_->driven) throw ParameterError("setJointVelocities: the base is driven, must be moved by commands");
   if (v.size() != impl_->model.dofs()) {
     throw ShapeError("setJointVelocities: found " + std::to_string(v.size()) + " velocities, must be " +
                      std::to_string(impl_->model.dofs()));

@@ -106,7 +106,7 @@ void MultibodyWorld::Impl::start() {
   ticks = 0;
   v.setZero();
   effort.setZero();
-  coupling.complete(q, v);
+  if (!driven) coupling.complete(q, v);
   for (std::size_t c = 0; c < drives.size(); ++c) drives[c].start(q[coupling.joint(static_cast<int>(c))]);
   placeBase(initialBasePose());
   if (contacts) contacts->reset();
