@@ -15,8 +15,14 @@ from aras_visual_servo_controller.sweep.plan import SweepSettings, make_starts
 from aras_visual_servo_controller.sweep.run import Bench
 
 Z_STAR_M, GAIN_PER_S = 0.5, 2.0
-#: Corners of the L in an image are known to some hundredths of a pixel of 2.7 mm; a detour of 0.4 m adds them up.
-IMAGE_MM, IMAGE_DEG = 0.6, 0.1
+#: Corners of the L in an image are known to some hundredths of a pixel: 0.02 mm where the target is near, 0.1 mm from 1.4 m.
+IMAGE_MM, IMAGE_DEG = 0.2, 0.02
+#: The pose that pbvs and hybrid take from the moments of the turned L.
+POSE_MM = 1.5
+#: A camera that sees the target from 0.09 m too, and so often that a held twist is nearly a continuous one.
+WIDE = {"name": "camera", "frame": "camera_optical_frame", "width": 320, "height": 240, "horizontal_fov_rad": 2.2,
+        "rate_hz": 200.0, "encoding": "mono8", "sampling": "coverage", "near_m": 0.02, "far_m": 5.0}
+WIDE_MM, WIDE_DEG = 0.6, 0.2  # its pixels are 2.3 times as large
 ROUNDING = 1e-12
 
 
@@ -61,25 +67,42 @@ def ideal_turn(degrees, kind, stamps_s):
     return np.array(path)
 
 
-def run_turn(degrees, law):
+def run_turn(degrees, law, overrides=None):
     """(row, `Track`) of a turn about the optical axis."""
-    comparison = load_comparison("canonical", [law], [f"turn_{degrees}"], scenario="free_camera")
+    comparison = load_comparison("canonical", [law], [f"turn_{degrees}"], overrides, "free_camera")
     (_, _, row, track), = run_comparison(comparison, 0)
     return row, track
 
 
 @pytest.mark.parametrize("degrees, law, kind, farthest_mm", [
-    (45, "points_goal", "desired", 39), (90, "points_goal", "desired", 165), (135, "points_goal", "desired", 411),
-    (90, "points", "current", 206)])
+    (45, "points_goal", "desired", 41.8), (90, "points_goal", "desired", 176.0), (45, "points", "current", 44.0),
+    (90, "points", "current", 222.4), (135, "points", "current", 884.2)])
 def test_the_camera_goes_where_the_law_says_on_paper(degrees, law, kind, farthest_mm):
     row, track = run_turn(degrees, law)
     assert arrived(row), row["reason"]
-    path = ideal_turn(degrees, kind, np.array(track.t_s))
-    np.testing.assert_allclose(track.distance_mm, 1e3 * np.linalg.norm(path[:, :3, 3], axis=1), atol=IMAGE_MM)
-    np.testing.assert_allclose(track.retreat_mm, -1e3 * path[:, 2, 3], atol=IMAGE_MM)
-    angles = np.degrees(np.arccos(np.clip(0.5 * (np.trace(path[:, :3, :3], axis1=1, axis2=2) - 1.0), -1.0, 1.0)))
-    np.testing.assert_allclose(track.angle_deg, angles, atol=IMAGE_DEG)
-    assert row["farthest_mm"] == pytest.approx(farthest_mm, abs=1.0)
+    assert_goes(track, ideal_turn(degrees, kind, np.array(track.t_s)), IMAGE_MM, IMAGE_DEG)
+    assert row["farthest_mm"] == pytest.approx(farthest_mm, abs=IMAGE_MM)
+
+
+def assert_goes(track, path, mm, deg):
+    """The camera went the way of `ideal_turn`."""
+    np.testing.assert_allclose(track.distance_mm, 1e3 * np.linalg.norm(path[:, :3, 3], axis=1), atol=mm)
+    np.testing.assert_allclose(track.retreat_mm, -1e3 * path[:, 2, 3], atol=mm)
+    angles = np.degrees(np.arctan2(path[:, 1, 0], path[:, 0, 0]))  # the ideal way is a turn about z and nothing else
+    np.testing.assert_allclose(track.angle_deg, angles, atol=deg)
+
+
+@pytest.mark.parametrize("degrees, nearer_mm", [(45, 39), (90, 165), (135, 411)])
+def test_the_advance_with_the_matrix_of_the_goal_nears_its_closed_form(degrees, nearer_mm):
+    """Z / Z* = 1 - (a - b) tan(b / 2) of a continuous law (docs/comparison.md); images at 200 Hz come near to that."""
+    row, track = run_turn(degrees, "points_goal", {"sim.cameras": [WIDE], "servo.time_limit_s": 6.0})
+    assert arrived(row), row["reason"]
+    assert_goes(track, ideal_turn(degrees, "desired", np.array(track.t_s)), WIDE_MM, WIDE_DEG)
+    assert row["farthest_mm"] == pytest.approx(nearer_mm, abs=1.0)
+    b = np.linspace(0.0, math.radians(degrees), 10001)
+    closed_form_mm = 1e3 * Z_STAR_M * ((b[-1] - b) * np.tan(0.5 * b)).max()
+    # What holding a twist adds is of first order: gain times period, 1 %, times up to 2.1.
+    assert closed_form_mm < row["farthest_mm"] < 1.022 * closed_form_mm
 
 
 @pytest.mark.parametrize("law", ["pbvs", "hybrid"])
@@ -90,7 +113,7 @@ def test_half_a_turn_to_the_last_bit_stays_on_the_spot(law):
     (_, _, row, track), = run_comparison(comparison, 0)
     assert arrived(row), row["reason"]
     assert track.angle_deg[0] == pytest.approx(180.0, abs=1e-6)
-    assert row["farthest_mm"] < IMAGE_MM
+    assert row["farthest_mm"] < POSE_MM
 
 
 def test_the_scenario_arrives_and_its_run_is_the_same_again():

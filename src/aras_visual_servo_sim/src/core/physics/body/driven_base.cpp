@@ -62,6 +62,7 @@ int DrivenBase::index(const std::string& coordinate) {
 void DrivenBase::place(const Pose& X_WB) {
   X_WB_ = {X_WB.p, unit(X_WB.q)};
   told_ = moved_ = Twist::Zero();
+  expiry_tick_ = 0;
 }
 
 void DrivenBase::place(const std::map<int, double>& positions) {
