@@ -28,7 +28,7 @@ std::unique_ptr<MultibodyWorld> Start::makeWorld(const RobotModel& model, const 
     if (named != positions_.end()) q[static_cast<Eigen::Index>(i)] = named->second;
   }
   world->reset(q);
-  world->setJointPositions(positions_);  // refuses mimic joints elsewhere than they follow
+  world->setJointPositions(positions_);  // refuses a mimic joint away from its leader
   q_ = world->jointPositions();
   X_WB_ = world->basePose();
   return world;
