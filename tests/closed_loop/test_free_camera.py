@@ -15,7 +15,7 @@ from aras_visual_servo_controller.sweep.plan import SweepSettings, make_starts
 from aras_visual_servo_controller.sweep.run import Bench
 
 Z_STAR_M, GAIN_PER_S = 0.5, 2.0
-#: Corners of the L in an image are known to some hundredths of a pixel: 0.02 mm where the target is near, 0.1 mm from 1.4 m.
+#: Corners of the L in an image are known to some hundredths of a pixel: 0.02 mm near the target, 0.1 mm from 1.4 m.
 IMAGE_MM, IMAGE_DEG = 0.2, 0.02
 #: The pose that pbvs and hybrid take from the moments of the turned L.
 POSE_MM = 1.5

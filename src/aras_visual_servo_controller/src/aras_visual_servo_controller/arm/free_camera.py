@@ -1,10 +1,11 @@
 """Kinematics of a camera that flies freely: a link behind a floating joint, placed and moved exactly as it is told.
 
-It has the interface of `Kinematics`, so that servo, sequence and sweeps work on it as on an arm. Its six coordinates are
-those of the simulator's driven base (`sim.base: driven`): px, py, pz, rx, ry, rz. As positions they are the place and the
-rotation vector of the link behind the floating joint in the base, as velocities the twist of that link in its own axes,
-[v; w]. Where the camera is that link, the Jacobian is the identity at every attitude. So there is no singularity, no
-limit and no posture to choose, and a turn of exactly half a circle about any axis is a turn as any other.
+It has the interface of `Kinematics`, so that servo, sequence and sweeps work on it as on an arm. Its six coordinates
+are those of the simulator's driven base (`sim.base: driven`): px, py, pz, rx, ry, rz. As positions they are the place
+and the rotation vector of the link behind the floating joint in the base, as velocities the twist of that link in its
+own axes, [v; w]. Where the camera is that link, the Jacobian is the identity at every attitude. So there is no
+singularity, no limit and no posture to choose, and a turn of exactly half a circle about any axis is a turn as any
+other.
 
 A rotation vector is not unique at half a turn, and its derivative is not the angular velocity. So nobody may add or
 subtract these coordinates: `way` and `moved` do it on the pose itself, by its logarithm and exponential.
@@ -36,8 +37,8 @@ class FreeCamera(JointVectors):
         joints = joints_above(urdf_xml, base_link, tip_link)
         kinds = [joint.get("type") for joint in joints]
         if kinds != ["floating"] + ["fixed"] * (len(kinds) - 1):
-            raise ModelError(f"camera '{tip_link}': found joints {', '.join(kinds)} between '{base_link}' and it, allowed "
-                             "a floating joint and then fixed ones")
+            raise ModelError(f"camera '{tip_link}': found joints {', '.join(kinds)} between '{base_link}' and it, "
+                             "allowed a floating joint and then fixed ones")
         self._X_LC = np.eye(4)
         for joint in joints[1:]:
             self._X_LC = self._X_LC @ _origin(joint)

@@ -24,7 +24,8 @@ def check(document):
         faults.extend(_describe(error))
     if faults:  # a missing plugin may be the cause; if it is the only fault, setting up the servo reports it
         faults += [f"servo.{fault}" for fault in missing]
-    return sorted(set(faults or _feature_faults(document) + _latency_faults(document, schema) + _place_faults(document)))
+    return sorted(set(faults or _feature_faults(document) + _latency_faults(document, schema)
+                      + _place_faults(document)))
 
 
 def _plugins(document):

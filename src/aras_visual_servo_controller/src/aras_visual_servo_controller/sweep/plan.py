@@ -70,7 +70,8 @@ class SweepSettings:
         if faults:
             raise ParameterError(faults)
         if section.space == "joint":
-            ranges = section.joints or _around(place_of(scenario.experiment["goal"], "experiment/goal", kinematics).joints)
+            goal = place_of(scenario.experiment["goal"], "experiment/goal", kinematics)
+            ranges = section.joints or _around(goal.joints)
             ranges = {name: ranges[name] for name in kinematics.joint_names if name in ranges}
         else:
             ranges = getattr(section, section.space).as_dict()

@@ -38,7 +38,8 @@ def place(seed, angle=None):
     """Coordinates: somewhere, turned by this angle about some axis."""
     rng = np.random.default_rng(seed)
     axis = rng.normal(size=3)
-    return np.r_[rng.uniform(-1.0, 1.0, 3), axis / np.linalg.norm(axis) * (rng.uniform(0, 3) if angle is None else angle)]
+    angle = rng.uniform(0.0, 3.0) if angle is None else angle
+    return np.r_[rng.uniform(-1.0, 1.0, 3), angle * axis / np.linalg.norm(axis)]
 
 
 def test_the_floating_joint_decides_what_a_robot_is():

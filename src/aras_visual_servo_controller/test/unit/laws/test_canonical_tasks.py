@@ -117,6 +117,17 @@ def test_the_advance_with_the_matrix_of_the_goal_has_a_closed_form(degrees):
     assert 1e3 * nearest == pytest.approx({45.0: 39.06, 90.0: 163.19, 135.0: 402.85}[degrees], abs=0.01)
 
 
+@pytest.mark.parametrize("degrees", [45.0, 90.0, 135.0])
+def test_the_retreat_with_the_matrix_of_each_view_has_a_closed_form(degrees):
+    """Z / Z* = cos(b - a / 2) / cos(a / 2), a the whole turn, b what is left of it: points go straight in the image."""
+    path, _ = run("current", turn(degrees), 8.0, DT_S / 16.0)
+    left, half = np.array([rotation_vector(X[:3, :3])[2] for X in path]), np.radians(degrees) / 2.0
+    height = 1.0 - path[:, 2, 3] / Z_STAR_M
+    np.testing.assert_allclose(height, np.cos(left - half) / np.cos(half), rtol=HELD / 4.0)
+    assert 1e3 * Z_STAR_M * (1.0 / np.cos(half) - 1.0) == pytest.approx(
+        {45.0: 41.20, 90.0: 207.11, 135.0: 806.56}[degrees], abs=0.01)
+
+
 # --- pure retreat, tilt, general motion ------------------------------------------------------------------------------
 
 

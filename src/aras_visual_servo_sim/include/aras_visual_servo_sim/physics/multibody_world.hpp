@@ -87,7 +87,8 @@ class MultibodyWorld {
   /** Places a floating base, at rest; the joints keep their positions and velocities.
    *  @throws ParameterError if the base is fixed, NotFiniteError */
   void setBasePose(const Pose& X_WB);
-  /** Twist of a floating base, [v; w] of its frame's origin in world axes. @throws as setBasePose, and of a driven base */
+  /** Twist of a floating base, [v; w] of its frame's origin in world axes. @throws as setBasePose, and of a driven base
+   */
   void setBaseTwist(const Twist& V_WB_W);
 
   /** n periods. */

@@ -34,8 +34,8 @@ struct WorldConfig {
   std::optional<Pose> X_WB;
 };
 
-/** What joint vectors of this robot speak of, sorted: its moving joints, or the pose of a driven base as px, py, pz, rx,
- *  ry, rz (position and rotation vector; as velocities the twist in the base's own axes, [v; w]). */
+/** What joint vectors of this robot speak of, sorted: its moving joints, or the pose of a driven base as px, py, pz,
+ * rx, ry, rz (position and rotation vector; as velocities the twist in the base's own axes, [v; w]). */
 const std::vector<std::string>& jointNames(const RobotModel& model, const WorldConfig& config);
 
 }  // namespace aras_visual_servo_sim

@@ -21,8 +21,8 @@ namespace aras_visual_servo_sim {
  *  @throws ShapeError if an array is neither empty nor as long as `name`; NotFiniteError naming the joint */
 JointCommand commandFromMessage(const sensor_msgs::JointState& message);
 
-/** Listens to `joint_command`, every `<controller>/command` and, for a driven base, `twist_command`. A command that is refused never stops the node: it is
- *  counted, warned about, and the arm holds.
+/** Listens to `joint_command`, every `<controller>/command` and, for a driven base, `twist_command`. A command that is
+ * refused never stops the node: it is counted, warned about, and the arm holds.
  *
  *  Where the lockstep waits for several nodes, the joint commands that arrive while it holds are kept, and applied when
  *  time goes on in the order of their senders' names. So it does not matter which node was faster. */

@@ -34,9 +34,8 @@ Twist twistOf(double vx, double vy, double vz, double wx, double wy, double wz) 
 }
 
 void expectNear(const Pose& found, const Pose& expected, double tolerance) {
-  EXPECT_LT((found.matrix() - expected.matrix()).cwiseAbs().maxCoeff(), tolerance)
-      << found.matrix() << "\nexpected\n"
-      << expected.matrix();
+  EXPECT_LT((found.matrix() - expected.matrix()).cwiseAbs().maxCoeff(), tolerance) << found.matrix() << "\nexpected\n"
+                                                                                   << expected.matrix();
 }
 
 TEST(DrivenBase, HeldTwistIsAScrewWhateverTheNumberOfSteps) {
