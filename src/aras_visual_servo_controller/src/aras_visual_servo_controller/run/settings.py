@@ -33,8 +33,8 @@ class CameraPlace:
 class Place:
     """Where the robot stands: either `joints` or `camera`."""
 
-    joints: Dict[str, float] = setting(
-        {}, unit="m, rad", by="joint_position",
+    joints: Optional[Dict[str, float]] = setting(
+        None, unit="m, rad", by="joint_position",
         help="Positions by the names of the joints, within their limits; a joint that is not named stays where it is.")
     camera: Optional[CameraPlace] = setting(
         None,
@@ -42,8 +42,8 @@ class Place:
 
     def check(self):
         """One of the two."""
-        if bool(self.joints) == (self.camera is not None):
-            yield f"found {'both' if self.joints else 'neither'} of joints and camera, allowed one of them"
+        if (self.joints is None) == (self.camera is None):
+            yield f"found {'neither' if self.joints is None else 'both'} of joints and camera, allowed one of them"
 
     def at(self, kinematics, near=None):
         """The place by joints.

@@ -108,12 +108,13 @@ def test_the_advance_with_the_matrix_of_the_goal_has_a_closed_form(degrees):
     du / db = (u - cos b) / sin b, which this solves. Its least value is how near the camera comes.
     """
     dt_s = DT_S / 16.0
+    held = 2.5 * GAIN_PER_S * dt_s  # what holding a twist adds, measured 1.1 to 2.1 times gain and period
     path, _ = run("desired", turn(degrees), 8.0, dt_s)
     left, advance = np.array([rotation_vector(X[:3, :3])[2] for X in path]), path[:, 2, 3] / Z_STAR_M
-    np.testing.assert_allclose(advance, (np.radians(degrees) - left) * np.tan(left / 2.0), atol=HELD / 16.0)
+    np.testing.assert_allclose(advance, (np.radians(degrees) - left) * np.tan(left / 2.0), atol=held)
     b = np.linspace(0.0, np.radians(degrees), 100001)
     nearest = Z_STAR_M * ((b[-1] - b) * np.tan(b / 2.0)).max()
-    assert path[:, 2, 3].max() == pytest.approx(nearest, rel=HELD / 16.0)
+    assert path[:, 2, 3].max() == pytest.approx(nearest, rel=held)
     assert 1e3 * nearest == pytest.approx({45.0: 39.06, 90.0: 163.19, 135.0: 402.85}[degrees], abs=0.01)
 
 
