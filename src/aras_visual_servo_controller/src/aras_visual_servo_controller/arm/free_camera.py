@@ -17,7 +17,7 @@ import numpy as np
 
 from ..ground.errors import ModelError, NotFiniteError, ShapeError
 from ..ground.spatial import exponential, inverse, logarithm, rotation, rotation_rpy, rotation_vector
-from .kinematics import JointVectors
+from .joint_vectors import JointVectors
 
 NAMES = ("px", "py", "pz", "rx", "ry", "rz")
 
