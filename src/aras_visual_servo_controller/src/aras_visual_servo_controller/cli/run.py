@@ -8,8 +8,7 @@ from pathlib import Path
 import yaml
 
 from ..ground.errors import ArasError, ParameterError
-from ..bags.record_groups import GROUPS, parse_groups
-from ..bags.recorder import COMPRESSIONS
+from ..bags.record_groups import COMPRESSIONS, GROUPS, ON_DEMAND, parse_groups
 
 EXIT_PASSED, EXIT_FAILED, EXIT_PARAMETERS, EXIT_BROKEN = range(4)
 EXIT_INTERRUPTED = 130   # as a shell reports a program that SIGINT ended
@@ -27,9 +26,10 @@ def run_main(argv=None):
                         help="replace a value of the scenario, e.g. --set servo.gains_per_s.xn=2.0 (only --in-process)")
     parser.add_argument("--video", action="store_true", help="make video.mp4 too and show it in the report (ffmpeg)")
     parser.add_argument("--record", metavar="GROUPS", help="groups of topics to record (only over ROS), e.g. "
-                        "images,features,truth or --record=-images; all of them: " + ", ".join(GROUPS))
+                        "images,features,truth or --record=-images or all,segmentation; all of them: "
+                        + ", ".join(GROUPS) + "; only when named: " + ", ".join(ON_DEMAND))
     parser.add_argument("--split", type=int, metavar="MB", help="split the bag after this size (only over ROS)")
-    parser.add_argument("--compression", choices=tuple(COMPRESSIONS),
+    parser.add_argument("--compression", choices=COMPRESSIONS,
                         help="compression of the bag (only over ROS; default: lz4)")
     parser.add_argument("--verbose", action="store_true", help="show the output of the nodes (only over ROS)")
     parser.add_argument("--list", action="store_true", help="list the scenarios that come with the package")

@@ -2,6 +2,7 @@
 """The command `run` over ROS: recording, judging and exit code, with the controller killed on the way."""
 import json
 import pathlib
+import resource
 import shutil
 import subprocess
 import sys
@@ -18,16 +19,17 @@ LIMIT_S = 120.0  # wall time
 FILES = ("run.bag", "summary.json", "trace.csv", "figure.png", "figure.pdf", "report.html", "roslaunch.log")
 
 
-def kill_in_phase(phase, namespace):
-    """Python program that waits for that phase and kills the controller; run beside roslaunch."""
+def signal_in_phase(phase, namespace, node="controller", action="os.kill(pid, signal.SIGKILL)"):
+    """Python program that waits for that phase and does something to a node; run beside roslaunch."""
     return f"""
-import os, signal, xmlrpc.client, rospy, rosgraph
+import os, signal, time, xmlrpc.client, rospy, rosgraph
 from aras_visual_servo_msgs.msg import ServoState
 rospy.init_node("killer", disable_signals=True)
 def look(message):
     if message.phase == "{phase}":
-        uri = rosgraph.Master("/killer").lookupNode("{namespace}/controller")
-        os.kill(xmlrpc.client.ServerProxy(uri).getPid("/killer")[2], signal.SIGKILL)
+        uri = rosgraph.Master("/killer").lookupNode("{namespace}/{node}")
+        pid = xmlrpc.client.ServerProxy(uri).getPid("/killer")[2]
+        {action}
         os._exit(0)
 rospy.Subscriber("{namespace}/servo_state", ServoState, look)
 rospy.spin()
@@ -66,14 +68,40 @@ class ExperimentNode(unittest.TestCase):
         images = stamps["camera/image_raw"]
         ticks = [-(-k * 1000 // 30) * 1_000_000 for k in range(len(images))]   # first 1 ms tick at or after k / 30 Hz
         self.assertEqual(images, ticks)
-        for topic in ("camera/camera_info", "camera/features", "camera/converted_image", "ground_truth/camera_pose",
-                      "servo_state"):
+        for topic in ("camera/camera_info", "camera/features", "ground_truth/camera_pose", "servo_state"):
             self.assertEqual(stamps[topic], images, topic)
+        for topic in ("camera/converted_image", "camera/segmentation/image_raw", "camera/depth/image_raw"):
+            self.assertNotIn(topic, stamps)  # made for who asks, and nobody did
         expected = sorted(set(images) | set(range(0, images[-1] + 1, 10_000_000)))
         self.assertEqual([stamp for stamp in stamps["joint_states"] if stamp <= images[-1]], expected)
 
+    def test_nothing_is_lost_when_who_writes_the_bag_is_stopped_for_a_while(self):
+        action = "os.kill(pid, signal.SIGSTOP); time.sleep(3.0); os.kill(pid, signal.SIGCONT)"
+        stopper = subprocess.Popen([sys.executable, "-c", signal_in_phase("servo", "/stalled", "sim", action)])
+        try:
+            code, folder, summary = self.run_scenario("ns:=stalled", "side_by_side:=true")
+            self.assertEqual(stopper.wait(LIMIT_S), 0)
+        finally:
+            stopper.kill()
+        self.assertEqual((code, summary["notes"]), (0, []))
+        self.assert_nothing_is_lost(folder / "run.bag", "/stalled/")
+        for topic in ("camera/image_raw", "camera/features", "joint_states", "ground_truth/camera_pose"):
+            count = summary["recorded"]["/stalled/" + topic]
+            self.assertTrue(count["published"] == count["in_bag"] > 0, (topic, count))
+
+    def test_a_disk_that_is_full_is_the_named_failure_of_the_run(self):
+        before = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (500_000, before[1]))   # the nodes inherit it
+        self.addCleanup(resource.setrlimit, resource.RLIMIT_FSIZE, before)
+        folder = tempfile.mkdtemp(prefix="aras_experiment_")
+        self.addCleanup(shutil.rmtree, folder, ignore_errors=True)
+        code = run_over_ros(load_scenario("experiment_1"), folder, ("ns:=full", "side_by_side:=true"))
+        self.assertEqual(code, 3)
+        [log] = pathlib.Path(folder).glob("experiment_1/*/roslaunch.log")
+        self.assertIn("the recording ended: " + str(log.parent / "run.bag") + ": File too large", log.read_text())
+
     def test_goes_on_when_the_controller_is_killed_while_servoing(self):
-        killer = subprocess.Popen([sys.executable, "-c", kill_in_phase("servo", "/killed")])
+        killer = subprocess.Popen([sys.executable, "-c", signal_in_phase("servo", "/killed")])
         try:
             code, _, summary = self.run_scenario("ns:=killed", "respawn:=true", "side_by_side:=true",
                                                  "real_time_factor:=2")

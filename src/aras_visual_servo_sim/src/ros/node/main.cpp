@@ -3,6 +3,7 @@
 #include <ros/init.h>
 #include <ros/node_handle.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <exception>
 
@@ -10,6 +11,7 @@
 #include "sim_node.hpp"
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of who writes it, with a name
   ros::init(argc, argv, "sim");
   ros::NodeHandle node;
   const ros::NodeHandle private_node("~");
