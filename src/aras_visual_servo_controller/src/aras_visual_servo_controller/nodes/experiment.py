@@ -1,9 +1,9 @@
 """Node `experiment`: runs the scenario's experiment once, records it, judges it, and ends with an exit code.
 
-Exit codes: 0 converged and within the scenario's judge limits; 1 ran to its end, but not that; 2 bad parameters;
-3 the run could not be made (no result folder, no simulator, the disk is full, ...).
+Exit codes: 0 the run converged and the final pose is within the limits of the scenario's judge; 1 the run came to its
+end, but did not; 2 bad parameters; 3 the run could not be made (no result folder, no simulator, the disk is full, ...).
 
-Waits on wall time: simulated time stands still while the simulator is paused.
+The node waits on wall time, because simulated time stands still while the simulator is paused.
 """
 
 import dataclasses
@@ -48,7 +48,7 @@ class RunError(ArasError):
 
 
 class ExperimentNode:
-    """One run, from an empty folder to a report. Raises ParameterError listing every fault."""
+    """One run, from an empty folder to a report. Raises ParameterError, which lists every fault of the parameters."""
 
     def __init__(self):
         parameters = Parameters()
@@ -111,7 +111,7 @@ class ExperimentNode:
         rospy.Subscriber("servo_state", ServoState, self._on_state, tcp_nodelay=True)
         rospy.Subscriber("servo/result", VisualServoActionResult, self._on_result)
         rospy.Subscriber("servo/status", GoalStatusArray, self._on_goals)
-        # The settings travel in the bag, so that any bag can be judged again.
+        # The scenario is recorded in the bag, so that the bag alone is enough to judge the run again.
         self._settings = rospy.Publisher("scenario", String, queue_size=1, latch=True)
         self._settings.publish(yaml.safe_dump(self._scenario.as_dict(), sort_keys=False))
         self._goals = rospy.Publisher("servo/goal", VisualServoActionGoal, queue_size=10, latch=False)
@@ -145,7 +145,7 @@ class ExperimentNode:
                           for topic, publisher, subscriber in self._graph.missing_connections(nodes)]
 
     def _wait(self, what, missing, timeout_s):
-        """Wait on wall time until missing() is empty. Raises RunError naming what is still missing."""
+        """Wait on wall time until missing() gives an empty list. Raises RunError, which names what is still missing."""
         deadline = time.monotonic() + timeout_s
         while True:
             lacking = missing()
@@ -160,7 +160,7 @@ class ExperimentNode:
     # ---- the run itself -----------------------------------------------------------------------------------------
 
     def _drive(self):
-        """Goal, unpause, result, pause. Returns the wall time between unpause and result [s]."""
+        """Send the goal, let time run, wait for the result, pause. Returns the wall time for which time ran [s]."""
         controller = rospy.resolve_name("controller")
         uri = self._graph.node_uri(controller)
         self._send_goal(VisualServoGoal.EXPERIMENT)
@@ -199,6 +199,7 @@ class ExperimentNode:
         return wall_s
 
     def _taken(self, lockstep):
+        """Whether the controller has accepted the goal and, in lockstep, the simulator waits for its answers."""
         if self._result is not None:
             raise RunError(f"the controller refused the goal: {self._result.reason}")
         return self._accepted and (not lockstep or self._status.lockstep_armed)
@@ -214,7 +215,10 @@ class ExperimentNode:
         self._goals.publish(goal)
 
     def _follow_controller(self, controller, uri):
-        """If the controller was started again, give it the goal again: the taught one if it was servoing."""
+        """If the controller was started again, send the goal again: to its taught reference if it was servoing.
+
+        Args: uri: the controller's address when it got the goal. Returns the address of the one that has the goal now.
+        """
         now = self._graph.node_uri(controller)
         if now is None or now == uri:
             return uri
@@ -228,14 +232,18 @@ class ExperimentNode:
         return now
 
     def _close_run(self):
-        """Step the paused simulator to CLOSING_S after the end: where it was paused is chance, where it ends is not."""
+        """Step the paused simulator to exactly CLOSING_S after the end of the servo.
+
+        At which tick the pause came is chance. Without this step the recorded run, and its hash, would end anywhere.
+        """
         self._wait("the last servo_state", lambda: [] if self._done_ns is not None else ["phase done"], 10.0)
         self._wait("the pause", lambda: [] if self._status.paused else ["sim/status paused"], 10.0)
         end_ns = self._done_ns + round(CLOSING_S * 1e9)
         period_ns = round(self._scenario.sim.get("period_s", default_of("sim.period_s")) * 1e9)
         steps = (end_ns - self._status.header.stamp.to_nsec()) // period_ns
         if steps < 0:
-            rospy.logwarn("paused late: the run hash is not that of other runs")
+            rospy.logwarn("the pause came later than %g s after the end of the servo: the run hash differs from that "
+                          "of other runs of this scenario", CLOSING_S)
             return
         self._step(steps)
         self._wait("the end", lambda: [] if self._status.header.stamp.to_nsec() >= end_ns else ["sim/status"], 10.0)
@@ -247,7 +255,7 @@ class ExperimentNode:
     def _on_state(self, message):
         if message.phase == "done" and self._done_ns is None and self._state is not None:
             self._done_ns = message.header.stamp.to_nsec()
-        if message.phase not in ("idle", "done"):  # of a controller that was just started again: not where we were
+        if message.phase not in ("idle", "done"):  # a controller that was just started again is idle: keep the old one
             self._state = message
 
     def _on_result(self, message):
@@ -264,7 +272,7 @@ class ExperimentNode:
     # ---- afterwards ---------------------------------------------------------------------------------------------
 
     def _report(self, wall_s):
-        """Print the result table. Returns the exit code."""
+        """Judge the run, write the result folder and print the result table. Returns the exit code."""
         result = self._result
         rospy.loginfo("%s after %.2f s of servoing: %s", "converged" if result.converged else "not converged",
                       result.duration_s, result.reason)
@@ -279,15 +287,16 @@ class ExperimentNode:
                                self._video)
         print(format_summary(summary), flush=True)
         if "truth" not in self._groups:
-            rospy.logwarn("the true camera pose was not recorded: not judged by it")
+            rospy.logwarn("the true camera pose was not recorded (record_groups without truth): the run is not judged "
+                          "by it")
             return EXIT_PASSED if summary["converged"] else EXIT_FAILED
         return EXIT_PASSED if summary["passed"] else EXIT_FAILED
 
 
 def main():
-    """Entry of scripts/experiment. Returns the exit code, and leaves it in the file ~exit_code_file if that is given.
+    """Entry of scripts/experiment. Returns the exit code, and writes it into the file ~exit_code_file if that is given.
 
-    roslaunch ends with 0 whatever its nodes ended with; the file is for who started roslaunch.
+    roslaunch ends with 0 whatever its nodes ended with; a program that starts roslaunch reads the code from the file.
     """
     rospy.init_node("experiment")
     path = rospy.get_param("~exit_code_file", "")

@@ -1,8 +1,8 @@
-"""What the experiment node must know of the ROS graph: who is up, and who is really connected to whom.
+"""What the experiment node has to know of the ROS graph: which nodes are up, and which of them are really connected.
 
-The master only knows who *wants* to talk; a message published before the connection stands is lost. Publishers are
-asked for their connections (slave API `getBusInfo`), so that a run starts when nothing can be lost any more.
-Speaks XML-RPC with master and nodes itself: no ROS library is needed.
+The master only knows which nodes *want* to talk to each other, and a message that is published before they are
+connected is lost. Therefore the publishers themselves are asked for their connections (slave API `getBusInfo`), and a
+run starts when all of them stand. The module talks XML-RPC with master and nodes itself and needs no ROS library.
 """
 
 import http.client
@@ -14,7 +14,7 @@ _FAILURES = (OSError, http.client.HTTPException, xmlrpc.client.Error)
 class _TimeoutTransport(xmlrpc.client.Transport):
     def make_connection(self, host):
         connection = super().make_connection(host)
-        connection.timeout = 5.0  # [s] wall; a node that hangs must not hang us
+        connection.timeout = 5.0  # [s] wall time; a node that hangs must not make this one hang too
         return connection
 
 
@@ -23,7 +23,7 @@ def _server(uri):
 
 
 class Graph:
-    """Snapshot reader of the ROS graph.
+    """Reads the present state of the ROS graph.
 
     Args:
         caller_id: name of this node.  master_uri: as in ROS_MASTER_URI.

@@ -1,4 +1,4 @@
-"""Runs a scenario over ROS from the command line: roslaunch as a child, and the experiment node's exit code as ours."""
+"""Runs a scenario over ROS from the command line: starts roslaunch and gives back the experiment node's exit code."""
 
 import json
 import os
@@ -17,8 +17,8 @@ from ..report.report import format_summary
 
 LAUNCH_FILE = ("aras_visual_servo_controller", "servo.launch")
 STOP_TIMEOUT_S = 60.0  # wall time that roslaunch gets to end its nodes after an interrupt
-EXIT_BROKEN = 3        # the run ended without an outcome
-TAIL_LINES = 40        # of the log, shown when there is no outcome
+EXIT_BROKEN = 3        # the run ended and the experiment node left no exit code
+TAIL_LINES = 40        # so many last lines of the log are shown when there is no result
 
 
 def run_over_ros(scenario, results_dir, arguments=(), verbose=False):
@@ -27,8 +27,8 @@ def run_over_ros(scenario, results_dir, arguments=(), verbose=False):
     Args:
         scenario: `Scenario` with a path.  results_dir: root of the result folders.
         arguments: more arguments of servo.launch, `name:=value` each.
-        verbose: show what the nodes say; else it is kept in roslaunch.log of the result folder, and only the outcome
-            is printed.
+        verbose: show the output of the nodes; without it the output goes to roslaunch.log in the result folder, and
+            only the outcome is printed.
     Returns:
         exit code of the experiment node: 0 passed, 1 not passed, 2 bad parameters, 3 could not run.
     Raises:
@@ -61,7 +61,7 @@ def _folders(parent):
 
 
 def _tell(parent, before, log, code):
-    """Print the outcome of the run that made a folder in `parent`; without one, what the nodes said last."""
+    """Print the outcome of the run that made a folder in `parent`, or the last lines of the log if there is none."""
     made = sorted(_folders(parent) - before)
     for folder in made[-1:]:
         shutil.copyfile(log, folder / "roslaunch.log")
@@ -80,7 +80,8 @@ def _master_uri(uri):
         return uri
     host = urlparse(uri).hostname or "localhost"
     if not host.startswith("127.") and host not in ("localhost", "::1", socket.gethostname()):
-        raise ArasError(f"ROS_MASTER_URI={uri}: no master answers there, and none can be started on another machine")
+        raise ArasError(f"ROS_MASTER_URI={uri}: no master answers there, and roslaunch can start one on this machine "
+                        "only: start it there, or name a host of this machine")
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return f"http://{host}:{probe.getsockname()[1]}"
@@ -89,7 +90,7 @@ def _master_uri(uri):
 def _wait(process):
     try:
         process.wait()
-    except BaseException:  # an interrupt ends the nodes in order, bag included, before it ends us
+    except BaseException:  # after an interrupt roslaunch ends the nodes in order, so that the bag is closed properly
         process.send_signal(signal.SIGINT)
         try:
             process.wait(STOP_TIMEOUT_S)

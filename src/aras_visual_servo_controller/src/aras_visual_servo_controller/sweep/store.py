@@ -76,7 +76,7 @@ class SweepStore:
         folder = Path(folder)
         path = folder if folder.is_file() else folder / FILE
         if not path.is_file():
-            raise StoreError(f"{folder}: no sweep there (no {FILE})")
+            raise StoreError(f"{folder}: found no sweep in this folder (no {FILE})")
         lock = _lock(path.parent) if writing else None
         with _speaking(path):
             connection = _connect(path)

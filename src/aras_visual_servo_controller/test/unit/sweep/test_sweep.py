@@ -163,8 +163,8 @@ def test_a_gate_decides_the_exit_code(undisturbed, capsys):
     (["experiment_1", "--workers", "-1"], 2, "--workers: found -1"),
     (["experiment_1", "--set", "servo.law=none"], 2, "law"),
     (["experiment_1", "--axes", "x0_mm", "colour"], 2, "unknown colour, known are x0_mm"),
-    (["experiment_1", "--resume"], 3, "no sweep there"),
-    (["--resume", "nowhere"], 3, "nowhere: no sweep there"),
+    (["experiment_1", "--resume"], 3, "found no sweep in this folder"),
+    (["--resume", "nowhere"], 3, "nowhere: found no sweep in this folder"),
     (["experiment_1", "--scheduler", "tcp://127.0.0.1:9"], 3, "cannot be reached"),
 ])
 def test_bad_input_is_told_clearly(words, code, message, tmp_path, capsys, monkeypatch):
@@ -191,7 +191,7 @@ def test_a_second_writer_is_refused(undisturbed, capsys):
 
 def test_a_name_that_is_taken_is_refused(undisturbed, capsys):
     assert sweep(undisturbed.parents[2], "whole", "--workers", "0") == 3
-    assert "is there already" in capsys.readouterr().err
+    assert "found a sweep of this name already" in capsys.readouterr().err
 
 
 def test_runs_outside_the_sweep_are_refused(undisturbed, capsys):

@@ -29,7 +29,7 @@ void readArray(const std::string& kind, const std::vector<std::string>& names, c
                      std::to_string(names.size()) + " (one for each name)");
   }
   for (std::size_t k = 0; k < values.size(); ++k) {
-    if (!std::isnan(values[k])) to[names[k]] = values[k];  // infinities are for the core to refuse
+    if (!std::isnan(values[k])) to[names[k]] = values[k];  // the core refuses infinite values
   }
 }
 
@@ -68,7 +68,7 @@ void CommandInputs::onJointCommand(const ros::MessageEvent<const sensor_msgs::Jo
   } else {
     apply(*message);
   }
-  // A stamp from the future answers nothing: its sender lives in another time.
+  // A stamp from the future is no answer: its sender runs on another clock.
   const std::int64_t stamp_ns = time_.simulated(message->header.stamp);
   gate_.commandReceived(stamp_ns <= simulation_.timeNs() ? stamp_ns : -1, sender);
   if (!gate_.holding()) applyKept();

@@ -42,7 +42,7 @@ SimNode::SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, const NodePar
   markers_.publish();
 }
 
-/** Who has to answer each image, by full name. */
+/** Full names of the nodes that have to answer each image. */
 std::vector<std::string> SimNode::lockstepNodes() const {
   std::vector<std::string> nodes;
   for (const std::string& node : config_.lockstep_nodes) nodes.push_back(node_.resolveName(node, false));
@@ -80,7 +80,7 @@ void SimNode::wait(double limit_s) {
 
 void SimNode::sample() { hold(states_.publishDue()); }
 
-/** Images of these cameras went out: the lockstep waits for their answers. */
+/** Lets the lockstep wait for the answers to the images of these cameras, which were just sent. */
 void SimNode::hold(const std::vector<int>& cameras) {
   std::string names;
   std::int64_t newest_ns = 0;
@@ -97,7 +97,7 @@ void SimNode::hold(const std::vector<int>& cameras) {
   hold_report_ = ros::WallTime::now() + ros::WallDuration(config_.lockstep_timeout_s);
 }
 
-/** After a reset or a restored state: what was waited for is gone. */
+/** To be called after a reset or a restored state: the lockstep waits for no answer any more. */
 void SimNode::timeJumped(std::int64_t before_ns) {
   time_.jumped(before_ns);
   gate_.release();
@@ -127,7 +127,7 @@ void SimNode::checkHold() {
   publishStatus();
 }
 
-/** What happens ten times a second of wall time, whatever the simulation does. */
+/** Work that is done ten times per second of wall time, whatever the simulation does. */
 void SimNode::beat() {
   const ros::WallTime now = ros::WallTime::now();
   if (now < next_beat_) return;
@@ -140,7 +140,7 @@ void SimNode::beat() {
   publishStatus();
 }
 
-/** Who has not answered which image, in words. */
+/** Sentence that says which nodes have not answered which image. */
 std::string SimNode::heldBy() const {
   std::string missing;
   for (const std::string& node : gate_.missing()) missing += (missing.empty() ? "" : ", ") + node;

@@ -152,7 +152,7 @@ const std::vector<ContactPoint>& ContactShapes::find() {
 void ContactShapes::addGroundPoint(const Shape& shape, const Vector3d& p_W) {
   const double depth = config_.ground->z_m - p_W.z();
   if (!(depth > 0.0)) return;
-  // Where the force acts: half way, as between any two shapes.
+  // The force acts half way between the two surfaces, as Bullet has it between any two shapes.
   points_.push_back({shape.body, ContactPoint::kGround, p_W + Vector3d(0.0, 0.0, 0.5 * depth), Vector3d::UnitZ(), depth,
                      config_.ground->friction});
 }

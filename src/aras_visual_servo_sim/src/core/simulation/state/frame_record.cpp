@@ -1,4 +1,4 @@
-// Models, motions and frames on their way, in a saved state.
+// How models, motions and frames in flight are written into a saved state and read from it.
 #include <memory>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
