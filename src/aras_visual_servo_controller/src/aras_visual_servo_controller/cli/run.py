@@ -1,20 +1,22 @@
 """The commands `run SCENARIO` and `report BAG`.
 
-Exit codes: 0 the run passed, 1 it did not, 2 bad input, 3 could not run, 130 interrupted.
+Exit codes: 0 the run passed, 1 it did not, 2 bad input, 3 could not run, 128 + N ended by signal N.
 """
 
 import argparse
 import os
+import re
 import sys
 from pathlib import Path
 
 import yaml
 
 from ..ground.errors import ArasError, ParameterError
+from ..ground.processes import Interrupted, signals_raise
 from ..bags.record_groups import COMPRESSIONS, GROUPS, ON_DEMAND, parse_groups
 
 EXIT_PASSED, EXIT_FAILED, EXIT_PARAMETERS, EXIT_BROKEN = range(4)
-EXIT_INTERRUPTED = 130   # the code by which a shell reports a program that SIGINT ended
+NAMESPACE = re.compile(r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
 
 
 def run_main(argv=None):
@@ -38,6 +40,9 @@ def run_main(argv=None):
                         help="begin a new bag file when one has reached this size (only over ROS)")
     parser.add_argument("--compression", choices=COMPRESSIONS,
                         help="compression of the bag (only over ROS; default: lz4)")
+    parser.add_argument("--namespace", metavar="NAME", help="namespace of the graph, with a clock and frames of its "
+                        "own, so that several runs share a master (only over ROS; default: aras_visual_servo, global "
+                        "clock)")
     parser.add_argument("--verbose", action="store_true", help="show the output of the nodes (only over ROS)")
     parser.add_argument("--list", action="store_true", help="only list the scenarios that come with the package")
     arguments = parser.parse_args(argv)
@@ -53,6 +58,9 @@ def run_main(argv=None):
         parser.error("--set works with --in-process only; over ROS change a copy of the scenario file")
     if arguments.in_process and (arguments.record or arguments.split or arguments.compression):
         parser.error("--record, --split and --compression say how the bag is written, but --in-process writes no bag")
+    if arguments.namespace is not None and (arguments.in_process or not NAMESPACE.fullmatch(arguments.namespace)):
+        parser.error(f"--namespace: found '{arguments.namespace}', allowed is a name of ROS, letters, digits and _ "
+                     "with / between, without --in-process")
     if arguments.split is not None and arguments.split < 1:
         parser.error(f"--split: found {arguments.split}, allowed >= 1")
 
@@ -146,7 +154,8 @@ def _run_over_ros(scenario, arguments):
         extra.append(f"record_compression:={arguments.compression}")
     if arguments.video:
         extra.append("video:=true")
-    return run_over_ros(scenario, os.path.expanduser(arguments.output), extra, verbose=arguments.verbose)
+    return run_over_ros(scenario, os.path.expanduser(arguments.output), extra, verbose=arguments.verbose,
+                        namespace=arguments.namespace)
 
 
 def _progress():
@@ -158,12 +167,14 @@ def _progress():
 def guarded(work):
     """Exit code of work(). If it raises, the reason is printed and the code says what kind of failure it was."""
     try:
-        return work()
+        with signals_raise():
+            return work()
     except ParameterError as error:
         print(f"bad input:\n{error}", file=sys.stderr)
         return EXIT_PARAMETERS
     except (ArasError, ImportError, RuntimeError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_BROKEN
-    except KeyboardInterrupt:
-        return EXIT_INTERRUPTED
+    except Interrupted as interrupt:
+        print(interrupt, file=sys.stderr)
+        return interrupt.exit_code

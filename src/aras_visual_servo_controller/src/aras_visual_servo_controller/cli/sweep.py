@@ -1,19 +1,20 @@
 """The commands `sweep`, `rerun` and `compare`.
 
 Exit codes: 0 done; 1 a `--fail-if` expression held, or a repeated run gave other values; 2 bad input; 3 could not run;
-130 interrupted (a sweep keeps the runs that were done).
+128 + N ended by signal N (a sweep keeps the runs that were done).
 """
 
 import argparse
 import os
+import re
 import shlex
-import signal
 import sys
 from dataclasses import asdict
 from pathlib import Path
 
-from .run import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_PASSED, guarded, parse_overrides
+from .run import EXIT_FAILED, EXIT_PASSED, guarded, parse_overrides
 from ..ground.errors import ParameterError
+from ..ground.processes import Interrupted
 
 FOLDER = "sweeps"
 
@@ -51,8 +52,11 @@ def sweep_main(argv=None):
         parser.error("SCENARIO is missing (or --resume FOLDER)")
 
     def work():
+        from ..scenario.schema import NAME
         if arguments.workers is not None and arguments.workers < 0:
             raise ParameterError(f"--workers: found {arguments.workers}, allowed >= 0")
+        if arguments.name is not None and not re.fullmatch(NAME, arguments.name):
+            raise ParameterError(f"--name: found '{arguments.name}', allowed letters, digits, _ . -, not only dots")
         store = _new_sweep(arguments) if arguments.resume is None else _old_sweep(arguments)
         with store:
             return _run(store, arguments)
@@ -145,7 +149,7 @@ def _new_sweep(arguments):
     from ..sweep.store import FILE, StoreError, SweepStore
     from ..report.versions import installed_versions
     scenario = load_scenario(arguments.scenario, parse_overrides(arguments.overrides))
-    settings, kinematics = _settings(arguments, scenario)
+    settings, kinematics = _settings(scenario, _asked(arguments))
     if arguments.name and (Path(arguments.output) / FOLDER / scenario.name / arguments.name / FILE).exists():
         raise StoreError(f"sweep '{arguments.name}': found a sweep of this name already; go on with it by --resume, or "
                          "choose another --name")
@@ -176,13 +180,15 @@ def _old_sweep(arguments):
     try:
         faults = []
         if scenario is not None:
-            settings, _ = _settings(arguments, scenario)
-            faults = [f"{key}: found {value}, the sweep was begun with {store.meta['settings'][key]}"
-                      for key, value in _plain(settings).items() if value != store.meta["settings"][key]]
+            begun_with = store.meta["settings"]
+            settings, _ = _settings(scenario, {key: begun_with[key] if value is None else value
+                                               for key, value in _asked(arguments).items()})
+            faults = [f"{key}: found {value}, the sweep was begun with {begun_with[key]}"
+                      for key, value in _plain(settings).items() if value != begun_with[key]]
             if not faults and make_setup(scenario, settings.drive_to_start) != store.meta["setup"]:
-                faults = [f"scenario '{scenario.name}' or its files have changed since the sweep was begun"]
-        elif arguments.overrides or any(getattr(arguments, key) is not None
-                                        for key in ("starts", "method", "space", "seed", "drive")):
+                faults = [f"scenario '{scenario.name}' or its files have changed since the sweep was begun, or it was "
+                          "begun with other values of --set"]
+        elif arguments.overrides or any(value is not None for value in _asked(arguments).values()):
             faults = ["a sweep goes on with the options it was begun with: leave --starts, --method, --space, --seed, "
                       "--set and --drive out"]
         if faults:
@@ -200,32 +206,31 @@ def _run(store, arguments):
     columns = [dict.fromkeys(store.extra)]
     axes = check_axes(arguments.axes, columns) if arguments.axes else DEFAULT_AXES
     print(f"sweep: {store.folder}", file=sys.stderr)
-    # A shell makes the jobs that a script starts in the background ignore SIGINT; so this handler is set as well.
-    before = {number: signal.signal(number, _interrupt) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         run_pending(store, store.meta["setup"], arguments.workers, arguments.scheduler)
-    except KeyboardInterrupt:
+    except Interrupted as interrupt:
         save_csv(store)
         left = len(store.pending())
-        print(f"interrupted: {left} runs are left; go on with: sweep --resume {shlex.quote(str(store.folder))}",
+        print(f"{interrupt}: {left} runs are left; go on with: sweep --resume {shlex.quote(str(store.folder))}",
               file=sys.stderr)
-        return EXIT_INTERRUPTED
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        return interrupt.exit_code
     path = save_report(store, axes)
     print(format_summary(store))
     print(f"{'report':<20}{path}")
     return EXIT_PASSED
 
 
-def _settings(arguments, scenario):
+def _asked(arguments):
+    """The settings that the command line can give; None: it does not."""
+    return {"starts": arguments.starts, "method": arguments.method, "space": arguments.space, "seed": arguments.seed,
+            "drive_to_start": arguments.drive}
+
+
+def _settings(scenario, changes):
     from ..run.loop import ServoLoop
     from ..sweep.plan import SweepSettings
     kinematics = ServoLoop(scenario).kinematics  # a fault of the scenario is raised here, instead of in every row
-    settings = SweepSettings.from_scenario(scenario, kinematics, starts=arguments.starts, method=arguments.method,
-                                           space=arguments.space, seed=arguments.seed, drive_to_start=arguments.drive)
-    return settings, kinematics
+    return SweepSettings.from_scenario(scenario, kinematics, **changes), kinematics
 
 
 def _plain(settings):
@@ -245,7 +250,3 @@ def _newest(root, pattern):
     if not found:
         raise StoreError(f"{root}: found no sweep in this folder")
     return found[-1].parent
-
-
-def _interrupt(*_):
-    raise KeyboardInterrupt

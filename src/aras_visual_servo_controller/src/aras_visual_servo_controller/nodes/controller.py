@@ -13,7 +13,6 @@ import time
 import traceback
 import warnings
 
-import actionlib
 import rospy
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
@@ -23,7 +22,9 @@ from aras_visual_servo_msgs.msg import ServoState, SimStatus, VisualServoAction,
 from aras_visual_servo_msgs.srv import SetReference, SetReferenceRequest, Teach, TeachResponse
 
 from . import conversions as convert
+from .action_server import ActionServer
 from ..ground.errors import ArasError, ParameterError
+from ..ground.processes import check_signals
 from ..arm.float_commands import SetPointIntegrator
 from .null_space_topic import NullSpaceTopic
 from ..run.pairing import StampPairer
@@ -94,7 +95,7 @@ class ControllerNode:
         self._bars = NullSpaceTopic(self._kinematics, self._servo)
         # The worker publishes the status. actionlib's timer runs on simulated time, too often when that goes fast.
         rospy.set_param("~actionlib_status_frequency", 0.0)
-        self._server = actionlib.SimpleActionServer("servo", VisualServoAction, auto_start=False)
+        self._server = ActionServer("servo", VisualServoAction)
         self._server.register_goal_callback(lambda: self._work.put(self._accept_goal))
         self._server.register_preempt_callback(lambda: self._work.put(self._preempt))
         self._camera_reference = rospy.ServiceProxy("camera/set_reference", SetReference)
@@ -118,6 +119,7 @@ class ControllerNode:
                 self._integrator.reset()
                 self._stop("time went back")
                 self._session.restart_time()
+                self._server.look_at_time()
             for pair in pairs:
                 self._answer(*pair)
             if self._float_publishers:
@@ -277,6 +279,7 @@ class ControllerNode:
         wall_s, now_ns = time.monotonic(), convert.now_ns()
         if wall_s - self._status_wall_s > STATUS_PERIOD_S:
             self._status_wall_s = wall_s
+            self._server.look_at_time()
             self._server.action_server.publish_status()
         if self._held is not None:
             self._release_simulator(wall_s)
@@ -319,7 +322,8 @@ class ControllerNode:
 
 def main():
     """Entry of scripts/controller. Returns the exit code: 0 after a shutdown, 2 for bad parameters."""
-    rospy.init_node("controller")
+    rospy.init_node("controller", disable_signals=True)  # its handler shuts down from within whatever holds a lock
+    check_signals()
     try:
         node = ControllerNode()
     except ParameterError as error:

@@ -1,7 +1,8 @@
 """Node `experiment`: runs the scenario's experiment once, records it, judges it, and ends with an exit code.
 
 Exit codes: 0 the run converged and the final pose is within the limits of the scenario's judge; 1 the run came to its
-end, but did not; 2 bad parameters; 3 the run could not be made (no result folder, no simulator, the disk is full, ...).
+end, but did not; 2 bad parameters; 3 the run could not be made (no result folder, no simulator, the disk is full, ...);
+128 + N signal N ended it, the bag is closed.
 
 The node waits on wall time, because simulated time stands still while the simulator is paused.
 """
@@ -25,6 +26,8 @@ from aras_visual_servo_msgs.srv import Step
 
 from ..bags.bag import read_bag
 from ..ground.errors import ArasError, ParameterError
+from ..ground.processes import Interrupted, check_signals, signals_held, signals_raise
+from .goal_sender import GoalSender
 from .graph import Graph
 from ..run.loop import CLOSING_S
 from .parameters import Parameters
@@ -75,8 +78,7 @@ class ExperimentNode:
         self._changed = threading.Condition()
         self._status = self._state = self._result = None
         self._done_ns = None
-        self._accepted = set()
-        self._goal_ids = []
+        self._goals_sent = 0
         self.folder = None
 
     # ---- parts of a run -----------------------------------------------------------------------------------------
@@ -89,14 +91,18 @@ class ExperimentNode:
         self._wait("the nodes " + ", ".join(NODES), self._missing_parts, self._startup_timeout_s)
         try:
             if self._record:
-                self._recording = Recording(self.folder / "run.bag", self._topics(), self._compression, self._split_mb)
+                with signals_held():
+                    self._recording = Recording(self.folder / "run.bag", self._topics(), self._compression,
+                                                self._split_mb)
             self._wait("all connections", self._missing_connections, self._startup_timeout_s)
             wall_s = self._drive()
         except BaseException:
-            self._end_recording()  # what it says is not the reason
+            with signals_held():
+                self._end_recording()  # what it says is not the reason
             raise
         if self._recording is not None:
-            self._recording.stop()
+            with signals_held():
+                self._recording.stop()
         return self._report(wall_s)
 
     def _end_recording(self):
@@ -107,14 +113,15 @@ class ExperimentNode:
             rospy.logwarn("%s", error)
 
     def _subscribe(self):
-        rospy.Subscriber("sim/status", SimStatus, self._on_status)
-        rospy.Subscriber("servo_state", ServoState, self._on_state, tcp_nodelay=True)
-        rospy.Subscriber("servo/result", VisualServoActionResult, self._on_result)
-        rospy.Subscriber("servo/status", GoalStatusArray, self._on_goals)
         # The scenario is recorded in the bag, so that the bag alone is enough to judge the run again.
         self._settings = rospy.Publisher("scenario", String, queue_size=1, latch=True)
         self._settings.publish(yaml.safe_dump(self._scenario.as_dict(), sort_keys=False))
         self._goals = rospy.Publisher("servo/goal", VisualServoActionGoal, queue_size=10, latch=False)
+        self._goal = GoalSender(self._goals.publish)
+        rospy.Subscriber("sim/status", SimStatus, self._on_status)
+        rospy.Subscriber("servo_state", ServoState, self._on_state, tcp_nodelay=True)
+        rospy.Subscriber("servo/result", VisualServoActionResult, self._on_result)
+        rospy.Subscriber("servo/status", GoalStatusArray, self._on_goals)
         self._step = rospy.ServiceProxy("sim/step", Step)
         self._pause, self._unpause = (rospy.ServiceProxy(f"sim/{name}", Empty) for name in ("pause", "unpause"))
 
@@ -151,6 +158,7 @@ class ExperimentNode:
             lacking = missing()
             if not lacking:
                 return
+            check_signals()
             if rospy.is_shutdown():
                 raise RunError(f"shut down while waiting for {what}")
             if time.monotonic() > deadline:
@@ -166,7 +174,7 @@ class ExperimentNode:
         self._send_goal(VisualServoGoal.EXPERIMENT)
         lockstep = bool(self._scenario.time.get("lockstep", False))
         self._wait("the controller to take the goal" + (" and to arm the lockstep" if lockstep else ""),
-                   lambda: [] if self._taken(lockstep) else ["goal taken" if not self._accepted else "lockstep armed"],
+                   lambda: [] if self._taken(lockstep) else ["lockstep armed" if self._goal.taken else "goal taken"],
                    self._startup_timeout_s)
         started_s = time.monotonic()
         self._unpause()
@@ -177,12 +185,15 @@ class ExperimentNode:
             now_s = time.monotonic()
             if self._result is not None:
                 break
+            check_signals()
             if rospy.is_shutdown():
                 raise RunError("shut down before the result")
             if self._recording is not None:
                 self._recording.check(self._status)
             if now_s - looked_s > GRAPH_POLL_S:
                 looked_s = now_s
+                with self._changed:
+                    self._goal.look(now_s)
                 uri = self._follow_controller(controller, uri)
             stamp = self._status.header.stamp
             if stamp != last_time:
@@ -202,17 +213,19 @@ class ExperimentNode:
         """Whether the controller has accepted the goal and, in lockstep, the simulator waits for its answers."""
         if self._result is not None:
             raise RunError(f"the controller refused the goal: {self._result.reason}")
-        return self._accepted and (not lockstep or self._status.lockstep_armed)
+        with self._changed:
+            self._goal.look(time.monotonic())
+        return self._goal.taken and (not lockstep or self._status.lockstep_armed)
 
     def _send_goal(self, reference):
         goal = VisualServoActionGoal()
         goal.header.stamp = rospy.get_rostime()
-        goal.goal_id.id = f"{rospy.get_name()}-{os.getpid()}-{len(self._goal_ids)}"
+        goal.goal_id.id = f"{rospy.get_name()}-{os.getpid()}-{self._goals_sent}"
         goal.goal_id.stamp = goal.header.stamp
         goal.goal.reference = reference
         with self._changed:
-            self._goal_ids.append(goal.goal_id.id)
-        self._goals.publish(goal)
+            self._goals_sent += 1
+            self._goal.send(goal, time.monotonic())
 
     def _follow_controller(self, controller, uri):
         """If the controller was started again, send the goal again: to its taught reference if it was servoing.
@@ -260,14 +273,13 @@ class ExperimentNode:
 
     def _on_result(self, message):
         with self._changed:
-            if self._goal_ids and message.status.goal_id.id == self._goal_ids[-1]:
+            if message.status.goal_id.id == self._goal.goal_id:
                 self._result = message.result
                 self._changed.notify_all()
 
     def _on_goals(self, message):
         with self._changed:
-            self._accepted |= {entry.goal_id.id for entry in message.status_list
-                               if entry.status != GoalStatus.PENDING and entry.goal_id.id in self._goal_ids}
+            self._goal.heard({entry.goal_id.id: entry.status == GoalStatus.PENDING for entry in message.status_list})
 
     # ---- afterwards ---------------------------------------------------------------------------------------------
 
@@ -298,12 +310,18 @@ def main():
 
     roslaunch ends with 0 whatever its nodes ended with; a program that starts roslaunch reads the code from the file.
     """
-    rospy.init_node("experiment")
-    path = rospy.get_param("~exit_code_file", "")
-    code = _run()
-    if path:
-        Path(path).write_text(f"{code}\n", encoding="ascii")
-    return code
+    with signals_raise():
+        path, code = "", EXIT_BROKEN
+        try:
+            rospy.init_node("experiment", disable_signals=True)  # rospy would not end what runs in the main thread
+            path = rospy.get_param("~exit_code_file", "")
+            code = _run()
+        except Interrupted as interrupt:
+            rospy.logfatal("%s", interrupt)
+            code = interrupt.exit_code
+        if path:
+            Path(path).write_text(f"{code}\n", encoding="ascii")
+        return code
 
 
 def _run():

@@ -6,6 +6,7 @@ run starts when all of them stand. The module talks XML-RPC with master and node
 """
 
 import http.client
+import socket
 import xmlrpc.client
 
 _FAILURES = (OSError, http.client.HTTPException, xmlrpc.client.Error)
@@ -55,6 +56,29 @@ class Graph:
         except _FAILURES:
             return None
         return uri if code == 1 else None
+
+    def master_uri(self):
+        """URI of the master as it names itself, the same for everybody; None without a master."""
+        try:
+            code, _, uri = self._master.getUri(self._caller_id)
+        except _FAILURES:
+            return None
+        return uri if code == 1 else None
+
+    def running(self, nodes):
+        """Those of `nodes` that the master knows and that answer: one that was killed stays known to the master."""
+        return [node for node in nodes if self._answers(self.node_uri(node))]
+
+    def _answers(self, uri):
+        if uri is None:
+            return False
+        try:
+            _server(uri).getPid(self._caller_id)
+        except socket.timeout:
+            return True  # stopped, or busy
+        except _FAILURES:
+            return False
+        return True
 
     def topics(self, namespace=None):
         """Sorted names of the published topics, those under `namespace` only if given."""

@@ -14,7 +14,6 @@ SETTLED_S = 0.3           # wall time without growth after which nothing is on i
 SETTLED_BYTES = 16384     # a bag that grows by less than this in that time gets no more images, only the clock
 SETTLE_LIMIT_S = 10.0     # wall time that the others get for what they still have to send
 POLL_S = 0.05             # wall time between looks
-STOP_LIMIT_S = 60.0       # wall time that a bag gets to be closed
 
 
 class RecordingError(ArasError):
@@ -84,13 +83,7 @@ class Recording:
         self._running = False
         try:
             answer = rospy.ServiceProxy("sim/stop_recording", Trigger)()
-        except rospy.ServiceException as error:  # the simulator is gone, or ends now: it closes the bag as it ends
-            self._await_closed()
+        except rospy.ServiceException as error:  # the simulator is gone, or ends now and closes the bag
             raise RecordingError(f"the simulator does not answer: {error}") from error
         if not answer.success:
             raise RecordingError(f"the recording ended: {answer.message}")
-
-    def _await_closed(self):
-        deadline = time.monotonic() + STOP_LIMIT_S
-        while any(path.suffix == ".active" for path in self.bags()) and time.monotonic() < deadline:
-            time.sleep(POLL_S)

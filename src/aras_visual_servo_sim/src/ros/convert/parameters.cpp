@@ -34,6 +34,7 @@ YAML::Node ownParameters(const ros::NodeHandle& private_node) {
   if (!private_node.getParam(private_node.getNamespace(), tree)) return own;
   if (tree.getType() != XmlRpc::XmlRpcValue::TypeStruct) return own;
   for (auto& [name, value] : tree) {
+    if (name == kSegmentationIds) continue;  // a predecessor has left it
     const bool is_section = name == "sim" || name == "time" || name == "scenario";
     own[name] = is_section ? YAML::Node(YAML::NodeType::Map) : yamlFromXmlRpc(value);
   }

@@ -1,9 +1,7 @@
 #include "command_inputs.hpp"
 
 #include <ros/console.h>
-#include <ros/master.h>
 #include <ros/names.h>
-#include <ros/this_node.h>
 #include <ros/transport_hints.h>
 
 #include <algorithm>
@@ -15,6 +13,7 @@
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "convert/conversions.hpp"
+#include "neighbours.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -107,18 +106,8 @@ void CommandInputs::onControllerCommand(const std::string& controller, const std
 
 std::string CommandInputs::answerers() const {
   const std::string topic = joint_command_.getTopic();
-  XmlRpc::XmlRpcValue request, response, state;
-  request[0] = ros::this_node::getName();
   std::string names;
-  if (ros::master::execute("getSystemState", request, response, state, false)) {
-    XmlRpc::XmlRpcValue& publishers = state[0];
-    for (int k = 0; k < publishers.size(); ++k) {
-      if (static_cast<std::string>(publishers[k][0]) != topic) continue;
-      for (int j = 0; j < publishers[k][1].size(); ++j) {
-        names += (names.empty() ? "" : ", ") + static_cast<std::string>(publishers[k][1][j]);
-      }
-    }
-  }
+  for (const std::string& node : publishersOf(topic)) names += (names.empty() ? "" : ", ") + node;
   return names.empty() ? "nobody publishes " + topic
                        : names + " (" + std::to_string(joint_command_.getNumPublishers()) + " connected)";
 }

@@ -7,6 +7,7 @@
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "convert/conversions.hpp"
+#include "listen/neighbours.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -34,6 +35,7 @@ SimNode::SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, const NodePar
       models_(node_, simulation_, markers_, time_),
       status_(node_.advertise<aras_visual_servo_msgs::SimStatus>("sim/status", 1000, true)),
       paused_(parameters.time.start_paused) {
+  requireOwnClock(node_.resolveName("/clock"));
   for (const std::string& warning : simulation_.model().warnings) ROS_WARN("%s", warning.c_str());
   for (const std::string& camera : config_.lockstep_cameras) {
     lockstep_cameras_.push_back(simulation_.cameras().index(camera));

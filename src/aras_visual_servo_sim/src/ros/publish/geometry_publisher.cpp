@@ -4,6 +4,8 @@
 
 #include <cstring>
 
+#include "convert/parameters.hpp"
+
 namespace aras_visual_servo_sim {
 namespace {
 
@@ -27,7 +29,7 @@ void GeometryPublisher::tellIds(const Scene& scene) {
   for (const auto& [name, id] : segmentationIds(scene)) ids[name] = id;
   if (ids == ids_) return;
   ids_ = ids;
-  ros::NodeHandle("~").setParam("segmentation_ids", ids);
+  ros::NodeHandle("~").setParam(kSegmentationIds, ids);
 }
 
 template <typename T>
