@@ -20,7 +20,7 @@ FILES = ("run.bag", "summary.json", "trace.csv", "figure.png", "figure.pdf", "re
 
 
 def signal_in_phase(phase, namespace, node="controller", action="os.kill(pid, signal.SIGKILL)"):
-    """Python program that waits for that phase and does something to a node; run beside roslaunch."""
+    """Python program that says when it listens, waits for that phase and does something to a node."""
     return f"""
 import os, signal, time, xmlrpc.client, rospy, rosgraph
 from aras_visual_servo_msgs.msg import ServoState
@@ -32,8 +32,16 @@ def look(message):
         {action}
         os._exit(0)
 rospy.Subscriber("{namespace}/servo_state", ServoState, look)
+print("listening", flush=True)
 rospy.spin()
 """
+
+
+def start_listening(program):
+    """Starts it beside the run to come, and waits until it listens: on a busy machine the run may be over before."""
+    process = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True)
+    assert process.stdout.readline() == "listening\n"
+    return process
 
 
 class ExperimentNode(unittest.TestCase):
@@ -78,7 +86,7 @@ class ExperimentNode(unittest.TestCase):
 
     def test_nothing_is_lost_when_who_writes_the_bag_is_stopped_for_a_while(self):
         action = "os.kill(pid, signal.SIGSTOP); time.sleep(3.0); os.kill(pid, signal.SIGCONT)"
-        stopper = subprocess.Popen([sys.executable, "-c", signal_in_phase("servo", "/stalled", "sim", action)])
+        stopper = start_listening(signal_in_phase("servo", "/stalled", "sim", action))
         try:
             code, folder, summary = self.run_scenario("ns:=stalled", "side_by_side:=true")
             self.assertEqual(stopper.wait(LIMIT_S), 0)
@@ -92,17 +100,18 @@ class ExperimentNode(unittest.TestCase):
 
     def test_a_disk_that_is_full_is_the_named_failure_of_the_run(self):
         before = resource.getrlimit(resource.RLIMIT_FSIZE)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (500_000, before[1]))   # the nodes inherit it
+        resource.setrlimit(resource.RLIMIT_FSIZE, (8_000_000, before[1]))   # the nodes inherit it
         self.addCleanup(resource.setrlimit, resource.RLIMIT_FSIZE, before)
         folder = tempfile.mkdtemp(prefix="aras_experiment_")
         self.addCleanup(shutil.rmtree, folder, ignore_errors=True)
-        code = run_over_ros(load_scenario("experiment_1"), folder, ("ns:=full", "side_by_side:=true"))
+        code = run_over_ros(load_scenario("experiment_1"), folder, ("ns:=full", "side_by_side:=true",
+                                                                      "record_compression:=none"))
         self.assertEqual(code, 3)
         [log] = pathlib.Path(folder).glob("experiment_1/*/roslaunch.log")
         self.assertIn("the recording ended: " + str(log.parent / "run.bag") + ": File too large", log.read_text())
 
     def test_goes_on_when_the_controller_is_killed_while_servoing(self):
-        killer = subprocess.Popen([sys.executable, "-c", signal_in_phase("servo", "/killed")])
+        killer = start_listening(signal_in_phase("servo", "/killed"))
         try:
             code, _, summary = self.run_scenario("killed", "respawn:=true", "real_time_factor:=2")
             self.assertEqual(killer.wait(LIMIT_S), 0)
