@@ -104,7 +104,7 @@ class Bench:
             record, features, image = loop.teach(config.z_star_m)
         except ParameterError as error:
             raise Infeasible(str(error)) from error
-        builder.add_answer(record, loop.camera_pose(), features, image)
+        builder.add_answer(record, loop.camera_pose(), features, image, loop.moving_target_pose())
         loop.place(start.joints, config.settle_s)
         loop.start(servo_only=True)
 
@@ -117,7 +117,7 @@ class Bench:
         lost_since_ns = None
         while not loop.sequence.done:
             record, features, image = loop.step()
-            builder.add_answer(record, loop.camera_pose(), features, image)
+            builder.add_answer(record, loop.camera_pose(), features, image, loop.moving_target_pose())
             if record.status != Status.TARGET_LOST:
                 lost_since_ns = None
             elif lost_since_ns is None:

@@ -46,7 +46,8 @@ std::map<std::string, MotionRun> StateReader::getMotions(const ModelSet& set) {
     const ModelMotion motion = ModelMotion::fromYaml(YAML::Load(getText()), "saved motion of '" + name + "'");
     const Pose X_WM0 = getPose();
     motions.emplace(name, MotionRun{motion, X_WM0, get<std::int64_t>()});
-    if (set.starts.count(name) == 0) throw StateError("saved state: motion of '" + name + "', which is no model");
+    if (set.starts.count(name) == 0)
+      throw StateError("saved state: found a motion of '" + name + "', which is not a model");
   }
   return motions;
 }
