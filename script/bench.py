@@ -171,6 +171,7 @@ def main():
     parser.add_argument("--paper", action="store_true", help="only README's table beside the paper's figures")
     arguments = parser.parse_args()
     if arguments.paper:
+        sys.path.insert(0, str(WORKSPACE / "script/docs"))
         import paper_table
         return paper_table.main()
     measure(arguments, read_beside(arguments.beside))
