@@ -18,8 +18,9 @@ GROUPS = {
     "status": ("sim/status",),
     "other": (),
 }
-# Groups of what is only made for somebody who asks, of any camera: part of the name -> recorded when named, never as "all".
-ON_DEMAND = {"converted": "/converted_image", "overlay": "/overlay", "depth": "/depth/", "segmentation": "/segmentation/"}
+# Group -> part of the names of what is made only for somebody who asks, of any camera. "all" does not name these.
+ON_DEMAND = {"converted": "/converted_image", "overlay": "/overlay", "depth": "/depth/",
+             "segmentation": "/segmentation/"}
 # Parts of names that are never recorded: they can be made from what is.
 NEVER = ("/null_space_bars", "/camera_path", "/parameter_descriptions", "/parameter_updates", "/compressed", "/theora",
          "/state")

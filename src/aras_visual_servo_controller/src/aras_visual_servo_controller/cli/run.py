@@ -34,8 +34,8 @@ def run_main(argv=None):
     parser.add_argument("--video", action="store_true", help="make video.mp4 too and show it in the report (ffmpeg)")
     parser.add_argument("--record", metavar="GROUPS", help="groups of topics to record (only over ROS), e.g. "
                         "images,features,truth for these, --record=-images for all but images, or all,segmentation "
-                        "for one more; the groups are " + ", ".join(GROUPS) + " (default: all), and, recorded only when "
-                        "named, " + ", ".join(ON_DEMAND))
+                        "for one more; the groups are " + ", ".join(GROUPS) + " (default: all), and, recorded only "
+                        "when named, " + ", ".join(ON_DEMAND))
     parser.add_argument("--split", type=int, metavar="MB",
                         help="begin a new bag file when one has reached this size (only over ROS)")
     parser.add_argument("--compression", choices=COMPRESSIONS,

@@ -149,7 +149,7 @@ class ExperimentNode:
         if self._recording is not None:
             self._recording.check(self._status)
         return [f"{topic}: {publisher} -> {subscriber}"
-                          for topic, publisher, subscriber in self._graph.missing_connections(nodes)]
+                for topic, publisher, subscriber in self._graph.missing_connections(nodes)]
 
     def _wait(self, what, missing, timeout_s):
         """Wait on wall time until missing() gives an empty list. Raises RunError, which names what is still missing."""
