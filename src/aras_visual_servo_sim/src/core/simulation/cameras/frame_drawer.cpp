@@ -12,7 +12,21 @@ Scene sceneOf(const ExposedFrame& frame, const Scene& now) { return frame.models
 
 }  // namespace
 
-FrameDrawer::FrameDrawer() : renderer_(std::make_unique<CoverageRenderer>()) {}
+FrameDrawer::FrameDrawer() : coverage_(std::make_unique<CoverageRenderer>()) {}
+
+OpenGlRenderer& FrameDrawer::openGl(const CameraConfig& camera) {
+  const bool egl = camera.gl == "egl";
+  std::unique_ptr<OpenGlRenderer>& renderer = egl ? egl_ : osmesa_;
+  if (!renderer) {
+    renderer =
+        std::make_unique<OpenGlRenderer>(egl ? OpenGlRenderer::Platform::kEgl : OpenGlRenderer::Platform::kOsmesa);
+  }
+  return *renderer;
+}
+
+std::string FrameDrawer::description(const CameraConfig& camera) {
+  return camera.renderer == "opengl" ? openGl(camera).description() : "";
+}
 
 const Image& FrameDrawer::draw(Camera& camera, std::int64_t now, const Pose& X_WC, Scene& scene) {
   if (const ExposedFrame* late = camera.takenFrame()) {
@@ -27,7 +41,9 @@ const Image& FrameDrawer::draw(Camera& camera, std::int64_t now, const Pose& X_W
 }
 
 void FrameDrawer::drawOnce(Camera& camera, const Pose& X_WC, const Scene& scene) {
-  renderer_->render(camera.model(), X_WC, scene, camera.image);
+  const CameraConfig& config = camera.model().config();
+  Renderer& renderer = config.renderer == "opengl" ? openGl(config) : *coverage_;
+  renderer.render(camera.model(), X_WC, scene, camera.image);
 }
 
 void FrameDrawer::drawMean(Camera& camera, const Moment& present, Scene& scene) {
