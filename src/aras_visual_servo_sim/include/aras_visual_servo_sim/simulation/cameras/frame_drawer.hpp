@@ -23,10 +23,6 @@ class FrameDrawer {
   /** Depth and ids of what that image shows, without blur. */
   const GeometryImage& drawGeometry(Camera& camera, const Pose& X_WC, const Scene& scene, Distance distance);
 
-  /** The OpenGL that draws a camera's images, and its version; "" for cameras of the coverage renderer.
-   *  @throws RenderError if there is no OpenGL */
-  std::string description(const CameraConfig& camera);
-
  private:
   void drawOnce(Camera& camera, const Pose& X_WC, const Scene& scene);
   void drawMean(Camera& camera, const Moment& present, Scene& scene);

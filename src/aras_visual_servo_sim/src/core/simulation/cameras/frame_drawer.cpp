@@ -24,10 +24,6 @@ OpenGlRenderer& FrameDrawer::openGl(const CameraConfig& camera) {
   return *renderer;
 }
 
-std::string FrameDrawer::description(const CameraConfig& camera) {
-  return camera.renderer == "opengl" ? openGl(camera).description() : "";
-}
-
 const Image& FrameDrawer::draw(Camera& camera, std::int64_t now, const Pose& X_WC, Scene& scene) {
   if (const ExposedFrame* late = camera.takenFrame()) {
     drawLate(camera, *late, scene);
@@ -42,8 +38,12 @@ const Image& FrameDrawer::draw(Camera& camera, std::int64_t now, const Pose& X_W
 
 void FrameDrawer::drawOnce(Camera& camera, const Pose& X_WC, const Scene& scene) {
   const CameraConfig& config = camera.model().config();
-  Renderer& renderer = config.renderer == "opengl" ? openGl(config) : *coverage_;
-  renderer.render(camera.model(), X_WC, scene, camera.image);
+  if (config.renderer != "opengl") return coverage_->render(camera.model(), X_WC, scene, camera.image);
+  try {
+    openGl(config).render(camera.model(), X_WC, scene, camera.image);
+  } catch (const RenderError& error) {
+    throw RenderError("camera '" + config.name + "': " + error.what());
+  }
 }
 
 void FrameDrawer::drawMean(Camera& camera, const Moment& present, Scene& scene) {
