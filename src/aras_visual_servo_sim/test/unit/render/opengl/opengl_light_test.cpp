@@ -134,12 +134,12 @@ TEST(OpenGlLight, ShadowEdgeIsSoftAndInItsPlace) {
   Light sun = lamp(Light::Type::kDirectional, 0.8);
   sun.direction_W = {1.0, 0.0, -1.0};
   Scene scene = floorUnder({sun});
-  scene.lighting.shadow_map_px = 512;
+  scene.lighting.shadow_map_px = 128;
   scene.bodies.push_back(solid("wall", makeBox({0.002, 1.0, 0.2}), {255, 0, 0}, {0.0, 0.0, 0.1}));
   const CameraModel camera(rgbConfig());
   const Image image = renderOpenGl(camera, kAbove, scene);
-  // The wall is 0.2 m high: its shadow ends 0.2 m to its right. A texel is 1.0 m / 512 / cos(45 deg) there.
-  const double texel_px = camera.fx() / 512.0 * std::sqrt(2.0);
+  // The wall is 0.2 m high: its shadow ends 0.2 m to its right. A texel is 1.0 m / 128 / cos(45 deg) there.
+  const double texel_px = camera.fx() / 128.0 * std::sqrt(2.0);
   double sum = 0.0;
   for (int u = 180; u < 230; ++u) sum += (image.pixel(u, 120)[0] - 25.5) / (255.0 * 0.8 / std::sqrt(2.0));
   const double edge_px = 229.5 - sum, expected_px = camera.cx() + camera.fx() * 0.201;

@@ -54,7 +54,7 @@ TEST(OpenGlRun, ImageIsTheSameInEveryThread) {
   Image here, there, alone;
   renderer.render(rgbCamera(), kView, shadedScene(), here);
   std::thread([&] { renderer.render(rgbCamera(), kView, shadedScene(), there); }).join();
-  std::thread([&] { alone = renderOpenGl(rgbCamera(), kView, shadedScene()); }).join();
+  std::thread([&] { OpenGlRenderer().render(rgbCamera(), kView, shadedScene(), alone); }).join();
   EXPECT_EQ(there.data, here.data);
   EXPECT_EQ(alone.data, here.data);
 }

@@ -9,10 +9,16 @@
 
 namespace aras_visual_servo_sim::testing {
 
+/** One for all tests: a context and its shaders take longer than an image. */
+inline OpenGlRenderer& sharedOpenGl() {
+  static const std::string opened = OpenGlRenderer().description();  // the library first: it must outlive the renderer
+  static OpenGlRenderer renderer;
+  return renderer;
+}
+
 inline Image renderOpenGl(const CameraModel& camera, const Pose& X_WC, const Scene& scene) {
-  OpenGlRenderer renderer;
   Image image;
-  renderer.render(camera, X_WC, scene, image);
+  sharedOpenGl().render(camera, X_WC, scene, image);
   return image;
 }
 

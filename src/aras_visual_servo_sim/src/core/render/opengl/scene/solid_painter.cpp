@@ -213,6 +213,7 @@ void SolidPainter::drawSky(const PinholeView& view) {
   gl_.Uniform3f((*sky_)["zenith"], zenith.x(), zenith.y(), zenith.z());
   gl_.BindVertexArray(sky_array_);
   gl_.Disable(GL_CULL_FACE);
+  gl_.DepthFunc(GL_GEQUAL);
   gl_.DepthMask(GL_FALSE);
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);

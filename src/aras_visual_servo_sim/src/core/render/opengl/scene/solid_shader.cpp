@@ -11,11 +11,10 @@ const char kVersion[] = "#version 330 core\n";
 std::string lightText(char letter, std::size_t k) {
   const std::string i = "[" + std::to_string(k) + "]";
   const char kind = static_cast<char>(std::tolower(letter));
+  if (kind == 'h') return "  light += headlight * diffuse" + i + ";\n";
   std::string text = "  {\n";
   if (kind == 'd') {
     text += "    vec3 toward = place" + i + ";\n    float left = 1.0;\n";
-  } else if (kind == 'h') {
-    text += "    vec3 toward = -normalize(p_C);\n    float left = 1.0;\n";
   } else {
     text += "    vec3 ray = place" + i + " - p_C;\n    float d = length(ray);\n    vec3 toward = ray / d;\n" +
             "    float left = d < fade" + i + ".x ? 1.0 / (fade" + i + ".y + d * (fade" + i + ".z + d * fade" + i +
@@ -50,10 +49,12 @@ out vec3 p_C;
 out vec3 n_C;
 out vec2 texel;
 out vec3 surface;
+out float headlight;  // as the coverage renderer has it: of the corners, and between them
 void main() {
   p_C = (placed * vec4(position, 1.0)).xyz;
   n_C = mat3(placed) * normal;
   texel = coordinates;
+  headlight = max(0.0, -dot(normalize(n_C), normalize(p_C)));
   surface = mix(shape_color.rgb, color.rgb, own_color);
   gl_Position = projection * vec4(p_C, 1.0);
   gl_ClipDistance[0] = far_limit(p_C);
@@ -102,7 +103,7 @@ std::string solidFragmentShader(const ShaderTraits& traits) {
   const std::size_t count = traits.lights.size();
   std::string text = kVersion;
   if (traits.specular) text += "#define SPECULAR\n";
-  text += "in vec3 p_C;\nin vec3 n_C;\nin vec2 texel;\nin vec3 surface;\nout vec4 pixel;\n";
+  text += "in vec3 p_C;\nin vec3 n_C;\nin vec2 texel;\nin vec3 surface;\nin float headlight;\nout vec4 pixel;\n";
   text += "uniform vec3 ambient;\nuniform vec3 emissive;\nuniform float opacity;\nuniform vec3 highlight;\n";
   text += "uniform float shininess;\nuniform sampler2D picture;\nuniform vec4 fog;\nuniform float texel_of_map;\n";
   bool shaded = false;
