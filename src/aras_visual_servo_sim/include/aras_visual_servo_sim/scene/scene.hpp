@@ -23,17 +23,17 @@ struct Shape {
   Material material;
 };
 
-/** Something solid that moves as one: a robot link or a fixed object. Lit, seen from outside only (back faces are
- *  culled), so a camera inside its own housing sees out. */
+/** A rigid body to be drawn: a robot link or a solid. It is shaded by the light. Only its outer faces are drawn, so
+ * that a camera inside its own housing sees out. */
 struct Body {
   std::string name;
   std::vector<Shape> shapes;
-  Pose X_WB;  ///< set by whoever moves it, before each frame
+  Pose X_WB;  ///< the caller sets it before each frame
   bool visible = true;
   bool casts_shadows = true;
 };
 
-/** What cameras see. Plain data: the caller moves models and bodies between frames. */
+/** Everything that cameras see. Plain data: the caller moves models and bodies between frames. */
 struct Scene {
   /** Empty, with the defaults of section `scene`. */
   Scene();
@@ -42,7 +42,7 @@ struct Scene {
   std::vector<PlanarModel> models;
   std::vector<Body> bodies;
   std::map<std::string, ModelMotion> motions;  ///< of models and fixed bodies, by name; the caller moves them
-  Eigen::Vector3d light_direction_W;           ///< where the light travels, any length but zero
+  Eigen::Vector3d light_direction_W;           ///< direction in which the light travels, not zero
   Lighting lighting;                           ///< for the OpenGL renderer
 
   /** @throws UnknownNameError naming what exists */

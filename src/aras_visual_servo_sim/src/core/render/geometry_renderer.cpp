@@ -40,7 +40,7 @@ class GeometryRenderer::Implementation {
   }
 
  private:
-  /** Faces of one plane differ by rounding only; the later ones lie on top. */
+  /** Nearness of two faces in one plane differs by rounding only; of these the later face is taken to lie on top. */
   static constexpr double kSamePlane = 1e-9;
 
   /** @param nearness  1 / s of what is seen at s times the pixel's ray: 1 / Z, of unit rays 1 / range */
@@ -113,8 +113,9 @@ class GeometryRenderer::Implementation {
     }
   }
 
-  /** Triangles cut for a lens may part by a hair along an edge. A pixel that sees nothing amid four that see one thing
-   *  sees it too, at the mean of their nearness, which is that of the plane. */
+  /** Triangles that were cut for a lens may leave a gap of rounding size along an edge. So a pixel that sees nothing
+   *  while its four neighbours see one and the same thing gets that thing too, at the mean of their nearness, which is
+   *  exact for a plane. */
   void closeCracks(GeometryImage& out) {
     const std::ptrdiff_t row = out.width;
     for (int v = 1; v + 1 < out.height; ++v) {

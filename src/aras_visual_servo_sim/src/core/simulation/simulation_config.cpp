@@ -37,7 +37,7 @@ SimulationConfig SimulationConfig::fromYaml(const YAML::Node& node) {
   config.gazebo_cameras = reader.choice<bool>("compatibility", {{"none", false}, {"gazebo", true}});
   config.scene = SceneConfig::read(reader.section("scene"));
   if (config.gazebo_cameras) config.scene.lightAsGazebo();
-  if (reader.faults().empty()) {  // what no section can say of a camera
+  if (reader.faults().empty()) {  // checks of a camera that a schema cannot express
     for (const CameraConfig& camera : config.cameras) reader.faults().collect([&] { CameraModel{camera}; });
   }
   reader.finish();

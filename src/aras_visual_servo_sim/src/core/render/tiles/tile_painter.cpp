@@ -120,7 +120,7 @@ void TilePainter::collect(std::uint32_t index) {
   }
 }
 
-/** All or nothing, by the middle of the pixel. */
+/** Notes for each pixel, without averaging, the nearest triangle that its middle sees. */
 void TilePainter::collectCenters(std::uint32_t index) {
   const TileTriangle& t = candidates_[index];
   for (int v = 0; v < box_.v1 - box_.v0; ++v) {

@@ -172,7 +172,7 @@ void TriangleList::addTriangle(const Points& points_C, const Seams& seams, const
     corners_.clear();
     for (const Eigen::Vector3d& p : polygon_) corners_.push_back(corner(p));
     for (std::size_t i = 2; i < corners_.size(); ++i) {
-      // What became of the triangle's own edges is not known: none of them is a seam.
+      // Clipping does not keep track of the triangle's own edges, so none of the new edges counts as a seam.
       cut({corners_[0], corners_[i - 1], corners_[i]}, {i > 2, false, i + 1 < corners_.size()}, 0);
     }
   }

@@ -18,7 +18,7 @@ class TriangleList {
   void begin(const CameraModel& camera, const ViewVolume& volume);
   /** Adds what is in view of the bodies. @return false if nothing is */
   bool addBodies(const Scene& scene, const Pose& X_CW);
-  /** Adds the planar models, each face a hair nearer than what it is painted over. */
+  /** Adds the planar models, each face slightly nearer than the faces that it is painted over. */
   void addPlanar(const PlanarLayer& planar, const Pose& X_CW);
 
   /** For each body in view: where its vertices end, and its index in the scene. */
