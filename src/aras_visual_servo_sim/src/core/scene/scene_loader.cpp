@@ -35,11 +35,12 @@ void add(const SolidEntry& entry, const PackagePaths& packages, MeshCache& meshe
   Body body;
   if (entry.urdf.empty()) {
     body.name = entry.name;
-    body.shapes.push_back({Pose{}, meshes.of(entry.geometry), entry.color});
+    body.shapes.push_back({Pose{}, meshes.of(entry.geometry), entry.color, entry.material});
   } else {
     body = bodyFromUrdf(entry.name, entry.urdf, packages);
   }
   body.X_WB = entry.X_WB;
+  body.casts_shadows = entry.casts_shadows;
   scene.bodies.push_back(std::move(body));
   if (entry.motion) scene.motions.emplace(entry.name, *entry.motion);
 }
@@ -63,6 +64,7 @@ Scene loadScene(const SceneConfig& config, const PackagePaths& packages) {
   Scene scene;
   scene.background = config.background;
   scene.light_direction_W = config.light_direction_W;
+  scene.lighting = config.lighting;
   for (const ModelEntry& entry : config.models) add(entry, packages, scene);
   MeshCache meshes(packages);
   for (const SolidEntry& entry : config.solids) add(entry, packages, meshes, scene);
