@@ -4,8 +4,11 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/render/geometry_image.hpp"
 #include "render/coverage/coverage_rasterizer.hpp"
+#include "render/curved/curved_list.hpp"
+#include "render/curved/tile_curved.hpp"
 #include "render/planar/planar_layer.hpp"
 #include "render/triangles/triangle_list.hpp"
+#include "render/view/held.hpp"
 #include "render/view/view_volume.hpp"
 
 namespace aras_visual_servo_sim {
@@ -33,6 +36,8 @@ class GeometryRenderer::Implementation {
     triangles_.begin(camera, volume);
     triangles_.addBodies(scene, X_CW);
     paintBodies(camera, scene, out);
+    curved_.begin(camera, volume);
+    if (curved_.addBodies(scene, X_CW)) paintCurved(camera, scene, out);
     if (camera.lens() != CameraModel::Lens::kNone) closeCracks(out);
     for (int v = 0; v < out.height; ++v) {
       for (int u = 0; u < out.width; ++u) finish(camera, u, v, distance, out);
@@ -89,10 +94,10 @@ class GeometryRenderer::Implementation {
     const double area = dx1 * dy2 - dx2 * dy1;
     if (area == 0.0) return;
     const auto first = [](float low, int size) {
-      return static_cast<int>(std::clamp(std::ceil(double(low) - 0.5), 0.0, double(size)));
+      return static_cast<int>(held(std::ceil(double(low) - 0.5), 0.0, double(size)));
     };
     const auto last = [](float high, int size) {
-      return static_cast<int>(std::clamp(std::floor(double(high) - 0.5) + 1.0, 0.0, double(size)));
+      return static_cast<int>(held(std::floor(double(high) - 0.5) + 1.0, 0.0, double(size)));
     };
     const int u0 = first(std::min({t[0].x, t[1].x, t[2].x}), out.width);
     const int u1 = last(std::max({t[0].x, t[1].x, t[2].x}), out.width);
@@ -109,6 +114,22 @@ class GeometryRenderer::Implementation {
         const bool fisheye = camera.lens() == CameraModel::Lens::kEquidistant;
         const double ahead = fisheye ? ray.cwiseAbs().maxCoeff() : 1.0;  // depth along its cell's axis, of s = 1
         if (nearness * camera.farM() >= ahead) see(out.at(u, v), nearness, id, out);
+      }
+    }
+  }
+
+  void paintCurved(const CameraModel& camera, const Scene& scene, GeometryImage& out) {
+    const int tiles_u = (out.width + TileBins::kTile - 1) / TileBins::kTile;
+    for (int tile = 0; tile < curved_.tiles(); ++tile) {
+      const int u0 = tile % tiles_u * TileBins::kTile, v0 = tile / tiles_u * TileBins::kTile;
+      for (const std::uint32_t* entry = curved_.begin(tile); entry != curved_.end(tile); ++entry) {
+        const auto& [patch, body] = curved_.entries()[*entry];
+        const auto id = static_cast<std::uint16_t>(1 + scene.models.size() + body);
+        for (int v = v0; v < std::min(v0 + TileBins::kTile, out.height); ++v) {
+          for (int u = u0; u < std::min(u0 + TileBins::kTile, out.width); ++u) {
+            see(out.at(u, v), nearnessAt(camera, patch, camera.pixelRay(u, v)), id, out);
+          }
+        }
       }
     }
   }
@@ -134,6 +155,7 @@ class GeometryRenderer::Implementation {
   PlanarLayer planar_;
   CoverageRasterizer rasterizer_;
   TriangleList triangles_;
+  CurvedList curved_;
   std::vector<double> nearness_;  // 0 where there is nothing
 };
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/view/held.hpp"
+
 namespace aras_visual_servo_sim {
 namespace {
 
@@ -43,9 +45,7 @@ void TileBins::markEverything(const PixelBox& box) {
 
 void TileBins::markBodies(const std::vector<Vertex>& vertices) {
   for (std::size_t i = 0; i < vertices.size(); i += 3) {
-    forEachTile(&vertices[i], [this](int tile) {
-      if (marked_[tile] == Mark::kNone) marked_[tile] = Mark::kBodies;
-    });
+    forEachTile(&vertices[i], [this](int tile) { markBody(tile); });
   }
 }
 
@@ -85,7 +85,7 @@ void TileBins::forEachTile(const Vertex* triangle, const Visit& visit) const {
 /** Tiles that a triangle's bounding box touches. */
 PixelBox TileBins::tilesOf(const Vertex* t) const {
   const auto tile = [](float x, int count) {
-    return static_cast<int>(std::clamp(std::floor(x / kTile), -1.0f, float(count)));
+    return static_cast<int>(held(std::floor(x / kTile), -1.0f, float(count)));
   };
   return {std::max(0, tile(std::min({t[0].x, t[1].x, t[2].x}), tiles_u_)),
           std::max(0, tile(std::min({t[0].y, t[1].y, t[2].y}), tiles_v_)),

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "aras_visual_servo_sim/camera/camera_model.hpp"
 #include "render/coverage/coverage_rasterizer.hpp"
 #include "render/triangles/facet.hpp"
 
@@ -11,7 +12,7 @@ namespace aras_visual_servo_sim {
 /** Square tiles of an image: which of them are to be painted, and which triangles may touch each of these. */
 class TileBins {
  public:
-  static constexpr int kTile = 8;  ///< [px]
+  static constexpr int kTile = CameraModel::kBlock;  ///< [px]
   /** What a tile needs. */
   enum class Mark : char {
     kNone,
@@ -25,6 +26,10 @@ class TileBins {
   void markEverything(const PixelBox& box);
   /** Marks what the triangles may touch for bodies. */
   void markBodies(const std::vector<Vertex>& vertices);
+  /** Marks a tile for a body. */
+  void markBody(int tile) {
+    if (marked_[tile] == Mark::kNone) marked_[tile] = Mark::kBodies;
+  }
   /** Sorts triangles into the marked tiles. */
   void sort(const std::vector<Vertex>& vertices);
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/view/shading.hpp"
+
 namespace aras_visual_servo_sim {
 namespace {
 
@@ -10,14 +12,6 @@ constexpr double kChord = 1e-2;  // [px] an edge seen through the lens may stray
 constexpr double kBias = 1e-6;   // in units of near_m / Z, 250 roundings of a float: 17 um at 0.6 m, near plane 0.02 m
 
 Eigen::Vector3f colorOf(const Rgb& color) { return {float(color.r), float(color.g), float(color.b)}; }
-
-/** Lambert's law for a light from afar and a weak one at the camera, over an ambient term. */
-float shade(const Eigen::Vector3d& normal_C, const Eigen::Vector3d& light_C, const Eigen::Vector3d& p_C) {
-  constexpr double kAmbient = 0.38, kLight = 0.50, kHeadlight = 0.22;
-  const double lit = std::max(0.0, -normal_C.dot(light_C));
-  const double head = std::max(0.0, -normal_C.dot(p_C) / (p_C.norm() + 1e-12));
-  return static_cast<float>(std::min(1.0, kAmbient + kLight * lit + kHeadlight * head));
-}
 
 /** How far the image of the middle of an edge lies beside its chord [px]. */
 double bow(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Eigen::Vector2d& middle) {
@@ -43,7 +37,9 @@ bool TriangleList::addBodies(const Scene& scene, const Pose& X_CW) {
   for (const Body& body : scene.bodies) {
     if (!body.visible) continue;
     const Pose X_CB = X_CW * body.X_WB;
-    for (const Shape& shape : body.shapes) addShape(shape, X_CB * shape.X_BS, light_C);
+    for (const Shape& shape : body.shapes) {
+      if (!shape.mesh->round) addShape(shape, X_CB * shape.X_BS, light_C);
+    }
     bodies_.emplace_back(vertices_.size(), &body - scene.bodies.data());
   }
   return !vertices_.empty();
@@ -75,7 +71,7 @@ void TriangleList::addShape(const Shape& shape, const Pose& X_CS, const Eigen::V
   colors_.clear();
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
     points_.push_back(X_CS.p + R * mesh.points[i].cast<double>());
-    const float light = shade(R * mesh.normals[i].cast<double>(), light_C, points_.back());
+    const auto light = static_cast<float>(litShare(R * mesh.normals[i].cast<double>(), light_C, points_.back()));
     colors_.push_back(light * colorOf(mesh.colors.empty() ? shape.color : mesh.colors[i]));
   }
   drawn_.assign(mesh.triangles.size(), 0);

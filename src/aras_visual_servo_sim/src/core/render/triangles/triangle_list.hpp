@@ -16,7 +16,7 @@ namespace aras_visual_servo_sim {
 class TriangleList {
  public:
   void begin(const CameraModel& camera, const ViewVolume& volume);
-  /** Adds what is in view of the bodies. @return false if nothing is */
+  /** Adds what is in view of the bodies, round shapes left out: CurvedList has them. @return false if nothing is */
   bool addBodies(const Scene& scene, const Pose& X_CW);
   /** Adds the planar models, each face a hair nearer than what it is painted over. */
   void addPlanar(const PlanarLayer& planar, const Pose& X_CW);
