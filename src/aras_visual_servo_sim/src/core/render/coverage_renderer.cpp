@@ -53,14 +53,14 @@ class CoverageRenderer::Implementation {
     bins_.begin(out.width, out.height);
     if (everything) bins_.markEverything();
     for (const PixelBox& box : planar_.conflicts()) bins_.markEverything(box);
-    bins_.markBodies(triangles_.vertices());
+    bins_.markBodies(triangles_);
     for (int tile = 0; tile < curved_.tiles(); ++tile) {
       if (curved_.begin(tile) != curved_.end(tile)) bins_.markBody(tile);
     }
     triangles_.addPlanar(planar_, X_WC.inverse());
-    bins_.sort(triangles_.vertices());
+    bins_.sort(triangles_);
     tiles_.paint(camera, triangles_, curved_, bins_, scene.background, planar_.pictures(), out);
-    statistics_ = {static_cast<int>(triangles_.vertices().size() / 3), tiles_.statistics().tiles,
+    statistics_ = {static_cast<int>(triangles_.size()), tiles_.statistics().tiles,
                    tiles_.statistics().sampled_pixels};
   }
 

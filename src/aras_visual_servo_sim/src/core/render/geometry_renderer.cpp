@@ -38,7 +38,6 @@ class GeometryRenderer::Implementation {
     paintBodies(camera, scene, out);
     curved_.begin(camera, volume);
     if (curved_.addBodies(scene, X_CW)) paintCurved(camera, scene, out);
-    if (camera.lens() != CameraModel::Lens::kNone) closeCracks(out);
     for (int v = 0; v < out.height; ++v) {
       for (int u = 0; u < out.width; ++u) finish(camera, u, v, distance, out);
     }
@@ -82,12 +81,37 @@ class GeometryRenderer::Implementation {
 
   void paintBodies(const CameraModel& camera, const Scene& scene, GeometryImage& out) {
     std::size_t k = 0;
+    auto span = triangles_.spans().begin();
     for (const auto& [end, body] : triangles_.bodies()) {
       const auto id = static_cast<std::uint16_t>(1 + scene.models.size() + body);
-      for (; k < end; k += 3) paintTriangle(&triangles_.vertices()[k], triangles_.plane(k / 3), camera, id, out);
+      if (triangles_.isFlat()) {
+        for (; k < end; ++k) paintTriangle(&triangles_.vertices()[3 * k], triangles_.plane(k), camera, id, out);
+      }
+      for (; span != triangles_.spans().end() && span->triangle < end; ++span) paintSpan(*span, camera, id, out);
     }
   }
 
+  /** Through a lens. */
+  void paintSpan(const TriangleList::Span& span, const CameraModel& camera, std::uint16_t id, GeometryImage& out) {
+    const Facet& facet = triangles_.facet(span.triangle);
+    const auto end = [](int tile, int size) { return std::min(tile * CameraModel::kBlock, size); };
+    for (int v = end(span.row, out.height); v < end(span.row + 1, out.height); ++v) {
+      for (int u = end(span.first, out.width); u < end(span.last, out.width); ++u) {
+        const Eigen::Vector3d ray = camera.pixelRay(u, v);
+        constexpr double kOnEdge = 1e-12;  // rounding: a centre on an edge belongs to both triangles, not to none
+        if (std::any_of(facet.edges.begin(), facet.edges.end(),
+                        [&](const Eigen::Vector3d& edge) { return edge.dot(ray) < -kOnEdge; })) {
+          continue;
+        }
+        const double nearness = facet.plane.dot(ray);
+        const bool fisheye = camera.lens() == CameraModel::Lens::kEquidistant;
+        const double ahead = fisheye ? ray.cwiseAbs().maxCoeff() : 1.0;  // depth along its cell's axis, of s = 1
+        if (nearness * camera.farM() >= ahead && nearness * camera.nearM() <= ahead) see(out.at(u, v), nearness, id, out);
+      }
+    }
+  }
+
+  /** Without a lens. */
   void paintTriangle(const Vertex* t, const Eigen::Vector3d& plane_C, const CameraModel& camera, std::uint16_t id,
                      GeometryImage& out) {
     const double dx1 = t[1].x - t[0].x, dy1 = t[1].y - t[0].y, dx2 = t[2].x - t[0].x, dy2 = t[2].y - t[0].y;
@@ -111,9 +135,7 @@ class GeometryRenderer::Implementation {
         if (b < -kOnEdge || c < -kOnEdge || b + c > 1.0 + kOnEdge) continue;
         const Eigen::Vector3d ray = camera.pixelRay(u, v);
         const double nearness = plane_C.dot(ray);
-        const bool fisheye = camera.lens() == CameraModel::Lens::kEquidistant;
-        const double ahead = fisheye ? ray.cwiseAbs().maxCoeff() : 1.0;  // depth along its cell's axis, of s = 1
-        if (nearness * camera.farM() >= ahead) see(out.at(u, v), nearness, id, out);
+        if (nearness * camera.farM() >= 1.0) see(out.at(u, v), nearness, id, out);
       }
     }
   }
@@ -130,24 +152,6 @@ class GeometryRenderer::Implementation {
             see(out.at(u, v), nearnessAt(camera, patch, camera.pixelRay(u, v)), id, out);
           }
         }
-      }
-    }
-  }
-
-  /** Triangles cut for a lens may part by a hair along an edge. A pixel that sees nothing amid four that see one thing
-   *  sees it too, at the mean of their nearness, which is that of the plane. */
-  void closeCracks(GeometryImage& out) {
-    const std::ptrdiff_t row = out.width;
-    for (int v = 1; v + 1 < out.height; ++v) {
-      for (int u = 1; u + 1 < out.width; ++u) {
-        const auto at = static_cast<std::ptrdiff_t>(out.at(u, v));
-        const std::uint16_t id = out.ids[at - 1];
-        if (out.ids[at] != 0 || id == 0 || out.ids[at + 1] != id || out.ids[at - row] != id ||
-            out.ids[at + row] != id) {
-          continue;
-        }
-        out.ids[at] = id;
-        nearness_[at] = 0.25 * (nearness_[at - 1] + nearness_[at + 1] + nearness_[at - row] + nearness_[at + row]);
       }
     }
   }

@@ -108,7 +108,7 @@ Eigen::Vector2d CurvedPatch::texel(const Eigen::Vector3d& ray) const {
           Eigen::Vector2d(full_turn, std::acos(std::clamp(p.z() / shape.radius_m, -1.0, 1.0)) / M_PI));
     case Part::kDisc:
       return size.cwiseProduct(Eigen::Vector2d(0.5 + side * 0.5 * p.x() / shape.radius_m,
-                                               0.5 + side * 0.5 * p.y() / shape.radius_m));
+                                               0.5 - 0.5 * p.y() / shape.radius_m));
     default:
       return size.cwiseProduct(Eigen::Vector2d(0.25 - full_turn, p.z() / shape.length_m + 0.5));
   }

@@ -36,12 +36,13 @@ constexpr Pattern kPattern = makePattern();
 ARAS_WIDE void seeTriangle(const PixelSamples::Triangle& t, std::int32_t index, float* nearest, std::int32_t* seen) {
   const float a0 = t.a[0], a1 = t.a[1], a2 = t.a[2], b0 = t.b[0], b1 = t.b[1], b2 = t.b[2];
   const float c0 = t.c[0], c1 = t.c[1], c2 = t.c[2], l0 = t.least[0], l1 = t.least[1], l2 = t.least[2];
-  const float z0 = t.z, z_x = t.z_x, z_y = t.z_y;
+  const float z0 = t.z, z_x = t.z_x, z_y = t.z_y, most = t.most;
   for (int i = 0; i < kCount; ++i) {
     const float x = kPattern.x[i], y = kPattern.y[i];
     const float z = z0 + z_x * x + z_y * y;
     const std::int32_t inside = -std::int32_t(a0 * x + b0 * y + c0 >= l0) & -std::int32_t(a1 * x + b1 * y + c1 >= l1) &
-                                -std::int32_t(a2 * x + b2 * y + c2 >= l2) & -std::int32_t(z > nearest[i]);
+                                -std::int32_t(a2 * x + b2 * y + c2 >= l2) & -std::int32_t(z > nearest[i]) &
+                                -std::int32_t(z <= most);
     nearest[i] = inside != 0 ? z : nearest[i];
     seen[i] = inside != 0 ? index : seen[i];
   }

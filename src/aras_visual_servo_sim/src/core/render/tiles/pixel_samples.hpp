@@ -19,6 +19,7 @@ class PixelSamples {
   struct Triangle {
     std::array<float, 3> a, b, c, least;  ///< inside where a x + b y + c >= least for all three edges
     float z, z_x, z_y;                    ///< inverse depth in the middle and its slopes
+    float most;                           ///< what is nearer is not seen
   };
   /** A curved surface about a pixel: x and y as above. */
   struct Curved {

@@ -43,21 +43,21 @@ void TileBins::markEverything(const PixelBox& box) {
   }
 }
 
-void TileBins::markBodies(const std::vector<Vertex>& vertices) {
-  for (std::size_t i = 0; i < vertices.size(); i += 3) {
-    forEachTile(&vertices[i], [this](int tile) { markBody(tile); });
-  }
+void TileBins::markBodies(const TriangleList& triangles) {
+  forEachTile(triangles, [this](int tile, std::uint32_t) { markBody(tile); });
 }
 
-/** Counts, running sums, entries. */
-void TileBins::sort(const std::vector<Vertex>& vertices) {
+/** Counts, running sums, entries. A facet that several cells see comes to a tile once. */
+void TileBins::sort(const TriangleList& triangles) {
+  constexpr std::uint32_t kNone = 0xffffffff;
   starts_.assign(marked_.size() + 1, 0);
   const auto forEach = [&](auto&& visit) {
-    for (std::size_t i = 0; i < vertices.size(); i += 3) {
-      forEachTile(&vertices[i], [&](int tile) {
-        if (marked_[tile] != Mark::kNone) visit(tile, static_cast<std::uint32_t>(i / 3));
-      });
-    }
+    newest_.assign(marked_.size(), kNone);
+    forEachTile(triangles, [&](int tile, std::uint32_t triangle) {
+      if (marked_[tile] == Mark::kNone || newest_[tile] == triangle) return;
+      newest_[tile] = triangle;
+      visit(tile, triangle);
+    });
   };
   forEach([&](int tile, std::uint32_t) { ++starts_[tile + 1]; });
   for (std::size_t k = 1; k < starts_.size(); ++k) starts_[k] += starts_[k - 1];
@@ -69,6 +69,17 @@ void TileBins::sort(const std::vector<Vertex>& vertices) {
 PixelBox TileBins::pixels(int tile) const {
   const int u0 = tile % tiles_u_ * kTile, v0 = tile / tiles_u_ * kTile;
   return {u0, v0, std::min(u0 + kTile, width_), std::min(v0 + kTile, height_)};
+}
+
+template <typename Visit>
+void TileBins::forEachTile(const TriangleList& triangles, const Visit& visit) const {
+  for (const TriangleList::Span& span : triangles.spans()) {
+    for (int u = span.first; u < span.last; ++u) visit(span.row * tiles_u_ + u, span.triangle);
+  }
+  const std::vector<Vertex>& vertices = triangles.vertices();
+  for (std::size_t i = 0; i < vertices.size(); i += 3) {
+    forEachTile(&vertices[i], [&](int tile) { visit(tile, static_cast<std::uint32_t>(i / 3)); });
+  }
 }
 
 template <typename Visit>

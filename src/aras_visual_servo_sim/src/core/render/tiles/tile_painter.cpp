@@ -35,11 +35,12 @@ void TilePainter::paint(const CameraModel& camera, const TriangleList& triangles
 
 void TilePainter::paintTile(int tile) {
   box_ = bins_->pixels(tile);
+  if (!list_->isFlat()) cone_ = camera_->blockCones()[tile];
   keep_ = bins_->mark(tile) == TileBins::Mark::kBodies;
   candidates_.clear();
   for (const std::uint32_t* triangle = bins_->begin(tile); triangle != bins_->end(tile); ++triangle) {
     TileTriangle candidate;
-    if (candidate.set(*list_, *triangle, camera_->nearM(), box_)) candidates_.push_back(candidate);
+    if (candidate.set(*list_, *triangle, camera_->nearM(), box_, cone_)) candidates_.push_back(candidate);
   }
   curved_.clear();
   const bool curved = tile < curved_list_->tiles() && curved_list_->begin(tile) != curved_list_->end(tile);
@@ -59,7 +60,7 @@ void TilePainter::paintTile(int tile) {
 
 /** The short way for a tile that sees nothing but one facet. @return false if it is none, or has a picture */
 bool TilePainter::paintWhole() {
-  const TileTriangle* front = wholeFront(*camera_, candidates_, box_);
+  const TileTriangle* front = wholeFront(*camera_, *list_, candidates_, box_, cone_);
   if (!front) return false;
   const Facet& facet = list_->facet(front->triangle);
   if (keep_ && facet.planar) return true;
@@ -83,7 +84,14 @@ void TilePainter::setUp() {
         pixel.middle[k] = static_cast<float>(rays_[p].middle[k]);
         pixel.across[k] = static_cast<float>(rays_[p].across[k]);
         pixel.down[k] = static_cast<float>(rays_[p].down[k]);
+        across_tile_[k][p] = pixel.middle[k];
+        across_tile_[3 + k][p] = pixel.across[k];
+        across_tile_[6 + k][p] = pixel.down[k];
       }
+      const bool fisheye = camera_->lens() == CameraModel::Lens::kEquidistant;
+      ahead_[p] = list_->isFlat() ? std::numeric_limits<float>::max()
+                  : fisheye       ? static_cast<float>(rays_[p].middle.cwiseAbs().maxCoeff())
+                                  : 1.0f;
     }
   }
 }
@@ -91,36 +99,94 @@ void TilePainter::setUp() {
 /** Notes the pixels that a triangle may be seen in. */
 void TilePainter::collect(std::uint32_t index) {
   const TileTriangle& t = candidates_[index];
-  const std::array<float, 3> half{0.5f * (std::abs(t.a[0]) + std::abs(t.b[0])),
-                                  0.5f * (std::abs(t.a[1]) + std::abs(t.b[1])),
-                                  0.5f * (std::abs(t.a[2]) + std::abs(t.b[2]))};
-  std::array<float, 3> outer;
-  for (int k = 0; k < 3; ++k) outer[k] = t.seam[k] ? std::numeric_limits<float>::max() : -half[k];
+  measureEdges(t);
   for (int v = 0; v < box_.v1 - box_.v0; ++v) {
-    float least[kTile], most[kTile], rim[kTile];  // of the distances to the edges, seams left out in rim
-    for (int u = 0; u < kTile; ++u) {
-      const float x = u + 0.5f, y = v + 0.5f;
-      const float e0 = t.a[0] * x + t.b[0] * y + t.c[0], e1 = t.a[1] * x + t.b[1] * y + t.c[1],
-                  e2 = t.a[2] * x + t.b[2] * y + t.c[2];
-      least[u] = std::min(std::min(e0 - half[0], e1 - half[1]), e2 - half[2]);
-      most[u] = std::min(std::min(e0 + half[0], e1 + half[1]), e2 + half[2]);
-      rim[u] = std::min(std::min(e0 + outer[0], e1 + outer[1]), e2 + outer[2]);
-    }
     for (int u = 0; u < box_.u1 - box_.u0; ++u) {
-      if (most[u] < 0.0f) continue;
       const int p = v * kTile + u;
+      if (most_[p] < 0.0f) continue;
       const Pixel& pixel = pixels_[p];
       const float z = dot(t.plane, pixel.middle) + t.bias;
       const float reach = 0.5f * (std::abs(dot(t.plane, pixel.across)) + std::abs(dot(t.plane, pixel.down)));
-      if (z + reach < floor_[p]) continue;
-      if (least[u] > 0.0f && z - reach > floor_[p]) {
+      if (z + reach < floor_[p] || z - reach > ahead_[p]) continue;
+      const bool cut = z + reach > ahead_[p];  // by the near plane
+      if (least_[p] > 0.0f && z - reach > floor_[p] && !cut) {
         putInFront(p, index, z - reach, z + reach);
         continue;
       }
-      fragments_.push_back({index, first_[p], z + reach, rim[u] > 0.0f});
+      fragments_.push_back({index, first_[p], z + reach, rim_[p] > 0.0f && !cut});
       first_[p] = static_cast<int>(fragments_.size()) - 1;
     }
   }
+}
+
+/** Sets least_, most_ and rim_: over each pixel's square, of the distances to the edges, in any unit. */
+void TilePainter::measureEdges(const TileTriangle& t) {
+  constexpr float kFar = std::numeric_limits<float>::max();
+  if (list_->isFlat()) {
+    const std::array<float, 3> half{0.5f * (std::abs(t.a[0]) + std::abs(t.b[0])),
+                                    0.5f * (std::abs(t.a[1]) + std::abs(t.b[1])),
+                                    0.5f * (std::abs(t.a[2]) + std::abs(t.b[2]))};
+    std::array<float, 3> outer;
+    for (int k = 0; k < 3; ++k) outer[k] = t.seam[k] ? kFar : -half[k];
+    for (int p = 0; p < kPixels; ++p) {
+      const float x = p % kTile + 0.5f, y = p / kTile + 0.5f;  // NOLINT
+      const float e0 = t.a[0] * x + t.b[0] * y + t.c[0], e1 = t.a[1] * x + t.b[1] * y + t.c[1],
+                  e2 = t.a[2] * x + t.b[2] * y + t.c[2];
+      least_[p] = std::min(std::min(e0 - half[0], e1 - half[1]), e2 - half[2]);
+      most_[p] = std::min(std::min(e0 + half[0], e1 + half[1]), e2 + half[2]);
+      rim_[p] = std::min(std::min(e0 + outer[0], e1 + outer[1]), e2 + outer[2]);
+    }
+    return;
+  }
+  least_.fill(kFar);
+  most_.fill(kFar);
+  rim_.fill(kFar);
+  const auto& rays = across_tile_;
+  for (int k = 0; k < 3; ++k) {
+    const float x = t.edge[k][0], y = t.edge[k][1], z = t.edge[k][2], beyond = t.seam[k] ? kFar : 0.0f;
+    for (int p = 0; p < kPixels; ++p) {
+      const float e = x * rays[0][p] + y * rays[1][p] + z * rays[2][p];
+      const float half = 0.5f * (std::abs(x * rays[3][p] + y * rays[4][p] + z * rays[5][p]) +
+                                 std::abs(x * rays[6][p] + y * rays[7][p] + z * rays[8][p]));
+      least_[p] = std::min(least_[p], e - half);
+      most_[p] = std::min(most_[p], e + half);
+      rim_[p] = std::min(rim_[p], std::max(e - half, beyond));
+    }
+  }
+}
+
+/** Whether the middle of a pixel lies inside a triangle. */
+bool TilePainter::isInside(const TileTriangle& t, int p) const {
+  const float x = p % kTile + 0.5f, y = p / kTile + 0.5f;  // NOLINT
+  for (int k = 0; k < 3; ++k) {
+    const float e = list_->isFlat() ? t.a[k] * x + t.b[k] * y + t.c[k] : dot(t.edge[k], pixels_[p].middle);
+    if (!(e >= t.least[k])) return false;
+  }
+  return true;
+}
+
+/** A triangle about the middle of a pixel. */
+PixelSamples::Triangle TilePainter::about(const TileTriangle& t, int p) const {
+  const Pixel& pixel = pixels_[p];
+  PixelSamples::Triangle triangle{t.a,
+                                  t.b,
+                                  {},
+                                  t.least,
+                                  dot(t.plane, pixel.middle) + t.bias,
+                                  dot(t.plane, pixel.across),
+                                  dot(t.plane, pixel.down),
+                                  ahead_[p]};
+  const float x = p % kTile + 0.5f, y = p / kTile + 0.5f;  // NOLINT
+  for (int i = 0; i < 3; ++i) {
+    if (list_->isFlat()) {
+      triangle.c[i] = t.a[i] * x + t.b[i] * y + t.c[i];
+      continue;
+    }
+    triangle.a[i] = dot(t.edge[i], pixel.across);
+    triangle.b[i] = dot(t.edge[i], pixel.down);
+    triangle.c[i] = dot(t.edge[i], pixel.middle);
+  }
+  return triangle;
 }
 
 /** Makes a candidate that covers a pixel the one in front there. */
@@ -175,12 +241,10 @@ void TilePainter::collectCenters(std::uint32_t index) {
   const TileTriangle& t = candidates_[index];
   for (int v = 0; v < box_.v1 - box_.v0; ++v) {
     for (int u = 0; u < box_.u1 - box_.u0; ++u) {
-      bool inside = true;
-      for (int k = 0; k < 3; ++k) inside = inside && t.a[k] * (u + 0.5f) + t.b[k] * (v + 0.5f) + t.c[k] >= t.least[k];
-      if (!inside) continue;
       const int p = v * kTile + u;
+      if (!isInside(t, p)) continue;
       const float z = dot(t.plane, pixels_[p].middle) + t.bias;
-      if (z <= floor_[p]) continue;
+      if (z <= floor_[p] || z > ahead_[p]) continue;
       floor_[p] = z;
       front_[p] = static_cast<int>(index);
     }
@@ -221,7 +285,6 @@ void TilePainter::paintPixel(int p) {
 /** Which of the candidates seen_, none of which ends in the pixel, its middle sees; -1 unless they are one surface of
  *  about one colour, front_ is of it too or behind it. */
 int TilePainter::smoothFront(int p) const {
-  const float x = p % kTile + 0.5f, y = p / kTile + 0.5f;
   const TileTriangle& first = candidates_[seen_.front()];
   const Eigen::Vector3f& color = list_->facet(first.triangle).rgb[0];
   int front = -1;
@@ -235,10 +298,7 @@ int TilePainter::smoothFront(int p) const {
     if (!alone && z - reach <= front_nearest_[p]) return false;
     const Eigen::Vector3f& other = list_->facet(t.triangle).rgb[0];
     if (t.surface != first.surface || (other - color).cwiseAbs().maxCoeff() > kCrease) return false;
-    for (int k = 0; k < 3; ++k) {
-      if (!(t.a[k] * x + t.b[k] * y + t.c[k] >= t.least[k])) return true;
-    }
-    if (z > nearest) {
+    if (isInside(t, p) && z > nearest) {
       front = static_cast<int>(index);
       nearest = z;
     }
@@ -252,8 +312,6 @@ int TilePainter::smoothFront(int p) const {
 
 /** The mean of the colours of the candidates seen_ and front_, and of the background in rgb, each where it is seen. */
 void TilePainter::samplePixel(int p, double* rgb) {
-  const Pixel& pixel = pixels_[p];
-  const float x = p % kTile + 0.5f, y = p / kTile + 0.5f;
   if (front_[p] >= 0) seen_.push_back(static_cast<std::uint32_t>(front_[p]));
   const auto nothing = static_cast<std::int32_t>(seen_.size());
   samples_.clear(nothing);
@@ -262,16 +320,7 @@ void TilePainter::samplePixel(int p, double* rgb) {
       samples_.see(samplesOf(*camera_, patchOf(curvedOf(seen_[k])), rays_[p]), k);
       continue;
     }
-    const TileTriangle& t = candidates_[seen_[k]];
-    PixelSamples::Triangle triangle{t.a,
-                                    t.b,
-                                    {},
-                                    t.least,
-                                    dot(t.plane, pixel.middle) + t.bias,
-                                    dot(t.plane, pixel.across),
-                                    dot(t.plane, pixel.down)};
-    for (int i = 0; i < 3; ++i) triangle.c[i] = t.a[i] * x + t.b[i] * y + t.c[i];
-    samples_.see(triangle, k);
+    samples_.see(about(candidates_[seen_[k]], p), k);
   }
   Eigen::Map<Eigen::Vector3d> color(rgb);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -309,9 +358,9 @@ Eigen::Vector3d TilePainter::textureOf(const TileTriangle& t, int p, const Pixel
   if (camera_->sampling() == CameraModel::Sampling::kCenter) return TextureArea::at(*facet.texture, middle);
   outline_ = {{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
   if (share.count < PixelSamples::kCount) {
-    const float x = p % kTile + 0.5f, y = p / kTile + 0.5f;
+    const PixelSamples::Triangle here = about(t, p);
     for (int k = 0; k < 3 && !outline_.empty(); ++k) {
-      texture_area_.clip(outline_, {t.a[k], t.b[k]}, -(t.a[k] * x + t.b[k] * y + t.c[k]));
+      texture_area_.clip(outline_, {here.a[k], here.b[k]}, -here.c[k]);
     }
   }
   for (Eigen::Vector2d& point : outline_) {

@@ -57,6 +57,9 @@ class TilePainter {
   bool paintWhole();
   void setUp();
   void collect(std::uint32_t candidate);
+  void measureEdges(const TileTriangle& candidate);
+  bool isInside(const TileTriangle& candidate, int pixel) const;
+  PixelSamples::Triangle about(const TileTriangle& candidate, int pixel) const;
   void collectCenters(std::uint32_t candidate);
   void addCurved(int tile);
   void collectCurved(std::uint32_t candidate);
@@ -94,6 +97,10 @@ class TilePainter {
   std::vector<Eigen::Vector2d> outline_;  // scratch: of what a pixel sees of a triangle
   std::array<PixelRays, kPixels> rays_;
   std::array<Pixel, kPixels> pixels_;
+  RayCone cone_;
+  float across_tile_[9][kPixels];                  // through a lens: middle, across and down of all pixels, x, y and z
+  std::array<float, kPixels> least_, most_, rim_;  // of the distances to a candidate's edges, in rim_ seams left out
+  std::array<float, kPixels> ahead_;               // near_m / Z of what lies on the near plane
   std::array<int, kPixels> first_;    // fragment of each pixel, -1: none
   std::array<int, kPixels> front_;    // candidate that covers the pixel, the one whose farthest point is nearest
   std::array<float, kPixels> floor_;  // that point: what lies wholly behind it is not seen

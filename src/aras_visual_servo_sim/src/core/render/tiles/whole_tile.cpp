@@ -1,8 +1,10 @@
 #include "whole_tile.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "aras_visual_servo_sim/image/pixel_color.hpp"
+#include "render/view/pixel_rays.hpp"
 #include "tile_bins.hpp"
 
 namespace aras_visual_servo_sim {
@@ -32,11 +34,42 @@ bool covers(const TileTriangle& t, const PixelBox& tile) {
   return true;
 }
 
+/** Through a lens. The nearest in the middle is the only one that can be it. */
+const TileTriangle* wholeFrontOfCone(const CameraModel& camera, const TriangleList& list,
+                                     const std::vector<TileTriangle>& candidates, const RayCone& cone) {
+  const TileTriangle* front = nullptr;
+  double nearest = 0.0;
+  for (const TileTriangle& t : candidates) {
+    const Facet& facet = list.facet(t.triangle);
+    const double here = facet.plane.dot(cone.axis);
+    if (here <= nearest || !std::all_of(facet.edges.begin(), facet.edges.end(), [&cone](const Eigen::Vector3d& edge) {
+          return rangeOver(cone, edge).least > 0.0;
+        })) {
+      continue;
+    }
+    front = &t;
+    nearest = here;
+  }
+  if (!front) return nullptr;
+  const Facet& facet = list.facet(front->triangle);
+  // Beyond near_m whatever the length of a ray: 1 of the fisheye, Z = 1 of other lenses.
+  const double longest = camera.lens() == CameraModel::Lens::kEquidistant ? 2.0 : std::hypot(1.0, camera.imageRadius());
+  if (rangeOver(cone, facet.plane).greatest * camera.nearM() * longest >= 1.0) return nullptr;
+  for (const TileTriangle& t : candidates) {
+    const Facet& other = list.facet(t.triangle);
+    if (&t == front) continue;
+    if (camera.nearM() * rangeOver(cone, facet.plane - other.plane).least <= std::abs(other.bias - facet.bias)) {
+      return nullptr;
+    }
+  }
+  return front;
+}
+
 }  // namespace
 
-const TileTriangle* wholeFront(const CameraModel& camera, const std::vector<TileTriangle>& candidates,
-                               const PixelBox& tile) {
-  if (camera.lens() != CameraModel::Lens::kNone) return nullptr;
+const TileTriangle* wholeFront(const CameraModel& camera, const TriangleList& list,
+                               const std::vector<TileTriangle>& candidates, const PixelBox& tile, const RayCone& cone) {
+  if (!list.isFlat()) return wholeFrontOfCone(camera, list, candidates, cone);
   const TileTriangle* front = nullptr;
   float floor = 0.0f;
   for (const TileTriangle& t : candidates) {
@@ -60,17 +93,33 @@ void shadeTile(const CameraModel& camera, const Facet& facet, const PixelBox& ti
   const Eigen::Matrix3d over = rgb * facet.areal;
   const Eigen::Vector3d& under = facet.plane;
   const int width = tile.u1 - tile.u0;
-  double x[kTile] = {}, red[kTile], green[kTile], blue[kTile];
+  const bool flat = camera.lens() == CameraModel::Lens::kNone;
+  double x[kTile] = {}, y[kTile] = {}, z[kTile] = {}, red[kTile], green[kTile], blue[kTile];
   for (int i = 0; i < width; ++i) x[i] = (tile.u0 + i - camera.cx()) / camera.fx();
   for (int v = tile.v0; v < tile.v1; ++v) {
-    const double y = (v - camera.cy()) / camera.fy();
-    const Eigen::Vector3d over_row = over.col(1) * y + over.col(2);
-    const double under_row = under[1] * y + under[2];
-    for (int i = 0; i < kTile; ++i) {
-      const double scale = 1.0 / (under_row + under[0] * x[i]);
-      red[i] = (over_row[0] + over(0, 0) * x[i]) * scale;
-      green[i] = (over_row[1] + over(1, 0) * x[i]) * scale;
-      blue[i] = (over_row[2] + over(2, 0) * x[i]) * scale;
+    if (flat) {
+      const double row = (v - camera.cy()) / camera.fy();
+      const Eigen::Vector3d over_row = over.col(1) * row + over.col(2);
+      const double under_row = under[1] * row + under[2];
+      for (int i = 0; i < kTile; ++i) {
+        const double scale = 1.0 / (under_row + under[0] * x[i]);
+        red[i] = (over_row[0] + over(0, 0) * x[i]) * scale;
+        green[i] = (over_row[1] + over(1, 0) * x[i]) * scale;
+        blue[i] = (over_row[2] + over(2, 0) * x[i]) * scale;
+      }
+    } else {
+      for (int i = 0; i < width; ++i) {
+        const Eigen::Vector3d ray = PixelRays::of(camera, tile.u0 + i, v).middle;
+        x[i] = ray.x();
+        y[i] = ray.y();
+        z[i] = ray.z();
+      }
+      for (int i = 0; i < kTile; ++i) {
+        const double scale = 1.0 / (under[0] * x[i] + under[1] * y[i] + under[2] * z[i]);
+        red[i] = (over(0, 0) * x[i] + over(0, 1) * y[i] + over(0, 2) * z[i]) * scale;
+        green[i] = (over(1, 0) * x[i] + over(1, 1) * y[i] + over(1, 2) * z[i]) * scale;
+        blue[i] = (over(2, 0) * x[i] + over(2, 1) * y[i] + over(2, 2) * z[i]) * scale;
+      }
     }
     std::uint8_t* out = image.pixel(tile.u0, v);
     if (image.encoding == Encoding::kMono8) {
