@@ -159,7 +159,11 @@ def main():
     parser.add_argument("--beside", metavar="WHAT=COMMAND", action="append", default=[],
                         help=f"another program to measure in turn with ours; WHAT: loop, {', '.join(IN_TURN)}")
     parser.add_argument("--in-turn-only", action="store_true", help="only what --beside can stand beside")
+    parser.add_argument("--paper", action="store_true", help="only README's table beside the paper's figures")
     arguments = parser.parse_args()
+    if arguments.paper:
+        import paper_table
+        return paper_table.main()
     beside = read_beside(arguments.beside)
     row("SHA-256 of 4 MiB", f"{calibration_ms():.2f} ms", "to compare machines by")
     in_process(arguments.runs, beside["loop"])

@@ -13,9 +13,7 @@ class Graph:
     """Context manager. `folder`: for logs."""
 
     def __init__(self, folder):
-        with socket.socket() as listener:
-            listener.bind(("127.0.0.1", 0))
-            self.port = listener.getsockname()[1]
+        self.port = free_port()
         self.uri = "http://localhost:%d" % self.port
         self._environment = dict(os.environ, ROS_MASTER_URI=self.uri, ROS_HOSTNAME="localhost",
                                  ROS_LOG_DIR=str(folder / "ros_log"), ROSCONSOLE_STDOUT_LINE_BUFFERED="1")
@@ -62,7 +60,19 @@ class Graph:
 
     def until(self, condition, what):
         """Waits until condition() is true."""
-        end = time.monotonic() + LIMIT_S
-        while not condition():
-            assert time.monotonic() < end, "never happened: %s\n%s" % (what, self.log())
-            time.sleep(0.05)
+        until(condition, what, self.log)
+
+
+def free_port():
+    """A TCP port of the loopback nobody listens on."""
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        return listener.getsockname()[1]
+
+
+def until(condition, what, log=lambda: ""):
+    """Waits until condition() is true; else fails with `what` and the log."""
+    end = time.monotonic() + LIMIT_S
+    while not condition():
+        assert time.monotonic() < end, "never happened: %s\n%s" % (what, log())
+        time.sleep(0.05)

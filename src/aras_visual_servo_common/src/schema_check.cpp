@@ -143,45 +143,57 @@ void addTellingFault(const YAML::Node& map, const std::string& key, const std::v
              "one of " + joined(known) + (map[key].IsDefined() ? "" : " (required)"));
 }
 
+std::vector<std::string> textsOf(const std::vector<SchemaPtr>& alternatives) {
+  std::vector<std::string> texts;
+  for (const SchemaPtr& each : alternatives) texts.push_back(each->text());
+  return texts;
+}
+
 void checkAlternatives(const YAML::Node& value, const std::vector<SchemaPtr>& alternatives, bool one_only,
                        const std::string& where, FaultList& faults) {
-  std::vector<std::string> fitting, all;
-  std::vector<SchemaPtr> meant;
+  std::vector<SchemaPtr> fitting, meant;
   for (const SchemaPtr& each : alternatives) {
-    all.push_back(each->text());
-    if (fitsWhole(value, *each)) fitting.push_back(each->text());
-    if (isMeant(value, *each)) meant.push_back(each);
+    if (fitsWhole(value, *each)) fitting.push_back(each);
   }
   if (fitting.size() == 1 || (fitting.size() > 1 && !one_only)) return;
+  for (const SchemaPtr& each : alternatives) {
+    if (isMeant(value, *each)) meant.push_back(each);
+  }
   const std::vector<std::string> keys = keysAskedFor(alternatives);
   const std::string what = where.empty() ? "document" : where;
   if (!keys.empty()) {
     faults.add(what, std::to_string(fitting.size()) + " of these keys",
                std::string(one_only ? "one" : "one or more") + " of " + joined(keys));
   } else if (fitting.size() > 1) {
-    faults.add(what, shown(value) + ", which is " + joined(fitting, " and "), "only one of them");
+    faults.add(what, shown(value) + ", which is " + joined(textsOf(fitting), " and "), "only one of them");
   } else if (meant.size() == 1) {
     meant.front()->check(value, where, faults);
   } else if (value.IsMap() && !tellingKey(alternatives).empty()) {
     addTellingFault(value, tellingKey(alternatives), alternatives, where, faults);
   } else {
-    faults.add(what, shown(value), joined(all, " or "));
+    faults.add(what, shown(value), joined(textsOf(alternatives), " or "));
   }
 }
 
 SchemaPtr propertyOfAlternatives(const std::vector<SchemaPtr>& alternatives, const YAML::Node& map,
                                  const std::string& key) {
-  SchemaPtr found;
-  int best = 0;
+  std::vector<SchemaPtr> describing, properties;
   for (const SchemaPtr& each : alternatives) {
-    const int rank = map.IsDefined() && fitsWhole(map, *each) ? 3 : map.IsDefined() && isMeant(map, *each) ? 2 : 1;
-    if (rank <= best) continue;
-    if (SchemaPtr property = each->property(map, key)) {
-      found = std::move(property);
-      best = rank;
-    }
+    SchemaPtr property = each->property(map, key);
+    if (!property) continue;
+    describing.push_back(each);
+    properties.push_back(std::move(property));
   }
-  return found;
+  if (properties.empty()) return nullptr;
+  if (properties.size() == 1 || !map.IsDefined()) return properties.front();
+  // Several describe the key: the first that fits the whole map, else the first that the map is meant to be.
+  for (std::size_t k = 0; k < properties.size(); ++k) {
+    if (fitsWhole(map, *describing[k])) return properties[k];
+  }
+  for (std::size_t k = 0; k < properties.size(); ++k) {
+    if (isMeant(map, *describing[k])) return properties[k];
+  }
+  return properties.front();
 }
 
 std::string several(const Schema& schema) {

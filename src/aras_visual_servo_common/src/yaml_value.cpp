@@ -1,5 +1,7 @@
 #include "aras_visual_servo_common/yaml_value.hpp"
 
+#include <cctype>
+#include <charconv>
 #include <cmath>
 
 namespace aras_visual_servo_common {
@@ -7,11 +9,23 @@ namespace {
 
 bool plain(const YAML::Node& value) { return value.IsDefined() && value.IsScalar() && value.Tag() != "!"; }
 
+/** Reads a number as most are written, -12.5e-3, without a stream. Nothing for other ways, which YAML knows. */
+std::optional<double> decimalOf(const std::string& text) {
+  const char* const end = text.data() + text.size();
+  const std::size_t sign = !text.empty() && text.front() == '-' ? 1 : 0;
+  if (sign >= text.size() || !std::isdigit(static_cast<unsigned char>(text[sign]))) return std::nullopt;
+  double number = 0.0;
+  const auto [last, error] = std::from_chars(text.data(), end, number);
+  return error == std::errc() && last == end ? std::optional(number) : std::nullopt;
+}
+
 }  // namespace
 
 std::optional<double> numberOf(const YAML::Node& value) {
   double number = 0.0;
-  if (plain(value) && YAML::convert<double>::decode(value, number)) return number;
+  if (!plain(value)) return std::nullopt;
+  if (const auto decimal = decimalOf(value.Scalar())) return decimal;
+  if (YAML::convert<double>::decode(value, number)) return number;
   const auto integer = integerOf(value);  // one written in another base
   return integer ? std::optional<double>(static_cast<double>(*integer)) : std::nullopt;
 }

@@ -1,17 +1,16 @@
 """Runs the recorder node (src/ros/recorder.cpp) as a child process and ends it so that the bag is closed."""
 
-import ctypes
+import functools
 import os
 import signal
 import subprocess
-import time
 from pathlib import Path
 
 from ..ground.errors import ArasError
+from ..ground.processes import end_with_parent
 
 
 COMPRESSIONS = {"lz4": ("--lz4",), "bz2": ("--bz2",), "none": ()}
-PR_SET_PDEATHSIG = 1  # linux/prctl.h
 
 
 class RecorderError(ArasError):
@@ -22,22 +21,24 @@ class Recorder:
     """Records topics to a bag. The buffer has no limit, so no message of a run is lost.
 
     Args:
-        bag: path of the bag, must not exist.  topics: resolved names.  node: absolute name for the recorder's node.
+        program: path of the recorder node.  bag: path of the bag, must not exist.  topics: resolved names.
+        node: absolute name for the recorder's node.
         clock: resolved name of /clock; the bag is in simulated time.
         split_mb: size after which a new bag begins, NAME_0.bag, NAME_1.bag, ... [MiB]; 0 writes one bag.
         compression: one of COMPRESSIONS.
     """
 
-    def __init__(self, bag, topics, node, clock="/clock", split_mb=0, compression="lz4"):
+    def __init__(self, program, bag, topics, node, clock="/clock", split_mb=0, compression="lz4"):
         self.bag, self.node, self.topics, self._split = Path(bag), node, list(topics), bool(split_mb)
         namespace, _, name = node.rpartition("/")
-        command = ["rosrun", "aras_visual_servo_controller", "recorder", *COMPRESSIONS[compression]]
+        command = [program, *COMPRESSIONS[compression]]
         command += ["--split", "--size", str(int(split_mb))] if split_mb else []
         command += ["-O", str(self.bag)]
         command += self.topics + [f"__name:={name}"] + ([f"/clock:={clock}"] if clock != "/clock" else [])
         # In a process group of its own, so that Ctrl-C in the terminal does not close the bag before the run has ended.
         self._process = subprocess.Popen(command, env=dict(os.environ, ROS_NAMESPACE=namespace or "/"),
-                                         start_new_session=True, preexec_fn=_end_with_parent)
+                                         start_new_session=True,
+                                         preexec_fn=functools.partial(end_with_parent, signal.SIGINT))
 
     def check(self):
         """Raises RecorderError if the recorder has ended."""
@@ -71,23 +72,16 @@ class Recorder:
             RecorderError: the bag was not closed.
         """
         if self._process.poll() is None:
-            # rosrun may be a wrapper that waits for the recorder itself. Both are in the process group.
             _signal_group(self._process.pid, signal.SIGINT)
             try:
                 self._process.wait(timeout_s)
             except subprocess.TimeoutExpired:
                 _signal_group(self._process.pid, signal.SIGKILL)
                 self._process.wait()
-        deadline = time.monotonic() + 5.0  # the wrapper may end a moment before the recorder renames the file
-        while not self.bags() or any(path.suffix == ".active" for path in self.bags()):
-            if time.monotonic() > deadline:
-                raise RecorderError(f"{self.bag}: the recorder did not close the bag")
-            time.sleep(0.02)
-
-
-def _end_with_parent():
-    """Called in the child: asks the system to interrupt it when the parent ends, so that no recorder is left behind."""
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGINT)
+        if not self.bags():
+            raise RecorderError(f"{self.bag}: the recorder ended before it opened the bag")
+        if any(path.suffix == ".active" for path in self.bags()):
+            raise RecorderError(f"{self.bag}: the recorder did not close the bag")
 
 
 def _signal_group(pid, number):

@@ -1,4 +1,4 @@
-"""The commands `compare_laws` and `compare_runs`. Exit codes: 0 done, 2 bad input, 3 could not run."""
+"""The commands `compare_laws` and `compare_runs`. Exit codes: 0 done, 2 bad input, 3 could not run, 130 interrupted."""
 
 import argparse
 import os
@@ -14,22 +14,23 @@ FOLDER = "comparisons"
 
 def compare_laws_main(argv=None):
     """`compare_laws canonical --laws A,B` runs laws on the same tasks. Returns the exit code."""
-    parser = argparse.ArgumentParser(prog="compare_laws", description="Run several laws on the same tasks; one table "
-                                     "(comparison.csv, comparison.html) and one figure.")
+    parser = argparse.ArgumentParser(prog="compare_laws", description="Run several laws on the same tasks, and write "
+                                     "one table (comparison.csv, comparison.html) and one figure of the results.")
     parser.add_argument("comparison", nargs="?", default="canonical",
                         help="name of a comparison of this package, or path of a YAML file (default: canonical)")
     parser.add_argument("--laws", type=_names, default=(), metavar="A,B,...",
-                        help="laws of the file to compare, in this order (default: all); NAME:INTERACTION runs a law "
-                             "with another servo.interaction")
+                        help="laws of the comparison to run, in this order (default: all); NAME:INTERACTION runs a law "
+                             "with another value of servo.interaction, e.g. ibvs:current")
     parser.add_argument("--tasks", type=_names, default=(), metavar="A,B,...",
-                        help="tasks of the file to run (default: all)")
+                        help="tasks of the comparison to run (default: all)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
                         help="replace a value of the base scenario, e.g. --set sim.seed=3")
     parser.add_argument("--workers", type=int, metavar="N",
-                        help="processes (default: one a core; 0: this process)")
-    parser.add_argument("--output", default="results", metavar="DIR", help="root of the results (default: results)")
+                        help="number of worker processes (default: one per core; 0: run in this process)")
+    parser.add_argument("--output", default="results", metavar="DIR",
+                        help="folder under which result folders are made (default: results)")
     parser.add_argument("--name", help="name of the folder DIR/comparisons/COMPARISON/NAME (default: the time)")
-    parser.add_argument("--list", action="store_true", help="list the laws and tasks of the comparison")
+    parser.add_argument("--list", action="store_true", help="only list the laws and tasks of the comparison")
     arguments = parser.parse_args(argv)
 
     def work():
@@ -63,9 +64,10 @@ def compare_runs_main(argv=None):
     """`compare_runs A B` shows two or more runs on one page. Returns the exit code."""
     parser = argparse.ArgumentParser(prog="compare_runs", description="Two or more runs side by side on one page "
                                      "(runs.html): camera path, errors, joints against their limits, what differs.")
-    parser.add_argument("runs", nargs="+", metavar="RUN", help="name of a scenario or path of a YAML file, which is "
-                        "run in this process; or a bag, or a folder of bags")
-    parser.add_argument("--output", default="results", metavar="DIR", help="root of the results (default: results)")
+    parser.add_argument("runs", nargs="+", metavar="RUN", help="a scenario, by name or path of its YAML file, which is "
+                        "then run in this process; or a recorded run: a bag, or a folder of bags")
+    parser.add_argument("--output", default="results", metavar="DIR",
+                        help="folder under which result folders are made (default: results)")
     parser.add_argument("--name", help="name of the folder DIR/comparisons/runs/NAME (default: the time)")
     arguments = parser.parse_args(argv)
 

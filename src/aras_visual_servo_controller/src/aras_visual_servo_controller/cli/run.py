@@ -1,38 +1,50 @@
-"""The commands `run SCENARIO` and `report BAG`. Exit codes: 0 passed, 1 not passed, 2 bad input, 3 could not run."""
+"""The commands `run SCENARIO` and `report BAG`.
+
+Exit codes: 0 the run passed, 1 it did not, 2 bad input, 3 could not run, 128 + N ended by signal N.
+"""
 
 import argparse
 import os
+import re
 import sys
 from pathlib import Path
 
 import yaml
 
 from ..ground.errors import ArasError, ParameterError
+from ..ground.processes import Interrupted, signals_raise
 from ..bags.record_groups import GROUPS, parse_groups
 from ..bags.recorder import COMPRESSIONS
 
 EXIT_PASSED, EXIT_FAILED, EXIT_PARAMETERS, EXIT_BROKEN = range(4)
-EXIT_INTERRUPTED = 130   # as a shell reports a program that SIGINT ended
+NAMESPACE = re.compile(r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
 
 
 def run_main(argv=None):
     """`run SCENARIO`: over ROS through roslaunch, or without ROS with --in-process. Returns the exit code."""
-    parser = argparse.ArgumentParser(prog="run", description="Run a scenario and write its result folder.")
+    parser = argparse.ArgumentParser(prog="run", description="Run a scenario, judge it by the true camera pose, and "
+                                     "write a result folder with summary, trace, figure and report.")
     parser.add_argument("scenario", nargs="?", help="name of a scenario of this package, or path of a YAML file")
     parser.add_argument("--in-process", action="store_true",
-                        help="no ROS: simulator, camera and controller in this process")
+                        help="run simulator, camera and controller in this process, without ROS")
     parser.add_argument("--output", default="results", metavar="DIR",
-                        help="root of the result folders (default: results)")
+                        help="folder under which result folders are made (default: results)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
-                        help="replace a value of the scenario, e.g. --set servo.gains_per_s.xn=2.0 (only --in-process)")
+                        help="replace a value of the scenario, e.g. --set servo.gains_per_s.xn=2.0; may be given "
+                             "several times (only with --in-process)")
     parser.add_argument("--video", action="store_true", help="make video.mp4 too and show it in the report (ffmpeg)")
     parser.add_argument("--record", metavar="GROUPS", help="groups of topics to record (only over ROS), e.g. "
-                        "images,features,truth or --record=-images; all of them: " + ", ".join(GROUPS))
-    parser.add_argument("--split", type=int, metavar="MB", help="split the bag after this size (only over ROS)")
+                        "images,features,truth for these or --record=-images for all but images; the groups are "
+                        + ", ".join(GROUPS) + " (default: all)")
+    parser.add_argument("--split", type=int, metavar="MB",
+                        help="begin a new bag file when one has reached this size (only over ROS)")
     parser.add_argument("--compression", choices=tuple(COMPRESSIONS),
                         help="compression of the bag (only over ROS; default: lz4)")
+    parser.add_argument("--namespace", metavar="NAME", help="namespace of the graph, with a clock and frames of its "
+                        "own, so that several runs share a master (only over ROS; default: aras_visual_servo, global "
+                        "clock)")
     parser.add_argument("--verbose", action="store_true", help="show the output of the nodes (only over ROS)")
-    parser.add_argument("--list", action="store_true", help="list the scenarios that come with the package")
+    parser.add_argument("--list", action="store_true", help="only list the scenarios that come with the package")
     arguments = parser.parse_args(argv)
     from ..scenario.scenario import load_scenario
     from ..scenario.files import scenario_names
@@ -43,9 +55,12 @@ def run_main(argv=None):
     if not arguments.scenario:
         parser.error("SCENARIO is missing; --list shows the known ones")
     if arguments.overrides and not arguments.in_process:
-        parser.error("--set needs --in-process; over ROS change the scenario file")
+        parser.error("--set works with --in-process only; over ROS change a copy of the scenario file")
     if arguments.in_process and (arguments.record or arguments.split or arguments.compression):
-        parser.error("--record, --split and --compression say how the bag is written; --in-process writes no bag")
+        parser.error("--record, --split and --compression say how the bag is written, but --in-process writes no bag")
+    if arguments.namespace is not None and (arguments.in_process or not NAMESPACE.fullmatch(arguments.namespace)):
+        parser.error(f"--namespace: found '{arguments.namespace}', allowed is a name of ROS, letters, digits and _ "
+                     "with / between, without --in-process")
     if arguments.split is not None and arguments.split < 1:
         parser.error(f"--split: found {arguments.split}, allowed >= 1")
 
@@ -59,15 +74,15 @@ def run_main(argv=None):
 
 
 def report_main(argv=None):
-    """`report BAG`: rebuild summary, trace, figure and report from a rosbag. Returns the exit code."""
+    """`report BAG` makes summary, trace, figure and report again from a rosbag. Returns the exit code."""
     parser = argparse.ArgumentParser(prog="report", description="Rebuild summary.json, trace.csv, figure.{png,pdf} "
                                                                 "and report.html of a run from its bag.")
-    parser.add_argument("bag", nargs="+", help="a rosbag of a run, under any namespace; all parts of a split one are "
-                                               "read; a folder of bags, or several bags, are read as one run")
-    parser.add_argument("--output", metavar="DIR", help="folder to write to (default: the folder of the bag; files of "
-                                                        "an earlier report there are replaced)")
-    parser.add_argument("--scenario", help="name or path of the scenario that ran, if the bag does not say")
-    parser.add_argument("--namespace", help="namespace of the run, if the bag holds several")
+    parser.add_argument("bag", nargs="+", help="the rosbag of a run, under any namespace; several bags, or a folder of "
+                                               "bags, are read as the parts of one run")
+    parser.add_argument("--output", metavar="DIR", help="folder to write to; files of an earlier report there are "
+                                                        "replaced (default: the folder of the bag)")
+    parser.add_argument("--scenario", help="name or path of the scenario that ran; needed if the bag does not hold it")
+    parser.add_argument("--namespace", help="namespace of the run; needed if the bag holds several runs")
     parser.add_argument("--video", action="store_true", help="make video.mp4 too and show it in the report (ffmpeg)")
     parser.add_argument("--panels", action="store_true", help="write each panel of the figure as panel_NAME.pdf too")
     parser.add_argument("--replay", action="store_true",
@@ -139,7 +154,8 @@ def _run_over_ros(scenario, arguments):
         extra.append(f"record_compression:={arguments.compression}")
     if arguments.video:
         extra.append("video:=true")
-    return run_over_ros(scenario, os.path.expanduser(arguments.output), extra, verbose=arguments.verbose)
+    return run_over_ros(scenario, os.path.expanduser(arguments.output), extra, verbose=arguments.verbose,
+                        namespace=arguments.namespace)
 
 
 def _progress():
@@ -149,14 +165,16 @@ def _progress():
 
 
 def guarded(work):
-    """Exit code: that of `work()`, or the one that says how it failed, after the reason was printed."""
+    """Exit code of work(). If it raises, the reason is printed and the code says what kind of failure it was."""
     try:
-        return work()
+        with signals_raise():
+            return work()
     except ParameterError as error:
         print(f"bad input:\n{error}", file=sys.stderr)
         return EXIT_PARAMETERS
     except (ArasError, ImportError, RuntimeError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_BROKEN
-    except KeyboardInterrupt:
-        return EXIT_INTERRUPTED
+    except Interrupted as interrupt:
+        print(interrupt, file=sys.stderr)
+        return interrupt.exit_code

@@ -1,48 +1,62 @@
-"""The commands `sweep`, `rerun` and `compare`. Exit codes: 0 done, 1 a gate fired or bytes differ, 2 bad input,
-3 could not run, 130 interrupted (runs that were done are kept)."""
+"""The commands `sweep`, `rerun` and `compare`.
+
+Exit codes: 0 done; 1 a `--fail-if` expression held, or a repeated run gave other values; 2 bad input; 3 could not run;
+128 + N ended by signal N (a sweep keeps the runs that were done).
+"""
 
 import argparse
 import os
+import re
 import shlex
-import signal
 import sys
 from dataclasses import asdict
 from pathlib import Path
 
-from .run import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_PASSED, guarded, parse_overrides
+from .run import EXIT_FAILED, EXIT_PASSED, guarded, parse_overrides
 from ..ground.errors import ParameterError
+from ..ground.processes import Interrupted
 
 FOLDER = "sweeps"
 
 
 def sweep_main(argv=None):
     """`sweep SCENARIO --starts N` runs a scenario from many starts. Returns the exit code."""
-    parser = argparse.ArgumentParser(prog="sweep", description="Run a scenario from many starts; one row per run in "
-                                     "sweep.db and runs.csv, figures and sweep.html beside them.")
+    parser = argparse.ArgumentParser(prog="sweep", description="Run a scenario from many starts. The result folder "
+                                     "gets one row per run in sweep.db and runs.csv, figures, and sweep.html.")
     parser.add_argument("scenario", nargs="?", help="name of a scenario of this package, or path of a YAML file")
-    parser.add_argument("--starts", type=int, metavar="N", help="number of runs (default: sweep.starts, else 100)")
-    parser.add_argument("--method", help="latin_hypercube (default), grid or random")
-    parser.add_argument("--space", help="camera (default), joint, ball or view: where starts are sampled")
-    parser.add_argument("--seed", type=int, help="of the samples (default: sweep.seed, else 0)")
+    parser.add_argument("--starts", type=int, metavar="N",
+                        help="number of runs (default: sweep.starts of the scenario, else 100)")
+    parser.add_argument("--method", help="how starts are sampled: latin_hypercube (default), grid or random")
+    parser.add_argument("--space", help="what is sampled: camera poses (camera, the default; ball; view) or joint "
+                                        "positions (joint); see docs/sweeps.md")
+    parser.add_argument("--seed", type=int, help="seed of the samples (default: sweep.seed of the scenario, else 0)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
-                        help="replace a value of the scenario, e.g. --set servo.law=paper")
+                        help="replace a value of the scenario, e.g. --set servo.law=paper; may be given several times")
     parser.add_argument("--drive", action="store_true", default=None,
-                        help="drive to goal and start as `run` does, instead of placing the arm there")
+                        help="let the arm drive to goal and start as `run` does, instead of placing it there")
     parser.add_argument("--workers", type=int, metavar="N",
-                        help="processes on this machine (default: one a core; 0: this process, without Dask)")
-    parser.add_argument("--scheduler", metavar="ADDRESS", help="use the workers of a Dask scheduler: tcp://host:8786")
-    parser.add_argument("--output", default="results", metavar="DIR", help="root of the results (default: results)")
+                        help="number of worker processes on this machine (default: one per core; 0: run in this "
+                             "process, without Dask)")
+    parser.add_argument("--scheduler", metavar="ADDRESS",
+                        help="address of a Dask scheduler whose workers do the runs, e.g. tcp://host:8786")
+    parser.add_argument("--output", default="results", metavar="DIR",
+                        help="folder under which result folders are made (default: results)")
     parser.add_argument("--name", help="name of the folder DIR/sweeps/SCENARIO/NAME (default: the time)")
     parser.add_argument("--resume", nargs="?", const="", metavar="FOLDER",
-                        help="go on with a sweep (default: the newest of the scenario); saved runs are not repeated")
-    parser.add_argument("--axes", nargs=2, metavar=("X", "Y"), help="columns of the maps (default: x0_mm y0_mm)")
+                        help="go on with an interrupted sweep (default: the newest of the scenario); runs that were "
+                             "saved are not repeated")
+    parser.add_argument("--axes", nargs=2, metavar=("X", "Y"),
+                        help="columns of runs.csv that are the axes of the maps (default: x0_mm y0_mm)")
     arguments = parser.parse_args(argv)
     if arguments.scenario is None and not arguments.resume:
         parser.error("SCENARIO is missing (or --resume FOLDER)")
 
     def work():
+        from ..scenario.schema import NAME
         if arguments.workers is not None and arguments.workers < 0:
             raise ParameterError(f"--workers: found {arguments.workers}, allowed >= 0")
+        if arguments.name is not None and not re.fullmatch(NAME, arguments.name):
+            raise ParameterError(f"--name: found '{arguments.name}', allowed letters, digits, _ . -, not only dots")
         store = _new_sweep(arguments) if arguments.resume is None else _old_sweep(arguments)
         with store:
             return _run(store, arguments)
@@ -52,11 +66,12 @@ def sweep_main(argv=None):
 
 def rerun_main(argv=None):
     """`rerun ID` repeats one run of a sweep and writes its result folder. Returns the exit code."""
-    parser = argparse.ArgumentParser(prog="rerun", description="Repeat one run of a sweep: checks that it gives the "
-                                     "same bytes, and writes its summary, trace, figure and report.")
-    parser.add_argument("id", type=int, help="id of the run, see column id of runs.csv")
-    parser.add_argument("--sweep", metavar="FOLDER", help="folder of the sweep (default: the newest one in DIR)")
-    parser.add_argument("--results", default="results", metavar="DIR", help="root of the results (default: results)")
+    parser = argparse.ArgumentParser(prog="rerun", description="Repeat one run of a sweep, check that it gives the "
+                                     "same values as before, and write its summary, trace, figure and report.")
+    parser.add_argument("id", type=int, help="id of the run: column id of runs.csv")
+    parser.add_argument("--sweep", metavar="FOLDER", help="folder of the sweep (default: the newest one under DIR)")
+    parser.add_argument("--results", default="results", metavar="DIR",
+                        help="folder under which the sweeps are (default: results)")
     parser.add_argument("--output", metavar="DIR", help="folder to write to (default: FOLDER/runs/ID)")
     arguments = parser.parse_args(argv)
 
@@ -82,7 +97,7 @@ def rerun_main(argv=None):
         else:
             print(f"run {arguments.id}: {row['outcome']}: {row['detail']}")
         if saved is None:
-            print(f"{'sweep':<20}this run is not in the sweep yet, so there is nothing to compare with")
+            print(f"{'sweep':<20}the sweep has not done this run yet, so there is nothing to compare with")
             return EXIT_PASSED
         different = [name for name in row if row[name] != saved[name]]
         print(f"{'sweep':<20}" + (f"other values than in the sweep: {', '.join(different)}" if different
@@ -97,11 +112,10 @@ def compare_main(argv=None):
     parser = argparse.ArgumentParser(prog="compare", description="Sweeps side by side, with paired statistics on the "
                                      "same starts: McNemar's test for success, Wilcoxon's for time and error.")
     parser.add_argument("sweeps", nargs="+", metavar="FOLDER",
-                        help="folders of sweeps A, B, C ...; all others are compared with A")
+                        help="folders of sweeps, which are called A, B, C, ... in this order; each is compared with A")
     parser.add_argument("--fail-if", action="append", default=[], metavar="EXPRESSION",
-                        help="exit with 1 if it holds, e.g. \"success<0.98\" or "
-                             "\"B.time_median_s>1.1*A.time_median_s\"; a name without a letter belongs to the last "
-                             "sweep")
+                        help="exit with code 1 if this holds, e.g. \"success<0.98\" or "
+                             "\"B.time_median_s>1.1*A.time_median_s\"; a name without a letter means the last sweep")
     arguments = parser.parse_args(argv)
 
     def work():
@@ -135,9 +149,10 @@ def _new_sweep(arguments):
     from ..sweep.store import FILE, StoreError, SweepStore
     from ..report.versions import installed_versions
     scenario = load_scenario(arguments.scenario, parse_overrides(arguments.overrides))
-    settings, kinematics = _settings(arguments, scenario)
+    settings, kinematics = _settings(scenario, _asked(arguments))
     if arguments.name and (Path(arguments.output) / FOLDER / scenario.name / arguments.name / FILE).exists():
-        raise StoreError(f"sweep '{arguments.name}' is there already; go on with --resume, or choose another --name")
+        raise StoreError(f"sweep '{arguments.name}': found a sweep of this name already; go on with it by --resume, or "
+                         "choose another --name")
     starts = make_starts(settings, scenario, kinematics)
     folder = create_result_folder(Path(os.path.expanduser(arguments.output)) / FOLDER, scenario.name, arguments.name)
     words = [arguments.scenario, f"--starts {settings.starts} --method {settings.method} --space {settings.space} "
@@ -149,7 +164,7 @@ def _new_sweep(arguments):
 
 
 def _old_sweep(arguments):
-    """The sweep that is resumed. Options of the command line must be those that it was begun with."""
+    """The stored sweep to go on with. Raises ParameterError: an option differs from those that it was begun with."""
     from ..scenario.scenario import load_scenario
     from ..sweep.worker import make_setup
     from ..sweep.store import SweepStore
@@ -165,14 +180,17 @@ def _old_sweep(arguments):
     try:
         faults = []
         if scenario is not None:
-            settings, _ = _settings(arguments, scenario)
-            faults = [f"{key}: found {value}, the sweep was begun with {store.meta['settings'][key]}"
-                      for key, value in _plain(settings).items() if value != store.meta["settings"][key]]
+            begun_with = store.meta["settings"]
+            settings, _ = _settings(scenario, {key: begun_with[key] if value is None else value
+                                               for key, value in _asked(arguments).items()})
+            faults = [f"{key}: found {value}, the sweep was begun with {begun_with[key]}"
+                      for key, value in _plain(settings).items() if value != begun_with[key]]
             if not faults and make_setup(scenario, settings.drive_to_start) != store.meta["setup"]:
-                faults = [f"scenario '{scenario.name}' or its files have changed since the sweep was begun"]
-        elif arguments.overrides or any(getattr(arguments, key) is not None
-                                        for key in ("starts", "method", "space", "seed", "drive")):
-            faults = ["a sweep is resumed with the options it was begun with: leave the others out"]
+                faults = [f"scenario '{scenario.name}' or its files have changed since the sweep was begun, or it was "
+                          "begun with other values of --set"]
+        elif arguments.overrides or any(value is not None for value in _asked(arguments).values()):
+            faults = ["a sweep goes on with the options it was begun with: leave --starts, --method, --space, --seed, "
+                      "--set and --drive out"]
         if faults:
             raise ParameterError([f"--resume {store.folder}: {fault}" for fault in faults])
     except BaseException:
@@ -188,32 +206,31 @@ def _run(store, arguments):
     columns = [dict.fromkeys(store.extra)]
     axes = check_axes(arguments.axes, columns) if arguments.axes else DEFAULT_AXES
     print(f"sweep: {store.folder}", file=sys.stderr)
-    # SIGINT is set too, because a job that a script starts in the background ignores it otherwise.
-    before = {number: signal.signal(number, _interrupt) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         run_pending(store, store.meta["setup"], arguments.workers, arguments.scheduler)
-    except KeyboardInterrupt:
+    except Interrupted as interrupt:
         save_csv(store)
         left = len(store.pending())
-        print(f"interrupted: {left} runs are left; go on with: sweep --resume {shlex.quote(str(store.folder))}",
+        print(f"{interrupt}: {left} runs are left; go on with: sweep --resume {shlex.quote(str(store.folder))}",
               file=sys.stderr)
-        return EXIT_INTERRUPTED
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        return interrupt.exit_code
     path = save_report(store, axes)
     print(format_summary(store))
     print(f"{'report':<20}{path}")
     return EXIT_PASSED
 
 
-def _settings(arguments, scenario):
+def _asked(arguments):
+    """The settings that the command line can give; None: it does not."""
+    return {"starts": arguments.starts, "method": arguments.method, "space": arguments.space, "seed": arguments.seed,
+            "drive_to_start": arguments.drive}
+
+
+def _settings(scenario, changes):
     from ..run.loop import ServoLoop
     from ..sweep.plan import SweepSettings
     kinematics = ServoLoop(scenario).kinematics  # a fault of the scenario is raised here, instead of in every row
-    settings = SweepSettings.from_scenario(scenario, kinematics, starts=arguments.starts, method=arguments.method,
-                                           space=arguments.space, seed=arguments.seed, drive_to_start=arguments.drive)
-    return settings, kinematics
+    return SweepSettings.from_scenario(scenario, kinematics, **changes), kinematics
 
 
 def _plain(settings):
@@ -231,9 +248,5 @@ def _newest(root, pattern):
     from ..sweep.store import FILE, StoreError
     found = sorted(root.glob(f"{pattern}/{FILE}"), key=lambda path: path.stat().st_mtime)
     if not found:
-        raise StoreError(f"{root}: no sweep there")
+        raise StoreError(f"{root}: found no sweep in this folder")
     return found[-1].parent
-
-
-def _interrupt(*_):
-    raise KeyboardInterrupt

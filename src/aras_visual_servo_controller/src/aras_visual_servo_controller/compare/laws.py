@@ -13,6 +13,7 @@ import numpy as np
 
 from ..config.reader import read
 from ..ground.errors import ParameterError
+from ..ground.processes import end_with_parent
 from ..scenario.feasibility import Feasibility
 from ..arm.kinematics import Kinematics
 from ..target.outline import Outline
@@ -97,11 +98,17 @@ def run_comparison(comparison, workers=1, progress=None):
     jobs = [(law, scenario, comparison.tasks) for law, scenario in comparison.scenarios.items()]
     total, done, by_law = len(jobs), 0, {}
     if workers:
-        with ProcessPoolExecutor(min(workers, total), mp_context=get_context("spawn")) as pool:
-            for law, results in zip(comparison.scenarios, pool.map(_run_law, jobs)):
-                by_law[law], done = results, done + 1
-                if progress is not None:
-                    progress(done, total)
+        with ProcessPoolExecutor(min(workers, total), get_context("spawn"), end_with_parent) as pool:
+            futures = [pool.submit(_run_law, job) for job in jobs]
+            try:
+                for law, future in zip(comparison.scenarios, futures):
+                    by_law[law], done = future.result(), done + 1
+                    if progress is not None:
+                        progress(done, total)
+            except KeyboardInterrupt:
+                for process in pool._processes.values():  # nobody waits for what they are doing
+                    process.kill()
+                raise
     else:
         for job in jobs:
             by_law[job[0]], done = _run_law(job), done + 1

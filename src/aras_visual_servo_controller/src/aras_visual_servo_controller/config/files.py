@@ -9,18 +9,72 @@ import yaml
 from ..ground.errors import ParameterError
 
 PACKAGE = "aras_visual_servo_controller"
+MOST_BYTES = 4 * 2**20  # of a YAML file: a hundred times the largest of ours, read in a second or two
+MOST_VALUES = 500_000   # in it
+MOST_NESTED = 64        # sections within sections: ours go to 8
 
 
 def load_yaml(path):
-    """A YAML file's content. Raises ParameterError with file and line if it is no YAML or no mapping."""
+    """A YAML file's content.
+
+    Raises:
+        ParameterError: the file cannot be read, is too big, is no YAML (with the line), or no mapping.
+    """
+    text = _text(path)
     try:
-        with open(path, encoding="utf-8") as stream:
-            document = yaml.load(stream, Loader=_UniqueKeyLoader)
+        _check_nesting(path, text)
+        document = yaml.load(text, Loader=_UniqueKeyLoader)
     except yaml.YAMLError as error:
         raise ParameterError(f"{path}: not YAML: {error}") from error
     if not isinstance(document, dict):
         raise ParameterError(f"{path}: found {type(document).__name__}, allowed is a mapping of sections")
     return document
+
+
+def _text(path):
+    try:
+        if not os.path.isfile(path):
+            raise ParameterError(f"{path}: not a regular file")
+        found = os.path.getsize(path)
+        if found > MOST_BYTES:
+            raise ParameterError(f"{path}: found {found} bytes, allowed <= {MOST_BYTES}")
+        return Path(path).read_text(encoding="utf-8")
+    except OSError as error:
+        raise ParameterError(f"{path}: cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise ParameterError(f"{path}: not UTF-8: found the byte {error.object[error.start]:#04x} at position "
+                             f"{error.start}") from error
+
+
+def _check_nesting(path, text):
+    """Raises ParameterError for a text with too many values or too deep nesting; values behind aliases count too.
+
+    The functions that parse and check nested values are recursive, and without a limit the stack would overflow.
+    """
+    anchored, within = {}, []  # anchor -> (values, depth); the same of each section that is open, with its anchor
+    for event in yaml.parse(text, Loader=yaml.CSafeLoader):
+        anchor, values, depth = getattr(event, "anchor", None), 1, 1
+        if isinstance(event, yaml.CollectionStartEvent):
+            within.append([anchor, 1, 1])
+        elif isinstance(event, yaml.CollectionEndEvent):
+            anchor, values, depth = within.pop()
+        elif isinstance(event, yaml.AliasEvent):
+            if anchor not in anchored:
+                raise ParameterError(f"{path}: line {event.start_mark.line + 1}: *{anchor} stands for nothing that is "
+                                     "before it")
+            values, depth = anchored[anchor]
+        elif not isinstance(event, yaml.ScalarEvent):
+            continue
+        if not isinstance(event, yaml.CollectionStartEvent):
+            if anchor is not None:
+                anchored[anchor] = values, depth
+            if within:
+                within[-1][1:] = within[-1][1] + values, max(within[-1][2], 1 + depth)
+        for what, found, most in (("sections within sections", len(within) + depth - 1, MOST_NESTED),
+                                  ("values", max(values, within[0][1] if within else 0), MOST_VALUES)):
+            if found > most:
+                raise ParameterError(f"{path}: line {event.start_mark.line + 1}: found {found} {what}, "
+                                     f"allowed <= {most}")
 
 
 def resolve_uri(uri, base=None, key="file"):

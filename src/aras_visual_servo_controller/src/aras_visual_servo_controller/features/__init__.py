@@ -1,5 +1,5 @@
-"""Image features by name, and where they come from. One file of this room is one kind of feature, one file of
-`sources` one source; `base` there and here says how to write one.
+"""Image features by name, and where they come from. Each file of this room is one kind of feature, each file of
+`sources` is one source of features; the module `base` of either folder says how to write a new one.
 """
 
 from ..config.settings import setting

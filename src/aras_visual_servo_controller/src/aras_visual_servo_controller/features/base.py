@@ -1,10 +1,10 @@
-"""Image features by name: what a law servos on, and how it moves with the camera.
+"""Image features by name: the values that a law servos on, and how they change when the camera moves.
 
     features = FeatureSet(("xn", "yn", "an", "sx", "sy", "alpha"))
     s = features.values(View(moment_features))                  # (k,)
     L = features.matrix(View(moment_features, plane))           # (k, 6), s_dot = L V_C
 
-A new feature is a subclass with a name, a value and a row, both of a `View`:
+A new feature is a subclass with a name. It computes its value and its row of the interaction matrix from a `View`:
 
     @register_feature("elongation")
     class Elongation(Feature):
@@ -12,8 +12,8 @@ A new feature is a subclass with a name, a value and a row, both of a `View`:
         def value(self, view): ...
         def row(self, view): ...
 
-What an image measures comes from `MomentFeatures` (raw and centred moments by name "ij"); the plane of the target is
-(A, B, C) of 1/Z = A x + B y + C in the camera frame (docs/theory.md T5).
+The measurements of an image come as `MomentFeatures`, with raw and centred moments by name "ij". The plane of the
+target is (A, B, C) of 1/Z = A x + B y + C in the camera frame [1/m] (docs/theory.md T5).
 
 A feature with settings of its own describes them as a frozen dataclass (config/settings.py) and finds them as
 `self.settings`; they are read from the section `servo.NAME` of the scenario:
@@ -36,9 +36,10 @@ _NUMBERED = re.compile(r"([a-z]+)([1-9][0-9]?)")
 
 
 def register_feature(name, settings=None):
-    """Class decorator: make a feature known by name.
+    """Class decorator that makes a feature known by name.
 
-    Args: settings: settings class of the feature's own section `servo.NAME`. ParameterError: it does not describe one.
+    Args: settings: settings class of the feature's own section `servo.NAME`, or None.
+    Raises ParameterError: `settings` is not a frozen dataclass whose fields are made by `setting`.
     """
 
     def add(feature):
@@ -50,9 +51,10 @@ def register_feature(name, settings=None):
 
 
 def register_family(prefix, settings=None):
-    """Class decorator: make features known as `prefix` and a number from 1 to 99, which the class finds as `number`.
+    """Class decorator that makes a family of features known: `prefix` and a number from 1 to 99, as in x1, x2, ...
 
-    Args: settings: as of `register_feature`; the section is `servo.PREFIX`, for all of the family.
+    The class finds the number as `self.number`.
+    Args: settings: as of `register_feature`; all members of the family share the section `servo.PREFIX`.
     """
 
     def add(feature):
@@ -63,6 +65,7 @@ def register_family(prefix, settings=None):
 
 
 def _owning(feature, section, settings):
+    """The class `feature`, which from now on knows its section and its settings class. Raises ParameterError."""
     if settings is not None:
         keys_of(settings)
     feature.section, feature.settings_class = section, settings
@@ -70,7 +73,7 @@ def _owning(feature, section, settings):
 
 
 def feature_settings():
-    """Features and families with settings of their own: name of their section -> settings class, sorted by name."""
+    """Dict of section -> settings class of the features and families that have settings of their own, sorted."""
     feature_class("")
     found = {feature.section: feature.settings_class for feature in [*_FEATURES.values(), *_FAMILIES.values()]}
     return {name: found[name] for name in sorted(found) if found[name] is not None}
@@ -86,7 +89,7 @@ def feature_class(name):
 
 
 def source_of(name):
-    """Name of the source of the feature of that name; None when there is no such feature."""
+    """Name of the source that the feature of that name comes from; None when there is no such feature."""
     feature = feature_class(name)
     return None if feature is None else feature.source
 
@@ -103,7 +106,7 @@ def known_features():
 
 
 def expand(names):
-    """Names with "pointsN" written out: x1, y1, ..., xN, yN. Returns a tuple."""
+    """Tuple of the names, in which "pointsN" is replaced by x1, y1, ..., xN, yN."""
     result = []
     for name in names:
         match = _NUMBERED.fullmatch(str(name))
@@ -115,7 +118,7 @@ def expand(names):
 
 
 def spread(values):
-    """Dict of feature name -> value, of a dict whose keys may be "pointsN": each of x1, y1, ... gets that value."""
+    """Dict of feature name -> value, from one whose keys may be "pointsN": each of x1, y1, ... gets that value."""
     return {name: value for key, value in values.items() for name in expand((key,))}
 
 
@@ -135,21 +138,22 @@ def _normalised_rows(view):
 
 
 class View:
-    """One view of the target; what several features share is worked out once.
+    """One view of the target. What several features need of it is computed once (`shared`).
 
     Attributes:
         features: `Features`, or any object with its attributes.
-        plane: (A, B, C) of the target in the camera frame [1/m], floats, None when only values are asked for.
-        displacement: (6,) of the camera from the goal, p_CgC and theta u of R_CgC; None: at the goal.
-        inverse_depths: (N,) 1/Z of the followed points [1/m]; None: that of the plane.
-        reference_point: (x, y, ln(Z/Z*)) of the target's reference point; None: at the goal.
+        plane: (A, B, C) of the target in the camera frame [1/m], floats; None when only values are asked for.
+        displacement: (6,) of the camera from the goal: p_CgC [m], then theta u of R_CgC [rad]; None: none, the camera
+            is at the goal.
+        inverse_depths: (N,) 1/Z of the followed points [1/m]; None: the plane gives them.
+        reference_point: (x, y, ln(Z/Z*)) of the target's reference point; None: the camera is at the goal.
     """
 
     __slots__ = ("features", "plane", "displacement", "inverse_depths", "reference_point", "_m", "_mu", "_known")
 
     def __init__(self, features, plane=None, displacement=None, inverse_depths=None, reference_point=None):
         self.features, self.displacement = features, displacement
-        self.plane = plane if plane is None else tuple(map(float, plane))  # numpy's own scalars are slow
+        self.plane = plane if plane is None else tuple(map(float, plane))  # arithmetic with numpy's scalars is slower
         self.inverse_depths, self.reference_point = inverse_depths, reference_point
         self._m = self._mu = None
         self._known = {}
@@ -169,7 +173,7 @@ class View:
         return self._mu
 
     def shared(self, make, *arguments):
-        """make(view, *arguments), computed once per view."""
+        """The value of make(view, *arguments), which is computed once per view and kept."""
         key = (make, arguments)
         if key not in self._known:
             self._known[key] = make(self, *arguments)
@@ -189,19 +193,23 @@ class View:
 
 
 class Feature:
-    """One feature.
+    """Base class of the features.
 
     Attributes:
-        name.  number: of a family's member.  order: of the moments that value and row need.
-        angle: it is one, known modulo 2 pi (modulo pi for a symmetric object, unless it is `directed`).
-        sees_tilt: it tells a tilt of the camera from a translation.
-        source: name of the `Source` that it is a feature of.
-        settings: its own, an instance of settings_class; None: it has none.  section: where they stand.
+        name: under which the feature is registered.  number: that of a member of a family.
+        order: up to this order i + j its value and row need moments.
+        angle: True if the value is an angle. Its errors are then taken modulo 2 pi, or modulo pi for a symmetric object
+            unless the angle is `directed`.
+        sees_tilt: True if it changes differently with a tilt of the camera than with a translation, so that a law can
+            control the tilt by it.
+        source: name of the `Source` that it comes from.
+        settings_class, settings: its own settings, class and instance; None for a feature without.
+        section: name of the section of these settings.
         unit: of its value: "m", "rad", "1/m", "grey" (grey levels), ..., "-" for none.
-        symbol: plain text, a subscript after the first underscore ("x_n", "α"); "": the name.
-        label: what it is, in a few words; "": the name.
-        colour: of its curves, "#rrggbb"; "": one that the other features do not have. In a family the hues (from, to)
-            [deg] that its members share, see palette.shade.
+        symbol: plain text with the subscript after the first underscore ("x_n", "α"); "" stands for the name.
+        label: what it is, in a few words; "" stands for the name.
+        colour: of its curves, "#rrggbb"; "" leaves the choice to `styles`. A family gives a range of hues (from, to)
+            [deg] here, from which each member gets a shade of its own (`palette.shade`).
     In symbol and label of a family, "{number}" stands for the number.
     """
 
@@ -210,25 +218,28 @@ class Feature:
     unit, symbol, label, colour = "-", "", "", ""
 
     def value(self, view):
-        """The feature in this view."""
+        """The feature in this view, a float in its unit. Raises DegenerateFeature: it does not exist in this view."""
         raise NotImplementedError
 
     def row(self, view):
-        """Its interaction row, (6,), [v; w]; needs view.plane."""
+        """Its row of the interaction matrix, (6,), columns [v; w] in the camera frame; needs view.plane."""
         raise NotImplementedError
 
 
 class FeatureSet:
     """The features that are servoed on, in this order.
 
-    Attributes: names.  order: of the moments needed.  sees_tilt: whether any of them does.  source: name of their one.
+    Attributes:
+        names: tuple of their names.  order: up to this order they need moments.
+        sees_tilt: whether any of them does.  source: name of the source that all of them come from.
     """
 
     def __init__(self, names=FEATURE_NAMES, settings=None):
-        """Args: names.  settings: section -> settings of features that have their own; None: the defaults.
+        """Args: names: of features, "pointsN" allowed.  settings: dict of section -> settings of the features that have
+        their own; None takes the defaults.
 
-        Raises ParameterError: names unknown (the known ones are listed), given twice, none at all, sources mixed,
-        settings missing that have no default.
+        Raises ParameterError: a name is unknown (the error lists the known ones) or given twice, there is no name, the
+            features come from different sources, or a setting without a default is missing.
         """
         self.names = expand(names)
         classes = [feature_class(name) for name in self.names]
@@ -240,8 +251,8 @@ class FeatureSet:
             raise ParameterError(faults)
         sources = {found.source for found in classes}
         if len(sources) > 1:
-            raise ParameterError(f"features: found {', '.join(self.names)}, of {' and '.join(sorted(sources))}, "
-                                 "allowed features of one of them")
+            raise ParameterError(f"features: found {', '.join(self.names)}, which come from the sources "
+                                 f"{' and '.join(sorted(sources))}, allowed features of one source")
         self._features, self.source = [found() for found in classes], sources.pop()
         for feature in self._features:
             if feature.settings_class is not None:
@@ -255,19 +266,19 @@ class FeatureSet:
         return len(self.names)
 
     def values(self, view):
-        """s, tuple of k. Raises DegenerateFeature when a feature does not exist in this view or lacks its moments."""
+        """s, tuple of k. Raises DegenerateFeature: a feature does not exist in this view or its moments are missing."""
         try:
             return tuple([feature.value(view) for feature in self._features])
         except KeyError as error:
             raise self._missing(error) from None
 
     def error(self, s, s_star, symmetric):
-        """e = s - s_star, tuple of k; angles the short way round, modulo pi for a symmetric object."""
+        """e = s - s_star, tuple of k. Errors of angles go the short way round, modulo pi if the object is symmetric."""
         return tuple([wrapped(a - b, symmetric and half_turns) if angle else a - b
                       for a, b, (angle, half_turns) in zip(s, s_star, self._angles)])
 
     def matrix(self, view):
-        """L, (k, 6). Raises as `values`."""
+        """L, (k, 6), columns [v; w] in the camera frame. Raises the errors of `values`."""
         try:
             return np.array([feature.row(view) for feature in self._features])
         except KeyError as error:
@@ -279,6 +290,6 @@ class FeatureSet:
 
 
 def wrapped(angle, symmetric=False):
-    """Angle in [-pi, pi), or in [-pi/2, pi/2) for an object whose orientation is known modulo pi only [rad]."""
+    """The angle in [-pi, pi), or in [-pi/2, pi/2) for an object that is the same after half a turn [rad]."""
     half = 0.5 * np.pi if symmetric else np.pi
     return (angle + half) % (2.0 * half) - half

@@ -1,7 +1,7 @@
-"""Features of an ellipse: centroid and normalised second-order moments xg, yg, n20, n11, n02 (docs/theory.md T28).
+"""Features of an ellipse: centroid xg, yg and normalised second-order moments n20, n11, n02 (docs/theory.md T28).
 
-For a filled ellipse with half axes a, b the n_ij are a^2/4 and b^2/4 turned by its orientation; the rows are those of
-moments, exact for an object of any shape.
+For a filled ellipse the matrix of the n_ij has the eigenvalues a^2/4 and b^2/4, a and b being the half axes, along the
+axes of the ellipse. The interaction rows are those of moments, so they are exact for an object of any shape.
 """
 
 from . import interaction

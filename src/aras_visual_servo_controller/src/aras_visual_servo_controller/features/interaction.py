@@ -1,9 +1,10 @@
 """Interaction matrices of image moments of a planar target: s_dot = L V_C, V_C = [v; w] of the camera, target at rest.
 
-Moments are of normalised image coordinates, as a mapping by name "ij" (`Features.raw_moments()`,
-`Features.centred_moments()`). `plane` is (A, B, C) of 1/Z = A x + B y + C in the camera frame [1/m]
-(docs/theory.md T5). Rows have shape (6,), columns [vx vy vz wx wy wz]. All are checked against central differences of
-exact polygon moments.
+All functions take the same arguments. `m` and `mu` are raw and centred moments of normalised image coordinates, as a
+mapping by name "ij" (`Features.raw_moments()`, `Features.centred_moments()`). `plane` is (A, B, C) of
+1/Z = A x + B y + C in the camera frame [1/m] (docs/theory.md T5). Rows have shape (6,), columns [vx vy vz wx wy wz].
+An object without area raises DegenerateFeature. The tests check every row against central differences of exact polygon
+moments.
 """
 
 import numpy as np
@@ -11,12 +12,12 @@ import numpy as np
 from ..ground.errors import DegenerateFeature
 
 
-#: Names of the moments, by i and j.
+#: _NAME[i][j] is the name of the moment ij. Looking it up is faster than making the text each time.
 _NAME = tuple(tuple(f"{i}{j}" for j in range(10)) for i in range(10))
 
 
 def _at(moments, i, j):
-    """m_ij; moments of negative order only ever occur multiplied by zero."""
+    """m_ij, and 0 for a negative i or j, which the formulas only ever multiply by zero."""
     return moments[_NAME[i][j]] if i >= 0 and j >= 0 else 0.0
 
 
@@ -30,7 +31,10 @@ def _shape(m):
 
 
 def plane_from_pose(normal_C, point_C):
-    """(A, B, C) of the plane through point_C with normal_C, both (3,) in the camera frame (T5)."""
+    """(A, B, C), (3,) [1/m], of the plane through point_C [m] with normal_C, both (3,) in the camera frame (T5).
+
+    Raises DegenerateFeature: the plane passes through the optical centre, so the camera sees it as a line.
+    """
     normal_C = np.asarray(normal_C, dtype=float)
     distance = float(normal_C @ point_C)
     if distance == 0.0:
@@ -58,7 +62,7 @@ def centred_moment(m, mu, i, j, plane):
 
 
 def centred_moments(m, mu, orders, plane):
-    """L of several mu_ij, (k, 6), `orders` their (i, j): rows of `centred_moment`."""
+    """L of several mu_ij, (k, 6): the rows of `centred_moment`. Args: orders: k pairs (i, j)."""
     shape = _shape(m)
     return np.array([_centred_row(shape, mu, i, j, plane) for i, j in orders])
 
@@ -111,7 +115,7 @@ def _centroid_rows(m, plane):
 
 
 def normalised(m, plane, z_star_m, area_star):
-    """L of (xn, yn, an), (3, 6) (T9); reference depth [m] and reference area as in T4."""
+    """L of (xn, yn, an), (3, 6) (T9). Args: z_star_m, area_star: depth [m] and area m00 of the reference view (T4)."""
     a = m["00"]
     L_a, (L_x, L_y) = _area_row(m, plane), _centroid_rows(m, plane)
     an = z_star_m * float(np.sqrt(area_star / a))

@@ -1,7 +1,8 @@
-"""Moment invariants c1 to c10 (docs/theory.md T48), under ViSP's numbers (vpMomentCInvariant).
+"""Moment invariants c1 to c10 (docs/theory.md T48), numbered as in ViSP (vpMomentCInvariant).
 
-Each is N / D, both linear in products of complex moments C_pq = integral of z^p conj(z)^q about the centroid,
-z = x + iy, that a turn of the image leaves alone. Degree and order of N and D are the same, so that scale cancels.
+Each is a quotient N / D. N and D are linear combinations of products of complex moments, C_pq = integral of
+z^p conj(z)^q about the centroid with z = x + iy. Only products occur that do not change when the image turns. N and D
+have the same degree and order, so that the size of the object cancels.
 """
 
 from math import comb
@@ -12,11 +13,12 @@ from ..ground.errors import DegenerateFeature
 from .base import Feature, register_feature
 from .palette import shade
 
-#: A modulus |C_pq| below this part of the object's own a (T/a)^(order/2) counts as zero: there is little but the
-#: noise of an image in it, and that would be divided by.
+#: A modulus |C_pq| smaller than this part of a (T/a)^(order/2), which is the object's own scale, counts as zero: it is
+#: mostly noise of the image, and the invariant would divide by it.
 LEAST = 1e-3
 
-#: name: order, degree of the products, coefficients of N and of D in them (`_products`).
+#: For each name: order of the moments, degree of the products, and the coefficients of these products (in the sequence
+#: of `_products`) in N and in D.
 _INVARIANTS = {
     "c1": (2, 2, (-0.25, 0.25), (0, 1)),
     "c2": (3, 2, (0, 1), (1, 0)),
@@ -32,7 +34,7 @@ _INVARIANTS = {
 
 
 def _weights(p, q):
-    """C_pq as a sum over mu_ij: [(i, j, weight)]."""
+    """C_pq as a weighted sum of the mu_ij: a tuple of (i, j, complex weight)."""
     total = {}
     for k in range(p + 1):
         for n in range(q + 1):
@@ -41,7 +43,7 @@ def _weights(p, q):
     return tuple((p + q - j, j, weight) for j, weight in total.items() if weight)
 
 
-#: C_pq of each order, p >= q, the least p first; those with p < q are their conjugates.
+#: For each order p + q the C_pq with p >= q, by increasing p. Those with p < q are the conjugates of these.
 _COMPLEX = {order: tuple(_weights(p, order - p) for p in range((order + 1) // 2, order + 1)) for order in (2, 3, 4, 5)}
 
 
@@ -57,8 +59,11 @@ def _moment_rows(view, order):
 
 
 def _products(view, order, degree):
-    """Degree 2: |C_pq|^2 as in `_COMPLEX`. Degree 4, order 3: B^2, A B, A^2, Re and Im of C30 conj(C21)^3, with
-    A = |C30|^2, B = |C21|^2."""
+    """The products that N and D combine, (k,).
+
+    Of degree 2 they are |C_pq|^2, in the sequence of `_COMPLEX`. Of degree 4 (and order 3) they are B^2, A B, A^2, and
+    the real and imaginary part of C30 conj(C21)^3, with A = |C30|^2 and B = |C21|^2.
+    """
     C = view.shared(_moments, order)
     squares = [abs(c) ** 2 for c in C]
     if degree == 2:
@@ -81,13 +86,13 @@ def _product_rows(view, order, degree):
 
 
 class _Invariant(Feature):
-    """N / D of complex moments (T48) [-]. Values need moments of `moment_order`, rows one order more."""
+    """N / D of complex moments (T48) [-]. The value needs moments to `moment_order`, the row to one order more."""
 
     sees_tilt = True
     moment_order, degree, numerator, denominator = 2, 2, (), ()
 
     def _fraction(self, view):
-        """N and D. Raises DegenerateFeature where D vanishes."""
+        """N and D. Raises DegenerateFeature where D is zero, or so small that noise decides."""
         products = view.shared(_products, self.moment_order, self.degree)
         N, D = float(np.dot(self.numerator, products)), float(np.dot(self.denominator, products))
         area, T = view.m["00"], view.mu["20"] + view.mu["02"]

@@ -1,7 +1,7 @@
-"""Kernel projections as features: kx, ky, what the kernels X^-p and Y^-q make of the object (docs/theory.md T47).
+"""Kernel projections as features: kx and ky are the integrals of X^-p and Y^-q over the object (docs/theory.md T47).
 
-They come out of the camera with `vision.kernel: {p: , q: }`. Scale and rotation are the business of other features,
-e.g. `features: [kx, ky, an, alpha]`.
+The camera computes them if the scenario has `vision.kernel: {p: , q: }`. They control two motions; depth and rotation
+need other features beside them, for example `features: [kx, ky, an, alpha]`.
 """
 
 import numpy as np
@@ -12,24 +12,24 @@ from .palette import BLUE, VERMILION
 
 
 def kernel_row(sums, exponent, origin, plane):
-    """L of the integral of X^-p over the object, X = x - x0, (6,), [v; w] (T47).
+    """Row (6,), [v; w], of the integral of X^-p over the object, with X = x - x0 (T47).
 
     Args:
-        sums: six integrals of X^-(p - 1 + k) y^j at [2 k + j], k = 0, 1, 2 and j = 0, 1 [-].
+        sums: six integrals [-]; that of X^-(p - 1 + k) y^j is at index 2 k + j, for k = 0, 1, 2 and j = 0, 1.
         exponent, origin: p and x0.  plane: (A, B, C) of the target in the camera frame [1/m].
     """
     A, B, C = plane
     p, x0 = exponent, origin
 
     def slope(i, j):
-        """Integral of d(X^-p)/dx x^i y^j: x = X + x0, expanded; i at most 2, j at most 1."""
+        """Integral of d(X^-p)/dx x^i y^j, with x^i = (X + x0)^i expanded in powers of X; i <= 2, j <= 1."""
         total = 0.0
-        for n, share in enumerate(((1.0,), (x0, 1.0), (x0 * x0, 2.0 * x0, 1.0))[i]):  # share of X^n in x^i
+        for n, share in enumerate(((1.0,), (x0, 1.0), (x0 * x0, 2.0 * x0, 1.0))[i]):  # coefficient of X^n in x^i
             total += share * sums[2 * (2 - n) + j]
         return -p * total
 
     def kernel(i, j):
-        """Integral of X^-p x^i y^j, i at most 1."""
+        """Integral of X^-p x^i y^j; i <= 1, j <= 1."""
         return sums[2 + j] if i == 0 else sums[j] + x0 * sums[2 + j]
 
     f, fx, fy = kernel(0, 0), kernel(1, 0), kernel(0, 1)
@@ -51,10 +51,10 @@ class _Kernel(Feature):
         return self._sums(view)[4]
 
     def _sums(self, view):
-        """p, x0 and the six integrals. Raises DegenerateFeature: there are none."""
+        """Eight numbers: p, x0 and the six integrals of `kernel_row`. Raises DegenerateFeature: the view has none."""
         sums = getattr(view.features, "kernel_" + self.letter, ())
         if len(sums) != 8:
-            raise DegenerateFeature(f"{self.name}: the view has no kernel projections, set vision.kernel")
+            raise DegenerateFeature(f"{self.name}: the camera computed no kernel projections, set vision.kernel")
         return sums
 
 

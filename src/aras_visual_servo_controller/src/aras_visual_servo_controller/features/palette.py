@@ -1,4 +1,4 @@
-"""Colours of curves: named ones, shades for members of a family, and spare ones for whoever brings none.
+"""Colours of curves: named ones, shades for the members of a family, and spare ones for features without a colour.
 
 Every colour stands out from white paper (contrast 3:1 or more). The first four are those of Okabe and Ito's palette for
 colour-blind readers, the next four were searched for the largest distance from these and from each other, as people
@@ -14,19 +14,21 @@ import numpy as np
 
 BLUE, VERMILION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#AA4499"
 NAVY, BROWN, VIOLET, MAROON = "#170393", "#614D10", "#AA71FC", "#400D07"
-GREY = "#8c8c8c"  # of what is no curve: axes, zero lines, words on missing data
+GREY = "#8c8c8c"  # for everything that is not a curve: axes, zero lines, notes about missing data
 PALETTE = (BLUE, VERMILION, GREEN, PURPLE, NAVY, BROWN, VIOLET, MAROON)
 
-#: Ranges of hue [deg] for families: x is cool and y warm, as BLUE and VERMILION are; lengths are green, angles purple.
+#: Ranges of hue [deg] for families. Features in x are cool and in y warm, as BLUE and VERMILION are; lengths are green
+#: and angles purple.
 COOL, WARM, GREENS, PURPLES = (190.0, 290.0), (20.0, 110.0), (125.0, 175.0), (300.0, 360.0)
-#: Lightness of shades, from dark to the lightest with enough contrast to white; their chroma where the screen has it.
+#: OKLab lightness of shades, from dark to the lightest that stands out from white paper; and their chroma, which
+#: `shade` makes smaller where a screen cannot show so strong a colour.
 LIGHTNESS, CHROMA = (0.30, 0.66), 0.17
-#: Members of a family walk through hue and lightness by the R2 sequence (Roberts 2018): however many there are, they
-#: keep far apart. These are its steps, and the place of the first member.
+#: Hue and lightness of the members of a family follow the R2 sequence (Roberts 2018), which keeps them far apart
+#: however many there are. These are the two steps of the sequence, and the place of the first member.
 STEPS, FIRST = (0.7548776662466927, 0.5698402909980532), (0.4, 0.9)
-#: Two colours of one plot differ by this in OKLab, if the number of curves allows it.
+#: Two colours of one plot differ by at least this in OKLab, as long as the number of curves allows it.
 LEAST_DISTANCE = 0.04
-#: So many spare colours are tried before the one that is farthest from all others is taken.
+#: `spare` tries this many colours before it takes the one that is farthest from all others.
 SPARES = 256
 
 _LMS_OF_RGB = np.array([[0.4122214708, 0.5363325363, 0.0514459929], [0.2119034982, 0.6806995451, 0.1073969566],
@@ -59,7 +61,7 @@ def shade(hues, number):
     u, v = ((first + (number - 1) * step) % 1.0 for first, step in zip(FIRST, STEPS))
     hue = math.radians(hues[0] + u * (hues[1] - hues[0]))
     lightness = LIGHTNESS[0] + v * (LIGHTNESS[1] - LIGHTNESS[0])
-    for chroma in np.arange(CHROMA, -1e-9, -0.005):  # as strong as a screen can show it
+    for chroma in np.arange(CHROMA, -1e-9, -0.005):  # the strongest chroma that a screen can show
         lab = np.array([lightness, chroma * math.cos(hue), chroma * math.sin(hue)])
         linear = np.linalg.inv(_LMS_OF_RGB) @ (np.linalg.inv(_LAB_OF_LMS) @ lab) ** 3
         if np.all(linear > -1e-6) and np.all(linear < 1.0 + 1e-6):
@@ -70,7 +72,7 @@ def shade(hues, number):
 
 
 def spare(taken):
-    """A colour that keeps its distance from those taken: of the palette, else a shade of any hue."""
+    """A colour at LEAST_DISTANCE or more from those taken: one of the palette, else a shade of any hue."""
     best, farthest = PALETTE[0], -1.0
     for colour in (*PALETTE, *islice((shade((0.0, 360.0), n) for n in count(1)), SPARES)):
         nearest = min((distance(colour, other) for other in taken), default=math.inf)

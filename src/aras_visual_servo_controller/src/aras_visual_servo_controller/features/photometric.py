@@ -1,4 +1,4 @@
-"""Feature `photometric`: how far the luminance of the image is from that of the reference (docs/theory.md T33)."""
+"""Feature `photometric`: how much the grey levels of the image differ from those of the goal (docs/theory.md T33)."""
 
 from ..ground.errors import DegenerateFeature
 from .base import Feature, register_feature
@@ -7,7 +7,7 @@ from .palette import BLUE
 
 @register_feature("photometric")
 class Photometric(Feature):
-    """Rms of I - I* over the image, 0 at the goal [grey levels]; of PhotometricFeatures, not of moments."""
+    """Root mean square of I - I* over the image [grey levels]; 0 at the goal. It comes from PhotometricFeatures."""
 
     sees_tilt, source = True, "photometric"
     unit, symbol, label, colour = "grey", "ΔI", "rms difference of the luminance", BLUE
@@ -18,4 +18,5 @@ class Photometric(Feature):
         return view.features.rms
 
     def row(self, view):
-        raise DegenerateFeature("photometric: is for law 'photometric', the camera sums its interaction matrix up")
+        raise DegenerateFeature("photometric: this feature has no interaction row, allowed with law 'photometric' "
+                                "only, for which the camera sums up the matrix over the pixels")

@@ -1,10 +1,10 @@
-"""Features of followed points: coordinates, and segments from each to the next (docs/theory.md T26, T27).
+"""Features of followed points: their coordinates, and the segments from each to the next (docs/theory.md T26, T27).
 
-`xN`, `yN` are the normalised coordinates of point N = 1, 2, ... (`MomentFeatures.point_x`, `.point_y`); `points4` in a
-list of features stands for x1, y1, ..., x4, y4. `xmN`, `ymN`, `lN`, `alphaN` are middle, length and direction of the
-segment from point N to the next one, from the last to the first.
+`xN` and `yN` are the normalised coordinates of point N = 1, 2, ... (`MomentFeatures.point_x`, `.point_y`). `points4` in
+a list of features stands for x1, y1, ..., x4, y4. `xmN`, `ymN`, `lN` and `alphaN` are the middle, the length and the
+direction of the segment from point N to the next one; the last point's segment ends at the first point.
 
-1/Z of a point is that of the target's plane, or the view's `inverse_depths`.
+The inverse depth 1/Z of a point comes from the target's plane, or from the view's `inverse_depths` where it has them.
 """
 
 from math import atan2, hypot
@@ -17,7 +17,7 @@ from .palette import COOL, GREENS, PURPLES, WARM
 
 
 def points(view):
-    """[(x, y)] of the followed points. Raises DegenerateFeature when none are found."""
+    """[(x, y)], normalised coordinates of the followed points. Raises DegenerateFeature: the view shows none."""
     x, y = view.features.point_x, view.features.point_y
     if not 0 < len(x) == len(y):
         raise DegenerateFeature(f"points: found {len(x)} x and {len(y)} y in this view, needed at least one of each")
@@ -25,7 +25,7 @@ def points(view):
 
 
 def point_rows(view):
-    """L of (x1, y1, ..., xN, yN), (2 N, 6)."""
+    """L of (x1, y1, ..., xN, yN), (2 N, 6) (T26). Raises DegenerateFeature: the goal had another number of points."""
     rows, depths = [], view.inverse_depths
     seen = view.shared(points)
     if depths is None:
@@ -43,10 +43,10 @@ class _OfPoints(Feature):
     sees_tilt = True
 
     def _ends(self, view):
-        """Indices of this point and of the next one. Raises DegenerateFeature when the first is not there."""
+        """Indices of this point and of the next one. Raises DegenerateFeature: the view shows fewer points."""
         count = len(view.shared(points))
         if self.number > count:
-            raise DegenerateFeature(f"{self.name}: found {count} points in this view")
+            raise DegenerateFeature(f"{self.name}: found {count} points in this view, needed at least {self.number}")
         return self.number - 1, self.number % count
 
 
@@ -73,7 +73,11 @@ class PointY(PointX):
 
 
 class _OfSegment(_OfPoints):
-    """From a point to the next: `_value(dx, dy)` and `_row(cosine, sine, length, L_dx, L_dy)`."""
+    """Base class of features of the vector (dx, dy) from a point to the next one.
+
+    A subclass gives `_value(dx, dy)` and `_row(cosine, sine, length, L_dx, L_dy)`, where cosine and sine are those of
+    the vector's direction and L_dx, L_dy, (6,), are the rows of dx and dy.
+    """
 
     def value(self, view):
         (x, y), (x_next, y_next) = (view.shared(points)[end] for end in self._ends(view))
@@ -85,7 +89,7 @@ class _OfSegment(_OfPoints):
         dx, dy = seen[following][0] - seen[here][0], seen[following][1] - seen[here][1]
         length = hypot(dx, dy)
         if not length > 0.0:
-            raise DegenerateFeature(f"{self.name}: the segment has no length")
+            raise DegenerateFeature(f"{self.name}: the segment has no length, two followed points coincide")
         L_dx, L_dy = L[2 * following] - L[2 * here], L[2 * following + 1] - L[2 * here + 1]
         return self._row(dx / length, dy / length, length, L_dx, L_dy)
 
@@ -105,7 +109,7 @@ class SegmentLength(_OfSegment):
 
 @register_family("alpha")
 class SegmentDirection(_OfSegment):
-    """Direction of a segment, from its first point to the next [rad]. The order of the points makes it unambiguous."""
+    """Direction of a segment, from its first point to the next [rad]. Points have an order, so it is known to 2 pi."""
 
     unit, symbol, label, colour = "rad", "α_{number}", "direction of segment {number}", PURPLES
     angle = directed = True

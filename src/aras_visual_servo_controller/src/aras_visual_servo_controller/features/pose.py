@@ -1,6 +1,7 @@
-"""Features that a pose of the camera gives: displacement from the goal, and the reference point of law `hybrid`.
+"""Features of the camera's pose: its displacement from the goal, and the reference point of law `hybrid`.
 
-Laws that know the pose put it into the `View`; there are no interaction rows (docs/theory.md T25, T30).
+The laws that measure the pose put these values into the `View`. They need no interaction matrix, so these features
+have no rows (docs/theory.md T25, T30).
 """
 
 from ..ground.errors import DegenerateFeature
@@ -12,7 +13,8 @@ class _OfPose(Feature):
     sees_tilt, index = True, 0
 
     def row(self, view):
-        raise DegenerateFeature(f"{self.name}: is for laws of the pose, which need no interaction matrix")
+        raise DegenerateFeature(f"{self.name}: this feature has no interaction row, allowed with the laws that measure "
+                                "the pose (pbvs, hybrid) only")
 
 
 class _Displacement(_OfPose):

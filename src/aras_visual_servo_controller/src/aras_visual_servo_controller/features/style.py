@@ -1,4 +1,4 @@
-"""How features are shown. Figures, pages, videos and tables all ask here, so that a feature looks the same everywhere.
+"""How features are shown. Figures, pages, videos and tables all ask here; so a feature looks the same everywhere.
 
     for style, column in zip(styles(record.feature_names), record.e.T):
         axes.plot(t_s, column, color=style.colour, label=style.mathtext)
@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from .base import Feature, feature_class
 from .palette import LEAST_DISTANCE, distance, shade, spare
 
-#: Unit of a feature: factor to the unit that people read off, and that unit.
+#: For a feature's unit: the factor to the unit in which people read it, and that unit.
 _READ_OFF = {"m": (1e3, "mm"), "rad": (180.0 / math.pi, "deg")}
 
 
@@ -47,7 +47,7 @@ class FeatureStyle:
     def mathtext(self):
         """Symbol and unit as text for matplotlib: "$x_{n}$ [m]"."""
         plain = re.fullmatch(r"\w+", self.symbol) and (self.subscript or len(self.letter) == 1)
-        if not plain:  # a name of several letters is no product of them
+        if not plain:  # mathtext would set a name of several letters as a product of variables
             return self.symbol.replace("$", r"\$") + f" [{self.unit}]"
         below = self.subscript.replace("_", r"\_")
         return (f"${self.letter}_{{{below}}}$" if below else f"${self.letter}$") + f" [{self.unit}]"

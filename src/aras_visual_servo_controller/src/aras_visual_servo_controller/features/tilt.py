@@ -1,4 +1,8 @@
-"""Two invariants each of the motions in the image plane: what is left of them tells tilt (docs/theory.md T18, T19)."""
+"""Two pairs of features for the tilt of the camera: sx, sy (docs/theory.md T18) and px, py (T19).
+
+With the image parallel to the target neither pair changes as the camera translates, and px, py do not change as it
+turns about its axis either. So a tilt shows in them, which the four default features do not tell from a translation.
+"""
 
 from . import interaction
 from ..ground.errors import DegenerateFeature
@@ -7,13 +11,13 @@ from .palette import BROWN, MAROON, NAVY, VIOLET
 
 
 def third_order_vector(view):
-    """S = sx + i sy (T18). Raises DegenerateFeature for an isotropic object."""
+    """S = sx + i sy, complex [-] (T18). Raises DegenerateFeature: the object is empty or isotropic."""
     z1, z2, T, a = _complex_moments(view)
     return z2 * z1.conjugate() / z1 * (a**0.5 / T**1.5)
 
 
 def third_order_rows(view):
-    """L of S, (6,) complex (T18)."""
+    """L of S, (6,) complex, columns [v; w] (T18)."""
     z1, z2, T, a = _complex_moments(view)
     L_z1, L_z2, L_T = view.shared(_complex_rows)
     turn = z1.conjugate() / z1 * (a**0.5 / T**1.5)
@@ -27,7 +31,8 @@ def _complex_moments(view):
     z2 = complex(mu["03"] - 3.0 * mu["21"], mu["30"] - 3.0 * mu["12"])
     T, a = mu["20"] + mu["02"], view.m["00"]
     if not (T > 0.0 and a > 0.0 and abs(z1) > 0.0):
-        raise DegenerateFeature("third-order invariants: the object is empty or its second-order moments isotropic")
+        raise DegenerateFeature("third-order invariants: the object is empty, or its second-order moments are "
+                                "isotropic (a disc, a square), so that it has no orientation")
     return z1, z2, T, a
 
 
@@ -73,7 +78,7 @@ class Sy(_ThirdOrder):
 
 @register_feature("px")
 class Px(_ThirdOrder):
-    """Elongation, squared (T19) [-]. Its row needs moments to order 3 only."""
+    """Elongation, squared (T19) [-]. Its row needs moments to order 3, those of the others to order 4."""
 
     symbol, label, colour = "p_x", "elongation, squared", VIOLET
     order = 3
@@ -91,7 +96,7 @@ class Px(_ThirdOrder):
 
 @register_feature("py")
 class Py(_ThirdOrder):
-    """Asymmetry, squared (T19) [-]; without a derivative, and of no use, for an object of central symmetry."""
+    """Asymmetry, squared (T19) [-]. For an object of central symmetry seen parallel it is zero, and so is its row."""
 
     symbol, label, colour = "p_y", "asymmetry, squared", MAROON
 

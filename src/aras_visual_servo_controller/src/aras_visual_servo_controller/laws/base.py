@@ -11,10 +11,10 @@ A new law is a subclass with one method and a name:
     law.reset(s_star)
     answer = law.step(Look(View(features), dt_s))   # once per image: answer.twist, answer.s, answer.e, ...
 
-s are the features of the scenario (`features.FeatureSet`), e = s - s_star, gains one per feature [1/s]; by default
-s = (xn, yn, an [m], alpha [rad]). A `Look` is all that a law is given of an image, an `Answer` all that it says. A law
-that inverts an interaction matrix sets `needs_plane` and takes `self.invert(self.features.matrix(look.view))`:
-docs/extending.md.
+s are the features that the scenario names (`features.FeatureSet`), by default s = (xn, yn, an [m], alpha [rad]), and
+e = s - s_star. There is one gain per feature [1/s]. For each image the servo gives the law one `Look` and takes one
+`Answer`; nothing else goes between them. A law that inverts the interaction matrix of the current view sets
+`needs_plane` and calls `self.invert(self.features.matrix(look.view))`: docs/extending.md.
 
 A law with settings of its own describes them as a frozen dataclass (config/settings.py) and finds them as
 `self.settings`; they are read from the section `servo.NAME` of the scenario:
@@ -35,15 +35,17 @@ from ..ground.types import FEATURE_NAMES, Reference
 from .look import Answer
 from .setup import INTERACTIONS, POINT_DEPTHS, POSES, LawSetup
 
-#: A matrix with a larger condition number is not inverted: the view does not tell six motions apart.
+#: An interaction matrix with a larger condition number is not inverted, because in such a view some camera motion
+#: hardly changes the features.
 MAX_CONDITION = 1e6
 _LAWS = {}
 
 
 def register(name, settings=None):
-    """Class decorator: make a law known by name.
+    """Class decorator that makes a law known by name.
 
-    Args: settings: settings class of the law's own section `servo.NAME`. ParameterError if it does not describe one.
+    Args: settings: settings class of the law's own section `servo.NAME`, or None.
+    Raises ParameterError: `settings` is not a frozen dataclass whose fields are made by `setting`.
     """
 
     def add(law):
@@ -63,14 +65,16 @@ def known_laws():
 
 
 def law_settings():
-    """Laws with settings of their own: name -> settings class, sorted by name."""
+    """Dict of name -> settings class of the laws that have settings of their own, sorted by name."""
     return {name: _LAWS[name].settings_class for name in known_laws() if _LAWS[name].settings_class is not None}
 
 
 def make_law(name, gains_per_s, setup=LawSetup()):
-    """Law of that name.
+    """Make the law of that name.
 
-    Raises ParameterError: unknown name (lists the known ones), a gain that is not > 0, features it does not work on.
+    Args: gains_per_s: (k,), > 0, one per feature, in the order of the features [1/s].  setup: `LawSetup`.
+    Raises ParameterError: the name is unknown (the error lists the known ones), a gain is not > 0, or the law does not
+        work on the features of the setup.
     """
     known = known_laws()
     if name not in known:
@@ -79,33 +83,41 @@ def make_law(name, gains_per_s, setup=LawSetup()):
 
 
 def adaptive_factor(size, part, slope):
-    """Factor on the gains for an error of this size: 1 at zero, `part` far away, falling at first by `slope` (T22).
+    """Factor on the gains for a feature error of this size (T22).
 
+    It is 1 where the error is zero and falls towards `part` as the error grows; near zero it falls by `slope` per unit.
     Args: size: largest |e_i|, in the units of the features.  part: 0 < part < 1.  slope: > 0, per unit of e.
     """
     return (1.0 - part) * exp(-slope / (1.0 - part) * size) + part
 
 
 def sampled_gains(gains_per_s, dt_s):
-    """Gains that let a twist held for dt_s do what the rates do in that time (T14)."""
+    """Gains for a twist that is held for dt_s, which then reduces e as exp(-gain t) does in that time (T14).
+
+    Args: gains_per_s: (k,) [1/s].  dt_s: 0 gives the gains back as they are [s].
+    """
     return [-expm1(-gain * dt_s) / dt_s for gain in gains_per_s] if dt_s > 0.0 else gains_per_s
 
 
 class Law:
-    """Base of the laws: checks, feature error, then `_twist` of the subclass.
+    """Base class of the laws. It checks gains and features, forms the feature error and calls `_twist` of the subclass.
 
     Attributes:
-        name.  works_on: the features it is made for, None: any.  continuous_only: not for look-then-move.
-        needs_plane, needs_pose: what it wants of each `Look`: the target's plane, X_CgC.
-        settings: its own, an instance of settings_class; None: it has none.
-        features: `FeatureSet`.  gains_per_s: tuple of k, made smaller far from the goal where the setup says so.
+        name: under which the law is registered.
+        works_on: names of the features that the law is made for; None: it takes any features.
+        continuous_only: True for a law that does not work in mode look_then_move.
+        needs_plane: True makes the servo put the target's plane into the view of each `Look`.
+        needs_pose: True makes the servo put X_CgC into each `Look`.
+        settings_class, settings: the law's own settings, class and instance; None for a law without.
+        features: `FeatureSet`.
+        gains_per_s: tuple of k [1/s]; with `adaptive_gain` they are smaller far from the goal.
     """
 
     name, settings_class, works_on, needs_plane, needs_pose = "", None, FEATURE_NAMES, False, False
     continuous_only = False
 
     def __init__(self, gains_per_s, setup=LawSetup()):
-        """Args: gains_per_s: (k,), > 0, in the order of the features [1/s]. setup: `LawSetup`. ParameterError."""
+        """Args and errors: those of `make_law`."""
         self.features, self._setup = FeatureSet(setup.features, setup.settings), setup
         names = self.features.names
         self.gains_per_s = tuple(float(gain) for gain in gains_per_s)
@@ -136,7 +148,13 @@ class Law:
         self._first, self._t_s, self._condition = None, 0.0, float("nan")
 
     def reset(self, reference):
-        """Forget the past; servo to `reference`, s_star (k,) or an object with that attribute (`Reference`)."""
+        """Forget the past and servo to `reference` from now on.
+
+        Args: reference: a `Reference`, or s_star alone, (k,); some laws need the taught view of a `Reference`.
+        Raises:
+            ShapeError, NotFiniteError: s_star has another length, or is not finite.  ParameterError: the law needs a
+            view that the reference does not have.
+        """
         s_star = tuple(float(value) for value in getattr(reference, "s_star", reference))
         if len(s_star) != len(self.features):
             raise ShapeError(f"s_star: {len(s_star)} values, expected {len(self.features)}")
@@ -149,10 +167,11 @@ class Law:
             self._inverse_depths = [A * x + B * y + C for x, y in zip(view.point_x, view.point_y)]
 
     def step(self, look):
-        """`Answer` to one `Look`.
+        """The `Answer` to one `Look`.
 
         Raises:
-            NotFiniteError: a feature or dt_s is not finite.  DegenerateFeature: a feature does not exist in this view.
+            NotFiniteError: a feature, dt_s or the interaction matrix is not finite.
+            DegenerateFeature: a feature does not exist in this view, or the matrix of the features cannot be inverted.
         """
         look = self._see(look)
         s = self.features.values(look.view)
@@ -171,45 +190,59 @@ class Law:
         return Answer(twist, s, e, self._condition_at(s), settled)
 
     def _see(self, look):
-        """The look with what this law knows of the view besides."""
+        """The look, with what this law knows about the view added to it: here the depths of followed points."""
         if self._inverse_depths is None:
             return look
         return look._replace(view=View(look.view.features, look.view.plane, None, self._inverse_depths))
 
     def _twist(self, look, s, e):
-        """V_C, (6,). Args: look: `Look`.  s, e: tuples of k, the features and their errors."""
+        """The subclass's twist V_C, (6,), [v; w] in the camera frame [m/s; rad/s].
+
+        Args: look: `Look`.  s, e: tuples of k, the features and their errors.
+        """
         raise NotImplementedError
 
     def _settled(self, twist):
-        """Whether this twist, before it is let in smoothly, is no motion worth mentioning."""
+        """Whether the law itself regards the goal as reached. A law may want more for that than small errors.
+
+        Args: twist: (6,) of `_twist`, as it is before a smooth start makes it smaller.
+        """
         return True
 
     def _condition_at(self, s):
-        """Condition number of the interaction matrix that the twist rests on; the one inverted last, if any."""
+        """Condition number of the interaction matrix of the twist, here of the one inverted last; NaN before any."""
         return self._condition
 
     def taught_view(self, reference):
-        """(view, plane_C) of a `Reference`. Raises ParameterError when it has none."""
+        """(view, plane_C) of a `Reference`: its `Features`, and (A, B, C) of its plane, (3,) [1/m].
+
+        Raises ParameterError: the reference has no view or no plane.
+        """
         if not isinstance(reference, Reference) or reference.view is None or reference.plane_C is None:
-            raise ParameterError(f"law '{self.name}': the reference holds no view with its moments: teach it again")
+            raise ParameterError(f"law '{self.name}': needs the moments and the plane of the goal's view, but the "
+                                 "reference was stored without them: teach the goal again")
         return reference.view, reference.plane_C
 
     def _let_in(self, twist, dt_s):
-        """Take the first twist away, and give it back at the rate smooth_start_per_s (T23)."""
+        """The twist less what is left of the first one, which vanishes at the rate smooth_start_per_s (T23).
+
+        So the camera starts from rest instead of with a jump of its velocity.
+        """
         if self._first is None:
             self._first = np.array(twist, dtype=float)
-        self._t_s += dt_s  # to the end of the time the twist is held: the first image moves already
+        self._t_s += dt_s  # the end of the time for which this twist is held, so that the first one moves already
         return twist - exp(-self._setup.smooth_start_per_s * self._t_s) * self._first
 
     def goal_matrix(self, view, plane):
-        """L, (k, 6), of the taught view and plane."""
+        """L, (k, 6), at the goal. Args: view: taught `Features`.  plane: its (A, B, C), (3,) [1/m]."""
         return self.features.matrix(View(view, plane))
 
     def invert(self, L):
-        """Pseudo-inverse (6, k) of an interaction matrix (k, 6) of these features.
+        """Pseudo-inverse, (6, k), of an interaction matrix L, (k, 6), of these features.
 
-        Features that do not see tilt leave w_x, w_y alone: the servo holds the attitude from the joint positions.
-        Raises: DegenerateFeature: (nearly) singular.  NotFiniteError.
+        Features that do not see tilt get no w_x and w_y: the servo holds the attitude from the joint positions.
+        Raises:
+            NotFiniteError: L is not finite.  DegenerateFeature: its condition number is MAX_CONDITION or more.
         """
         if not isfinite(float(L.sum())):
             raise NotFiniteError("interaction matrix is not finite")
@@ -230,7 +263,10 @@ class Law:
 
 @register("paper")
 class Paper(Law):
-    """The published eq. (17) and (18): v = -Lambda L^-1 e, L of eq. (16) (docs/theory.md T12). Unequal gains couple."""
+    """The published law, eq. (17) and (18): v = -Lambda L^-1 e with L of eq. (16) (docs/theory.md T12).
+
+    The gains multiply the twist, so unequal gains let the error of one feature disturb the others.
+    """
 
     def _condition_at(self, s):
         return parallel_condition(s[0], s[1])
@@ -242,11 +278,12 @@ class Paper(Law):
 
 @register("decoupled")
 class Decoupled(Law):
-    """v = -L^-1 Lambda e: each feature decays on its own as exp(-lambda t), exactly so when sampled (T13, T14).
+    """v = -L^-1 Lambda e: each feature decays on its own as exp(-lambda t), also from image to image (T13, T14).
 
-    The gain is (1 - exp(-lambda dt)) / dt, and v is corrected for the camera turning while the twist is held: with
-    phi = wz dt a point P of the target moves to Rz(-phi) P - dt S v, where S = [[sin phi, 1 - cos phi],
-    [cos phi - 1, sin phi]] / phi; solved for v. Exact for a target parallel to the image.
+    The twist is held until the next image. Therefore the gain is (1 - exp(-lambda dt)) / dt, and v allows for the
+    camera's turn in that time: with phi = wz dt a point P of the target moves to Rz(-phi) P - dt S v, where
+    S = [[sin phi, 1 - cos phi], [cos phi - 1, sin phi]] / phi, and this is solved for v. It is exact for a target
+    parallel to the image.
     """
 
     def _condition_at(self, s):
@@ -260,7 +297,7 @@ class Decoupled(Law):
         wz = gains[3] * e[3]
         dx, dy = gains[0] * e[0] + y * wz, gains[1] * e[1] - x * wz
         phi = wz * dt_s
-        if abs(phi) > 1e-6:  # below, S = 1 and the second-order terms of Rz vanish in rounding
+        if abs(phi) > 1e-6:  # for smaller turns S is 1, and the second-order terms of Rz are lost in rounding anyway
             one_minus_c, sine = 2.0 * sin(0.5 * phi) ** 2, sin(phi)
             dx = gains[0] * e[0] + (y * sine - x * one_minus_c) / dt_s
             dy = gains[1] * e[1] - (x * sine + y * one_minus_c) / dt_s

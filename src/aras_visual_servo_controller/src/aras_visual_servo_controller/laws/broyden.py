@@ -8,30 +8,35 @@ from ..config.settings import setting
 from ..ground.errors import ParameterError
 from .base import Law, LawSetup, register, sampled_gains
 
-#: Test moves: images of motion, then images at rest until the joints have followed.
+#: A test move lasts this many images of motion and then this many at rest, in which the joints catch up.
 MOVE_IMAGES, REST_IMAGES = 3, 4
-#: No image asks for more than this many times `move`: what was learnt holds nearby.
+#: No image asks for a motion of more than this many times `move`, because what was learnt holds nearby only.
 TRUST = 5.0
 
 
 @dataclass(frozen=True)
 class BroydenSettings:
-    """Settings of law `broyden`, which mode `continuous` only has."""
+    """Settings of law `broyden`, which works in mode `continuous` only."""
 
     initial: str = setting(
         "desired", choices=("desired", "moves"),
-        help="The first matrix: `desired`, that of the goal, or `moves`, nothing known: a small test move along each "
-             "axis finds it.")
-    forgetting: float = setting(0.95, above=0, at_most=1, help="Weight rho of what was learnt before, per image (T32).")
-    move: float = setting(0.01, above=0, help="Size of the test moves, in radians or in parts of Z*.")
+        help="Where the first matrix comes from: `desired` takes that of the goal; `moves` finds it by a small test "
+             "move along each axis.")
+    forgetting: float = setting(
+        0.95, above=0, at_most=1,
+        help="Factor rho by which each image reduces the weight of earlier ones (T32); 1: nothing is forgotten.")
+    move: float = setting(
+        0.01, above=0,
+        help="Size of a test move: an angle in radians, a translation in parts of Z*.")
 
 
 @register("broyden", settings=BroydenSettings)
 class Broyden(Law):
-    """v = -J^+ Lambda e, with J from what the features did after each twist: recursive least squares that forgets.
+    """v = -J^+ Lambda e, with J estimated from how the features changed after each twist.
 
-    Of camera, depth and plane it knows what the first J holds: that of the goal (`desired`), or nothing (`moves`: one
-    small test move along each axis first). Motions are counted in radians, translations in parts of Z*.
+    The estimate is recursive least squares with forgetting (T32). It starts from the matrix at the goal (`desired`), or
+    from nothing (`moves`: one small test move along each axis comes first), and uses no other knowledge of the camera,
+    the depth or the plane. In the estimate rotations count in radians and translations in parts of Z*.
 
     References: M. Jagersand, O. Fuentes, R. Nelson, "Experimental evaluation of uncalibrated visual servoing for
     precision manipulation", ICRA 1997. K. Hosoda, M. Asada, "Versatile visual servoing without knowledge of true
@@ -57,7 +62,7 @@ class Broyden(Law):
         return L
 
     def reset(self, reference):
-        """Takes a `Reference` with view and plane."""
+        """As of `Law`; needs a `Reference` with view and plane."""
         super().reset(reference)
         view, plane = self.taught_view(reference)
         self._units = np.array([view.z_star_m] * 3 + [1.0] * 3)[self._columns]
@@ -72,7 +77,8 @@ class Broyden(Law):
     def _twist(self, look, s, e):
         dt_s = look.dt_s
         if dt_s <= 0.0:
-            raise ParameterError(f"law '{self.name}': found dt_s {dt_s}, allowed > 0: it learns from motion in time")
+            raise ParameterError(f"law '{self.name}': found dt_s {dt_s}, allowed > 0, because the law learns from how "
+                                 "far each twist moves the camera")
         motion, change = self._since_the_last_image(look, s)
         self._s_last, self._dt_last = s, dt_s
         if self._J is None:
@@ -86,14 +92,17 @@ class Broyden(Law):
         return twist * min(1.0, TRUST * self._move / max(float(motion @ motion) ** 0.5 * dt_s, 1e-12))
 
     def _since_the_last_image(self, look, s):
-        """(motion (n,), change of the features (k,)); None each when the arm was stopped in between."""
+        """(motion (n,), change of the features (k,)); (None, None) at the first image and after the arm was stopped."""
         if look.applied is None or self._s_last is None:
             return None, None
         motion = look.applied[self._columns] / self._units * self._dt_last
         return motion, np.array(self.features.error(s, self._s_last, look.view.features.symmetric))
 
     def _learn(self, motion, change):
-        """Recursive least squares; the covariance grows no larger than it was, however long the arm rests."""
+        """One step of recursive least squares (T32).
+
+        While the arm rests, forgetting would make the covariance grow without bound; it is kept to its first trace.
+        """
         Ph = self._P @ motion
         scale = 1.0 / (self._forgetting + float(motion @ Ph))
         self._J = self._J + np.outer(change - self._J @ motion, scale * Ph)
@@ -101,7 +110,7 @@ class Broyden(Law):
         self._P = P * min(1.0, self._P_trace / float(np.trace(P)))
 
     def _note(self, motion, change):
-        """Add up what the test move under way did; after the last one solve for the matrix."""
+        """Add what was seen to the sums of the current test move; after the last move solve for the matrix."""
         n = len(self._columns)
         axis = (self._images - 1) // (MOVE_IMAGES + REST_IMAGES)
         if motion is not None and 0 <= axis < n:
@@ -112,6 +121,7 @@ class Broyden(Law):
         self._images += 1
 
     def _test_move(self, dt_s):
+        """Twist (6,) of the current test move: along one axis, or zero while the joints catch up."""
         axis, image = divmod(self._images - 1, MOVE_IMAGES + REST_IMAGES)
         twist = np.zeros(6)
         if image < MOVE_IMAGES:

@@ -1,4 +1,4 @@
-"""Law `hybrid`, 2 1/2-D: half in the image, half in space (docs/theory.md T30)."""
+"""Law `hybrid`, which is 2 1/2-D visual servoing: translation by a point of the image, rotation by the pose (T30)."""
 
 from math import log
 
@@ -12,10 +12,11 @@ from .pose import PoseLaw
 
 @register("hybrid")
 class Hybrid(PoseLaw):
-    """Reference point (x, y, ln(Z/Z*)) straight home in the image, rotation by its angle and axis.
+    """Brings a reference point (x, y, ln(Z/Z*)) straight to its goal in the image, and turns about one fixed axis.
 
-    The reference point is that of the target's plane which is seen at the centroid of the goal's view. Rotation and
-    depth ratio come from the pose; Z only scales the translation.
+    The reference point is the point of the target's plane that the goal's view shows at its centroid. The rotation and
+    the ratio of depths Z/Z* come from the pose of the target. An error of Z* itself only makes the translation faster
+    or slower.
 
     References: E. Malis, F. Chaumette, S. Boudet, "2 1/2 D visual servoing", IEEE T-RA 15(2), 1999.
     """
@@ -23,11 +24,11 @@ class Hybrid(PoseLaw):
     works_on = ("xr", "yr", "zr", "rx", "ry", "rz")
 
     def reset(self, reference):
-        """Chooses the reference point."""
+        """As of `PoseLaw`, and chooses the reference point."""
         super().reset(reference)
         view, plane = self.taught_view(reference)
         ray = np.array([view.xg, view.yg, 1.0])
-        if self._setup.target is not None:  # its own plane, as the pose has it
+        if self._setup.target is not None:  # the plane of the known target, which its pose gives
             plane = self._X_CgT[:3, 2] / (self._X_CgT[:3, 2] @ self._X_CgT[:3, 3])
         self._z_star_m = 1.0 / float(plane @ ray)
         self._point_T = self._X_CgT[:3, :3].T @ (self._z_star_m * ray - self._X_CgT[:3, 3])
@@ -36,7 +37,8 @@ class Hybrid(PoseLaw):
         look = super()._see(look)
         X, Y, Z = (self._X_CT[:3, :3] @ self._point_T + self._X_CT[:3, 3]).tolist()
         if not Z > 0.0:
-            raise DegenerateFeature("reference point: behind the camera")
+            raise DegenerateFeature(f"law '{self.name}': the pose found puts the reference point at depth {Z:.3g} m, "
+                                    "allowed > 0 (in front of the camera)")
         view, point = look.view, (X / Z, Y / Z, log(Z / self._z_star_m))
         return look._replace(view=View(view.features, view.plane, view.displacement, reference_point=point))
 

@@ -1,4 +1,4 @@
-"""Law `ibvs`, on any features (docs/theory.md T20, T21)."""
+"""Law `ibvs`: image-based visual servoing on any features (docs/theory.md T20, T21)."""
 
 import numpy as np
 
@@ -7,9 +7,11 @@ from .base import Law, LawSetup, register, sampled_gains
 
 @register("ibvs")
 class ImageBased(Law):
-    """v = -L^+ Lambda e for any features, L at the goal, at the current view or the mean of both (T20, T21).
+    """v = -L^+ Lambda e for any features (T20, T21).
 
-    With L at the goal the way there is not straight, but |e| -> 0 means the goal more often: see docs/theory.md.
+    `interaction` says whether L is that of the goal, that of the current view, or the mean of both. With L of the
+    goal the features do not go straight to their goal, but runs that end with |e| = 0 at a wrong pose are rarer
+    (docs/theory.md, T20).
     """
 
     works_on = None
@@ -20,7 +22,7 @@ class ImageBased(Law):
         self._L_star = self._inverse = None
 
     def reset(self, reference):
-        """Takes a `Reference` with view and plane, unless L is always the current one."""
+        """As of `Law`; needs a `Reference` with view and plane, except with `interaction: current`."""
         super().reset(reference)
         self._L_star = self._inverse = None
         if self._setup.interaction == "current":
@@ -37,6 +39,6 @@ class ImageBased(Law):
         return -(inverse @ self._wanted(e, look.dt_s))
 
     def _wanted(self, e, dt_s):
-        """-e_dot wanted, (k,)."""
+        """The rate at which the errors are to fall, -e_dot, (k,), in the units of the features per second."""
         gains = sampled_gains(self.gains_per_s, dt_s)
         return np.array([gain * error for gain, error in zip(gains, e)])

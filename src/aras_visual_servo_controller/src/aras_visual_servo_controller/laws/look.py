@@ -1,4 +1,5 @@
-"""What a law is given of one image, and what it answers. Both are values: nothing is set or read in between."""
+"""What a law is given for one image, and what it answers. Both are frozen values, and there is no other way between
+the servo and a law."""
 
 from typing import NamedTuple, Optional, Tuple
 
@@ -11,11 +12,12 @@ class Look(NamedTuple):
     """One look at the target.
 
     Attributes:
-        view: `View` of the image: its features and, where the law `needs_plane`, the target's plane.
-        dt_s: time the twist will be held [s]; 0 asks for the instantaneous twist.
-        X_CgC: (4, 4) pose of the camera in that of the goal, by the kinematics, where the law `needs_pose`.
-        applied: (6,) twist that was carried out since the last look, after all limits; None: none, or the arm was
-            stopped in between.
+        view: `View` of the image. It holds the features and, for a law that `needs_plane`, the target's plane.
+        dt_s: time for which the twist will be held [s]; 0 asks for the instantaneous twist.
+        X_CgC: (4, 4) pose of the camera in the camera frame at the goal, by the kinematics; None unless the law
+            `needs_pose`.
+        applied: (6,) V_C that the arm was given after the last look, with all limits applied [m/s; rad/s]; None at the
+            first look and after the arm was stopped.
     """
 
     view: View
@@ -30,8 +32,8 @@ class Answer(NamedTuple):
     Attributes:
         twist: V_C, (6,), [v; w] in the camera frame [m/s; rad/s].
         s, e: tuples of k, the features and their errors.
-        condition: number of the interaction matrix that the twist rests on, NaN without one.
-        settled: the law asks for no motion worth mentioning; if not, the servo is not done, however small e is.
+        condition: condition number of the interaction matrix that gave the twist; NaN if there is none.
+        settled: False keeps the servo from ending as converged, however small e is.
     """
 
     twist: np.ndarray

@@ -1,4 +1,5 @@
-"""Law `photometric`: the luminance of the whole image, by Levenberg and Marquardt (docs/theory.md T33 to T35, T46)."""
+"""Law `photometric`: servoing on the grey levels of the whole image, by the method of Levenberg and Marquardt
+(docs/theory.md T33 to T35, T46)."""
 
 from dataclasses import dataclass
 
@@ -13,24 +14,29 @@ _UPPER = np.triu_indices(6)
 
 @dataclass(frozen=True)
 class PhotometricSettings:
-    """Settings of law `photometric`; whose gradient it takes says `vision.photometric.interaction`."""
+    """Settings of law `photometric`. Its interaction matrix is chosen in the camera's section `vision.photometric`."""
 
-    damping: float = setting(0.01, at_least=0, help="Damping mu of (T46) at the first image; it falls with the cost.")
+    damping: float = setting(
+        0.01, at_least=0,
+        help="Damping mu of (T46) at the first image; it falls as the image comes to look like that of the goal.")
     rest_m_per_s: float = setting(
         0.0005, unit="m/s", above=0,
-        help="The servo has converged only when the law asks for less speed than this.")
+        help="The servo has not converged while the law asks for more speed than this.")
     rest_rad_per_s: float = setting(
         0.001, unit="rad/s", above=0,
-        help="The servo has converged only when the law asks for a slower turn than this.")
+        help="The servo has not converged while the law asks for a faster turn than this.")
 
 
 @register("photometric", settings=PhotometricSettings)
 class Photometric(Law):
-    """v = -lambda (H + mu diag(H))^-1 b, with H = L^T L, b = L^T (I - I*) as the camera sums them up.
+    """v = -lambda (H + mu diag(H))^-1 b, with H = L^T L, (6, 6), and b = L^T (I - I*), (6,) (T46).
 
-    mu is `damping` at the first image and falls with the cost, so that the last steps are those of Gauss and Newton:
-    mu = damping rms^2 / rms_0^2. Whose gradient L has, and so the order of the minimisation, is for the camera to say
-    (`vision.photometric.interaction`). Settled when the twist is small, whatever noise leaves of the cost.
+    The camera package adds H and b up over the pixels, so that no image comes here. The interaction matrix L rests on
+    the image gradient of the goal's image, of the current image, or of both; `vision.photometric.interaction` chooses.
+
+    mu = damping rms^2 / rms_0^2 falls with the squared difference of the images, so that near the goal the steps are
+    those of Gauss and Newton. The rms of I - I* cannot show that the goal is reached, because the noise of the image
+    keeps it above zero. Therefore the law also calls itself settled only when its twist is small.
 
     References: C. Collewet, E. Marchand, "Photometric visual servoing", IEEE T-RO 27(4), 2011. E. Malis, "Improving
     vision-based control using efficient second-order minimization techniques", ICRA 2004. J. Fan, Y. Yuan, "On the
@@ -43,19 +49,20 @@ class Photometric(Law):
     def __init__(self, gains_per_s, setup=LawSetup()):
         super().__init__(gains_per_s, setup)
         if setup.interaction != LawSetup.interaction:
-            raise ParameterError(f"interaction: found '{setup.interaction}', law '{self.name}' takes what "
-                                 "vision.photometric.interaction says")
+            raise ParameterError(f"interaction: found '{setup.interaction}', allowed no such key with law "
+                                 f"'{self.name}': choose its matrix with vision.photometric.interaction")
         self._first_rms = None
 
     def reset(self, reference):
-        """The reference image is the camera's; s_star is the rms there, 0."""
+        """As of `Law`. The camera keeps the reference image; s_star is the rms of its difference from itself, 0."""
         super().reset(reference)
         self._first_rms = None
 
     def _twist(self, look, s, e):
         features = look.view.features
         if len(features.H) != len(_UPPER[0]) or len(features.b) != 6:
-            raise DegenerateFeature(f"photometric: found {len(features.H)} numbers of H and {len(features.b)} of b")
+            raise DegenerateFeature(f"photometric: found {len(features.H)} numbers in H and {len(features.b)} in b, "
+                                    f"allowed {len(_UPPER[0])} and 6")
         H, b = np.zeros((6, 6)), np.array(features.b)
         H[_UPPER] = features.H
         H += np.triu(H, 1).T

@@ -1,4 +1,4 @@
-"""Laws that know the camera's displacement from the goal, by the pose of the target (docs/theory.md T24, T25, T29)."""
+"""Laws that measure the camera's displacement from the goal by the target's pose (docs/theory.md T24, T25, T29)."""
 
 import numpy as np
 
@@ -10,13 +10,14 @@ from ..ground.spatial import inverse, rotation_vector
 
 
 class PoseLaw(Law):
-    """Base: follows the pose of the target from image to image, what the joints say moved before what the image says.
+    """Base class of the laws that follow the pose of the target from image to image.
 
-    `pose_from` moments: of the known target (T24). points: of its corners where the target is known, else of points
-    that lie where the taught view and its plane put them (T29).
+    For each image the joint positions predict the pose, and the image corrects it. With `pose_from: moments` the pose
+    is that of the known target (T24). With `pose_from: points` it is that of the target's corners or, if no target is
+    known, of points that lie in the taught plane where the goal's view shows them (T29).
 
-    `_twist` finds in `look.X_CgC` where the camera is by the image, and in `self._X_CT` the pose of the target's frame,
-    which without a known target is the camera's at the goal.
+    `_twist` of a subclass finds the camera's pose X_CgC, (4, 4), as the image gives it in `look.X_CgC`, and the pose of
+    the target's frame T in the camera in `self._X_CT`. Without a known target T is the camera frame at the goal.
     """
 
     needs_pose = True
@@ -33,7 +34,10 @@ class PoseLaw(Law):
         self._X_CgT = self._X_CT = self._X_CgC_then = None
 
     def reset(self, reference):
-        """Finds the pose of the target in the taught view."""
+        """As of `Law`, and finds the pose of the target in the taught view; needs a `Reference` with view and plane.
+
+        Raises DegenerateFeature: no pose explains the view.
+        """
         super().reset(reference)
         view, plane = self.taught_view(reference)
         if self._setup.pose_from == "moments":
@@ -43,7 +47,10 @@ class PoseLaw(Law):
         self._X_CT, self._X_CgC_then = self._X_CgT, np.eye(4)
 
     def _taught_points(self, xy, plane):
-        """(`PlanarPoints`, X_CgT): the known corners, or the taught points in the taught plane, T the camera there."""
+        """(`PlanarPoints`, X_CgT): the known corners and their pose, or the taught points in the taught plane and 1.
+
+        Args: xy: (N, 2) normalised coordinates in the taught view.  plane: (A, B, C), (3,) [1/m].
+        """
         if self._setup.target is not None:
             return find_corners(self._setup.target.outlines_m[0], xy)
         rays = np.concatenate([xy, np.ones((len(xy), 1))], axis=1)
@@ -54,7 +61,8 @@ class PoseLaw(Law):
         X_CT = inverse(look.X_CgC) @ self._X_CgC_then @ self._X_CT
         X_CT, residual, condition = seen.follow(X_CT, seen.measured(features))
         if not residual < seen.max_followed:
-            raise DegenerateFeature(f"pose of the target: {residual:.2g} of its measures unexplained")
+            raise DegenerateFeature(f"pose of the target: the best pose leaves a residual of {residual:.2g}, allowed < "
+                                    f"{seen.max_followed:g}: the view does not show the target that is known")
         self._X_CT, self._X_CgC_then, self._condition = X_CT, look.X_CgC, condition
         X_CgC = self._X_CgT @ inverse(X_CT)
         displacement = np.concatenate([X_CgC[:3, 3], rotation_vector(X_CgC[:3, :3])])
@@ -63,7 +71,7 @@ class PoseLaw(Law):
 
 @register("pbvs")
 class PoseBased(PoseLaw):
-    """Straight home: v = -R_CgC^T Lambda t, w = -Lambda theta u (T25)."""
+    """Pose-based visual servoing: v = -R_CgC^T Lambda t, w = -Lambda theta u; the camera goes straight home (T25)."""
 
     works_on = ("tx", "ty", "tz", "rx", "ry", "rz")
 

@@ -1,4 +1,4 @@
-"""What all laws share: keys of the section `servo` that say what a law works on, and how."""
+"""The settings that all laws share: keys of the section `servo` that say what a law works on, and how."""
 
 from dataclasses import dataclass, field
 from typing import Any, Mapping, Optional, Tuple
@@ -15,19 +15,23 @@ AWAY = ("z > 0 (away from the camera)", lambda normal: normal[2] > 0.0)
 
 @dataclass(frozen=True)
 class AdaptiveGainSettings:
-    """Section `servo.adaptive_gain`: gains times 1 at the goal, times a part of it far away (T22)."""
+    """Section `servo.adaptive_gain`: the gains become smaller where the error is large (T22)."""
 
-    infinity_part: float = setting(above=0, below=1, help="The part far away.")
-    slope: float = setting(above=0, help="How fast the factor falls at first, per unit of the largest error.")
+    infinity_part: float = setting(
+        above=0, below=1,
+        help="Factor on the gains far from the goal; at the goal it is 1.")
+    slope: float = setting(
+        above=0,
+        help="How fast the factor falls near the goal, per unit of the largest error.")
 
 
 @dataclass(frozen=True)
 class LawSetup:
-    """What a scenario says about a law beside its gains, of whatever kind it is: keys of the section `servo`.
+    """What a scenario says about a law of any kind besides its gains: keys of the section `servo`.
 
     Attributes:
-        target: the known target, read from the file `target_model`; None without.
-        settings: name of a law or feature -> its own settings; one that is not there has its defaults.
+        target: the known target, read from the file `target_model`; None if there is no such file.
+        settings: name of a law or feature -> its own settings; a name that is missing gets its defaults.
     """
 
     features: Tuple[str, ...] = setting(
@@ -40,28 +44,28 @@ class LawSetup:
              "both (second-order minimisation).")
     adaptive_gain: Optional[AdaptiveGainSettings] = setting(
         None,
-        help="The gains depend on the size of the error: times 1 at the goal, times a part of it far away (T22).")
+        help="If given, the gains become smaller where the error is large (T22).")
     smooth_start_per_s: float = setting(
         0.0, unit="1/s", at_least=0,
-        help="Rate at which the first twist is let in (T23); 0: at once.")
+        help="The camera starts from rest and reaches the twist of the law at this rate (T23); 0: at once.")
     target_normal_C: Tuple[float, ...] = setting(
         (0.0, 0.0, 1.0), size=3, condition=AWAY,
         help="Normal of the target's plane in the camera frame at the goal, z > 0.")
     point_depth: str = setting(
         "plane", choices=POINT_DEPTHS,
-        help="Depth of followed points: that of the target's `plane` by the joint positions, or always what it is at "
-             "the `goal`.")
+        help="Depth of followed points in the matrix of the current view: `plane` takes the target's plane as the "
+             "joint positions place it, `goal` the depths at the goal.")
     target_model: str = setting(
         "", not_empty=True,
-        help="For `pbvs` and `hybrid`: file of the known planar target. One of central symmetry is known up to half a "
-             "turn.")
+        help="For `pbvs` and `hybrid`: file of the known planar target. The pose of a target with central symmetry is "
+             "known up to half a turn.")
     pose_from: str = setting(
         "moments", choices=POSES,
-        help="What `pbvs` and `hybrid` measure: `moments` of the known target, or followed `points`: its corners, or "
-             "without `target_model` points that lie in the taught plane.")
+        help="From what `pbvs` and `hybrid` find the pose: `moments` of the known target, or followed `points`, which "
+             "are its corners or, without `target_model`, points in the taught plane.")
     symmetric_target: bool = setting(
         False,
         help="The target is the same after half a turn (rectangle, ellipse): alpha is servoed on modulo half a turn, "
-             "also where a tilted view seems to tell the two apart.")
+             "even where a tilted view seems to tell the two apart.")
     target: Optional[PlanarTarget] = None
     settings: Mapping[str, Any] = field(default_factory=dict)

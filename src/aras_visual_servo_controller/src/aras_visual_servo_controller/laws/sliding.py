@@ -14,23 +14,26 @@ from .image import ImageBased
 
 @dataclass(frozen=True)
 class SlidingSettings:
-    """Settings of law `sliding`, which needs them."""
+    """Settings of law `sliding`; they have no defaults."""
 
     switching_per_s: float = setting(
         unit="1/s", above=0,
-        help="Rate kappa of (T31): how fast the error falls outside the boundary layer, on top of the gains.")
+        help="Rate kappa of (T31), which acts on top of the gains: outside the boundary layer the error falls faster "
+             "by kappa times `boundary`.")
     boundary: Tuple[float, ...] = setting(
         above=0, by="feature", not_empty=True,
-        help="Half the thickness phi of the boundary layer of (T31), one number per feature, in its unit.")
+        help="Half the thickness phi of the boundary layer of (T31) for each feature, in its unit.")
 
 
 @register("sliding", settings=SlidingSettings)
 class Sliding(ImageBased):
-    """e_dot = -lambda e - kappa phi sat(e / phi): far away a constant rate on top of the proportional one.
+    """e_dot = -lambda e - kappa phi sat(e / phi) (T31).
 
-    What the matrix, its depths or a moving target do to e_dot, up to (lambda + kappa) phi, keeps |e| inside the layer;
-    there it leaves 1 / (lambda + kappa) of it. Nothing chatters: inside the layer the law is linear, and the twist is
-    the one that brings e to where this rate would have it at the next image.
+    Outside the boundary layer, |e| > phi, the error falls at a constant rate on top of the proportional one. A
+    disturbance of e_dot (a wrong matrix, wrong depths, a moving target) smaller than (lambda + kappa) phi cannot push
+    |e| out of the layer; inside, a constant disturbance d leaves an error of d / (lambda + kappa). The command does not
+    chatter, because the law is linear inside the layer and because each twist is the one that brings e to where the
+    continuous law would have it at the next image.
 
     References: W. Gao, J. C. Hung, "Variable structure control of nonlinear systems: a new approach", IEEE T-IE 40(1),
     1993 (constant plus proportional rate). J.-J. Slotine, W. Li, Applied Nonlinear Control, 1991, chapter 7 (boundary
@@ -51,7 +54,7 @@ class Sliding(ImageBased):
 
 
 def _rate(e, gain, switching, boundary, dt_s):
-    """-e_dot that, held for dt_s, leaves of e what the reaching law leaves of it in that time."""
+    """The constant rate of fall, -e_dot, that takes e in dt_s to where the law (T31) would take it in that time."""
     size = abs(e)
     if dt_s <= 0.0:
         return gain * e + switching * max(-boundary, min(boundary, e))

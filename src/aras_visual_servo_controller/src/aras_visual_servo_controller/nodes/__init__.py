@@ -1,1 +1,1 @@
-"""The rospy nodes and what only they need. No other room but `bags` knows ROS."""
+"""The rospy nodes, and the modules that only they need. Besides this room only `bags` imports ROS."""

@@ -1,8 +1,9 @@
-"""Node `controller`: one answer per image. ROS wiring only; what is answered is decided by `session` and the core.
+"""Node `controller`: answers every image with one command. This file holds ROS wiring only; what the answer is, is
+decided by `run/session.py` and the core.
 
-Threads: rospy calls back from one thread per connection, a worker of our own runs goals, preempts and the watchdog.
-All of them take `_lock` first and the action server's lock second; the action server's callbacks, which hold its lock,
-only put work into the worker's queue.
+Threads: rospy calls back from one thread per connection, and one worker thread of this node runs goals, preempts and
+the watchdog. All of them take `_lock` first and the action server's lock second. The callbacks of the action server
+already hold its lock when they are called, so they only put work into the worker's queue.
 """
 
 import queue
@@ -12,7 +13,6 @@ import time
 import traceback
 import warnings
 
-import actionlib
 import rospy
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
@@ -22,7 +22,9 @@ from aras_visual_servo_msgs.msg import ServoState, SimStatus, VisualServoAction,
 from aras_visual_servo_msgs.srv import SetReference, SetReferenceRequest, Teach, TeachResponse
 
 from . import conversions as convert
+from .action_server import ActionServer
 from ..ground.errors import ArasError, ParameterError
+from ..ground.processes import check_signals
 from ..arm.float_commands import SetPointIntegrator
 from .null_space_topic import NullSpaceTopic
 from ..run.pairing import StampPairer
@@ -33,12 +35,12 @@ from ..ground.types import Reference, ServoRecord, Status
 SERVICE_TIMEOUT_S = 5.0   # wall time; camera/set_reference
 WORKER_PERIOD_S = 0.05    # wall time; watchdog
 STATUS_PERIOD_S = 0.2     # wall time; actionlib's status topic
-HELD_S = 0.5              # wall time; a simulator that holds this long at start-up waits for an answer that is lost
+HELD_S = 0.5              # wall time; a simulator that holds for longer when this node starts waits for a lost answer
 EXIT_STOPPED, EXIT_PARAMETERS = 0, 2
 
 
 class ControllerNode:
-    """Subscribes, answers, serves. Raises ParameterError listing every fault."""
+    """The node. It raises ParameterError, which lists every fault of the parameters."""
 
     def __init__(self):
         self._lock = threading.RLock()
@@ -50,7 +52,8 @@ class ControllerNode:
         self._frame_id = ""
         self._feedback_wall_s = self._status_wall_s = time.monotonic()
         self._time_restarts = 0
-        self._held = None             # (stamp the simulator holds at or -1, wall time since), while looked at
+        # (stamp at which the simulator holds or -1, wall time since when); None once the first image was answered.
+        self._held = None
         self._restore_reference()
         self._advertise()
 
@@ -69,7 +72,7 @@ class ControllerNode:
                                               setup.kinematics.upper, round(limits.input_timeout_s * 1e9))
 
     def _restore_reference(self):
-        """Take the reference that a predecessor of ours taught."""
+        """Take over the reference that an earlier controller node left on the parameter server when it ended."""
         stored = rospy.get_param("~taught_reference", None)
         if stored is None:
             return
@@ -80,19 +83,19 @@ class ControllerNode:
             rospy.logwarn("the reference on the parameter server cannot be used: %s", error)
 
     def _store_reference(self):
-        """Keep what was taught for a successor of ours."""
+        """Keep the taught reference on the parameter server, for a controller node that is started after this one."""
         rospy.set_param("~taught_reference", self._servo.reference.to_dict())
 
     def _advertise(self):
         with warnings.catch_warnings():
-            # Published from the calling thread: the answer must not wait for another thread to wake up.
+            # No queue: rospy then sends from the calling thread, and the answer does not wait for another to wake up.
             warnings.simplefilter("ignore", SyntaxWarning)
             self._command_publisher = rospy.Publisher("joint_command", JointState, queue_size=None, tcp_nodelay=True)
         self._state_publisher = rospy.Publisher("servo_state", ServoState, queue_size=200, tcp_nodelay=True)
         self._bars = NullSpaceTopic(self._kinematics, self._servo)
-        # actionlib's own timer would run on simulated time, a hundred times a second in a fast run: the worker does it.
+        # The worker publishes the status. actionlib's timer runs on simulated time, too often when that goes fast.
         rospy.set_param("~actionlib_status_frequency", 0.0)
-        self._server = actionlib.SimpleActionServer("servo", VisualServoAction, auto_start=False)
+        self._server = ActionServer("servo", VisualServoAction)
         self._server.register_goal_callback(lambda: self._work.put(self._accept_goal))
         self._server.register_preempt_callback(lambda: self._work.put(self._preempt))
         self._camera_reference = rospy.ServiceProxy("camera/set_reference", SetReference)
@@ -116,6 +119,7 @@ class ControllerNode:
                 self._integrator.reset()
                 self._stop("time went back")
                 self._session.restart_time()
+                self._server.look_at_time()
             for pair in pairs:
                 self._answer(*pair)
             if self._float_publishers:
@@ -128,7 +132,7 @@ class ControllerNode:
                 self._answer(*pair)
 
     def _answer(self, stamp_ns, features, joints):
-        """Answer one image: command first, then what was seen and done. Never raises."""
+        """Answer one image: send the command first, then the record of what was seen and done. Never raises."""
         self._frame_id = features.header.frame_id
         session = self._session
         try:
@@ -143,12 +147,12 @@ class ControllerNode:
             if session.active and self._sequence.done:
                 session.active = False
                 self._finish(record)
-        except Exception as error:  # whatever it is, the arm must stop and the node must live
+        except Exception as error:  # after any error at all the arm has to stop and the node has to go on
             rospy.logerr("image %.3f s: %s\n%s", stamp_ns * 1e-9, error, traceback.format_exc())
             self._fault(stamp_ns, f"{type(error).__name__}: {error}")
 
     def _fault(self, stamp_ns, reason):
-        """Stop with status FAULT."""
+        """Stop the arm and end the goal with status FAULT."""
         try:
             was_active = self._session.active
             command, record = self._session.end(stamp_ns, reason, Status.FAULT)
@@ -205,7 +209,7 @@ class ControllerNode:
                     if task is not None:
                         task()
                     self._watch()
-            except Exception:  # a publisher that is closed by the shutdown, or a mistake of ours: neither ends the node
+            except Exception:  # a publisher that the shutdown closed, or a bug of this node: neither may end the node
                 if not rospy.is_shutdown():
                     rospy.logerr(traceback.format_exc())
 
@@ -224,8 +228,8 @@ class ControllerNode:
             reason = "; ".join(error.faults)
             self._server.set_aborted(VisualServoResult(status=int(Status.FAULT), reason=reason), reason)
             return
-        # From here on the simulator waits for our answers (lockstep). Stamped with the image answered last, or 0: it
-        # answers nothing and releases nothing.
+        # In lockstep the simulator waits for our answers from the first message on. This one carries the stamp of the
+        # image that was answered last, or 0, so that it does not count as an answer to any other image.
         self._command_publisher.publish(convert.acknowledgement(self._session.last_ns))
         rospy.loginfo("goal accepted: %s", goal.reference)
 
@@ -246,7 +250,7 @@ class ControllerNode:
         with self._lock:
             was_active = self._session.active
             self._stop("stopped by service")
-            return TriggerResponse(True, "stopped" if was_active else "was not servoing; the arm stands still")
+            return TriggerResponse(True, "stopped" if was_active else "there was no goal; the arm stands still")
 
     def _on_teach(self, request):
         with self._lock:
@@ -275,6 +279,7 @@ class ControllerNode:
         wall_s, now_ns = time.monotonic(), convert.now_ns()
         if wall_s - self._status_wall_s > STATUS_PERIOD_S:
             self._status_wall_s = wall_s
+            self._server.look_at_time()
             self._server.action_server.publish_status()
         if self._held is not None:
             self._release_simulator(wall_s)
@@ -292,7 +297,10 @@ class ControllerNode:
             self._finish(record)
 
     def _on_sim_status(self, message):
-        """At start-up only: is the simulator waiting for the answer to an image that our predecessor got?"""
+        """Note whether the simulator waits for an answer that an earlier controller node, which has ended, owes it.
+
+        After this node has answered its first image that cannot be, and the subscription is dropped.
+        """
         with self._lock:
             if self._session.frame >= 0:
                 self._held = None
@@ -303,16 +311,19 @@ class ControllerNode:
                 self._held = (stamp_ns, time.monotonic())
 
     def _release_simulator(self, wall_s):
+        """Answer in the place of an earlier controller node, if the simulator has waited for HELD_S."""
         stamp_ns, since_s = self._held
         if self._session.frame < 0 and stamp_ns >= 0 and wall_s - since_s > HELD_S:
-            rospy.logwarn("the simulator waits at %.3f s for an answer that is lost: released", stamp_ns * 1e-9)
+            rospy.logwarn("the simulator waits at %.3f s for an answer that an earlier controller did not send: "
+                          "answered in its place", stamp_ns * 1e-9)
             self._held = (-1, wall_s)
             self._command_publisher.publish(convert.acknowledgement(stamp_ns))
 
 
 def main():
     """Entry of scripts/controller. Returns the exit code: 0 after a shutdown, 2 for bad parameters."""
-    rospy.init_node("controller")
+    rospy.init_node("controller", disable_signals=True)  # its handler shuts down from within whatever holds a lock
+    check_signals()
     try:
         node = ControllerNode()
     except ParameterError as error:

@@ -1,4 +1,4 @@
-"""Between the core's data and ROS messages, field by field. Times are integer nanoseconds, joints go by name."""
+"""Conversions between the core's data and ROS messages. Times are integer nanoseconds, joints are matched by name."""
 
 import math
 import struct
@@ -22,7 +22,7 @@ def stamp_ns(header):
 
 
 def to_time(time_ns):
-    """rospy.Time of integer nanoseconds, those before 0 as 0."""
+    """rospy.Time of integer nanoseconds; negative ones become 0."""
     return rospy.Time(*divmod(max(int(time_ns), 0), _NS_PER_S))
 
 
@@ -33,17 +33,17 @@ def now_ns():
 
 
 def message_class(name):
-    """Class of a message, "package/Type". Raises ParameterError: there is none of that name."""
+    """Class of the message "package/Type". Raises ParameterError: there is no such message."""
     found = roslib.message.get_message_class(name)
     if found is None:
-        raise ParameterError(f"message: found '{name}', allowed one of a package that was built")
+        raise ParameterError(f"message: found '{name}', allowed package/Type of a package that is built and sourced")
     return found
 
 
 class LazyJointState(JointState):
-    """JointState that is unpacked only when asked for: of the joint states that come, few belong to an image."""
+    """A JointState that is unpacked only on demand, because only few of the joint states belong to an image."""
 
-    def __init__(self):  # not the generated one: it fills six fields that nobody reads
+    def __init__(self):  # without the generated constructor, which would fill six fields that nobody reads
         self._data = b""
 
     def deserialize(self, data):
@@ -69,7 +69,8 @@ class JointReader:
         self._order = {}
 
     def positions(self, message):
-        """(n,) positions [m or rad]. Raises ShapeError: a joint is missing or arrays have other lengths than names."""
+        """(n,) positions [m or rad]. Raises ShapeError: a joint is missing, or the array has another length than names.
+        """
         key = tuple(message.name)
         order = self._order.get(key)
         if order is None:
@@ -84,10 +85,12 @@ class JointReader:
 
 
 def command_message(command):
-    """JointState of a Command: NaN where a joint has no position or no velocity; empty for a pure acknowledgement.
+    """JointState of a `Command`.
 
+    NaN stands for a position or velocity that the command does not give for a joint. A command without any is an
+    acknowledgement.
     Raises:
-        NotFiniteError: a position or velocity is NaN or infinite. Nothing of such a command may be sent.
+        NotFiniteError: a position or velocity of the command is NaN or infinite; no part of it may be sent then.
     """
     message = JointState()
     message.header.stamp = to_time(command.stamp_ns)
@@ -106,7 +109,7 @@ def command_message(command):
 
 
 def acknowledgement(time_ns):
-    """Empty JointState: "seen", nothing commanded."""
+    """JointState without joints: it answers the image of this stamp [ns] and commands nothing."""
     message = JointState()
     message.header.stamp = to_time(time_ns)
     return message

@@ -1,9 +1,10 @@
 """Node `experiment`: runs the scenario's experiment once, records it, judges it, and ends with an exit code.
 
-Exit codes: 0 converged and within the scenario's judge limits; 1 ran to its end, but not that; 2 bad parameters;
-3 the run could not be made (no result folder, no simulator, recorder died, ...).
+Exit codes: 0 the run converged and the final pose is within the limits of the scenario's judge; 1 the run came to its
+end, but did not; 2 bad parameters; 3 the run could not be made (no result folder, no simulator, recorder died, ...);
+128 + N signal N ended it, the bag is closed.
 
-Waits on wall time: simulated time stands still while the simulator is paused.
+The node waits on wall time, because simulated time stands still while the simulator is paused.
 """
 
 import dataclasses
@@ -13,6 +14,7 @@ import threading
 import time
 from pathlib import Path
 
+import roslib.packages
 import rospy
 import yaml
 from actionlib_msgs.msg import GoalStatus, GoalStatusArray
@@ -25,6 +27,8 @@ from aras_visual_servo_msgs.srv import Step
 
 from ..bags.bag import read_bag
 from ..ground.errors import ArasError, ParameterError
+from ..ground.processes import Interrupted, check_signals, signals_held, signals_raise
+from .goal_sender import GoalSender
 from .graph import Graph
 from ..run.loop import CLOSING_S
 from .parameters import Parameters
@@ -35,7 +39,8 @@ from ..scenario.scenario import scenario_from_dict
 from ..scenario.schema import default_of
 
 NODES = ("sim", "camera_node", "controller")
-# Topics of the namespace that are not recorded: they cost the run time and can be made from what is.
+# Topics of the namespace that are not recorded: recording them would slow the run down, and they can be computed from
+# the recorded ones.
 NOT_RECORDED = ("camera/overlay", "camera/depth/", "null_space_bars", "/parameter_descriptions", "/parameter_updates",
                 "/compressed", "/theora", "/state")
 OUTSIDE = ("/clock", "/tf", "/tf_static")
@@ -43,8 +48,8 @@ PRIVATE_PARAMETERS = ("results_dir", "record", "record_groups", "record_split_mb
                       "startup_timeout_s", "stall_timeout_s", "exit_code_file")
 POLL_S = 0.05             # wall time between looks
 GRAPH_POLL_S = 0.5        # wall time between looks at the master while running
-SETTLED_BYTES = 16384     # a bag that grows by less than this in a moment gets no more images, only the clock
-SETTLE_LIMIT_S = 10.0     # wall time that the recorder gets for what it was sent
+SETTLED_BYTES = 16384     # a bag that grows by less than this in a moment is given the clock only, and no images
+SETTLE_LIMIT_S = 10.0     # wall time that the recorder gets to write down what it was sent
 EXIT_PASSED, EXIT_FAILED, EXIT_PARAMETERS, EXIT_BROKEN = range(4)
 
 
@@ -53,7 +58,7 @@ class RunError(ArasError):
 
 
 class ExperimentNode:
-    """One run, from an empty folder to a report. Raises ParameterError listing every fault."""
+    """One run, from an empty folder to a report. Raises ParameterError, which lists every fault of the parameters."""
 
     def __init__(self):
         parameters = Parameters()
@@ -80,8 +85,7 @@ class ExperimentNode:
         self._changed = threading.Condition()
         self._status = self._state = self._result = None
         self._done_ns = None
-        self._accepted = set()
-        self._goal_ids = []
+        self._goals_sent = 0
         self.folder = None
 
     # ---- parts of a run -----------------------------------------------------------------------------------------
@@ -94,24 +98,28 @@ class ExperimentNode:
         self._wait("the nodes " + ", ".join(NODES), self._missing_parts, self._startup_timeout_s)
         try:
             if self._record:
-                self._recorder = Recorder(self.folder / "run.bag", self._topics(), rospy.get_name() + "_recorder",
-                                          rospy.resolve_name("/clock"), self._split_mb, self._compression)
+                with signals_held():
+                    self._recorder = Recorder(_recorder_program(), self.folder / "run.bag", self._topics(),
+                                              rospy.get_name() + "_recorder", rospy.resolve_name("/clock"),
+                                              self._split_mb, self._compression)
             self._wait("all connections", self._missing_connections, self._startup_timeout_s)
             wall_s = self._drive()
         finally:
             if self._recorder is not None:
-                self._recorder.stop()
+                with signals_held():
+                    self._recorder.stop()
         return self._report(wall_s)
 
     def _subscribe(self):
+        # The scenario is recorded in the bag, so that the bag alone is enough to judge the run again.
+        self._settings = rospy.Publisher("scenario", String, queue_size=1, latch=True)
+        self._settings.publish(yaml.safe_dump(self._scenario.as_dict(), sort_keys=False))
+        self._goals = rospy.Publisher("servo/goal", VisualServoActionGoal, queue_size=10, latch=False)
+        self._goal = GoalSender(self._goals.publish)
         rospy.Subscriber("sim/status", SimStatus, self._on_status)
         rospy.Subscriber("servo_state", ServoState, self._on_state, tcp_nodelay=True)
         rospy.Subscriber("servo/result", VisualServoActionResult, self._on_result)
         rospy.Subscriber("servo/status", GoalStatusArray, self._on_goals)
-        # The settings travel in the bag, so that any bag can be judged again.
-        self._settings = rospy.Publisher("scenario", String, queue_size=1, latch=True)
-        self._settings.publish(yaml.safe_dump(self._scenario.as_dict(), sort_keys=False))
-        self._goals = rospy.Publisher("servo/goal", VisualServoActionGoal, queue_size=10, latch=False)
         self._step = rospy.ServiceProxy("sim/step", Step)
         self._pause, self._unpause = (rospy.ServiceProxy(f"sim/{name}", Empty) for name in ("pause", "unpause"))
 
@@ -148,12 +156,13 @@ class ExperimentNode:
                           for topic, publisher, subscriber in self._graph.missing_connections(nodes)]
 
     def _wait(self, what, missing, timeout_s):
-        """Wait on wall time until missing() is empty. Raises RunError naming what is still missing."""
+        """Wait on wall time until missing() gives an empty list. Raises RunError, which names what is still missing."""
         deadline = time.monotonic() + timeout_s
         while True:
             lacking = missing()
             if not lacking:
                 return
+            check_signals()
             if rospy.is_shutdown():
                 raise RunError(f"shut down while waiting for {what}")
             if time.monotonic() > deadline:
@@ -163,13 +172,13 @@ class ExperimentNode:
     # ---- the run itself -----------------------------------------------------------------------------------------
 
     def _drive(self):
-        """Goal, unpause, result, pause. Returns the wall time between unpause and result [s]."""
+        """Send the goal, let time run, wait for the result, pause. Returns the wall time for which time ran [s]."""
         controller = rospy.resolve_name("controller")
         uri = self._graph.node_uri(controller)
         self._send_goal(VisualServoGoal.EXPERIMENT)
         lockstep = bool(self._scenario.time.get("lockstep", False))
         self._wait("the controller to take the goal" + (" and to arm the lockstep" if lockstep else ""),
-                   lambda: [] if self._taken(lockstep) else ["goal taken" if not self._accepted else "lockstep armed"],
+                   lambda: [] if self._taken(lockstep) else ["lockstep armed" if self._goal.taken else "goal taken"],
                    self._startup_timeout_s)
         started_s = time.monotonic()
         self._unpause()
@@ -180,12 +189,15 @@ class ExperimentNode:
             now_s = time.monotonic()
             if self._result is not None:
                 break
+            check_signals()
             if rospy.is_shutdown():
                 raise RunError("shut down before the result")
             if self._recorder is not None:
                 self._recorder.check()
             if now_s - looked_s > GRAPH_POLL_S:
                 looked_s = now_s
+                with self._changed:
+                    self._goal.look(now_s)
                 uri = self._follow_controller(controller, uri)
             stamp = self._status.header.stamp
             if stamp != last_time:
@@ -201,22 +213,28 @@ class ExperimentNode:
         return wall_s
 
     def _taken(self, lockstep):
+        """Whether the controller has accepted the goal and, in lockstep, the simulator waits for its answers."""
         if self._result is not None:
             raise RunError(f"the controller refused the goal: {self._result.reason}")
-        return self._accepted and (not lockstep or self._status.lockstep_armed)
+        with self._changed:
+            self._goal.look(time.monotonic())
+        return self._goal.taken and (not lockstep or self._status.lockstep_armed)
 
     def _send_goal(self, reference):
         goal = VisualServoActionGoal()
         goal.header.stamp = rospy.get_rostime()
-        goal.goal_id.id = f"{rospy.get_name()}-{os.getpid()}-{len(self._goal_ids)}"
+        goal.goal_id.id = f"{rospy.get_name()}-{os.getpid()}-{self._goals_sent}"
         goal.goal_id.stamp = goal.header.stamp
         goal.goal.reference = reference
         with self._changed:
-            self._goal_ids.append(goal.goal_id.id)
-        self._goals.publish(goal)
+            self._goals_sent += 1
+            self._goal.send(goal, time.monotonic())
 
     def _follow_controller(self, controller, uri):
-        """If the controller was started again, give it the goal again: the taught one if it was servoing."""
+        """If the controller was started again, send the goal again: to its taught reference if it was servoing.
+
+        Args: uri: the controller's address when it got the goal. Returns the address of the one that has the goal now.
+        """
         now = self._graph.node_uri(controller)
         if now is None or now == uri:
             return uri
@@ -230,22 +248,26 @@ class ExperimentNode:
         return now
 
     def _close_run(self):
-        """Step the paused simulator to CLOSING_S after the end: where it was paused is chance, where it ends is not."""
+        """Step the paused simulator to exactly CLOSING_S after the end of the servo.
+
+        At which tick the pause came is chance. Without this step the recorded run, and its hash, would end anywhere.
+        """
         self._wait("the last servo_state", lambda: [] if self._done_ns is not None else ["phase done"], 10.0)
         self._wait("the pause", lambda: [] if self._status.paused else ["sim/status paused"], 10.0)
         end_ns = self._done_ns + round(CLOSING_S * 1e9)
         period_ns = round(self._scenario.sim.get("period_s", default_of("sim.period_s")) * 1e9)
         steps = (end_ns - self._status.header.stamp.to_nsec()) // period_ns
         if steps < 0:
-            rospy.logwarn("paused late: the run hash is not that of other runs")
+            rospy.logwarn("the pause came later than %g s after the end of the servo: the run hash differs from that "
+                          "of other runs of this scenario", CLOSING_S)
             return
         self._step(steps)
         self._wait("the end", lambda: [] if self._status.header.stamp.to_nsec() >= end_ns else ["sim/status"], 10.0)
 
     def _settle_recording(self):
-        """Let the last messages reach the recorder: wait until the bag has all but stopped growing.
+        """Let the last messages reach the recorder: wait until the bag grows by no more than the clock.
 
-        It never stops for good: the paused simulator goes on publishing its clock.
+        A bag never stops growing altogether, because the paused simulator goes on publishing its clock.
         """
         if self._recorder is None:
             return
@@ -263,29 +285,28 @@ class ExperimentNode:
     def _on_state(self, message):
         if message.phase == "done" and self._done_ns is None and self._state is not None:
             self._done_ns = message.header.stamp.to_nsec()
-        if message.phase not in ("idle", "done"):  # of a controller that was just started again: not where we were
+        if message.phase not in ("idle", "done"):  # a controller that was just started again is idle: keep the old one
             self._state = message
 
     def _on_result(self, message):
         with self._changed:
-            if self._goal_ids and message.status.goal_id.id == self._goal_ids[-1]:
+            if message.status.goal_id.id == self._goal.goal_id:
                 self._result = message.result
                 self._changed.notify_all()
 
     def _on_goals(self, message):
         with self._changed:
-            self._accepted |= {entry.goal_id.id for entry in message.status_list
-                               if entry.status != GoalStatus.PENDING and entry.goal_id.id in self._goal_ids}
+            self._goal.heard({entry.goal_id.id: entry.status == GoalStatus.PENDING for entry in message.status_list})
 
     # ---- afterwards ---------------------------------------------------------------------------------------------
 
     def _report(self, wall_s):
-        """Print the result table. Returns the exit code."""
+        """Judge the run, write the result folder and print the result table. Returns the exit code."""
         result = self._result
         rospy.loginfo("%s after %.2f s of servoing: %s", "converged" if result.converged else "not converged",
                       result.duration_s, result.reason)
         if self._recorder is None:
-            rospy.logwarn("nothing was recorded (record:=false): not judged by the true pose")
+            rospy.logwarn("nothing was recorded (record:=false): the run is not judged by the true camera pose")
             return EXIT_PASSED if result.converged else EXIT_FAILED
         record = read_bag(self._recorder.bags(), rospy.get_namespace(), keep_images=self._video)
         simulated_s = float(record.t_s[-1]) if self._done_ns is None else self._done_ns * 1e-9
@@ -295,22 +316,37 @@ class ExperimentNode:
                                self._video)
         print(format_summary(summary), flush=True)
         if "truth" not in self._groups:
-            rospy.logwarn("the true camera pose was not recorded: not judged by it")
+            rospy.logwarn("the true camera pose was not recorded (record_groups without truth): the run is not judged "
+                          "by it")
             return EXIT_PASSED if summary["converged"] else EXIT_FAILED
         return EXIT_PASSED if summary["passed"] else EXIT_FAILED
 
 
-def main():
-    """Entry of scripts/experiment. Returns the exit code, and leaves it in the file ~exit_code_file if that is given.
+def _recorder_program():
+    """Its path: started by rosrun, it would be a child of a child for a moment, which a signal does not reach."""
+    found = roslib.packages.find_node("aras_visual_servo_controller", "recorder")
+    if not found:
+        raise RunError("the program recorder is not installed: build the workspace and source it")
+    return found[0]
 
-    roslaunch ends with 0 whatever its nodes ended with; the file is for who started roslaunch.
+
+def main():
+    """Entry of scripts/experiment. Returns the exit code, and writes it into the file ~exit_code_file if that is given.
+
+    roslaunch ends with 0 whatever its nodes ended with; a program that starts roslaunch reads the code from the file.
     """
-    rospy.init_node("experiment")
-    path = rospy.get_param("~exit_code_file", "")
-    code = _run()
-    if path:
-        Path(path).write_text(f"{code}\n", encoding="ascii")
-    return code
+    with signals_raise():
+        path, code = "", EXIT_BROKEN
+        try:
+            rospy.init_node("experiment", disable_signals=True)  # rospy would not end what runs in the main thread
+            path = rospy.get_param("~exit_code_file", "")
+            code = _run()
+        except Interrupted as interrupt:
+            rospy.logfatal("%s", interrupt)
+            code = interrupt.exit_code
+        if path:
+            Path(path).write_text(f"{code}\n", encoding="ascii")
+        return code
 
 
 def _run():

@@ -1,11 +1,12 @@
-"""What the experiment node must know of the ROS graph: who is up, and who is really connected to whom.
+"""What the experiment node has to know of the ROS graph: which nodes are up, and which of them are really connected.
 
-The master only knows who *wants* to talk; a message published before the connection stands is lost. Publishers are
-asked for their connections (slave API `getBusInfo`), so that a run starts when nothing can be lost any more.
-Speaks XML-RPC with master and nodes itself: no ROS library is needed.
+The master only knows which nodes *want* to talk to each other, and a message that is published before they are
+connected is lost. Therefore the publishers themselves are asked for their connections (slave API `getBusInfo`), and a
+run starts when all of them stand. The module talks XML-RPC with master and nodes itself and needs no ROS library.
 """
 
 import http.client
+import socket
 import xmlrpc.client
 
 _FAILURES = (OSError, http.client.HTTPException, xmlrpc.client.Error)
@@ -14,7 +15,7 @@ _FAILURES = (OSError, http.client.HTTPException, xmlrpc.client.Error)
 class _TimeoutTransport(xmlrpc.client.Transport):
     def make_connection(self, host):
         connection = super().make_connection(host)
-        connection.timeout = 5.0  # [s] wall; a node that hangs must not hang us
+        connection.timeout = 5.0  # [s] wall time; a node that hangs must not make this one hang too
         return connection
 
 
@@ -23,7 +24,7 @@ def _server(uri):
 
 
 class Graph:
-    """Snapshot reader of the ROS graph.
+    """Reads the present state of the ROS graph.
 
     Args:
         caller_id: name of this node.  master_uri: as in ROS_MASTER_URI.
@@ -56,6 +57,29 @@ class Graph:
             return None
         return uri if code == 1 else None
 
+    def master_uri(self):
+        """URI of the master as it names itself, the same for everybody; None without a master."""
+        try:
+            code, _, uri = self._master.getUri(self._caller_id)
+        except _FAILURES:
+            return None
+        return uri if code == 1 else None
+
+    def running(self, nodes):
+        """Those of `nodes` that the master knows and that answer: one that was killed stays known to the master."""
+        return [node for node in nodes if self._answers(self.node_uri(node))]
+
+    def _answers(self, uri):
+        if uri is None:
+            return False
+        try:
+            _server(uri).getPid(self._caller_id)
+        except socket.timeout:
+            return True  # stopped, or busy
+        except _FAILURES:
+            return False
+        return True
+
     def topics(self, namespace=None):
         """Sorted names of the published topics, those under `namespace` only if given."""
         publishers, _, _ = self._state()
@@ -84,7 +108,7 @@ class Graph:
         return sorted(missing)
 
     def subscribed_not(self, node, topics):
-        """The topics of the list that `node` has not registered for."""
+        """Those of the topics that `node` has not registered for as a subscriber."""
         _, subscribers, _ = self._state()
         mine = {topic for topic, names in subscribers if node in names}
         return sorted(set(topics) - mine)

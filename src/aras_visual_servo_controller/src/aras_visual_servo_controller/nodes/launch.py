@@ -1,70 +1,115 @@
-"""Runs a scenario over ROS from the command line: roslaunch as a child, and the experiment node's exit code as ours."""
+"""Runs a scenario over ROS from the command line: starts roslaunch and gives back the experiment node's exit code.
 
+However it ends, nothing is left behind: see guard.py.
+"""
+
+import contextlib
+import errno
+import hashlib
 import json
 import os
 import shutil
-import signal
 import socket
 import subprocess
 import sys
-import tempfile
 from pathlib import Path
 from urllib.parse import urlparse
 
 from ..ground.errors import ArasError
+from ..ground.processes import MARK, check_signals, marked, signals_held, temporary_folder
+from . import guard as guards
 from .graph import Graph
 from ..report.report import format_summary
 
 LAUNCH_FILE = ("aras_visual_servo_controller", "servo.launch")
-STOP_TIMEOUT_S = 60.0  # wall time that roslaunch gets to end its nodes after an interrupt
-EXIT_BROKEN = 3        # the run ended without an outcome
-TAIL_LINES = 40        # of the log, shown when there is no outcome
+NAMESPACE = "aras_visual_servo"  # that of servo.launch
+NODES = ("sim", "camera_node", "controller", "experiment", "robot_state_publisher")  # which servo.launch starts
+EXIT_BROKEN = 3        # the run ended and the experiment node left no exit code
+TAIL_LINES = 40        # so many last lines of the log are shown when there is no result
 
 
-def run_over_ros(scenario, results_dir, arguments=(), verbose=False):
+def run_over_ros(scenario, results_dir, arguments=(), verbose=False, namespace=None):
     """Run servo.launch and wait for its end.
 
     Args:
         scenario: `Scenario` with a path.  results_dir: root of the result folders.
         arguments: more arguments of servo.launch, `name:=value` each.
-        verbose: show what the nodes say; else it is kept in roslaunch.log of the result folder, and only the outcome
-            is printed.
+        verbose: show the output of the nodes; without it the output goes to roslaunch.log in the result folder, and
+            only the outcome is printed.
+        namespace: of the graph, with a clock and frames of its own; None: that of servo.launch, with the global ones.
     Returns:
         exit code of the experiment node: 0 passed, 1 not passed, 2 bad parameters, 3 could not run.
     Raises:
-        ArasError: there is no roslaunch in PATH.
+        ArasError: there is no roslaunch in PATH, or a run of this namespace is there already.
+        Interrupted: by a signal; what was recorded is in a closed bag.
     """
-    environment = dict(os.environ)
-    environment["ROS_MASTER_URI"] = _master_uri(environment.get("ROS_MASTER_URI", ""))
+    environment = marked(_environment(dict(os.environ)))
     before = _folders(Path(results_dir) / scenario.name)
-    with tempfile.TemporaryDirectory(prefix="aras_run_") as folder:
+    if namespace is not None:
+        arguments = [*arguments, f"ns:={namespace}", "side_by_side:=true"]
+    with _alone("/" + (namespace or NAMESPACE).strip("/"), environment), temporary_folder("aras_run_") as folder:
         outcome = Path(folder) / "exit_code"
         command = ["roslaunch", *LAUNCH_FILE, f"scenario:={scenario.path}", f"model:={scenario.urdf_path}",
                    f"controllers:={scenario.controllers_path}", f"results_dir:={os.path.abspath(results_dir)}",
-                   f"exit_code_file:={outcome}", *arguments]
+                   f"exit_code_file:={outcome}", "guard:=false", *arguments]  # ours is enough
         log = Path(folder) / "roslaunch.log"
-        with open(log, "wb") as stream:
-            try:
-                process = subprocess.Popen(command, env=environment, start_new_session=True,
-                                           **({} if verbose else {"stdout": stream, "stderr": subprocess.STDOUT}))
-            except OSError as error:
-                raise ArasError(f"roslaunch: {error.strerror}; source the workspace, or use --in-process") from error
-            _wait(process)
+        try:
+            with open(log, "wb") as stream:
+                _launch(command, environment, folder,
+                        {} if verbose else {"stdout": stream, "stderr": subprocess.STDOUT})
+        except KeyboardInterrupt:
+            made = _keep_log(Path(results_dir) / scenario.name, before, log)
+            for bag in made[-1].glob("*.bag") if made else ():
+                print(f"recorded so far: {bag}", file=sys.stderr)
+            raise
         code = int(outcome.read_text()) if outcome.exists() else EXIT_BROKEN
         if not verbose:
             _tell(Path(results_dir) / scenario.name, before, log, code)
         return code
 
 
+@contextlib.contextmanager
+def _alone(namespace, environment):
+    """Holds the namespace of a master for this process. Raises ArasError if somebody runs there already.
+
+    Nodes of the same name end each other. The master can be asked only for those that have started, so that runs which
+    start at the same moment also compete for the name of a socket, which nobody connects to and which ends with us.
+    """
+    graph = Graph("/run", environment["ROS_MASTER_URI"])
+    master = graph.master_uri() or environment["ROS_MASTER_URI"]
+    with socket.socket(socket.AF_UNIX) as claim:
+        graph_of = [f"{namespace}/{name}" for name in NODES]
+        try:
+            claim.bind("\0aras_run/" + hashlib.sha256(f"{master} {namespace}".encode()).hexdigest())
+            found = graph.running(graph_of)
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE:
+                raise
+            found = graph.running(graph_of) or ["another run"]
+        if found:
+            raise ArasError(f"namespace {namespace} of the master {master}: {', '.join(found)} runs there already; "
+                            "wait for its end, or choose another with --namespace")
+        yield
+
+
 def _folders(parent):
     return set(parent.iterdir()) if parent.is_dir() else set()
 
 
-def _tell(parent, before, log, code):
-    """Print the outcome of the run that made a folder in `parent`; without one, what the nodes said last."""
+def _keep_log(parent, before, log):
+    """Copy what the nodes said into the folder of the run. Returns the new folders, sorted."""
     made = sorted(_folders(parent) - before)
     for folder in made[-1:]:
-        shutil.copyfile(log, folder / "roslaunch.log")
+        try:
+            shutil.copyfile(log, folder / "roslaunch.log")
+        except OSError as error:
+            print(f"note: {folder / 'roslaunch.log'} cannot be written: {error.strerror}", file=sys.stderr)
+    return made
+
+
+def _tell(parent, before, log, code):
+    """Print the outcome of the run that made a folder in `parent`; without one, what the nodes said last."""
+    made = _keep_log(parent, before, log)
     if made and (made[-1] / "summary.json").is_file():
         summary = json.loads((made[-1] / "summary.json").read_text(encoding="utf-8"))
         print(format_summary({**summary, "report": str(made[-1] / "report.html")}))
@@ -74,25 +119,40 @@ def _tell(parent, before, log, code):
         print(f"the run ended with exit code {code}, without a result", file=sys.stderr)
 
 
-def _master_uri(uri):
-    """The master that runs, else the address of one that roslaunch will start on a free port of the loopback."""
+def _environment(environment):
+    """With the master that runs, else with the address of one that roslaunch will start on a free port of the loopback.
+
+    A graph of our own stays on the loopback, unless the user says by ROS_HOSTNAME or ROS_IP where it should listen.
+    """
+    uri = environment.get("ROS_MASTER_URI", "")
     if uri and Graph("/run", uri).master_answers():
-        return uri
+        return environment
     host = urlparse(uri).hostname or "localhost"
     if not host.startswith("127.") and host not in ("localhost", "::1", socket.gethostname()):
-        raise ArasError(f"ROS_MASTER_URI={uri}: no master answers there, and none can be started on another machine")
+        raise ArasError(f"ROS_MASTER_URI={uri}: no master answers there, and roslaunch can start one on this machine "
+                        "only: start it there, or name a host of this machine")
+    if "ROS_IP" not in environment and host != socket.gethostname():
+        environment.setdefault("ROS_HOSTNAME", "localhost")
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
-        return f"http://{host}:{probe.getsockname()[1]}"
+        return dict(environment, ROS_MASTER_URI=f"http://{host}:{probe.getsockname()[1]}")
 
 
-def _wait(process):
+def _launch(command, environment, folder, streams):
+    """Run roslaunch to its end, and see that nothing that it started outlives it."""
+    guard = process = None
+    check_signals()
     try:
+        with signals_held():
+            guard = subprocess.Popen([sys.executable, "-m", guards.__name__, environment[MARK], folder],
+                                     stdin=subprocess.PIPE, start_new_session=True)
+            process = subprocess.Popen(command, env=environment, start_new_session=True, **streams)
         process.wait()
-    except BaseException:  # an interrupt ends the nodes in order, bag included, before it ends us
-        process.send_signal(signal.SIGINT)
-        try:
-            process.wait(STOP_TIMEOUT_S)
-        except subprocess.TimeoutExpired:
-            process.kill()
-        raise
+    except OSError as error:
+        raise ArasError(f"roslaunch: {error.strerror}; source the workspace, or use --in-process") from error
+    finally:
+        guards.end_launch(environment[MARK])
+        if process is not None:
+            process.wait()
+        if guard is not None:
+            guard.communicate(b"ended in order")

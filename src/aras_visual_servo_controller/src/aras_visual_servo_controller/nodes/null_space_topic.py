@@ -1,4 +1,5 @@
-"""Topic `null_space_bars`: an image of what each joint does for the camera and in the null space, for rviz."""
+"""Topic `null_space_bars`: an image for rviz that shows, for each joint, its part in the camera's motion and its motion
+in the null space."""
 
 import time
 
@@ -12,7 +13,7 @@ PERIOD_S = 0.1  # wall time between two images
 
 
 class NullSpaceTopic:
-    """Publishes while somebody listens, and costs nothing else.
+    """Draws and publishes the image only while somebody subscribes to it.
 
     Args: kinematics: `Kinematics`.  servo: `Servo`, whose inverse splits the joint velocities.
     """
@@ -23,7 +24,7 @@ class NullSpaceTopic:
         self._publisher = rospy.Publisher("null_space_bars", Image, queue_size=1)
 
     def show(self, record, frame_id):
-        """Show a `ServoRecord`, at most every PERIOD_S of wall time."""
+        """Show a `ServoRecord`, at most once every PERIOD_S of wall time."""
         if not self._publisher.get_num_connections() or time.monotonic() - self._wall_s < PERIOD_S:
             return
         self._wall_s = time.monotonic()

@@ -1,10 +1,12 @@
-"""ROS parameters to plain values: sections of the scenario, and the few parameters that belong to a node."""
+"""Reads ROS parameters: sections of the scenario, and the few parameters that belong to a node itself."""
 
 import rospy
 
 from ..ground.errors import ArasError, ParameterError
 from ..arm.kinematics import Kinematics
+from ..config.reader import read
 from ..run.sequence import ExperimentSequence
+from ..scenario.schema import RobotSettings
 from ..servo.servo import Servo
 
 CONTROLLER_PARAMETERS = ("command_interface", "feedback_rate_hz", "taught_reference", "scenario", "servo", "experiment",
@@ -29,7 +31,7 @@ class Parameters:
         """A section of the scenario: private parameter `~name`, else `scenario/name` in the node's namespace.
 
         Returns:
-            dict, {} if it is missing (which is a fault).
+            dict; {} if it is missing or no mapping, which is a fault.
         """
         for key in ("~" + name, "scenario/" + name):
             if rospy.has_param(key):
@@ -43,16 +45,17 @@ class Parameters:
         return {}
 
     def searched(self, name):
-        """Text parameter found here or in a namespace above, "" if missing (which is a fault)."""
+        """Text of a parameter in this node's namespace or one above; "" if it is missing, which is a fault."""
         key = rospy.search_param(name)
         value = rospy.get_param(key) if key else None
         if not isinstance(value, str) or not value.strip():
-            self.faults.append(f"{name}: missing or not text, searched from {rospy.get_name()} upwards")
+            self.faults.append(f"{name}: found {'nothing' if value is None else repr(value)}, allowed a text; searched "
+                               f"in the namespace of {rospy.get_name()} and those above it")
             return ""
         return value
 
     def value(self, key, default, minimum=None):
-        """A parameter with a default; its type is that of the default, numbers may have a minimum."""
+        """Value of a parameter, which has to have the type of its default; a number may have a minimum."""
         value, kind = rospy.get_param(key, default), type(default)
         if kind is float and isinstance(value, int) and not isinstance(value, bool):
             value = float(value)
@@ -65,7 +68,7 @@ class Parameters:
         return value
 
     def choice(self, key, default, allowed):
-        """A text parameter out of a few."""
+        """Text of a parameter that has to be one of `allowed`."""
         value = self.value(key, default)
         if value not in allowed:
             self.faults.append(f"{key}: found {value!r}, allowed {' | '.join(allowed)}")
@@ -73,11 +76,11 @@ class Parameters:
         return value
 
     def add(self, error):
-        """Count the faults of an error raised by a core class."""
+        """Add the faults of an error that a core class raised."""
         self.faults.extend(getattr(error, "faults", None) or [str(error)])
 
     def build(self, factory, *arguments):
-        """factory(*arguments), or None if it finds faults in them, which are then counted."""
+        """The result of factory(*arguments), or None if it raises an ArasError, whose faults are then added."""
         try:
             return factory(*arguments)
         except ArasError as error:
@@ -85,28 +88,29 @@ class Parameters:
             return None
 
     def known(self, names, prefix="~"):
-        """Fault for every private parameter that is not one of `names`."""
+        """Add a fault for every private parameter that is not one of `names`."""
         tree = rospy.get_param(prefix, {})
         for key in sorted(set(tree if isinstance(tree, dict) else {}) - set(names)):
             self.faults.append(f"{rospy.resolve_name(prefix + key)}: unknown, known are {', '.join(sorted(names))}")
 
     def check(self):
-        """Raises ParameterError with every fault found, if any."""
+        """Raises ParameterError with every fault found so far, if there is any."""
         if self.faults:
             raise ParameterError(self.faults)
 
 
 class ControllerSetup:
-    """The controller node's parameters, made into the objects of the core.
+    """Reads the controller node's parameters and makes the objects of the core from them.
 
     Args:
-        teach_camera: as `ExperimentSequence` wants it.
+        teach_camera: function that makes an image the camera's reference, see `ExperimentSequence`.
     Raises:
-        ParameterError: listing every fault.
+        ParameterError: lists every fault.
 
     Attributes:
-        kinematics, servo, sequence: the core.  feedback_rate_hz: of the action, wall time [1/s].
-        controllers: joint -> name of its ros_control controller, {} unless the command interface is float64.
+        kinematics, servo, sequence: the objects of the core.
+        feedback_rate_hz: rate of the action's feedback in wall time [1/s].
+        controllers: joint -> name of its ros_control controller; {} unless the command interface is float64.
     """
 
     def __init__(self, teach_camera):
@@ -117,13 +121,11 @@ class ControllerSetup:
         interface = parameters.choice("~command_interface", "joint_command", ("joint_command", "float64"))
         self.feedback_rate_hz = parameters.value("~feedback_rate_hz", 10.0, minimum=0.1)
         parameters.known(CONTROLLER_PARAMETERS)
-        for key in ("base_link", "tip_link"):
-            if robot and not isinstance(robot.get(key), str):
-                parameters.faults.append(f"robot/{key}: missing or not text")
+        arm = read(RobotSettings, robot, "robot", faults=parameters.faults) if robot else None
         self.kinematics = self.servo = self.sequence = None
         self.controllers = {}
         if not parameters.faults:
-            self.kinematics = parameters.build(Kinematics, urdf, robot["base_link"], robot["tip_link"])
+            self.kinematics = parameters.build(Kinematics, urdf, arm.base_link, arm.tip_link)
         if self.kinematics is not None:
             self.servo = parameters.build(Servo, self.kinematics, servo)
             self.sequence = parameters.build(ExperimentSequence, self.kinematics, self.servo, experiment, teach_camera)
@@ -133,7 +135,10 @@ class ControllerSetup:
 
 
 def _controllers(parameters, joint_names):
-    """Joint -> controller of the ros_control parameters in our namespace; a joint without one is a fault."""
+    """Dict of joint -> name of its controller, from the ros_control parameters in the node's namespace.
+
+    A joint without a controller is a fault.
+    """
     tree = rospy.get_param(rospy.get_namespace(), {})
     found = {value["joint"]: name for name, value in sorted(tree.items())
              if isinstance(value, dict) and "joint" in value and str(value.get("type", "")).endswith("Controller")}

@@ -1,4 +1,4 @@
-"""Node `teleop`: joint_states in, joint_command out while keys are held."""
+"""Node `teleop`: moves the arm by keyboard. It reads `joint_states` and sends `joint_command` while a key is held."""
 
 import sys
 import threading
@@ -20,11 +20,12 @@ EXIT_STOPPED, EXIT_PARAMETERS = 0, 2
 class TeleopNode:
     """Answers each joint state with velocities while a key is held, and once with zeros when it is let go.
 
-    It stays silent otherwise: another controller may have the arm, and a simulator in lockstep is not armed by it.
+    Otherwise it sends nothing. So it does not disturb another controller that moves the arm, and a simulator in
+    lockstep does not begin to wait for its answers.
     """
 
     def __init__(self):
-        """Raises ParameterError listing every fault."""
+        """Raises ParameterError, which lists every fault of the parameters."""
         parameters = Parameters()
         urdf = parameters.searched("robot_description")
         base = parameters.value("~base_link", "world")
@@ -45,7 +46,7 @@ class TeleopNode:
             try:
                 velocity = self.teleop.velocity(self._joints.positions(message), time.monotonic())
             except ArasError as error:
-                rospy.logwarn_throttle(5.0, "teleop: the arm is left alone: %s", error)
+                rospy.logwarn_throttle(5.0, "teleop: no command was sent: %s", error)
                 return
             moves = bool(velocity.any())
             if moves or self._moving:
@@ -56,7 +57,7 @@ class TeleopNode:
 
 
 def main(descriptor=0):
-    """Runs until the key for the end, or the end of ROS. Returns the exit code."""
+    """Entry of scripts/teleop. Runs until the quit key is pressed or ROS shuts down. Returns the exit code."""
     if {"-h", "--help"} & set(sys.argv):
         print(HELP)
         return EXIT_STOPPED
@@ -74,7 +75,7 @@ def main(descriptor=0):
                     shown = node.teleop.status()
                     print(shown, flush=True)
     except ParameterError as error:
-        rospy.logfatal("teleop: cannot run:\n%s", error)
+        rospy.logfatal("teleop: bad parameters:\n%s", error)
         return EXIT_PARAMETERS
     except ArasError as error:
         print(error, file=sys.stderr)

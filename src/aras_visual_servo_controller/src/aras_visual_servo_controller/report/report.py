@@ -35,6 +35,7 @@ PUBLISHED = {
     "experiment_2": {"label": "paper, experiment 2",
                      "x_mm": 4.0, "y_mm": 8.9, "z_mm": 7.2, "angle_deg": 0.03},
 }
+PROBE_BYTES = 2**20  # which a disk must have left before a run begins; its report alone takes about as much
 
 
 class ResultFolderError(ArasError):
@@ -65,8 +66,12 @@ def create_result_folder(output, scenario_name, stamp=None):
                 number += 1
                 folder = parent / f"{name}-{number}"
         probe = folder / ".writable"
-        probe.write_text("")
-        probe.unlink()
+        try:
+            with open(probe, "wb") as stream:
+                stream.write(bytes(PROBE_BYTES))
+                os.fsync(stream.fileno())
+        finally:
+            probe.unlink(missing_ok=True)
     except OSError as error:
         raise ResultFolderError(f"results folder '{parent}': cannot be written: {error.strerror} "
                                 f"({error.filename}); choose another with --output") from error

@@ -192,7 +192,11 @@ class ServoLoop:
             builder.note(f"given up after {limit_s:g} s of simulated time in phase {record.phase}")
         wall_s = time.perf_counter() - started_s
         return builder.finish(run_hash=self.sim.run_hash, wall_s=wall_s, camera_info=self.camera_info,
-                              X_WT=self._target and self.sim.model_pose(self._target))
+                              X_WT=self.target_pose())
+
+    def target_pose(self):
+        """X_WT, (4, 4), of the target now; None in a scene without one."""
+        return self._target and self.sim.model_pose(self._target)
 
     def _row(self, builder, progress):
         record, features, image = self.step()

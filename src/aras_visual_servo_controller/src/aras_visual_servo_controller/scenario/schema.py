@@ -14,6 +14,8 @@ from .sweep import Perturbations, SweepSection
 #: Sections that other packages read and describe: name -> package.
 ELSEWHERE = {"sim": "aras_visual_servo_sim", "time": "aras_visual_servo_sim", "vision": "aras_visual_servo_camera"}
 REQUIRED = ("name", "robot", "sim", "vision", "servo", "experiment")
+#: The name of a folder, and never that of the folder above.
+NAME = r"^(?!\.+$)[A-Za-z0-9_.-]+$"
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,8 @@ def default_of(name, schema=None):
 @functools.lru_cache(maxsize=4)
 def _schema(made_of):
     properties = {
-        "name": {"type": "string", "pattern": "^[A-Za-z0-9_.-]+$", "description": "Name of the scenario."},
+        "name": {"type": "string", "pattern": NAME, "description": "Name of the scenario, and of the folder "
+                 "of its results: letters, digits, _ . -, not only dots."},
         "description": {"type": "string", "description": "What it is, in a line."},
         "robot": schema_of(RobotSettings),
         **{name: yaml_section(package, name) for name, package in ELSEWHERE.items()},

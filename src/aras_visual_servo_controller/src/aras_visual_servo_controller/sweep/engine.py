@@ -3,17 +3,16 @@
 The result of a run depends on its start alone, so runs may be done anywhere, in any order, and again.
 """
 
-import contextlib
+import collections
 import os
-import signal
 import sys
-import tempfile
 import time
 from concurrent.futures import CancelledError
-from multiprocessing import resource_tracker
 
 from ..ground.errors import ArasError
+from ..ground.processes import temporary_folder
 from .judge import COLUMNS
+from .metrics import judge_by
 from .worker import plain, run_chunk
 
 #: A worker is given this many runs at a time, about half a second of work.
@@ -30,22 +29,24 @@ class EngineError(ArasError):
 class Progress:
     """Shows runs done, rate and time left on stderr: in one line that is rewritten, or without a terminal in a new line
     every `every_s`.
+
+    Args:
+        total: runs of the sweep.  rows: of those that were done before.
     """
 
-    def __init__(self, total, done=0, stream=None, every_s=10.0, clock=time.monotonic):
-        self.total, self.already = total, done
-        self.done = done
+    def __init__(self, total, rows=(), stream=None, every_s=10.0, clock=time.monotonic):
+        self.total, self.already = total, len(rows)
+        self.done = len(rows)
         self._stream, self._clock = stream or sys.stderr, clock
         self._terminal = self._stream.isatty()
         self._every_s = 0.2 if self._terminal else every_s
-        self._counts = {}
+        self._counts = collections.Counter(row["outcome"] for row in rows)
         self._began_s = self._shown_s = clock()
 
     def add(self, rows):
         """Count runs that are done."""
         self.done += len(rows)
-        for row in rows:
-            self._counts[row["outcome"]] = self._counts.get(row["outcome"], 0) + 1
+        self._counts.update(row["outcome"] for row in rows)
         if self._clock() - self._shown_s >= self._every_s or self.done == self.total:
             self._shown_s = self._clock()
             print(("\r" if self._terminal else "") + self.line(), end="" if self._terminal else "\n",
@@ -74,12 +75,12 @@ def run_pending(store, setup, workers=None, scheduler=None, progress=None):
         scheduler: address of a Dask scheduler, "tcp://host:8786", instead of local workers.
     Raises:
         EngineError: there is no scheduler or no worker.  ParameterError: the workers refuse the sweep.
-        KeyboardInterrupt: interrupted; the runs that were done are saved.
+        Interrupted: a signal came; the runs that were done are saved.
     """
     pending = store.pending()
     if not pending:
         return
-    progress = progress or Progress(len(store.starts()), len(store.starts()) - len(pending))
+    progress = progress or Progress(len(store.starts()), store.rows())
     by_id = {start.id: start for start in pending}
 
     def save(results):
@@ -101,8 +102,9 @@ def _with_dask(setup, pending, workers, scheduler, save):
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     import dask  # only here: these take a second to import
-    from distributed import Client, LocalCluster
-    with tempfile.TemporaryDirectory(prefix="aras-sweep-") as folder, dask.config.set({
+    from distributed import Client
+    from .cluster import local_cluster
+    with temporary_folder("aras-sweep-") as folder, dask.config.set({
             "distributed.scheduler.allowed-failures": DEATHS - 1, "temporary-directory": folder,
             "distributed.comm.timeouts.connect": f"{CONNECT_S:g}s", "distributed.worker.profile.enabled": False}):
         if scheduler:
@@ -112,29 +114,8 @@ def _with_dask(setup, pending, workers, scheduler, save):
                 _collect(client, setup, pending, save)
             return
         count = min(workers or os.cpu_count() or 1, len(pending))
-        with _interrupts_held():
-            cluster = LocalCluster(n_workers=count, threads_per_worker=1, processes=True, host="127.0.0.1",
-                                   dashboard_address=None, memory_limit=0, silence_logs=50, local_directory=folder)
-        try:
-            with Client(cluster) as client:
-                _collect(client, setup, pending, save)
-        finally:
-            cluster.close(timeout=5)
-
-
-@contextlib.contextmanager
-def _interrupts_held():
-    """Keeps Ctrl-C from the worker processes that are spawned inside; this process ends them itself.
-
-    A terminal sends Ctrl-C to all processes, and each worker would print a traceback. Threads and processes inherit the
-    blocked signal. Starting Python's resource tracker unblocks it, so the tracker is started before.
-    """
-    resource_tracker.ensure_running()
-    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        with local_cluster(count, folder) as cluster, Client(cluster) as client:
+            _collect(client, setup, pending, save)
 
 
 def _client(Client, scheduler):
@@ -142,6 +123,9 @@ def _client(Client, scheduler):
         return Client(scheduler, timeout=f"{CONNECT_S:g}s")
     except (OSError, ValueError) as error:  # TimeoutError is an OSError
         raise EngineError(f"scheduler {scheduler}: cannot be reached: {error}") from error
+    except TypeError as error:  # Dask's words for it tell of an argument that is None
+        raise EngineError(f"scheduler {scheduler}: speaks TLS, and there is no certificate to show it: see "
+                          "docs/sweeps.md, Many machines") from error
 
 
 def _collect(client, setup, pending, save):
@@ -182,7 +166,7 @@ def _result(future):
 
 def _killed(start):
     row = dict.fromkeys(COLUMNS)
-    row.update(id=start.id, outcome="error", reason="error: worker died", converged=0, success=0, success_strict=0,
+    row.update(id=start.id, outcome="error", reason="error: worker died", converged=0, **judge_by(None),
                detail=f"the worker process died {DEATHS} times in this run")
     return row
 

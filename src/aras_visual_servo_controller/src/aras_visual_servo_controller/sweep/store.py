@@ -76,13 +76,16 @@ class SweepStore:
         folder = Path(folder)
         path = folder if folder.is_file() else folder / FILE
         if not path.is_file():
-            raise StoreError(f"{folder}: no sweep there (no {FILE})")
+            raise StoreError(f"{folder}: found no sweep in this folder (no {FILE})")
         lock = _lock(path.parent) if writing else None
         with _speaking(path):
             connection = _connect(path)
             meta = {key: json.loads(value) for key, value in connection.execute("SELECT key, value FROM meta")}
         if meta.get("layout") != LAYOUT:
             raise StoreError(f"{path}: found layout {meta.get('layout')}, allowed {LAYOUT}")
+        for key, kind in (("columns", list), ("setup", dict), ("settings", dict)):
+            if not isinstance(meta.get(key), kind):
+                raise StoreError(f"{path}: meta.{key}: found {type(meta.get(key)).__name__}, allowed {kind.__name__}")
         return cls(path.parent, connection, meta, lock)
 
     def starts(self):
@@ -162,7 +165,8 @@ class SweepStore:
 
 
 class _speaking:
-    """Context: turns SQLite's errors into StoreError with the name of the file."""
+    """Context: turns errors of SQLite, and of values that are not what was written, into StoreError with the name of
+    the file."""
 
     def __init__(self, path):
         self._path = path
@@ -171,7 +175,7 @@ class _speaking:
         return self
 
     def __exit__(self, kind, error, _):
-        if kind is not None and issubclass(kind, sqlite3.Error):
+        if kind is not None and issubclass(kind, (sqlite3.Error, ValueError, TypeError)):
             raise StoreError(f"{self._path}: cannot be read or written: {error}") from error
         return False
 

@@ -41,6 +41,16 @@ class BadParameters(unittest.TestCase):
         for word in ("xn", "no_such_key", "z_star_m"):
             self.assertIn(word, output)
 
+    def test_controller_checks_section_robot_as_the_scenario_does(self):
+        def change(document):
+            del document["robot"]["base_link"]
+            document["robot"]["tip"] = "camera"
+        self.set_up("/robot", change)
+        code, output = run("controller", "/robot")
+        self.assertEqual(code, 2, output)
+        for word in ("robot/base_link: found nothing", "robot/tip: unknown key"):
+            self.assertIn(word, output)
+
     def test_controller_without_any_parameter_names_what_is_missing(self):
         code, output = run("controller", "/nothing")
         self.assertEqual(code, 2, output)

@@ -35,18 +35,18 @@ rospy.spin()
 
 
 class ExperimentNode(unittest.TestCase):
-    def run_scenario(self, *arguments):
+    def run_scenario(self, namespace, *arguments):
         """(exit code, result folder, summary) of experiment_1 over ROS."""
         folder = tempfile.mkdtemp(prefix="aras_experiment_")
         self.addCleanup(shutil.rmtree, folder, ignore_errors=True)
-        code = run_over_ros(load_scenario("experiment_1"), folder, arguments)
+        code = run_over_ros(load_scenario("experiment_1"), folder, arguments, namespace=namespace)
         results = list(pathlib.Path(folder).glob("experiment_1/*"))
         self.assertEqual(len(results), 1)
         summary = json.loads((results[0] / "summary.json").read_text())
         return code, results[0], summary
 
     def test_run_records_judges_and_exits_with_0(self):
-        code, folder, summary = self.run_scenario("ns:=plain", "side_by_side:=true")
+        code, folder, summary = self.run_scenario("plain")
         self.assertEqual(code, 0)
         self.assertTrue(summary["converged"] and summary["passed"], summary["faults"])
         self.assertEqual(sorted(path.name for path in folder.iterdir()), sorted(FILES))
@@ -75,8 +75,7 @@ class ExperimentNode(unittest.TestCase):
     def test_goes_on_when_the_controller_is_killed_while_servoing(self):
         killer = subprocess.Popen([sys.executable, "-c", kill_in_phase("servo", "/killed")])
         try:
-            code, _, summary = self.run_scenario("ns:=killed", "respawn:=true", "side_by_side:=true",
-                                                 "real_time_factor:=2")
+            code, _, summary = self.run_scenario("killed", "respawn:=true", "real_time_factor:=2")
             self.assertEqual(killer.wait(LIMIT_S), 0)
         finally:
             killer.kill()

@@ -1,5 +1,7 @@
 """The commands `run` and `report`: arguments, exit codes, what is said."""
 
+import errno
+import os
 import pathlib
 
 import pytest
@@ -70,18 +72,47 @@ def test_a_run_over_ros_gives_the_exit_code_of_the_experiment_node(monkeypatch, 
 
     class Roslaunch:
         def __init__(self, command, **_):
-            commands.append(command)
-            outcome = next(word for word in command if word.startswith("exit_code_file:="))
-            pathlib.Path(outcome.partition(":=")[2]).write_text("1\n")
+            if command[0] == "roslaunch":  # not the guard
+                commands.append(command)
+                outcome = next(word for word in command if word.startswith("exit_code_file:="))
+                pathlib.Path(outcome.partition(":=")[2]).write_text("1\n")
 
         def wait(self):
             return 0  # what roslaunch ends with, whatever became of its nodes
+
+        def communicate(self, _words):
+            pass
     monkeypatch.setattr(launch.subprocess, "Popen", Roslaunch)
     monkeypatch.setenv("ROS_MASTER_URI", "http://localhost:1")
     assert cli.run_main(["experiment_1", "--output", str(tmp_path)]) == cli.EXIT_FAILED
     assert commands[0][:3] == ["roslaunch", "aras_visual_servo_controller", "servo.launch"]
     assert commands[0][3].startswith("scenario:=/") and commands[0][3].endswith("experiment_1.yaml")
     assert f"results_dir:={tmp_path}" in commands[0]
+
+
+def test_a_log_that_cannot_be_kept_does_not_hide_why_the_run_failed(monkeypatch, tmp_path, capsys):
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    folder, log = tmp_path / "results" / "today", tmp_path / "roslaunch.log"
+    folder.mkdir(parents=True)
+    log.write_text("[FATAL] summary.json: cannot be written: No space left on device\n")
+    monkeypatch.setattr(launch.shutil, "copyfile", full)
+    launch._tell(folder.parent, set(), log, 3)
+    said = capsys.readouterr().err
+    assert "roslaunch.log cannot be written: No space left on device" in said
+    assert "[FATAL] summary.json: cannot be written" in said and "exit code 3" in said
+
+
+def test_the_namespace_of_a_run_is_checked_and_reaches_the_launch_file(monkeypatch, tmp_path, capsys):
+    given = []
+    monkeypatch.setattr(launch, "run_over_ros", lambda *_, namespace, **__: given.append(namespace) or 0)
+    assert cli.run_main(["experiment_1", "--output", str(tmp_path), "--namespace", "/left/arm"]) == 0
+    assert given == ["/left/arm"]
+    for name in ("a b", "1a", "/", "a//b", "~a"):
+        with pytest.raises(SystemExit):
+            cli.run_main(["experiment_1", "--namespace", name])
+        assert f"--namespace: found '{name}', allowed is a name of ROS" in capsys.readouterr().err
 
 
 def test_the_list_names_every_shipped_scenario(capsys):

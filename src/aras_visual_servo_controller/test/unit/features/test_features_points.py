@@ -120,7 +120,7 @@ def test_number_of_points_that_changes_is_refused():
 
 
 def test_depth_at_the_goal_needs_the_goal():
-    with pytest.raises(ParameterError, match="teach it again"):
+    with pytest.raises(ParameterError, match="teach the goal again"):
         make_law("ibvs", [2.0] * 8, LawSetup(("points4",), "current", point_depth="goal")).reset([0.0] * 8)
     with pytest.raises(ParameterError, match="point_depth: found 'near', allowed plane, goal"):
         make_law("ibvs", [2.0] * 8, LawSetup(("points4",), point_depth="near"))

@@ -76,7 +76,7 @@ def test_a_singular_matrix_is_refused_not_inverted():
 
 
 def test_a_reference_without_its_view_is_refused():
-    with pytest.raises(ParameterError, match="teach it again"):
+    with pytest.raises(ParameterError, match="teach the goal again"):
         make_law("ibvs", GAINS, LawSetup(SIX)).reset([0.0] * 6)
 
 

@@ -87,7 +87,7 @@ def test_settled_says_that_the_twist_is_small():
 
 @pytest.mark.parametrize("change, error, text", [
     ({"has_reference": False}, DegenerateFeature, "no reference image"),
-    ({"H": []}, DegenerateFeature, "0 numbers of H"),
+    ({"H": []}, DegenerateFeature, "0 numbers in H"),
     ({"H": [0.0] * 21}, DegenerateFeature, "photometric: "),
     ({"condition": float("inf")}, DegenerateFeature, "condition number"),
     ({"condition": float("nan")}, DegenerateFeature, "condition number"),
@@ -168,7 +168,7 @@ def test_every_fault_of_the_settings_is_listed():
         Servo(arm(), config(**PHOTOMETRIC, interaction="mean"))
     with pytest.raises(ParameterError, match="allowed with law 'photometric': photometric"):
         Servo(arm(), config(law="photometric"))
-    with pytest.raises(ParameterError, match="of moments and photometric"):
+    with pytest.raises(ParameterError, match="sources moments and photometric"):
         FeatureSet(("xn", "photometric"))
 
 

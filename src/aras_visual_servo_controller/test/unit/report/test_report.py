@@ -8,6 +8,8 @@ import io
 import json
 import math
 import re
+import subprocess
+import sys
 from html.parser import HTMLParser
 
 import numpy as np
@@ -93,7 +95,7 @@ class _Page(HTMLParser):
 def test_the_report_is_one_self_contained_page_with_all_pictures_and_plots(saved):
     text = (saved[1] / "report.html").read_text()
     page = _Page(text)
-    assert page.tags.count("img") == 4  # desired, initial, their difference, and the difference at the end
+    assert page.tags.count("img") == 4  # desired, initial, the differences at the end and at the start
     assert page.tags.count("figure") == 4 + 4 and page.tags.count("script") == 4 + 1
     assert all(re.match("data:(image/png|text/yaml);base64,", source) for source in page.sources)
     assert 'name="viewport"' in text and "@media print" in text
@@ -152,17 +154,31 @@ def test_every_panel_is_a_pdf_of_its_own_when_asked_for(tmp_path):
         assert (tmp_path / f"panel_{panel}.pdf").read_bytes().startswith(b"%PDF-"), panel
 
 
-def test_the_difference_image_is_mid_grey_where_nothing_changed():
-    record = make_record()
-    difference = image_of(record, "difference")
-    assert difference.dtype == np.uint8
-    assert set(np.unique(difference)) == {128 - 95, 128, 128 + 95}  # half of 230 - (20 + 40 + 60) / 3
+def test_panel_c_is_final_minus_desired_and_mid_grey_where_nothing_changed():
+    record = make_record()  # ends with the desired image
+    assert np.all(image_of(record, "difference") == 128)
+    assert image_of(dataclasses.replace(record, final_image=None), "difference") is None
+    start = image_of(record, "start")
+    assert start.dtype == np.uint8
+    assert set(np.unique(start)) == {128 - 95, 128, 128 + 95}  # half of 230 - (20 + 40 + 60) / 3
+    not_moved = dataclasses.replace(record, final_image=record.initial_image)
+    assert np.array_equal(image_of(not_moved, "difference"), start)
 
 
 def test_a_folder_that_cannot_be_written_is_an_error_with_the_reason(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(ResultFolderError, match="cannot be written: Not a directory.*--output"):
         create_result_folder(tmp_path / "file", "experiment_1")
+
+
+def test_a_full_disk_is_noticed_before_the_run(tmp_path):
+    code = ("import resource, signal, sys; signal.signal(signal.SIGXFSZ, signal.SIG_IGN); "
+            "resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)); "  # files of a full disk grow no more
+            "from aras_visual_servo_controller.report.report import create_result_folder; "
+            "create_result_folder(sys.argv[1], 'experiment_1')")
+    done = subprocess.run([sys.executable, "-c", code, str(tmp_path)], stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 1 and "experiment_1': cannot be written: File too large" in done.stderr
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
 
 
 def test_two_runs_in_one_second_get_two_folders(tmp_path, monkeypatch):

@@ -1,6 +1,7 @@
 """Scenario files: found, resolved, checked; every fault named by its path."""
 
 import copy
+import os
 
 import pytest
 import yaml
@@ -9,7 +10,7 @@ from aras_visual_servo_controller.scenario import scenario as scenario_module
 from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.scenario.scenario import load_scenario, scenario_from_dict
 from aras_visual_servo_controller.scenario.check import check
-from aras_visual_servo_controller.config.files import package_path, resolve_uri
+from aras_visual_servo_controller.config.files import load_yaml, package_path, resolve_uri
 from aras_visual_servo_controller.config.settings import keys_of
 from aras_visual_servo_controller.scenario.files import find_scenario, scenario_names
 from aras_visual_servo_controller.scenario.schema import scenario_schema
@@ -56,8 +57,9 @@ def test_experiments_of_four_features_look_straight_down_at_goal_and_start(name)
 
 
 @pytest.mark.parametrize("name, may_differ", [
-    ("experiment_1_paper", {"servo.law", "servo.mode", "servo.gains_per_s", "servo.sample_time_s", "servo.thresholds",
-                            "experiment.judge"}),
+    ("experiment_1_paper", {"sim.cameras", "vision.segmentation", "vision.threshold", "vision.object_grey",
+                            "vision.background_grey", "servo.law", "servo.mode", "servo.gains_per_s",
+                            "servo.sample_time_s", "servo.thresholds", "experiment.judge"}),
     ("experiment_1_binary", {"sim.cameras", "vision.segmentation", "vision.threshold", "vision.object_grey",
                              "vision.background_grey", "servo.thresholds", "servo.hold_s", "experiment.judge"}),
 ])
@@ -158,6 +160,37 @@ def test_a_file_that_is_no_mapping_is_refused_with_its_name(tmp_path, text, reas
     with pytest.raises(ParameterError, match=reason) as caught:
         load_scenario(path)
     assert "bad.yaml" in str(caught.value)
+
+
+@pytest.mark.parametrize("bytes_, reason", [
+    (b"name: caf\xe9\n", "not UTF-8: found the byte 0xe9 at position 9"),
+    (b"a: " + b"[" * 100_000 + b"]" * 100_000, "line 1: found 65 sections within sections, allowed <= 64"),
+    (b"a: &a [*a]", "line 1: *a stands for nothing that is before it"),
+    (b"a0: &a0 [1, 1]\n" + b"".join(b"a%d: &a%d [*a%d, *a%d]\n" % (k, k, k - 1, k - 1) for k in range(1, 40)),
+     "line 17: found 524285 values, allowed <= 500000"),
+    (b"a0: &a0 [1]\n" + b"".join(b"a%d: &a%d [*a%d]\n" % (k, k, k - 1) for k in range(1, 100)),
+     "sections within sections, allowed <= 64"),
+    (b"a: " + b"1" * 2**22, "found 4194307 bytes, allowed <= 4194304"),
+], ids=lambda value: value[-20:] if isinstance(value, str) else "")
+def test_a_file_that_would_end_the_process_is_refused_with_its_name(tmp_path, bytes_, reason):
+    path = tmp_path / "bad.yaml"
+    path.write_bytes(bytes_)
+    with pytest.raises(ParameterError) as caught:
+        load_scenario(path)
+    assert reason in str(caught.value) and "bad.yaml" in str(caught.value)
+
+
+def test_a_file_that_never_ends_is_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "pipe.yaml")
+    with pytest.raises(ParameterError, match="pipe.yaml: not a regular file"):
+        load_yaml(tmp_path / "pipe.yaml")
+
+
+@pytest.mark.parametrize("name", [".", "..", "...", "a/b", ""])
+def test_a_name_that_would_leave_the_folder_of_results_is_refused(document, name):
+    document["name"] = name
+    with pytest.raises(ParameterError, match="name: found"):
+        scenario_from_dict(document)
 
 
 def test_overrides_replace_values_and_are_checked():

@@ -1,7 +1,9 @@
 """The commands `sweep`, `rerun`, `compare` as a user types them: resume, interruption, a killed worker, bad input."""
 
+import contextlib
 import os
 import pathlib
+import shutil
 import signal
 import sqlite3
 import subprocess
@@ -15,6 +17,7 @@ from aras_visual_servo_controller.sweep import engine as sweep_engine
 
 from aras_visual_servo_controller.sweep import worker as sweep_worker
 from aras_visual_servo_controller.cli.sweep import compare_main, rerun_main, sweep_main
+from aras_visual_servo_controller.ground.processes import Interrupted
 from aras_visual_servo_controller.sweep.engine import Progress
 from aras_visual_servo_controller.sweep.store import SweepStore
 
@@ -37,7 +40,9 @@ def folder_of(output, name):
 def start_process(output, name, *words):
     command = [sys.executable, str(SCRIPTS / "sweep"), *QUICK, "--starts", str(STARTS), "--output", str(output),
                "--name", name, *words]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    (output / "tmp").mkdir()
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+                            env=dict(os.environ, TMPDIR=str(output / "tmp")))
 
 
 def wait_for_rows(process, path, count):
@@ -84,7 +89,7 @@ def test_an_interrupted_sweep_goes_on_and_repeats_nothing(undisturbed, tmp_path,
 
     def interrupted(setup, starts):
         if len(calls) == 5:
-            raise KeyboardInterrupt
+            raise Interrupted(signal.SIGINT)
         calls.extend(start["id"] for start in starts)
         return run_chunk(setup, starts)
     monkeypatch.setattr(sweep_engine, "run_chunk", interrupted)
@@ -115,6 +120,40 @@ def test_control_c_keeps_what_is_done_and_ends_the_workers(undisturbed, tmp_path
     assert saved <= len(kept) < STARTS
     assert sweep_main(["--resume", str(folder), "--workers", "0"]) == 0
     assert rows_of(folder) == rows_of(undisturbed)
+
+
+def listening(process):
+    """{(address, port)} of every socket that a process and its descendants listen on."""
+    found = set()
+    for one in [process, *process.children(recursive=True)]:
+        try:
+            found |= {tuple(link.laddr) for link in one.connections("inet") if link.status == psutil.CONN_LISTEN}
+        except psutil.NoSuchProcess:
+            pass
+    return found
+
+
+def test_a_sweep_listens_on_the_loopback_only_and_serves_no_pages(tmp_path):
+    process = start_process(tmp_path, "listening", "--workers", "2")
+    wait_for_rows(process, folder_of(tmp_path, "listening") / "sweep.db", 1)
+    sockets = listening(psutil.Process(process.pid))
+    process.send_signal(signal.SIGTERM)
+    process.communicate(timeout=PATIENCE_S)
+    assert {address for address, _ in sockets} == {"127.0.0.1"}
+    assert len(sockets) == 5, "a scheduler, two workers and their two nannies; a sixth port would be a page"
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGKILL],
+                         ids=lambda number: number.name)
+def test_a_signal_ends_a_sweep_and_all_it_started(tmp_path, number):
+    process = start_process(tmp_path, "signalled", "--workers", "2")
+    wait_for_rows(process, folder_of(tmp_path, "signalled") / "sweep.db", 1)
+    children = psutil.Process(process.pid).children(recursive=True)
+    process.send_signal(number)
+    process.communicate(timeout=PATIENCE_S)
+    assert not psutil.wait_procs(children, timeout=PATIENCE_S)[1]
+    if number != signal.SIGKILL:
+        assert process.returncode == 128 + number and not list((tmp_path / "tmp").iterdir())
 
 
 def test_a_killed_worker_loses_nothing(undisturbed, tmp_path):
@@ -163,8 +202,8 @@ def test_a_gate_decides_the_exit_code(undisturbed, capsys):
     (["experiment_1", "--workers", "-1"], 2, "--workers: found -1"),
     (["experiment_1", "--set", "servo.law=none"], 2, "law"),
     (["experiment_1", "--axes", "x0_mm", "colour"], 2, "unknown colour, known are x0_mm"),
-    (["experiment_1", "--resume"], 3, "no sweep there"),
-    (["--resume", "nowhere"], 3, "nowhere: no sweep there"),
+    (["experiment_1", "--resume"], 3, "found no sweep in this folder"),
+    (["--resume", "nowhere"], 3, "nowhere: found no sweep in this folder"),
     (["experiment_1", "--scheduler", "tcp://127.0.0.1:9"], 3, "cannot be reached"),
 ])
 def test_bad_input_is_told_clearly(words, code, message, tmp_path, capsys, monkeypatch):
@@ -183,6 +222,31 @@ def test_a_resume_must_ask_for_the_same_sweep(undisturbed, capsys):
     assert "have changed since the sweep was begun" in capsys.readouterr().err
 
 
+def test_a_resume_without_options_takes_those_it_was_begun_with(undisturbed, capsys):
+    words = ["--output", str(undisturbed.parents[2]), "--name", "whole", "--resume", "--workers", "0"]
+    assert sweep_main([*QUICK, *words]) == 0
+    assert f"{STARTS} runs" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("statement", [
+    "UPDATE meta SET value = '{' WHERE key = 'setup'", "UPDATE meta SET value = '[1]' WHERE key = 'setup'",
+    "DELETE FROM meta WHERE key = 'columns'", "UPDATE starts SET joints = 'nonsense' WHERE id = 3",
+    "UPDATE starts SET goal = NULL WHERE id = 3",
+])
+def test_a_file_with_broken_values_is_told_in_one_sentence(undisturbed, tmp_path, statement, capsys):
+    shutil.copytree(undisturbed, tmp_path / "broken")
+    with contextlib.closing(sqlite3.connect(str(tmp_path / "broken" / "sweep.db"))) as connection, connection:
+        connection.execute(statement)
+    assert sweep_main(["--resume", str(tmp_path / "broken"), "--workers", "0"]) == 3
+    said = capsys.readouterr().err
+    assert "broken" in said and "Traceback" not in said
+
+
+def test_a_name_that_leaves_the_folder_of_sweeps_is_refused(tmp_path, capsys):
+    assert sweep(tmp_path, "..", "--workers", "0") == 2
+    assert "--name: found '..', allowed" in capsys.readouterr().err and not list(tmp_path.iterdir())
+
+
 def test_a_second_writer_is_refused(undisturbed, capsys):
     with SweepStore.open(undisturbed, writing=True):
         assert sweep_main(["--resume", str(undisturbed), "--workers", "0"]) == 3
@@ -191,7 +255,7 @@ def test_a_second_writer_is_refused(undisturbed, capsys):
 
 def test_a_name_that_is_taken_is_refused(undisturbed, capsys):
     assert sweep(undisturbed.parents[2], "whole", "--workers", "0") == 3
-    assert "is there already" in capsys.readouterr().err
+    assert "found a sweep of this name already" in capsys.readouterr().err
 
 
 def test_runs_outside_the_sweep_are_refused(undisturbed, capsys):
@@ -201,9 +265,11 @@ def test_runs_outside_the_sweep_are_refused(undisturbed, capsys):
 
 def test_progress_tells_rate_and_time_left(capsys):
     now = iter([0.0, 5.0, 5.0, 10.0, 10.0, 10.0])
-    progress = Progress(100, done=20, stream=sys.stderr, every_s=5.0, clock=lambda: next(now))
-    progress.add([{"outcome": "success"}] * 10)
-    assert "30/100 runs" in progress.line() and "1.0 runs/s  1 min 10 s left  10 success" in progress.line()
+    before = [{"outcome": "success"}] * 20
+    progress = Progress(100, before, stream=sys.stderr, every_s=5.0, clock=lambda: next(now))
+    progress.add([{"outcome": "success"}] * 9 + [{"outcome": "failure"}])
+    assert "30/100 runs" in progress.line()
+    assert "1.0 runs/s  1 min 10 s left  29 success, 1 failure" in progress.line()
 
 
 def deadly_chunk(setup, starts):

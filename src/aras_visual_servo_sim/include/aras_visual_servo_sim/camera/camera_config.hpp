@@ -8,7 +8,7 @@
 
 namespace aras_visual_servo_sim {
 
-/** What camera_info says where that is not how the image is drawn: a plumb_bob camera with f = fx = fy [px]. */
+/** Intrinsics told by camera_info where the image is drawn with others: a plumb_bob camera with f = fx = fy [px]. */
 struct ToldIntrinsics {
   double f_px = 0.0, cx_px = 0.0, cy_px = 0.0;
   std::vector<double> distortion;  ///< k1 k2 p1 p2 k3
@@ -20,7 +20,7 @@ struct CameraConfig {
   CameraConfig();
 
   std::string name, frame;
-  std::string mount;  ///< if not empty: the link that carries C instead, at X_MC, and `frame` is but a name for C
+  std::string mount;  ///< if not empty: the link that carries C, at X_MC; `frame` is then only the name of C
   Pose X_MC;
   int width = 0, height = 0;
   std::optional<double> horizontal_fov_rad, fx_px, fy_px, cx_px, cy_px;
@@ -29,7 +29,7 @@ struct CameraConfig {
   std::optional<double> cutoff_angle_rad;
   double rate_hz = 0.0;
   std::string encoding;
-  double near_m = 0.0, far_m = 0.0;  ///< Z; through a fisheye max(|X|, |Y|, |Z|)
+  double near_m = 0.0, far_m = 0.0;  ///< depth Z; of a fisheye max(|X|, |Y|, |Z|)
   std::string sampling;
   double noise_mean = 0.0, noise_stddev = 0.0;
   double exposure_s = 0.0;
@@ -38,7 +38,7 @@ struct CameraConfig {
   double drop_probability = 0.0;
   bool triggered = false;
   double baseline_m = 0.0;
-  std::optional<ToldIntrinsics> told;  ///< for `compatibility: gazebo`; nothing: camera_info says how it is drawn
+  std::optional<ToldIntrinsics> told;  ///< for `compatibility: gazebo`; nothing: camera_info is that of the drawing
 };
 
 }  // namespace aras_visual_servo_sim

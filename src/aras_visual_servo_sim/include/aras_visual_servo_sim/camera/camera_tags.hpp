@@ -16,7 +16,7 @@ namespace aras_visual_servo_sim {
  *                    principal point told is (w + 1) / 2 without Cx, the one drawn with (w - 1) / 2; focalLength, Cx,
  * Cy and the plugin's distortion are told and not drawn
  *  @param warnings  gets a line for each thing that Gazebo does otherwise, or where image and camera_info disagree
- *  @throws ModelError for an image format there is not */
+ *  @throws ModelError for an unknown image format */
 std::vector<CameraConfig> camerasFromTags(const RobotModel& model, std::vector<std::string>& warnings,
                                           bool as_gazebo = false);
 

@@ -10,8 +10,8 @@ namespace aras_visual_servo_sim {
  *
  *  A ray at an angle theta from the optical axis meets the image at
  *  r(theta) = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8) focal lengths from the principal point, in
- *  the direction of its own x and y. The formula knows no 90 degrees: with theta = atan2(sqrt(X^2 + Y^2), Z) it holds
- *  for points beside and behind the camera too. */
+ *  the direction of its own x and y. The formula has no limit at 90 degrees: with theta = atan2(sqrt(X^2 + Y^2), Z) it
+ * holds for points beside and behind the camera too. */
 class EquidistantLens {
  public:
   /** [rad] from the axis, 125 degrees: nothing farther is ever drawn. */

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <utility>
 
-// Random numbers by counter: number k of a seed, whatever was drawn before. Generator: splitmix64 (Steele, Lea and
-// Flood, OOPSLA 2014).
+// Random numbers by counter: number k of a seed can be asked for directly and does not depend on what was drawn before.
+// Generator: splitmix64 (Steele, Lea and Flood, OOPSLA 2014).
 namespace aras_visual_servo_sim::splitmix {
 
 inline constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15ULL;

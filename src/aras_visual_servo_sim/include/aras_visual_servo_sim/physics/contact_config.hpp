@@ -15,13 +15,13 @@
 
 namespace aras_visual_servo_sim {
 
-/** Something solid that is no link of the robot: at rest, or free to move when it has mass. */
+/** A solid that is not a link of the robot. It stays at rest, or moves freely if it has mass. */
 struct Obstacle {
   std::string name;
   Geometry geometry;
   Pose X_WO;             ///< at the start
-  double mass_kg = 0.0;  ///< 0: it stays where it is put; else uniform, a mesh as its bounding box
-  Pose X_OG{};           ///< of the geometry; identity if it has mass. Obstacles of one name are one thing, at one pose
+  double mass_kg = 0.0;  ///< 0: it stays where it is; else spread evenly, a mesh's over its bounding box
+  Pose X_OG{};           ///< of the geometry; identity if it has mass. Obstacles of one name are parts of one solid
 };
 
 /** The plane z = z_m, solid below. */
@@ -29,9 +29,9 @@ struct GroundPlane {
   double z_m, friction;
 };
 
-/** What touches what, and how hard. Nothing by default: then no shape is even built. */
+/** Which bodies touch each other, and how stiffly. By default none do, and no collision shape is built. */
 struct ContactConfig {
-  /** Nothing, with the defaults of section `contacts`. */
+  /** No contacts, with the numbers that are the defaults of section `contacts`. */
   ContactConfig();
 
   /** Names of links and obstacles; `robot` stands for every link, in either place. */
@@ -41,7 +41,7 @@ struct ContactConfig {
   double stiffness_n_per_m;                   ///< normal force per depth at each point of contact
   double damping_n_s_per_m;                   ///< normal force per speed of approach
   std::map<std::string, double> free_bodies;  ///< solid: mass [kg]
-  std::vector<Obstacle> obstacles;            ///< the solids of the scene, filled in by whoever knows it
+  std::vector<Obstacle> obstacles;            ///< the solids of the scene, filled in by Contacts (simulation)
   /** Points of the mesh files that collision shapes name, unscaled [m]; their convex hull is what touches. */
   std::map<std::string, std::vector<Eigen::Vector3d>> mesh_points;
 
@@ -50,7 +50,7 @@ struct ContactConfig {
 
 /** Reads section `contacts`. Null: none. @throws ParameterError listing every fault */
 ContactConfig contactConfigFromYaml(const YAML::Node& node);
-/** The same as part of a larger reading: faults go to reader, whose owner calls finish(). */
+/** The same, as a part of a larger document: faults are added to reader, whose owner calls finish(). */
 ContactConfig readContacts(YamlReader reader);
 
 }  // namespace aras_visual_servo_sim

@@ -10,13 +10,13 @@
 
 namespace aras_visual_servo_sim {
 
-/** What a joint controller steers and what it drives. */
+/** Which quantity a joint controller is commanded in, and which one it sets. */
 enum class ControllerType {
   kEffortPosition,  ///< effort_controllers/JointPositionController: PID on position
   kEffortVelocity,  ///< effort_controllers/JointVelocityController: PID on velocity
   kEffort,          ///< effort_controllers/JointEffortController: the command itself
-  kPosition,        ///< position_controllers/JointPositionController: a servo that is there at the next step
-  kVelocity         ///< velocity_controllers/JointVelocityController: likewise in velocity
+  kPosition,        ///< position_controllers/JointPositionController: the joint reaches the command at the next step
+  kVelocity         ///< velocity_controllers/JointVelocityController: the same for velocity
 };
 
 /** When the joint controllers are evaluated. */

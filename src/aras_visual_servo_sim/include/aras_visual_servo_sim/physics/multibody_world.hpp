@@ -56,21 +56,21 @@ class MultibodyWorld {
    *  @throws ShapeError, NotFiniteError, ParameterError (outside the position limits); nothing changes then. */
   void reset(const Eigen::VectorXd& q);
 
-  /** Positions by joint name, at rest, set-points there; other joints keep theirs and their velocity. A mimic joint may
-   *  be named with the position it has by what it follows, no other. The clock goes on.
+  /** Puts the named joints at rest at these positions, set-points too; the others keep position and velocity, and the
+   *  clock goes on. A mimic joint may be named only with the position that the joint it follows gives it.
    *  @throws UnknownNameError, NotFiniteError, ParameterError; nothing changes then. */
   void setJointPositions(const std::map<std::string, double>& positions);
 
   /** As reset(q) for velocities, positions untouched; for experiments and tests. Mimic joints' entries follow. */
   void setJointVelocities(const Eigen::VectorXd& v);
 
-  /** Where something touched in the last step. */
+  /** The points of contact of the last step, with their forces. */
   std::vector<ContactForce> contacts() const;
   /** Pose of an obstacle of the contacts. @throws UnknownNameError */
   Pose obstaclePose(const std::string& obstacle) const;
   /** Its twist [v; w] in world axes, of its frame; zero for one without mass. @throws UnknownNameError */
   Twist obstacleTwist(const std::string& obstacle) const;
-  /** What touches what from now on. Obstacles that were there before stay where they are and keep their velocity.
+  /** Sets which bodies touch each other from now on. Obstacles that were there before keep their pose and velocity.
    *  @throws ParameterError, ModelError; nothing changes then. */
   void setContacts(const ContactConfig& config);
   /** Places an obstacle, at rest. @throws UnknownNameError, NotFiniteError */
@@ -92,7 +92,7 @@ class MultibodyWorld {
 
   const Eigen::VectorXd& jointPositions() const;
   const Eigen::VectorXd& jointVelocities() const;
-  /** What the actuators really applied in the last step, [N or N m]. */
+  /** Efforts that the actuators really applied in the last step, after all limits [N or N m]. */
   const Eigen::VectorXd& jointEfforts() const;
 
   /** @throws UnknownNameError, NotFiniteError, ParameterError (joint takes no such command); nothing changes then. */
@@ -122,7 +122,7 @@ class MultibodyWorld {
   /** Kinetic plus potential energy (zero where every centre of mass is at the world origin) [J]. */
   double energy() const;
 
-  /** Everything that decides the future, gains included, as bytes. */
+  /** The whole state as bytes, gains included: a world that gets it back goes on exactly as this one does. */
   std::string saveState() const;
   /** @throws StateError if the bytes do not come from a world of this model and these controllers. */
   void restoreState(const std::string& state);

@@ -15,7 +15,7 @@ struct PidState {
   bool last_error_valid = false;
 };
 
-/** control_toolbox's PID, to the letter: command = p e + clamp(i * integral of e) + d (e - e_last) / dt. */
+/** The same as control_toolbox's PID: command = p e + clamp(i * integral of e) + d (e - e_last) / dt. */
 class Pid {
  public:
   Pid() = default;

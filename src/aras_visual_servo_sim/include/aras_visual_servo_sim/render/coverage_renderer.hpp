@@ -23,7 +23,7 @@ class CoverageRenderer : public Renderer {
   CoverageRenderer(CoverageRenderer&&) noexcept;
   CoverageRenderer& operator=(CoverageRenderer&&) noexcept;
 
-  /** What the last frame took: to test and to measure. */
+  /** How much work the last frame was, for tests and benchmarks. */
   struct Statistics {
     int triangles = 0;       ///< in view, after culling, clipping and cutting for the lens
     int tiles = 0;           ///< of 8 x 8 pixels, painted from triangles

@@ -13,15 +13,15 @@
 
 namespace aras_visual_servo_sim {
 
-/** What the centre of each pixel sees: how far away, and which thing. Row-major, top row first. */
+/** How far away the centre of each pixel sees something, and which model or body that is. Row-major, top row first. */
 struct GeometryImage {
   static constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
 
   int width = 0;
   int height = 0;
   /** Z of the point in the camera's frame [m], or its distance if asked for; kNothing where there is none. A fisheye
-   *  sees points with Z <= 0 too: their depth is kNothing, for a depth image is one of Z > 0 (REP 118) and whoever
-   * reads it takes any number for a point ahead. */
+   *  sees points with Z <= 0 too: their depth is kNothing, because every number in a depth image stands for a point
+   *  in front of the camera (REP 118). */
   std::vector<float> depth_m;
   std::vector<std::uint16_t> ids;  ///< segmentationIds(); 0 where there is nothing
 
@@ -31,7 +31,7 @@ struct GeometryImage {
 /** Numbers in GeometryImage::ids: planar models from 1 on in the order of the scene, then bodies (links and solids). */
 std::map<std::string, std::uint16_t> segmentationIds(const Scene& scene);
 
-/** What a GeometryImage's numbers are: Z along the optical axis, or the distance from the camera, in any direction. */
+/** What the depth of a GeometryImage is: Z along the optical axis, or the distance from the camera. */
 enum class Distance { kDepth, kRange };
 
 /** Draws depth and ids without any graphics library.

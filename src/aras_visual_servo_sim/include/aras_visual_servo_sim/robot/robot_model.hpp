@@ -40,7 +40,7 @@ struct Collision {
 /** kFloating: only as the one joint of the root link, whose child is then the robot's free base. */
 enum class JointType { kFixed, kRevolute, kContinuous, kPrismatic, kFloating };
 
-/** <mimic>: q = multiplier * q of another joint + offset. Chains are resolved: that joint mimics nobody. */
+/** <mimic>: q = multiplier * q of another joint + offset. Chains are resolved: that joint is no mimic joint itself. */
 struct Mimic {
   int joint = -1;  ///< index into RobotModel::joints of the joint it follows, -1: it follows none
   double multiplier = 1.0, offset = 0.0;
@@ -54,7 +54,7 @@ struct Joint {
   Pose X_PJ;                                        ///< child link's frame in the parent link's, at q = 0
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  ///< unit, in the child link's frame
   JointLimits limits;    ///< stops and set-points; narrowed by those of the joints that mimic this one
-  JointLimits enforced;  ///< on the commands of its controller: the same unless joint_limits overrides them
+  JointLimits enforced;  ///< limits of its controller's commands: the same, unless joint_limits gives others
   SoftLimits soft;       ///< likewise
   Mimic mimic;
   double damping = 0.0;                          ///< [N s/m] or [N m s/rad]
@@ -92,7 +92,7 @@ struct CameraTag {
   double cutoff_angle_rad = 0.0;  ///< of that lens
 };
 
-/** What a URDF says, checked; constant after loading. Links come parents first. */
+/** The contents of a URDF after checking; constant after loading. Parents stand before their children in `links`. */
 struct RobotModel {
   std::string name;
   std::string source_name;  ///< file name for messages

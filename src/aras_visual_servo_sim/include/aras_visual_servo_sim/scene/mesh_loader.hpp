@@ -9,10 +9,10 @@
 
 namespace aras_visual_servo_sim {
 
-/** Reads a mesh file (STL, DAE, OBJ, whatever assimp reads). Scene graph transforms are applied and DAE units;
- *  axes stay as in the file whatever its up axis, as in RViz. Materials' diffuse colours are kept where the file has
- *  them (STL has none), and so are their diffuse pictures with the first set of texture coordinates; a picture
- *  takes the place of a DAE's colour and is multiplied by that of other files.
+/** Reads a mesh file (STL, DAE, OBJ and what else assimp reads). Transforms of the scene graph and units of DAE files
+ *  are applied; the axes stay as in the file, whatever up axis it names, as in RViz. Diffuse colours of materials are
+ *  kept where the file has them (STL has none), and so are diffuse pictures with the first set of texture coordinates.
+ *  In a DAE file a picture replaces the colour; in other files the two are multiplied.
  *  @param path      file on disk
  *  @param scale     factor along each axis, not zero
  *  @param packages  for pictures named by package:// or model://
@@ -21,7 +21,7 @@ namespace aras_visual_servo_sim {
 MeshPtr loadMesh(const std::string& path, const Eigen::Vector3d& scale = Eigen::Vector3d::Ones(),
                  const PackagePaths& packages = PackagePaths());
 
-/** A mesh with one picture all over instead of its own colours and pictures. @throws ModelError if it has no texture
+/** A copy of a mesh on which one picture replaces all its colours and pictures. @throws ModelError if it has no texture
  *  coordinates (an STL file never has any) */
 MeshPtr withPicture(const TriangleMesh& mesh, const TexturePtr& texture);
 

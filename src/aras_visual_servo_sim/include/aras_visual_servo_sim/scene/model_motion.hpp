@@ -21,13 +21,13 @@ struct ModelPlacement {
   Twist V_WM_W = Twist::Zero();  ///< twist of M in W, expressed in W, [v; w] [m/s; rad/s]
 };
 
-/** Straight ahead, turning evenly. */
+/** Motion with constant velocity and constant angular velocity. */
 struct ConstantVelocity {
   Eigen::Vector3d linear_m_per_s, angular_rad_per_s;  ///< in W
   ModelPlacement at(const Pose& X_WM0, double t_s) const;
 };
 
-/** Round a circle that the model starts on; its attitude stays. */
+/** Motion along a circle on which the model starts; its attitude does not change. */
 struct CircleMotion {
   double radius_m;                 ///< > 0
   double angular_speed_rad_per_s;  ///< of the radius, counter-clockwise about `axis`
@@ -36,8 +36,8 @@ struct CircleMotion {
   ModelPlacement at(const Pose& X_WM0, double t_s) const;
 };
 
-/** A velocity drawn anew every interval: each component normal, mean zero. Beyond `radius_m` from where it started the
- *  model is turned back: the part of a drawn velocity that leads outwards changes its sign. */
+/** Random walk: a new velocity is drawn for every interval, each component normal with mean zero. Farther than
+ * `radius_m` from its start the model is turned back: the outward part of a drawn velocity changes its sign. */
 struct RandomWalk {
   double interval_s;                                                     ///< > 0
   Eigen::Vector3d speed_stddev_m_per_s, angular_speed_stddev_rad_per_s;  ///< of the components in W, >= 0
@@ -46,7 +46,7 @@ struct RandomWalk {
   ModelPlacement at(const Pose& X_WM0, double t_s) const;
 
  private:
-  /** State at the start of an interval, from the start of the walk. What is kept saves walking it all again. */
+  /** State at the start of an interval. It is kept so that the walk is not repeated from its beginning each time. */
   struct Knot {
     std::int64_t index = 0;
     Eigen::Vector3d p = Eigen::Vector3d::Zero();
@@ -56,7 +56,7 @@ struct RandomWalk {
   mutable Knot knot_;
 };
 
-/** From pose to pose at given times, straight and at even speed in between. */
+/** Motion from pose to pose at given times, straight and at constant speed from each to the next. */
 struct WaypointMotion {
   struct Waypoint {
     double time_s;  ///< since the start of the motion, strictly increasing, >= 0
@@ -68,11 +68,11 @@ struct WaypointMotion {
   ModelPlacement at(const Pose& X_WM0, double t_s) const;
 };
 
-/** How a model of the scene moves by itself: a function of simulated time alone, so runs repeat to the byte. */
+/** How a model of the scene moves by itself. It is a function of simulated time only, so that runs can be repeated. */
 class ModelMotion {
  public:
-  /** Reads section `motion` as part of a larger reading: faults go to reader, whose owner calls finish() before the
-   *  motion is used. @param node  what reader reads, for saved states */
+  /** Reads section `motion` as a part of a larger document: faults are added to reader, whose owner calls finish()
+   *  before the motion is used. @param node  the YAML that reader reads, which saved states keep */
   static ModelMotion read(YamlReader reader, const YAML::Node& node);
   /** @param where  name for messages @throws ParameterError listing all faults */
   static ModelMotion fromYaml(const YAML::Node& node, const std::string& where);

@@ -21,16 +21,16 @@ struct Shape {
   Rgb color;     ///< for meshes without colours of their own
 };
 
-/** Something solid that moves as one: a robot link or a fixed object. Lit, seen from outside only (back faces are
- *  culled), so a camera inside its own housing sees out. */
+/** A rigid body to be drawn: a robot link or a solid. It is shaded by the light. Only its outer faces are drawn, so
+ * that a camera inside its own housing sees out. */
 struct Body {
   std::string name;
   std::vector<Shape> shapes;
-  Pose X_WB;  ///< set by whoever moves it, before each frame
+  Pose X_WB;  ///< the caller sets it before each frame
   bool visible = true;
 };
 
-/** What cameras see. Plain data: the caller moves models and bodies between frames. */
+/** Everything that cameras see. Plain data: the caller moves models and bodies between frames. */
 struct Scene {
   /** Empty, with the defaults of section `scene`. */
   Scene();
@@ -39,7 +39,7 @@ struct Scene {
   std::vector<PlanarModel> models;
   std::vector<Body> bodies;
   std::map<std::string, ModelMotion> motions;  ///< of models and fixed bodies, by name; the caller moves them
-  Eigen::Vector3d light_direction_W;           ///< where the light travels, any length but zero
+  Eigen::Vector3d light_direction_W;           ///< direction in which the light travels, not zero
 
   /** @throws UnknownNameError naming what exists */
   PlanarModel& model(const std::string& name);

@@ -29,7 +29,7 @@ struct PlanarShape {
   std::optional<PictureFile> picture;
 };
 
-/** An entry of `models`: something flat. */
+/** An entry of `models`: a flat model. */
 struct ModelEntry {
   std::string name;
   std::string file;  ///< the target file that has its shape; empty: `shape`
@@ -62,7 +62,7 @@ struct SceneConfig {
 
   /** @param node  the section; null gives an empty scene @throws ParameterError listing every fault */
   static SceneConfig fromYaml(const YAML::Node& node);
-  /** The same as part of a larger reading: faults go to reader, whose owner calls finish(). */
+  /** The same, as a part of a larger document: faults are added to reader, whose owner calls finish(). */
   static SceneConfig read(YamlReader reader);
 };
 
@@ -72,8 +72,8 @@ SceneEntry sceneEntryFromYaml(const YAML::Node& node);
 /** Name of an entry. */
 const std::string& nameOf(const SceneEntry& entry);
 
-/** The entry, as YAML, of a model that somebody describes in one text: a URDF document of fixed links, the name of a
- *  file (.urdf; .yaml: a flat target; else a mesh), or the entry itself as YAML.
+/** The entry, as YAML, of a model that is described by one text (the service spawn_model takes it): a URDF document of
+ * fixed links, the name of a file (.urdf; .yaml: a flat target; else a mesh), or the entry itself as YAML.
  *  @throws ParameterError if it is none of these */
 YAML::Node modelEntry(const std::string& name, const std::string& description);
 

@@ -23,10 +23,10 @@ PlanarModel planarModelFromYaml(const YAML::Node& node, const std::string& sourc
 /** Makes the scene of a configuration: reads the files it names. @throws ModelError, ParameterError */
 Scene loadScene(const SceneConfig& config, const PackagePaths& packages);
 
-/** Adds one entry to a scene, after what is there. @throws ModelError, ParameterError; nothing is added then */
+/** Adds one entry to a scene, after those that it has. @throws ModelError, ParameterError; nothing is added then */
 void loadSceneEntry(const SceneEntry& entry, const PackagePaths& packages, Scene& scene);
 
-/** What of a solid can be touched, in its frame. @throws ModelError for a URDF that cannot be used */
+/** The collision shapes of a solid, in its frame. @throws ModelError for a URDF that cannot be used */
 std::vector<Collision> collisionsOf(const SolidEntry& solid, const PackagePaths& packages);
 
 /** All links of a URDF as one solid, its root link's frame that of the body.

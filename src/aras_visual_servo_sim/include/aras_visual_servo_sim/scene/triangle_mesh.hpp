@@ -12,11 +12,11 @@
 
 namespace aras_visual_servo_sim {
 
-/** What lies beyond the edges of a picture on a surface. */
+/** How a picture continues on a surface beyond its edges. */
 enum class Wrap {
   kRepeat,
-  kMirror,  ///< repeated, every other one turned over
-  kClamp    ///< the texels at the edge go on
+  kMirror,  ///< repeated, every other copy mirrored
+  kClamp    ///< the texels at the edge continue
 };
 
 /** A picture on triangles of a mesh. */
@@ -46,8 +46,8 @@ struct TriangleMesh {
   std::optional<RoundShape> round;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::int32_t> picture_of;  ///< for each triangle an index into pictures, -1: none; empty: none has one
-  /** For each triangle the one beyond its edge from corner k to k + 1 that has both of these points: the surface goes
-   * on there without a crease. */
+  /** For each triangle and its edge from corner k to k + 1, the triangle beyond that edge which has both of these
+   * points, so that the surface continues without a crease; -1 if there is none. */
   std::vector<std::array<std::uint32_t, 3>> neighbours;
   static constexpr std::uint32_t kNone = 0xffffffff;
   Eigen::Vector3f box_min = Eigen::Vector3f::Zero();  ///< bounding box

@@ -8,13 +8,13 @@
 
 namespace aras_visual_servo_sim {
 
-/** Commands to the robot: each is applied whole or refused whole. A refused one is counted, and every commanded
- * velocity becomes 0, so that the arm holds. */
+/** Takes the commands to the robot. Each is applied as a whole or refused as a whole. A refused command is counted, and
+ *  all commanded velocities become 0, so that the arm stands still. */
 class Commands {
  public:
   /** @param timeout_s  age at which a command is too old; 0: never */
   explicit Commands(double timeout_s) : timeout_s_(timeout_s) {}
-  /** Commands may be that much older, since they answer what the slowest camera saw. */
+  /** Commands may be older by this latency, because they may answer an image of the slowest camera. */
   void allowLatency(std::int64_t latency_ns) { latency_ns_ = latency_ns; }
 
   /** @param stamp_ns  time of the state it answers; nothing: now

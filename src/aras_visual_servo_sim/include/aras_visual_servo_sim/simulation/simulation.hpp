@@ -121,16 +121,16 @@ class Simulation {
   Twist modelTwist(const std::string& model) const;
 
   // --- whole state
-  /** Joints and models back to where they started, at rest, their motions from the beginning; time, frames and counters
-   *  go on. */
+  /** Puts joints and models back to where they started, at rest, and begins their motions anew. Time, frames and
+   *  counters go on. */
   void resetWorld();
   /** Back to tick 0: everything as constructed, gains, models and counters included. */
   void reset();
-  /** Everything that decides the future and the run hash, as bytes. */
+  /** The whole state as bytes: a simulation that gets it back goes on exactly as this one does, run hash included. */
   std::string saveState() const;
   /** @throws StateError if the bytes are not from a simulation of this construction; nothing changes then. */
   void restoreState(const std::string& state);
-  /** Of the joint positions and velocities at every frame, and every image rendered for one, since the reset. */
+  /** Hash of the joint positions and velocities at every frame and of every image rendered for one, since the reset. */
   std::string runHash() const { return run_hash_.hex(); }
 
  private:

@@ -52,7 +52,7 @@ struct SettingDefaults {
   void operator()(const char* key, T& value) const {
     if (section.property(YAML::Node(), key)->default_value) value = defaultOf<T>(kSection, key);
   }
-  void operator()(const char*, std::optional<double>&) const {}  // what it is then follows from other keys
+  void operator()(const char*, std::optional<double>&) const {}  // an absent value follows from other keys
 };
 
 struct Checking {
@@ -64,7 +64,7 @@ struct Checking {
   }
   void operator()(const char* key, const std::string& value) const {
     const bool is_choice = !section.property(YAML::Node(), key)->choices.empty();
-    if (is_choice) checkValue(section, key, value, faults);  // names are anything, also empty
+    if (is_choice) checkValue(section, key, value, faults);  // any text is allowed as a name, also ""
   }
   void operator()(const char* key, const std::optional<double>& value) const {
     if (value) checkValue(section, key, *value, faults);
@@ -86,7 +86,7 @@ CameraConfig cameraConfigFromYaml(const YAML::Node& node) {
   YamlReader reader(node, sectionOf(kSection));
   const CameraConfig camera = readCameraConfig(reader);
   reader.finish();
-  CameraModel{camera};  // what no section can say
+  CameraModel{camera};  // checks what a schema cannot express
   return camera;
 }
 

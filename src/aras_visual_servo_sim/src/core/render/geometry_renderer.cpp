@@ -44,7 +44,7 @@ class GeometryRenderer::Implementation {
   }
 
  private:
-  /** Faces of one plane differ by rounding only; the later ones lie on top. */
+  /** Nearness of two faces in one plane differs by rounding only; of these the later face is taken to lie on top. */
   static constexpr double kSamePlane = 1e-9;
 
   /** @param nearness  1 / s of what is seen at s times the pixel's ray: 1 / Z, of unit rays 1 / range */

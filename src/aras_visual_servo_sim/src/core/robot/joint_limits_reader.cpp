@@ -60,7 +60,7 @@ class LimitReader {
          {"soft_lower_limit", &given.lower},
          {"soft_upper_limit", &given.upper}},
         has);
-    if (!has) return;  // false does not take those of the URDF away
+    if (!has) return;  // false leaves the soft limits of the URDF as they are
     if (given.lower > given.upper) {
       reader_.fault("soft_lower_limit", std::to_string(given.lower),
                     "<= soft_upper_limit, " + std::to_string(given.upper));

@@ -93,7 +93,7 @@ void checkInertial(const UrdfSource& source, const XMLElement& inertial, const s
   tensor(0, 2) = tensor(2, 0) = entry("ixz");
   tensor(1, 2) = tensor(2, 1) = entry("iyz");
   const Eigen::Vector3d principal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(tensor).eigenvalues();
-  // A frame without mass, as many files have for cameras and tools, has no inertia either.
+  // Many files have links without mass for cameras and tools; such a link needs no inertia.
   if (mass_kg == 0.0 && !tensor.isZero(0.0)) source.warn(inertial, owner + ": mass is 0, its inertia is ignored");
   // A solid disc meets the triangle inequality with equality, a rod has a moment of zero: allow for the digits a file
   // is written with.

@@ -84,7 +84,7 @@ std::int64_t Simulation::stepToImage(const std::string& camera) {
 
 // --- cameras --------------------------------------------------------------------------------------------------------
 
-/** Where everything is that this camera can see now. */
+/** Poses of everything that this camera can see now. */
 Moment Simulation::present(const Camera& camera) {
   models_.move(timeNs());
   models_.follow(*world_);
@@ -149,7 +149,7 @@ void Simulation::setJointPositions(const std::map<std::string, double>& position
 
 // --- models ---------------------------------------------------------------------------------------------------------
 
-/** Models came or went. */
+/** To be called after models were added or removed. */
 void Simulation::change(ModelSet next) {
   cameras_.keepModels(models_.set());
   models_.become(std::move(next));

@@ -18,7 +18,7 @@ std::unique_ptr<MultibodyWorld> Start::makeWorld(const RobotModel& model, const 
     q[i] = named != positions_.end() ? named->second : clampPosition(model.movingJoint(i).limits, 0.0);
   }
   world->reset(q);
-  world->setJointPositions(positions_);  // refuses mimic joints elsewhere than they follow
+  world->setJointPositions(positions_);  // refuses a mimic joint away from its leader
   q_ = world->jointPositions();
   X_WB_ = world->basePose();
   return world;

@@ -34,14 +34,15 @@ YAML::Node ownParameters(const ros::NodeHandle& private_node) {
   if (!private_node.getParam(private_node.getNamespace(), tree)) return own;
   if (tree.getType() != XmlRpc::XmlRpcValue::TypeStruct) return own;
   for (auto& [name, value] : tree) {
+    if (name == kSegmentationIds) continue;  // a predecessor has left it
     const bool is_section = name == "sim" || name == "time" || name == "scenario";
     own[name] = is_section ? YAML::Node(YAML::NodeType::Map) : yamlFromXmlRpc(value);
   }
   return own;
 }
 
-/** A file that begins with the robot's name, as Gazebo packages have it, loaded into the robot's namespace: everything
- *  is put where it would be in Gazebo, for whoever else reads it. */
+/** Handles a controllers file that begins with the robot's name (Gazebo packages have such files) and was loaded into
+ *  the robot's namespace: everything is moved to where it would be in Gazebo, where other nodes look for it. */
 void liftNested(const ros::NodeHandle& node) {
   XmlRpc::XmlRpcValue nested;
   const std::string name = node.getNamespace().substr(node.getNamespace().rfind('/') + 1);

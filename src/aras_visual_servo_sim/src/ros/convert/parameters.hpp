@@ -10,6 +10,9 @@
 
 namespace aras_visual_servo_sim {
 
+/** Private parameter that the node itself sets; one that is there at the start is a predecessor's. */
+constexpr char kSegmentationIds[] = "segmentation_ids";
+
 /** Everything the node reads from the parameter server, parsed. */
 struct NodeParameters {
   RobotModel robot;

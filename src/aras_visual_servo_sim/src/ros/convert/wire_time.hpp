@@ -11,7 +11,7 @@
 
 namespace aras_visual_servo_sim {
 
-/** Simulated time as the others see it: the simulation's own, which a reset turns back to 0, or one that never goes
+/** Simulated time as it is on the wire: the simulation's own, which a reset turns back to 0, or one that never goes
  * back
  *  (`reset_clock: monotonic`). */
 class WireTime {
@@ -24,8 +24,8 @@ class WireTime {
   ros::Time at(std::int64_t time_ns) const { return toRosTime(offset_ns_ + time_ns); }
   /** The simulation's time at a stamp [ns]; negative for stamps from before the last reset of a monotonic clock. */
   std::int64_t simulated(const ros::Time& stamp) const { return toNanoseconds(stamp) - offset_ns_; }
-  /** The simulation's time jumped, and was this before: a monotonic clock goes on one period later, or as much later as
-   * the oldest image that is on its way needs to be newer than all that was sent. */
+  /** To be called when the simulation's time has jumped; it was before_ns. A monotonic clock goes on one period later,
+   *  or as much later as the oldest image in flight needs to have a newer stamp than everything that was sent. */
   void jumped(std::int64_t before_ns) {
     if (!monotonic_) return;
     std::int64_t oldest_ns = simulation_.timeNs();

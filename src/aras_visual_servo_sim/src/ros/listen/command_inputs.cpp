@@ -1,9 +1,7 @@
 #include "command_inputs.hpp"
 
 #include <ros/console.h>
-#include <ros/master.h>
 #include <ros/names.h>
-#include <ros/this_node.h>
 #include <ros/transport_hints.h>
 
 #include <algorithm>
@@ -15,6 +13,7 @@
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "convert/conversions.hpp"
+#include "neighbours.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -29,7 +28,7 @@ void readArray(const std::string& kind, const std::vector<std::string>& names, c
                      std::to_string(names.size()) + " (one for each name)");
   }
   for (std::size_t k = 0; k < values.size(); ++k) {
-    if (!std::isnan(values[k])) to[names[k]] = values[k];  // infinities are for the core to refuse
+    if (!std::isnan(values[k])) to[names[k]] = values[k];  // the core refuses infinite values
   }
 }
 
@@ -68,7 +67,7 @@ void CommandInputs::onJointCommand(const ros::MessageEvent<const sensor_msgs::Jo
   } else {
     apply(*message);
   }
-  // A stamp from the future answers nothing: its sender lives in another time.
+  // A stamp from the future is no answer: its sender runs on another clock.
   const std::int64_t stamp_ns = time_.simulated(message->header.stamp);
   gate_.commandReceived(stamp_ns <= simulation_.timeNs() ? stamp_ns : -1, sender);
   if (!gate_.holding()) applyKept();
@@ -107,18 +106,8 @@ void CommandInputs::onControllerCommand(const std::string& controller, const std
 
 std::string CommandInputs::answerers() const {
   const std::string topic = joint_command_.getTopic();
-  XmlRpc::XmlRpcValue request, response, state;
-  request[0] = ros::this_node::getName();
   std::string names;
-  if (ros::master::execute("getSystemState", request, response, state, false)) {
-    XmlRpc::XmlRpcValue& publishers = state[0];
-    for (int k = 0; k < publishers.size(); ++k) {
-      if (static_cast<std::string>(publishers[k][0]) != topic) continue;
-      for (int j = 0; j < publishers[k][1].size(); ++j) {
-        names += (names.empty() ? "" : ", ") + static_cast<std::string>(publishers[k][1][j]);
-      }
-    }
-  }
+  for (const std::string& node : publishersOf(topic)) names += (names.empty() ? "" : ", ") + node;
   return names.empty() ? "nobody publishes " + topic
                        : names + " (" + std::to_string(joint_command_.getNumPublishers()) + " connected)";
 }

@@ -23,18 +23,18 @@ JointCommand commandFromMessage(const sensor_msgs::JointState& message);
 /** Listens to `joint_command` and every `<controller>/command`. A command that is refused never stops the node: it is
  *  counted, warned about, and the arm holds.
  *
- *  Where the lockstep waits for several nodes, the joint commands that come while it holds are kept and applied when it
- *  goes on, in the order of their senders' names: who was faster decides nothing. */
+ *  Where the lockstep waits for several nodes, the joint commands that arrive while it holds are kept, and applied when
+ *  time goes on in the order of their senders' names. So it does not matter which node was faster. */
 class CommandInputs {
  public:
   CommandInputs(ros::NodeHandle& node, Simulation& simulation, LockstepGate& gate, const WireTime& time);
 
-  /** Applies the commands kept: the lockstep goes on. */
+  /** Applies the commands that were kept; to be called when the lockstep lets time go on. */
   void applyKept();
-  /** Forgets them: after a reset. */
+  /** Forgets them; to be called after a reset. */
   void forgetKept() { kept_.clear(); }
 
-  /** Who the master knows to publish `joint_command`, in words; asks the master. */
+  /** Names of the nodes that publish `joint_command`, in words; asks the master. */
   std::string answerers() const;
 
  private:

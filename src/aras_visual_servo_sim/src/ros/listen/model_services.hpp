@@ -16,7 +16,7 @@
 
 namespace aras_visual_servo_sim {
 
-/** Services by which models come, go and move; what is refused is answered with the reason. */
+/** Services that add, remove and move models. A refused call is answered with the reason. */
 class ModelServices {
  public:
   ModelServices(ros::NodeHandle& node, Simulation& simulation, SceneMarkers& markers, const WireTime& time);

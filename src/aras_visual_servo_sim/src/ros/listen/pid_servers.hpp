@@ -17,7 +17,7 @@ class PidServers {
  public:
   PidServers(const ros::NodeHandle& node, Simulation& simulation);
 
-  /** Shows the gains the simulation has now: after a reset. */
+  /** Shows the gains that the simulation has now; to be called after a reset. */
   void refresh();
 
  private:

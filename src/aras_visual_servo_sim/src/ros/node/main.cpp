@@ -7,11 +7,27 @@
 #include <exception>
 
 #include "convert/parameters.hpp"
+#include "listen/neighbours.hpp"
 #include "sim_node.hpp"
+
+namespace {
+
+int failed(const std::exception& error) {
+  ROS_FATAL("sim: cannot run:\n%s", error.what());
+  ros::shutdown();
+  return EXIT_FAILURE;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "sim");
-  ros::NodeHandle node;
+  try {
+    aras_visual_servo_sim::requireOwnName();
+  } catch (const std::exception& error) {
+    return failed(error);
+  }
+  ros::NodeHandle node;  // the end of the last one is the end of ROS, and of its log
   const ros::NodeHandle private_node("~");
   ros::CallbackQueue queue;
   node.setCallbackQueue(&queue);
@@ -19,9 +35,7 @@ int main(int argc, char** argv) {
     aras_visual_servo_sim::SimNode sim(node, queue, aras_visual_servo_sim::loadParameters(node, private_node));
     sim.run();
   } catch (const std::exception& error) {
-    ROS_FATAL("sim: cannot run:\n%s", error.what());
-    ros::shutdown();
-    return EXIT_FAILURE;
+    return failed(error);
   }
   return EXIT_SUCCESS;
 }

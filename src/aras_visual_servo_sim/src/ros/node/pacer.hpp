@@ -6,8 +6,8 @@
 
 namespace aras_visual_servo_sim {
 
-/** Keeps simulated time at a multiple of wall time. A simulator that falls behind does not race to catch up: beyond
- *  0.1 s of wall time the difference is forgotten. */
+/** Keeps simulated time at a multiple of wall time. A simulator that falls behind by more than 0.1 s of wall time does
+ * not catch up: the difference is forgotten. */
 class Pacer {
  public:
   /** @param real_time_factor  simulated over wall time, >= 0; 0 = never wait */
@@ -15,7 +15,7 @@ class Pacer {
 
   bool paced() const { return factor_ > 0.0; }
 
-  /** From here on: after a start, a pause, a reset. */
+  /** Begins anew at this time; to be called after a start, a pause or a reset. */
   void restart(std::int64_t time_ns);
 
   /** @return wall time to wait before simulated time may pass time_ns; 0 if there is none [s] */

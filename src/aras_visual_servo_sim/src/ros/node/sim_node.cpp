@@ -7,6 +7,7 @@
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "convert/conversions.hpp"
+#include "listen/neighbours.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -33,6 +34,7 @@ SimNode::SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, const NodePar
       models_(node_, simulation_, markers_, time_),
       status_(node_.advertise<aras_visual_servo_msgs::SimStatus>("sim/status", 1000, true)),
       paused_(parameters.time.start_paused) {
+  requireOwnClock(node_.resolveName("/clock"));
   for (const std::string& warning : simulation_.model().warnings) ROS_WARN("%s", warning.c_str());
   for (const std::string& camera : config_.lockstep_cameras) {
     lockstep_cameras_.push_back(simulation_.cameras().index(camera));
@@ -41,7 +43,7 @@ SimNode::SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, const NodePar
   markers_.publish();
 }
 
-/** Who has to answer each image, by full name. */
+/** Full names of the nodes that have to answer each image. */
 std::vector<std::string> SimNode::lockstepNodes() const {
   std::vector<std::string> nodes;
   for (const std::string& node : config_.lockstep_nodes) nodes.push_back(node_.resolveName(node, false));
@@ -79,7 +81,7 @@ void SimNode::wait(double limit_s) {
 
 void SimNode::sample() { hold(states_.publishDue()); }
 
-/** Images of these cameras went out: the lockstep waits for their answers. */
+/** Lets the lockstep wait for the answers to the images of these cameras, which were just sent. */
 void SimNode::hold(const std::vector<int>& cameras) {
   std::string names;
   std::int64_t newest_ns = 0;
@@ -96,7 +98,7 @@ void SimNode::hold(const std::vector<int>& cameras) {
   hold_report_ = ros::WallTime::now() + ros::WallDuration(config_.lockstep_timeout_s);
 }
 
-/** After a reset or a restored state: what was waited for is gone. */
+/** To be called after a reset or a restored state: the lockstep waits for no answer any more. */
 void SimNode::timeJumped(std::int64_t before_ns) {
   time_.jumped(before_ns);
   gate_.release();
@@ -126,7 +128,7 @@ void SimNode::checkHold() {
   publishStatus();
 }
 
-/** What happens ten times a second of wall time, whatever the simulation does. */
+/** Work that is done ten times per second of wall time, whatever the simulation does. */
 void SimNode::beat() {
   const ros::WallTime now = ros::WallTime::now();
   if (now < next_beat_) return;
@@ -139,7 +141,7 @@ void SimNode::beat() {
   publishStatus();
 }
 
-/** Who has not answered which image, in words. */
+/** Sentence that says which nodes have not answered which image. */
 std::string SimNode::heldBy() const {
   std::string missing;
   for (const std::string& node : gate_.missing()) missing += (missing.empty() ? "" : ", ") + node;

@@ -29,7 +29,7 @@
 
 namespace aras_visual_servo_sim {
 
-/** The simulator on the wire: one thread that steps, publishes, and answers what comes in.
+/** The simulator as a ROS node: one thread that steps, publishes, and answers calls and commands.
  *
  *  Callbacks run between steps only, so they may touch the simulation. While it waits (paused, holding, or ahead of its
  *  pace) the thread sleeps on the callback queue and a message wakes it at once. */
@@ -92,8 +92,8 @@ class SimNode {
   double real_time_factor_ = 0.0;      ///< reached
   std::uint64_t unanswered_ = 0;       ///< images the lockstep went on without an answer to
   std::vector<int> lockstep_cameras_;  ///< by index
-  std::string held_image_;             ///< what the lockstep waits with, in words
-  std::string answerers_;              ///< who might have answered it, once that was asked
+  std::string held_image_;             ///< the image that the lockstep waits for, in words
+  std::string answerers_;              ///< nodes that might answer it, in words; "" until the master was asked
   Snapshots snapshots_;
   std::uint64_t clock_beats_at_ = 0;  ///< ticks when the clock was last repeated
   ros::WallTime next_beat_, hold_report_;

@@ -10,16 +10,16 @@
 
 namespace aras_visual_servo_sim {
 
-/** Where the robot stands, as transforms: what robot_state_publisher cannot know from joint_states.
+/** Publishes where the robot stands as transforms, which robot_state_publisher cannot know from joint_states.
  *
  *  From `world` to the root link if that has another name, and from the root link to the child of its floating joint.
  * What never moves goes to the latched /tf_static, the rest to /tf with the stamp of the joint states. */
 class BaseFrames {
  public:
-  /** @param enabled  false: somebody else says where the base is, nothing is published */
+  /** @param enabled  false: nothing is published, because another node publishes where the base is */
   BaseFrames(ros::NodeHandle& node, const Simulation& simulation, bool enabled);
 
-  /** The present transforms of what moves, stamped so. */
+  /** Publishes the present transforms of everything that moves, with this stamp. */
   void publish(const ros::Time& stamp);
 
  private:

@@ -4,6 +4,8 @@
 
 #include <cstring>
 
+#include "convert/parameters.hpp"
+
 namespace aras_visual_servo_sim {
 namespace {
 
@@ -41,7 +43,7 @@ void GeometryPublisher::tellIds(const Scene& scene) {
   for (const auto& [name, id] : segmentationIds(scene)) ids[name] = id;
   if (ids == ids_) return;
   ids_ = ids;
-  ros::NodeHandle("~").setParam("segmentation_ids", ids);
+  ros::NodeHandle("~").setParam(kSegmentationIds, ids);
 }
 
 void GeometryPublisher::publish(int camera, const ros::Time& stamp) {

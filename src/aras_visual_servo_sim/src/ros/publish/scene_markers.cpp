@@ -10,7 +10,7 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr double kBoardGapM = 0.0005;  // keeps the board from flickering through what is before it in rviz
+constexpr double kBoardGapM = 0.0005;  // so that the board does not flicker through what lies on it in rviz
 constexpr float kColorScale = 1.0F / 255.0F;
 
 std_msgs::ColorRGBA colorOf(Rgb color) {
@@ -83,7 +83,7 @@ visualization_msgs::MarkerArray sceneMarkers(const Simulation& simulation) {
   visualization_msgs::MarkerArray markers;
   markers.markers.emplace_back();
   markers.markers.back().header.frame_id = kWorldFrame;
-  markers.markers.back().action = visualization_msgs::Marker::DELETEALL;  // models may have gone
+  markers.markers.back().action = visualization_msgs::Marker::DELETEALL;  // some models may have been removed
   for (const PlanarModel& model : simulation.scene().models) {
     if (model.visible) addPlanar(model, markers.markers);
   }

@@ -13,7 +13,7 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr std::uint32_t kSmallQueue = 1000;  // messages: a recorder that hesitates for seconds loses nothing
+constexpr std::uint32_t kSmallQueue = 1000;  // messages: a recorder may pause for seconds and lose none
 constexpr std::uint32_t kImageQueue = 200;   // images: the same, at 30 Hz, within 50 MB
 constexpr std::size_t kLongestPath = 2000;   // poses kept for display
 constexpr double kPathPeriodS = 0.5;         // wall

@@ -21,7 +21,7 @@
 
 namespace aras_visual_servo_sim {
 
-/** Puts on the wire what is due at a tick, each message with the stamp of the state it describes.
+/** Publishes the messages that are due at a tick, each with the stamp of the state it describes.
  *
  *  Order at an image: clock, joint_states, ground truth, camera_info, image. Of a camera with latency the last two come
  * that much later, after the clock, with the stamp of the others. */
@@ -39,10 +39,10 @@ class StatePublisher {
   std::vector<int> publishDue();
 
   void publishClock();
-  /** Forgets the samples taken: after a reset of the simulation. */
+  /** Forgets which samples were published; to be called after a reset of the simulation. */
   void reset();
-  /** After a restored state: samples it anew. A frame that was taken at its tick already is sent once more, and so are
-   *  joint states and camera poses of the frames that are on their way. @return as publishDue */
+  /** To be called after a restored state: publishes its samples again. A frame that was taken at its tick already is
+   * sent once more, and so are joint states and camera poses of the frames in flight. @return as publishDue */
   std::vector<int> resume();
 
   /** Stamp of the image of a camera that went out at the present tick, in the simulation's time [ns]. */

@@ -209,8 +209,8 @@ class Lockstep(unittest.TestCase):
 class Refusal(unittest.TestCase):
     """What stops the start-up. Each node runs in its own namespace with one thing wrong."""
 
-    def refused(self, namespace):
-        process = subprocess.run(["rosrun", "aras_visual_servo_sim", "sim_node", "__ns:=" + namespace],
+    def refused(self, namespace, *words):
+        process = subprocess.run(["rosrun", "aras_visual_servo_sim", "sim_node", "__ns:=" + namespace, *words],
                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=LIMIT_S, check=False,
                                  env=dict(os.environ, ROSCONSOLE_STDOUT_LINE_BUFFERED="1"))
         self.assertNotEqual(process.returncode, 0)
@@ -222,6 +222,49 @@ class Refusal(unittest.TestCase):
                         "<parent link='a'/><child link='b'/><limit lower='1' upper='-1' effort='1' velocity='1'/>"
                         "</joint></robot>")
         self.assertIn("elbow", self.refused("bad_urdf"))
+
+    def start(self, *words):
+        """A simulator in the background, which is killed at the end of the test."""
+        process = subprocess.Popen(["rosrun", "aras_visual_servo_sim", "sim_node", *words])
+        self.addCleanup(process.wait, LIMIT_S)
+        self.addCleanup(process.kill)
+        return process
+
+    def robot_in(self, namespace):
+        """Sets the parameters of a simulator, as sim.launch does."""
+        for name in ("robot_description", "lift_controller", "pan_controller"):
+            rospy.set_param("/%s/%s" % (namespace, name), rospy.get_param("standing/" + name))
+        rospy.set_param("/%s/sim" % namespace, rospy.get_param("standing/sim"))
+
+    def test_a_simulator_started_again_takes_over_the_parameters_of_the_first(self):
+        self.robot_in("again")
+        for _ in range(2):
+            process = self.start("__ns:=again", "/clock:=/again/clock")
+            status = Listener("/again/sim/status", SimStatus)
+            status.wait()
+            self.assertTrue(rospy.has_param("/again/sim/segmentation_ids"))
+            process.kill()
+            process.wait(LIMIT_S)
+            status.subscriber.unregister()
+
+    def test_a_second_simulator_of_the_same_name_is_refused_and_the_first_lives_on(self):
+        self.robot_in("taken")
+        process = self.start("__ns:=taken", "/clock:=/taken/clock")
+        status = Listener("/taken/sim/status", SimStatus)
+        status.wait()
+        message = self.refused("taken")
+        self.assertIn("node '/taken/sim': runs already", message)
+        seen = len(status.messages)
+        status.wait(seen + 3)
+        self.assertIsNone(process.poll())
+
+    def test_a_second_publisher_of_a_clock_is_refused_by_the_name_of_the_first(self):
+        for namespace in ("clock_first", "clock_second"):
+            self.robot_in(namespace)
+        self.start("__ns:=clock_first", "/clock:=/one/clock")
+        Listener("/clock_first/sim/status", SimStatus).wait()
+        message = self.refused("clock_second", "/clock:=/one/clock")
+        self.assertIn("/one/clock: node '/clock_first/sim' publishes it already", message)
 
     def test_missing_robot_is_said(self):
         self.assertIn("robot_description", self.refused("no_robot"))

@@ -1,4 +1,4 @@
-"""Where features come from: what the camera makes of an image. One file of this folder is one source:
+"""Sources of features. A source says what computes features from an image. Each file of this folder is one source:
 
     @register_source("mine")
     class Mine(Source):
@@ -7,9 +7,9 @@
         def taught(self, features, z_star_m, normal_C): ...
         def follow(self, extractor, features): ...
 
-A feature names its source (`Feature.source`); the servo, the loop in process, the nodes and the bags ask the source for
-everything else they need, so that none of them knows one by name. Names of ROS are plain text here, nothing of ROS is
-imported.
+A feature names its source (`Feature.source`). The servo, the loop in process, the nodes and the bags ask the source for
+everything else, so that none of them mentions a particular source. Topics and message types are plain text here; this
+room imports nothing of ROS.
 """
 
 from typing import Any, NamedTuple, Optional
@@ -24,7 +24,7 @@ _SOURCES = {}
 
 
 def register_source(name):
-    """Class decorator: make a source known by name."""
+    """Class decorator that makes a source known by name."""
 
     def add(source):
         source.name = name
@@ -49,11 +49,12 @@ def source_named(name):
 
 
 class Taught(NamedTuple):
-    """A view as the goal sees itself.
+    """What is known of a view once it has been made the goal.
 
     Attributes:
-        features: of the view, relative to itself: the wanted values are theirs.
-        view, plane_C: what a `Reference` keeps of them; None: nothing.
+        features: features of the view measured with the view itself as the reference. Their values are s_star.
+        view: `Features` that the `Reference` keeps, None if the source has none.
+        plane_C: (3,) plane (A, B, C) that the `Reference` keeps [1/m], None if the source has none.
     """
 
     features: Any
@@ -62,43 +63,48 @@ class Taught(NamedTuple):
 
 
 class Source:
-    """One source of features. What it makes of an image is "features" here: an object with attributes, among them
-    `target_visible` and `valid`; over ROS a message with the same fields.
+    """Base class of the sources.
 
-    Features of a bag tell which image they are relative to: `has_reference`, `reference_stamp_ns`, `z_star_m`.
+    What a source computes from an image is called "features" here: an object with attributes, among them
+    `target_visible` and `valid`; over ROS it is a message with the same fields. In a bag the fields `has_reference`,
+    `reference_stamp_ns` and `z_star_m` say which image was the reference of the features.
 
     Attributes:
-        name.  topic, message: of its features over ROS; recorded with the group `features`.
-        tell_reference: fields of the features that tell one reference from another.
-        section: key of the scenario's `vision` that makes the camera node publish them; "": it always does, or another
-            node makes them.
+        name: under which the source is registered.
+        topic, message: ROS topic and type of its features; they are recorded with the group `features`.
+        tell_reference: names of the fields in which features with different references differ.
+        section: key of the scenario's section `vision` that makes the camera node publish them; "" if no key is needed.
     """
 
     name, topic, message, section = "", "", "", ""
     tell_reference = ("reference_stamp_ns", "z_star_m")
 
     def extractor(self, camera_info, vision):
-        """What makes them in process.
+        """The object that computes features from images when everything runs in one process.
 
-        Args: camera_info: dict.  vision: the scenario's section (dict).
-        Returns: an object with process(image, stamp_ns) -> features, clear_reference(), and teach(stamp_ns, z_star_m):
-            the image of this stamp, one of the last, is the reference from then on.
+        Args: camera_info: dict with the fields of CameraInfo.  vision: the scenario's section `vision` (dict).
+        Returns: an object with these functions: process(image, stamp_ns) gives features; teach(stamp_ns, z_star_m)
+            makes the image of this stamp, one of the last few, the reference; clear_reference() forgets it.
         """
         raise NotImplementedError
 
     def why_lost(self, features):
-        """What is wrong with features that are not fit to servo on; "": they are."""
+        """Text that says why the arm cannot be servoed on these features; "" if it can."""
         if features.target_visible and features.valid:
             return ""
         return "target not in view" if not features.target_visible else "features not valid"
 
     def taught(self, features, z_star_m, normal_C):
-        """`Taught` of features that are fit to servo on, whatever reference they have themselves.
+        """`Taught` for the view with these features, which need not be relative to itself.
 
-        Args: z_star_m: depth of the target in this view [m].  normal_C: normal of its plane in the camera frame.
+        Args: features: fit to servo on (`why_lost` is "").  z_star_m: depth of the target in this view [m].
+            normal_C: (3,) normal of its plane in the camera frame.
         """
         raise NotImplementedError
 
     def follow(self, extractor, features):
-        """Give an extractor the reference of these features, as far as they tell: its image is not there any more."""
+        """Give an extractor the reference that these recorded features had, as far as their fields tell it.
+
+        The image that was the reference is not available then, so a source whose reference is an image forgets it.
+        """
         extractor.clear_reference()

@@ -9,13 +9,13 @@ from .base import Source, Taught, register_source
 
 @register_source("moments")
 class Moments(Source):
-    """The camera node always makes them."""
+    """Features of the target as a dark or bright object in the image. The camera node always publishes them."""
 
     topic, message = "camera/features", "aras_visual_servo_msgs/MomentFeatures"
     tell_reference = ("reference_stamp_ns", "z_star_m", "area_star")
 
     def extractor(self, camera_info, vision):
-        from aras_visual_servo_camera import MomentExtractor  # C++: not needed to import this
+        from aras_visual_servo_camera import MomentExtractor  # here, so that this module can be imported without C++
         return MomentExtractor(camera_info, vision)
 
     def why_lost(self, features):
@@ -26,12 +26,12 @@ class Moments(Source):
         return "target cut by the border or not orientable" if features.target_visible else "target not in view"
 
     def taught(self, features, z_star_m, normal_C):
-        """Normalised by its own area, a view has an = Z* (T4)."""
+        """As of `Source`. A view that is its own reference has an = Z*, xn = Z* xg and yn = Z* yg (T4)."""
         view = Features.from_object(features)
         view.has_reference, view.z_star_m, view.area_star = True, float(z_star_m), view.area
         view.an, view.xn, view.yn = view.z_star_m, view.z_star_m * view.xg, view.z_star_m * view.yg
         return Taught(view, view, plane_from_pose(normal_C, view.z_star_m * np.array([view.xg, view.yg, 1.0])))
 
     def follow(self, extractor, features):
-        """Area and orientation are in the features; the orientation may be half a turn off."""
+        """As of `Source`. Area and orientation come from the features; the orientation may be half a turn off."""
         extractor.set_reference(features.z_star_m, features.area_star, features.alpha)

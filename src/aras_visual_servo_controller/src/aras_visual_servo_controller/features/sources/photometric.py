@@ -1,4 +1,4 @@
-"""Source `photometric`: the luminance of the whole image against that of the reference (PhotometricFeatures)."""
+"""Source `photometric`: the grey levels of the whole image compared with those of the goal (PhotometricFeatures)."""
 
 from typing import NamedTuple
 
@@ -6,7 +6,7 @@ from .base import Source, Taught, register_source
 
 
 class _SameImage(NamedTuple):
-    """What an image is to itself."""
+    """The features of an image that is its own reference."""
 
     has_reference: bool = True
     rms: float = 0.0
@@ -14,12 +14,12 @@ class _SameImage(NamedTuple):
 
 @register_source("photometric")
 class PhotometricSource(Source):
-    """The reference is an image, and the camera's: nothing of it is kept here."""
+    """Features that the camera package sums up over the pixels. It also keeps the reference, which is an image."""
 
     topic, message, section = "camera/photometric", "aras_visual_servo_msgs/PhotometricFeatures", "photometric"
 
     def extractor(self, camera_info, vision):
-        from aras_visual_servo_camera import PhotometricExtractor  # C++: not needed to import this
+        from aras_visual_servo_camera import PhotometricExtractor  # here: this module can be imported without C++
         return PhotometricExtractor(camera_info, vision[self.section])
 
     def why_lost(self, features):

@@ -17,7 +17,7 @@
 
 namespace aras_visual_servo_sim {
 
-/** One camera over time: which frames it takes, what its shutter has seen so far, which frames are on their way.
+/** One camera in the course of time: which frames it takes, what its shutter has seen, which frames wait for delivery.
  *
  *  A frame is exposed at the first tick at or after index / rate. Without latency it can be taken at that tick; with
  *  latency it is kept as poses and can be taken when it is delivered, latency_s later. A frame that nobody took at its
@@ -60,21 +60,21 @@ class Camera {
   const ExposedFrame* takenFrame() const { return flight_.taken(); }
   /** The frame taken last and those in flight of a camera with latency, oldest first; none of one without. */
   std::vector<const ExposedFrame*> lateFrames() const;
-  /** Time goes on: an image drawn from here on is not that of a frame taken before. */
+  /** To be called when time goes on: an image drawn afterwards is not that of a frame taken before. */
   void leaveTick() { unhashed_frame_ = -1; }
-  /** Time has come to this tick: frames whose time it was are lost. */
+  /** To be called when time has reached this tick: frames that could have been taken before it are lost. */
   void passTo(std::int64_t now) { flight_.passTo(now); }
   void keepModels(const std::shared_ptr<ModelSet>& models) { flight_.keepModels(models); }
   bool hasFramesInFlight() const { return !flight_.empty(); }
 
   // --- the shutter
   bool blurs() const { return exposure_.blurs(); }
-  /** True if the next image has a sample at this tick: note() wants to know. Of every scheduled frame, dropped or not
-   *  asked for too: a trigger may come in the middle of its exposure. */
+  /** True if the next image has a sample at this tick, so that note() has to be called. This includes dropped frames
+   * and frames that nobody has asked for: a trigger may come during the exposure. */
   bool samples(std::int64_t now) const { return exposure_.samples(now, plan_.tickFrom(now + 1)); }
   std::int64_t nextSampleTick(std::int64_t now) const { return exposure_.nextSample(now, plan_.tickFrom(now + 1)); }
   void note(Moment moment);
-  /** Something was put elsewhere: images are not blurred along a way that nothing went. */
+  /** To be called when something was placed elsewhere: the exposure begins anew, so that no jump is blurred. */
   void forgetPast() { exposure_.forget(); }
   /** True at the ticks of its schedule: an image drawn then is the mean over the exposure. */
   bool scheduledAt(std::int64_t now) const { return plan_.tickFrom(now) == now; }
@@ -85,7 +85,7 @@ class Camera {
   GeometryImage geometry{};
   /** Adds the noise of the frame that was drawn. */
   void addNoise(std::int64_t now);
-  /** Once for each frame taken: its image is drawn now. */
+  /** True once for each frame taken, when its image is drawn. */
   bool imageIsOfNewFrame();
 
   // --- whole state

@@ -30,12 +30,12 @@ class Cameras {
   /** Whether some camera has latency, and the longest of them. */
   bool anyLate() const { return longest_latency_ > 0; }
   std::int64_t longestLatencyTicks() const { return longest_latency_; }
-  /** Frames passed over so far because of drop_probability. */
+  /** Number of frames dropped so far because of drop_probability. */
   std::uint64_t droppedFrames() const;
 
-  /** Before models come or go: frames in flight keep those they were exposed with. */
+  /** To be called before a model is added or removed: frames in flight keep the models they were exposed with. */
   void keepModels(const ModelSet& models);
-  /** Something was put elsewhere: exposures begin anew. */
+  /** To be called when a joint or model was placed elsewhere: exposures begin anew. */
   void forgetPast();
   void reset();
 

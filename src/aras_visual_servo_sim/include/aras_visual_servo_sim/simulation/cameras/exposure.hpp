@@ -8,14 +8,14 @@
 
 namespace aras_visual_servo_sim {
 
-/** The shutter of a camera: which ticks one image is the mean of, and where things were then.
+/** The shutter of a camera: the ticks over which one image is averaged, and where everything was at these ticks.
  *
  *  The exposure ends at the tick T of the frame. It is cut into `samples` equal parts, each of them stands for its
  * middle: sample j is taken at T - (j + 1/2) exposure / samples, at the nearest tick, of two equally near ones the
- * later. Whoever steps notes the moments on the way; samples from before the first one noted count for that one. */
+ * later. The caller notes the moments; samples from before the first noted moment count for that one. */
 class Exposure {
  public:
-  /** Opens for no time at all. */
+  /** A shutter that is open for an instant only: images are sharp. */
   Exposure() = default;
   /** @param exposure_s  >= 0, 0 as above [s]  @param samples  >= 1  @param period_ns  of a tick, > 0 [ns] */
   Exposure(double exposure_s, int samples, std::int64_t period_ns);
@@ -27,7 +27,7 @@ class Exposure {
   /** The first tick after `tick` that the image of a frame at frame_tick > tick has a sample at, or frame_tick. */
   std::int64_t nextSample(std::int64_t tick, std::int64_t frame_tick) const;
 
-  /** Keeps a moment, later than those before, for the frame at frame_tick. Drops what that frame has no use for. */
+  /** Keeps a moment, later than those before, for the frame at frame_tick; drops those that are too old for it. */
   void note(Moment moment, std::int64_t frame_tick);
   void forget() { past_.clear(); }
   const std::vector<Moment>& past() const { return past_; }
@@ -38,7 +38,7 @@ class Exposure {
     const Moment* moment;
     std::uint32_t count;
   };
-  /** What the image of a frame at present.tick is the mean of, in the order of time. @pre blurs()
+  /** The moments over which the image of a frame at present.tick is averaged, in the order of time. @pre blurs()
    *  @return pointers into past() and to `present`; the counts sum up to the number of samples */
   std::vector<Sample> samplesOf(const Moment& present) const;
 

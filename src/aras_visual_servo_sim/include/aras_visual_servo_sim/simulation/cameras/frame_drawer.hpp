@@ -10,7 +10,7 @@
 
 namespace aras_visual_servo_sim {
 
-/** Draws what a camera sees: a frame that was taken late, as it was exposed; else the present. */
+/** Draws what a camera sees: the present, or, of a camera with latency, a frame as it was when it was exposed. */
 class FrameDrawer {
  public:
   FrameDrawer();
@@ -19,7 +19,7 @@ class FrameDrawer {
    *  @param now    the present tick: at a scheduled frame's, the mean over the exposure that ends there
    *  @param scene  as it is now, and so again afterwards @throws RenderError */
   const Image& draw(Camera& camera, std::int64_t now, const Pose& X_WC, Scene& scene);
-  /** Depth and ids of what that image shows, without blur. */
+  /** Depth and ids of the same view, without blur. */
   const GeometryImage& drawGeometry(Camera& camera, const Pose& X_WC, const Scene& scene, Distance distance);
 
  private:

@@ -12,7 +12,7 @@ namespace aras_visual_servo_sim {
  *  of a triggered camera only those that somebody asked for. */
 class FramePlan {
  public:
-  /** What the future depends on. */
+  /** Everything on which the frames to come depend. */
   struct State {
     std::int64_t next = 0;  ///< smallest index that is neither exposed nor passed over
     bool asked = false;     ///< of a triggered camera: one frame is wanted
@@ -29,8 +29,8 @@ class FramePlan {
   std::int64_t pass();
   /** Whether the frame passed last is that of this tick. */
   bool passedAt(std::int64_t tick) const;
-  /** Asks a triggered camera for one frame: the first of its schedule after `tick`. Asking again before it came changes
-   *  nothing, nor does asking a camera that is not triggered. */
+  /** Asks a triggered camera for one frame: the first of its schedule after `tick`. To ask again before that frame has
+   *  been taken changes nothing, and neither does asking a camera that is not triggered. */
   void trigger(std::int64_t tick);
 
   /** The first frame of the schedule at or after a tick, dropped or not, asked for or not. */

@@ -4,8 +4,8 @@
 
 namespace aras_visual_servo_sim {
 
-/** Which physics ticks a periodic sampler takes: frame k at the first tick >= k / rate. Integer arithmetic throughout,
- *  so that frame times never drift: at 30 Hz and 1 ms the frames are at ticks 0, 34, 67, 100, 134, ... */
+/** The physics ticks at which something periodic is sampled: frame k at the first tick >= k / rate. Integer arithmetic
+ * throughout, so that frame times never drift: at 30 Hz and 1 ms the frames are at ticks 0, 34, 67, 100, 134, ... */
 class FrameSchedule {
  public:
   /** @param rate_hz    0 < rate_hz <= one frame per tick, rounded to a micro-hertz [1/s]

@@ -14,14 +14,14 @@
 
 namespace aras_visual_servo_sim {
 
-/** Everything about the instant at which a frame was exposed: enough to draw it later, and to tell what was true. */
+/** Everything about the instant at which a frame was exposed, so that it can be drawn, and its truth told, later. */
 struct ExposedFrame {
   std::int64_t index = 0;                                 ///< of the camera's schedule
   Eigen::VectorXd q, v, efforts;                          ///< of the joints, sorted by name
   Twist V_WC_C = Twist::Zero();                           ///< of the camera
   Moment present;                                         ///< where everything was at the end of the exposure
   std::vector<std::pair<Moment, std::uint32_t>> samples;  ///< what a blurred image is the mean of; none: a sharp one
-  std::shared_ptr<ModelSet> models;                       ///< as they were, if some came or went since; null: as now
+  std::shared_ptr<ModelSet> models;  ///< those of that time if models were added or removed since; else null
 
   std::int64_t tick() const { return present.tick; }
 };
@@ -32,7 +32,7 @@ struct ExposedFrame {
  * as a frame of a camera without latency is that nobody took. */
 class FramesInFlight {
  public:
-  /** Of a camera without latency: nothing is ever in flight. */
+  /** For a camera without latency, which never has a frame in flight. */
   FramesInFlight() = default;
   /** @param latency_s  >= 0, rounded up to whole ticks [s]  @param period_ns  of a tick, > 0 [ns] */
   FramesInFlight(double latency_s, std::int64_t period_ns);
@@ -47,14 +47,14 @@ class FramesInFlight {
   void expose(ExposedFrame frame) { frames_.push_back(std::move(frame)); }
   /** Takes the oldest frame. @pre there is one */
   const ExposedFrame& take();
-  /** Time has come to this tick: loses what was to be delivered or was taken before. */
+  /** To be called when time has reached this tick: forgets frames that were taken, or could have been, before it. */
   void passTo(std::int64_t tick);
 
   /** The frame that was taken at the present tick, or null. */
   const ExposedFrame* taken() const { return taken_ ? &*taken_ : nullptr; }
   const std::deque<ExposedFrame>& inFlight() const { return frames_; }
 
-  /** Models come or go: frames in flight keep those they were exposed with. */
+  /** To be called before a model is added or removed: frames in flight keep the models they were exposed with. */
   void keepModels(const std::shared_ptr<ModelSet>& models);
   bool empty() const { return frames_.empty() && !taken_; }
   void clear();

@@ -11,7 +11,7 @@
 
 namespace aras_visual_servo_sim {
 
-/** Where everything a camera can see was at one tick. */
+/** Poses, at one tick, of everything that a camera can see. */
 struct Moment {
   std::int64_t tick = 0;
   Pose X_WC;

@@ -14,8 +14,8 @@
 
 namespace aras_visual_servo_sim {
 
-/** What touches what: the contacts of the configuration and those that solids bring along, among the models there are.
- *  Tells the world, and moves the solids that are pushed. */
+/** Knows which bodies touch each other: by the contacts of the configuration, and by the entries of the solids that are
+ *  present. It tells the physics world, and moves the solids that are pushed there. */
 class Contacts {
  public:
   /** @param robot  outlives this object */
@@ -23,7 +23,7 @@ class Contacts {
 
   /** Takes the models as they were constructed. @throws ParameterError, ModelError as check and change do */
   void begin(const ModelSet& built, const std::vector<SolidEntry>& solids);
-  /** For a world that is made now. */
+  /** The contact configuration for a world that is made now. */
   const ContactConfig& present() const { return present_; }
   bool any() const { return present_.any(); }
   /** Whether a model can be touched. */
@@ -31,13 +31,13 @@ class Contacts {
 
   /** @throws ParameterError for a solid that touches what is not there, or has mass and nothing to touch */
   void check(const std::string& solid, const ModelSet& set) const;
-  /** The models of a set touch from now on. @throws as MultibodyWorld::setContacts; nothing changes then */
+  /** Makes the models of this set those that touch. @throws as MultibodyWorld::setContacts; nothing changes then */
   void change(const ModelSet& set, MultibodyWorld& world);
-  /** Likewise, for a world that is made afterwards. */
+  /** The same, for a world that is made afterwards. */
   void change(const ModelSet& set) { present_ = among(set); }
   /** Tells the world where a model was put. */
   void place(const std::string& model, const Models& models, MultibodyWorld& world) const;
-  /** Takes n periods, one after the other: what moves by itself is placed before, what is pushed is seen afterwards. */
+  /** Advances n periods. Before each, models with a motion are placed; after it, solids that were pushed are moved. */
   void step(std::int64_t n, std::int64_t period_ns, Models& models, MultibodyWorld& world) const;
 
  private:

@@ -23,7 +23,7 @@ struct SavedModel {
   Pose X_WM, X_WM0;         ///< where it is, where it started
 };
 
-/** The models there are, with the robot's own bodies among those of the scene. */
+/** The models that are present. The scene holds the robot's links among its bodies too. */
 struct ModelSet {
   Scene scene;
   std::vector<int> body_links;         ///< link of each body of the scene, -1 for solids
@@ -38,9 +38,9 @@ struct ModelSet {
   const Pose& place(const std::string& model) const;
   /** X_WM of every model by name. */
   std::map<std::string, Pose> poses() const;
-  /** Takes a model out. */
+  /** Removes a model. */
   void remove(const std::string& model);
-  /** All there is to know to compose this set again from the one that was constructed. */
+  /** Everything that is needed to make this set again from the one that was constructed. */
   std::vector<SavedModel> saved() const;
 };
 

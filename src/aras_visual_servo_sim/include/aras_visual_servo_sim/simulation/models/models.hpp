@@ -21,7 +21,7 @@ struct MotionRun {
   std::int64_t start_ns;  ///< when that was
 };
 
-/** What is in the scene besides the robot: flat models and solids, where they are and how they move by themselves.
+/** The models of the scene, which are flat models and solids: where they are, and how they move by themselves.
  *  Times are simulated ones, in nanoseconds. */
 class Models {
  public:
@@ -33,7 +33,7 @@ class Models {
 
   const ModelSet& set() const { return set_; }
   const Scene& scene() const { return set_.scene; }
-  /** To draw it as it was at another time; whoever does puts everything back. */
+  /** The scene, for a caller that draws it as it was at another time and then puts everything back. */
   Scene& scene() { return set_.scene; }
   std::vector<std::string> names() const { return set_.names(); }
   /** X_WM. @throws UnknownNameError naming the models there are */
@@ -45,29 +45,29 @@ class Models {
     return at(motions_.at(model), now_ns).V_WM_W;
   }
 
-  /** Every model where it started, the configured motions from now on. */
+  /** Puts every model where it started, and begins the configured motions anew. */
   void start(std::int64_t now_ns);
   /** Puts the models that move where they are now. */
   void move(std::int64_t now_ns);
   /** Puts the robot's bodies where its links are. */
   void follow(const MultibodyWorld& world);
-  /** Places a model; whether it stays there its motion says. @throws UnknownNameError */
+  /** Places a model. A motion that it has goes on. @throws UnknownNameError */
   void place(const std::string& model, const Pose& X_WM) { set_.place(model) = X_WM; }
   /** Moves a model from now and from where it is; nothing: it stays where it is. @throws UnknownNameError */
   void setMotion(const std::string& model, const std::optional<ModelMotion>& motion, std::int64_t now_ns);
 
-  // --- models come and go: a set of them is made, and taken over when nothing speaks against it
-  /** The models there are and one more.
+  // --- adding and removing models: first a new set is made and checked, then it replaces the present one
+  /** A set of the present models and one more.
    *  @param yaml  what the entry was read from, for saved states  @param X_WM  in place of the entry's own pose
    *  @throws ParameterError if a model or link has its name, NotFiniteError, ModelError */
   ModelSet with(const SceneEntry& entry, const std::string& yaml, const std::optional<Pose>& X_WM) const;
-  /** The models there are but one. @throws UnknownNameError */
+  /** A set of the present models without this one. @throws UnknownNameError */
   ModelSet without(const std::string& model) const;
-  /** The models of a saved state. @throws StateError if one is neither built in nor was spawned */
+  /** A set of the models of a saved state. @throws StateError if one is neither configured nor was spawned */
   ModelSet composed(const std::vector<SavedModel>& saved) const;
-  /** From now on these are the models; motions of those that are gone end. */
+  /** Makes this set the present one. Motions of models that are not in it end. */
   void become(ModelSet next);
-  /** The same, with other motions under way. */
+  /** The same, with these motions instead of those that are under way. */
   void become(ModelSet next, std::map<std::string, MotionRun> motions);
   /** The set as constructed. */
   const ModelSet& built() const { return built_ ? *built_ : set_; }

@@ -8,9 +8,9 @@
 
 namespace aras_visual_servo_sim {
 
-/** Running 64-bit hash of a byte stream: two runs that did the same have the same hash.
+/** Running 64-bit hash of a byte stream, by which two runs are compared.
  *
- *  Each call of `add` is one record; its length takes part, so that records cannot run into each other.
+ *  Each call of `add` is one record. Its length is hashed too, so that it matters where one record ends.
  *  The state is one word: it can be saved and restored with the simulation. Not cryptographic.
  */
 class RunHash {

@@ -9,7 +9,7 @@
 
 namespace aras_visual_servo_sim {
 
-/** Tick of what never comes. */
+/** The tick that stands for "never". */
 inline constexpr std::int64_t kNeverTick = std::numeric_limits<std::int64_t>::max();
 
 /** Simulated time: ticks of a whole number of nanoseconds. */

@@ -8,15 +8,15 @@
 
 namespace aras_visual_servo_sim {
 
-/** Decides when a simulator in lockstep holds: after each image, until commands stamped at or after the image came from
- *  everybody who has to answer.
+/** Decides when time stands still in lockstep: after each image, until every node that has to answer has sent a command
+ *  with the image's stamp or a later one.
  *
- *  Unarmed (free running) until the first command of one of them. A command counts for an image only if it arrives
- * after the image went out: what was sent before cannot have seen it, whatever its stamp.
+ *  Until the first such command it is unarmed and time runs free. A command counts for an image only if it arrives
+ * after the image was sent, whatever its stamp, because an earlier one cannot be an answer to it.
  */
 class LockstepGate {
  public:
-  /** @param nodes  who has to answer each image; empty: anybody, once */
+  /** @param nodes  nodes that have to answer each image; empty: one answer of any node is enough */
   explicit LockstepGate(bool enabled, const std::vector<std::string>& nodes = {})
       : enabled_(enabled), nodes_(nodes.begin(), nodes.end()) {}
 
@@ -24,19 +24,19 @@ class LockstepGate {
   bool holding() const { return waiting_ns_.has_value(); }
   /** Stamp of the image that waits for its answers [ns]. @pre holding() */
   std::int64_t waitingForNs() const { return *waiting_ns_; }
-  /** Who has to answer each image, sorted; empty: anybody. */
+  /** Nodes that have to answer each image, sorted; empty: any node may. */
   const std::set<std::string>& nodes() const { return nodes_; }
-  /** Who of them has not answered yet, sorted. @pre holding() */
+  /** Those of them that have not answered yet, sorted. @pre holding() */
   const std::set<std::string>& missing() const { return missing_; }
 
-  /** An image stamped so went out. */
+  /** To be called when an image with this stamp was sent. */
   void imageSent(std::int64_t stamp_ns) {
     if (!armed_) return;
     waiting_ns_ = stamp_ns;
     missing_ = nodes_;
   }
 
-  /** A command stamped so came, accepted or not: whoever sent it is alive. */
+  /** To be called when a command with this stamp arrived, accepted or refused: both show that its sender is alive. */
   void commandReceived(std::int64_t stamp_ns, const std::string& node = "") {
     if (!nodes_.empty() && nodes_.count(node) == 0) return;
     armed_ = enabled_;
@@ -45,10 +45,10 @@ class LockstepGate {
     if (missing_.empty()) waiting_ns_.reset();
   }
 
-  /** Goes on without the answers. */
+  /** Lets time go on without the missing answers. */
   void release() { waiting_ns_.reset(); }
 
-  /** As constructed: unarmed; nodes that were named and have answered once are waited for from the first image on. */
+  /** Back to unarmed. Named nodes that have answered before are then waited for from the first image on. */
   void reset() {
     armed_ = armed_ && !nodes_.empty();
     waiting_ns_.reset();

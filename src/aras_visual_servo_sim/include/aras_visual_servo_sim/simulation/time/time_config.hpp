@@ -7,8 +7,8 @@
 
 namespace aras_visual_servo_sim {
 
-/** The `time:` section: how the node paces itself. The in-process simulation has no use for it. schema/time.yaml says
- *  what each key means. */
+/** The section `time`: how fast the node lets time pass and what it waits for. A simulation in process does not need
+ * it. schema/time.yaml says what each key means. */
 struct TimeConfig {
   double real_time_factor = 0.0;
   bool lockstep = false;

@@ -35,7 +35,7 @@ ArticulatedBody::ArticulatedBody(const RobotModel& model, const Vector3d& gravit
 }
 
 void ArticulatedBody::addBodies(const RobotModel& model, const Pose& X_WB) {
-  const Pose X_world_base = floating_ ? Pose{} : X_WB;  // a base that stays is part of the world
+  const Pose X_world_base = floating_ ? Pose{} : X_WB;  // a fixed base is a part of the world
   for (const Link& link : model.links) {
     int body = floating_ ? kOnBase : kOnWorld;
     Pose X_body_link = X_world_base;

@@ -17,8 +17,9 @@ constexpr double kShorter = 0.3;
 constexpr int kSweepsAfterRetreat = 3;
 constexpr double kSettled = 1e-10;  // change of an impulse in a sweep, of the largest one
 constexpr double kImmovable = 1e-300;
-// Four corners of a face hold more than a body's sideways motions: which of them holds how much is open. Newton's step
-// stays near what it was by this part of the stiffness, and leaves about this part of the slip there was.
+// The friction at four corners of a face has more unknowns than a body has sideways motions, so the equations do not
+// say how much each corner carries. This part of the stiffness is added to them; it keeps Newton's step near the
+// previous solution, and leaves about this part of the slip.
 constexpr double kStay = 1e-7;
 
 }  // namespace
@@ -34,7 +35,7 @@ void ContactIsland::resize(int points) {
 }
 
 void ContactIsland::solve() {
-  if (lambda.isZero(0.0)) newtonStep(true);  // what rests is found at once, with the smallest impulses that hold it
+  if (lambda.isZero(0.0)) newtonStep(true);  // finds bodies at rest at once, with the smallest impulses
   double change_before = std::numeric_limits<double>::infinity();
   int shortenings = 0;
   int sweeps_alone = 0;
@@ -62,7 +63,7 @@ void ContactIsland::solve() {
     }
   }
   if (sweeps_alone > 0) return;
-  lambda = lambda_swept_;  // out of sweeps: the best there is, and within the cones
+  lambda = lambda_swept_;  // no sweeps left: the last ones are within the cones
   u = u_swept_;
 }
 

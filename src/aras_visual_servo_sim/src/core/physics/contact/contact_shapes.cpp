@@ -100,7 +100,8 @@ void ContactShapes::add(int body, const Geometry& geometry, const Pose& X_BS) {
     case Geometry::Type::kMesh: {
       const auto found = config_.mesh_points.find(geometry.filename);
       if (found == config_.mesh_points.end() || found->second.empty()) {
-        throw ModelError("collision mesh '" + geometry.filename + "': found no points of it, must have been loaded");
+        throw ModelError("collision mesh '" + geometry.filename +
+                         "': found no points, allowed a file that was loaded before");
       }
       for (const Vector3d& point : found->second) shape->corners.push_back(point.cwiseProduct(geometry.scale));
       shape->shape = hullOf(shape->corners);
@@ -152,7 +153,7 @@ const std::vector<ContactPoint>& ContactShapes::find() {
 void ContactShapes::addGroundPoint(const Shape& shape, const Vector3d& p_W) {
   const double depth = config_.ground->z_m - p_W.z();
   if (!(depth > 0.0)) return;
-  // Where the force acts: half way, as between any two shapes.
+  // The force acts half way between the two surfaces, as Bullet has it between any two shapes.
   points_.push_back({shape.body, ContactPoint::kGround, p_W + Vector3d(0.0, 0.0, 0.5 * depth), Vector3d::UnitZ(), depth,
                      config_.ground->friction});
 }

@@ -38,11 +38,12 @@ const Eigen::VectorXd& ContactSolver::solve(const ContactRows& rows, const std::
     const Eigen::VectorXd u = rows.J * v + rows.u0 + rows.S * lambda_;
     const Eigen::VectorXd lambda_before = lambda_;
     for (int island = 0; island < islands_; ++island) solveIsland(rows, u, dt_s, island);
-    // Held by its speed limit a joint pushes without end, and is pushed to its stop: the pieces between are on the way.
+    // A joint at its speed limit pushes with whatever effort it takes, so contacts may push it as far as its stop. The
+    // pieces of its graph between the two are then visited one after the other.
     solved = std::find(failed_.begin(), failed_.end(), pieces_) == failed_.end();
     if (!solved) lambda_ = lambda_before + (lambda_ - lambda_before) / (++averages + 1.0);
   }
-  moveJoints();  // not settled: at least the velocities are those of the impulses
+  moveJoints();  // did not settle: use the velocities that follow from the impulses
   return lambda_;
 }
 

@@ -121,7 +121,8 @@ int WorldContacts::freeBodyOf(int id) const {
   return id < links ? -1 : free_body_[id - links];
 }
 
-/** Links carried by the same body, and by bodies with one joint between them, never touch; nor what cannot move. */
+/** Whether a pair is looked at. Links on the same body or on bodies with one joint between them never touch, and
+ * neither do two things that cannot move. */
 bool WorldContacts::mayTouch(int a, int b, const ArticulatedBody& body) const {
   const int links = static_cast<int>(model_.links.size());
   if (a == b || (!moves(a, body) && !moves(b, body))) return false;
@@ -178,7 +179,7 @@ void WorldContacts::layOut(const ArticulatedBody& body, const JointCoupling& cou
   }
 }
 
-/** What the velocity at a point owes to one of the two bodies. */
+/** The share of one of the two bodies in the relative velocity at a point of contact. */
 void WorldContacts::addSide(std::size_t point, int id, double sign, const ArticulatedBody& body,
                             const JointCoupling& coupling) {
   if (id == ContactPoint::kGround || !moves(id, body)) return;
@@ -198,7 +199,7 @@ void WorldContacts::addSide(std::size_t point, int id, double sign, const Articu
 /** The part of the base and of the free bodies: how they move freely, and how they answer. */
 void WorldContacts::addFreeMotion(const ArticulatedBody& body, const Eigen::VectorXd& v_free) {
   if (body.base()) {
-    // J so far is of the joints alone; the base follows them, and answers for itself.
+    // So far J has the joints only. The base moves along with them, and impulses move it too.
     rows_.u0 += J_base_ * body.base()->velocityWithJointsHeld(v_free);
     rows_.S += J_base_ * body.base()->answer(J_base_.transpose());
   }

@@ -11,10 +11,10 @@
 
 namespace aras_visual_servo_sim {
 
-/** The contacts of a world: which bodies there are, where they touch in this step, and what that does to them. */
+/** The contacts of a world: its bodies, the points where they touch in this step, and the impulses there. */
 class WorldContacts {
  public:
-  /** @throws ParameterError, ModelError naming what cannot touch */
+  /** @throws ParameterError, ModelError naming a body that has no shape to touch with */
   WorldContacts(const RobotModel& model, const ContactConfig& config, const ArticulatedBody& body,
                 const Eigen::Vector3d& gravity_m_s2, double period_s);
 

@@ -7,7 +7,7 @@
 
 namespace aras_visual_servo_sim {
 
-/** Mimic joints taken out: the joints that move on their own are the coordinates, q = K q_c + c.
+/** Eliminates mimic joints: the joints that move on their own are the coordinates q_c, and q = K q_c + c (T49).
  *
  *  A follower's inertia, weight, damping and friction act on the coordinate through its multiplier. Without mimic
  *  joints coordinate i is joint i. Vectors of joints: RobotModel::joint_names order; of coordinates: the same without

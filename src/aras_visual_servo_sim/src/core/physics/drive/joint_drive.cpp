@@ -13,7 +13,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTwoPi = 6.283185307179586476925;
 
-/** What joint_limits_interface's soft limit handles ask for when they are made. */
+/** Checks what joint_limits_interface's handles for soft limits require: velocity and effort limits. */
 void checkSoftLimits(const Joint& joint, ControllerType type) {
   if (!joint.soft.present || type == ControllerType::kVelocity) return;
   const std::string what = "joint '" + joint.name + "': has soft limits and no ";
@@ -51,7 +51,7 @@ bool JointDrive::takesEffort() const { return has_controller_ && controller_.typ
 double JointDrive::positionError(double q) const {
   const double error = memory_.set_point - q;
   if (joint_.type == JointType::kContinuous) return std::remainder(error, kTwoPi);
-  // Limits of less than a turn leave one way, the plain difference.
+  // With limits less than a turn apart only the plain difference stays within them.
   const JointLimits& limits = joint_.limits;
   if (joint_.type != JointType::kRevolute || limits.upper - limits.lower < kTwoPi) return error;
   return angularDistanceWithin(q, memory_.set_point, limits.lower, limits.upper);

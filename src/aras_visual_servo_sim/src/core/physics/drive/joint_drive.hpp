@@ -9,10 +9,10 @@
 
 namespace aras_visual_servo_sim {
 
-/** Tick that never comes. */
+/** The tick that stands for "never". */
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
-/** What a joint's controller remembers; everything its future depends on. */
+/** The memory of a joint's controller: everything on which its future output depends. */
 struct DriveMemory {
   double set_point = 0.0;             ///< position, velocity or effort, as the controller's type has it
   double velocity_command = 0.0;      ///< integrated into the set-point of a position controller
@@ -47,7 +47,7 @@ class JointDrive {
   void commandVelocity(double velocity, std::int64_t expiry_tick);
   void commandEffort(double effort, std::int64_t expiry_tick);
 
-  /** Moves the set-point on by one period and lays out the efforts possible in it, from the state at its beginning. */
+  /** Moves the set-point on by one period and makes the graph of efforts, from the state at the period's beginning. */
   void prepare(double q, double v, std::int64_t tick, JointGraph& graph);
 
   /** Brings the controller's memory to the end of the period. */

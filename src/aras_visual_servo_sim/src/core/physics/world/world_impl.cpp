@@ -27,10 +27,10 @@ bool isFloating(const RobotModel& model, const WorldConfig& config) {
   return config.base == Base::kFloating || (config.base == Base::kFromModel && model.floatingJoint());
 }
 
-/** How far a mimic joint may be named off the position it has: the rounding of a few operations. */
+/** How far the position given for a mimic joint may differ from the one it has: the rounding of a few operations. */
 constexpr double kMimicRounding = 1e-9;
 
-/** Periods after which a timeout is no different from none: far below the largest tick. */
+/** A timeout of this many periods or more counts as none; the number is far below the largest tick. */
 constexpr double kLongestTimeout = 1e18;
 
 }  // namespace

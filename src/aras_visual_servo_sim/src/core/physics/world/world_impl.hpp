@@ -15,7 +15,7 @@
 
 namespace aras_visual_servo_sim {
 
-/** What is inside a MultibodyWorld: the parts and the order in which they act. */
+/** The inside of a MultibodyWorld: its parts, and the order in which they act. */
 class MultibodyWorld::Impl {
  public:
   Impl(const RobotModel& the_model, const WorldConfig& the_config);
@@ -46,7 +46,7 @@ class MultibodyWorld::Impl {
   void checkFollower(int joint, const Eigen::VectorXd& wanted) const;
   void checkPosition(int joint, double position) const;
 
-  /** Reads or writes everything that decides the future, in one order for both. */
+  /** Reads or writes the whole state; one function does both, so that the order is the same. */
   template <typename Stream>
   void visitState(Stream& stream);
 

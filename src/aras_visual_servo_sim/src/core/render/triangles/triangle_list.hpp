@@ -20,7 +20,7 @@ class TriangleList {
   void begin(const CameraModel& camera, const ViewVolume& volume);
   /** Adds what is in view of the bodies, round shapes left out: CurvedList has them. @return false if nothing is */
   bool addBodies(const Scene& scene, const Pose& X_CW);
-  /** Adds the planar models, each face a hair nearer than what it is painted over. */
+  /** Adds the planar models, each face slightly nearer than the faces that it is painted over. */
   void addPlanar(const PlanarLayer& planar, const Pose& X_CW);
 
   /** For each body in view: where its triangles end, and its index in the scene. */

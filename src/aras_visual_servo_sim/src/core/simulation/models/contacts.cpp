@@ -63,7 +63,7 @@ ContactConfig Contacts::among(const ModelSet& set) {
   ContactConfig contacts = config_;
   const auto add = [&](const std::string& name) {
     addObstacles(name, set, contacts);
-    // `all` and `robot` stand first: what cannot touch is passed over then, not refused.
+    // `all` and `robot` have to stand first in a pair: what cannot touch is then skipped instead of refused.
     for (const std::string& other : set.solids.at(name).touches) {
       if (isThere(other, set)) contacts.pairs.emplace_back(other, name);
     }
@@ -78,7 +78,7 @@ ContactConfig Contacts::among(const ModelSet& set) {
   for (std::size_t k = 0; k < set.body_links.size(); ++k) {
     if (set.body_links[k] < 0 && set.spawned.count(set.scene.bodies[k].name) > 0) add(set.scene.bodies[k].name);
   }
-  // Pairs with what was deleted since. Names nobody ever had are refused when the world is built.
+  // Leave out pairs with models that were deleted. Names that never existed were refused when the world was built.
   const auto isGone = [&](const std::string& name) { return built_starts_.count(name) > 0 && !isThere(name, set); };
   contacts.pairs.erase(std::remove_if(contacts.pairs.begin(), contacts.pairs.end(),
                                       [&](const auto& pair) { return isGone(pair.first) || isGone(pair.second); }),

@@ -1,4 +1,4 @@
-// Models, motions and frames on their way, in a saved state.
+// How models, motions and frames in flight are written into a saved state and read from it.
 #include <memory>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
@@ -46,7 +46,8 @@ std::map<std::string, MotionRun> StateReader::getMotions(const ModelSet& set) {
     const ModelMotion motion = ModelMotion::fromYaml(YAML::Load(getText()), "saved motion of '" + name + "'");
     const Pose X_WM0 = getPose();
     motions.emplace(name, MotionRun{motion, X_WM0, get<std::int64_t>()});
-    if (set.starts.count(name) == 0) throw StateError("saved state: motion of '" + name + "', which is no model");
+    if (set.starts.count(name) == 0)
+      throw StateError("saved state: found a motion of '" + name + "', which is not a model");
   }
   return motions;
 }

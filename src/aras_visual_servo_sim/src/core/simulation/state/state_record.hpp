@@ -38,7 +38,7 @@ class StateWriter {
   std::string bytes_;
 };
 
-/** Reads what StateWriter wrote. Throws StateError where it is not that. */
+/** Reads a record of StateWriter. @throws StateError where the bytes are not such a record */
 class StateReader {
  public:
   /** Models as they were saved, made again. */

@@ -1,0 +1,36 @@
+"""Sends a goal until the action server has taken it."""
+
+#: Wall time until a goal that was not taken is sent again [s].
+AGAIN_S = 2.0
+
+
+class GoalSender:
+    """A goal that is published once can be lost: rospy connects a subscriber a moment before it calls it back.
+
+    Sending it again does no harm, since an action server takes each goal id once.
+
+    Args:
+        publish: called with the goal message.
+    Attributes:
+        goal_id: of the goal that was sent last, "" before.  taken: whether it was taken.
+    """
+
+    def __init__(self, publish):
+        self._publish = publish
+        self._goal, self._sent_s = None, 0.0
+        self.goal_id, self.taken = "", False
+
+    def send(self, goal, now_s):
+        """Send a VisualServoActionGoal at wall time now_s."""
+        self._goal, self.goal_id, self.taken = goal, goal.goal_id.id, False
+        self._sent_s = now_s
+        self._publish(goal)
+
+    def look(self, now_s):
+        """To be called again and again: sends the goal once more if it was not taken for AGAIN_S."""
+        if self._goal is not None and not self.taken and now_s - self._sent_s >= AGAIN_S:
+            self.send(self._goal, now_s)
+
+    def heard(self, statuses):
+        """Take the dictionary goal id -> whether it is still pending, of the action server."""
+        self.taken = self.taken or not statuses.get(self.goal_id, True)

@@ -1,0 +1,63 @@
+#!/usr/bin/env python3
+"""Goals of a client that stamps them, as actionlib's clients do, before and after sim/reset sets time back."""
+import sys
+import unittest
+
+import actionlib
+import rospy
+from actionlib_msgs.msg import GoalID, GoalStatus
+
+from aras_visual_servo_msgs.msg import VisualServoAction, VisualServoGoal
+from wiring import LIMIT_S, Watcher, call, wait_until
+
+
+class GoalsAfterReset(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("test_goals_after_reset")
+        cls.watcher = Watcher()
+        cls.watcher.wait_connected()
+        cls.client = actionlib.SimpleActionClient("servo", VisualServoAction)
+        assert cls.client.wait_for_server(rospy.Duration(LIMIT_S))
+
+    def begin(self):
+        """Give a goal, and wait until it is worked on."""
+        self.client.send_goal(VisualServoGoal(reference="experiment"))
+        wait_until(lambda: self.client.get_state() == GoalStatus.ACTIVE, "the goal to be taken")
+
+    def reset(self):
+        call("sim/pause")
+        call("sim/reset")
+        wait_until(lambda: rospy.get_time() < 1.0, "time to go back")
+
+    def run_until(self, t_s):
+        call("sim/unpause")
+        wait_until(lambda: rospy.get_time() > t_s, f"{t_s} s")
+
+    def setUp(self):
+        self.reset()
+        self.run_until(2.0)
+
+    def test_a_goal_is_taken_after_a_reset_that_followed_its_end(self):
+        self.begin()
+        self.client.cancel_goal()
+        wait_until(lambda: self.client.get_state() == GoalStatus.PREEMPTED, "the goal to end")
+        self.reset()
+        self.begin()
+
+    def test_a_goal_is_taken_after_a_reset_in_its_middle(self):
+        self.begin()
+        self.reset()
+        self.begin()
+
+    def test_a_goal_is_taken_after_a_reset_that_followed_a_cancel_of_all_that_is_older(self):
+        self.begin()
+        self.watcher.cancels.publish(GoalID(stamp=rospy.get_rostime()))
+        wait_until(lambda: self.client.get_state() == GoalStatus.PREEMPTED, "the goal to end")
+        self.reset()
+        self.begin()
+
+
+if __name__ == "__main__":
+    import rostest
+    rostest.rosrun("aras_visual_servo_controller", "goals_after_reset", GoalsAfterReset, sys.argv)

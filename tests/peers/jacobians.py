@@ -1,0 +1,16 @@
+"""Asked by the tests: the controller's kinematics, {urdf, base, tip, positions} -> [{pose, jacobian}], JSON both."""
+import json
+import sys
+
+from aras_visual_servo_controller.arm.kinematics import Kinematics
+
+
+def main():
+    asked = json.load(sys.stdin)
+    arm = Kinematics(asked["urdf"], asked["base"], asked["tip"])
+    positions = [arm.vector(q) for q in asked["positions"]]
+    print(json.dumps([{"pose": arm.pose(q).tolist(), "jacobian": arm.jacobian(q).tolist()} for q in positions]))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,94 @@
+"""Mass matrix, bias, accelerations, twists and Jacobians over random states, against Pinocchio and MuJoCo."""
+import mujoco
+import numpy as np
+import ours
+import pinocchio
+import pytest
+from robots import GRAVITY, robot
+
+STATES = 100
+#: Of the largest entry: some hundred roundings times the condition of what is solved.
+SAME = 1e-10
+#: Accelerations are our velocities' difference over one period without damping: the rounding of a velocity, 2e-16 of a
+#: few rad/s, over the period, times the condition of the mass matrix, below 1e4.
+PERIOD_S, DIFFERENCE = 1e-3, 1e-9
+
+robots = pytest.mark.parametrize("name", sorted(ours.ROBOTS))
+
+
+def off(found, expected):
+    """Largest difference of two arrays, of the largest entry of the second."""
+    found, expected = np.asarray(found), np.asarray(expected)
+    assert found.shape == expected.shape
+    return np.abs(found - expected).max() / np.abs(expected).max()
+
+
+def answers(one, states, **more):
+    cases = [{"q": one.named(q), "v": one.named(v), "effort": one.named(effort), "steps": 1}
+             for q, v, effort in states]
+    return ours.world(one.urdf, cases, GRAVITY, PERIOD_S, actuated=True, **more)
+
+
+@robots
+def test_mass_matrix(name, compared):
+    one, against_pin, against_mujoco = robot(name), [], []
+    states = one.states(STATES, seed=1)
+    for (q, v, _), found in zip(states, answers(one, states)):
+        M = one.matrix_from_pin(pinocchio.crba(one.pin, one.data, one.to_pin(q)))
+        against_pin.append(off(found["mass_matrix"], M))
+        one.set_mujoco(q, v)
+        against_mujoco.append(off(found["mass_matrix"], one.mass_matrix_of_mujoco()))
+    compared(f"mass matrix, {name}", "Pinocchio", against_pin, SAME)
+    compared(f"mass matrix, {name}", "MuJoCo", against_mujoco, SAME)
+
+
+@robots
+def test_acceleration_and_bias(name, compared):
+    """The bias, Coriolis, centrifugal and weight, is what is left of M a when the efforts are taken away."""
+    one, accelerations, biases, of_mujoco = robot(name), [], [], []
+    states = one.states(STATES, seed=2)
+    for (q, v, effort), found in zip(states, answers(one, states)):
+        a = (found["v"] - v) / PERIOD_S
+        expected = one.from_pin(pinocchio.aba(one.pin, one.data, one.to_pin(q), one.to_pin(v), one.to_pin(effort)))
+        accelerations.append(off(a, expected))
+        bias = one.from_pin(pinocchio.nonLinearEffects(one.pin, one.data, one.to_pin(q), one.to_pin(v)))
+        biases.append(off(effort - found["mass_matrix"] @ a, bias))
+        one.set_mujoco(q, v, effort)
+        mujoco.mj_forward(one.mj, one.mj_data)
+        of_mujoco.append(off(a, one.from_mujoco(one.mj_data.qacc)))
+    compared(f"accelerations under random efforts, {name}", "Pinocchio", accelerations, DIFFERENCE)
+    compared(f"bias, {name}", "Pinocchio", biases, DIFFERENCE)
+    compared(f"accelerations under random efforts, {name}", "MuJoCo", of_mujoco, DIFFERENCE)
+
+
+@robots
+def test_pose_and_twist_of_every_link(name, compared):
+    one, poses, twists = robot(name), [], []
+    states = one.states(STATES, seed=3)
+    for (q, v, _), found in zip(states, answers(one, states)):
+        pinocchio.forwardKinematics(one.pin, one.data, one.to_pin(q), one.to_pin(v))
+        pinocchio.updateFramePlacements(one.pin, one.data)
+        for link, ours_of_link in found["links"].items():
+            frame = one.pin.getFrameId(link)
+            poses.append(off(ours_of_link["pose"], one.data.oMf[frame].homogeneous[:3].ravel()))
+            V = pinocchio.getFrameVelocity(one.pin, one.data, frame, pinocchio.ReferenceFrame.LOCAL)
+            twists.append(np.abs(ours_of_link["twist"] - V.vector).max() / np.linalg.norm(v))
+    compared(f"poses of links, {name}", "Pinocchio", poses, SAME)
+    compared(f"twists of links, {name}", "Pinocchio", twists, SAME)
+
+
+@pytest.mark.parametrize("name", ["gantry and five joints", "six axes"])
+def test_jacobian_of_the_camera(name, compared):
+    """The controller's kinematics, which are KDL's, and not the simulator's."""
+    one, poses, jacobians, tip = robot(name), [], [], "camera_optical_frame"
+    states = one.states(STATES, seed=4)
+    found = ours.kinematics(one.urdf, "world", tip, [one.named(q) for q, _, _ in states])
+    for (q, _, _), (pose, J) in zip(states, found):
+        pinocchio.forwardKinematics(one.pin, one.data, one.to_pin(q))
+        expected = pinocchio.computeFrameJacobian(one.pin, one.data, one.to_pin(q), one.pin.getFrameId(tip),
+                                                  pinocchio.ReferenceFrame.LOCAL)
+        jacobians.append(off(J, one.from_pin(expected)))
+        pinocchio.updateFramePlacements(one.pin, one.data)
+        poses.append(off(pose, one.data.oMf[one.pin.getFrameId(tip)].homogeneous))
+    compared(f"pose of the camera by the controller, {name}", "Pinocchio", poses, SAME)
+    compared(f"Jacobian of the camera by the controller, {name}", "Pinocchio", jacobians, SAME)
