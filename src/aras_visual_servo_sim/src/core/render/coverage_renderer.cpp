@@ -60,8 +60,7 @@ class CoverageRenderer::Implementation {
     triangles_.addPlanar(planar_, X_WC.inverse());
     bins_.sort(triangles_);
     tiles_.paint(camera, triangles_, curved_, bins_, scene.background, planar_.pictures(), out);
-    statistics_ = {static_cast<int>(triangles_.size()), tiles_.statistics().tiles,
-                   tiles_.statistics().sampled_pixels};
+    statistics_ = {static_cast<int>(triangles_.size()), tiles_.statistics().tiles, tiles_.statistics().sampled_pixels};
   }
 
   Path path_;

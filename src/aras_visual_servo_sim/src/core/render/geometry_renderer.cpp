@@ -5,8 +5,8 @@
 #include "aras_visual_servo_sim/render/geometry_image.hpp"
 #include "render/coverage/coverage_rasterizer.hpp"
 #include "render/curved/curved_list.hpp"
-#include "render/curved/tile_curved.hpp"
 #include "render/planar/planar_layer.hpp"
+#include "render/tiles/tile_curved.hpp"
 #include "render/triangles/triangle_list.hpp"
 #include "render/view/held.hpp"
 #include "render/view/view_volume.hpp"
@@ -106,7 +106,8 @@ class GeometryRenderer::Implementation {
         const double nearness = facet.plane.dot(ray);
         const bool fisheye = camera.lens() == CameraModel::Lens::kEquidistant;
         const double ahead = fisheye ? ray.cwiseAbs().maxCoeff() : 1.0;  // depth along its cell's axis, of s = 1
-        if (nearness * camera.farM() >= ahead && nearness * camera.nearM() <= ahead) see(out.at(u, v), nearness, id, out);
+        if (nearness * camera.farM() >= ahead && nearness * camera.nearM() <= ahead)
+          see(out.at(u, v), nearness, id, out);
       }
     }
   }

@@ -17,9 +17,9 @@ namespace {
 const double kNan = std::nan(""), kInfinity = std::numeric_limits<double>::infinity();
 
 TEST(Hostile, NoCornerMakesTheRasterizerWriteElsewhere) {
-  const std::vector<double> values = {kNan, kInfinity,  -kInfinity, 1e18,  -1e18, 1e308, -1e308, 2e9,
-                                      -3e9, 1e-320,     -1e-320,    0.0,   15.5,  -0.5,  7.25,   20.0,
-                                      31.5, 5.0 - 1e-16, 1e7,       -1e7,  63.0,  4.0,   12.75,  1e30};
+  const std::vector<double> values = {kNan, kInfinity,   -kInfinity, 1e18, -1e18, 1e308, -1e308, 2e9,
+                                      -3e9, 1e-320,      -1e-320,    0.0,  15.5,  -0.5,  7.25,   20.0,
+                                      31.5, 5.0 - 1e-16, 1e7,        -1e7, 63.0,  4.0,   12.75,  1e30};
   std::mt19937 random(3);
   const auto value = [&] { return values[random() % values.size()]; };
   for (const auto rule : {CoverageRasterizer::Rule::kCoverage, CoverageRasterizer::Rule::kCenter}) {
@@ -36,9 +36,8 @@ TEST(Hostile, NoCornerMakesTheRasterizerWriteElsewhere) {
       const PixelBox box = rasterizer.bounds();
       ASSERT_TRUE(box.u0 >= 0 && box.v0 >= 0 && box.u1 <= 32 && box.v1 <= 24);
       k % 2 == 0 ? rasterizer.blend(std::array<std::uint8_t, 3>{9, 9, 9}, image)
-                 : rasterizer.forEachRun([](int u0, int u1, int v) {
-                     ASSERT_TRUE(u0 >= 0 && u0 < u1 && u1 <= 32 && v >= 0 && v < 24);
-                   });
+                 : rasterizer.forEachRun(
+                       [](int u0, int u1, int v) { ASSERT_TRUE(u0 >= 0 && u0 < u1 && u1 <= 32 && v >= 0 && v < 24); });
     }
     // And nothing of it is left: the next fill is as from a new one.
     Image after, clean;

@@ -26,8 +26,8 @@ MeshPtr meshOf(const RoundShape& shape, int segments = 32) {
   }
 }
 
-/** Least s > 0 with o + s d on the front of a body in its own frame, by the equations of its parts; infinity if there is
- *  none. */
+/** Least s > 0 with o + s d on the front of a body in its own frame, by the equations of its parts; infinity if there
+ * is none. */
 double meeting(const RoundShape& shape, const Eigen::Vector3d& o, const Eigen::Vector3d& d) {
   const double r = shape.radius_m, half = 0.5 * shape.length_m, slope = r / std::max(shape.length_m, 1e-300);
   double least = kInfinity;
@@ -103,7 +103,8 @@ std::vector<View> views(const char* encoding = "mono8") {
       for (const double distance : {0.03, 0.3, 1.5, 4.0}) {
         const double reach = std::hypot(shape.radius_m, 0.5 * shape.length_m);
         View view{config, camera, shape, {}, {}};
-        view.X_WB.q = Eigen::Quaterniond(uniform(random), uniform(random), uniform(random), uniform(random)).normalized();
+        view.X_WB.q =
+            Eigen::Quaterniond(uniform(random), uniform(random), uniform(random), uniform(random)).normalized();
         const double beside = 0.3 * (reach + distance) * std::min(1.0, *config.horizontal_fov_rad);
         view.X_WB.p = {beside * uniform(random), beside * uniform(random), reach + distance};
         views.push_back(view);
@@ -143,9 +144,9 @@ TEST(Round, DepthAndIdsAreThoseOfTheBody) {
 
 /** Black bodies before white: a pixel's value is what it sees of the background. */
 TEST(Round, OutlinesAreWithinATwentiethOfAPixelOfThoseOfTheBody) {
-  constexpr int kFine = 12;     // rays a side of a pixel that the outline crosses
+  constexpr int kFine = 12;  // rays a side of a pixel that the outline crosses
   constexpr int kSectors = 16;
-  constexpr double kBound = 0.05;  // [px]
+  constexpr double kBound = 0.05;     // [px]
   constexpr double kSampling = 0.11;  // of a pixel's area: 64 samples misjudge an edge by 1/16 at most, these by 1/24
   int sectors = 0;
   for (const View& view : views()) {
@@ -264,9 +265,9 @@ TEST(Round, BodiesThatMeetHideEachOtherAlongTheirCurve) {
 
 TEST(Round, ACameraInsideSeesOutAndFarBodiesAreNotSeen) {
   const CameraModel camera(cameraConfig());
-  for (const RoundShape& shape : {RoundShape{RoundShape::Kind::kSphere, 0.1, 0.0},
-                                  RoundShape{RoundShape::Kind::kCylinder, 0.1, 0.2},
-                                  RoundShape{RoundShape::Kind::kCone, 0.1, 0.2}}) {
+  for (const RoundShape& shape :
+       {RoundShape{RoundShape::Kind::kSphere, 0.1, 0.0}, RoundShape{RoundShape::Kind::kCylinder, 0.1, 0.2},
+        RoundShape{RoundShape::Kind::kCone, 0.1, 0.2}}) {
     View view{cameraConfig(), camera, shape, {}, {}};
     const auto blank = [&] {
       const Image image = render(camera, view.X_WC, view.scene(meshOf(shape), {0, 0, 0}));

@@ -11,7 +11,7 @@ namespace aras_visual_servo_sim {
 namespace {
 
 constexpr float kNothing = 0.5f / 256.0f;  // coverage that changes no 8-bit value
-constexpr double kFarthest = 1e7;           // [px] corners beyond are drawn there
+constexpr double kFarthest = 1e7;          // [px] corners beyond are drawn there
 
 /** Blends colour over count pixels of channels bytes, with one coverage for all of them. */
 template <int channels>

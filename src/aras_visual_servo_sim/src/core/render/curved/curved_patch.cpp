@@ -48,9 +48,9 @@ std::optional<CurvedPatch> patchOf(Part part, const RoundShape& shape, const Pos
     if (!(height * side > 0.0)) return std::nullopt;
     patch.linear = -axis_C / height;
     // (x, y) n of the point on a ray, linear in the ray.
-    const Eigen::Matrix<double, 2, 3> across =
-        o.head<2>() * patch.linear.transpose() + patch.R_SC.topRows<2>();
-    patch.form = shape.radius_m * shape.radius_m * patch.linear * patch.linear.transpose() - across.transpose() * across;
+    const Eigen::Matrix<double, 2, 3> across = o.head<2>() * patch.linear.transpose() + patch.R_SC.topRows<2>();
+    patch.form =
+        shape.radius_m * shape.radius_m * patch.linear * patch.linear.transpose() - across.transpose() * across;
     return patch;
   }
   const Quadric quadric = quadricOf(part, shape);
@@ -107,8 +107,8 @@ Eigen::Vector2d CurvedPatch::texel(const Eigen::Vector3d& ray) const {
       return size.cwiseProduct(
           Eigen::Vector2d(full_turn, std::acos(std::clamp(p.z() / shape.radius_m, -1.0, 1.0)) / M_PI));
     case Part::kDisc:
-      return size.cwiseProduct(Eigen::Vector2d(0.5 + side * 0.5 * p.x() / shape.radius_m,
-                                               0.5 - 0.5 * p.y() / shape.radius_m));
+      return size.cwiseProduct(
+          Eigen::Vector2d(0.5 + side * 0.5 * p.x() / shape.radius_m, 0.5 - 0.5 * p.y() / shape.radius_m));
     default:
       return size.cwiseProduct(Eigen::Vector2d(0.25 - full_turn, p.z() / shape.length_m + 0.5));
   }

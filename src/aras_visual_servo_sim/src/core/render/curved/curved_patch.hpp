@@ -13,9 +13,9 @@ namespace aras_visual_servo_sim {
  *
  *  A point of the surface on a ray d (in the camera's frame C) is d / n, with n the inverse of its depth along the ray.
  *  Put into the equation of the surface, which is quadratic, that gives
- *  n(d) = linear . d + root sqrt(d^T form d), and the ray misses where d^T form d < 0. Where a side ends, and where what
- *  lies behind the camera is left out, is a bound linear in d and n. Of the front of a convex body n is concave in d,
- *  so over a pixel it is least in a corner and below its tangent plane. */
+ *  n(d) = linear . d + root sqrt(d^T form d), and the ray misses where d^T form d < 0. Where a side ends, and where
+ * what lies behind the camera is left out, is a bound linear in d and n. Of the front of a convex body n is concave in
+ * d, so over a pixel it is least in a corner and below its tangent plane. */
 struct CurvedPatch {
   enum class Part { kSphere, kCylinderSide, kConeSide, kDisc };
   /** Seen only where ray . d + nearness * n >= 0. */

@@ -2,12 +2,7 @@
 
 #include <cmath>
 
-// The same additions, products and comparisons in wider registers where the processor has them: the same bytes.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define ARAS_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define ARAS_WIDE
-#endif
+#include "image/wide.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

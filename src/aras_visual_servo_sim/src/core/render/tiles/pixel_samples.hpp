@@ -25,9 +25,9 @@ class PixelSamples {
   struct Curved {
     std::array<float, 6> within;  ///< w = [0] + [1] x + [2] y + [3] x^2 + [4] x y + [5] y^2: seen where w >= 0
     std::array<float, 3> z;
-    float root;                                ///< inverse depth is [0] + [1] x + [2] y of z, + root sqrt(w)
+    float root;                                  ///< inverse depth is [0] + [1] x + [2] y of z, + root sqrt(w)
     std::array<std::array<float, 4>, 2> bounds;  ///< seen where [0] + [1] x + [2] y + [3] times inverse depth >= 0
-    float least, most;                         ///< and where the inverse depth lies between these
+    float least, most;                           ///< and where the inverse depth lies between these
   };
   /** How many samples see a triangle, and the mean of their places [px]. */
   struct Share {

@@ -253,9 +253,7 @@ void TilePainter::collectCenters(std::uint32_t index) {
 
 void TilePainter::paintPixel(int p) {
   seen_.clear();
-  const auto isBody = [this](std::uint32_t k) {
-    return isCurved(k) || !list_->facet(candidates_[k].triangle).planar;
-  };
+  const auto isBody = [this](std::uint32_t k) { return isCurved(k) || !list_->facet(candidates_[k].triangle).planar; };
   int front = front_[p];
   bool any_body = front >= 0 && isBody(front), smooth = true;
   for (int k = first_[p]; k >= 0; k = fragments_[k].next) {

@@ -6,16 +6,17 @@
 
 #include "pixel_samples.hpp"
 #include "render/curved/curved_list.hpp"
-#include "render/curved/tile_curved.hpp"
 #include "render/picture/texture_area.hpp"
 #include "render/triangles/triangle_list.hpp"
 #include "render/view/pixel_rays.hpp"
 #include "tile_bins.hpp"
+#include "tile_curved.hpp"
 #include "tile_triangle.hpp"
 
 namespace aras_visual_servo_sim {
 
-/** Paints the marked tiles of an image from projected triangles and curved patches, nearest on top: a pixel is the mean over its square.
+/** Paints the marked tiles of an image from projected triangles and curved patches, nearest on top: a pixel is the mean
+ * over its square.
  *
  *  A pixel wholly covered by one surface in front of all others has that surface's colour in its middle. Where several
  *  are seen, or the background, PixelSamples says how much of it each triangle has. Edges shared by triangles have each
@@ -101,7 +102,7 @@ class TilePainter {
   float across_tile_[9][kPixels];                  // through a lens: middle, across and down of all pixels, x, y and z
   std::array<float, kPixels> least_, most_, rim_;  // of the distances to a candidate's edges, in rim_ seams left out
   std::array<float, kPixels> ahead_;               // near_m / Z of what lies on the near plane
-  std::array<int, kPixels> first_;    // fragment of each pixel, -1: none
+  std::array<int, kPixels> first_;                 // fragment of each pixel, -1: none
   std::array<int, kPixels> front_;    // candidate that covers the pixel, the one whose farthest point is nearest
   std::array<float, kPixels> floor_;  // that point: what lies wholly behind it is not seen
   std::array<float, kPixels> front_nearest_;

@@ -25,9 +25,9 @@ struct Facet {
    *  triangles that share an edge one has the negative of the other's, to the last bit. */
   std::array<Eigen::Vector3d, 3> edges{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   std::array<bool, 3> seams{};  ///< the surface goes on smoothly beyond an edge
-  std::uint32_t surface = 0;  ///< facets of one shape or one face of a planar model share it
-  bool planar = false;        ///< of a planar model, not of a body
-  bool one_color = false;     ///< the corners' colours are equal
+  std::uint32_t surface = 0;    ///< facets of one shape or one face of a planar model share it
+  bool planar = false;          ///< of a planar model, not of a body
+  bool one_color = false;       ///< the corners' colours are equal
 
   /** @return false if its plane passes through the camera: it covers nothing */
   bool place(const std::array<Eigen::Vector3d, 3>& points_C);

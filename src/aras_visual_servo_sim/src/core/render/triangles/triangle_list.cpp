@@ -159,8 +159,8 @@ void TriangleList::addTriangle(const Points& points_C, const Seams& seams, Facet
   facet.seams = seams;
   const std::size_t first_vertex = vertices_.size(), first_span = spans_.size();
   for (const auto& [cell, inside] : cells_) {
-    const bool seen = facet.planar ? inside || !cell->excludes(points_C.data(), points_C.size())
-                                   : isSeen(points_C, *cell, inside);
+    const bool seen =
+        facet.planar ? inside || !cell->excludes(points_C.data(), points_C.size()) : isSeen(points_C, *cell, inside);
     if (!seen) continue;
     cell_ = cell;
     polygon_.assign(points_C.begin(), points_C.end());
@@ -197,7 +197,8 @@ void TriangleList::addVertices(const std::array<Corner, 3>& corners, const Seams
   }
 }
 
-/** Of the triangle to come, row by row: what lies between the leftmost and the rightmost point of the outline corners_. */
+/** Of the triangle to come, row by row: what lies between the leftmost and the rightmost point of the outline corners_.
+ */
 void TriangleList::addSpans() {
   constexpr int kTile = CameraModel::kBlock;
   const int rows = (camera_->height() + kTile - 1) / kTile, columns = (camera_->width() + kTile - 1) / kTile;

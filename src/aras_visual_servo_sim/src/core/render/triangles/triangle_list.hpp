@@ -68,13 +68,13 @@ class TriangleList {
   std::vector<Facet> facets_;
   std::uint32_t surfaces_ = 0;
   std::vector<std::uint32_t> facet_of_;
-  std::vector<Eigen::Vector3d> points_, polygon_;        // scratch
-  std::vector<Eigen::Vector3f> colors_;                  // scratch
-  std::vector<Corner> corners_;                          // scratch
+  std::vector<Eigen::Vector3d> points_, polygon_;  // scratch
+  std::vector<Eigen::Vector3f> colors_;            // scratch
+  std::vector<Corner> corners_;                    // scratch
   std::vector<Span> spans_;
   std::vector<std::pair<double, double>> rows_;  // scratch: columns that an outline spans in each row of tiles [px]
   int first_row_ = 0, last_row_ = 0;             // of the outline: first <= row < last
-  std::vector<char> drawn_;                              // scratch: of a mesh's triangles
+  std::vector<char> drawn_;                      // scratch: of a mesh's triangles
   std::vector<std::pair<const ViewCell*, bool>> cells_;  // scratch: of the shape or face, and whether it is inside
 };
 

@@ -3,10 +3,10 @@
 #include <array>
 #include <cstdint>
 
-#include "curved_patch.hpp"
-#include "render/tiles/pixel_samples.hpp"
-#include "render/tiles/tile_bins.hpp"
+#include "pixel_samples.hpp"
+#include "render/curved/curved_patch.hpp"
 #include "render/view/pixel_rays.hpp"
+#include "tile_bins.hpp"
 
 namespace aras_visual_servo_sim {
 
