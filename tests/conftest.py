@@ -56,8 +56,8 @@ def compared(request):
 
 @functools.lru_cache(maxsize=None)
 def _tables():
-    """Module script/validation.py."""
-    spec = importlib.util.spec_from_file_location("validation", ROOT / "script" / "validation.py")
+    """Module script/docs/validation.py."""
+    spec = importlib.util.spec_from_file_location("validation", ROOT / "script" / "docs" / "validation.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module

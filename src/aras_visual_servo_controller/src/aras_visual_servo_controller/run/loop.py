@@ -8,7 +8,7 @@ import time
 import numpy as np
 
 from ..ground.errors import ParameterError
-from ..arm.kinematics import Kinematics
+from ..arm.robot import robot_kinematics
 from .record import RecordBuilder
 from ..config.files import package_paths
 from ..features.sources import source_named
@@ -64,7 +64,7 @@ class ServoLoop:
         self.sim = sim
         self.camera_info = self.sim.camera_info(self.camera)
         believed = scenario.believed_camera_info(self.camera_info)
-        self.kinematics = Kinematics(urdf, scenario.robot["base_link"], scenario.robot["tip_link"])
+        self.kinematics = robot_kinematics(urdf, scenario.robot["base_link"], scenario.robot["tip_link"])
         self.servo = Servo(self.kinematics, scenario.servo)
         shown, servoed_on = source_named(SHOWN), self.servo.source
         self.extractor = self.servo_extractor = shown.extractor(believed, scenario.vision)
@@ -194,14 +194,17 @@ class ServoLoop:
         return builder.finish(run_hash=self.sim.run_hash, wall_s=wall_s, camera_info=self.camera_info,
                               X_WT=self.target_pose())
 
+    def moving_target_pose(self):
+        """X_WT, (4, 4), at the last image, of a target that moves; None of one that rests."""
+        return self._frame.model_poses[self._target] if self._target_moves else None
+
     def target_pose(self):
         """X_WT, (4, 4), of the target now; None in a scene without one."""
         return self._target and self.sim.model_pose(self._target)
 
     def _row(self, builder, progress):
         record, features, image = self.step()
-        X_WT = self._frame.model_poses[self._target] if self._target_moves else None
-        builder.add_answer(record, self.camera_pose(), features, image, X_WT)
+        builder.add_answer(record, self.camera_pose(), features, image, self.moving_target_pose())
         if progress is not None and self.frame % PROGRESS_ROWS == 0:
             progress(record.stamp_ns * 1e-9, record.phase)
         return record

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..ground.errors import ArasError, ParameterError
 from ..run.judge import pose_error
-from ..arm.kinematics import Kinematics
+from ..arm.robot import robot_kinematics
 from ..run.loop import DEFAULT_LIMIT_S, ServoLoop
 from ..target.outline import Outline
 from ..run.record import RecordBuilder
@@ -104,7 +104,7 @@ class Bench:
             record, features, image = loop.teach(config.z_star_m)
         except ParameterError as error:
             raise Infeasible(str(error)) from error
-        builder.add_answer(record, loop.camera_pose(), features, image)
+        builder.add_answer(record, loop.camera_pose(), features, image, loop.moving_target_pose())
         loop.place(start.joints, config.settle_s)
         loop.start(servo_only=True)
 
@@ -117,7 +117,7 @@ class Bench:
         lost_since_ns = None
         while not loop.sequence.done:
             record, features, image = loop.step()
-            builder.add_answer(record, loop.camera_pose(), features, image)
+            builder.add_answer(record, loop.camera_pose(), features, image, loop.moving_target_pose())
             if record.status != Status.TARGET_LOST:
                 lost_since_ns = None
             elif lost_since_ns is None:
@@ -151,7 +151,7 @@ class Bench:
         """`pose_error` of the start by kinematics, for a run that was never begun."""
         if self._kinematics is None:
             robot = self.scenario.robot
-            self._kinematics = Kinematics(self.scenario.urdf_xml(), robot["base_link"], robot["tip_link"])
+            self._kinematics = robot_kinematics(self.scenario.urdf_xml(), robot["base_link"], robot["tip_link"])
         goal, pose = placed(self.scenario, start).goal_posture(self._kinematics), self._kinematics.pose
         return pose_error(pose(goal), pose(self._kinematics.vector(start.joints)))
 
