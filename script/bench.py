@@ -30,7 +30,14 @@ MICRO = (
 )
 
 
+#: Numbers of the table by the name of their row, for --figures.
+MEASURED = {}
+
+
 def row(what, value, note=""):
+    first = value.split(" ")[0].replace(",", "")
+    if first.replace(".", "", 1).isdigit():
+        MEASURED[what.strip()] = float(first)
     print(f"{what:<58} {value:>22}  {note}", flush=True)
 
 
@@ -158,9 +165,21 @@ def main():
     parser.add_argument("--no-ros", action="store_true", help="leave out the runs over ROS")
     parser.add_argument("--beside", metavar="WHAT=COMMAND", action="append", default=[],
                         help=f"another program to measure in turn with ours; WHAT: loop, {', '.join(IN_TURN)}")
+    parser.add_argument("--figures", metavar="FILE", type=pathlib.Path,
+                        help="also write the first number of every row, JSON, for script/figures --bench FILE")
     parser.add_argument("--in-turn-only", action="store_true", help="only what --beside can stand beside")
+    parser.add_argument("--paper", action="store_true", help="only README's table beside the paper's figures")
     arguments = parser.parse_args()
-    beside = read_beside(arguments.beside)
+    if arguments.paper:
+        sys.path.insert(0, str(WORKSPACE / "script/docs"))
+        import paper_table
+        return paper_table.main()
+    measure(arguments, read_beside(arguments.beside))
+    if arguments.figures:
+        arguments.figures.write_text(json.dumps(MEASURED, indent=1) + "\n")
+
+
+def measure(arguments, beside):
     row("SHA-256 of 4 MiB", f"{calibration_ms():.2f} ms", "to compare machines by")
     in_process(arguments.runs, beside["loop"])
     simulator(arguments.runs, beside)

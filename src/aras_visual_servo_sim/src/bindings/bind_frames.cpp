@@ -93,7 +93,7 @@ void bindFrame(py::module_& module) {
 void bindFrames(py::module_& module, py::class_<Simulation>& type) {
   bindFrame(module);
   type.def("frame", &frame, py::arg("camera") = "camera",
-           "Draws what render draws, and tells what was true then, as one Frame.\n\n"
+           "Renders as render does, and returns the image with what was true when it was exposed.\n\n"
            "Raises:\n    UnknownNameError, RenderError.")
       .def("frame_state", &frameState, py::arg("camera") = "camera",
            "What was true when the image of this camera was exposed: of the frame taken last at the present tick if "

@@ -156,7 +156,7 @@ void bindRobot(py::class_<Simulation>& type) {
           "(n,) float64 copy, what the actuators applied in the last period [N or N m].")
       .def("set_command", &setCommand, py::arg("position") = py::none(), py::arg("velocity") = py::none(),
            py::arg("effort") = py::none(), py::arg("stamp_ns") = py::none(),
-           "Commands joints by name; whole or not at all.\n\nArgs:\n"
+           "Commands joints by name. A command is applied or refused as a whole.\n\nArgs:\n"
            "    position: dict of set-points [m or rad], at once.\n"
            "    velocity: dict [m/s or rad/s], integrated into the set-point until the joint's next command, or until\n"
            "        command_timeout_s of simulated time has passed.\n"
@@ -223,7 +223,7 @@ void bindState(py::class_<Simulation>& type) {
           "bytes: everything that decides the future and the run hash.")
       .def(
           "restore_state", [](Simulation& self, const py::bytes& state) { self.restoreState(state); }, py::arg("state"),
-          "Takes back what save_state gave.\n\nRaises:\n    StateError: bytes of another simulation.")
+          "Restores a state of save_state.\n\nRaises:\n    StateError: bytes of another simulation.")
       .def_property_readonly(
           "run_hash", &Simulation::runHash,
           "16 hexadecimal digits, of joint positions and velocities at every frame and of every image\n"

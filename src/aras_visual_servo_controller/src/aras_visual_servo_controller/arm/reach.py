@@ -4,7 +4,7 @@ import numpy as np
 
 from ..ground.spatial import rotation_vector
 
-#: A camera pose counts as reached within this distance and angle: a tenth of the limits of a sweep's `success_strict`.
+#: A camera pose counts as reached within this distance and angle: a tenth of the limits of a sweep's `strict`.
 REACHED_M, REACHED_RAD = 1e-4, 5e-4
 IK_STEPS, IK_DAMPING, IK_MAX_STEP = 60, 1e-2, 0.3
 #: Other postures tried, and how far they are from the near one [m, rad].

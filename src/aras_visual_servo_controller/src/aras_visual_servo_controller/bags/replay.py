@@ -74,7 +74,8 @@ def replay(paths, namespace=None, scenario=None):
                 info = info or camera_info_of(message)
         settings, _ = settings_of(scenario, document, [])
         if "vision" not in settings:
-            raise BagError(f"replay of '{bags.name}': how the images were looked at is unknown; give --scenario")
+            raise BagError(f"replay of '{bags.name}': the bag does not hold the scenario, whose section vision is "
+                           "needed; give --scenario")
         vision = settings["vision"]
         compared = {source.topic: _Comparison(source, source.extractor(info, vision), recorded[source.topic])
                     for source in sources if not source.section or source.section in vision}

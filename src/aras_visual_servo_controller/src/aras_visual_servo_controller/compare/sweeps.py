@@ -5,6 +5,7 @@ import math
 import operator
 
 from ..ground.errors import ParameterError
+from ..sweep.metrics import known_metrics
 from ..sweep.statistics import aggregate, mcnemar, signed_rank
 
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
@@ -159,7 +160,8 @@ def format_comparison(names, sweeps):
     for label, name, form in (("runs", "runs", "{:.0f}"), ("infeasible starts", "infeasible", "{:.0f}"),
                               ("errors", "errors", "{:.0f}"), ("success", "success", "{:.4f}"),
                               ("  95 % from", "success_low", "{:.4f}"), ("  to", "success_high", "{:.4f}"),
-                              ("success, strict", "success_strict", "{:.4f}"), ("converged", "converged", "{:.4f}"),
+                              *((metric.label, metric.name, "{:.4f}") for metric in known_metrics()[1:]),
+                              ("converged", "converged", "{:.4f}"),
                               ("time, median [s]", "time_median_s", "{:.3f}"),
                               ("time, 95 % [s]", "time_p95_s", "{:.3f}"),
                               ("error, median [mm]", "error_median_mm", "{:.4f}"),

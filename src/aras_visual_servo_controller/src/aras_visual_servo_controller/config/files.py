@@ -47,9 +47,9 @@ def _text(path):
 
 
 def _check_nesting(path, text):
-    """Raises ParameterError for a text with too many values or too deep, those counted that its aliases stand for.
+    """Raises ParameterError for a text with too many values or too deep nesting; values behind aliases count too.
 
-    Whoever parses or checks nested values calls itself: the process would end for want of stack.
+    The functions that parse and check nested values are recursive, and without a limit the stack would overflow.
     """
     anchored, within = {}, []  # anchor -> (values, depth); the same of each section that is open, with its anchor
     for event in yaml.parse(text, Loader=yaml.CSafeLoader):

@@ -38,7 +38,7 @@ def plane_from_pose(normal_C, point_C):
     normal_C = np.asarray(normal_C, dtype=float)
     distance = float(normal_C @ point_C)
     if distance == 0.0:
-        raise DegenerateFeature("plane: passes through the optical centre")
+        raise DegenerateFeature("plane: passes through the optical centre, so the camera sees it as a line")
     return normal_C / distance
 
 

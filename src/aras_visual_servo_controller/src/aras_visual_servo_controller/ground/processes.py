@@ -1,4 +1,5 @@
-"""How our processes end: in order when a signal comes, and with the process that started them.
+"""How processes of this package end: in an orderly way when a signal comes, and together with the process that started
+them.
 
 >>> with signals_raise():
 ...     work()                  # SIGHUP, SIGINT, SIGQUIT, SIGTERM raise Interrupted here, in the main thread
@@ -32,14 +33,14 @@ class Interrupted(KeyboardInterrupt):
 
 
 class _Signals:
-    """What came and what is held back. Signals belong to the process, so there is one."""
+    """The signals that came, and those that wait. Signals belong to the process, so there is one such object."""
 
     def __init__(self):
         self.raised, self.since_s, self.pending, self.holds = None, 0.0, None, 0
 
     def came(self, number, _frame=None):
         if self.raised and time.monotonic() - self.since_s < CLOSING_S:
-            return  # we are ending already: what is open gets closed
+            return  # this process is ending already and closes what is open
         if self.holds:
             self.pending = self.pending or number
             return
@@ -56,9 +57,11 @@ _signals = _Signals()
 
 @contextlib.contextmanager
 def signals_raise():
-    """Inside, the first of SIGNALS raises Interrupted; others are ignored for CLOSING_S, while what is open is closed.
+    """Inside this block the first of SIGNALS raises Interrupted. Others are ignored for CLOSING_S after it, so that
+    files and processes can be closed.
 
-    A SIGHUP that is ignored stays ignored (nohup). It does nothing outside the main thread, nor inside itself.
+    A SIGHUP that is ignored stays ignored (nohup). The block has no effect outside the main thread or within another
+    such block.
     """
     if threading.current_thread() is not threading.main_thread() or signal.getsignal(signal.SIGTERM) == _signals.came:
         yield
@@ -77,7 +80,7 @@ def signals_raise():
 
 
 def check_signals():
-    """Raise the Interrupted that somebody else's code has swallowed, as `import cv2` and parts of rospy do."""
+    """Raise Interrupted if a library has swallowed it, as `import cv2` and parts of rospy do."""
     if _signals.raised:
         raise Interrupted(_signals.raised)
 
@@ -99,7 +102,7 @@ def run_main(module):
 
 @contextlib.contextmanager
 def signals_held():
-    """Inside, SIGNALS wait: for what must not be left half done. They raise when the block ends."""
+    """Inside this block SIGNALS wait, so that nothing is left half done; they raise when the block ends."""
     _signals.holds += 1
     try:
         yield
@@ -110,7 +113,7 @@ def signals_held():
 
 @contextlib.contextmanager
 def signals_let_through():
-    """Inside `signals_held`: they raise here again, between what is opened and what is closed."""
+    """A part of a `signals_held` block, between its opening and its closing, in which signals raise again."""
     holds, _signals.holds = _signals.holds, 0
     try:
         _signals.let_through()
@@ -121,7 +124,7 @@ def signals_let_through():
 
 @contextlib.contextmanager
 def temporary_folder(prefix):
-    """Path of a folder that is gone afterwards, whatever signal comes when."""
+    """Path of a folder that is deleted when the block ends, also if a signal ends it."""
     with signals_held():
         folder = tempfile.mkdtemp(prefix=prefix)
         try:
@@ -132,12 +135,12 @@ def temporary_folder(prefix):
 
 
 def end_with_parent(number=signal.SIGKILL):
-    """In a child: get this signal when the parent dies, however it dies, so that no process is left behind."""
+    """Called in a child process, which then gets this signal when its parent dies for whatever reason."""
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, number)
 
 
 def marked(environment):
-    """A copy of an environment by which `processes_of` finds whoever gets it, and all that these start."""
+    """A copy of an environment with a mark, by which `processes_of` finds the processes that were started with it."""
     return dict(environment, **{MARK: f"{os.getpid()}-{os.urandom(8).hex()}"})
 
 

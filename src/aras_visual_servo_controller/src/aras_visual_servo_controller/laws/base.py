@@ -159,7 +159,7 @@ class Law:
         if len(s_star) != len(self.features):
             raise ShapeError(f"s_star: {len(s_star)} values, expected {len(self.features)}")
         if not all(map(isfinite, s_star)):
-            raise NotFiniteError(f"s_star: {s_star}")
+            raise NotFiniteError(f"s_star: found {s_star}, allowed finite numbers")
         self._s_star = s_star
         self._first, self._t_s = None, 0.0
         if self._setup.point_depth == "goal":
@@ -176,7 +176,7 @@ class Law:
         look = self._see(look)
         s = self.features.values(look.view)
         if not (isfinite(sum(s)) and isfinite(look.dt_s)):
-            raise NotFiniteError(f"features {s}, dt_s {look.dt_s}")
+            raise NotFiniteError(f"features: found {s} and dt_s {look.dt_s}, allowed finite numbers")
         symmetric = getattr(look.view.features, "symmetric", False) or self._setup.symmetric_target
         e = self.features.error(s, self._s_star, symmetric)
         adaptive = self._setup.adaptive_gain

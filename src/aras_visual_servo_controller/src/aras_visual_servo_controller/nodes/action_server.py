@@ -6,7 +6,8 @@ from actionlib_msgs.msg import GoalStatus
 
 
 class ActionServer(actionlib.SimpleActionServer):
-    """actionlib's SimpleActionServer, which takes no goal older than the last one, taking it if that one has ended.
+    """actionlib's SimpleActionServer refuses goals with an older stamp than the last one; this server takes such a goal
+    if the last one has ended.
 
     Args:
         name: of the action.  specification: its message class.
@@ -24,7 +25,7 @@ class ActionServer(actionlib.SimpleActionServer):
         self.action_server.internal_goal_callback = look_and_take
 
     def look_at_time(self):
-        """To be called now and then. When time has gone back, stamps of the time before count no more."""
+        """Forget the stamps of earlier goals when time has gone back. To be called regularly."""
         now = rospy.get_rostime()
         with self.action_server.lock, self.lock:
             if now < self._newest:

@@ -5,9 +5,10 @@ AGAIN_S = 2.0
 
 
 class GoalSender:
-    """A goal that is published once can be lost: rospy connects a subscriber a moment before it calls it back.
+    """Publishes a goal again and again until the action server has taken it.
 
-    Sending it again does no harm, since an action server takes each goal id once.
+    A goal that is published once can be lost, because rospy connects a subscriber slightly before it hands messages to
+    it. Sending the goal again does no harm, since an action server takes each goal id once.
 
     Args:
         publish: called with the goal message.
@@ -27,10 +28,10 @@ class GoalSender:
         self._publish(goal)
 
     def look(self, now_s):
-        """To be called again and again: sends the goal once more if it was not taken for AGAIN_S."""
+        """Send the goal once more if it has not been taken for AGAIN_S. To be called regularly."""
         if self._goal is not None and not self.taken and now_s - self._sent_s >= AGAIN_S:
             self.send(self._goal, now_s)
 
     def heard(self, statuses):
-        """Take the dictionary goal id -> whether it is still pending, of the action server."""
+        """Note what the action server said. Args: statuses: dict of goal id -> whether it is still pending."""
         self.taken = self.taken or not statuses.get(self.goal_id, True)

@@ -70,10 +70,11 @@ def run_over_ros(scenario, results_dir, arguments=(), verbose=False, namespace=N
 
 @contextlib.contextmanager
 def _alone(namespace, environment):
-    """Holds the namespace of a master for this process. Raises ArasError if somebody runs there already.
+    """Reserves the namespace of a master for this process. Raises ArasError if a run is there already.
 
-    Nodes of the same name end each other. The master can be asked only for those that have started, so that runs which
-    start at the same moment also compete for the name of a socket, which nobody connects to and which ends with us.
+    ROS ends a node when another one of the same name starts. The master knows only nodes that have started. Therefore
+    two runs that start at the same moment also compete for the name of a socket; nothing connects to it, and the name
+    is free again when this process ends.
     """
     graph = Graph("/run", environment["ROS_MASTER_URI"])
     master = graph.master_uri() or environment["ROS_MASTER_URI"]

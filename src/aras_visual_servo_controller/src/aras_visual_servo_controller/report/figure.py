@@ -1,6 +1,6 @@
 """The six panels of the paper's figure, drawn from a RunRecord with matplotlib, without pyplot and a display.
 
-(a) desired image  (b) initial image  (c) their difference  (d) feature errors  (e) camera velocity
+(a) desired image  (b) initial image  (c) difference, final - desired  (d) feature errors  (e) camera velocity
 (f) path of the camera in the world, circle at the start, star at the goal.
 """
 
@@ -65,10 +65,10 @@ def save_panels(record, folder, size_in=(3.5, 2.7)):
 
 
 def draw_panel(record, panel, axes, letter="", title=True):
-    """Draw one of PANELS (or "final") on matplotlib axes; "path" needs a 3-D projection."""
+    """Draw one of PANELS, or "start" (see `image_of`), on matplotlib axes; "path" needs a 3-D projection."""
     if title:
         axes.set_title((f"({letter}) " if letter else "") + panel_title(record, panel), pad=5.0)
-    if panel in ("desired", "initial", "difference", "final"):
+    if panel in ("desired", "initial", "difference", "start"):
         _draw_image(axes, image_of(record, panel))
     elif panel == "errors":
         _draw_errors(record, axes)
@@ -77,7 +77,7 @@ def draw_panel(record, panel, axes, letter="", title=True):
     elif panel == "path":
         _draw_path(record, axes)
     else:
-        raise ValueError(f"panel '{panel}': allowed are {', '.join(PANELS)}, final")
+        raise ValueError(f"panel '{panel}': allowed are {', '.join(PANELS)}, start")
 
 
 def _draw_image(axes, image):

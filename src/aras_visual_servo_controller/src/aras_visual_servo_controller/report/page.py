@@ -61,12 +61,11 @@ def png_bytes(image):
 def _images(record):
     """Title and data address of each picture, in the camera's own pixels; address None if the record lacks it."""
     shown = []
-    for letter, panel in (("a", "desired"), ("b", "initial"), ("c", "difference"), ("", "final")):
+    for letter, panel in (("a", "desired"), ("b", "initial"), ("c", "difference"), ("", "start")):
         image = pictures.image_of(record, panel)
-        if panel == "final" and image is None:
+        if panel == "start" and image is None:
             continue
-        title = "at the end, final − desired" if panel == "final" else \
-            f"({letter}) " + pictures.panel_title(record, panel).replace("$-$", "−")
+        title = (f"({letter}) " if letter else "") + pictures.panel_title(record, panel).replace("$-$", "−")
         shown.append({"title": title, "src": None if image is None else data_uri(png_bytes(image), "image/png")})
     return shown
 

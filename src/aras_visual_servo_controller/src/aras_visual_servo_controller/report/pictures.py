@@ -3,9 +3,9 @@
 import numpy as np
 
 PANELS = ("desired", "initial", "difference", "errors", "velocity", "path")
-TITLES = {"desired": "desired image", "initial": "initial image", "difference": "difference, initial $-$ desired",
+TITLES = {"desired": "desired image", "initial": "initial image", "difference": "difference, final $-$ desired",
           "errors": "feature errors", "velocity": "camera velocity", "path": "path of the camera",
-          "final": "difference at the end, final $-$ desired"}
+          "start": "difference at the start, initial $-$ desired"}
 
 
 def panel_title(record, panel):
@@ -17,15 +17,16 @@ def panel_title(record, panel):
 
 
 def image_of(record, panel):
-    """The uint8 image (h, w) or (h, w, 3) of a panel, None if the record lacks it.
+    """The image of a panel, uint8, (h, w) or (h, w, 3); None if the record lacks it.
 
-    A difference of two images is mid grey where they are equal.
+    Args: panel: "desired", "initial", "difference" (final - desired, as in the paper's Fig. 4(c) and 5(c)) or "start"
+        (initial - desired). A difference of two images is mid grey where they are equal.
     """
     if panel == "desired":
         return record.desired_image
     if panel == "initial":
         return record.initial_image
-    other = record.initial_image if panel == "difference" else record.final_image
+    other = record.initial_image if panel == "start" else record.final_image
     if other is None or record.desired_image is None or other.shape != record.desired_image.shape:
         return None
     difference = _grey(other) - _grey(record.desired_image)

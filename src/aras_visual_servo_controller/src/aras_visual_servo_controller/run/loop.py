@@ -192,12 +192,19 @@ class ServoLoop:
             builder.note(f"given up after {limit_s:g} s of simulated time in phase {record.phase}")
         wall_s = time.perf_counter() - started_s
         return builder.finish(run_hash=self.sim.run_hash, wall_s=wall_s, camera_info=self.camera_info,
-                              X_WT=self._target and self.sim.model_pose(self._target))
+                              X_WT=self.target_pose())
+
+    def moving_target_pose(self):
+        """X_WT, (4, 4), at the last image, of a target that moves; None of one that rests."""
+        return self._frame.model_poses[self._target] if self._target_moves else None
+
+    def target_pose(self):
+        """X_WT, (4, 4), of the target now; None in a scene without one."""
+        return self._target and self.sim.model_pose(self._target)
 
     def _row(self, builder, progress):
         record, features, image = self.step()
-        X_WT = self._frame.model_poses[self._target] if self._target_moves else None
-        builder.add_answer(record, self.camera_pose(), features, image, X_WT)
+        builder.add_answer(record, self.camera_pose(), features, image, self.moving_target_pose())
         if progress is not None and self.frame % PROGRESS_ROWS == 0:
             progress(record.stamp_ns * 1e-9, record.phase)
         return record

@@ -116,9 +116,9 @@ class Session:
             what the sequence's `teach_camera` raises.
         """
         if self.active:
-            raise ParameterError("a goal is active: stop it first")
+            raise ParameterError("teach: a goal is active, stop it first")
         if self.seen is None:
-            raise ParameterError("no image yet")
+            raise ParameterError("teach: no image has come yet")
         self._sequence.teach(self.seen.stamp_ns, self.seen.features, self.seen.q, z_star_m)
         return self.seen.stamp_ns
 

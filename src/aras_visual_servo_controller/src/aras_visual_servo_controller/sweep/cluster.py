@@ -1,7 +1,8 @@
 """Dask on the cores of this machine, listening on the loopback only and with no web pages.
 
-Who reaches a scheduler can run code with it. Dask 2022.12 serves its pages on every interface whatever `host` says, one
-port for the scheduler and one for each worker; `dashboard_address=None` leaves out no more than their pictures.
+Everybody who can reach a scheduler can run code with it. Dask 2022.12 serves web pages on all interfaces whatever
+`host` says, on one port for the scheduler and one for each worker; `dashboard_address=None` only removes the pictures
+on them.
 """
 
 import contextlib
@@ -23,7 +24,7 @@ class _Pageless:
     """A Dask server that opens no port for HTTP."""
 
     def start_http_server(self, *_, **__):
-        """Nothing: the progress line says what there is to know."""
+        """Start no server; a sweep shows its progress as a line of text instead."""
 
 
 class PagelessScheduler(_Pageless, Scheduler):
@@ -51,7 +52,7 @@ def local_cluster(workers, folder):
         try:
             with signals_let_through():
                 yield cluster
-        except BaseException:  # nobody waits for what the workers are doing
+        except BaseException:  # the results that the workers are still computing are not needed any more
             _kill(cluster)
             raise
         finally:

@@ -12,6 +12,7 @@ from concurrent.futures import CancelledError
 from ..ground.errors import ArasError
 from ..ground.processes import temporary_folder
 from .judge import COLUMNS
+from .metrics import judge_by
 from .worker import plain, run_chunk
 
 #: A worker is given this many runs at a time, about half a second of work.
@@ -165,7 +166,7 @@ def _result(future):
 
 def _killed(start):
     row = dict.fromkeys(COLUMNS)
-    row.update(id=start.id, outcome="error", reason="error: worker died", converged=0, success=0, success_strict=0,
+    row.update(id=start.id, outcome="error", reason="error: worker died", converged=0, **judge_by(None),
                detail=f"the worker process died {DEATHS} times in this run")
     return row
 

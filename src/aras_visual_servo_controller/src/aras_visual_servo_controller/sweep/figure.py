@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from ..ground.errors import ParameterError
 from ..features.palette import BLUE, GREY, VERMILION
 from ..report.figure import STYLE
+from .metrics import metric
 from .statistics import reasons, success_curve
 
 FIGURES = ("map", "curve", "reasons")
@@ -128,15 +129,15 @@ def _curve(rows):
     distances = [row["distance0_mm"] for row in feasible]
     bins = int(np.clip(len(feasible) // 12, 1, 10))
     shift = 0.006 * (max(distances) - min(distances)) if distances else 0.0  # equal curves do not hide each other
-    for name, label, colour, style, sign in (("success", "error < 10 % of the distance, < 10°", BLUE, "o-", -1),
-                                             ("success_strict", "error < 1 mm, < 0.3°", VERMILION, "s--", 1)):
+    for name, colour, style, sign in (("success", BLUE, "o-", -1), ("strict", VERMILION, "s--", 1)):
         curve = success_curve(distances, [row[name] for row in feasible], bins)
         if curve:
             x = np.array([point["middle"] for point in curve]) + sign * shift
             rate = np.array([point["rate"] for point in curve])
             low, high = ([point[key] for point in curve] for key in ("ci_low", "ci_high"))
             panel.errorbar(x, rate, [np.maximum(0, rate - low), np.maximum(0, high - rate)], color=colour, fmt=style,
-                           markersize=4, linewidth=1.2, elinewidth=1.0, capsize=2.5, label=label)
+                           markersize=4, linewidth=1.2, elinewidth=1.0, capsize=2.5,
+                           label=f"{metric(name).label}: {metric(name).threshold}")
     panel.set_ylim(-0.03, 1.03)
     panel.set_xlabel("initial distance [mm]")
     panel.set_ylabel("success rate, 95 % Wilson")

@@ -4,23 +4,20 @@ import hashlib
 
 import numpy as np
 
-from ..run.judge import judge
+from ..run.judge import goal_pose, judge
 from ..run.measures import MEASURES
 from ..ground.types import FEATURE_NAMES, Status
+from .metrics import Outcome, judge_by, known_metrics
 
-#: A run has succeeded if the camera ends within this part of the initial distance and within this angle (the metric of
-#: recent visual-servoing benchmarks) ...
-SUCCESS_PART, SUCCESS_DEG = 0.1, 10.0
-#: ... and succeeded strictly if it ends within these.
-STRICT_MM, STRICT_DEG = 1.0, 0.3
 #: The reason of a run that timed out names the most frequent status of its last part, which is this long.
 LAST_PART_S = 1.0
 
 #: Columns of a result and their type in SQLite. The columns of the start are stored beside them.
 COLUMNS = {
     "id": "INTEGER PRIMARY KEY", "outcome": "TEXT", "reason": "TEXT", "detail": "TEXT", "converged": "INTEGER",
-    "success": "INTEGER", "success_strict": "INTEGER", "duration_s": "REAL", "images": "INTEGER",
-    "distance0_mm": "REAL", "angle0_deg": "REAL", "x0_mm": "REAL", "y0_mm": "REAL", "z0_mm": "REAL",
+    **{metric.name: "INTEGER" for metric in known_metrics()}, "duration_s": "REAL", "images": "INTEGER",
+    "goal_distance_mm": "REAL", "distance0_mm": "REAL", "angle0_deg": "REAL", "x0_mm": "REAL", "y0_mm": "REAL",
+    "z0_mm": "REAL",
     "error_mm": "REAL", "x_mm": "REAL", "y_mm": "REAL", "z_mm": "REAL", "angle_deg": "REAL",
     **dict.fromkeys(MEASURES, "REAL"), **{f"e_{name}": "REAL" for name in FEATURE_NAMES},
     "run_hash": "TEXT", "trace_hash": "TEXT",
@@ -35,9 +32,8 @@ def judge_row(record):
     row.update({key: error[key] for key in ("x_mm", "y_mm", "z_mm", "angle_deg")})
     row["error_mm"] = _length(error)
     row["converged"] = int(judgement.converged)
-    near_mm = max(SUCCESS_PART * row["distance0_mm"], STRICT_MM)  # a start that is only turned has no distance
-    row["success"] = int(row["error_mm"] < near_mm and row["angle_deg"] < SUCCESS_DEG)
-    row["success_strict"] = int(row["error_mm"] < STRICT_MM and row["angle_deg"] < STRICT_DEG)
+    row["goal_distance_mm"] = _goal_distance_mm(record)
+    row.update(judge_by(Outcome(**{name: row[name] for name in Outcome._fields})))
     row.update(outcome="success" if row["success"] else "failure", reason=_reason(record, judgement, row["success"]),
                detail=judgement.reason, duration_s=judgement.duration_s, images=judgement.images,
                run_hash=record.run_hash, trace_hash=trace_hash(record))
@@ -74,6 +70,13 @@ def initial_columns(error):
     """The columns that say how far from the goal a run begins, from the `pose_error` of its start."""
     return {"distance0_mm": _length(error), "angle0_deg": error["angle_deg"], "x0_mm": error["x_mm"],
             "y0_mm": error["y_mm"], "z0_mm": error["z_mm"]}
+
+
+def _goal_distance_mm(record):
+    """Distance of the goal camera from the target's frame at the end [mm], None without a target."""
+    if record.X_WT is None:
+        return None
+    return float(1e3 * np.linalg.norm(goal_pose(record, record.servo_rows[-1])[:3, 3] - record.X_WT[:3, 3]))
 
 
 def _length(error):

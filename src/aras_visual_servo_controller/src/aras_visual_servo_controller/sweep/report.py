@@ -9,7 +9,7 @@ import math
 from ..report.report import ResultFolderError
 from ..report.template import render
 from .figure import DEFAULT_AXES, save_figures
-from .judge import STRICT_DEG, STRICT_MM, SUCCESS_DEG, SUCCESS_PART
+from .metrics import known_metrics
 from .statistics import aggregate, reasons
 
 CAPTIONS = {"map": "Success, time to the end and final error over two axes. A cell shows the mean of the runs in it.",
@@ -53,8 +53,8 @@ def report_html(store, rows, pictures):
         "sweep.html.j2", name=store.meta["setup"]["scenario"]["name"], numbers=numbers, planned=planned,
         missing=planned - len(rows),
         rates=[(label, f"{100 * numbers[key]:.2f} %", f"{100 * numbers[key + '_low']:.2f} to "
-                                                      f"{100 * numbers[key + '_high']:.2f} %")
-               for label, key in rate_labels() if not math.isnan(numbers[key])],
+                                                      f"{100 * numbers[key + '_high']:.2f} %", source)
+               for label, key, source in rate_labels() if not math.isnan(numbers[key])],
         spreads=[(label, *(_number(numbers[f"{name}_{part}_{unit}"], form) for part in ("median", "p95", "max")))
                  for label, name, unit, form in (("time [s]", "time", "s", "{:.2f}"),
                                                  ("position error [mm]", "error", "mm", "{:.4f}"),
@@ -66,10 +66,9 @@ def report_html(store, rows, pictures):
 
 
 def rate_labels():
-    """(label, name in `aggregate`) of the three ways to succeed."""
-    return ((f"success: below {100 * SUCCESS_PART:g} % of the initial distance and {SUCCESS_DEG:g}°", "success"),
-            (f"strict: below {STRICT_MM:g} mm and {STRICT_DEG:g}°", "success_strict"),
-            ("the law's own stop rule was met", "converged"))
+    """(label, name in `aggregate`, source) of all ways to succeed."""
+    return (*((f"{metric.label}: {metric.threshold}", metric.name, metric.source) for metric in known_metrics()),
+            ("the law's own stop rule was met", "converged", ""))
 
 
 def setting_rows(meta):
@@ -87,8 +86,8 @@ def format_summary(store):
     numbers = aggregate(rows)
     lines = [f"{store.meta['setup']['scenario']['name']}: {numbers['runs']} runs, {numbers['feasible']} feasible, "
              f"{numbers['infeasible']} starts refused, {numbers['errors']} errors"]
-    for label, key in (("success", "success"), ("success, strict", "success_strict"), ("converged", "converged")):
-        if numbers["feasible"]:
+    for label, key in (*((metric.label, metric.name) for metric in known_metrics()), ("converged", "converged")):
+        if not math.isnan(numbers[key]):
             lines.append(f"{label:<20}{100 * numbers[key]:.2f} %   (95 %: {100 * numbers[key + '_low']:.2f} to "
                          f"{100 * numbers[key + '_high']:.2f} %)")
     if not math.isnan(numbers["time_median_s"]):

@@ -19,6 +19,7 @@ from ..run.record import RecordBuilder
 from ..run.measures import measures
 from ..run.settings import ExperimentSettings
 from .judge import COLUMNS, initial_columns, judge_row
+from .metrics import judge_by
 from .perturb import perturbed, simulator_key
 from ..scenario.sweep import CAMERA_AXES
 from ..ground.types import Status
@@ -70,7 +71,8 @@ class Bench:
             drive = self._drive if self.drive_to_start else self._place
             drive(loop, builder, start)
             self._servo(loop, builder)
-            record = builder.finish(run_hash=loop.sim.run_hash, camera_info=loop.camera_info)
+            record = builder.finish(run_hash=loop.sim.run_hash, camera_info=loop.camera_info,
+                                    X_WT=loop.target_pose())
             lower, upper = loop.kinematics.lower, loop.kinematics.upper
             row = dict(judge_row(record), **measures(record, lower, upper, Outline.of(scenario)), id=start.id)
             return row, record
@@ -102,7 +104,7 @@ class Bench:
             record, features, image = loop.teach(config.z_star_m)
         except ParameterError as error:
             raise Infeasible(str(error)) from error
-        builder.add_answer(record, loop.camera_pose(), features, image)
+        builder.add_answer(record, loop.camera_pose(), features, image, loop.moving_target_pose())
         loop.place(start.joints, config.settle_s)
         loop.start(servo_only=True)
 
@@ -115,7 +117,7 @@ class Bench:
         lost_since_ns = None
         while not loop.sequence.done:
             record, features, image = loop.step()
-            builder.add_answer(record, loop.camera_pose(), features, image)
+            builder.add_answer(record, loop.camera_pose(), features, image, loop.moving_target_pose())
             if record.status != Status.TARGET_LOST:
                 lost_since_ns = None
             elif lost_since_ns is None:
@@ -132,7 +134,7 @@ class Bench:
 
     def _empty(self, start):
         row = dict.fromkeys(COLUMNS)
-        row.update(id=start.id, success=0, success_strict=0, converged=0)
+        row.update(id=start.id, converged=0, **judge_by(None))
         try:
             if start.joints is not None:
                 row.update(initial_columns(self._planned_error(start)))

@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 
+from .metrics import known_metrics
+
 #: Two-sided 95 % of the normal distribution.
 Z_95 = 1.959963984540054
 
@@ -83,8 +85,8 @@ def aggregate(rows):
     """Numbers of a sweep by name. Infeasible starts are counted in `runs` and `infeasible` and left out of the rest.
 
     Returns:
-        dict name -> number. Rates are those of the feasible runs, times and errors those of the runs that succeeded; a
-        number is NaN if there are no such runs.
+        dict name -> number. Rates, one of each metric, are those of the feasible runs of which it says something, times
+        and errors those of the runs that succeeded; a number is NaN if there are no such runs.
     """
     feasible = [row for row in rows if row["outcome"] != "infeasible"]
     won = [row for row in feasible if row["success"]]
@@ -94,10 +96,10 @@ def aggregate(rows):
         "errors": sum(row["outcome"] == "error" for row in rows),
         "failures": sum(row["outcome"] == "failure" for row in rows),
     }
-    for name in ("success", "success_strict", "converged"):
-        count = sum(bool(row[name]) for row in feasible)
-        numbers[name] = count / total if total else math.nan
-        low, high = wilson(count, total)
+    for name in (*(metric.name for metric in known_metrics()), "converged"):
+        said = [bool(row[name]) for row in feasible if row.get(name) is not None]
+        numbers[name] = sum(said) / len(said) if said else math.nan
+        low, high = wilson(sum(said), len(said))
         numbers[f"{name}_low"], numbers[f"{name}_high"] = low, high
     for name, column in (("time", "duration_s"), ("error", "error_mm"), ("angle", "angle_deg")):
         values = np.array([row[column] for row in won], dtype=float)

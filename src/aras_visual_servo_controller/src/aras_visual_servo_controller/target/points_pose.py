@@ -47,7 +47,7 @@ class PlanarPoints:
             raise DegenerateFeature("pose of the points: none in this view")
         xy = np.array([features.point_x, features.point_y]).T
         if not isfinite(float(xy.sum())):
-            raise NotFiniteError(f"points {xy.tolist()}")
+            raise NotFiniteError(f"points: found {xy.tolist()}, allowed finite numbers")
         return xy
 
     def improve(self, X_CT, xy):
@@ -71,7 +71,7 @@ class PlanarPoints:
         left = (xy - np.array([x, y]).T).ravel()
         U, sigmas, Vt = np.linalg.svd(L, full_matrices=False)
         if not sigmas[-1] > 1e-6 * sigmas[0]:
-            raise DegenerateFeature("pose of the points: this view does not tell it")
+            raise DegenerateFeature("pose of the points: this view does not determine it")
         twist = ((left @ U) / sigmas) @ Vt
         length = float(twist @ twist) ** 0.5
         return exponential(-twist) @ X_CT, float(np.abs(left).max()), float(sigmas[0] / sigmas[-1]), length

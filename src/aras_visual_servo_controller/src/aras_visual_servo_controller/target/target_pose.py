@@ -99,7 +99,7 @@ class PlanarTarget:
         left = measured - measures
         U, sigmas, Vt = np.linalg.svd(L, full_matrices=False)
         if not sigmas[-1] > 1e-6 * sigmas[0]:
-            raise DegenerateFeature("pose of the target: this view does not tell it")
+            raise DegenerateFeature("pose of the target: this view does not determine it")
         twist = ((left @ U) / sigmas) @ Vt
         return exponential(-twist) @ X_CT, float(np.abs(left).max()), float(sigmas[0] / sigmas[-1])
 

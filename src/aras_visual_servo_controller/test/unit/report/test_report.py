@@ -95,7 +95,7 @@ class _Page(HTMLParser):
 def test_the_report_is_one_self_contained_page_with_all_pictures_and_plots(saved):
     text = (saved[1] / "report.html").read_text()
     page = _Page(text)
-    assert page.tags.count("img") == 4  # desired, initial, their difference, and the difference at the end
+    assert page.tags.count("img") == 4  # desired, initial, the differences at the end and at the start
     assert page.tags.count("figure") == 4 + 4 and page.tags.count("script") == 4 + 1
     assert all(re.match("data:(image/png|text/yaml);base64,", source) for source in page.sources)
     assert 'name="viewport"' in text and "@media print" in text
@@ -154,11 +154,15 @@ def test_every_panel_is_a_pdf_of_its_own_when_asked_for(tmp_path):
         assert (tmp_path / f"panel_{panel}.pdf").read_bytes().startswith(b"%PDF-"), panel
 
 
-def test_the_difference_image_is_mid_grey_where_nothing_changed():
-    record = make_record()
-    difference = image_of(record, "difference")
-    assert difference.dtype == np.uint8
-    assert set(np.unique(difference)) == {128 - 95, 128, 128 + 95}  # half of 230 - (20 + 40 + 60) / 3
+def test_panel_c_is_final_minus_desired_and_mid_grey_where_nothing_changed():
+    record = make_record()  # ends with the desired image
+    assert np.all(image_of(record, "difference") == 128)
+    assert image_of(dataclasses.replace(record, final_image=None), "difference") is None
+    start = image_of(record, "start")
+    assert start.dtype == np.uint8
+    assert set(np.unique(start)) == {128 - 95, 128, 128 + 95}  # half of 230 - (20 + 40 + 60) / 3
+    not_moved = dataclasses.replace(record, final_image=record.initial_image)
+    assert np.array_equal(image_of(not_moved, "difference"), start)
 
 
 def test_a_folder_that_cannot_be_written_is_an_error_with_the_reason(tmp_path):

@@ -125,7 +125,7 @@ def test_a_bad_goal_lists_all_its_faults_and_starts_nothing(session):
 
 def test_teach_takes_the_image_answered_last_and_asks_the_camera_for_it_by_stamp(session):
     ASKED.clear()
-    with pytest.raises(ParameterError, match="no image yet"):
+    with pytest.raises(ParameterError, match="no image has come yet"):
         session.teach()
     session.answer(0, replace(SEEN, xg=0.3), Q, 0, 0.0)
     session.answer(33 * MS, SEEN, Q, 33 * MS, 0.0)

@@ -15,7 +15,7 @@ TABLE = 5e-5
 
 def row(number, success=1, outcome=None, time_s=2.0, error_mm=0.1, start=0.0, reason="converged"):
     return {"id": number, "outcome": outcome or ("success" if success else "failure"), "success": success,
-            "success_strict": success, "converged": success, "duration_s": time_s, "error_mm": error_mm,
+            "strict": success, "converged": success, "duration_s": time_s, "error_mm": error_mm,
             "angle_deg": 0.01, "reason": reason, "start_J1": start + number}
 
 

@@ -48,7 +48,7 @@ ModelEntry readModel(YamlReader& reader) {
   entry.shape = readPlanarShape(reader);
   for (const char* key : {"color_rgb", "outlines_m", "image", "board"}) {
     if (reader.has("file") && reader.has(key))
-      reader.fault(key, "it beside file", "it without: the file has the shape");
+      reader.fault(key, "it together with file", "one of the two, because the file holds the shape");
   }
   return entry;
 }
@@ -73,9 +73,9 @@ SolidEntry readSolid(YamlReader& reader) {
   entry.mass_kg = reader.find<double>("mass_kg").value_or(0.0);
   entry.touches = readTouches(reader);
   if (reader.has("mass_kg") && reader.has("urdf")) {
-    reader.fault("mass_kg", "it beside urdf", "it with one shape: box_m, cylinder_m, sphere_m or mesh");
+    reader.fault("mass_kg", "it together with urdf", "it with box_m, cylinder_m, sphere_m or mesh only");
   }
-  if (reader.has("scale") && !reader.has("mesh")) reader.fault("scale", "it without mesh", "it with mesh");
+  if (reader.has("scale") && !reader.has("mesh")) reader.fault("scale", "it without mesh", "it with mesh only");
   return entry;
 }
 
@@ -103,7 +103,7 @@ SceneConfig SceneConfig::read(YamlReader reader) {
   for (const SolidEntry& solid : scene.solids) {
     const auto same = [&](const ModelEntry& model) { return model.name == solid.name; };
     if (std::any_of(scene.models.begin(), scene.models.end(), same)) {
-      reader.fault("solids", "one named '" + solid.name + "' as a model is", "distinct names");
+      reader.fault("solids", "a solid and a model named '" + solid.name + "'", "distinct names");
     }
   }
   return scene;

@@ -43,7 +43,7 @@ std::string Simulation::saveState() const {
   return out.take();
 }
 
-/** The state of the world, what touches in it being that of a set of models. @throws StateError; nothing changes then
+/** Restores the world's state, with the contacts of this set of models. @throws StateError; nothing changes then
  */
 void Simulation::restoreWorld(const std::string& state, const ModelSet& models, bool changed) {
   if (!changed) return world_->restoreState(state);
@@ -60,12 +60,16 @@ void Simulation::restoreWorld(const std::string& state, const ModelSet& models, 
 
 void Simulation::restoreState(const std::string& state) {
   StateReader in(state);
-  if (in.get<std::uint64_t>() != kMagic) throw StateError("saved state: not written by this version");
+  if (in.get<std::uint64_t>() != kMagic)
+    throw StateError("saved state: found one of another version, allowed one of this");
   const std::string world = in.getText();
   const auto hash = in.get<std::uint64_t>();
   const auto refused = in.get<std::uint64_t>();
   const std::string refusal = in.getText();
-  if (in.get<std::uint64_t>() != cameras_.size()) throw StateError("saved state: other number of cameras");
+  if (const auto count = in.get<std::uint64_t>(); count != cameras_.size()) {
+    throw StateError("saved state: found " + std::to_string(count) + " cameras, allowed " +
+                     std::to_string(cameras_.size()) + " as in this simulation");
+  }
   std::vector<Camera::State> cameras(cameras_.size());
   for (Camera::State& camera : cameras) {
     const auto counters = in.get<FrameCounters>();
@@ -82,7 +86,7 @@ void Simulation::restoreState(const std::string& state) {
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     if (cameras_[static_cast<int>(k)].late()) in.getFrames(model_.dofs(), models.scene, compose, cameras[k]);
   }
-  if (!in.atEnd()) throw StateError("saved state: bytes left over");
+  if (!in.atEnd()) throw StateError("saved state: found bytes after its end, allowed a state of this simulation");
 
   const ModelSet& now = models_.set();
   const bool changed = !models.spawned.empty() || !now.spawned.empty() || models.starts.size() != now.starts.size();

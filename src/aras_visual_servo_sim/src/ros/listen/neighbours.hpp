@@ -8,7 +8,7 @@ namespace aras_visual_servo_sim {
 /** Full names of the nodes that publish a topic, in the order in which they said so to the master. */
 std::vector<std::string> publishersOf(const std::string& topic);
 
-/** To be called before the first ros::NodeHandle is made, which takes this node's name: ROS ends whoever has it.
+/** To be called before the first ros::NodeHandle, because ROS then ends a running node that has the same name.
  *  @throws ArasError if a running node has the name */
 void requireOwnName();
 

@@ -100,7 +100,8 @@ void ContactShapes::add(int body, const Geometry& geometry, const Pose& X_BS) {
     case Geometry::Type::kMesh: {
       const auto found = config_.mesh_points.find(geometry.filename);
       if (found == config_.mesh_points.end() || found->second.empty()) {
-        throw ModelError("collision mesh '" + geometry.filename + "': found no points of it, must have been loaded");
+        throw ModelError("collision mesh '" + geometry.filename +
+                         "': found no points, allowed a file that was loaded before");
       }
       for (const Vector3d& point : found->second) shape->corners.push_back(point.cwiseProduct(geometry.scale));
       shape->shape = hullOf(shape->corners);

@@ -105,7 +105,7 @@ ModelSet Models::composed(const std::vector<SavedModel>& saved) const {
     if (!model.entry.empty()) {
       add(set, sceneEntryFromYaml(YAML::Load(model.entry)), model.entry);
     } else if (built().starts.count(model.name) == 0) {
-      throw StateError("saved state: model '" + model.name + "' is not in this scene");
+      throw StateError("saved state: found model '" + model.name + "', which is not in this scene");
     }
     set.starts[model.name] = model.X_WM0;
   }

@@ -63,7 +63,8 @@ std::map<std::string, MotionRun> StateReader::getMotions(const ModelSet& set) {
     const ModelMotion motion = savedMotion(getText(), name);
     const Pose X_WM0 = getPose();
     motions.emplace(name, MotionRun{motion, X_WM0, get<std::int64_t>()});
-    if (set.starts.count(name) == 0) throw StateError("saved state: motion of '" + name + "', which is no model");
+    if (set.starts.count(name) == 0)
+      throw StateError("saved state: found a motion of '" + name + "', which is not a model");
   }
   return motions;
 }

@@ -63,7 +63,10 @@ std::string StateReader::getText() {
 }
 
 Eigen::VectorXd StateReader::getVector(Eigen::Index size) {
-  if (get<std::uint64_t>() != static_cast<std::uint64_t>(size)) throw StateError("saved state: of another robot");
+  if (const auto found = get<std::uint64_t>(); found != static_cast<std::uint64_t>(size)) {
+    throw StateError("saved state: found a vector of " + std::to_string(found) + " numbers, allowed " +
+                     std::to_string(size) + " for this robot");
+  }
   Eigen::VectorXd values(size);
   for (double& value : values) value = get<double>();
   return values;
@@ -78,7 +81,10 @@ Pose StateReader::getPose() {
 }
 
 std::vector<Pose> StateReader::getPoses(std::size_t count) {
-  if (get<std::uint64_t>() != count) throw StateError("saved state: exposure of another scene");
+  if (const auto found = get<std::uint64_t>(); found != count) {
+    throw StateError("saved state: found an exposure of " + std::to_string(found) + " models or bodies, allowed " +
+                     std::to_string(count) + " as in this scene");
+  }
   std::vector<Pose> poses;
   for (std::size_t k = 0; k < count; ++k) poses.push_back(getPose());
   return poses;
@@ -94,7 +100,8 @@ Moment StateReader::getMoment(const Scene& scene) {
 }
 
 const char* StateReader::take(std::uint64_t size) {
-  if (size > end_ - at_) throw StateError("saved state: found " + std::to_string(end_) + " bytes, needs more");
+  if (size > end_ - at_)
+    throw StateError("saved state: found " + std::to_string(end_) + " bytes, allowed more: it ends early");
   const char* data = bytes_.data() + at_;
   at_ += size;
   return data;

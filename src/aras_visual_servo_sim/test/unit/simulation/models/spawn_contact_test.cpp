@@ -144,7 +144,8 @@ TEST(SpawnedContacts, RefusalsNameTheCauseAndChangeNothing) {
   EXPECT_NE(refusal("{name: a, sphere_m: 0.1, mass_kg: 1}").find("nothing to touch"), std::string::npos);
   EXPECT_NE(refusal("{name: a, sphere_m: 0.1, mass_kg: -1, touches: all}").find("mass_kg: found -1"),
             std::string::npos);
-  EXPECT_NE(refusal("{name: a, urdf: x.urdf, mass_kg: 1, touches: all}").find("it beside urdf"), std::string::npos);
+  EXPECT_NE(refusal("{name: a, urdf: x.urdf, mass_kg: 1, touches: all}").find("it together with urdf"),
+            std::string::npos);
   EXPECT_EQ(simulation.models().names(), std::vector<std::string>{"target"});
   simulation.step(10);
 }
