@@ -62,7 +62,7 @@ void writeAll(int file, const std::string& bytes) {
 
 /** Counts what a node holds. @throws ArasError when it is too much or too deep */
 void count(const YAML::Node& node, int depth, std::size_t& values) {
-  if (depth > kMostNested) {
+  if (!node.IsScalar() && depth > kMostNested) {
     throw ArasError("found maps and lists more than " + std::to_string(kMostNested) +
                     " deep, allowed <= " + std::to_string(kMostNested));
   }
@@ -134,7 +134,7 @@ YAML::Node parseYaml(const std::string& text, std::size_t most_bytes) {
   try {
     const YAML::Node node = YAML::Load(text);
     std::size_t values = 0;
-    count(node, 0, values);
+    count(node, 1, values);
     return node;
   } catch (const YAML::Exception& error) {
     throw ArasError(error.what());
