@@ -79,6 +79,31 @@ def made_by_bench(figures, measured):
             if figure["made_by"].startswith(BENCH)}
 
 
+def sweep_figures(folder):
+    """(scenario, {KEY: value}) of a sweep: counts, of runs that every metric speaks of too, and medians."""
+    from aras_visual_servo_controller.sweep.metrics import known_metrics
+    from aras_visual_servo_controller.sweep.statistics import aggregate
+    from aras_visual_servo_controller.sweep.store import SweepStore
+
+    with SweepStore.open(folder) as store:
+        rows, scenario = store.rows(), store.meta["setup"]["scenario"]["name"]
+    numbers = aggregate(rows)
+    values = {"drawn": numbers["runs"], "refused": numbers["infeasible"], "feasible": numbers["feasible"],
+              "rate": 100.0 * numbers["success"], "error_mm": numbers["error_median_mm"],
+              "angle_deg": numbers["angle_median_deg"]}
+    for metric in known_metrics():
+        said = [row[metric.name] for row in rows if row["outcome"] != "infeasible" and row[metric.name] is not None]
+        values[metric.name], values[f"{metric.name}_of"] = sum(said), len(said)
+    return scenario, values
+
+
+def made_by_sweep(figures, folder):
+    """{name: value} of all figures `sweep.SCENARIO.KEY` of that sweep."""
+    scenario, values = sweep_figures(folder)
+    prefix = f"sweep.{scenario}."
+    return {name: values[name[len(prefix):]] for name in figures if name.startswith(prefix)}
+
+
 def renew(listed, made, root=ROOT):
     """Put what was made into the list and into the texts. Returns [(name, before, now)] of what changed."""
     before = {text["text"]: say(text["text"], listed["figures"]) for text in listed["texts"]}
@@ -109,9 +134,13 @@ def save(listed, path=LIST):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--bench", metavar="FILE", type=pathlib.Path, help="what script/bench --figures FILE wrote")
-    arguments = parser.parse_args()
+    parser.add_argument("--sweep", metavar="FOLDER", action="append", default=[],
+                        help="folder of a sweep whose figures docs/sweeps.md states; may be given several times")
     listed = load()
+    arguments = parser.parse_args()
     made = made_by_runs(listed["figures"])
+    for folder in arguments.sweep:
+        made.update(made_by_sweep(listed["figures"], folder))
     if arguments.bench:
         made.update(made_by_bench(listed["figures"], json.loads(arguments.bench.read_text())))
     for name, before, now in renew(listed, made):

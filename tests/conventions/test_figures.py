@@ -55,3 +55,9 @@ def test_a_text_that_is_not_there_is_an_error_that_shows_it(figures, tmp_path):
               "texts": [{"file": "page.md", "text": "{loop:.0f} x"}]}
     with pytest.raises(SystemExit, match="found 0 times '1 x', allowed once"):
         figures.renew(listed, {"loop": 2}, tmp_path)
+
+
+def test_a_sweep_gives_the_figures_that_have_its_name(figures, monkeypatch):
+    monkeypatch.setattr(figures, "sweep_figures", lambda folder: (folder, {"drawn": 7, "rate": 50.0}))
+    listed = {"sweep.domain.drawn": {}, "sweep.domain.rate": {}, "sweep.other.drawn": {}, "loop": {}}
+    assert figures.made_by_sweep(listed, "domain") == {"sweep.domain.drawn": 7, "sweep.domain.rate": 50.0}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import yaml
 
-from urdf_model import PACKAGE, UrdfModel, stl_triangles
+from urdf_model import PACKAGE, UrdfModel, origin, stl_triangles
 
 FIVE, SIX = "aras_arm", "aras_arm_6axis"
 MODELS = {name: UrdfModel(PACKAGE / "urdf" / f"{name}.urdf") for name in (FIVE, SIX)}
@@ -204,6 +204,18 @@ def test_camera_tag_has_the_published_camera(arm):
     assert plugin.get("filename") == "libgazebo_ros_camera.so"
     assert [plugin.find(key).text for key in ("cameraName", "imageTopicName", "cameraInfoTopicName", "frameName")] == [
         "camera", "image_raw", "camera_info", "camera_optical_frame"]
+
+
+def test_the_free_camera_is_the_arm_s_camera_behind_a_floating_joint():
+    free = UrdfModel(PACKAGE / "urdf" / "free_camera.urdf")
+    assert [(joint.get("type"), joint.find("parent").get("link"), joint.find("child").get("link"))
+            for joint in free.joints.values()] == [("floating", "world", "camera_optical_frame"),
+                                                   ("fixed", "camera_optical_frame", "camera_link")]
+    arm = MODELS[FIVE]
+    X_WC, X_WL = (arm.link_pose(link, {}) for link in ("camera_optical_frame", "camera_link"))
+    np.testing.assert_allclose(origin(free.joints["camera_body_joint"]), np.linalg.inv(X_WC) @ X_WL, atol=ROUNDING)
+    assert free.mesh_files("camera_link") == arm.mesh_files("camera_link")
+    assert free.links["camera_link"].find("inertial/mass").get("value") == "0.1"
 
 
 def test_meshes_exist_and_each_is_used():

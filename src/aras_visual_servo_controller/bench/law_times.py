@@ -7,6 +7,8 @@ the law in units of numpy's own SVD of a 6 x 6 matrix, to compare machines by.
 """
 import argparse
 import os
+import pathlib
+import re
 import statistics
 import time
 
@@ -42,6 +44,13 @@ ROWS = (
     ("ibvs", ("xm1", "ym1", "l1", "alpha1", "xm2", "ym2"), HERE), ("ibvs", ("xg", "yg", "n20", "n11", "n02"), HERE),
     ("pbvs", POSE, KNOWN), ("pbvs", POSE, SEEN), ("hybrid", HYBRID, KNOWN), ("hybrid", HYBRID, SEEN),
     ("sliding", POINTS, HERE), ("broyden", POINTS, {}))
+
+#: What the table calls settings whose value is a file.
+KNOWN_AS = {"target_model": "moments of the known target"}
+#: Lines around the table in docs/features_and_laws.md, its head, and what is said of the SVD before it.
+BEGIN, END = "<!-- table: law_times -->", "<!-- end table -->"
+HEAD = "| law | features | law [us] | law / SVD [-] | servo step [us] |\n|---|---|---|---|---|\n"
+SVD = r"which is [0-9.]+ us here"
 
 
 class Views:
@@ -131,22 +140,44 @@ def svd_s(repeats=2000):
     return statistics.median(durations)
 
 
+def label(law, features, more):
+    """The first two cells of a row of the table."""
+    notes = [KNOWN_AS.get(key, value.rsplit("/", 1)[-1]) for key, value in more.items()]
+    return f"| `{law}` | `{', '.join(features)}`{''.join(', ' + note for note in notes)} |"
+
+
+def write(page, rows, unit_s):
+    """The text of a page with the table between the lines BEGIN and END, and what an SVD takes, made anew."""
+    before, found, rest = page.partition(BEGIN + "\n")
+    _, ended, after = rest.partition(END)
+    before, count = re.subn(SVD, f"which is {1e6 * unit_s:.1f} us here", before)
+    if not (found and ended and count == 1):
+        raise SystemExit(f"law_times: allowed a page with '{BEGIN}', '{END}' and once '{SVD}' before them")
+    return "".join([before, BEGIN, "\n", HEAD, *(row + "\n" for row in rows), END, after])
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--steps", type=int, default=300, help="of each servo")
-    steps = parser.parse_args().steps
+    parser.add_argument("--write", metavar="PAGE", type=pathlib.Path,
+                        help="also put the table into docs/features_and_laws.md")
+    arguments = parser.parse_args()
+    steps, rows = arguments.steps, []
     kinematics = Kinematics(load_scenario("six_dof_rectangle").urdf_xml(), "world", "camera_optical_frame")
     unit = svd_s()
     print(f"numpy.linalg.svd of 6 x 6: {1e6 * unit:.1f} us")
     print(f"{'law':<10} {'features':<58} {'law [us]':>9} {'[SVD]':>6} {'servo step [us]':>16}")
     for law, features, more in ROWS:
         alone, whole = times(kinematics, law, features, more, steps)
+        rows.append(f"{label(law, features, more)} {1e6 * alone:.0f} | {alone / unit:.1f} | {1e6 * whole:.0f} |")
         notes = [value.rsplit("/", 1)[-1] for value in more.values()]
         text = " ".join(features) + (f" ({', '.join(notes)})" if notes else "")
         print(f"{law:<10} {text:<58} {1e6 * alone:>9.0f} {alone / unit:>6.1f} {1e6 * whole:>16.0f}")
     untimed = sorted(set(known_laws()) - {law for law, _, _ in ROWS})
     if untimed:
         print(f"not timed: {', '.join(untimed)}")
+    if arguments.write:
+        arguments.write.write_text(write(arguments.write.read_text(), rows, unit))
 
 
 if __name__ == "__main__":

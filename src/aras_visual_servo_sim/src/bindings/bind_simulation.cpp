@@ -143,8 +143,8 @@ void bindTimeAndCameras(py::class_<Simulation>& type) {
 
 void bindRobot(py::class_<Simulation>& type) {
   type.def_property_readonly(
-          "joint_names", [](const Simulation& self) { return self.model().joint_names; },
-          "Moving joints sorted by name: the order of every joint vector.")
+          "joint_names", [](const Simulation& self) { return self.world().jointNames(); },
+          "Moving joints sorted by name: the order of every joint vector; of a driven base px, py, pz, rx, ry, rz.")
       .def_property_readonly(
           "joint_positions", [](const Simulation& self) -> Eigen::VectorXd { return self.world().jointPositions(); },
           "(n,) float64 copy [m or rad].")
@@ -165,6 +165,16 @@ void bindRobot(py::class_<Simulation>& type) {
            "Raises:\n    NotFiniteError, UnknownNameError, ParameterError: the command was refused and counted, and "
            "all\n"
            "    commanded velocities are zero: the arm holds.")
+      .def(
+          "set_twist",
+          [](Simulation& self, const Twist& twist, const std::string& link, std::optional<std::int64_t> stamp_ns) {
+            self.setTwist(twist, link, stamp_ns);
+          },
+          py::arg("twist"), py::arg("link") = "", py::arg("stamp_ns") = py::none(),
+          "Moves a driven base (sim.base: driven).\n\nArgs:\n"
+          "    twist: (6,), V_WL_L, [v; w] in the axes of the link [m/s; rad/s], as a velocity of set_command.\n"
+          "    link: any that the base carries, e.g. the optical frame; \"\": the base itself.\n"
+          "    stamp_ns and errors: as set_command.")
       .def_property_readonly(
           "refused_commands", [](const Simulation& self) { return self.commands().refused(); },
           "Commands refused since the last reset.")

@@ -1,21 +1,20 @@
 """Kinematics of the chain from the robot base B to the camera C (KDL, through the C++ module `_kinematics`)."""
 
-from collections.abc import Mapping
-
-import numpy as np
-
 from .._kinematics import ChainKinematics
-from ..ground.errors import ParameterError
+from .joint_vectors import JointVectors
 
 
-class Kinematics:
+class Kinematics(JointVectors):
     """Chain base_link -> tip_link of a URDF.
 
     Attributes:
         joint_names: tuple of the moving joints of the chain, SORTED BY NAME: the order of every joint vector.
         lower, upper: (n,) position limits [m or rad], +-inf where the URDF has none (continuous joints).
         velocity: (n,) velocity limits [m/s or rad/s], inf where the URDF has none.
+        spare_motion: True, the joints may move without the camera.
     """
+
+    spare_motion = True
 
     def __init__(self, urdf_xml: str, base_link: str, tip_link: str):
         """Raises ModelError: bad URDF, unknown link, tip not below base, joint types the chain cannot represent."""
@@ -30,19 +29,12 @@ class Kinematics:
         #: linear ones divided by length_m (docs/theory.md T42); (0, zeros) where it vanishes. Same errors.
         self.manipulability = self._chain.manipulability
 
-    def vector(self, q):
-        """Joint vector, never shared with the caller, from an array in the order of joint_names or a mapping by name.
+    @staticmethod
+    def way(start, end):
+        """(n,) velocities that, held for one second, bring the joints from start to end, (n,) each."""
+        return end - start
 
-        A mapping may hold more joints than the chain has. Raises ParameterError when one is missing.
-        """
-        if not isinstance(q, Mapping):
-            return np.array(q, dtype=float)
-        try:
-            return np.array([q[name] for name in self.joint_names], dtype=float)
-        except KeyError:
-            missing = [name for name in self.joint_names if name not in q]
-            raise ParameterError(f"joints: found {sorted(q)}, missing {missing}") from None
-
-    def by_name(self, vector):
-        """{name: value} of a joint vector."""
-        return dict(zip(self.joint_names, vector.tolist()))
+    @staticmethod
+    def moved(q, q_dot, dt_s):
+        """(n,) joint positions after the velocities q_dot were held for dt_s at q, (n,) each."""
+        return q + dt_s * q_dot

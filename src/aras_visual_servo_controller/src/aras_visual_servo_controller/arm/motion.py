@@ -151,6 +151,8 @@ class ArmMotion:
 
     def unlimited(self, q, twist, inverse):
         """(n,) joint velocities of the twist and of the spare motion, before any limit is applied."""
+        if not self._kinematics.spare_motion:
+            return inverse.joint_velocity(twist)
         more = None
         if self._manipulability_gain > 0.0:
             more = self._manipulability_gain * self._kinematics.manipulability(q, self._length_m, self._rows)[1]
@@ -171,7 +173,7 @@ class ArmMotion:
 
         Near the stretched elbow the Jacobian changes fast. The correction is at most TURNING_PART of q_dot.
         """
-        half_way = self._kinematics.jacobian(q + (0.5 * dt_s) * q_dot)
+        half_way = self._kinematics.jacobian(self._kinematics.moved(q, q_dot, 0.5 * dt_s))
         correction = inverse.joint_velocity((jacobian - half_way) @ q_dot)
         most, size = TURNING_PART * float(q_dot @ q_dot) ** 0.5, float(correction @ correction) ** 0.5
         return correction if size <= most else correction * (most / size)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..ground.spatial import rotation_vector
+from .free_camera import FreeCamera
 
 #: A camera pose counts as reached within this distance and angle: a tenth of the limits of a sweep's `strict`.
 REACHED_M, REACHED_RAD = 1e-4, 5e-4
@@ -18,8 +19,10 @@ def reach(kinematics, near, X_BC):
         near: (n,) joint positions to begin with.  X_BC: (4, 4) pose wanted.
     Returns:
         (joints by name, "") or (None, why not). The search begins at `near`, then at IK_GUESSES other postures, which
-        are the same in every call; a solution within the joint limits is preferred.
+        are the same in every call; a solution within the joint limits is preferred. A free camera needs no search.
     """
+    if isinstance(kinematics, FreeCamera):
+        return kinematics.by_name(kinematics.coordinates(X_BC)), ""
     rng, found, missing = np.random.default_rng(0), None, None
     for guess in range(1 + IK_GUESSES):
         q = near if guess == 0 else near + rng.uniform(-IK_SPREAD, IK_SPREAD, len(near))

@@ -9,9 +9,14 @@ class JointTrajectory:
     PEAK_VELOCITY = 1.875
     PEAK_ACCELERATION = 10.0 / 3.0**0.5
 
-    def __init__(self, q0, q1, max_velocity, max_acceleration, min_duration_s=0.1):
-        """Args: q0, q1: (n,).  max_velocity: (n,) > 0 or inf [m/s, rad/s].  max_acceleration: > 0 [m/s^2, rad/s^2]."""
-        self._q0, self._way, self._q1 = q0, q1 - q0, q1
+    def __init__(self, kinematics, q0, q1, max_velocity, max_acceleration, min_duration_s=0.1):
+        """Plan it.
+
+        Args:
+            kinematics: knows `way` and `moved`: straight in the joints of an arm, a screw for a free camera.
+            q0, q1: (n,).  max_velocity: (n,) > 0 or inf [m/s, rad/s].  max_acceleration: > 0 [m/s^2, rad/s^2].
+        """
+        self._q0, self._way, self._q1, self._space = q0, kinematics.way(q0, q1), q1, kinematics
         way = np.abs(self._way)
         self.duration_s = max(
             min_duration_s,
@@ -24,8 +29,8 @@ class JointTrajectory:
         if t_s >= self.duration_s:
             return self._q1
         u = max(0.0, t_s / self.duration_s)
-        return self._q0 + self._way * (u * u * u * (10.0 + u * (6.0 * u - 15.0)))
+        return self._space.moved(self._q0, self._way, u * u * u * (10.0 + u * (6.0 * u - 15.0)))
 
     def velocity(self, t_s, hold_s):
         """(n,) velocity that, held for hold_s > 0 from t_s on, ends where the trajectory then is."""
-        return (self.position(t_s + hold_s) - self.position(t_s)) / hold_s
+        return self._space.way(self.position(t_s), self.position(t_s + hold_s)) / hold_s

@@ -23,6 +23,9 @@ def compare_laws_main(argv=None):
                              "with another value of servo.interaction, e.g. ibvs:current")
     parser.add_argument("--tasks", type=_names, default=(), metavar="A,B,...",
                         help="tasks of the comparison to run (default: all)")
+    parser.add_argument("--scenario", metavar="SCENARIO",
+                        help="name or path of a scenario to take in place of the comparison's, e.g. free_camera: the "
+                             "same tasks on another robot")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
                         help="replace a value of the base scenario, e.g. --set sim.seed=3")
     parser.add_argument("--workers", type=int, metavar="N",
@@ -38,7 +41,7 @@ def compare_laws_main(argv=None):
         if arguments.workers is not None and arguments.workers < 0:
             raise ParameterError(f"--workers: found {arguments.workers}, allowed >= 0")
         comparison = load_comparison(arguments.comparison, arguments.laws, arguments.tasks,
-                                     parse_overrides(arguments.overrides))
+                                     parse_overrides(arguments.overrides), arguments.scenario)
         if arguments.list:
             for law, scenario in comparison.scenarios.items():
                 print(f"law   {law:<20} {scenario.servo['law']} on {', '.join(scenario.servo.get('features', []))}")
@@ -90,6 +93,7 @@ def compare_runs_main(argv=None):
 def _words(arguments):
     words = [shlex.quote(arguments.comparison)]
     words += [f"--{key} {','.join(getattr(arguments, key))}" for key in ("laws", "tasks") if getattr(arguments, key)]
+    words += [f"--scenario {shlex.quote(arguments.scenario)}"] if arguments.scenario else []
     return " ".join(words + [f"--set {shlex.quote(text)}" for text in arguments.overrides])
 
 

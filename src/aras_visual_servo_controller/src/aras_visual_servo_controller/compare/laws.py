@@ -15,7 +15,7 @@ from ..config.reader import read
 from ..ground.errors import ParameterError
 from ..ground.processes import end_with_parent
 from ..scenario.feasibility import Feasibility
-from ..arm.kinematics import Kinematics
+from ..arm.robot import robot_kinematics
 from ..target.outline import Outline
 from ..arm.reach import reach
 from ..scenario.scenario import load_scenario
@@ -52,18 +52,19 @@ class Comparison:
     tasks: tuple
 
 
-def load_comparison(name_or_path, laws=(), tasks=(), overrides=None):
+def load_comparison(name_or_path, laws=(), tasks=(), overrides=None, scenario=None):
     """Load a comparison.
 
     Args:
         name_or_path: name of a file of config/comparisons, or path of a YAML file.
         laws, tasks: the names to compare, in this order; () takes all of the file.  A law may be NAME:INTERACTION.
         overrides: dotted path -> value, put into the scenario of every law, see `load_scenario`.
+        scenario: name or path of a scenario to take in place of the file's, for example another robot.
     Raises:
         ParameterError: it lists every fault, and for unknown names the known ones.
     """
     file = read(ComparisonFile, load_yaml(_find(name_or_path)), str(name_or_path))
-    base = load_scenario(file.scenario, overrides)
+    base = load_scenario(scenario or file.scenario, overrides)
     faults, scenarios = [], {}
     for wanted in laws or file.laws:
         law, _, interaction = wanted.partition(":")
@@ -83,7 +84,8 @@ def load_comparison(name_or_path, laws=(), tasks=(), overrides=None):
         task = file.tasks[name]
         X = pose_of(task.offset) if task.offset else tilted_goal(task.tilt, t_C, (0.0, 0.0, 1.0))[0]
         made.append(Task(name, task.title or name, X))
-    return Comparison(file.name, file.description, scenarios, tuple(made))
+    name = f"{file.name}_{base.name}" if scenario else file.name
+    return Comparison(name, file.description, scenarios, tuple(made))
 
 
 def run_comparison(comparison, workers=1, progress=None):
@@ -121,7 +123,7 @@ def _run_law(job):
     """Run all tasks of one law. Returns a list of (row, Track or None)."""
     _, scenario, tasks = job
     bench, results = Bench(scenario), []
-    kinematics = Kinematics(scenario.urdf_xml(), scenario.robot["base_link"], scenario.robot["tip_link"])
+    kinematics = robot_kinematics(scenario.urdf_xml(), scenario.robot["base_link"], scenario.robot["tip_link"])
     goal = scenario.goal_posture(kinematics)
     feasibility = Feasibility(scenario, kinematics)
     for number, task in enumerate(tasks):
@@ -156,6 +158,6 @@ def _target(scenario):
     outline = Outline.of(scenario)
     if outline is None:
         raise ParameterError(f"scenario '{scenario.name}': a task with tilt needs a flat target of known outline")
-    kinematics = Kinematics(scenario.urdf_xml(), scenario.robot["base_link"], scenario.robot["tip_link"])
+    kinematics = robot_kinematics(scenario.urdf_xml(), scenario.robot["base_link"], scenario.robot["tip_link"])
     goal = scenario.goal_posture(kinematics)
     return np.linalg.solve(kinematics.pose(goal), outline.X_WT)[:3, 3]

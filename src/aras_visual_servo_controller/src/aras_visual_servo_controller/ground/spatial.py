@@ -36,6 +36,19 @@ def exponential(twist):
     return X
 
 
+def logarithm(X):
+    """Twist, (6,), [v; w], of which a pose, (4, 4), is the `exponential`; its turn is at most pi [m, rad]."""
+    w = rotation_vector(X[:3, :3])
+    p, square = X[:3, 3], float(w @ w)
+    angle = square**0.5
+    if angle < _SMALL_RAD:
+        D = 1.0 / 12.0
+    else:
+        D = (1.0 - 0.5 * angle * cos(0.5 * angle) / sin(0.5 * angle)) / square
+    wp = np.cross(w, p)
+    return np.concatenate([p - 0.5 * wp + D * np.cross(w, wp), w])
+
+
 def inverse(X):
     """Inverse of a pose, (4, 4)."""
     result = _EYE.copy()

@@ -3,7 +3,7 @@
 import rospy
 
 from ..ground.errors import ArasError, ParameterError
-from ..arm.kinematics import Kinematics
+from ..arm.robot import robot_kinematics
 from ..config.reader import read
 from ..run.sequence import ExperimentSequence
 from ..scenario.schema import RobotSettings
@@ -125,7 +125,7 @@ class ControllerSetup:
         self.kinematics = self.servo = self.sequence = None
         self.controllers = {}
         if not parameters.faults:
-            self.kinematics = parameters.build(Kinematics, urdf, arm.base_link, arm.tip_link)
+            self.kinematics = parameters.build(robot_kinematics, urdf, arm.base_link, arm.tip_link)
         if self.kinematics is not None:
             self.servo = parameters.build(Servo, self.kinematics, servo)
             self.sequence = parameters.build(ExperimentSequence, self.kinematics, self.servo, experiment, teach_camera)

@@ -9,7 +9,7 @@ from sensor_msgs.msg import JointState
 
 from . import conversions as convert
 from ..ground.errors import ArasError, ParameterError
-from ..arm.kinematics import Kinematics
+from ..arm.robot import robot_kinematics
 from .parameters import Parameters
 from ..arm.teleop import HELP, Keys, Teleop
 
@@ -33,7 +33,7 @@ class TeleopNode:
         speeds = [parameters.value("~" + name, default) for name, default in
                   (("joint_speed", 0.3), ("linear_m_per_s", 0.05), ("angular_rad_per_s", 0.2))]
         parameters.check()
-        kinematics = Kinematics(urdf, base, tip)
+        kinematics = robot_kinematics(urdf, base, tip)
         self.teleop = Teleop(kinematics, *speeds)
         self.lock = threading.Lock()
         self._names, self._moving = kinematics.joint_names, False

@@ -102,7 +102,7 @@ class ExperimentSequence:
             if q.shape != (self._n,) or not isfinite(float(q.sum())):
                 raise ParameterError(f"joint positions {q} are not {self._n} finite numbers")
             if self._last_q is not None:
-                self._speed = float(np.abs(q - self._last_q).max()) / self._dt_s
+                self._speed = float(np.abs(self._kinematics.way(self._last_q, q)).max()) / self._dt_s
             self._last_ns, self._last_q = stamp_ns, q
             return self._advance(observation, q)
         except ArasError as error:
@@ -142,7 +142,7 @@ class ExperimentSequence:
         begin = q if self._set_point is None else self._set_point
         end = self._kinematics.vector({**self._kinematics.by_name(begin), **joints})
         velocity = self.config.speed_part * self._kinematics.velocity
-        self._trajectory = JointTrajectory(begin, end, velocity, self.config.acceleration)
+        self._trajectory = JointTrajectory(self._kinematics, begin, end, velocity, self.config.acceleration)
         self._since_ns = self._begin_ns = stamp_ns
 
     def _follow(self, stamp_ns):

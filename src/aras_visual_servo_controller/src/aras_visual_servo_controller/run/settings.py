@@ -1,20 +1,70 @@
 """Settings of an experiment: the scenario's section `experiment`."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Dict, Optional
+from dataclasses import dataclass, replace
+from typing import Dict, Optional, Tuple
 
+import numpy as np
+
+from ..arm.reach import outside_limits, reach
 from ..config.reader import Names, read
 from ..config.settings import setting
+from ..ground.errors import ParameterError
+from ..ground.spatial import rotation_rpy
+
+
+@dataclass(frozen=True)
+class CameraPlace:
+    """Section `camera` of a place: the pose of the camera in the robot's base (`robot.base_link`)."""
+
+    position_m: Tuple[float, ...] = setting(size=3, unit="m", help="The optical centre.")
+    rpy_rad: Tuple[float, ...] = setting(
+        size=3, unit="rad",
+        help="Roll, pitch and yaw of the optical frame, as in a URDF; `[3.14159265358979, 0, 0]` looks straight down.")
+
+    def pose(self):
+        """X_BC, (4, 4)."""
+        X = np.eye(4)
+        X[:3, :3], X[:3, 3] = rotation_rpy(self.rpy_rad), self.position_m
+        return X
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where the arm stands."""
+    """Where the robot stands: either `joints` or `camera`."""
 
-    joints: Dict[str, float] = setting(
-        unit="m, rad", by="joint_position", not_empty=True,
+    joints: Optional[Dict[str, float]] = setting(
+        None, unit="m, rad", by="joint_position",
         help="Positions by the names of the joints, within their limits; a joint that is not named stays where it is.")
+    camera: Optional[CameraPlace] = setting(
+        None,
+        help="Pose of the camera; a free camera is put there, an arm takes joint positions that reach it.")
+
+    def check(self):
+        """One of the two."""
+        if (self.joints is None) == (self.camera is None):
+            yield f"found {'neither' if self.joints is None else 'both'} of joints and camera, allowed one of them"
+
+    def at(self, kinematics, near=None):
+        """The place by joints.
+
+        Args: near: (n,) joint positions from which those of a camera pose are searched; None: 0, within the limits.
+        Raises: ParameterError: the pose is out of reach.
+        """
+        if self.camera is None:
+            return self
+        if near is None:
+            near = np.clip(np.zeros(len(kinematics.joint_names)), kinematics.lower, kinematics.upper)
+        joints, refusal = reach(kinematics, near, self.camera.pose())
+        refusal = refusal or outside_limits(kinematics, joints)
+        if refusal:
+            raise ParameterError(f"camera: {refusal}")
+        return Place(joints)
+
+
+def place_of(source, where, kinematics, near=None):
+    """`Place` by joints of a section `goal` or `start`, dict. Arguments and errors as `Place.at` and `read`."""
+    return read(Place, source, where, Names(joints=tuple(kinematics.joint_names))).at(kinematics, near)
 
 
 @dataclass(frozen=True)
@@ -57,4 +107,15 @@ class ExperimentSettings:
                   in zip(kinematics.joint_names, kinematics.lower, kinematics.upper)}
         if isinstance(source, Mapping):
             source = {key: value for key, value in source.items() if key != "judge"}
-        return read(cls, source, "experiment", Names(joints=tuple(limits), limits=limits))
+        config = read(cls, source, "experiment", Names(joints=tuple(limits), limits=limits))
+        near, faults, places = None, [], {}
+        for name in ("goal", "start"):
+            try:
+                places[name] = getattr(config, name).at(kinematics, near)
+            except ParameterError as error:
+                faults += [f"experiment/{name}/{fault}" for fault in error.faults]
+            if name in places and set(places[name].joints) == set(limits):
+                near = kinematics.vector(places[name].joints)
+        if faults:
+            raise ParameterError(faults)
+        return replace(config, **places)

@@ -24,7 +24,8 @@ def check(document):
         faults.extend(_describe(error))
     if faults:  # a missing plugin may be the cause; if it is the only fault, setting up the servo reports it
         faults += [f"servo.{fault}" for fault in missing]
-    return sorted(set(faults or _feature_faults(document) + _latency_faults(document, schema)))
+    return sorted(set(faults or _feature_faults(document) + _latency_faults(document, schema)
+                      + _place_faults(document)))
 
 
 def _plugins(document):
@@ -48,6 +49,16 @@ def _feature_faults(document):
         section = "" if source is None else source_named(source).section
         if section and section not in document["vision"]:
             faults.append(f"vision.{section}: missing, the feature '{name}' is made there; {{}} for its defaults")
+    return faults
+
+
+def _place_faults(document):
+    """Faults of goal and start: each is given by joints or by the camera's pose."""
+    faults = []
+    for name in ("goal", "start"):
+        given = [key for key in ("joints", "camera") if document["experiment"][name].get(key)]
+        if len(given) != 1:
+            faults.append(f"experiment.{name}: found {' and '.join(given) or 'neither'}, allowed joints or camera")
     return faults
 
 

@@ -14,6 +14,7 @@ from ..ground.errors import ParameterError
 from .check import check
 from .files import find_scenario
 from ..config.files import load_yaml, resolve_uri
+from ..run.settings import place_of
 
 SECTIONS = ("robot", "sim", "time", "vision", "servo", "experiment")
 OPTIONAL_SECTIONS = ("sweep",)
@@ -73,12 +74,13 @@ class Scenario:
         """
         stay = np.clip(np.zeros(len(kinematics.joint_names)), kinematics.lower, kinematics.upper)
         return self._placed(kinematics, kinematics.by_name(stay), self.sim.get("initial_positions", {}),
-                            self.experiment["goal"]["joints"])
+                            place_of(self.experiment["goal"], "experiment/goal", kinematics).joints)
 
     def start_posture(self, kinematics):
         """Joint positions at the start of the servo, (n,); a joint that the start does not name stays at the goal's."""
-        goal = kinematics.by_name(self.goal_posture(kinematics))
-        return self._placed(kinematics, goal, self.experiment["start"]["joints"])
+        goal = self.goal_posture(kinematics)
+        start = place_of(self.experiment["start"], "experiment/start", kinematics, goal)
+        return self._placed(kinematics, kinematics.by_name(goal), start.joints)
 
     @staticmethod
     def _placed(kinematics, *places):

@@ -33,7 +33,7 @@ class LookThenMove:
     def shift(self, way):
         """The set-points were moved by something else: way, (n,)."""
         if self.set_point is not None:
-            self.set_point = self.set_point + way
+            self.set_point = self._kinematics.moved(self.set_point, way, 1.0)
 
     @property
     def under_way(self):
@@ -59,27 +59,29 @@ class LookThenMove:
                 twist = motion / self._config.sample_time_s
             q_dot = self._arm.unlimited(ahead, motion, inverse)
             turning = self._arm.turning(ahead, q_dot, jacobian, inverse, 1.0 / LOOK_STEPS)
-            ahead = ahead + (q_dot + turning) / LOOK_STEPS
+            ahead = self._kinematics.moved(ahead, (q_dot + turning) / LOOK_STEPS, 1.0)
         if self.set_point is None:
             self.set_point = q
-        wanted, shortened_by = self.set_point + (ahead - q), None
+        wanted, shortened_by = self._kinematics.moved(self.set_point, self._kinematics.way(q, ahead), 1.0), None
         target = np.clip(wanted, self._arm.lower, self._arm.upper)
         if (target != wanted).any():  # shorten, so that the direction is kept
             way = wanted - self.set_point
             room, joint = position_factor(self.set_point, way, self._arm.lower, self._arm.upper, 1.0)
             target, shortened_by = self.set_point + room * way, self._kinematics.joint_names[joint]
-        self._move = JointTrajectory(self.set_point, target, self._kinematics.velocity, self._config.acceleration)
+        self._move = JointTrajectory(self._kinematics, self.set_point, target, self._kinematics.velocity,
+                                     self._config.acceleration)
         self._begin_ns = stamp_ns
         return twist, manipulability, shortened_by
 
     def goes_on(self, stamp_ns, q, gap_s):
         """Whether the move is still under way or settling at q, gap_s after the image before; if not, it is over."""
-        speed = inf if self._last_q is None else float(np.abs(q - self._last_q).max()) / gap_s
+        way = self._kinematics.way
+        speed = inf if self._last_q is None else float(np.abs(way(self._last_q, q)).max()) / gap_s
         self._last_q = q
         waited_s = 1e-9 * (stamp_ns - self._begin_ns) - self._move.duration_s
         if waited_s < 0.0:
             return True
-        near = float(np.abs(q - self.set_point).max()) < self._config.settle_tolerance
+        near = float(np.abs(way(self.set_point, q)).max()) < self._config.settle_tolerance
         if (near and speed < self._config.settle_speed) or waited_s > self._config.settle_limit_s:
             self._move = self._last_q = None
             return False

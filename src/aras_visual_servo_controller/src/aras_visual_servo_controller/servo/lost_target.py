@@ -173,15 +173,15 @@ class LostTarget:
             self._here = q
         begin, left = self._here, 1.0  # left: part of this period that is not used up yet
         while self._path and left > 0.0:
-            way = self._path[-1] - self._here
+            way = self._kinematics.way(self._here, self._path[-1])
             needed = float(np.max(np.abs(way) / self._speed)) / dt_s  # periods
             if needed > left:
-                self._here, left = self._here + way * (left / needed), 0.0
+                self._here, left = self._kinematics.moved(self._here, way, left / needed), 0.0
             else:
                 self._here, left = self._path.pop(), left - needed
         if not self._path:
             self._path.append(self._here)  # the arm waits where the path began
-        return (self._here - begin) / dt_s
+        return self._kinematics.way(begin, self._here) / dt_s
 
     def _look_around(self, stamp_ns, q, dt_s):
         """Joint velocities towards the present place of the search, the twist, and which place it is."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..config.reader import Names, read
 from ..ground.errors import ParameterError
+from ..run.settings import place_of
 from ..scenario.feasibility import Feasibility
 from ..arm.reach import reach
 from ..scenario.sweep import JOINT_HALF_WIDTH, SweepSection
@@ -69,7 +70,8 @@ class SweepSettings:
         if faults:
             raise ParameterError(faults)
         if section.space == "joint":
-            ranges = section.joints or _around(scenario.experiment["goal"]["joints"])
+            goal = place_of(scenario.experiment["goal"], "experiment/goal", kinematics)
+            ranges = section.joints or _around(goal.joints)
             ranges = {name: ranges[name] for name in kinematics.joint_names if name in ranges}
         else:
             ranges = getattr(section, section.space).as_dict()

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..ground.errors import ArasError, ParameterError
 from ..run.judge import pose_error
-from ..arm.kinematics import Kinematics
+from ..arm.robot import robot_kinematics
 from ..run.loop import DEFAULT_LIMIT_S, ServoLoop
 from ..target.outline import Outline
 from ..run.record import RecordBuilder
@@ -151,7 +151,7 @@ class Bench:
         """`pose_error` of the start by kinematics, for a run that was never begun."""
         if self._kinematics is None:
             robot = self.scenario.robot
-            self._kinematics = Kinematics(self.scenario.urdf_xml(), robot["base_link"], robot["tip_link"])
+            self._kinematics = robot_kinematics(self.scenario.urdf_xml(), robot["base_link"], robot["tip_link"])
         goal, pose = placed(self.scenario, start).goal_posture(self._kinematics), self._kinematics.pose
         return pose_error(pose(goal), pose(self._kinematics.vector(start.joints)))
 

@@ -133,6 +133,21 @@ def test_the_command_writes_table_and_figure(tmp_path, capsys):
     assert (folder / "comparison.pdf").read_bytes().startswith(b"%PDF")
 
 
+def test_the_same_tasks_on_another_robot(tmp_path, capsys):
+    words = ["canonical", "--laws", "pbvs,photometric", "--tasks", "turn_45", "--workers", "0", "--set",
+             "servo.time_limit_s=6"]
+    words += ["--output", str(tmp_path), "--name", "one", "--scenario"]
+    assert compare_laws_main([*words, "free_camera"]) == EXIT_PASSED
+    assert capsys.readouterr().out.count("arrived") == 2
+    folder = tmp_path / "comparisons" / "canonical_free_camera" / "one"
+    with open(folder / "comparison.csv", encoding="utf-8") as stream:
+        row = next(csv.DictReader(stream))
+    assert float(row["farthest_mm"]) < 1.0 and row["joint_room"] == ""  # no lag, and no limits
+    assert "--scenario free_camera" in (folder / "comparison.html").read_text(encoding="utf-8")
+    assert compare_laws_main([*words, "free_kamera"]) == EXIT_PARAMETERS
+    assert "free_kamera" in capsys.readouterr().err
+
+
 def test_bad_words_are_bad_input(tmp_path, capsys):
     assert compare_laws_main(["canonical", "--laws", "nobody", "--output", str(tmp_path)]) == EXIT_PARAMETERS
     assert compare_laws_main(["canonical", "--workers", "-1", "--output", str(tmp_path)]) == EXIT_PARAMETERS

@@ -7,8 +7,9 @@ import pytest
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
-from aras_visual_servo_controller.ground.spatial import (exponential, inverse, pose_from_quaternion, quaternion_xyzw,
-                                                         rotation, rotation_angle, rotation_rpy, rotation_vector)
+from aras_visual_servo_controller.ground.spatial import (exponential, inverse, logarithm, pose_from_quaternion,
+                                                         quaternion_xyzw, rotation, rotation_angle, rotation_rpy,
+                                                         rotation_vector)
 
 SEEDS = range(40)
 #: Some tens of operations on numbers near one.
@@ -103,3 +104,19 @@ def test_what_is_not_known_stays_unknown():
     X = pose_from_quaternion((1.0, 2.0, 3.0), (0.0, 0.0, 0.0, 0.0))
     assert np.isnan(X[:3, :3]).all() and X[:3, 3].tolist() == [1.0, 2.0, 3.0]
     assert math.isnan(rotation_angle(np.full((3, 3), np.nan)))
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("angle", [0.0, 1e-9, 9e-6, 1.1e-5, 1e-3, 0.5, 2.6, 3.0, math.pi - 1e-6])
+def test_a_pose_comes_back_from_its_logarithm_and_a_twist_from_its_exponential(seed, angle):
+    twist = np.r_[np.random.default_rng(seed).normal(size=3), angle * axis_of(seed)]
+    X = exponential(twist)
+    # The coefficients of the series are differences of numbers near one over the angle squared: eps / 1e-10.
+    np.testing.assert_allclose(exponential(logarithm(X)), X, rtol=0.0, atol=1e-6 * angle + AXIS_ROUNDING)
+    np.testing.assert_allclose(logarithm(X), twist, rtol=0.0, atol=1e-5 * min(angle, 1e-3) + 10.0 * AXIS_ROUNDING)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_of_exactly_half_a_turn_the_logarithm_is_one_of_two_screws(seed):
+    X = exponential(np.r_[0.3, -0.2, 0.1, math.pi * axis_of(seed)])
+    np.testing.assert_allclose(exponential(logarithm(X)), X, rtol=0.0, atol=10.0 * AXIS_ROUNDING)

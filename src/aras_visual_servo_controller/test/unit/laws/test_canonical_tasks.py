@@ -100,6 +100,35 @@ def test_half_a_turn_is_no_trouble_where_rotation_is_measured(kind):
     np.testing.assert_allclose(path[:, :3, 3], 0.0, atol=1e-6)
 
 
+@pytest.mark.parametrize("degrees", [45.0, 90.0, 135.0])
+def test_the_advance_with_the_matrix_of_the_goal_has_a_closed_form(degrees):
+    """Of a square about the optical axis: Z / Z* = 1 - (a - b) tan(b / 2), a the whole turn, b what is left of it.
+
+    The twist is v_z = -gain Z* (Z* / Z cos b - 1), w_z = gain Z* / Z sin b, the other four are zero. With u = Z / Z*,
+    du / db = (u - cos b) / sin b, which this solves. Its least value is how near the camera comes.
+    """
+    dt_s = DT_S / 16.0
+    held = 2.5 * GAIN_PER_S * dt_s  # what holding a twist adds, measured 1.1 to 2.1 times gain and period
+    path, _ = run("desired", turn(degrees), 8.0, dt_s)
+    left, advance = np.array([rotation_vector(X[:3, :3])[2] for X in path]), path[:, 2, 3] / Z_STAR_M
+    np.testing.assert_allclose(advance, (np.radians(degrees) - left) * np.tan(left / 2.0), atol=held)
+    b = np.linspace(0.0, np.radians(degrees), 100001)
+    nearest = Z_STAR_M * ((b[-1] - b) * np.tan(b / 2.0)).max()
+    assert path[:, 2, 3].max() == pytest.approx(nearest, rel=held)
+    assert 1e3 * nearest == pytest.approx({45.0: 39.06, 90.0: 163.19, 135.0: 402.85}[degrees], abs=0.01)
+
+
+@pytest.mark.parametrize("degrees", [45.0, 90.0, 135.0])
+def test_the_retreat_with_the_matrix_of_each_view_has_a_closed_form(degrees):
+    """Z / Z* = cos(b - a / 2) / cos(a / 2), a the whole turn, b what is left of it: points go straight in the image."""
+    path, _ = run("current", turn(degrees), 8.0, DT_S / 16.0)
+    left, half = np.array([rotation_vector(X[:3, :3])[2] for X in path]), np.radians(degrees) / 2.0
+    height = 1.0 - path[:, 2, 3] / Z_STAR_M
+    np.testing.assert_allclose(height, np.cos(left - half) / np.cos(half), rtol=HELD / 4.0)
+    assert 1e3 * Z_STAR_M * (1.0 / np.cos(half) - 1.0) == pytest.approx(
+        {45.0: 41.20, 90.0: 207.11, 135.0: 806.56}[degrees], abs=0.01)
+
+
 # --- pure retreat, tilt, general motion ------------------------------------------------------------------------------
 
 

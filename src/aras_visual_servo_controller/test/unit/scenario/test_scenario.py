@@ -3,9 +3,11 @@
 import copy
 import os
 
+import numpy as np
 import pytest
 import yaml
 
+from aras_visual_servo_controller.arm.robot import robot_kinematics
 from aras_visual_servo_controller.scenario import scenario as scenario_module
 from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.scenario.scenario import load_scenario, scenario_from_dict
@@ -47,13 +49,24 @@ def test_the_two_experiments_of_the_paper_are_shipped():
     assert {"experiment_1", "experiment_2"} <= set(SHIPPED)
 
 
-@pytest.mark.parametrize("name", [name for name in SHIPPED if not name.startswith(("six_dof", "six_axis"))])
+@pytest.mark.parametrize("name", [name for name in SHIPPED if not name.startswith(("six_dof", "six_axis", "free"))])
 def test_experiments_of_four_features_look_straight_down_at_goal_and_start(name):
     experiment = load_scenario(name).experiment
     for place in ("goal", "start"):
         joints = experiment[place]["joints"]
         # Pitch joints add up; 1e-7 rad: the degrees of the paper are written with 8 digits.
         assert abs(joints["J2"] + joints["J3"] + joints["J5"]) < 1e-7
+
+
+def test_the_free_camera_sees_the_scene_of_the_arm_from_the_same_goal():
+    free, arm = load_scenario("free_camera"), load_scenario("six_dof_canonical")
+    assert free.sim["scene"] == arm.sim["scene"] and free.sim["cameras"] == arm.sim["cameras"]
+    assert free.vision == arm.vision and {**free.servo, "inverse": arm.servo["inverse"]} == arm.servo
+    poses = []
+    for scenario in (free, arm):
+        kinematics = robot_kinematics(scenario.urdf_xml(), "world", "camera_optical_frame")
+        poses.append(kinematics.pose(scenario.goal_posture(kinematics)))
+    np.testing.assert_allclose(*poses, atol=1e-6)  # as the position is written
 
 
 @pytest.mark.parametrize("name, may_differ", [

@@ -38,7 +38,8 @@ struct ContactForce {
  *  and has a pose and a twist beside the joints. Joints that mimic others have entries in the joint vectors and nothing
  *  to be commanded. One step takes the state at t to t + period_s:
  *  velocities first, then positions with the new velocities (semi-implicit Euler, first order).
- *  Vectors of joints are in RobotModel::joint_names order, shape (n,).
+ *  Vectors of joints are in the order of jointNames(), shape (n,). Of a driven base they hold its pose and twist, see
+ *  jointNames(model, config); it takes positions and velocities and is where they put it.
  */
 class MultibodyWorld {
  public:
@@ -49,6 +50,8 @@ class MultibodyWorld {
   MultibodyWorld& operator=(const MultibodyWorld&) = delete;
 
   const RobotModel& model() const;
+  /** Of the joint vectors. */
+  const std::vector<std::string>& jointNames() const;
   const WorldConfig& config() const;
 
   /** Back to tick 0: given positions, at rest, set-points there, controllers without memory, gains as configured, the
@@ -79,13 +82,16 @@ class MultibodyWorld {
   /** Places an obstacle, at rest. @throws UnknownNameError, NotFiniteError */
   void setObstaclePose(const std::string& obstacle, const Pose& X_WO);
 
+  /** True of a driven base too. */
   bool floatingBase() const;
+  bool drivenBase() const;
   /** X_WB of the root link, or of the child of a floating joint. */
   Pose basePose() const;
   /** Places a floating base, at rest; the joints keep their positions and velocities.
    *  @throws ParameterError if the base is fixed, NotFiniteError */
   void setBasePose(const Pose& X_WB);
-  /** Twist of a floating base, [v; w] of its frame's origin in world axes. @throws as setBasePose */
+  /** Twist of a floating base, [v; w] of its frame's origin in world axes. @throws as setBasePose, and of a driven base
+   */
   void setBaseTwist(const Twist& V_WB_W);
 
   /** n periods. */
@@ -103,6 +109,11 @@ class MultibodyWorld {
   void setPosition(const std::string& joint, double set_point);
   void setVelocity(const std::string& joint, double velocity);
   void setEffort(const std::string& joint, double effort);
+  /** The command that moves a driven base with the twist V_WL_L, [v; w], of a link that it carries; "": of itself.
+   *  @throws ParameterError if the base is not driven or does not carry the link, UnknownNameError */
+  JointCommand twistCommand(const Twist& V_WL_L, const std::string& link) const;
+  /** Every commanded velocity becomes 0. */
+  void hold();
 
   /** As a Float64 on the controller's command topic: position, velocity or effort as its type has it; no timeout. */
   void setControllerCommand(const std::string& controller, double value);

@@ -2,20 +2,23 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "aras_visual_servo_sim/config/section.hpp"
 #include "aras_visual_servo_sim/config/types.hpp"
 #include "aras_visual_servo_sim/physics/contact_config.hpp"
 #include "aras_visual_servo_sim/physics/joint_controller.hpp"
+#include "aras_visual_servo_sim/robot/robot_model.hpp"
 
 namespace aras_visual_servo_sim {
 
-/** Whether the robot's root link is held or moves freely. */
+/** Whether the robot's root link is held or moves. */
 enum class Base {
   kFromModel,  ///< floating if the URDF's first joint is, else fixed
   kFixed,
-  kFloating
+  kFloating,
+  kDriven  ///< placed and moved by commands, without inertia; for robots without moving joints
 };
 
 struct WorldConfig {
@@ -30,5 +33,9 @@ struct WorldConfig {
    *  origin. */
   std::optional<Pose> X_WB;
 };
+
+/** What joint vectors of this robot speak of, sorted: its moving joints, or the pose of a driven base as px, py, pz,
+ * rx, ry, rz (position and rotation vector; as velocities the twist in the base's own axes, [v; w]). */
+const std::vector<std::string>& jointNames(const RobotModel& model, const WorldConfig& config);
 
 }  // namespace aras_visual_servo_sim

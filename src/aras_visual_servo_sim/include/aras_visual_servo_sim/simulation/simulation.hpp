@@ -91,6 +91,8 @@ class Simulation {
   void setCommand(const JointCommand& command, std::optional<std::int64_t> stamp_ns = std::nullopt) {
     commands_.apply(command, stamp_ns, timeNs(), *world_);
   }
+  /** Moves a driven base, see MultibodyWorld::twistCommand; else as setCommand. */
+  void setTwist(const Twist& V_WL_L, const std::string& link, std::optional<std::int64_t> stamp_ns = std::nullopt);
   void setControllerCommand(const std::string& controller, double value) {
     commands_.apply(controller, value, *world_);
   }

@@ -17,7 +17,7 @@ class Start {
   explicit Start(const std::map<std::string, double>& positions) : positions_(positions) {}
 
   /** @throws ParameterError naming each joint that the robot does not have */
-  void check(const RobotModel& model) const;
+  void check(const RobotModel& model, const WorldConfig& config) const;
   /** A world whose robot stands at the start. @throws as MultibodyWorld and its setJointPositions */
   std::unique_ptr<MultibodyWorld> makeWorld(const RobotModel& model, const WorldConfig& config);
   /** Puts the robot of the world made last back, at rest. */

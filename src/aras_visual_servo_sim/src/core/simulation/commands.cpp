@@ -7,9 +7,7 @@ namespace aras_visual_servo_sim {
 void Commands::refuse(const std::string& reason, MultibodyWorld& world) {
   ++refused_;
   last_refusal_ = reason;
-  for (const ControllerConfig& controller : world.config().controllers) {
-    if (controller.type != ControllerType::kEffort) world.setVelocity(controller.joint, 0.0);
-  }
+  world.hold();
 }
 
 template <typename Action>

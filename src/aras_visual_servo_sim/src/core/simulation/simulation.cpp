@@ -22,7 +22,7 @@ Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::No
   faults.collect([&] { config_.world.controllers = parseControllers(controllers, model_); });
   faults.collect([&] { models_ = Models(config_.scene, model_, packages); });
   if (faults.empty()) faults.collect([&] { contacts_.begin(models_.set(), config_.scene.solids); });
-  faults.collect([&] { start_.check(model_); });
+  faults.collect([&] { start_.check(model_, config_.world); });
   if (config_.cameras.empty()) {
     faults.collect([&] { config_.cameras = camerasFromTags(model_, model_.warnings, config_.gazebo_cameras); });
   }
@@ -140,6 +140,17 @@ FrameState Simulation::frameState(int index) const {
   }
   return {timeNs(),          world_->jointPositions(), world_->jointVelocities(),
           cameraPose(index), cameraTwist(index),       models_.set().poses()};
+}
+
+void Simulation::setTwist(const Twist& V_WL_L, const std::string& link, std::optional<std::int64_t> stamp_ns) {
+  JointCommand command;
+  try {
+    command = world_->twistCommand(V_WL_L, link);
+  } catch (const ArasError& error) {
+    refuse(error.what());
+    throw;
+  }
+  setCommand(command, stamp_ns);
 }
 
 void Simulation::setJointPositions(const std::map<std::string, double>& positions) {

@@ -13,8 +13,10 @@ WorldConfig readWorld(YamlReader& reader) {
   world.period_s = reader.get<double>("period_s");
   world.gravity_m_s2 = reader.get<Eigen::Vector3d>("gravity_m_s2");
   world.drive = reader.choice<Drive>("drive", {{"implicit", Drive::kImplicit}, {"explicit", Drive::kExplicit}});
-  world.base = reader.choice<Base>(
-      "base", {{"as_urdf", Base::kFromModel}, {"fixed", Base::kFixed}, {"floating", Base::kFloating}});
+  world.base = reader.choice<Base>("base", {{"as_urdf", Base::kFromModel},
+                                            {"fixed", Base::kFixed},
+                                            {"floating", Base::kFloating},
+                                            {"driven", Base::kDriven}});
   if (reader.has("base_pose")) {
     YamlReader pose = reader.section("base_pose");
     world.X_WB = Pose{pose.get<Eigen::Vector3d>("position_m"), quaternionFromRpy(pose.get<Eigen::Vector3d>("rpy_rad"))};

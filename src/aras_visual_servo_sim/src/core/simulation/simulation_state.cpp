@@ -84,7 +84,8 @@ void Simulation::restoreState(const std::string& state) {
     for (auto left = in.get<std::uint64_t>(); left > 0; --left) cameras[k].past.push_back(in.getMoment(models.scene));
   }
   for (std::size_t k = 0; k < cameras.size(); ++k) {
-    if (cameras_[static_cast<int>(k)].late()) in.getFrames(model_.dofs(), models.scene, compose, cameras[k]);
+    if (cameras_[static_cast<int>(k)].late())
+      in.getFrames(static_cast<int>(world_->jointNames().size()), models.scene, compose, cameras[k]);
   }
   if (!in.atEnd()) throw StateError("saved state: found bytes after its end, allowed a state of this simulation");
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <boost/function.hpp>
+#include <boost/make_shared.hpp>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -51,6 +52,9 @@ CommandInputs::CommandInputs(ros::NodeHandle& node, Simulation& simulation, Lock
     : simulation_(simulation), gate_(gate), time_(time) {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   joint_command_ = node.subscribe("joint_command", kCommandQueue, &CommandInputs::onJointCommand, this, hints);
+  if (simulation.world().drivenBase()) {
+    twist_command_ = node.subscribe("twist_command", kCommandQueue, &CommandInputs::onTwistCommand, this, hints);
+  }
   for (const std::string& controller : simulation.world().controllerNames()) {
     const boost::function<void(const std_msgs::Float64::ConstPtr&)> callback =
         [this, controller](const std_msgs::Float64::ConstPtr& message) { onControllerCommand(controller, message); };
@@ -60,29 +64,52 @@ CommandInputs::CommandInputs(ros::NodeHandle& node, Simulation& simulation, Lock
 }
 
 void CommandInputs::onJointCommand(const ros::MessageEvent<const sensor_msgs::JointState>& event) {
-  const sensor_msgs::JointState::ConstPtr& message = event.getConstMessage();
-  const std::string& sender = event.getPublisherName();
+  receive({event.getPublisherName(), event.getConstMessage(), ""});
+}
+
+void CommandInputs::onTwistCommand(const ros::MessageEvent<const geometry_msgs::TwistStamped>& event) {
+  const geometry_msgs::TwistStamped& from = *event.getConstMessage();
+  const geometry_msgs::Vector3 &v = from.twist.linear, &w = from.twist.angular;
+  const auto message = boost::make_shared<sensor_msgs::JointState>();
+  message->header = from.header;
+  std::string refusal;
+  try {
+    const Twist twist = (Twist() << v.x, v.y, v.z, w.x, w.y, w.z).finished();
+    if (!twist.allFinite()) throw NotFiniteError("twist_command: found a value that is not finite");
+    for (const auto& [name, value] : simulation_.world().twistCommand(twist, from.header.frame_id).velocity) {
+      message->name.push_back(name);
+      message->velocity.push_back(value);
+    }
+  } catch (const ArasError& error) {
+    refusal = error.what();
+  }
+  receive({event.getPublisherName(), message, refusal});
+}
+
+void CommandInputs::receive(const Kept& command) {
   if (gate_.holding() && !gate_.nodes().empty()) {
-    kept_.push_back({sender, message});
+    kept_.push_back(command);
   } else {
-    apply(*message);
+    apply(command);
   }
   // A stamp from the future is no answer: its sender runs on another clock.
-  const std::int64_t stamp_ns = time_.simulated(message->header.stamp);
-  gate_.commandReceived(stamp_ns <= simulation_.timeNs() ? stamp_ns : -1, sender);
+  const std::int64_t stamp_ns = time_.simulated(command.message->header.stamp);
+  gate_.commandReceived(stamp_ns <= simulation_.timeNs() ? stamp_ns : -1, command.sender);
   if (!gate_.holding()) applyKept();
 }
 
 void CommandInputs::applyKept() {
   std::stable_sort(kept_.begin(), kept_.end(), [](const Kept& a, const Kept& b) { return a.sender < b.sender; });
-  for (const Kept& kept : kept_) apply(*kept.message);
+  for (const Kept& kept : kept_) apply(kept);
   kept_.clear();
 }
 
-void CommandInputs::apply(const sensor_msgs::JointState& message) {
+void CommandInputs::apply(const Kept& received) {
+  const sensor_msgs::JointState& message = *received.message;
   try {
     JointCommand command;
     try {
+      if (!received.refusal.empty()) throw ParameterError(received.refusal);
       command = commandFromMessage(message);
     } catch (const ArasError& error) {
       simulation_.refuse(error.what());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <geometry_msgs/TwistStamped.h>
 #include <ros/message_event.h>
 #include <ros/node_handle.h>
 #include <ros/subscriber.h>
@@ -20,8 +21,8 @@ namespace aras_visual_servo_sim {
  *  @throws ShapeError if an array is neither empty nor as long as `name`; NotFiniteError naming the joint */
 JointCommand commandFromMessage(const sensor_msgs::JointState& message);
 
-/** Listens to `joint_command` and every `<controller>/command`. A command that is refused never stops the node: it is
- *  counted, warned about, and the arm holds.
+/** Listens to `joint_command`, every `<controller>/command` and, for a driven base, `twist_command`. A command that is
+ * refused never stops the node: it is counted, warned about, and the arm holds.
  *
  *  Where the lockstep waits for several nodes, the joint commands that arrive while it holds are kept, and applied when
  *  time goes on in the order of their senders' names. So it does not matter which node was faster. */
@@ -41,16 +42,20 @@ class CommandInputs {
   struct Kept {
     std::string sender;
     sensor_msgs::JointState::ConstPtr message;
+    std::string refusal;  ///< why the message cannot be read, "": it can
   };
   void onJointCommand(const ros::MessageEvent<const sensor_msgs::JointState>& event);
-  void apply(const sensor_msgs::JointState& message);
+  /** In the frame of its header, a link that the base carries; answers images as a joint command does. */
+  void onTwistCommand(const ros::MessageEvent<const geometry_msgs::TwistStamped>& event);
+  void receive(const Kept& command);
+  void apply(const Kept& command);
   void onControllerCommand(const std::string& controller, const std_msgs::Float64::ConstPtr& message);
 
   Simulation& simulation_;
   LockstepGate& gate_;
   const WireTime& time_;
   std::vector<Kept> kept_;
-  ros::Subscriber joint_command_;
+  ros::Subscriber joint_command_, twist_command_;
   std::vector<ros::Subscriber> controller_commands_;
 };
 

@@ -49,7 +49,7 @@ StatePublisher::StatePublisher(const ros::NodeHandle& node, Simulation& simulati
   target_twist_ = node_.advertise<geometry_msgs::TwistStamped>("ground_truth/target_twist", kSmallQueue);
   path_ = node_.advertise<nav_msgs::Path>("camera_path", 1);
   path_message_.header.frame_id = kWorldFrame;
-  joint_message_.name = simulation.model().joint_names;
+  joint_message_.name = simulation.world().jointNames();
   for (const ExtraJoint& joint : extra_joints_) joint_message_.name.push_back(joint.name);
   for (std::size_t k = 0; k < topics.size(); ++k) advertiseCamera(static_cast<int>(k), topics[k]);
   for (const ControllerConfig& controller : simulation.config().world.controllers) {

@@ -24,11 +24,16 @@ Matrix3d rotationAbout(const Vector3d& axis, double angle_rad) {
 
 }  // namespace
 
-ArticulatedBody::ArticulatedBody(const RobotModel& model, const Vector3d& gravity_m_s2, bool floating, const Pose& X_WB)
+ArticulatedBody::ArticulatedBody(const RobotModel& model, const Vector3d& gravity_m_s2, bool floating, const Pose& X_WB,
+                                 bool driven)
     : gravity_m_s2_(gravity_m_s2), floating_(floating) {
   addBodies(model, X_WB);
   frames_.resize(bodies_.size());
   composites_.resize(bodies_.size());
+  if (driven) {
+    base_body_.mass_kg = 1.0;
+    base_body_.inertia_kg_m2.setIdentity();
+  }
   if (floating_) makeBase(model, X_WB);
   buildBullet();
   checkInertia(model);

@@ -19,9 +19,11 @@ namespace aras_visual_servo_sim {
 class ArticulatedBody {
  public:
   /** @param floating  whether the root link, or the child of the floating joint, is free
+   *  @param driven    it is free, but no force moves it: it needs no inertia
    *  @param X_WB      where that body is placed; it stays there if not free
    *  @throws ModelError naming a joint that moves no inertia, or a free base without any. */
-  ArticulatedBody(const RobotModel& model, const Eigen::Vector3d& gravity_m_s2, bool floating, const Pose& X_WB);
+  ArticulatedBody(const RobotModel& model, const Eigen::Vector3d& gravity_m_s2, bool floating, const Pose& X_WB,
+                  bool driven = false);
 
   int dofs() const { return static_cast<int>(bodies_.size()); }
 

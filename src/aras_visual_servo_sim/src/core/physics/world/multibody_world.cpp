@@ -11,15 +11,27 @@ MultibodyWorld::~MultibodyWorld() = default;
 
 const RobotModel& MultibodyWorld::model() const { return impl_->model; }
 const WorldConfig& MultibodyWorld::config() const { return impl_->config; }
+const std::vector<std::string>& MultibodyWorld::jointNames() const {
+  return aras_visual_servo_sim::jointNames(impl_->model, impl_->config);
+}
 std::int64_t MultibodyWorld::ticks() const { return impl_->ticks; }
 const Eigen::VectorXd& MultibodyWorld::jointPositions() const { return impl_->q; }
 const Eigen::VectorXd& MultibodyWorld::jointVelocities() const { return impl_->v; }
 const Eigen::VectorXd& MultibodyWorld::jointEfforts() const { return impl_->effort; }
 
 void MultibodyWorld::reset(const Eigen::VectorXd& q) {
-  if (q.size() != impl_->model.dofs()) {
+  if (q.size() != impl_->q.size()) {
     throw ShapeError("reset: found " + std::to_string(q.size()) + " positions, must be " +
-                     std::to_string(impl_->model.dofs()));
+                     std::to_string(impl_->q.size()));
+  }
+  if (impl_->driven) {
+    std::map<int, double> positions;
+    for (int i = 0; i < q.size(); ++i) positions[i] = q[i];
+    if (!q.allFinite()) throw NotFiniteError("reset: found a position that is not finite, must be finite");
+    impl_->start();
+    impl_->driven->place(positions);
+    impl_->followDriven();
+    return;
   }
   for (int i = 0; i < q.size(); ++i) {
     if (!impl_->coupling.follows(i)) impl_->checkPosition(i, q[i]);
@@ -30,6 +42,11 @@ void MultibodyWorld::reset(const Eigen::VectorXd& q) {
 }
 
 void MultibodyWorld::setJointPositions(const std::map<std::string, double>& positions) {
+  if (impl_->driven) {
+    impl_->driven->place(impl_->drivenValues(positions, "position"));
+    impl_->followDriven();
+    return;
+  }
   Eigen::VectorXd wanted = impl_->q;
   for (const auto& item : positions) {
     const int i = impl_->model.jointIndex(item.first);
@@ -50,6 +67,7 @@ void MultibodyWorld::setJointPositions(const std::map<std::string, double>& posi
 }
 
 void MultibodyWorld::setJointVelocities(const Eigen::VectorXd& v) {
+  if (impl_->driven) throw ParameterError("setJointVelocities: the base is driven, must be moved by commands");
   if (v.size() != impl_->model.dofs()) {
     throw ShapeError("setJointVelocities: found " + std::to_string(v.size()) + " velocities, must be " +
                      std::to_string(impl_->model.dofs()));
@@ -91,9 +109,14 @@ Twist MultibodyWorld::obstacleTwist(const std::string& obstacle) const {
   return impl_->contacts->obstacleVelocity(impl_->obstacle(obstacle));
 }
 
-void MultibodyWorld::setContacts(const ContactConfig& config) { impl_->setContacts(config); }
+void MultibodyWorld::setContacts(const ContactConfig& config) {
+  if (impl_->driven && config.any()) throw ParameterError("base: found driven with contacts, allowed no contacts");
+  impl_->setContacts(config);
+}
 
 bool MultibodyWorld::floatingBase() const { return impl_->body.base() != nullptr; }
+
+bool MultibodyWorld::drivenBase() const { return impl_->driven != nullptr; }
 
 Pose MultibodyWorld::basePose() const {
   return impl_->body.base() ? impl_->body.base()->pose() : impl_->initialBasePose();
@@ -106,6 +129,7 @@ void MultibodyWorld::setBasePose(const Pose& X_WB) {
 
 void MultibodyWorld::setBaseTwist(const Twist& V_WB_W) {
   impl_->checkBase("setBaseTwist", V_WB_W.allFinite());
+  if (impl_->driven) throw ParameterError("setBaseTwist: the base is driven, must be moved by commands");
   FloatingBase& base = *impl_->body.base();
   Twist velocity = V_WB_W;  // of the centre of mass
   velocity.head<3>() += V_WB_W.tail<3>().cross(base.com() - base.p());
@@ -129,6 +153,34 @@ void MultibodyWorld::setVelocity(const std::string& joint, double velocity) {
 
 void MultibodyWorld::setEffort(const std::string& joint, double effort) {
   impl_->command(JointCommand{{}, {}, {{joint, effort}}}, true);
+}
+
+JointCommand MultibodyWorld::twistCommand(const Twist& V_WL_L, const std::string& link) const {
+  if (!impl_->driven) throw ParameterError("twist command: the base is not driven (sim/base: driven)");
+  Twist V_WB_B = V_WL_L;
+  if (!link.empty()) {
+    const int index = impl_->model.linkIndex(link);
+    if (!impl_->body.moves(index)) {
+      throw ParameterError("twist command: found frame '" + link + "', allowed is a link that the driven base carries");
+    }
+    const Pose X_BL = impl_->driven->pose().inverse() * impl_->body.linkPose(index);
+    V_WB_B << X_BL.q * V_WL_L.head<3>(), X_BL.q * V_WL_L.tail<3>();
+    V_WB_B.head<3>() -= V_WB_B.tail<3>().cross(X_BL.p);
+  }
+  JointCommand command;
+  for (int k = 0; k < 6; ++k) command.velocity[DrivenBase::coordinates()[k]] = V_WB_B[k];
+  return command;
+}
+
+void MultibodyWorld::hold() {
+  JointCommand rest;
+  if (impl_->driven) {
+    for (const std::string& name : jointNames()) rest.velocity[name] = 0.0;
+    return impl_->command(rest, true);
+  }
+  for (const ControllerConfig& controller : impl_->config.controllers) {
+    if (controller.type != ControllerType::kEffort) setVelocity(controller.joint, 0.0);
+  }
 }
 
 void MultibodyWorld::setControllerCommand(const std::string& controller, double value) {
@@ -194,6 +246,7 @@ Eigen::MatrixXd MultibodyWorld::massMatrix() const {
 }
 
 double MultibodyWorld::energy() const {
+  if (impl_->driven) return 0.0;  // it has no inertia
   std::vector<double> M;
   impl_->body.massMatrix(M);
   return impl_->body.kineticEnergy(M, impl_->v) + impl_->body.potentialEnergy();

@@ -24,7 +24,8 @@ void checkConfig(const WorldConfig& config) {
 }
 
 bool isFloating(const RobotModel& model, const WorldConfig& config) {
-  return config.base == Base::kFloating || (config.base == Base::kFromModel && model.floatingJoint());
+  return config.base == Base::kFloating || config.base == Base::kDriven ||
+         (config.base == Base::kFromModel && model.floatingJoint());
 }
 
 /** How far the position given for a mimic joint may differ from the one it has: the rounding of a few operations. */
@@ -35,14 +36,22 @@ constexpr double kLongestTimeout = 1e18;
 
 }  // namespace
 
+const std::vector<std::string>& jointNames(const RobotModel& model, const WorldConfig& config) {
+  return config.base == Base::kDriven ? DrivenBase::coordinates() : model.joint_names;
+}
+
 MultibodyWorld::Impl::Impl(const RobotModel& the_model, const WorldConfig& the_config)
     : model((checkConfig(the_config), the_model)),
       config(the_config),
       coupling(model),
-      body(model, config.gravity_m_s2, isFloating(model, config), initialBasePose()),
+      body(model, config.gravity_m_s2, isFloating(model, config), initialBasePose(), config.base == Base::kDriven),
       solver(coupling.coordinates()),
       graphs(coupling.coordinates()) {
-  const int n = model.dofs();
+  if (config.base == Base::kDriven) {
+    checkDriven();
+    driven = std::make_unique<DrivenBase>();
+  }
+  const int n = driven ? static_cast<int>(DrivenBase::coordinates().size()) : model.dofs();
   const int coordinates = coupling.coordinates();
   q = v = v_free = effort = Eigen::VectorXd::Zero(n);
   v_next = v_free_c = total = Eigen::VectorXd::Zero(coordinates);
@@ -52,6 +61,16 @@ MultibodyWorld::Impl::Impl(const RobotModel& the_model, const WorldConfig& the_c
   body.setPositions(q);
   setContacts(config.contacts);
   start();
+}
+
+/** Nothing but the base of a driven robot moves, and nothing can push it. */
+void MultibodyWorld::Impl::checkDriven() const {
+  FaultList faults;
+  if (model.dofs() > 0) {
+    faults.add("base", "driven with the moving joint '" + model.joint_names.front() + "'", "a robot without any");
+  }
+  if (config.contacts.any()) faults.add("base", "driven with contacts", "no contacts: it has no inertia");
+  faults.throwIfAny();
 }
 
 void MultibodyWorld::Impl::makeDrives() {
@@ -88,13 +107,18 @@ void MultibodyWorld::Impl::start() {
   unsettled_steps = 0;
   v.setZero();
   effort.setZero();
-  coupling.complete(q, v);
+  if (!driven) coupling.complete(q, v);
   for (std::size_t c = 0; c < drives.size(); ++c) drives[c].start(q[coupling.joint(static_cast<int>(c))]);
   placeBase(initialBasePose());
   if (contacts) contacts->reset();
 }
 
 void MultibodyWorld::Impl::placeBase(const Pose& X_WB) {
+  if (driven) {
+    driven->place(X_WB);
+    followDriven();
+    return;
+  }
   if (body.base()) {
     body.base()->place(X_WB);
     body.base()->setVelocity(Twist::Zero());
@@ -102,8 +126,26 @@ void MultibodyWorld::Impl::placeBase(const Pose& X_WB) {
   body.setPositions(q);
 }
 
+void MultibodyWorld::Impl::followDriven() {
+  q = driven->positions();
+  v = driven->twist();
+  FloatingBase& base = *body.base();
+  base.restore(driven->pose(), Twist::Zero());
+  Twist velocity;  // of the centre of mass in world axes
+  velocity << base.R() * v.head<3>(), base.R() * v.tail<3>();
+  velocity.head<3>() += velocity.tail<3>().cross(base.com() - base.p());
+  base.setVelocity(velocity);
+  body.setPositions(q);
+}
+
 void MultibodyWorld::Impl::step() {
   const double dt = config.period_s;
+  if (driven) {
+    driven->step(ticks, dt);
+    followDriven();
+    ++ticks;
+    return;
+  }
   const int coordinates = coupling.coordinates();
   for (int c = 0; c < coordinates; ++c) {
     const int i = coupling.joint(c);
@@ -224,7 +266,34 @@ void MultibodyWorld::Impl::checkCommand(const std::map<std::string, double>& val
   }
 }
 
+std::map<int, double> MultibodyWorld::Impl::drivenValues(const std::map<std::string, double>& values,
+                                                         const char* kind) const {
+  std::map<int, double> checked;
+  for (const auto& [name, value] : values) {
+    checked[DrivenBase::index(name)] = value;
+    if (std::isfinite(value)) continue;
+    throw NotFiniteError("joint '" + name + "': " + kind + " is " + shown(value) + ", must be finite");
+  }
+  return checked;
+}
+
+void MultibodyWorld::Impl::commandDriven(const JointCommand& command, bool expires) {
+  const auto positions = drivenValues(command.position, "position command");
+  const auto velocities = drivenValues(command.velocity, "velocity command");
+  if (!command.effort.empty()) {
+    throw ParameterError("joint '" + command.effort.begin()->first +
+                         "': found an effort command, a driven base takes position and velocity");
+  }
+  if (!positions.empty()) {
+    driven->place(positions);
+    followDriven();
+  }
+  if (velocities.empty()) return;
+  driven->command(velocities, ticks, expires ? expiryTick(config.command_timeout_s) : kNever);
+}
+
 void MultibodyWorld::Impl::command(const JointCommand& command, bool expires) {
+  if (driven) return commandDriven(command, expires);
   checkCommand(command.position, &JointDrive::takesPosition, "position");
   checkCommand(command.velocity, &JointDrive::takesVelocity, "velocity");
   checkCommand(command.effort, &JointDrive::takesEffort, "effort");

@@ -8,6 +8,7 @@
 
 #include "aras_visual_servo_sim/physics/multibody_world.hpp"
 #include "physics/body/articulated_body.hpp"
+#include "physics/body/driven_base.hpp"
 #include "physics/contact/world_contacts.hpp"
 #include "physics/drive/joint_coupling.hpp"
 #include "physics/drive/joint_drive.hpp"
@@ -25,6 +26,10 @@ class MultibodyWorld::Impl {
 
   /** At rest; the joints stay. */
   void placeBase(const Pose& X_WB);
+  /** The body, q and v follow the driven base. */
+  void followDriven();
+  /** Checked coordinates of the driven base by index. @throws UnknownNameError, NotFiniteError */
+  std::map<int, double> drivenValues(const std::map<std::string, double>& values, const char* kind) const;
   Pose initialBasePose() const;
 
   /** One checked command: everything is looked up before anything is done.
@@ -57,6 +62,7 @@ class MultibodyWorld::Impl {
   const WorldConfig config;
   JointCoupling coupling;
   ArticulatedBody body;
+  std::unique_ptr<DrivenBase> driven;  // null: forces move the robot
   JointSolver solver;
   std::unique_ptr<WorldContacts> contacts;  // null: nothing touches
   std::vector<JointDrive> drives;           // of the coordinates
@@ -69,6 +75,8 @@ class MultibodyWorld::Impl {
 
  private:
   void makeDrives();
+  void checkDriven() const;
+  void commandDriven(const JointCommand& command, bool expires);
   std::int64_t expiryTick(double timeout_s) const;
   void checkVelocities() const;
   void checkCommand(const std::map<std::string, double>& values, bool (JointDrive::*takes)() const,

@@ -50,6 +50,11 @@ void visitMemory(Stream& stream, DriveMemory& memory) {
 template <typename Stream>
 void MultibodyWorld::Impl::visitState(Stream& stream) {
   stream.value(ticks);
+  if (driven) {
+    driven->visit(stream);
+    followDriven();
+    return;
+  }
   for (int i = 0; i < model.dofs(); ++i) {
     stream.value(q[i]);
     stream.value(v[i]);
@@ -61,7 +66,7 @@ void MultibodyWorld::Impl::visitState(Stream& stream) {
 }
 
 std::string MultibodyWorld::Impl::signature() const {
-  std::string text = model.name + '\n' + shown(config.period_s) + (body.base() ? " floating" : "");
+  std::string text = model.name + '\n' + shown(config.period_s) + (driven ? " driven" : body.base() ? " floating" : "");
   if (contacts) {
     for (const Obstacle& obstacle : contacts->obstacles()) text += "\nsolid " + obstacle.name;
   }
