@@ -26,7 +26,7 @@ FLOORS = {
     "simulation": ["time", "models", "cameras", "state", ""],
 }
 # The node's rooms, lowest first.
-NODE = ["convert", "publish", "listen", "node"]
+NODE = ["convert", "record", "publish", "listen", "node"]
 # Libraries that one room alone knows.
 LIBRARIES = {"Bullet": "physics", "bt": "physics", "LinearMath": "physics", "assimp": "scene", "stb": "image",
              "urdf": "robot", "tinyxml2": "robot"}

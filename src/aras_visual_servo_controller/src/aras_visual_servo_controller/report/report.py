@@ -4,8 +4,8 @@
     summary = save_results(record, folder)
     print(format_summary(summary))
 
-The same run gives the same bytes, except for `real_time_factor`, `wall_s` and `versions`. No file contains the date of
-the run; the name of the folder does.
+The same run gives the same bytes, except for `real_time_factor`, `wall_s`, `versions` and `recorded`. No file contains
+the date of the run; the name of the folder does.
 """
 
 import csv
@@ -154,6 +154,7 @@ def summarise(record):
         "seed": record.settings.get("sim", {}).get("seed"),
         "run_hash": record.run_hash,
         "trace_sha256": hashlib.sha256(trace_csv(record).encode()).hexdigest(),
+        "recorded": record.recorded,
         "notes": list(record.notes),
         "real_time_factor": record.real_time_factor,
         "wall_s": record.wall_s,
