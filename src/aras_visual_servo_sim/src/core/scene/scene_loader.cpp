@@ -1,5 +1,6 @@
 #include "aras_visual_servo_sim/scene/scene_loader.hpp"
 
+#include <aras_visual_servo_common/files.hpp>
 #include <filesystem>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
@@ -10,10 +11,11 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-YAML::Node readFile(const std::string& path) {
+YAML::Node modelFile(const std::string& path) {
+  namespace common = aras_visual_servo_common;
   try {
-    return YAML::LoadFile(path);
-  } catch (const YAML::Exception& error) {
+    return common::parseYaml(common::readFile(path, common::kMostFileYaml), common::kMostFileYaml);
+  } catch (const ArasError& error) {
     throw ModelError("file '" + path + "': " + error.what());
   }
 }
@@ -57,7 +59,7 @@ PlanarModel planarModelFromYaml(const YAML::Node& node, const std::string& sourc
 }
 
 PlanarModel loadPlanarModel(const std::string& path, const PackagePaths& packages) {
-  return planarModelFromYaml(readFile(path), path, packages, std::filesystem::path(path).parent_path().string());
+  return planarModelFromYaml(modelFile(path), path, packages, std::filesystem::path(path).parent_path().string());
 }
 
 Scene loadScene(const SceneConfig& config, const PackagePaths& packages) {
