@@ -5,9 +5,8 @@ script/gallery makes them again; tests/closed_loop/test_comparison_page.py holds
 #: Table -> the scenario that it was run on; None: that of the comparison itself.
 TABLES = {"free_camera": "free_camera", "arm": None}
 BEGIN, END = "<!-- comparison: {} -->\n", "<!-- end comparison -->"
-#: Ends of a run as the table calls them.
-SHORT = {"converged elsewhere": "elsewhere", "timed out, at a joint limit": "joint limit",
-         "timed out, target lost": "target lost", "timed out, at a singularity": "singularity"}
+#: Ends of a run that the table calls otherwise.
+SHORT = {"converged elsewhere": "elsewhere"}
 
 
 def cell(row):

@@ -47,5 +47,6 @@ def test_a_table_is_read_as_it_was_written(tables):
     results = [("turn_90", "a", row, None), ("turn_90", "b", lost, None), ("general", "a", lost, None),
                ("general", "b", row, None)]
     page = tables.write(tables.BEGIN.format("arm") + tables.END + "\n", "arm", results)
-    assert tables.read(page, "arm") == {("a", "turn_90"): "0.12; 4", ("b", "turn_90"): "**joint limit**; 4",
-                                        ("a", "general"): "**joint limit**; 4", ("b", "general"): "0.12; 4"}
+    assert tables.read(page, "arm") == {
+        ("a", "turn_90"): "0.12; 4", ("b", "turn_90"): "**timed out, at a joint limit**; 4",
+        ("a", "general"): "**timed out, at a joint limit**; 4", ("b", "general"): "0.12; 4"}

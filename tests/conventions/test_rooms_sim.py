@@ -21,12 +21,12 @@ BELOW = {
 # Folders inside a room, lowest first; "" is the room's own folder. Its public headers are for all of them.
 FLOORS = {
     "physics": ["control", "drive", "body", "contact", "world"],
-    "render": ["view", "coverage", "picture", "planar", "triangles", "tiles", ""],
+    "render": ["view", "coverage", "picture", "planar", "triangles", "curved", "tiles", "opengl", ""],
     "scene": ["motion", "mesh", ""],
     "simulation": ["time", "models", "cameras", "state", ""],
 }
 # The node's rooms, lowest first.
-NODE = ["convert", "publish", "listen", "node"]
+NODE = ["convert", "record", "publish", "listen", "node"]
 # Libraries that one room alone knows.
 LIBRARIES = {"Bullet": "physics", "bt": "physics", "LinearMath": "physics", "assimp": "scene", "stb": "image",
              "urdf": "robot", "tinyxml2": "robot"}

@@ -17,7 +17,7 @@ from ..ground.types import FEATURE_NAMES
 __all__ = ["BagError", "read_bag"]
 REQUIRED = ("servo_state",)
 OPTIONAL = ("ground_truth/camera_pose", "camera/image_raw", "camera/camera_info", "ground_truth/target_pose",
-            "sim/status", "scenario", *SOURCE_TOPICS)
+            "sim/status", "sim/recording", "scenario", *SOURCE_TOPICS)
 
 
 def read_bag(paths, namespace=None, scenario=None, keep_images=False):
@@ -62,7 +62,7 @@ def find_topics(bags, namespace=None):
 
 def _read(bags, topics, scenario, keep_images):
     states, features, poses, statuses = [], {}, {}, []
-    camera_info, targets, document = None, {}, None
+    camera_info, targets, document, published = None, {}, None, None
     names = {topic: name for name, topic in topics.items() if name != "camera/image_raw"}
     for topic, message in bags.messages(names):
         name = names[topic]
@@ -78,12 +78,15 @@ def _read(bags, topics, scenario, keep_images):
             camera_info = camera_info or camera_info_of(message)
         elif name == "sim/status":
             statuses.append(message)
+        elif name == "sim/recording":
+            published = dict(zip(message.topics, message.published))
         elif name == "scenario":
             document = message.data
     states = _unique_rows(states)
     if not states:
         raise BagError(f"bag '{bags.name}': {topics['servo_state']} holds no image's row")
-    notes = bags.notes + lacking(topics)
+    recorded, losses = _compare(bags, published)
+    notes = bags.notes + lacking(topics) + losses
     settings, scenario_name = settings_of(scenario, document, notes)
     # Features of plugins bring the units and symbols they are shown with.
     faults = load_plugins(settings.get("servo", {}).get("plugins", []))
@@ -119,7 +122,15 @@ def _read(bags, topics, scenario, keep_images):
     factors = [s.real_time_factor for s in statuses if not s.paused and s.real_time_factor > 0.0]
     return builder.finish(run_hash=statuses[-1].run_hash if statuses else "",
                           real_time_factor=float(np.median(factors)) if factors else float("nan"),
-                          camera_info=camera_info, X_WT=X_WT)
+                          camera_info=camera_info, X_WT=X_WT, recorded=recorded)
+
+
+def _compare(bags, published):
+    """({topic: {"published": n, "in_bag": m}}, notes about what is missing). published: topic -> number, or None."""
+    counts = {topic: {"published": number, "in_bag": bags.count(topic)}
+              for topic, number in sorted((published or {}).items())}
+    return counts, [f"LOST in recording: {topic}: {count['published']} messages were published, {count['in_bag']} are "
+                    "in the bag" for topic, count in counts.items() if count["in_bag"] < count["published"]]
 
 
 class _Answer:

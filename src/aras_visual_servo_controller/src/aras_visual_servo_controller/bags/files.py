@@ -1,7 +1,7 @@
 """Finds the bags of a run, opens them (a damaged one is repaired on a copy) and reads them as one. Needs no ROS master.
 
 A run may be in one bag, in the parts that `rosbag record --split` made (run_0.bag, run_1.bag, ...), in bags of several
-recorders, or in what a recorder left that was killed (run.bag.active).
+recorders, or in what a process left that was killed while it recorded (run.bag.active).
 """
 
 import os
@@ -58,6 +58,11 @@ class BagFiles:
     def topics(self):
         """Names of all topics, a set."""
         return {topic for bag in self._bags for topic in bag.get_type_and_topic_info().topics}
+
+    def count(self, topic):
+        """Number of messages of a topic, as the indices of the bags tell."""
+        infos = (bag.get_type_and_topic_info([topic]).topics.get(topic) for bag in self._bags)
+        return sum(info.message_count for info in infos if info is not None)
 
     def messages(self, topics):
         """(topic, message) of these topics in order. A broken bag ends early, with a note."""

@@ -9,7 +9,7 @@ SOURCE_TOPICS = tuple(source.topic for source in known_sources())
 # that fits.
 GROUPS = {
     "servo": ("servo_state", "servo/", "scenario"),
-    "images": ("camera/image_raw", "camera/converted_image"),
+    "images": ("camera/image_raw",),
     "features": (*SOURCE_TOPICS, "camera/camera_info"),
     "joints": ("joint_states", "joint_command"),
     "truth": ("ground_truth/",),
@@ -18,6 +18,13 @@ GROUPS = {
     "status": ("sim/status",),
     "other": (),
 }
+# Group -> part of the names of what is made only for somebody who asks, of any camera. "all" does not name these.
+ON_DEMAND = {"converted": "/converted_image", "overlay": "/overlay", "depth": "/depth/",
+             "segmentation": "/segmentation/"}
+# Parts of names that are never recorded: they can be made from what is.
+NEVER = ("/null_space_bars", "/camera_path", "/parameter_descriptions", "/parameter_updates", "/compressed", "/theora",
+         "/state")
+COMPRESSIONS = ("lz4", "bz2", "none")
 ALWAYS = "servo"       # always recorded: without it nothing can be reported
 # (topic, its group, what a report lacks without it).
 NEEDED = (("ground_truth/camera_pose", "truth", "the true camera pose: nothing to judge by, no path"),
@@ -32,17 +39,18 @@ def parse_groups(value):
 
     Args:
         value: "all", names with commas between ("images, truth"), a list of names, or names with a minus
-            ("-images,-tf") for all groups but these. The group `servo` is always among them.
+            ("-images,-tf") for all groups but these. The group `servo` is always among them, those of ON_DEMAND only
+            if they are named ("all, segmentation").
     Returns:
-        tuple of names, in the order of GROUPS.
+        tuple of names, in the order of GROUPS and ON_DEMAND.
     Raises:
         ParameterError: a name is unknown (the known ones are listed), or names with and without a minus are mixed.
     """
     names = [str(name).strip() for name in (value.split(",") if isinstance(value, str) else value)]
     names = [name for name in names if name]
-    known = ", ".join(GROUPS)
+    known = ", ".join((*GROUPS, *ON_DEMAND))
     faults = [f"record_groups: found '{name}', allowed all | {known}, or -NAME to leave one out"
-              for name in names if name.lstrip("-") not in (*GROUPS, "all") or name == "-all"]
+              for name in names if name.lstrip("-") not in (*GROUPS, *ON_DEMAND, "all") or name == "-all"]
     without = {name[1:] for name in names if name.startswith("-")}
     chosen = {name for name in names if not name.startswith("-")}
     if without and chosen - {"all"}:
@@ -52,17 +60,26 @@ def parse_groups(value):
     if faults:
         raise ParameterError(faults)
     if without or not chosen or "all" in chosen:
-        chosen = set(GROUPS) - without
-    return tuple(name for name in GROUPS if name in chosen or name == ALWAYS)
+        chosen |= set(GROUPS) - without
+    return tuple(name for name in (*GROUPS, *ON_DEMAND) if name in chosen or name == ALWAYS)
 
 
 def group_of(topic, namespace="/"):
     """Group of a topic, given by its resolved name. namespace: of the run, e.g. "/aras_visual_servo/"."""
     name = (topic[len(namespace):] if topic.startswith(namespace) else topic).lstrip("/")
+    for group, part in ON_DEMAND.items():
+        if part in "/" + name:
+            return group
     for group, starts in GROUPS.items():
         if any(name == start or start.endswith("/") and name.startswith(start) for start in starts):
             return group
     return "other"
+
+
+def is_chosen(topic, namespace, groups):
+    """Whether a topic, given by its resolved name, is recorded when these groups are. namespace: as `group_of`."""
+    name = "/" + (topic[len(namespace):] if topic.startswith(namespace) else topic).lstrip("/")
+    return group_of(topic, namespace) in groups and not any(part in name for part in NEVER)
 
 
 def lacking(present):

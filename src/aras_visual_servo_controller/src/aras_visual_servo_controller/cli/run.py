@@ -13,8 +13,7 @@ import yaml
 
 from ..ground.errors import ArasError, ParameterError
 from ..ground.processes import Interrupted, signals_raise
-from ..bags.record_groups import GROUPS, parse_groups
-from ..bags.recorder import COMPRESSIONS
+from ..bags.record_groups import COMPRESSIONS, GROUPS, ON_DEMAND, parse_groups
 
 EXIT_PASSED, EXIT_FAILED, EXIT_PARAMETERS, EXIT_BROKEN = range(4)
 NAMESPACE = re.compile(r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
@@ -34,11 +33,12 @@ def run_main(argv=None):
                              "several times (only with --in-process)")
     parser.add_argument("--video", action="store_true", help="make video.mp4 too and show it in the report (ffmpeg)")
     parser.add_argument("--record", metavar="GROUPS", help="groups of topics to record (only over ROS), e.g. "
-                        "images,features,truth for these or --record=-images for all but images; the groups are "
-                        + ", ".join(GROUPS) + " (default: all)")
+                        "images,features,truth for these, --record=-images for all but images, or all,segmentation "
+                        "for one more; the groups are " + ", ".join(GROUPS) + " (default: all), and, recorded only "
+                        "when named, " + ", ".join(ON_DEMAND))
     parser.add_argument("--split", type=int, metavar="MB",
                         help="begin a new bag file when one has reached this size (only over ROS)")
-    parser.add_argument("--compression", choices=tuple(COMPRESSIONS),
+    parser.add_argument("--compression", choices=COMPRESSIONS,
                         help="compression of the bag (only over ROS; default: lz4)")
     parser.add_argument("--namespace", metavar="NAME", help="namespace of the graph, with a clock and frames of its "
                         "own, so that several runs share a master (only over ROS; default: aras_visual_servo, global "

@@ -1,7 +1,7 @@
 """Node `experiment`: runs the scenario's experiment once, records it, judges it, and ends with an exit code.
 
 Exit codes: 0 the run converged and the final pose is within the limits of the scenario's judge; 1 the run came to its
-end, but did not; 2 bad parameters; 3 the run could not be made (no result folder, no simulator, recorder died, ...);
+end, but did not; 2 bad parameters; 3 the run could not be made (no result folder, no simulator, the disk is full, ...);
 128 + N signal N ended it, the bag is closed.
 
 The node waits on wall time, because simulated time stands still while the simulator is paused.
@@ -14,7 +14,6 @@ import threading
 import time
 from pathlib import Path
 
-import roslib.packages
 import rospy
 import yaml
 from actionlib_msgs.msg import GoalStatus, GoalStatusArray
@@ -32,24 +31,18 @@ from .goal_sender import GoalSender
 from .graph import Graph
 from ..run.loop import CLOSING_S
 from .parameters import Parameters
-from ..bags.record_groups import group_of, lacking, parse_groups
-from ..bags.recorder import COMPRESSIONS, Recorder
+from .recording import Recording
+from ..bags.record_groups import COMPRESSIONS, is_chosen, lacking, parse_groups
 from ..report.report import create_result_folder, format_summary, save_results
 from ..scenario.scenario import scenario_from_dict
 from ..scenario.schema import default_of
 
 NODES = ("sim", "camera_node", "controller")
-# Topics of the namespace that are not recorded: recording them would slow the run down, and they can be computed from
-# the recorded ones.
-NOT_RECORDED = ("camera/overlay", "camera/depth/", "null_space_bars", "/parameter_descriptions", "/parameter_updates",
-                "/compressed", "/theora", "/state")
 OUTSIDE = ("/clock", "/tf", "/tf_static")
 PRIVATE_PARAMETERS = ("results_dir", "record", "record_groups", "record_split_mb", "record_compression", "video",
                       "startup_timeout_s", "stall_timeout_s", "exit_code_file")
 POLL_S = 0.05             # wall time between looks
 GRAPH_POLL_S = 0.5        # wall time between looks at the master while running
-SETTLED_BYTES = 16384     # a bag that grows by less than this in a moment is given the clock only, and no images
-SETTLE_LIMIT_S = 10.0     # wall time that the recorder gets to write down what it was sent
 EXIT_PASSED, EXIT_FAILED, EXIT_PARAMETERS, EXIT_BROKEN = range(4)
 
 
@@ -65,7 +58,7 @@ class ExperimentNode:
         self._results = Path(os.path.expanduser(parameters.value("~results_dir", "results")))
         self._record = parameters.value("~record", True)
         self._split_mb = parameters.value("~record_split_mb", 0, minimum=0)
-        self._compression = parameters.choice("~record_compression", "lz4", tuple(COMPRESSIONS))
+        self._compression = parameters.choice("~record_compression", "lz4", COMPRESSIONS)
         self._video = parameters.value("~video", False)
         self._groups = ()
         try:
@@ -81,7 +74,7 @@ class ExperimentNode:
             parameters.add(error)
         parameters.check()
         self._graph = Graph(rospy.get_name(), os.environ["ROS_MASTER_URI"])
-        self._recorder = None
+        self._recording = None
         self._changed = threading.Condition()
         self._status = self._state = self._result = None
         self._done_ns = None
@@ -91,7 +84,7 @@ class ExperimentNode:
     # ---- parts of a run -----------------------------------------------------------------------------------------
 
     def run(self):
-        """The whole run. Returns the exit code; raises RunError, RecorderError."""
+        """The whole run. Returns the exit code; raises RunError, RecordingError."""
         self.folder = create_result_folder(self._results.absolute(), self._scenario.name)
         rospy.loginfo("results go to %s", self.folder)
         self._subscribe()
@@ -99,16 +92,25 @@ class ExperimentNode:
         try:
             if self._record:
                 with signals_held():
-                    self._recorder = Recorder(_recorder_program(), self.folder / "run.bag", self._topics(),
-                                              rospy.get_name() + "_recorder", rospy.resolve_name("/clock"),
-                                              self._split_mb, self._compression)
+                    self._recording = Recording(self.folder / "run.bag", self._topics(), self._compression,
+                                                self._split_mb)
             self._wait("all connections", self._missing_connections, self._startup_timeout_s)
             wall_s = self._drive()
-        finally:
-            if self._recorder is not None:
-                with signals_held():
-                    self._recorder.stop()
+        except BaseException:
+            with signals_held():
+                self._end_recording()  # what it says is not the reason
+            raise
+        if self._recording is not None:
+            with signals_held():
+                self._recording.stop()
         return self._report(wall_s)
+
+    def _end_recording(self):
+        try:
+            if self._recording is not None:
+                self._recording.stop()
+        except (ArasError, rospy.ROSException) as error:
+            rospy.logwarn("%s", error)
 
     def _subscribe(self):
         # The scenario is recorded in the bag, so that the bag alone is enough to judge the run again.
@@ -136,24 +138,18 @@ class ExperimentNode:
     def _topics(self):
         """Resolved names of the topics to record."""
         namespace = rospy.get_namespace()
-        mine = [topic for topic in self._graph.topics(namespace)
-                if not any(part in topic[len(namespace) - 1:] for part in NOT_RECORDED)]
-        topics = sorted(topic for topic in set(mine) | {rospy.resolve_name(topic) for topic in OUTSIDE}
-                        if group_of(topic, namespace) in self._groups)
+        known = set(self._graph.topics(namespace)) | {rospy.resolve_name(topic) for topic in OUTSIDE}
+        topics = sorted(topic for topic in known if is_chosen(topic, namespace, self._groups))
         for sentence in lacking({topic[len(namespace):] for topic in topics}):
             rospy.logwarn("%s", sentence)
         return topics
 
     def _missing_connections(self):
         nodes = {rospy.resolve_name(name) for name in NODES} | {rospy.get_name()}
-        missing = []
-        if self._recorder is not None:
-            self._recorder.check()
-            nodes.add(self._recorder.node)
-            missing = [f"{topic} -> recorder" for topic in
-                       self._graph.subscribed_not(self._recorder.node, self._recorder.topics)]
-        return missing + [f"{topic}: {publisher} -> {subscriber}"
-                          for topic, publisher, subscriber in self._graph.missing_connections(nodes)]
+        if self._recording is not None:
+            self._recording.check(self._status)
+        return [f"{topic}: {publisher} -> {subscriber}"
+                for topic, publisher, subscriber in self._graph.missing_connections(nodes)]
 
     def _wait(self, what, missing, timeout_s):
         """Wait on wall time until missing() gives an empty list. Raises RunError, which names what is still missing."""
@@ -192,8 +188,8 @@ class ExperimentNode:
             check_signals()
             if rospy.is_shutdown():
                 raise RunError("shut down before the result")
-            if self._recorder is not None:
-                self._recorder.check()
+            if self._recording is not None:
+                self._recording.check(self._status)
             if now_s - looked_s > GRAPH_POLL_S:
                 looked_s = now_s
                 with self._changed:
@@ -209,7 +205,8 @@ class ExperimentNode:
         wall_s = now_s - started_s
         if lockstep:
             self._close_run()
-        self._settle_recording()
+        if self._recording is not None:
+            self._recording.settle()
         return wall_s
 
     def _taken(self, lockstep):
@@ -264,20 +261,6 @@ class ExperimentNode:
         self._step(steps)
         self._wait("the end", lambda: [] if self._status.header.stamp.to_nsec() >= end_ns else ["sim/status"], 10.0)
 
-    def _settle_recording(self):
-        """Let the last messages reach the recorder: wait until the bag grows by no more than the clock.
-
-        A bag never stops growing altogether, because the paused simulator goes on publishing its clock.
-        """
-        if self._recorder is None:
-            return
-        size, since_s = -SETTLED_BYTES, time.monotonic()
-        deadline_s = since_s + SETTLE_LIMIT_S
-        while time.monotonic() - since_s < 0.3 and time.monotonic() < deadline_s:
-            if self._recorder.written_bytes() - size >= SETTLED_BYTES:
-                size, since_s = self._recorder.written_bytes(), time.monotonic()
-            time.sleep(POLL_S)
-
     def _on_status(self, message):
         with self._changed:
             self._status = message
@@ -305,10 +288,10 @@ class ExperimentNode:
         result = self._result
         rospy.loginfo("%s after %.2f s of servoing: %s", "converged" if result.converged else "not converged",
                       result.duration_s, result.reason)
-        if self._recorder is None:
-            rospy.logwarn("nothing was recorded (record:=false): the run is not judged by the true camera pose")
+        if self._recording is None:
+            rospy.logwarn("nothing was recorded (record:=false): not judged by the true pose")
             return EXIT_PASSED if result.converged else EXIT_FAILED
-        record = read_bag(self._recorder.bags(), rospy.get_namespace(), keep_images=self._video)
+        record = read_bag(self._recording.bags(), rospy.get_namespace(), keep_images=self._video)
         simulated_s = float(record.t_s[-1]) if self._done_ns is None else self._done_ns * 1e-9
         record = dataclasses.replace(record, wall_s=wall_s, real_time_factor=simulated_s / wall_s)
         summary = save_results(record, self.folder, "roslaunch aras_visual_servo_controller servo.launch "
@@ -320,14 +303,6 @@ class ExperimentNode:
                           "by it")
             return EXIT_PASSED if summary["converged"] else EXIT_FAILED
         return EXIT_PASSED if summary["passed"] else EXIT_FAILED
-
-
-def _recorder_program():
-    """Its path: started by rosrun, it would be a child of a child for a moment, which a signal does not reach."""
-    found = roslib.packages.find_node("aras_visual_servo_controller", "recorder")
-    if not found:
-        raise RunError("the program recorder is not installed: build the workspace and source it")
-    return found[0]
 
 
 def main():

@@ -107,12 +107,6 @@ class Graph:
             missing.extend((topic, publisher, subscriber) for topic, subscriber in pairs - standing)
         return sorted(missing)
 
-    def subscribed_not(self, node, topics):
-        """Those of the topics that `node` has not registered for as a subscriber."""
-        _, subscribers, _ = self._state()
-        mine = {topic for topic, names in subscribers if node in names}
-        return sorted(set(topics) - mine)
-
     def _outgoing(self, node):
         """Set of (topic, subscriber) that the node is connected to."""
         uri = self.node_uri(node)

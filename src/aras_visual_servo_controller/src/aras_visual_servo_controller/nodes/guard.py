@@ -18,16 +18,16 @@ from pathlib import Path
 from ..ground.processes import processes_of
 
 ORDERLY_S = 2.0    # wall time that nodes get to end, before they are killed
-RECORDER_S = 60.0  # wall time that the recorder gets to close its bag on a slow disk
+RECORDER_S = 60.0  # wall time that the simulator gets to close its bag on a slow disk
 POLL_S = 0.02
 CHILDREN_S = 0.2   # wall time between looks at what roslaunch has started
-LAUNCHER, RECORDER = "roslaunch", "recorder"  # names of their processes
+LAUNCHER, RECORDER = "roslaunch", "sim_node"  # names of their processes; the simulator writes the bag
 
 
 def end_launch(mark):
     """End everything that was started in the environment of this mark: roslaunch first, which then ends its nodes.
 
-    What is left after ORDERLY_S is killed, but for the recorder, which gets RECORDER_S to close its bag.
+    What is left after ORDERLY_S is killed, but for the simulator, which gets RECORDER_S to close its bag.
     """
     left = processes_of(mark)
     _signal([pid for pid, name in left.items() if name == LAUNCHER], signal.SIGTERM)

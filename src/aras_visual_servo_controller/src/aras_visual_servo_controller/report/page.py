@@ -34,6 +34,8 @@ def report_html(record, summary, command=None, film=None):
         "report.html.j2", summary=summary, images=_images(record), plots=drawn, film=film and _film(film),
         script=source("report.js") if drawn else "",
         rows=comparison_rows(summary), features=_feature_rows(summary), settings=flat_settings(record),
+        recorded=[(topic, f"{count['in_bag']} of {count['published']} messages published")
+                  for topic, count in record.recorded.items()],
         scenario=scenario, scenario_src=data_uri(scenario.encode(), "text/yaml"),
         command=command or f"rosrun aras_visual_servo_controller run {summary['scenario']} --in-process")
 

@@ -4,8 +4,8 @@
     summary = save_results(record, folder)
     print(format_summary(summary))
 
-The same run gives the same bytes, except for `real_time_factor`, `wall_s` and `versions`. No file contains the date of
-the run; the name of the folder does.
+The same run gives the same bytes, except for `real_time_factor`, `wall_s`, `versions` and `recorded`. No file contains
+the date of the run; the name of the folder does.
 """
 
 import csv
@@ -26,7 +26,7 @@ from ..ground.spatial import quaternion_xyzw
 from ..run.judge import judge, tracking
 from ..run.record import TWIST_NAMES
 from .rows import comparison_rows, is_number
-from .versions import installed_versions
+from .versions import versions_of
 
 # The results published with the two experiments.
 PUBLISHED = {
@@ -154,10 +154,11 @@ def summarise(record):
         "seed": record.settings.get("sim", {}).get("seed"),
         "run_hash": record.run_hash,
         "trace_sha256": hashlib.sha256(trace_csv(record).encode()).hexdigest(),
+        "recorded": record.recorded,
         "notes": list(record.notes),
         "real_time_factor": record.real_time_factor,
         "wall_s": record.wall_s,
-        "versions": record.versions or installed_versions(),
+        "versions": record.versions or versions_of(record.settings),
     }
 
 

@@ -1,5 +1,6 @@
 """RunRecord from a rosbag written here: topics found under any namespace, rows paired by stamp."""
 
+import json
 import sys
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 import rosbag
 import rospy
 import yaml
+from aras_visual_servo_msgs.msg import RecordingCounts
 from messages import NAMESPACE, messages_of, state_message, write
 from std_msgs.msg import String
 from synthetic import SETTINGS, blob, make_record
@@ -89,6 +91,36 @@ def test_images_after_the_end_do_not_change_the_trace(tmp_path, original):
     short = read_bag(write(tmp_path / "short.bag", messages))
     long = read_bag(write(tmp_path / "long.bag", messages + [(topic, again, late)]))
     assert last.phase == again.phase == "done" and trace_csv(long) == trace_csv(short)
+
+
+def counted(messages):
+    """The messages, and at the end how many there were of each topic, as the simulator writes it."""
+    messages = list(messages)
+    counts = RecordingCounts(topics=sorted({f"{NAMESPACE}/{topic}" for topic, *_ in messages}))
+    counts.published = [sum(f"{NAMESPACE}/{topic}" == name for topic, *_ in messages) for name in counts.topics]
+    return messages + [("sim/recording", counts, messages[-1][2])]
+
+
+def test_a_whole_recording_is_compared_with_what_was_published(tmp_path, original):
+    record = read_bag(write(tmp_path / "run.bag", counted(messages_of(original))))
+    assert record.notes == ()
+    assert record.recorded[f"{NAMESPACE}/camera/image_raw"] == {"published": len(original), "in_bag": len(original)}
+
+
+@pytest.mark.parametrize("topic", ["camera/image_raw", "camera/camera_info"])
+def test_a_message_that_is_missing_in_the_bag_is_said_plainly(tmp_path, original, topic):
+    messages = counted(messages_of(original))
+    messages.remove([entry for entry in messages if entry[0] == topic][-1])
+    path = write(tmp_path / "run.bag", messages)
+    record = read_bag(path)
+    count = record.recorded[f"{NAMESPACE}/{topic}"]
+    assert count["published"] == count["in_bag"] + 1
+    [note] = [note for note in record.notes if note.startswith("LOST in recording")]
+    assert f"{NAMESPACE}/{topic}: {count['published']} messages were published, {count['in_bag']} are in" in note
+    report_main([str(path)])
+    assert json.loads((tmp_path / "summary.json").read_text())["recorded"] == record.recorded
+    page = (tmp_path / "report.html").read_text()
+    assert note in page and f"{count['in_bag']} of {count['published']} messages published" in page
 
 
 def test_a_bag_that_does_not_name_its_scenario_is_read_and_noted(tmp_path, original):

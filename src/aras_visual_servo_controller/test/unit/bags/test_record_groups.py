@@ -3,7 +3,8 @@
 import pytest
 
 from aras_visual_servo_controller.ground.errors import ParameterError
-from aras_visual_servo_controller.bags.record_groups import GROUPS, group_of, lacking, parse_groups
+from aras_visual_servo_controller.bags.record_groups import (GROUPS, group_of, is_chosen, lacking,
+                                                             parse_groups)
 
 
 ALL = tuple(GROUPS)
@@ -11,7 +12,8 @@ ALL = tuple(GROUPS)
 
 @pytest.mark.parametrize("value, groups", [
     ("all", ALL), ("", ALL), ("truth, images", ("servo", "images", "truth")), (["tf"], ("servo", "tf")),
-    ("-images,-other", tuple(name for name in ALL if name not in ("images", "other")))])
+    ("-images,-other", tuple(name for name in ALL if name not in ("images", "other"))),
+    ("all, depth", (*ALL, "depth")), ("overlay", ("servo", "overlay"))])
 def test_groups_are_chosen_by_name_or_left_out(value, groups):
     assert parse_groups(value) == groups
 
@@ -33,6 +35,21 @@ def test_wrong_groups_are_refused_with_the_allowed_ones(value, words):
     ("/a/b/tfx", "other"), ("/a/b/scene_markers", "other")])
 def test_every_topic_has_its_group(topic, group):
     assert group_of(topic, "/a/b/") == group
+
+
+@pytest.mark.parametrize("topic, group", [
+    ("camera/converted_image", "converted"), ("camera/overlay", "overlay"), ("left/depth/image_raw", "depth"),
+    ("left/segmentation/image_raw", "segmentation")])
+def test_what_is_made_for_a_listener_is_recorded_only_when_named(topic, group):
+    assert not is_chosen("/a/b/" + topic, "/a/b/", parse_groups("all"))
+    assert is_chosen("/a/b/" + topic, "/a/b/", parse_groups(f"all,{group}"))
+
+
+def test_what_can_be_made_from_the_rest_is_never_recorded():
+    groups = parse_groups("all")
+    chosen = [name for name in ("camera_path", "null_space_bars", "J1_controller/state", "camera/image_raw/compressed",
+                                "camera/image_raw", "scene_markers") if is_chosen("/a/" + name, "/a/", groups)]
+    assert chosen == ["camera/image_raw", "scene_markers"]
 
 
 def test_what_a_report_lacks_is_said_with_the_group_that_has_it():

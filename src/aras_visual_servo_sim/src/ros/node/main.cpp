@@ -3,6 +3,7 @@
 #include <ros/init.h>
 #include <ros/node_handle.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <exception>
 
@@ -21,6 +22,7 @@ int failed(const std::exception& error) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of who writes it, with a name
   ros::init(argc, argv, "sim");
   try {
     aras_visual_servo_sim::requireOwnName();

@@ -26,7 +26,8 @@ SimNode::SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, const NodePar
       camera_topics_(cameraTopics(simulation_, parameters.gazebo_camera_names)),
       gate_(parameters.time.lockstep, lockstepNodes()),
       pacer_(parameters.time.real_time_factor),
-      states_(node_, simulation_, parameters, camera_topics_, time_),
+      recording_(node_, time_),
+      states_(node_, simulation_, parameters, camera_topics_, time_, recording_),
       commands_(node_, simulation_, gate_, time_),
       triggers_(node_, simulation_, camera_topics_),
       pids_(node_, simulation_),
@@ -163,9 +164,12 @@ void SimNode::publishStatus() {
   status.ticks = static_cast<std::uint64_t>(simulation_.ticks());
   status.frames = states_.frames();
   status.dropped_frames = states_.droppedFrames() + unanswered_;
+  status.unsettled_steps = simulation_.world().unsettledSteps();
   status.refused_commands = simulation_.commands().refused();
   status.last_refusal = simulation_.commands().lastRefusal();
   status.run_hash = simulation_.runHash();
+  status.recording = recording_.running();
+  status.recording_fault = recording_.fault();
   status_.publish(status);
 }
 

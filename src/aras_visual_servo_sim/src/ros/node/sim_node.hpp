@@ -26,6 +26,7 @@
 #include "publish/camera_topics.hpp"
 #include "publish/scene_markers.hpp"
 #include "publish/state_publisher.hpp"
+#include "record/recording.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -80,6 +81,7 @@ class SimNode {
   LockstepGate gate_;
   Pacer pacer_;
   RateMeter meter_;
+  Recording recording_;
   StatePublisher states_;
   CommandInputs commands_;
   CameraTriggers triggers_;

@@ -11,30 +11,16 @@ namespace {
 
 constexpr std::uint32_t kQueue = 10;
 
-template <typename T>
-void send(image_transport::Publisher& publisher, const GeometryImage& image, const std::vector<T>& values,
-          const std::string& encoding, const std::string& frame, const ros::Time& stamp) {
-  sensor_msgs::Image message;
-  message.header.stamp = stamp;
-  message.header.frame_id = frame;
-  message.width = static_cast<std::uint32_t>(image.width);
-  message.height = static_cast<std::uint32_t>(image.height);
-  message.encoding = encoding;
-  message.step = static_cast<std::uint32_t>(image.width * sizeof(T));
-  message.data.resize(values.size() * sizeof(T));
-  std::memcpy(message.data.data(), values.data(), message.data.size());
-  publisher.publish(message);
-}
-
 }  // namespace
 
 GeometryPublisher::GeometryPublisher(const ros::NodeHandle& node, Simulation& simulation,
-                                     const std::vector<CameraTopics>& topics)
-    : simulation_(simulation) {
+                                     const std::vector<CameraTopics>& topics, Recording& recording)
+    : simulation_(simulation), recording_(recording) {
   image_transport::ImageTransport transport(node);
-  for (const CameraTopics& camera : topics) {
-    cameras_.push_back({transport.advertise(camera.depth, kQueue), transport.advertise(camera.segmentation, kQueue)});
-  }
+  const auto output = [&](const std::string& topic) -> Output {
+    return {transport.advertise(topic, kQueue), &recording.tap(topic)};
+  };
+  for (const CameraTopics& camera : topics) cameras_.push_back({output(camera.depth), output(camera.segmentation)});
   tellIds(simulation.scene());
 }
 
@@ -46,9 +32,25 @@ void GeometryPublisher::tellIds(const Scene& scene) {
   ros::NodeHandle("~").setParam(kSegmentationIds, ids);
 }
 
+template <typename T>
+void GeometryPublisher::send(const Output& output, const GeometryImage& image, const std::vector<T>& values,
+                             const std::string& encoding, const std::string& frame, const ros::Time& stamp) {
+  sensor_msgs::Image message;
+  message.header.stamp = stamp;
+  message.header.frame_id = frame;
+  message.width = static_cast<std::uint32_t>(image.width);
+  message.height = static_cast<std::uint32_t>(image.height);
+  message.encoding = encoding;
+  message.step = static_cast<std::uint32_t>(image.width * sizeof(T));
+  message.data.resize(values.size() * sizeof(T));
+  std::memcpy(message.data.data(), values.data(), message.data.size());
+  output.publisher.publish(message);
+  recording_.write(*output.tap, message);
+}
+
 void GeometryPublisher::publish(int camera, const ros::Time& stamp) {
-  Output& output = cameras_[camera];
-  const bool depth = output.depth.getNumSubscribers() > 0, ids = output.ids.getNumSubscribers() > 0;
+  const CameraOutput& output = cameras_[camera];
+  const bool depth = output.depth.wanted(), ids = output.ids.wanted();
   if (!depth && !ids) return;
   const GeometryImage& image = simulation_.renderGeometry(camera);
   const std::string& frame = simulation_.cameras()[camera].model().config().frame;

@@ -1,9 +1,6 @@
 #include "state_publisher.hpp"
 
-#include <geometry_msgs/PoseStamped.h>
-#include <geometry_msgs/TwistStamped.h>
 #include <ros/console.h>
-#include <rosgraph_msgs/Clock.h>
 
 #include <algorithm>
 
@@ -13,7 +10,7 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr std::uint32_t kSmallQueue = 1000;  // messages: a recorder may pause for seconds and lose none
+constexpr std::uint32_t kSmallQueue = 1000;  // messages: a listener that hesitates for seconds loses nothing
 constexpr std::uint32_t kImageQueue = 200;   // images: the same, at 30 Hz, within 50 MB
 constexpr std::size_t kLongestPath = 2000;   // poses kept for display
 constexpr double kPathPeriodS = 0.5;         // wall
@@ -31,22 +28,23 @@ void assign(std::vector<double>& to, const Eigen::VectorXd& from) { to.assign(fr
 }  // namespace
 
 StatePublisher::StatePublisher(const ros::NodeHandle& node, Simulation& simulation, const NodeParameters& parameters,
-                               const std::vector<CameraTopics>& topics, const WireTime& time)
+                               const std::vector<CameraTopics>& topics, const WireTime& time, Recording& recording)
     : node_(node),
       transport_(node_),
       simulation_(simulation),
       time_(time),
+      recording_(recording),
       render_always_(parameters.time.render_always),
       clock_schedule_(std::min(parameters.time.clock_rate_hz, 1e9 / simulation.periodNs()), simulation.periodNs()),
       joint_schedule_(std::min(parameters.time.joint_state_rate_hz, 1e9 / simulation.periodNs()),
                       simulation.periodNs()),
-      geometry_(node_, simulation, topics),
+      geometry_(node_, simulation, topics, recording),
       base_frames_(node_, simulation, parameters.base_tf),
       extra_joints_(parameters.joint_states.extra_joints) {
-  clock_ = node_.advertise<rosgraph_msgs::Clock>("/clock", kSmallQueue);
-  joints_ = node_.advertise<sensor_msgs::JointState>("joint_states", kSmallQueue);
-  target_pose_ = node_.advertise<geometry_msgs::PoseStamped>("ground_truth/target_pose", kSmallQueue);
-  target_twist_ = node_.advertise<geometry_msgs::TwistStamped>("ground_truth/target_twist", kSmallQueue);
+  clock_ = {node_, recording, "/clock", kSmallQueue};
+  joints_ = {node_, recording, "joint_states", kSmallQueue};
+  target_pose_ = {node_, recording, "ground_truth/target_pose", kSmallQueue};
+  target_twist_ = {node_, recording, "ground_truth/target_twist", kSmallQueue};
   path_ = node_.advertise<nav_msgs::Path>("camera_path", 1);
   path_message_.header.frame_id = kWorldFrame;
   joint_message_.name = simulation.world().jointNames();
@@ -65,9 +63,10 @@ void StatePublisher::advertiseCamera(int camera, const CameraTopics& topics) {
   const std::string truth = camera == 0 ? "ground_truth/" : "ground_truth/" + name + "/";
   CameraOutput output;
   output.image = transport_.advertise(topics.image, kImageQueue);
-  output.info = node_.advertise<sensor_msgs::CameraInfo>(topics.info, kSmallQueue);
-  output.pose = node_.advertise<geometry_msgs::PoseStamped>(truth + "camera_pose", kSmallQueue);
-  output.twist = node_.advertise<geometry_msgs::TwistStamped>(truth + "camera_twist", kSmallQueue);
+  output.image_tap = &recording_.tap(topics.image);
+  output.info = {node_, recording_, topics.info, kSmallQueue};
+  output.pose = {node_, recording_, truth + "camera_pose", kSmallQueue};
+  output.twist = {node_, recording_, truth + "camera_twist", kSmallQueue};
   output.info_message = toMessage(model);
   output.image_message.header.frame_id = model.config().frame;
   output.image_message.width = static_cast<std::uint32_t>(model.width());
@@ -213,12 +212,13 @@ void StatePublisher::publishImage(int camera) {
   output.info_message.header.stamp = stamp;
   output.info.publish(output.info_message);
   geometry_.publish(camera, stamp);
-  if (!render_always_ && output.image.getNumSubscribers() == 0) return;
+  if (!render_always_ && !output.image_tap->open && output.image.getNumSubscribers() == 0) return;
   try {
     const Image& image = simulation_.render(camera);
     output.image_message.header.stamp = stamp;
     output.image_message.data = image.data;
     output.image.publish(output.image_message);
+    recording_.write(*output.image_tap, output.image_message);
   } catch (const ArasError& error) {
     ++dropped_frames_;
     ROS_ERROR_THROTTLE(kErrorPeriodS, "no image: %s", error.what());

@@ -1,9 +1,12 @@
 #pragma once
 
 #include <aras_visual_servo_msgs/JointControllerState.h>
+#include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/TwistStamped.h>
 #include <image_transport/image_transport.h>
 #include <nav_msgs/Path.h>
 #include <ros/node_handle.h>
+#include <rosgraph_msgs/Clock.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/JointState.h>
@@ -18,6 +21,8 @@
 #include "convert/parameters.hpp"
 #include "convert/wire_time.hpp"
 #include "geometry_publisher.hpp"
+#include "record/outlet.hpp"
+#include "record/recording.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -29,7 +34,7 @@ class StatePublisher {
  public:
   /** @param topics  of every camera of the simulation */
   StatePublisher(const ros::NodeHandle& node, Simulation& simulation, const NodeParameters& parameters,
-                 const std::vector<CameraTopics>& topics, const WireTime& time);
+                 const std::vector<CameraTopics>& topics, const WireTime& time, Recording& recording);
 
   /** Tick of the next sample after the present one. */
   std::int64_t nextTick() const;
@@ -55,7 +60,10 @@ class StatePublisher {
  private:
   struct CameraOutput {
     image_transport::Publisher image;
-    ros::Publisher info, pose, twist;
+    Tap* image_tap = nullptr;
+    Outlet<sensor_msgs::CameraInfo> info;
+    Outlet<geometry_msgs::PoseStamped> pose;
+    Outlet<geometry_msgs::TwistStamped> twist;
     sensor_msgs::CameraInfo info_message;
     sensor_msgs::Image image_message;
   };
@@ -80,12 +88,17 @@ class StatePublisher {
   image_transport::ImageTransport transport_;
   Simulation& simulation_;
   const WireTime& time_;
+  Recording& recording_;
   bool render_always_;
   FrameSchedule clock_schedule_, joint_schedule_;
   std::int64_t next_clock_ = 0, next_joints_ = 0;  ///< indices into the schedules
   std::int64_t sampled_tick_ = -1;
   std::uint64_t frames_ = 0, dropped_frames_ = 0;
-  ros::Publisher clock_, joints_, target_pose_, target_twist_, path_;
+  Outlet<rosgraph_msgs::Clock> clock_;
+  Outlet<sensor_msgs::JointState> joints_;
+  Outlet<geometry_msgs::PoseStamped> target_pose_;
+  Outlet<geometry_msgs::TwistStamped> target_twist_;
+  ros::Publisher path_;
   std::vector<CameraOutput> cameras_;
   GeometryPublisher geometry_;
   BaseFrames base_frames_;

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <aras_visual_servo_msgs/StartRecording.h>
+#include <ros/node_handle.h>
+#include <std_srvs/Trigger.h>
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bag_file.hpp"
+#include "convert/wire_time.hpp"
+#include "foreign_topics.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** A topic of this node while it is recorded. */
+struct Tap {
+  std::string topic;  ///< resolved
+  bool open = false;
+  std::uint64_t published = 0;  ///< since the recording began
+};
+
+/** Writes topics into a bag on the thread that steps the simulation, so that time waits for what is written.
+ *
+ *  The node's own messages are handed over where they are made (`Tap`, `Outlet`): nothing is between them and the bag
+ *  that could lose them. Those of other nodes are subscribed without a limit to the queue. The last message of a bag,
+ *  `sim/recording`, says how many messages were published, so that a reader can count what is there against it.
+ *
+ *  Services sim/start_recording and sim/stop_recording. A bag that cannot be written any more ends the recording;
+ *  `fault` says why. */
+class Recording {
+ public:
+  Recording(ros::NodeHandle& node, const WireTime& time);
+  /** Closes what is open. */
+  ~Recording();
+  Recording(const Recording&) = delete;
+  Recording& operator=(const Recording&) = delete;
+
+  bool running() const { return bag_ != nullptr; }
+  /** Why the recording ended by itself; empty if it did not. */
+  const std::string& fault() const { return fault_; }
+
+  /** The tap of a topic of this node; lives as long as the recording. */
+  Tap& tap(const std::string& topic);
+
+  template <typename Message>
+  void write(Tap& tap, const Message& message) {
+    if (!tap.open) return;
+    ++tap.published;
+    guarded([&] { bag_->write(tap.topic, time_.now(), message); });
+  }
+
+ private:
+  bool onStart(aras_visual_servo_msgs::StartRecording::Request& request,
+               aras_visual_servo_msgs::StartRecording::Response& response);
+  bool onStop(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  void start(const aras_visual_servo_msgs::StartRecording::Request& request);
+  void write(const ForeignTopics::Arrival& arrival);
+  void stop();
+  void abandon();
+  void writeCounts();
+  template <typename Action>
+  void guarded(const Action& action);
+  void failed(const std::string& reason);
+
+  ros::NodeHandle node_;
+  const WireTime& time_;
+  std::deque<Tap> taps_;  ///< never moved
+  std::unique_ptr<BagFile> bag_;
+  ForeignTopics foreign_;
+  std::string fault_;
+  std::vector<ros::ServiceServer> services_;
+};
+
+template <typename Action>
+void Recording::guarded(const Action& action) {
+  try {
+    action();
+  } catch (const ArasError& error) {
+    failed(error.what());
+  }
+}
+
+}  // namespace aras_visual_servo_sim
