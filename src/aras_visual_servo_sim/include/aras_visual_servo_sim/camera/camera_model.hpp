@@ -15,6 +15,12 @@
 
 namespace aras_visual_servo_sim {
 
+/** Rays within an angle, below 90 degrees, of an axis of unit length. */
+struct RayCone {
+  Eigen::Vector3d axis;
+  double cosine, sine;  ///< of the angle
+};
+
 /** Geometry of a camera: pinhole with any principal point, and a lens.
  *
  *  Pixel (u, v) covers [u - 1/2, u + 1/2] x [v - 1/2, v + 1/2]; u grows to the right, v downwards, (0, 0) is the centre
@@ -57,6 +63,11 @@ class CameraModel {
    *  row by row; beyond lensAngle() some ray or other. Made at the first call, shared by copies of this camera.
    *  Thread-safe. */
   const std::vector<Eigen::Vector3d>& cornerRays() const;
+
+  /** For each block of kBlock x kBlock pixels, row by row, a cone that holds every ray through it; blocks at the right
+   *  and at the bottom may be narrower. Made and shared as cornerRays. */
+  const std::vector<RayCone>& blockCones() const;
+  static constexpr int kBlock = 8;  ///< [px]
 
   /** Ray (as unproject's) through the centre of a pixel. Through polynomial lenses the mean of those through its
    *  corners, which is the same to 1e-5 for lenses that bend by less than a pixel in ten. */
@@ -121,7 +132,8 @@ class CameraModel {
   double image_angle_ = 0.0;
   bool shows_lens_circle_ = false;
   struct Rays {
-    std::once_flag corners_once, centers_once;
+    std::once_flag corners_once, centers_once, cones_once;
+    std::vector<RayCone> cones;
     std::vector<Eigen::Vector3d> corners, centers;
   };
   std::shared_ptr<Rays> rays_ = std::make_shared<Rays>();

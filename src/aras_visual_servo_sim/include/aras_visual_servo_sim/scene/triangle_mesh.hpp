@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "aras_visual_servo_sim/image/image.hpp"
@@ -24,6 +25,14 @@ struct MeshPicture {
   Wrap wrap_s = Wrap::kRepeat, wrap_t = Wrap::kRepeat;
 };
 
+/** What a mesh of a round body stands for, centred at the origin and along z. */
+struct RoundShape {
+  enum class Kind { kSphere, kCylinder, kCone };  ///< the cone's tip is at +z
+  Kind kind;
+  double radius_m;
+  double length_m = 0.0;  ///< not of a sphere
+};
+
 /** Triangles with a normal and a colour at each vertex; metres, counter-clockwise seen from outside. Never changed
  *  after it was made, so shapes share it. */
 struct TriangleMesh {
@@ -33,6 +42,8 @@ struct TriangleMesh {
   /** One for each point, or none: s to the right and t down the picture, which reaches from 0 to 1. */
   std::vector<Eigen::Vector2f> texture_coordinates;
   std::vector<MeshPicture> pictures;
+  /** Whoever can draw this exactly does; its triangles are for the others. */
+  std::optional<RoundShape> round;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::int32_t> picture_of;  ///< for each triangle an index into pictures, -1: none; empty: none has one
   /** For each triangle and its edge from corner k to k + 1, the triangle beyond that edge which has both of these
@@ -52,6 +63,8 @@ using MeshPtr = std::shared_ptr<const TriangleMesh>;
 MeshPtr makeBox(const Eigen::Vector3d& size_m);
 /** Cylinder along z, centred at the origin. @throws ModelError unless radius_m and length_m are > 0 */
 MeshPtr makeCylinder(double radius_m, double length_m, int segments = 32);
+/** Cone along z, its tip at +z, the middle of its length at the origin. @throws as makeCylinder */
+MeshPtr makeCone(double radius_m, double length_m, int segments = 32);
 /** Sphere centred at the origin. @throws ModelError unless radius_m > 0 */
 MeshPtr makeSphere(double radius_m, int segments = 32);
 

@@ -199,6 +199,31 @@ const std::vector<Eigen::Vector3d>& CameraModel::cornerRays() const {
   return rays_->corners;
 }
 
+const std::vector<RayCone>& CameraModel::blockCones() const {
+  std::call_once(rays_->cones_once, [this] {
+    const auto corner = [this](int u, int v) -> Eigen::Vector3d {
+      if (lens_ != Lens::kNone) return cornerRays()[std::size_t(v) * (width() + 1) + u].normalized();
+      return Eigen::Vector3d((u - 0.5 - cx_) / fx_, (v - 0.5 - cy_) / fy_, 1.0).normalized();
+    };
+    for (int v0 = 0; v0 < height(); v0 += kBlock) {
+      for (int u0 = 0; u0 < width(); u0 += kBlock) {
+        const int u1 = std::min(u0 + kBlock, width()), v1 = std::min(v0 + kBlock, height());
+        RayCone cone;
+        cone.axis = (corner(u0, v0) + corner(u1, v0) + corner(u0, v1) + corner(u1, v1)).normalized();
+        cone.cosine = 1.0;
+        for (int v = v0; v <= v1; ++v) {
+          for (int u = u0; u <= u1; ++u) cone.cosine = std::min(cone.cosine, cone.axis.dot(corner(u, v)));
+        }
+        constexpr double kMargin = 1e-9, kWidest = 0.01;  // rounding; beyond, any ray may be one of them
+        cone.cosine = cone.cosine > kWidest ? cone.cosine - kMargin : 0.0;
+        cone.sine = std::sqrt(1.0 - cone.cosine * cone.cosine);
+        rays_->cones.push_back(cone);
+      }
+    }
+  });
+  return rays_->cones;
+}
+
 Eigen::Vector3d CameraModel::pixelRay(int u, int v) const {
   if (lens_ == Lens::kNone) return {(u - cx_) / fx_, (v - cy_) / fy_, 1.0};
   if (lens_ == Lens::kEquidistant) {

@@ -1,11 +1,13 @@
 #include "aras_visual_servo_sim/image/image.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/config/splitmix.hpp"
+#include "wide.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -31,6 +33,15 @@ const std::vector<float>& normalQuantiles() {
     return quantiles;
   }();
   return table;
+}
+
+/** values[i] + offset + scale * drawn[i], rounded to a byte. */
+ARAS_WIDE void addDrawn(const float* drawn, int count, float scale, float offset, std::uint8_t* values) {
+  for (int i = 0; i < count; ++i) {
+    const float value = static_cast<float>(values[i]) + offset + scale * drawn[i];
+    const float held = std::max(0.0f, std::min(255.0f, value + 0.5f));
+    values[i] = static_cast<std::uint8_t>(static_cast<std::int32_t>(held));
+  }
 }
 
 }  // namespace
@@ -73,11 +84,15 @@ void addGaussianNoise(Image& image, double stddev, std::uint64_t seed, std::uint
   const std::uint64_t stream = mix(mix(seed + kGolden) ^ (frame_index * kGolden + 1));
   const std::vector<float>& quantiles = normalQuantiles();
   const float scale = static_cast<float>(stddev), offset = static_cast<float>(mean);
-  std::uint64_t bits = 0;
-  for (std::size_t i = 0; i < image.data.size(); ++i, bits >>= 16) {
-    if (i % 4 == 0) bits = mix(stream + (i / 4 + 1) * kGolden);  // four 16-bit draws from one word
-    const float value = image.data[i] + offset + scale * quantiles[bits & 0xffff];
-    image.data[i] = static_cast<std::uint8_t>(std::clamp(std::floor(value + 0.5f), 0.0f, 255.0f));
+  constexpr std::size_t kBlock = 256;
+  std::array<float, kBlock> drawn;
+  for (std::size_t first = 0; first < image.data.size(); first += kBlock) {
+    for (std::size_t i = 0; i < kBlock; i += 4) {  // four 16-bit draws from one word
+      const std::uint64_t bits = mix(stream + ((first + i) / 4 + 1) * kGolden);
+      for (std::size_t k = 0; k < 4; ++k) drawn[i + k] = quantiles[(bits >> (16 * k)) & 0xffff];
+    }
+    const std::size_t count = std::min(kBlock, image.data.size() - first);
+    addDrawn(drawn.data(), static_cast<int>(count), scale, offset, image.data.data() + first);
   }
 }
 

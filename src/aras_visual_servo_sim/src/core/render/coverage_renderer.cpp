@@ -5,6 +5,7 @@
 #include "aras_visual_servo_sim/image/pixel_color.hpp"
 #include "render/coverage/coverage_rasterizer.hpp"
 #include "render/coverage/image_circle.hpp"
+#include "render/curved/curved_list.hpp"
 #include "render/planar/planar_layer.hpp"
 #include "render/tiles/tile_painter.hpp"
 #include "render/triangles/triangle_list.hpp"
@@ -44,24 +45,29 @@ class CoverageRenderer::Implementation {
     planar_.samplePictures(camera, rasterizer_);
     if (!everything) planar_.paint(camera, rasterizer_, out);
     triangles_.begin(camera, volume);
+    curved_.begin(camera, volume);
     const bool bodies_in_view = triangles_.addBodies(scene, X_WC.inverse());
-    if (!everything && !bodies_in_view && planar_.conflicts().empty()) return;
+    const bool curved_in_view = curved_.addBodies(scene, X_WC.inverse());
+    if (!everything && !bodies_in_view && !curved_in_view && planar_.conflicts().empty()) return;
 
     bins_.begin(out.width, out.height);
     if (everything) bins_.markEverything();
     for (const PixelBox& box : planar_.conflicts()) bins_.markEverything(box);
-    bins_.markBodies(triangles_.vertices());
+    bins_.markBodies(triangles_);
+    for (int tile = 0; tile < curved_.tiles(); ++tile) {
+      if (curved_.begin(tile) != curved_.end(tile)) bins_.markBody(tile);
+    }
     triangles_.addPlanar(planar_, X_WC.inverse());
-    bins_.sort(triangles_.vertices());
-    tiles_.paint(camera, triangles_, bins_, scene.background, planar_.pictures(), out);
-    statistics_ = {static_cast<int>(triangles_.vertices().size() / 3), tiles_.statistics().tiles,
-                   tiles_.statistics().sampled_pixels};
+    bins_.sort(triangles_);
+    tiles_.paint(camera, triangles_, curved_, bins_, scene.background, planar_.pictures(), out);
+    statistics_ = {static_cast<int>(triangles_.size()), tiles_.statistics().tiles, tiles_.statistics().sampled_pixels};
   }
 
   Path path_;
   PlanarLayer planar_;
   CoverageRasterizer rasterizer_;
   TriangleList triangles_;
+  CurvedList curved_;
   TileBins bins_;
   TilePainter tiles_;
 };

@@ -4,8 +4,11 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/render/geometry_image.hpp"
 #include "render/coverage/coverage_rasterizer.hpp"
+#include "render/curved/curved_list.hpp"
 #include "render/planar/planar_layer.hpp"
+#include "render/tiles/tile_curved.hpp"
 #include "render/triangles/triangle_list.hpp"
+#include "render/view/held.hpp"
 #include "render/view/view_volume.hpp"
 
 namespace aras_visual_servo_sim {
@@ -33,7 +36,8 @@ class GeometryRenderer::Implementation {
     triangles_.begin(camera, volume);
     triangles_.addBodies(scene, X_CW);
     paintBodies(camera, scene, out);
-    if (camera.lens() != CameraModel::Lens::kNone) closeCracks(out);
+    curved_.begin(camera, volume);
+    if (curved_.addBodies(scene, X_CW)) paintCurved(camera, scene, out);
     for (int v = 0; v < out.height; ++v) {
       for (int u = 0; u < out.width; ++u) finish(camera, u, v, distance, out);
     }
@@ -77,22 +81,48 @@ class GeometryRenderer::Implementation {
 
   void paintBodies(const CameraModel& camera, const Scene& scene, GeometryImage& out) {
     std::size_t k = 0;
+    auto span = triangles_.spans().begin();
     for (const auto& [end, body] : triangles_.bodies()) {
       const auto id = static_cast<std::uint16_t>(1 + scene.models.size() + body);
-      for (; k < end; k += 3) paintTriangle(&triangles_.vertices()[k], triangles_.plane(k / 3), camera, id, out);
+      if (triangles_.isFlat()) {
+        for (; k < end; ++k) paintTriangle(&triangles_.vertices()[3 * k], triangles_.plane(k), camera, id, out);
+      }
+      for (; span != triangles_.spans().end() && span->triangle < end; ++span) paintSpan(*span, camera, id, out);
     }
   }
 
+  /** Through a lens. */
+  void paintSpan(const TriangleList::Span& span, const CameraModel& camera, std::uint16_t id, GeometryImage& out) {
+    const Facet& facet = triangles_.facet(span.triangle);
+    const auto end = [](int tile, int size) { return std::min(tile * CameraModel::kBlock, size); };
+    for (int v = end(span.row, out.height); v < end(span.row + 1, out.height); ++v) {
+      for (int u = end(span.first, out.width); u < end(span.last, out.width); ++u) {
+        const Eigen::Vector3d ray = camera.pixelRay(u, v);
+        constexpr double kOnEdge = 1e-12;  // rounding: a centre on an edge belongs to both triangles, not to none
+        if (std::any_of(facet.edges.begin(), facet.edges.end(),
+                        [&](const Eigen::Vector3d& edge) { return edge.dot(ray) < -kOnEdge; })) {
+          continue;
+        }
+        const double nearness = facet.plane.dot(ray);
+        const bool fisheye = camera.lens() == CameraModel::Lens::kEquidistant;
+        const double ahead = fisheye ? ray.cwiseAbs().maxCoeff() : 1.0;  // depth along its cell's axis, of s = 1
+        if (nearness * camera.farM() >= ahead && nearness * camera.nearM() <= ahead)
+          see(out.at(u, v), nearness, id, out);
+      }
+    }
+  }
+
+  /** Without a lens. */
   void paintTriangle(const Vertex* t, const Eigen::Vector3d& plane_C, const CameraModel& camera, std::uint16_t id,
                      GeometryImage& out) {
     const double dx1 = t[1].x - t[0].x, dy1 = t[1].y - t[0].y, dx2 = t[2].x - t[0].x, dy2 = t[2].y - t[0].y;
     const double area = dx1 * dy2 - dx2 * dy1;
     if (area == 0.0) return;
     const auto first = [](float low, int size) {
-      return static_cast<int>(std::clamp(std::ceil(double(low) - 0.5), 0.0, double(size)));
+      return static_cast<int>(held(std::ceil(double(low) - 0.5), 0.0, double(size)));
     };
     const auto last = [](float high, int size) {
-      return static_cast<int>(std::clamp(std::floor(double(high) - 0.5) + 1.0, 0.0, double(size)));
+      return static_cast<int>(held(std::floor(double(high) - 0.5) + 1.0, 0.0, double(size)));
     };
     const int u0 = first(std::min({t[0].x, t[1].x, t[2].x}), out.width);
     const int u1 = last(std::max({t[0].x, t[1].x, t[2].x}), out.width);
@@ -106,28 +136,23 @@ class GeometryRenderer::Implementation {
         if (b < -kOnEdge || c < -kOnEdge || b + c > 1.0 + kOnEdge) continue;
         const Eigen::Vector3d ray = camera.pixelRay(u, v);
         const double nearness = plane_C.dot(ray);
-        const bool fisheye = camera.lens() == CameraModel::Lens::kEquidistant;
-        const double ahead = fisheye ? ray.cwiseAbs().maxCoeff() : 1.0;  // depth along its cell's axis, of s = 1
-        if (nearness * camera.farM() >= ahead) see(out.at(u, v), nearness, id, out);
+        if (nearness * camera.farM() >= 1.0) see(out.at(u, v), nearness, id, out);
       }
     }
   }
 
-  /** Triangles that were cut for a lens may leave a gap of rounding size along an edge. So a pixel that sees nothing
-   *  while its four neighbours see one and the same thing gets that thing too, at the mean of their nearness, which is
-   *  exact for a plane. */
-  void closeCracks(GeometryImage& out) {
-    const std::ptrdiff_t row = out.width;
-    for (int v = 1; v + 1 < out.height; ++v) {
-      for (int u = 1; u + 1 < out.width; ++u) {
-        const auto at = static_cast<std::ptrdiff_t>(out.at(u, v));
-        const std::uint16_t id = out.ids[at - 1];
-        if (out.ids[at] != 0 || id == 0 || out.ids[at + 1] != id || out.ids[at - row] != id ||
-            out.ids[at + row] != id) {
-          continue;
+  void paintCurved(const CameraModel& camera, const Scene& scene, GeometryImage& out) {
+    const int tiles_u = (out.width + TileBins::kTile - 1) / TileBins::kTile;
+    for (int tile = 0; tile < curved_.tiles(); ++tile) {
+      const int u0 = tile % tiles_u * TileBins::kTile, v0 = tile / tiles_u * TileBins::kTile;
+      for (const std::uint32_t* entry = curved_.begin(tile); entry != curved_.end(tile); ++entry) {
+        const auto& [patch, body] = curved_.entries()[*entry];
+        const auto id = static_cast<std::uint16_t>(1 + scene.models.size() + body);
+        for (int v = v0; v < std::min(v0 + TileBins::kTile, out.height); ++v) {
+          for (int u = u0; u < std::min(u0 + TileBins::kTile, out.width); ++u) {
+            see(out.at(u, v), nearnessAt(camera, patch, camera.pixelRay(u, v)), id, out);
+          }
         }
-        out.ids[at] = id;
-        nearness_[at] = 0.25 * (nearness_[at - 1] + nearness_[at + 1] + nearness_[at - row] + nearness_[at + row]);
       }
     }
   }
@@ -135,6 +160,7 @@ class GeometryRenderer::Implementation {
   PlanarLayer planar_;
   CoverageRasterizer rasterizer_;
   TriangleList triangles_;
+  CurvedList curved_;
   std::vector<double> nearness_;  // 0 where there is nothing
 };
 

@@ -353,8 +353,9 @@ TEST_F(MeshPicture, FadesToItsMeanTowardsTheHorizon) {
 }
 
 TEST_F(MeshPicture, OfAUrdfsMaterialNeedsTextureCoordinates) {
-  EXPECT_THROW(withPicture(TriangleMesh{{{0, 0, 0}}, {}, {}, {}, {}, {}, {}, {}}, loadTexture(path("blocks.png"))),
-               ModelError);
+  TriangleMesh mesh;
+  mesh.points.emplace_back(0.0f, 0.0f, 0.0f);
+  EXPECT_THROW(withPicture(mesh, loadTexture(path("blocks.png"))), ModelError);
 }
 
 TEST_F(MeshPicture, GoesRoundCylindersAndSpheresWithoutMirroring) {

@@ -5,10 +5,13 @@
 #include <cstring>
 #include <limits>
 
+#include "render/view/held.hpp"
+
 namespace aras_visual_servo_sim {
 namespace {
 
 constexpr float kNothing = 0.5f / 256.0f;  // coverage that changes no 8-bit value
+constexpr double kFarthest = 1e7;          // [px] corners beyond are drawn there
 
 /** Blends colour over count pixels of channels bytes, with one coverage for all of them. */
 template <int channels>
@@ -93,7 +96,8 @@ void CoverageRasterizer::begin(int width, int height, Rule rule) {
 }
 
 void CoverageRasterizer::addEdge(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
-  const Edge edge{from.x() + 0.5, from.y() + 0.5, to.x() + 0.5, to.y() + 0.5};
+  const auto place = [](double x) { return held(x + 0.5, -kFarthest, kFarthest); };
+  const Edge edge{place(from.x()), place(from.y()), place(to.x()), place(to.y())};
   x_min_ = std::min({x_min_, edge.x0, edge.x1});
   x_max_ = std::max({x_max_, edge.x0, edge.x1});
   y_min_ = std::min({y_min_, edge.y0, edge.y1});
@@ -191,6 +195,8 @@ void CoverageRasterizer::accumulate(const Edge& edge, const PixelBox& box, std::
 /** The piece of an edge inside one row of pixels runs from column x0 to x1 and covers signed height dy. Adds to row
  *  what makes the running sum up to column i the area of pixel i that lies to the right of the piece. */
 void CoverageRasterizer::accumulateRow(float* row, double columns, double x0, double x1, double dy) {
+  x0 = held(x0, -kFarthest, kFarthest);  // an edge of next to no height may have a slope without a number
+  x1 = held(x1, -kFarthest, kFarthest);
   if (x0 > x1) std::swap(x0, x1);
   if (x1 <= 0.0) {  // left of the box: full height from the first column on
     row[0] += static_cast<float>(dy);
@@ -235,7 +241,7 @@ void CoverageRasterizer::accumulateCenters(const Edge& edge, const PixelBox& box
   const float sign = edge.y0 < edge.y1 ? 1.0f : -1.0f;
   for (int v = v_begin; v < v_end; ++v) {
     const double x = edge.x0 + (v + 0.5 - edge.y0) / (edge.y1 - edge.y0) * (edge.x1 - edge.x0);
-    const double u = std::clamp(std::ceil(x - 0.5), double(box.u0), double(box.u1));  // first centre at or right of x
+    const double u = held(std::ceil(x - 0.5), double(box.u0), double(box.u1));  // first centre at or right of x
     accumulator_[stride * (v - box.v0) + static_cast<std::size_t>(u) - box.u0] += sign;
   }
 }

@@ -31,7 +31,7 @@ class CoverageRasterizer {
   /** Starts a fill in an image of this size. */
   void begin(int width, int height, Rule rule);
   /** One edge, in pixel coordinates (pixel (u, v) covers [u - 1/2, u + 1/2]^2). Edges must form closed loops.
-   *  @pre finite, and |coordinates| < 1e7 */
+   *  Coordinates beyond 1e7 are drawn as 1e7, and what is no number as -1e7: no corner can harm. */
   void addEdge(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
   /** Pixels that the edges so far can touch, clipped to the image. */
   PixelBox bounds() const;

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "render/view/held.hpp"
+
 namespace aras_visual_servo_sim {
 namespace {
 
@@ -20,9 +22,9 @@ double areaOf(const Points& polygon) {
 
 /** Texels along one axis: which one repeats as the index says. */
 int wrapped(Wrap wrap, double x, int size) {
-  if (wrap == Wrap::kClamp) return static_cast<int>(std::clamp(x, 0.0, size - 1.0));
+  if (wrap == Wrap::kClamp) return static_cast<int>(held(x, 0.0, size - 1.0));
   const double turns = std::floor(x / size);
-  const int index = std::clamp(static_cast<int>(x - turns * size), 0, size - 1);
+  const int index = static_cast<int>(held(x - turns * size, 0.0, size - 1.0));
   const bool turned = wrap == Wrap::kMirror && std::fmod(std::abs(turns), 2.0) == 1.0;
   return turned ? size - 1 - index : index;
 }
@@ -149,7 +151,7 @@ Eigen::Vector3d TextureArea::mean(const MeshPicture& picture, std::vector<Eigen:
     const bool clamp = wraps[axis] == Wrap::kClamp;
     constexpr double kFar = 1e6;
     const auto cell = [&](double x) {
-      return static_cast<int>(std::clamp(std::floor(x / size[axis]), clamp ? -1.0 : -kFar, clamp ? 1.0 : kFar));
+      return static_cast<int>(held(std::floor(x / size[axis]), clamp ? -1.0 : -kFar, clamp ? 1.0 : kFar));
     };
     first[axis] = cell(low[axis]);
     last[axis] = std::max(first[axis], cell(high[axis]));
@@ -195,7 +197,7 @@ Eigen::Vector3d TextureArea::meanOfCell(const MeshPicture& picture, double area,
     for (Eigen::Vector2d& point : cell_) {
       double x = point[axis] - double(index[axis]) * size[axis];
       if (mirrored) x = size[axis] - x;
-      point[axis] = std::clamp(x, 0.0, double(size[axis]));
+      point[axis] = held(x, 0.0, double(size[axis]));
     }
   }
   return meanInside(*picture.texture, cell_, turned * area, kRows);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/view/held.hpp"
 #include "texture_sampler.hpp"
 
 namespace aras_visual_servo_sim {
@@ -84,7 +85,10 @@ template <int channels>
 void TextureSampler::integrateBorder(const Tile& tile, Image& out) {
   double merged = 1.0;
   const Texture::Level& level = levelOf(tile, channels, merged);
-  for (Eigen::Vector2d& corner : corners_) corner.y() /= merged;
+  constexpr double kFarthest = 1e8;  // [texels] so that rows and columns are numbers
+  for (Eigen::Vector2d& corner : corners_) {
+    corner = {held(corner.x(), -kFarthest, kFarthest), held(corner.y() / merged, -kFarthest, kFarthest)};
+  }
   const int columns = tile.box.u1 - tile.box.u0, rows = tile.box.v1 - tile.box.v0;
   const auto corner = [&](int i, int j) -> const Eigen::Vector2d& { return corners_[j * kStride + i]; };
   for (int j = 0; j <= rows; ++j) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "aras_visual_servo_sim/image/pixel_color.hpp"
+#include "render/view/held.hpp"
 #include "tile_integrals.hpp"
 
 namespace aras_visual_servo_sim {
@@ -73,8 +74,8 @@ void TextureSampler::sampleCenters(const PixelBox& box, Image& out) const {
 void TextureSampler::sampleCenter(int u, int v, Image& out) const {
   const Eigen::Vector3d m = onPicture(u, v);
   const Eigen::Array2d st = m.head<2>().array() / std::max(m.z(), 1e-300);
-  const int i = static_cast<int>(std::clamp(st.x(), 0.0, texture_->width() - 1.0));
-  const int j = static_cast<int>(std::clamp(st.y(), 0.0, texture_->height() - 1.0));
+  const int i = static_cast<int>(held(st.x(), 0.0, texture_->width() - 1.0));
+  const int j = static_cast<int>(held(st.y(), 0.0, texture_->height() - 1.0));
   const std::uint8_t* rgb = texture_->texel(i, j);
   const auto pixel = pixelOf({rgb[0], rgb[1], rgb[2]}, out.encoding);
   std::copy(pixel.begin(), pixel.begin() + out.channels(), out.pixel(u, v));
@@ -104,7 +105,7 @@ TextureSampler::Tile TextureSampler::findCorners(const PixelBox& box) {
     for (int i = 0; i <= columns; ++i, ++corner) {
       const Eigen::Vector3d m =
           pinhole ? Eigen::Vector3d(first + double(i) * step) : onPicture(box.u0 + i - 0.5, box.v0 + j - 0.5);
-      if (m.z() <= 0.0) {
+      if (!(m.z() > 0.0)) {
         tile.regular = false;
         return tile;
       }
@@ -125,8 +126,8 @@ TextureSampler::Tile TextureSampler::findCorners(const PixelBox& box) {
   }
   constexpr double kSmall = 0.125;  // [texels] a whole tile: single precision would show
   const Eigen::Array2d size(texture_->width(), texture_->height());
-  tile.border = (low < 0.0).any() || (high > size).any() || (high - low).maxCoeff() < kSmall;
-  tile.seen = !((high < 0.0).any() || (low > size).any());
+  tile.border = !((low >= 0.0).all() && (high <= size).all() && (high - low).maxCoeff() >= kSmall);
+  tile.seen = (high >= 0.0).all() && (low <= size).all();
   tile.low = low;
   return tile;
 }

@@ -6,6 +6,7 @@
 
 #include "aras_visual_servo_sim/image/pixel_color.hpp"
 #include "render/coverage/image_circle.hpp"
+#include "render/view/held.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -24,7 +25,7 @@ PixelBox boxOf(const std::vector<Eigen::Vector2d>& points, std::size_t begin, co
     low = low.cwiseMin(points[i]);
     high = high.cwiseMax(points[i]);
   }
-  const auto pixel = [](double x, int size) { return static_cast<int>(std::clamp(std::floor(x), 0.0, double(size))); };
+  const auto pixel = [](double x, int size) { return static_cast<int>(held(std::floor(x), 0.0, double(size))); };
   if (begin == points.size()) return {};
   return {pixel(low.x() + 0.5, camera.width()), pixel(low.y() + 0.5, camera.height()),
           pixel(high.x() + 1.5, camera.width()), pixel(high.y() + 1.5, camera.height())};

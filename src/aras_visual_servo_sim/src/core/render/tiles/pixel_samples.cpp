@@ -1,11 +1,8 @@
 #include "pixel_samples.hpp"
 
-// The same additions, products and comparisons in wider registers where the processor has them: the same bytes.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define ARAS_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define ARAS_WIDE
-#endif
+#include <cmath>
+
+#include "image/wide.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -34,12 +31,31 @@ constexpr Pattern kPattern = makePattern();
 ARAS_WIDE void seeTriangle(const PixelSamples::Triangle& t, std::int32_t index, float* nearest, std::int32_t* seen) {
   const float a0 = t.a[0], a1 = t.a[1], a2 = t.a[2], b0 = t.b[0], b1 = t.b[1], b2 = t.b[2];
   const float c0 = t.c[0], c1 = t.c[1], c2 = t.c[2], l0 = t.least[0], l1 = t.least[1], l2 = t.least[2];
-  const float z0 = t.z, z_x = t.z_x, z_y = t.z_y;
+  const float z0 = t.z, z_x = t.z_x, z_y = t.z_y, most = t.most;
   for (int i = 0; i < kCount; ++i) {
     const float x = kPattern.x[i], y = kPattern.y[i];
     const float z = z0 + z_x * x + z_y * y;
     const std::int32_t inside = -std::int32_t(a0 * x + b0 * y + c0 >= l0) & -std::int32_t(a1 * x + b1 * y + c1 >= l1) &
-                                -std::int32_t(a2 * x + b2 * y + c2 >= l2) & -std::int32_t(z > nearest[i]);
+                                -std::int32_t(a2 * x + b2 * y + c2 >= l2) & -std::int32_t(z > nearest[i]) &
+                                -std::int32_t(z <= most);
+    nearest[i] = inside != 0 ? z : nearest[i];
+    seen[i] = inside != 0 ? index : seen[i];
+  }
+}
+
+ARAS_WIDE void seeCurved(const PixelSamples::Curved& c, std::int32_t index, float* nearest, std::int32_t* seen) {
+  const float w0 = c.within[0], w_x = c.within[1], w_y = c.within[2];
+  const float w_xx = c.within[3], w_xy = c.within[4], w_yy = c.within[5];
+  const float z0 = c.z[0], z_x = c.z[1], z_y = c.z[2], root = c.root, least = c.least, most = c.most;
+  const float a0 = c.bounds[0][0], a_x = c.bounds[0][1], a_y = c.bounds[0][2], a_z = c.bounds[0][3];
+  const float b0 = c.bounds[1][0], b_x = c.bounds[1][1], b_y = c.bounds[1][2], b_z = c.bounds[1][3];
+  for (int i = 0; i < kCount; ++i) {
+    const float x = kPattern.x[i], y = kPattern.y[i];
+    const float w = w0 + x * (w_x + w_xx * x + w_xy * y) + y * (w_y + w_yy * y);
+    const float z = z0 + z_x * x + z_y * y + root * std::sqrt(w > 0.0f ? w : 0.0f);
+    const std::int32_t inside = -std::int32_t(w >= 0.0f) & -std::int32_t(a0 + a_x * x + a_y * y + a_z * z >= 0.0f) &
+                                -std::int32_t(b0 + b_x * x + b_y * y + b_z * z >= 0.0f) & -std::int32_t(z >= least) &
+                                -std::int32_t(z <= most) & -std::int32_t(z > nearest[i]);
     nearest[i] = inside != 0 ? z : nearest[i];
     seen[i] = inside != 0 ? index : seen[i];
   }
@@ -60,6 +76,8 @@ ARAS_WIDE void countSamples(std::int32_t index, const std::int32_t* seen, std::i
 
 }  // namespace
 
+Eigen::Vector2d PixelSamples::place(int sample) { return {kPattern.x[sample], kPattern.y[sample]}; }
+
 void PixelSamples::clear(std::int32_t nothing) {
   nearest_.fill(0.0f);
   seen_.fill(nothing);
@@ -67,6 +85,10 @@ void PixelSamples::clear(std::int32_t nothing) {
 
 void PixelSamples::see(const Triangle& triangle, std::int32_t index) {
   seeTriangle(triangle, index, nearest_.data(), seen_.data());
+}
+
+void PixelSamples::see(const Curved& curved, std::int32_t index) {
+  seeCurved(curved, index, nearest_.data(), seen_.data());
 }
 
 PixelSamples::Share PixelSamples::shareOf(std::int32_t index) const {

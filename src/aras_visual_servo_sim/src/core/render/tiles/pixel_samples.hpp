@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 
@@ -18,6 +19,15 @@ class PixelSamples {
   struct Triangle {
     std::array<float, 3> a, b, c, least;  ///< inside where a x + b y + c >= least for all three edges
     float z, z_x, z_y;                    ///< inverse depth in the middle and its slopes
+    float most;                           ///< what is nearer is not seen
+  };
+  /** A curved surface about a pixel: x and y as above. */
+  struct Curved {
+    std::array<float, 6> within;  ///< w = [0] + [1] x + [2] y + [3] x^2 + [4] x y + [5] y^2: seen where w >= 0
+    std::array<float, 3> z;
+    float root;                                  ///< inverse depth is [0] + [1] x + [2] y of z, + root sqrt(w)
+    std::array<std::array<float, 4>, 2> bounds;  ///< seen where [0] + [1] x + [2] y + [3] times inverse depth >= 0
+    float least, most;                           ///< and where the inverse depth lies between these
   };
   /** How many samples see a triangle, and the mean of their places [px]. */
   struct Share {
@@ -25,10 +35,14 @@ class PixelSamples {
     double x, y;
   };
 
+  /** Place of a sample, from the pixel's middle [px]. */
+  static Eigen::Vector2d place(int sample);
   /** Every sample sees number `nothing`. */
   void clear(std::int32_t nothing);
   /** Samples inside the triangle where it is nearer than what was seen before see number `index`. */
   void see(const Triangle& triangle, std::int32_t index);
+  /** The same of a curved surface. */
+  void see(const Curved& curved, std::int32_t index);
   Share shareOf(std::int32_t index) const;
 
  private:

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/view/held.hpp"
+
 namespace aras_visual_servo_sim {
 namespace {
 
@@ -41,23 +43,21 @@ void TileBins::markEverything(const PixelBox& box) {
   }
 }
 
-void TileBins::markBodies(const std::vector<Vertex>& vertices) {
-  for (std::size_t i = 0; i < vertices.size(); i += 3) {
-    forEachTile(&vertices[i], [this](int tile) {
-      if (marked_[tile] == Mark::kNone) marked_[tile] = Mark::kBodies;
-    });
-  }
+void TileBins::markBodies(const TriangleList& triangles) {
+  forEachTile(triangles, [this](int tile, std::uint32_t) { markBody(tile); });
 }
 
-/** Counts, running sums, entries. */
-void TileBins::sort(const std::vector<Vertex>& vertices) {
+/** Counts, running sums, entries. A facet that several cells see comes to a tile once. */
+void TileBins::sort(const TriangleList& triangles) {
+  constexpr std::uint32_t kNone = 0xffffffff;
   starts_.assign(marked_.size() + 1, 0);
   const auto forEach = [&](auto&& visit) {
-    for (std::size_t i = 0; i < vertices.size(); i += 3) {
-      forEachTile(&vertices[i], [&](int tile) {
-        if (marked_[tile] != Mark::kNone) visit(tile, static_cast<std::uint32_t>(i / 3));
-      });
-    }
+    newest_.assign(marked_.size(), kNone);
+    forEachTile(triangles, [&](int tile, std::uint32_t triangle) {
+      if (marked_[tile] == Mark::kNone || newest_[tile] == triangle) return;
+      newest_[tile] = triangle;
+      visit(tile, triangle);
+    });
   };
   forEach([&](int tile, std::uint32_t) { ++starts_[tile + 1]; });
   for (std::size_t k = 1; k < starts_.size(); ++k) starts_[k] += starts_[k - 1];
@@ -69,6 +69,17 @@ void TileBins::sort(const std::vector<Vertex>& vertices) {
 PixelBox TileBins::pixels(int tile) const {
   const int u0 = tile % tiles_u_ * kTile, v0 = tile / tiles_u_ * kTile;
   return {u0, v0, std::min(u0 + kTile, width_), std::min(v0 + kTile, height_)};
+}
+
+template <typename Visit>
+void TileBins::forEachTile(const TriangleList& triangles, const Visit& visit) const {
+  for (const TriangleList::Span& span : triangles.spans()) {
+    for (int u = span.first; u < span.last; ++u) visit(span.row * tiles_u_ + u, span.triangle);
+  }
+  const std::vector<Vertex>& vertices = triangles.vertices();
+  for (std::size_t i = 0; i < vertices.size(); i += 3) {
+    forEachTile(&vertices[i], [&](int tile) { visit(tile, static_cast<std::uint32_t>(i / 3)); });
+  }
 }
 
 template <typename Visit>
@@ -85,7 +96,7 @@ void TileBins::forEachTile(const Vertex* triangle, const Visit& visit) const {
 /** Tiles that a triangle's bounding box touches. */
 PixelBox TileBins::tilesOf(const Vertex* t) const {
   const auto tile = [](float x, int count) {
-    return static_cast<int>(std::clamp(std::floor(x / kTile), -1.0f, float(count)));
+    return static_cast<int>(held(std::floor(x / kTile), -1.0f, float(count)));
   };
   return {std::max(0, tile(std::min({t[0].x, t[1].x, t[2].x}), tiles_u_)),
           std::max(0, tile(std::min({t[0].y, t[1].y, t[2].y}), tiles_v_)),

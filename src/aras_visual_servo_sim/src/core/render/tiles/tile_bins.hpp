@@ -3,15 +3,16 @@
 #include <cstdint>
 #include <vector>
 
+#include "aras_visual_servo_sim/camera/camera_model.hpp"
 #include "render/coverage/coverage_rasterizer.hpp"
-#include "render/triangles/facet.hpp"
+#include "render/triangles/triangle_list.hpp"
 
 namespace aras_visual_servo_sim {
 
 /** Square tiles of an image: which of them are to be painted, and which triangles may touch each of these. */
 class TileBins {
  public:
-  static constexpr int kTile = 8;  ///< [px]
+  static constexpr int kTile = CameraModel::kBlock;  ///< [px]
   /** What a tile needs. */
   enum class Mark : char {
     kNone,
@@ -24,9 +25,13 @@ class TileBins {
   void markEverything();
   void markEverything(const PixelBox& box);
   /** Marks what the triangles may touch for bodies. */
-  void markBodies(const std::vector<Vertex>& vertices);
+  void markBodies(const TriangleList& triangles);
+  /** Marks a tile for a body. */
+  void markBody(int tile) {
+    if (marked_[tile] == Mark::kNone) marked_[tile] = Mark::kBodies;
+  }
   /** Sorts triangles into the marked tiles. */
-  void sort(const std::vector<Vertex>& vertices);
+  void sort(const TriangleList& triangles);
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -39,12 +44,14 @@ class TileBins {
 
  private:
   template <typename Visit>
+  void forEachTile(const TriangleList& triangles, const Visit& visit) const;
+  template <typename Visit>
   void forEachTile(const Vertex* triangle, const Visit& visit) const;
   PixelBox tilesOf(const Vertex* triangle) const;
 
   int width_ = 0, height_ = 0, tiles_u_ = 0, tiles_v_ = 0;
   std::vector<Mark> marked_;
-  std::vector<std::uint32_t> starts_, next_, triangles_;
+  std::vector<std::uint32_t> starts_, next_, triangles_, newest_;
 };
 
 }  // namespace aras_visual_servo_sim

@@ -16,10 +16,11 @@ float dot(const float* a, const float* b) { return a[0] * b[0] + a[1] * b[1] + a
 
 }  // namespace
 
-void TilePainter::paint(const CameraModel& camera, const TriangleList& triangles, const TileBins& bins,
-                        const Rgb& background, const std::vector<Image>& pictures, Image& image) {
+void TilePainter::paint(const CameraModel& camera, const TriangleList& triangles, const CurvedList& curved,
+                        const TileBins& bins, const Rgb& background, const std::vector<Image>& pictures, Image& image) {
   camera_ = &camera;
   list_ = &triangles;
+  curved_list_ = &curved;
   bins_ = &bins;
   pictures_ = &pictures;
   image_ = &image;
@@ -34,16 +35,24 @@ void TilePainter::paint(const CameraModel& camera, const TriangleList& triangles
 
 void TilePainter::paintTile(int tile) {
   box_ = bins_->pixels(tile);
+  if (!list_->isFlat()) cone_ = camera_->blockCones()[tile];
   keep_ = bins_->mark(tile) == TileBins::Mark::kBodies;
   candidates_.clear();
   for (const std::uint32_t* triangle = bins_->begin(tile); triangle != bins_->end(tile); ++triangle) {
     TileTriangle candidate;
-    if (candidate.set(*list_, *triangle, camera_->nearM(), box_)) candidates_.push_back(candidate);
+    if (candidate.set(*list_, *triangle, camera_->nearM(), box_, cone_)) candidates_.push_back(candidate);
   }
-  if (paintWhole()) return;
+  curved_.clear();
+  const bool curved = tile < curved_list_->tiles() && curved_list_->begin(tile) != curved_list_->end(tile);
+  if (!curved && paintWhole()) return;
   setUp();
+  if (curved) addCurved(tile);
   const bool centers = camera_->sampling() == CameraModel::Sampling::kCenter;
   for (std::uint32_t k = 0; k < candidates_.size(); ++k) centers ? collectCenters(k) : collect(k);
+  for (std::uint32_t k = 0; k < curved_.size(); ++k) {
+    const auto index = static_cast<std::uint32_t>(candidates_.size()) + k;
+    centers ? collectCurvedCenters(index) : collectCurved(index);
+  }
   for (int v = box_.v0; v < box_.v1; ++v) {
     for (int u = box_.u0; u < box_.u1; ++u) paintPixel((v - box_.v0) * kTile + u - box_.u0);
   }
@@ -51,7 +60,7 @@ void TilePainter::paintTile(int tile) {
 
 /** The short way for a tile that sees nothing but one facet. @return false if it is none, or has a picture */
 bool TilePainter::paintWhole() {
-  const TileTriangle* front = wholeFront(*camera_, candidates_, box_);
+  const TileTriangle* front = wholeFront(*camera_, *list_, candidates_, box_, cone_);
   if (!front) return false;
   const Facet& facet = list_->facet(front->triangle);
   if (keep_ && facet.planar) return true;
@@ -68,13 +77,21 @@ void TilePainter::setUp() {
   front_nearest_.fill(0.0f);
   for (int v = box_.v0; v < box_.v1; ++v) {
     for (int u = box_.u0; u < box_.u1; ++u) {
-      Pixel& pixel = pixels_[(v - box_.v0) * kTile + u - box_.u0];
-      pixel.rays = PixelRays::of(*camera_, u, v);
+      const int p = (v - box_.v0) * kTile + u - box_.u0;
+      Pixel& pixel = pixels_[p];
+      rays_[p] = PixelRays::of(*camera_, u, v);
       for (int k = 0; k < 3; ++k) {
-        pixel.middle[k] = static_cast<float>(pixel.rays.middle[k]);
-        pixel.across[k] = static_cast<float>(pixel.rays.across[k]);
-        pixel.down[k] = static_cast<float>(pixel.rays.down[k]);
+        pixel.middle[k] = static_cast<float>(rays_[p].middle[k]);
+        pixel.across[k] = static_cast<float>(rays_[p].across[k]);
+        pixel.down[k] = static_cast<float>(rays_[p].down[k]);
+        across_tile_[k][p] = pixel.middle[k];
+        across_tile_[3 + k][p] = pixel.across[k];
+        across_tile_[6 + k][p] = pixel.down[k];
       }
+      const bool fisheye = camera_->lens() == CameraModel::Lens::kEquidistant;
+      ahead_[p] = list_->isFlat() ? std::numeric_limits<float>::max()
+                  : fisheye       ? static_cast<float>(rays_[p].middle.cwiseAbs().maxCoeff())
+                                  : 1.0f;
     }
   }
 }
@@ -82,55 +99,152 @@ void TilePainter::setUp() {
 /** Notes the pixels that a triangle may be seen in. */
 void TilePainter::collect(std::uint32_t index) {
   const TileTriangle& t = candidates_[index];
-  const std::array<float, 3> half{0.5f * (std::abs(t.a[0]) + std::abs(t.b[0])),
-                                  0.5f * (std::abs(t.a[1]) + std::abs(t.b[1])),
-                                  0.5f * (std::abs(t.a[2]) + std::abs(t.b[2]))};
-  std::array<float, 3> outer;
-  for (int k = 0; k < 3; ++k) outer[k] = t.seam[k] ? std::numeric_limits<float>::max() : -half[k];
+  measureEdges(t);
   for (int v = 0; v < box_.v1 - box_.v0; ++v) {
-    float least[kTile], most[kTile], rim[kTile];  // of the distances to the edges, seams left out in rim
-    for (int u = 0; u < kTile; ++u) {
-      const float x = u + 0.5f, y = v + 0.5f;
-      const float e0 = t.a[0] * x + t.b[0] * y + t.c[0], e1 = t.a[1] * x + t.b[1] * y + t.c[1],
-                  e2 = t.a[2] * x + t.b[2] * y + t.c[2];
-      least[u] = std::min(std::min(e0 - half[0], e1 - half[1]), e2 - half[2]);
-      most[u] = std::min(std::min(e0 + half[0], e1 + half[1]), e2 + half[2]);
-      rim[u] = std::min(std::min(e0 + outer[0], e1 + outer[1]), e2 + outer[2]);
-    }
     for (int u = 0; u < box_.u1 - box_.u0; ++u) {
-      if (most[u] < 0.0f) continue;
       const int p = v * kTile + u;
+      if (most_[p] < 0.0f) continue;
       const Pixel& pixel = pixels_[p];
       const float z = dot(t.plane, pixel.middle) + t.bias;
       const float reach = 0.5f * (std::abs(dot(t.plane, pixel.across)) + std::abs(dot(t.plane, pixel.down)));
-      if (z + reach < floor_[p]) continue;
-      if (least[u] > 0.0f && z - reach > floor_[p]) {
-        if (front_[p] >= 0 && front_nearest_[p] >= z - reach) {
-          fragments_.push_back({std::uint32_t(front_[p]), first_[p], front_nearest_[p], true});
-          first_[p] = static_cast<int>(fragments_.size()) - 1;
-        }
-        front_[p] = static_cast<int>(index);
-        floor_[p] = z - reach;
-        front_nearest_[p] = z + reach;
+      if (z + reach < floor_[p] || z - reach > ahead_[p]) continue;
+      const bool cut = z + reach > ahead_[p];  // by the near plane
+      if (least_[p] > 0.0f && z - reach > floor_[p] && !cut) {
+        putInFront(p, index, z - reach, z + reach);
         continue;
       }
-      fragments_.push_back({index, first_[p], z + reach, rim[u] > 0.0f});
+      fragments_.push_back({index, first_[p], z + reach, rim_[p] > 0.0f && !cut});
       first_[p] = static_cast<int>(fragments_.size()) - 1;
     }
   }
 }
 
-/** Notes for each pixel, without averaging, the nearest triangle that its middle sees. */
+/** Sets least_, most_ and rim_: over each pixel's square, of the distances to the edges, in any unit. */
+void TilePainter::measureEdges(const TileTriangle& t) {
+  constexpr float kFar = std::numeric_limits<float>::max();
+  if (list_->isFlat()) {
+    const std::array<float, 3> half{0.5f * (std::abs(t.a[0]) + std::abs(t.b[0])),
+                                    0.5f * (std::abs(t.a[1]) + std::abs(t.b[1])),
+                                    0.5f * (std::abs(t.a[2]) + std::abs(t.b[2]))};
+    std::array<float, 3> outer;
+    for (int k = 0; k < 3; ++k) outer[k] = t.seam[k] ? kFar : -half[k];
+    for (int p = 0; p < kPixels; ++p) {
+      const float x = p % kTile + 0.5f, y = p / kTile + 0.5f;  // NOLINT
+      const float e0 = t.a[0] * x + t.b[0] * y + t.c[0], e1 = t.a[1] * x + t.b[1] * y + t.c[1],
+                  e2 = t.a[2] * x + t.b[2] * y + t.c[2];
+      least_[p] = std::min(std::min(e0 - half[0], e1 - half[1]), e2 - half[2]);
+      most_[p] = std::min(std::min(e0 + half[0], e1 + half[1]), e2 + half[2]);
+      rim_[p] = std::min(std::min(e0 + outer[0], e1 + outer[1]), e2 + outer[2]);
+    }
+    return;
+  }
+  least_.fill(kFar);
+  most_.fill(kFar);
+  rim_.fill(kFar);
+  const auto& rays = across_tile_;
+  for (int k = 0; k < 3; ++k) {
+    const float x = t.edge[k][0], y = t.edge[k][1], z = t.edge[k][2], beyond = t.seam[k] ? kFar : 0.0f;
+    for (int p = 0; p < kPixels; ++p) {
+      const float e = x * rays[0][p] + y * rays[1][p] + z * rays[2][p];
+      const float half = 0.5f * (std::abs(x * rays[3][p] + y * rays[4][p] + z * rays[5][p]) +
+                                 std::abs(x * rays[6][p] + y * rays[7][p] + z * rays[8][p]));
+      least_[p] = std::min(least_[p], e - half);
+      most_[p] = std::min(most_[p], e + half);
+      rim_[p] = std::min(rim_[p], std::max(e - half, beyond));
+    }
+  }
+}
+
+/** Whether the middle of a pixel lies inside a triangle. */
+bool TilePainter::isInside(const TileTriangle& t, int p) const {
+  const float x = p % kTile + 0.5f, y = p / kTile + 0.5f;  // NOLINT
+  for (int k = 0; k < 3; ++k) {
+    const float e = list_->isFlat() ? t.a[k] * x + t.b[k] * y + t.c[k] : dot(t.edge[k], pixels_[p].middle);
+    if (!(e >= t.least[k])) return false;
+  }
+  return true;
+}
+
+/** A triangle about the middle of a pixel. */
+PixelSamples::Triangle TilePainter::about(const TileTriangle& t, int p) const {
+  const Pixel& pixel = pixels_[p];
+  PixelSamples::Triangle triangle{t.a,
+                                  t.b,
+                                  {},
+                                  t.least,
+                                  dot(t.plane, pixel.middle) + t.bias,
+                                  dot(t.plane, pixel.across),
+                                  dot(t.plane, pixel.down),
+                                  ahead_[p]};
+  const float x = p % kTile + 0.5f, y = p / kTile + 0.5f;  // NOLINT
+  for (int i = 0; i < 3; ++i) {
+    if (list_->isFlat()) {
+      triangle.c[i] = t.a[i] * x + t.b[i] * y + t.c[i];
+      continue;
+    }
+    triangle.a[i] = dot(t.edge[i], pixel.across);
+    triangle.b[i] = dot(t.edge[i], pixel.down);
+    triangle.c[i] = dot(t.edge[i], pixel.middle);
+  }
+  return triangle;
+}
+
+/** Makes a candidate that covers a pixel the one in front there. */
+void TilePainter::putInFront(int p, std::uint32_t index, float farthest, float nearest) {
+  if (front_[p] >= 0 && front_nearest_[p] >= farthest) {
+    const bool smooth = !isCurved(static_cast<std::uint32_t>(front_[p]));
+    fragments_.push_back({std::uint32_t(front_[p]), first_[p], front_nearest_[p], smooth});
+    first_[p] = static_cast<int>(fragments_.size()) - 1;
+  }
+  front_[p] = static_cast<int>(index);
+  floor_[p] = farthest;
+  front_nearest_[p] = nearest;
+}
+
+void TilePainter::addCurved(int tile) {
+  for (const std::uint32_t* entry = curved_list_->begin(tile); entry != curved_list_->end(tile); ++entry) {
+    TileCurved candidate;
+    if (candidate.set(*camera_, curved_list_->entries()[*entry].patch, *entry, box_, rays_.data())) {
+      curved_.push_back(candidate);
+    }
+  }
+}
+
+void TilePainter::collectCurved(std::uint32_t index) {
+  const TileCurved& curved = curvedOf(index);
+  for (int p = 0; p < kPixels; ++p) {
+    if (curved.cover[p] == TileCurved::Cover::kNone || curved.nearest[p] < floor_[p]) continue;
+    if (curved.cover[p] == TileCurved::Cover::kWhole && curved.farthest[p] > floor_[p]) {
+      putInFront(p, index, curved.farthest[p], curved.nearest[p]);
+      continue;
+    }
+    fragments_.push_back({index, first_[p], curved.nearest[p], false});
+    first_[p] = static_cast<int>(fragments_.size()) - 1;
+  }
+}
+
+void TilePainter::collectCurvedCenters(std::uint32_t index) {
+  const CurvedPatch& patch = patchOf(curvedOf(index));
+  for (int v = 0; v < box_.v1 - box_.v0; ++v) {
+    for (int u = 0; u < box_.u1 - box_.u0; ++u) {
+      const int p = v * kTile + u;
+      const double z = camera_->nearM() * nearnessAt(*camera_, patch, rays_[p].middle);
+      if (!(z > floor_[p])) continue;
+      floor_[p] = static_cast<float>(z);
+      front_[p] = static_cast<int>(index);
+    }
+  }
+}
+
+/** All or nothing, by the middle of the pixel. */
 void TilePainter::collectCenters(std::uint32_t index) {
   const TileTriangle& t = candidates_[index];
   for (int v = 0; v < box_.v1 - box_.v0; ++v) {
     for (int u = 0; u < box_.u1 - box_.u0; ++u) {
-      bool inside = true;
-      for (int k = 0; k < 3; ++k) inside = inside && t.a[k] * (u + 0.5f) + t.b[k] * (v + 0.5f) + t.c[k] >= t.least[k];
-      if (!inside) continue;
       const int p = v * kTile + u;
+      if (!isInside(t, p)) continue;
       const float z = dot(t.plane, pixels_[p].middle) + t.bias;
-      if (z <= floor_[p]) continue;
+      if (z <= floor_[p] || z > ahead_[p]) continue;
       floor_[p] = z;
       front_[p] = static_cast<int>(index);
     }
@@ -139,7 +253,7 @@ void TilePainter::collectCenters(std::uint32_t index) {
 
 void TilePainter::paintPixel(int p) {
   seen_.clear();
-  const auto isBody = [this](std::uint32_t k) { return !list_->facet(candidates_[k].triangle).planar; };
+  const auto isBody = [this](std::uint32_t k) { return isCurved(k) || !list_->facet(candidates_[k].triangle).planar; };
   int front = front_[p];
   bool any_body = front >= 0 && isBody(front), smooth = true;
   for (int k = first_[p]; k >= 0; k = fragments_[k].next) {
@@ -152,7 +266,7 @@ void TilePainter::paintPixel(int p) {
   double rgb[3] = {double(background_.r), double(background_.g), double(background_.b)};
   if (!seen_.empty()) front = smooth ? smoothFront(p) : -1;
   if (front >= 0) {
-    Eigen::Map<Eigen::Vector3d>{rgb} = colorOf(candidates_[front], p, {PixelSamples::kCount, 0.0, 0.0});
+    Eigen::Map<Eigen::Vector3d>{rgb} = colorOf(static_cast<std::uint32_t>(front), p, {PixelSamples::kCount, 0.0, 0.0});
   } else if (!seen_.empty()) {
     ++statistics_.sampled_pixels;
     samplePixel(p, rgb);
@@ -169,12 +283,12 @@ void TilePainter::paintPixel(int p) {
 /** Which of the candidates seen_, none of which ends in the pixel, its middle sees; -1 unless they are one surface of
  *  about one colour, front_ is of it too or behind it. */
 int TilePainter::smoothFront(int p) const {
-  const float x = p % kTile + 0.5f, y = p / kTile + 0.5f;
   const TileTriangle& first = candidates_[seen_.front()];
   const Eigen::Vector3f& color = list_->facet(first.triangle).rgb[0];
   int front = -1;
   float nearest = 0.0f;
-  const bool alone = front_[p] < 0 || candidates_[front_[p]].surface == first.surface;
+  const auto behind = static_cast<std::uint32_t>(front_[p]);
+  const bool alone = front_[p] < 0 || (!isCurved(behind) && candidates_[behind].surface == first.surface);
   const auto look = [&](std::uint32_t index) {
     const TileTriangle& t = candidates_[index];
     const float z = dot(t.plane, pixels_[p].middle) + t.bias;
@@ -182,10 +296,7 @@ int TilePainter::smoothFront(int p) const {
     if (!alone && z - reach <= front_nearest_[p]) return false;
     const Eigen::Vector3f& other = list_->facet(t.triangle).rgb[0];
     if (t.surface != first.surface || (other - color).cwiseAbs().maxCoeff() > kCrease) return false;
-    for (int k = 0; k < 3; ++k) {
-      if (!(t.a[k] * x + t.b[k] * y + t.c[k] >= t.least[k])) return true;
-    }
-    if (z > nearest) {
+    if (isInside(t, p) && z > nearest) {
       front = static_cast<int>(index);
       nearest = z;
     }
@@ -194,27 +305,20 @@ int TilePainter::smoothFront(int p) const {
   for (const std::uint32_t index : seen_) {
     if (!look(index)) return -1;
   }
-  return front_[p] < 0 || !alone || look(static_cast<std::uint32_t>(front_[p])) ? front : -1;
+  return front_[p] < 0 || !alone || look(behind) ? front : -1;
 }
 
 /** The mean of the colours of the candidates seen_ and front_, and of the background in rgb, each where it is seen. */
 void TilePainter::samplePixel(int p, double* rgb) {
-  const Pixel& pixel = pixels_[p];
-  const float x = p % kTile + 0.5f, y = p / kTile + 0.5f;
   if (front_[p] >= 0) seen_.push_back(static_cast<std::uint32_t>(front_[p]));
   const auto nothing = static_cast<std::int32_t>(seen_.size());
   samples_.clear(nothing);
   for (std::int32_t k = nothing - 1; k >= 0; --k) {
-    const TileTriangle& t = candidates_[seen_[k]];
-    PixelSamples::Triangle triangle{t.a,
-                                    t.b,
-                                    {},
-                                    t.least,
-                                    dot(t.plane, pixel.middle) + t.bias,
-                                    dot(t.plane, pixel.across),
-                                    dot(t.plane, pixel.down)};
-    for (int i = 0; i < 3; ++i) triangle.c[i] = t.a[i] * x + t.b[i] * y + t.c[i];
-    samples_.see(triangle, k);
+    if (isCurved(seen_[k])) {
+      samples_.see(samplesOf(*camera_, patchOf(curvedOf(seen_[k])), rays_[p]), k);
+      continue;
+    }
+    samples_.see(about(candidates_[seen_[k]], p), k);
   }
   Eigen::Map<Eigen::Vector3d> color(rgb);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -223,16 +327,18 @@ void TilePainter::samplePixel(int p, double* rgb) {
     const PixelSamples::Share share = samples_.shareOf(k);
     if (share.count == 0) continue;
     left -= share.count;
-    sum += share.count * colorOf(candidates_[seen_[k]], p, share);
+    sum += share.count * colorOf(seen_[k], p, share);
   }
   color = (sum + left * color) / PixelSamples::kCount;
 }
 
-/** Of the part of a pixel that sees a triangle. */
-Eigen::Vector3d TilePainter::colorOf(const TileTriangle& candidate, int p, const PixelSamples::Share& share) {
+/** Of the part of a pixel that sees a candidate. */
+Eigen::Vector3d TilePainter::colorOf(std::uint32_t index, int p, const PixelSamples::Share& share) {
+  if (isCurved(index)) return colorOf(patchOf(curvedOf(index)), p, share);
+  const TileTriangle& candidate = candidates_[index];
   const Facet& facet = list_->facet(candidate.triangle);
   if (facet.picture < 0) {
-    const Eigen::Vector3d color = facet.color(pixels_[p].rays.at(share.x, share.y));
+    const Eigen::Vector3d color = facet.color(rays_[p].at(share.x, share.y));
     return facet.texture ? Eigen::Vector3d(color.cwiseProduct(textureOf(candidate, p, share)) / 255.0) : color;
   }
   const Image& picture = (*pictures_)[facet.picture];
@@ -244,21 +350,57 @@ Eigen::Vector3d TilePainter::colorOf(const TileTriangle& candidate, int p, const
 /** Mean of the texels over the part of the pixel's square that lies in the triangle, hidden or not. */
 Eigen::Vector3d TilePainter::textureOf(const TileTriangle& t, int p, const PixelSamples::Share& share) {
   const Facet& facet = list_->facet(t.triangle);
-  const PixelRays& rays = pixels_[p].rays;
+  const PixelRays& rays = rays_[p];
   Eigen::Vector2d middle;
   if (!facet.texel(rays.at(share.x, share.y), middle)) middle = facet.texels[0];
   if (camera_->sampling() == CameraModel::Sampling::kCenter) return TextureArea::at(*facet.texture, middle);
   outline_ = {{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
   if (share.count < PixelSamples::kCount) {
-    const float x = p % kTile + 0.5f, y = p / kTile + 0.5f;
+    const PixelSamples::Triangle here = about(t, p);
     for (int k = 0; k < 3 && !outline_.empty(); ++k) {
-      texture_area_.clip(outline_, {t.a[k], t.b[k]}, -(t.a[k] * x + t.b[k] * y + t.c[k]));
+      texture_area_.clip(outline_, {here.a[k], here.b[k]}, -here.c[k]);
     }
   }
   for (Eigen::Vector2d& point : outline_) {
     if (!facet.texel(rays.at(point.x(), point.y()), point)) return TextureArea::at(*facet.texture, middle);
   }
   return outline_.size() < 3 ? TextureArea::at(*facet.texture, middle) : texture_area_.mean(*facet.texture, outline_);
+}
+
+Eigen::Vector3d TilePainter::colorOf(const CurvedPatch& patch, int p, const PixelSamples::Share& share) {
+  const Eigen::Vector3d color = patch.color(rays_[p].at(share.x, share.y));
+  return patch.texture ? Eigen::Vector3d(color.cwiseProduct(textureOf(patch, p, share)) / 255.0) : color;
+}
+
+/** Mean of the texels over a pixel that lies on the patch; at its outline and at the poles of a sphere, of the texels
+ *  that the pixel's samples see. */
+Eigen::Vector3d TilePainter::textureOf(const CurvedPatch& patch, int p, const PixelSamples::Share& share) {
+  const PixelRays& rays = rays_[p];
+  const Eigen::Vector2d middle = patch.texel(rays.at(share.x, share.y));
+  if (camera_->sampling() == CameraModel::Sampling::kCenter) return TextureArea::at(*patch.texture, middle);
+  const double width = patch.texture->texture->width();
+  bool whole = share.count == PixelSamples::kCount;
+  outline_ = {{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
+  for (Eigen::Vector2d& point : outline_) {
+    const Eigen::Vector3d ray = rays.at(point.x(), point.y());
+    point = patch.texel(ray);
+    if (patch.part != CurvedPatch::Part::kDisc) {  // once round, counted on from the middle
+      point.x() -= width * std::round((point.x() - middle.x()) / width);
+    }
+    whole = whole && patch.hit(ray).within >= 0.0 && std::abs(point.x() - middle.x()) < 0.2 * width;
+  }
+  if (whole) return texture_area_.mean(*patch.texture, outline_);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  int count = 0;
+  for (int k = 0; k < PixelSamples::kCount; ++k) {
+    const Eigen::Vector2d at = PixelSamples::place(k);
+    const Eigen::Vector3d ray = rays.at(at.x(), at.y());
+    const CurvedPatch::Hit hit = patch.hit(ray);
+    if (hit.within < 0.0 || !patch.isWithinBounds(ray, hit.nearness)) continue;
+    sum += TextureArea::at(*patch.texture, patch.texel(ray));
+    ++count;
+  }
+  return count > 0 ? Eigen::Vector3d(sum / count) : TextureArea::at(*patch.texture, middle);
 }
 
 }  // namespace aras_visual_servo_sim

@@ -5,15 +5,18 @@
 #include <vector>
 
 #include "pixel_samples.hpp"
+#include "render/curved/curved_list.hpp"
 #include "render/picture/texture_area.hpp"
 #include "render/triangles/triangle_list.hpp"
 #include "render/view/pixel_rays.hpp"
 #include "tile_bins.hpp"
+#include "tile_curved.hpp"
 #include "tile_triangle.hpp"
 
 namespace aras_visual_servo_sim {
 
-/** Paints the marked tiles of an image from projected triangles, nearest on top: a pixel is the mean over its square.
+/** Paints the marked tiles of an image from projected triangles and curved patches, nearest on top: a pixel is the mean
+ * over its square.
  *
  *  A pixel wholly covered by one surface in front of all others has that surface's colour in its middle. Where several
  *  are seen, or the background, PixelSamples says how much of it each triangle has. Edges shared by triangles have each
@@ -27,11 +30,12 @@ class TilePainter {
   };
 
   /** @param bins      marked, and triangles sorted into them
+   *  @param curved    sorted into tiles too
    *  @param pictures  what pixels see of planar models' pictures
    *  @param image     planar models and background are painted already: where the mark is kBodies, pixels that see no
    *                   body are left alone */
-  void paint(const CameraModel& camera, const TriangleList& triangles, const TileBins& bins, const Rgb& background,
-             const std::vector<Image>& pictures, Image& image);
+  void paint(const CameraModel& camera, const TriangleList& triangles, const CurvedList& curved, const TileBins& bins,
+             const Rgb& background, const std::vector<Image>& pictures, Image& image);
 
   const Statistics& statistics() const { return statistics_; }
 
@@ -39,7 +43,7 @@ class TilePainter {
   static constexpr int kTile = TileBins::kTile;
   static constexpr int kPixels = kTile * kTile;
 
-  /** A triangle that a pixel may see. */
+  /** A candidate that a pixel may see. */
   struct Fragment {
     std::uint32_t candidate;
     int next;       // of the same pixel, -1: none
@@ -47,7 +51,6 @@ class TilePainter {
     bool smooth;    // no edges cross the pixel but seams
   };
   struct Pixel {
-    PixelRays rays;
     float middle[3], across[3], down[3];  // rays, rounded
   };
 
@@ -55,15 +58,25 @@ class TilePainter {
   bool paintWhole();
   void setUp();
   void collect(std::uint32_t candidate);
+  void measureEdges(const TileTriangle& candidate);
+  bool isInside(const TileTriangle& candidate, int pixel) const;
+  PixelSamples::Triangle about(const TileTriangle& candidate, int pixel) const;
   void collectCenters(std::uint32_t candidate);
+  void addCurved(int tile);
+  void collectCurved(std::uint32_t candidate);
+  void collectCurvedCenters(std::uint32_t candidate);
+  void putInFront(int pixel, std::uint32_t candidate, float farthest, float nearest);
   void paintPixel(int pixel);
   int smoothFront(int pixel) const;
   void samplePixel(int pixel, double* rgb);
-  Eigen::Vector3d colorOf(const TileTriangle& candidate, int pixel, const PixelSamples::Share& share);
+  Eigen::Vector3d colorOf(std::uint32_t candidate, int pixel, const PixelSamples::Share& share);
+  Eigen::Vector3d colorOf(const CurvedPatch& patch, int pixel, const PixelSamples::Share& share);
+  Eigen::Vector3d textureOf(const CurvedPatch& patch, int pixel, const PixelSamples::Share& share);
   Eigen::Vector3d textureOf(const TileTriangle& candidate, int pixel, const PixelSamples::Share& share);
 
   const CameraModel* camera_ = nullptr;
   const TriangleList* list_ = nullptr;
+  const CurvedList* curved_list_ = nullptr;
   const TileBins* bins_ = nullptr;
   const std::vector<Image>* pictures_ = nullptr;
   Image* image_ = nullptr;
@@ -74,13 +87,22 @@ class TilePainter {
   PixelBox box_;
   bool keep_ = false;
   std::vector<TileTriangle> candidates_;
+  std::vector<TileCurved> curved_;  // candidates too, numbered on from those
+  bool isCurved(std::uint32_t candidate) const { return candidate >= candidates_.size(); }
+  const TileCurved& curvedOf(std::uint32_t candidate) const { return curved_[candidate - candidates_.size()]; }
+  const CurvedPatch& patchOf(const TileCurved& curved) const { return curved_list_->entries()[curved.entry].patch; }
   std::vector<Fragment> fragments_;
   std::vector<std::uint32_t> seen_;  // scratch: candidates of one pixel
   PixelSamples samples_;             // scratch
   TextureArea texture_area_;
   std::vector<Eigen::Vector2d> outline_;  // scratch: of what a pixel sees of a triangle
+  std::array<PixelRays, kPixels> rays_;
   std::array<Pixel, kPixels> pixels_;
-  std::array<int, kPixels> first_;    // fragment of each pixel, -1: none
+  RayCone cone_;
+  float across_tile_[9][kPixels];                  // through a lens: middle, across and down of all pixels, x, y and z
+  std::array<float, kPixels> least_, most_, rim_;  // of the distances to a candidate's edges, in rim_ seams left out
+  std::array<float, kPixels> ahead_;               // near_m / Z of what lies on the near plane
+  std::array<int, kPixels> first_;                 // fragment of each pixel, -1: none
   std::array<int, kPixels> front_;    // candidate that covers the pixel, the one whose farthest point is nearest
   std::array<float, kPixels> floor_;  // that point: what lies wholly behind it is not seen
   std::array<float, kPixels> front_nearest_;

@@ -1,14 +1,45 @@
 #include "whole_tile.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 
 #include "aras_visual_servo_sim/image/pixel_color.hpp"
+#include "image/wide.hpp"
+#include "render/view/pixel_rays.hpp"
 #include "tile_bins.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr int kTile = TileBins::kTile;
+constexpr int kTile = TileBins::kTile, kPixels = kTile * kTile;
+
+struct TileColors {
+  double red[kPixels], green[kPixels], blue[kPixels];
+};
+
+/** Colours along a row of pixels: (over + slope x) / (under + under_x x). */
+ARAS_WIDE void shadeRow(const double* x, const double* slope, const double* over, double under_x, double under, int first,
+                        TileColors& colors) {
+  double *red = colors.red + first, *green = colors.green + first, *blue = colors.blue + first;
+  for (int i = 0; i < kTile; ++i) {
+    const double scale = 1.0 / (under + under_x * x[i]);
+    red[i] = (over[0] + slope[0] * x[i]) * scale;
+    green[i] = (over[1] + slope[1] * x[i]) * scale;
+    blue[i] = (over[2] + slope[2] * x[i]) * scale;
+  }
+}
+
+/** Colours along rays. @param over  3 x 3, column by column */
+ARAS_WIDE void shadeRays(const double* x, const double* y, const double* z, const double* over, const double* under,
+                         int count, TileColors& colors) {
+  for (int i = 0; i < count; ++i) {
+    const double scale = 1.0 / (under[0] * x[i] + under[1] * y[i] + under[2] * z[i]);
+    colors.red[i] = (over[0] * x[i] + over[3] * y[i] + over[6] * z[i]) * scale;
+    colors.green[i] = (over[1] * x[i] + over[4] * y[i] + over[7] * z[i]) * scale;
+    colors.blue[i] = (over[2] * x[i] + over[5] * y[i] + over[8] * z[i]) * scale;
+  }
+}
 
 /** Of near_m / Z over the tile. */
 struct Depths {
@@ -32,11 +63,42 @@ bool covers(const TileTriangle& t, const PixelBox& tile) {
   return true;
 }
 
+/** Through a lens. The nearest in the middle is the only one that can be it. */
+const TileTriangle* wholeFrontOfCone(const CameraModel& camera, const TriangleList& list,
+                                     const std::vector<TileTriangle>& candidates, const RayCone& cone) {
+  const TileTriangle* front = nullptr;
+  double nearest = 0.0;
+  for (const TileTriangle& t : candidates) {
+    const Facet& facet = list.facet(t.triangle);
+    const double here = facet.plane.dot(cone.axis);
+    if (here <= nearest || !std::all_of(facet.edges.begin(), facet.edges.end(), [&cone](const Eigen::Vector3d& edge) {
+          return rangeOver(cone, edge).least > 0.0;
+        })) {
+      continue;
+    }
+    front = &t;
+    nearest = here;
+  }
+  if (!front) return nullptr;
+  const Facet& facet = list.facet(front->triangle);
+  // Beyond near_m whatever the length of a ray: 1 of the fisheye, Z = 1 of other lenses.
+  const double longest = camera.lens() == CameraModel::Lens::kEquidistant ? 2.0 : std::hypot(1.0, camera.imageRadius());
+  if (rangeOver(cone, facet.plane).greatest * camera.nearM() * longest >= 1.0) return nullptr;
+  for (const TileTriangle& t : candidates) {
+    const Facet& other = list.facet(t.triangle);
+    if (&t == front) continue;
+    if (camera.nearM() * rangeOver(cone, facet.plane - other.plane).least <= std::abs(other.bias - facet.bias)) {
+      return nullptr;
+    }
+  }
+  return front;
+}
+
 }  // namespace
 
-const TileTriangle* wholeFront(const CameraModel& camera, const std::vector<TileTriangle>& candidates,
-                               const PixelBox& tile) {
-  if (camera.lens() != CameraModel::Lens::kNone) return nullptr;
+const TileTriangle* wholeFront(const CameraModel& camera, const TriangleList& list,
+                               const std::vector<TileTriangle>& candidates, const PixelBox& tile, const RayCone& cone) {
+  if (!list.isFlat()) return wholeFrontOfCone(camera, list, candidates, cone);
   const TileTriangle* front = nullptr;
   float floor = 0.0f;
   for (const TileTriangle& t : candidates) {
@@ -59,30 +121,47 @@ void shadeTile(const CameraModel& camera, const Facet& facet, const PixelBox& ti
   for (int k = 0; k < 3; ++k) rgb.col(k) = facet.rgb[k].cast<double>();
   const Eigen::Matrix3d over = rgb * facet.areal;
   const Eigen::Vector3d& under = facet.plane;
-  const int width = tile.u1 - tile.u0;
-  double x[kTile] = {}, red[kTile], green[kTile], blue[kTile];
-  for (int i = 0; i < width; ++i) x[i] = (tile.u0 + i - camera.cx()) / camera.fx();
-  for (int v = tile.v0; v < tile.v1; ++v) {
-    const double y = (v - camera.cy()) / camera.fy();
-    const Eigen::Vector3d over_row = over.col(1) * y + over.col(2);
-    const double under_row = under[1] * y + under[2];
-    for (int i = 0; i < kTile; ++i) {
-      const double scale = 1.0 / (under_row + under[0] * x[i]);
-      red[i] = (over_row[0] + over(0, 0) * x[i]) * scale;
-      green[i] = (over_row[1] + over(1, 0) * x[i]) * scale;
-      blue[i] = (over_row[2] + over(2, 0) * x[i]) * scale;
+  const int width = tile.u1 - tile.u0, count = (tile.v1 - tile.v0) * kTile;
+  TileColors colors;
+  if (camera.lens() == CameraModel::Lens::kNone) {
+    double x[kTile] = {};
+    for (int i = 0; i < width; ++i) x[i] = (tile.u0 + i - camera.cx()) / camera.fx();
+    for (int v = tile.v0; v < tile.v1; ++v) {
+      const double y = (v - camera.cy()) / camera.fy();
+      const Eigen::Vector3d over_row = over.col(1) * y + over.col(2);
+      shadeRow(x, over.col(0).data(), over_row.data(), under[0], under[1] * y + under[2], (v - tile.v0) * kTile, colors);
     }
+  } else {
+    double x[kPixels] = {}, y[kPixels] = {}, z[kPixels];
+    std::fill(std::begin(z), std::end(z), 1.0);
+    for (int v = tile.v0; v < tile.v1; ++v) {
+      for (int i = 0; i < width; ++i) {
+        const Eigen::Vector3d ray = PixelRays::of(camera, tile.u0 + i, v).middle;
+        const int p = (v - tile.v0) * kTile + i;
+        x[p] = ray.x();
+        y[p] = ray.y();
+        z[p] = ray.z();
+      }
+    }
+    shadeRays(x, y, z, over.data(), under.data(), count, colors);
+  }
+  const bool bgr = image.encoding == Encoding::kBgr8;
+  for (int v = tile.v0; v < tile.v1; ++v) {
     std::uint8_t* out = image.pixel(tile.u0, v);
+    const int row = (v - tile.v0) * kTile;
+    const double *red = colors.red + row, *green = colors.green + row, *blue = colors.blue + row;
     if (image.encoding == Encoding::kMono8) {
       for (int i = 0; i < width; ++i) out[i] = greyOf(red[i], green[i], blue[i]);
       continue;
     }
-    const double* first = image.encoding == Encoding::kBgr8 ? blue : red;
-    const double* last = image.encoding == Encoding::kBgr8 ? red : blue;
+    std::int32_t bytes[3][kTile];
+    for (int i = 0; i < kTile; ++i) {
+      bytes[0][i] = static_cast<std::int32_t>((bgr ? blue : red)[i] + 0.5);
+      bytes[1][i] = static_cast<std::int32_t>(green[i] + 0.5);
+      bytes[2][i] = static_cast<std::int32_t>((bgr ? red : blue)[i] + 0.5);
+    }
     for (int i = 0; i < width; ++i, out += 3) {
-      out[0] = byteOf(first[i]);
-      out[1] = byteOf(green[i]);
-      out[2] = byteOf(last[i]);
+      for (int c = 0; c < 3; ++c) out[c] = static_cast<std::uint8_t>(bytes[c][i]);
     }
   }
 }

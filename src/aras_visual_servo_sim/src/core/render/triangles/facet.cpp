@@ -17,6 +17,18 @@ bool Facet::place(const std::array<Eigen::Vector3d, 3>& p) {
   return true;
 }
 
+bool Facet::placeWithEdges(const std::array<Eigen::Vector3d, 3>& p) {
+  if (!place(p)) return false;
+  const double side = p[0].dot(p[1].cross(p[2])) < 0.0 ? -1.0 : 1.0;
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d normal = p[k].cross(p[(k + 1) % 3]);
+    const double length = normal.norm();
+    if (!(length > 0.0)) return false;
+    edges[k] = side / length * normal;
+  }
+  return true;
+}
+
 Eigen::Vector3d Facet::weights(const Eigen::Vector3d& ray) const {
   const Eigen::Vector3d b = (areal * ray).cwiseMax(0.0);
   const double sum = b.sum();

@@ -21,12 +21,18 @@ struct Facet {
   const MeshPicture* texture = nullptr;  ///< its texels are multiplied by rgb / 255
   /** Texture coordinates at the corners, in texels: s to the right, t down. */
   std::array<Eigen::Vector2d, 3> texels{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
-  std::uint32_t surface = 0;  ///< facets of one shape or one face of a planar model share it
-  bool planar = false;        ///< of a planar model, not of a body
-  bool one_color = false;     ///< the corners' colours are equal
+  /** Edge k goes from corner k to k + 1: a ray meets the triangle if edge . ray >= 0 for all three. Unit length; of two
+   *  triangles that share an edge one has the negative of the other's, to the last bit. */
+  std::array<Eigen::Vector3d, 3> edges{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  std::array<bool, 3> seams{};  ///< the surface goes on smoothly beyond an edge
+  std::uint32_t surface = 0;    ///< facets of one shape or one face of a planar model share it
+  bool planar = false;          ///< of a planar model, not of a body
+  bool one_color = false;       ///< the corners' colours are equal
 
   /** @return false if its plane passes through the camera: it covers nothing */
   bool place(const std::array<Eigen::Vector3d, 3>& points_C);
+  /** Sets edges too. @return false as place */
+  bool placeWithEdges(const std::array<Eigen::Vector3d, 3>& points_C);
   /** Areal coordinates of the point on a ray, held inside the triangle. */
   Eigen::Vector3d weights(const Eigen::Vector3d& ray) const;
   /** Of the corners, texture left out. */

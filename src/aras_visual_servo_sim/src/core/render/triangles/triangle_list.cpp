@@ -2,22 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "render/view/held.hpp"
+#include "render/view/shading.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr double kChord = 1e-2;  // [px] an edge seen through the lens may stray from straight
+constexpr double kChord = 0.5;   // [px] an edge may stray from straight where only the tiles it touches matter
+constexpr double kMargin = 1.5;  // [px] by which tiles are taken to be larger: for that, and for inflexions
 constexpr double kBias = 1e-6;   // in units of near_m / Z, 250 roundings of a float: 17 um at 0.6 m, near plane 0.02 m
 
 Eigen::Vector3f colorOf(const Rgb& color) { return {float(color.r), float(color.g), float(color.b)}; }
-
-/** Lambert's law for a light from afar and a weak one at the camera, over an ambient term. */
-float shade(const Eigen::Vector3d& normal_C, const Eigen::Vector3d& light_C, const Eigen::Vector3d& p_C) {
-  constexpr double kAmbient = 0.38, kLight = 0.50, kHeadlight = 0.22;
-  const double lit = std::max(0.0, -normal_C.dot(light_C));
-  const double head = std::max(0.0, -normal_C.dot(p_C) / (p_C.norm() + 1e-12));
-  return static_cast<float>(std::min(1.0, kAmbient + kLight * lit + kHeadlight * head));
-}
 
 /** How far the image of the middle of an edge lies beside its chord [px]. */
 double bow(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Eigen::Vector2d& middle) {
@@ -35,6 +32,7 @@ void TriangleList::begin(const CameraModel& camera, const ViewVolume& volume) {
   bodies_.clear();
   facets_.clear();
   facet_of_.clear();
+  spans_.clear();
   surfaces_ = 0;
 }
 
@@ -43,10 +41,12 @@ bool TriangleList::addBodies(const Scene& scene, const Pose& X_CW) {
   for (const Body& body : scene.bodies) {
     if (!body.visible) continue;
     const Pose X_CB = X_CW * body.X_WB;
-    for (const Shape& shape : body.shapes) addShape(shape, X_CB * shape.X_BS, light_C);
-    bodies_.emplace_back(vertices_.size(), &body - scene.bodies.data());
+    for (const Shape& shape : body.shapes) {
+      if (!shape.mesh->round) addShape(shape, X_CB * shape.X_BS, light_C);
+    }
+    bodies_.emplace_back(size(), &body - scene.bodies.data());
   }
-  return !vertices_.empty();
+  return size() > 0;
 }
 
 void TriangleList::addShape(const Shape& shape, const Pose& X_CS, const Eigen::Vector3d& light_C) {
@@ -75,7 +75,7 @@ void TriangleList::addShape(const Shape& shape, const Pose& X_CS, const Eigen::V
   colors_.clear();
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
     points_.push_back(X_CS.p + R * mesh.points[i].cast<double>());
-    const float light = shade(R * mesh.normals[i].cast<double>(), light_C, points_.back());
+    const auto light = static_cast<float>(litShare(R * mesh.normals[i].cast<double>(), light_C, points_.back()));
     colors_.push_back(light * colorOf(mesh.colors.empty() ? shape.color : mesh.colors[i]));
   }
   drawn_.assign(mesh.triangles.size(), 0);
@@ -108,9 +108,7 @@ void TriangleList::addShape(const Shape& shape, const Pose& X_CS, const Eigen::V
       seams[e] = beyond != TriangleMesh::kNone && drawn_[beyond];
     }
     const Points points{points_[i], points_[j], points_[k]};
-    for (const auto& [cell, inside] : cells_) {
-      if (isSeen(points, *cell, inside)) addTriangle(points, seams, *cell, inside, facet);
-    }
+    addTriangle(points, seams, facet);
   }
 }
 
@@ -136,9 +134,7 @@ void TriangleList::addPlanar(const PlanarLayer& planar, const Pose& X_CW) {
         points[k] = X_CM * Eigen::Vector3d(polygon[here].x(), polygon[here].y(), 0.0);
         seams[k] = (here + 1) % polygon.size() != next && (next + 1) % polygon.size() != here;
       }
-      for (const auto& [cell, inside] : cells_) {
-        if (inside || !cell->excludes(points.data(), points.size())) addTriangle(points, seams, *cell, inside, facet);
-      }
+      addTriangle(points, seams, facet);
     };
     if (face.kind != PlanarLayer::Face::Kind::kOutlines) {
       const Polygon corners = face.picture >= 0 ? face.model->pictureCorners() : face.model->boardCorners();
@@ -158,26 +154,35 @@ bool TriangleList::isSeen(const Points& points, const ViewCell& cell, bool insid
   return inside || !cell.excludes(points.data(), points.size());
 }
 
-void TriangleList::addTriangle(const Points& points_C, const Seams& seams, const ViewCell& cell, bool inside,
-                               Facet facet) {
-  if (!facet.place(points_C)) return;
-  cell_ = &cell;
-  const std::size_t first = vertices_.size();
-  if (inside) {
-    cut({corner(points_C[0]), corner(points_C[1]), corner(points_C[2])}, seams, 0);
-  } else {
+void TriangleList::addTriangle(const Points& points_C, const Seams& seams, Facet facet) {
+  if (!(isFlat() ? facet.place(points_C) : facet.placeWithEdges(points_C))) return;
+  facet.seams = seams;
+  const std::size_t first_vertex = vertices_.size(), first_span = spans_.size();
+  for (const auto& [cell, inside] : cells_) {
+    const bool seen =
+        facet.planar ? inside || !cell->excludes(points_C.data(), points_C.size()) : isSeen(points_C, *cell, inside);
+    if (!seen) continue;
+    cell_ = cell;
     polygon_.assign(points_C.begin(), points_C.end());
-    cell.clip(polygon_);
-    if (polygon_.size() < 3) return;
+    if (!inside) cell->clip(polygon_);
+    if (polygon_.size() < 3) continue;
     corners_.clear();
     for (const Eigen::Vector3d& p : polygon_) corners_.push_back(corner(p));
-    for (std::size_t i = 2; i < corners_.size(); ++i) {
-      // Clipping does not keep track of the triangle's own edges, so none of the new edges counts as a seam.
-      cut({corners_[0], corners_[i - 1], corners_[i]}, {i > 2, false, i + 1 < corners_.size()}, 0);
+    if (!isFlat()) {
+      addSpans();
+    } else if (inside) {
+      addVertices({corners_[0], corners_[1], corners_[2]}, seams);
+    } else {
+      for (std::size_t i = 2; i < corners_.size(); ++i) {
+        // What became of the triangle's own edges is not known: none of them is a seam.
+        addVertices({corners_[0], corners_[i - 1], corners_[i]}, {i > 2, false, i + 1 < corners_.size()});
+      }
     }
   }
+  const std::size_t count = isFlat() ? (vertices_.size() - first_vertex) / 3 : spans_.size() > first_span ? 1 : 0;
+  if (count == 0) return;
   facets_.push_back(facet);
-  facet_of_.insert(facet_of_.end(), (vertices_.size() - first) / 3, static_cast<std::uint32_t>(facets_.size() - 1));
+  facet_of_.insert(facet_of_.end(), count, static_cast<std::uint32_t>(facets_.size() - 1));
 }
 
 TriangleList::Corner TriangleList::corner(const Eigen::Vector3d& p_C) const {
@@ -185,43 +190,69 @@ TriangleList::Corner TriangleList::corner(const Eigen::Vector3d& p_C) const {
   return {xy, cell_->toPixel(*camera_, xy)};
 }
 
-/** How far the middle of an edge lies off its chord [px]; long edges through the fisheye are bent whatever that says.
- */
-double TriangleList::bend(const Corner& from, const Corner& to, const Eigen::Vector2d& middle_px) const {
-  if (camera_->lens() == CameraModel::Lens::kEquidistant && (to.xy - from.xy).norm() > ViewCell::kLongest) {
-    return (to.px - from.px).norm();
-  }
-  return bow(from.px, to.px, middle_px);
-}
-
-/** Halves the most bent edge until none is bent. Each decision depends on that edge alone, so the triangles on both
- *  sides of an edge are cut alike and leave no gap. */
-void TriangleList::cut(const std::array<Corner, 3>& corners, const Seams& seams, int depth) {
-  const int deepest = camera_->lens() == CameraModel::Lens::kEquidistant ? 24 : 16;
-  if (camera_->lens() != CameraModel::Lens::kNone && depth < deepest) {
-    double worst = kChord;
-    int split = -1;
-    Corner middle;
-    for (int k = 0; k < 3; ++k) {
-      const Corner &from = corners[k], &to = corners[(k + 1) % 3];
-      const Eigen::Vector2d xy = 0.5 * (from.xy + to.xy);
-      const Eigen::Vector2d px = cell_->toPixel(*camera_, xy);
-      const double bent = bend(from, to, px);
-      if (bent <= worst) continue;
-      worst = bent;
-      split = k;
-      middle = {xy, px};
-    }
-    if (split >= 0) {
-      const int next = (split + 1) % 3, apex = (split + 2) % 3;
-      cut({corners[split], middle, corners[apex]}, {seams[split], true, seams[apex]}, depth + 1);
-      cut({middle, corners[next], corners[apex]}, {seams[split], seams[next], true}, depth + 1);
-      return;
-    }
-  }
+void TriangleList::addVertices(const std::array<Corner, 3>& corners, const Seams& seams) {
   for (int k = 0; k < 3; ++k) {
     vertices_.push_back(
         {static_cast<float>(corners[k].px.x() + 0.5), static_cast<float>(corners[k].px.y() + 0.5), seams[k]});
+  }
+}
+
+/** Of the triangle to come, row by row: what lies between the leftmost and the rightmost point of the outline corners_.
+ */
+void TriangleList::addSpans() {
+  constexpr int kTile = CameraModel::kBlock;
+  const int rows = (camera_->height() + kTile - 1) / kTile, columns = (camera_->width() + kTile - 1) / kTile;
+  const double infinity = std::numeric_limits<double>::infinity();
+  rows_.assign(static_cast<std::size_t>(rows), {infinity, -infinity});
+  first_row_ = rows;
+  last_row_ = 0;
+  for (std::size_t i = 0, j = corners_.size() - 1; i < corners_.size(); j = i++) bendEdge(corners_[j], corners_[i], 0);
+  const auto triangle = static_cast<std::uint32_t>(size());
+  for (int row = first_row_; row < last_row_; ++row) {
+    const auto& [low, high] = rows_[row];
+    const int first = static_cast<int>(held(std::floor((low - kMargin) / kTile), 0.0, double(columns)));
+    const int last = static_cast<int>(held(std::floor((high + kMargin) / kTile) + 1.0, 0.0, double(columns)));
+    if (first < last) spans_.push_back({triangle, row, first, last});
+  }
+}
+
+/** Halves an edge until its image is about straight. */
+void TriangleList::bendEdge(const Corner& from, const Corner& to, int depth) {
+  constexpr int kDeepest = 10;
+  const Eigen::Vector2d xy = 0.5 * (from.xy + to.xy);
+  const Corner middle{xy, cell_->toPixel(*camera_, xy)};
+  const bool lengthy =
+      camera_->lens() == CameraModel::Lens::kEquidistant && (to.xy - from.xy).norm() > ViewCell::kLongest;
+  if (depth >= kDeepest || (!lengthy && !(bow(from.px, to.px, middle.px) > kChord))) {
+    widenRows(from.px, middle.px);
+    widenRows(middle.px, to.px);
+    return;
+  }
+  bendEdge(from, middle, depth + 1);
+  bendEdge(middle, to, depth + 1);
+}
+
+/** Notes the columns of a piece of an outline in the rows of tiles that it may touch. */
+void TriangleList::widenRows(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  constexpr double kTile = CameraModel::kBlock, kFar = 1e9;
+  const auto place = [](double x) { return held(x + 0.5, -kFar, kFar); };
+  double x0 = place(from.x()), y0 = place(from.y()), x1 = place(to.x()), y1 = place(to.y());
+  if (y0 > y1) {
+    std::swap(x0, x1);
+    std::swap(y0, y1);
+  }
+  const auto rows = static_cast<double>(rows_.size());
+  const int first = static_cast<int>(held(std::floor((y0 - kMargin) / kTile), 0.0, rows));
+  const int last = static_cast<int>(held(std::floor((y1 + kMargin) / kTile) + 1.0, 0.0, rows));
+  first_row_ = std::min(first_row_, first);
+  last_row_ = std::max(last_row_, last);
+  for (int row = first; row < last; ++row) {
+    const double top = held(row * kTile - kMargin, y0, y1), bottom = held((row + 1) * kTile + kMargin, y0, y1);
+    const double slope = y1 > y0 ? (x1 - x0) / (y1 - y0) : 0.0;
+    const double a = y1 > y0 ? x0 + (top - y0) * slope : x0, b = y1 > y0 ? x0 + (bottom - y0) * slope : x1;
+    auto& [low, high] = rows_[row];
+    low = std::min({low, a, b});
+    high = std::max({high, a, b});
   }
 }
 

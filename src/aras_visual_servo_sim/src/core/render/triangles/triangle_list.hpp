@@ -12,19 +12,30 @@
 
 namespace aras_visual_servo_sim {
 
-/** Projects bodies and planar models to triangles in pixels: culled, clipped, lit, cut small enough for the lens. */
+/** Projects bodies and planar models to triangles: culled and lit. Without a lens they are clipped, and triangles in
+ *  pixels. Through a lens, where their edges bend, each stays one facet with its edges as planes of rays, and what is
+ *  known of its place in the image are the tiles it may touch. */
 class TriangleList {
  public:
   void begin(const CameraModel& camera, const ViewVolume& volume);
-  /** Adds what is in view of the bodies. @return false if nothing is */
+  /** Adds what is in view of the bodies, round shapes left out: CurvedList has them. @return false if nothing is */
   bool addBodies(const Scene& scene, const Pose& X_CW);
   /** Adds the planar models, each face slightly nearer than the faces that it is painted over. */
   void addPlanar(const PlanarLayer& planar, const Pose& X_CW);
 
-  /** For each body in view: where its vertices end, and its index in the scene. */
+  /** For each body in view: where its triangles end, and its index in the scene. */
   const std::vector<std::pair<std::size_t, std::size_t>>& bodies() const { return bodies_; }
+  std::size_t size() const { return facet_of_.size(); }
+  /** Whether triangles are known by vertices(), else by spans(). */
+  bool isFlat() const { return camera_->lens() == CameraModel::Lens::kNone; }
   /** Three for each triangle, oriented either way. */
   const std::vector<Vertex>& vertices() const { return vertices_; }
+  /** Tiles first <= u < last of a row of tiles that a triangle may touch; in the triangles' order. */
+  struct Span {
+    std::uint32_t triangle;
+    int row, first, last;
+  };
+  const std::vector<Span>& spans() const { return spans_; }
   /** What triangle k is a part of. */
   const Facet& facet(std::size_t k) const { return facets_[facet_of_[k]]; }
   /** Plane of triangle k in the camera's frame: plane . ray = 1 / Z for the point on a ray (x, y, 1). */
@@ -41,11 +52,13 @@ class TriangleList {
 
   void addShape(const Shape& shape, const Pose& X_CS, const Eigen::Vector3d& light_C);
   bool isSeen(const Points& points_C, const ViewCell& cell, bool inside) const;
-  /** Projects a triangle as part of facet, whose place is yet to be set. */
-  void addTriangle(const Points& points_C, const Seams& seams, const ViewCell& cell, bool inside, Facet facet);
+  /** Projects a triangle as it is seen in cells_. @param facet  what it is, its place yet to be set */
+  void addTriangle(const Points& points_C, const Seams& seams, Facet facet);
   Corner corner(const Eigen::Vector3d& p_C) const;
-  double bend(const Corner& from, const Corner& to, const Eigen::Vector2d& middle_px) const;
-  void cut(const std::array<Corner, 3>& corners, const Seams& seams, int depth);
+  void addVertices(const std::array<Corner, 3>& corners, const Seams& seams);
+  void addSpans();
+  void bendEdge(const Corner& from, const Corner& to, int depth);
+  void widenRows(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
 
   const CameraModel* camera_ = nullptr;
   const ViewVolume* volume_ = nullptr;
@@ -55,10 +68,13 @@ class TriangleList {
   std::vector<Facet> facets_;
   std::uint32_t surfaces_ = 0;
   std::vector<std::uint32_t> facet_of_;
-  std::vector<Eigen::Vector3d> points_, polygon_;        // scratch
-  std::vector<Eigen::Vector3f> colors_;                  // scratch
-  std::vector<Corner> corners_;                          // scratch
-  std::vector<char> drawn_;                              // scratch: of a mesh's triangles
+  std::vector<Eigen::Vector3d> points_, polygon_;  // scratch
+  std::vector<Eigen::Vector3f> colors_;            // scratch
+  std::vector<Corner> corners_;                    // scratch
+  std::vector<Span> spans_;
+  std::vector<std::pair<double, double>> rows_;  // scratch: columns that an outline spans in each row of tiles [px]
+  int first_row_ = 0, last_row_ = 0;             // of the outline: first <= row < last
+  std::vector<char> drawn_;                      // scratch: of a mesh's triangles
   std::vector<std::pair<const ViewCell*, bool>> cells_;  // scratch: of the shape or face, and whether it is inside
 };
 

@@ -114,6 +114,37 @@ MeshPtr makeCylinder(double radius_m, double length_m, int segments) {
     mesh->triangles.push_back({bottom, next + 2, here + 2});
     mesh->triangles.push_back({top, here + 3, next + 3});
   }
+  mesh->round = {RoundShape::Kind::kCylinder, radius_m, length_m};
+  mesh->finish();
+  return mesh;
+}
+
+/** The picture goes once round the side as round a cylinder's, and lies on the end as on a cylinder's lower one. */
+MeshPtr makeCone(double radius_m, double length_m, int segments) {
+  requirePositive(radius_m, "cone radius");
+  requirePositive(length_m, "cone length");
+  auto mesh = std::make_shared<TriangleMesh>();
+  const float radius = static_cast<float>(radius_m), half = static_cast<float>(0.5 * length_m);
+  const Vector3f low(0, 0, -half), tip(0, 0, half);
+  const auto add = [&mesh](const Vector3f& point, const Vector3f& normal, float s, float t) {
+    mesh->texture_coordinates.emplace_back(s, t);
+    return addPoint(*mesh, point, normal);
+  };
+  const std::uint32_t bottom = add(low, {0, 0, -1}, 0.5f, 0.5f);
+  for (int i = 0; i <= segments; ++i) {
+    const float turn = static_cast<float>(i) / static_cast<float>(segments);
+    const float angle = static_cast<float>(2.0 * M_PI * (i % segments) / segments);
+    const Vector3f out(std::cos(angle), std::sin(angle), 0.0f);
+    const Vector3f normal = (2.0f * half * out + radius * Vector3f::UnitZ()).normalized();
+    const std::uint32_t here = add(radius * out + low, normal, 0.25f - turn, 0.0f);
+    add(tip, normal, 0.25f - turn, 1.0f);
+    add(radius * out + low, {0, 0, -1}, 0.5f - 0.5f * out.x(), 0.5f - 0.5f * out.y());
+    if (i == segments) break;
+    const std::uint32_t next = here + 3;
+    mesh->triangles.push_back({here, next, here + 1});
+    mesh->triangles.push_back({bottom, next + 2, here + 2});
+  }
+  mesh->round = {RoundShape::Kind::kCone, radius_m, length_m};
   mesh->finish();
   return mesh;
 }
@@ -140,6 +171,7 @@ MeshPtr makeSphere(double radius_m, int segments) {
       if (ring < rings - 1) mesh->triangles.push_back({b, c, d});
     }
   }
+  mesh->round = {RoundShape::Kind::kSphere, radius_m, 0.0};
   mesh->finish();
   return mesh;
 }
