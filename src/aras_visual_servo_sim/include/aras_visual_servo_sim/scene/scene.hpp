@@ -20,7 +20,7 @@ struct Shape {
   Pose X_BS;     ///< pose of the mesh in the body
   MeshPtr mesh;  ///< never null
   Rgb color;     ///< for meshes without colours of their own
-  Material material{};  ///< braces: a Shape may be made without it
+  Material material{};
 };
 
 /** A rigid body to be drawn: a robot link or a solid. It is shaded by the light. Only its outer faces are drawn, so
