@@ -14,7 +14,7 @@ LightSet::LightSet(const Scene& scene) : ambient(scene.lighting.ambient), lights
     throw RenderError("renderer 'opengl': found " + std::to_string(lights.size()) + " lights, allowed up to " +
                       std::to_string(kMostLights));
   }
-  if (lights.empty()) {  // TriangleList's shade()
+  if (lights.empty()) {  // render/view/shading.hpp's litShare()
     constexpr double kAmbient = 0.38, kLight = 0.50, kHeadlight = 0.22;
     ambient.setConstant(kAmbient);
     Light sun;
