@@ -26,6 +26,7 @@ IN_TURN = {
 MICRO = (
     ("build/aras_visual_servo_sim/physics_bench", "physics"),
     ("build/aras_visual_servo_sim/render_bench", "camera"),
+    ("build/aras_visual_servo_sim/light_bench", "light"),
     ("build/aras_visual_servo_camera/aras_visual_servo_camera_bench", "features"),
 )
 

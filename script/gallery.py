@@ -8,6 +8,9 @@ import tempfile
 
 import cv2
 
+sys.path.insert(0, str(pathlib.Path(__file__).with_name("docs")))
+import comparison as tables
+
 from aras_visual_servo_controller.run.judge import run_in_process
 from aras_visual_servo_controller.compare.laws import load_comparison, run_comparison
 from aras_visual_servo_controller.compare.laws_figure import save_figure
@@ -26,8 +29,11 @@ def main(folder):
         if name == "experiment_1":
             start = Observer(record, width=960, height=720).picture(record.q[record.servo_rows[0]])
             cv2.imwrite(str(folder / "arm.png"), cv2.cvtColor(start, cv2.COLOR_RGB2BGR))
-    comparison = load_comparison("canonical")
-    results = run_comparison(comparison, workers=os.cpu_count() or 1)
+    page = folder.parent / "comparison.md"
+    for table, scenario in tables.TABLES.items():
+        comparison = load_comparison("canonical", scenario=scenario)
+        results = run_comparison(comparison, workers=os.cpu_count() or 1)
+        page.write_text(tables.write(page.read_text(), table, results))
     with tempfile.TemporaryDirectory() as pictures:
         save_figure(comparison, results, pathlib.Path(pictures))
         shutil.copy(pathlib.Path(pictures) / "comparison.png", folder / "comparison.png")

@@ -24,6 +24,8 @@ WIDE = {"name": "camera", "frame": "camera_optical_frame", "width": 320, "height
         "rate_hz": 200.0, "encoding": "mono8", "sampling": "coverage", "near_m": 0.02, "far_m": 5.0}
 WIDE_MM, WIDE_DEG = 0.6, 0.2  # its pixels are 2.3 times as large
 ROUNDING = 1e-12
+#: Of a line through ln |e| from 80 mm down to 4 mm, known to 0.01 mm.
+RATE = 1e-3
 
 
 def corners_C():
@@ -114,6 +116,18 @@ def test_half_a_turn_to_the_last_bit_stays_on_the_spot(law):
     assert arrived(row), row["reason"]
     assert track.angle_deg[0] == pytest.approx(180.0, abs=1e-6)
     assert row["farthest_mm"] < POSE_MM
+
+
+def test_each_feature_of_the_decoupled_law_decays_at_its_gain():
+    """T13 and T14: exp(-gain t) exactly, gains that differ, with nothing but the images in the way."""
+    gains = {"xn": 3.0, "yn": 2.5, "an": 2.0, "alpha": 3.5}
+    record = run_in_process(load_scenario("free_camera", {
+        "servo.law": "decoupled", "servo.features": list(gains), "servo.gains_per_s": gains,
+        "servo.thresholds": {"xn": 5e-5, "yn": 5e-5, "an": 5e-5, "alpha": 3e-4},
+        "experiment.start": {"camera": {"position_m": [-0.12, 0.08, 0.94], "rpy_rad": [math.pi, 0.0, 1.1]}}}))
+    assert judge(record).passed
+    for name, rate in judge(record).decay_per_s.items():
+        assert rate == pytest.approx(gains[name], rel=RATE), name
 
 
 def test_the_scenario_arrives_and_its_run_is_the_same_again():

@@ -18,6 +18,7 @@ from ._sim import (
     Simulation,
     StateError,
     UnknownNameError,
+    opengl_description,
 )
 
 __version__ = "0.1.0"
@@ -33,4 +34,5 @@ __all__ = [
     "Simulation",
     "StateError",
     "UnknownNameError",
+    "opengl_description",
 ]

@@ -27,6 +27,9 @@ void bindContacts(py::class_<Simulation>& type) {
       "Points of contact of the last step: a list of {a, b: names of links, solids or ground_plane; point_m "
       "(3,), "
       "normal (3,) from b to a, force_n (3,) on a, all in W; depth_m}.");
+  type.def_property_readonly(
+      "unsettled_steps", [](const Simulation& self) { return self.world().unsettledSteps(); },
+      "Steps since the last reset whose contacts did not settle within the bound on the work of a step.");
 }
 
 }  // namespace aras_visual_servo_sim

@@ -252,3 +252,53 @@ def test_memory_does_not_grow_with_steps():
     before = resident_kib()
     sim.step(200000)
     assert resident_kib() - before < 1024
+
+
+DRIVEN = {"base": "driven", "base_pose": {"position_m": [0.1, -0.2, 1.0], "rpy_rad": [3.0, 0.2, 0.4]},
+          "cameras": [{"name": "camera", "frame": "eye_optical_frame", "width": 8, "height": 6,
+                       "horizontal_fov_rad": 1.0, "rate_hz": 50.0}]}
+
+
+def driven():
+    return Simulation((FOLDER.parent.parent / "urdf" / "driven_camera.urdf").read_text(), DRIVEN)
+
+
+def test_a_driven_base_has_six_coordinates_in_the_place_of_joints():
+    sim = driven()
+    assert sim.joint_names == ["px", "py", "pz", "rx", "ry", "rz"] == sorted(sim.joint_names)
+    np.testing.assert_array_equal(sim.joint_positions[:3], [0.1, -0.2, 1.0])
+    sim.set_command(velocity={"px": 0.5, "rz": 1.0})
+    sim.step(10)
+    np.testing.assert_array_equal(sim.joint_velocities, [0.5, 0.0, 0.0, 0.0, 0.0, 1.0])
+    sim.set_joint_positions({"rx": 0.0, "ry": np.pi, "rz": 0.0})
+    np.testing.assert_allclose(sim.base_pose[:3, :3], np.diag([-1.0, 1.0, -1.0]), atol=ROUNDING)
+    assert not sim.joint_velocities.any()
+
+
+def test_a_twist_in_optical_axes_is_the_twist_of_the_camera():
+    sim, twist = driven(), [0.1, -0.2, 0.3, 0.4, -0.5, 0.6]
+    sim.set_twist(twist, "eye_optical_frame", stamp_ns=sim.time_ns)
+    sim.step(5)
+    np.testing.assert_allclose(sim.camera_twist(), twist, atol=ROUNDING)
+    with pytest.raises(ParameterError, match="a link that the driven base carries"):
+        sim.set_twist(twist, "world")
+    sim.step()
+    assert sim.refused_commands == 1 and not sim.camera_twist().any(), "a refused command holds"
+    with pytest.raises(ParameterError, match="not driven"):
+        make().set_twist(twist)
+
+
+def test_a_driven_base_is_reset_and_restored_to_the_bit():
+    def fly(sim, images):
+        for _ in range(images):
+            sim.step_to_image()
+            sim.set_twist([0.1, 0.0, 0.0, 3.0, 2.0, 1.0])
+        return sim.run_hash
+
+    sim = driven()
+    start, state = fly(sim, 5), sim.save_state()
+    end = fly(sim, 60)
+    sim.restore_state(state)
+    assert sim.run_hash == start and fly(sim, 60) == end
+    sim.reset()
+    assert fly(sim, 5) == start and fly(driven(), 65) == end

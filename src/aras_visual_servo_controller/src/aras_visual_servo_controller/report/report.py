@@ -26,7 +26,7 @@ from ..ground.spatial import quaternion_xyzw
 from ..run.judge import judge, tracking
 from ..run.record import TWIST_NAMES
 from .rows import comparison_rows, is_number
-from .versions import installed_versions
+from .versions import versions_of
 
 # The results published with the two experiments.
 PUBLISHED = {
@@ -158,7 +158,7 @@ def summarise(record):
         "notes": list(record.notes),
         "real_time_factor": record.real_time_factor,
         "wall_s": record.wall_s,
-        "versions": record.versions or installed_versions(),
+        "versions": record.versions or versions_of(record.settings),
     }
 
 

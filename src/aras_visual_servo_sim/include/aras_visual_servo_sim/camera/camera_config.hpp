@@ -31,6 +31,8 @@ struct CameraConfig {
   std::string encoding;
   double near_m = 0.0, far_m = 0.0;  ///< depth Z; of a fisheye max(|X|, |Y|, |Z|)
   std::string sampling;
+  std::string renderer, quality, gl;
+  bool exact_targets = false;
   double noise_mean = 0.0, noise_stddev = 0.0;
   double exposure_s = 0.0;
   int exposure_samples = 0;

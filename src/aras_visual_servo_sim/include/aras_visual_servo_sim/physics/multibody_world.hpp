@@ -69,6 +69,9 @@ class MultibodyWorld {
 
   /** The points of contact of the last step, with their forces. */
   std::vector<ContactForce> contacts() const;
+
+  /** Steps since the last reset whose contact impulses did not settle within the bound on the work of a step. */
+  std::uint64_t unsettledSteps() const;
   /** Pose of an obstacle of the contacts. @throws UnknownNameError */
   Pose obstaclePose(const std::string& obstacle) const;
   /** Its twist [v; w] in world axes, of its frame; zero for one without mass. @throws UnknownNameError */

@@ -21,12 +21,21 @@ struct Geometry {
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();   ///< mesh
 };
 
+/** How a surface answers light, beside its diffuse colour. */
+struct Finish {
+  std::optional<Rgba> ambient;  ///< nothing: its diffuse colour
+  Rgba specular{0.0, 0.0, 0.0, 1.0};
+  double shininess = 1.0;
+  Rgba emissive{0.0, 0.0, 0.0, 1.0};
+};
+
 /** One <visual> of a link. */
 struct Visual {
   std::string link;
   Pose X_link_visual;
   Geometry geometry;
   Rgba color;
+  Finish finish;
   bool has_color = false;  ///< false: the URDF gave no material, `color` is the default grey
   std::string texture;     ///< picture of the URDF's material, as written; empty: none
 };

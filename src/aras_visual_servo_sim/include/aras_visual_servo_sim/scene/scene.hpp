@@ -8,6 +8,7 @@
 
 #include "aras_visual_servo_sim/config/types.hpp"
 #include "aras_visual_servo_sim/image/image.hpp"
+#include "aras_visual_servo_sim/scene/lighting.hpp"
 #include "aras_visual_servo_sim/scene/model_motion.hpp"
 #include "aras_visual_servo_sim/scene/planar_model.hpp"
 #include "aras_visual_servo_sim/scene/triangle_mesh.hpp"
@@ -19,6 +20,7 @@ struct Shape {
   Pose X_BS;     ///< pose of the mesh in the body
   MeshPtr mesh;  ///< never null
   Rgb color;     ///< for meshes without colours of their own
+  Material material;
 };
 
 /** A rigid body to be drawn: a robot link or a solid. It is shaded by the light. Only its outer faces are drawn, so
@@ -28,6 +30,7 @@ struct Body {
   std::vector<Shape> shapes;
   Pose X_WB;  ///< the caller sets it before each frame
   bool visible = true;
+  bool casts_shadows = true;
 };
 
 /** Everything that cameras see. Plain data: the caller moves models and bodies between frames. */
@@ -40,6 +43,7 @@ struct Scene {
   std::vector<Body> bodies;
   std::map<std::string, ModelMotion> motions;  ///< of models and fixed bodies, by name; the caller moves them
   Eigen::Vector3d light_direction_W;           ///< direction in which the light travels, not zero
+  Lighting lighting;                           ///< for the OpenGL renderer
 
   /** @throws UnknownNameError naming what exists */
   PlanarModel& model(const std::string& name);

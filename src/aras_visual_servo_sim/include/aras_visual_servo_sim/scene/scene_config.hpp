@@ -12,6 +12,7 @@
 #include "aras_visual_servo_sim/config/types.hpp"
 #include "aras_visual_servo_sim/image/image.hpp"
 #include "aras_visual_servo_sim/robot/robot_model.hpp"
+#include "aras_visual_servo_sim/scene/lighting.hpp"
 #include "aras_visual_servo_sim/scene/model_motion.hpp"
 #include "aras_visual_servo_sim/scene/planar_model.hpp"
 
@@ -45,6 +46,8 @@ struct SolidEntry {
   std::string urdf;  ///< a document or the name of a file that has its shapes; empty: `geometry`
   Geometry geometry;
   Rgb color;
+  Material material;
+  bool casts_shadows = true;
   Pose X_WB;
   std::optional<ModelMotion> motion;
   double mass_kg = 0.0;              ///< 0: it stays where it is put
@@ -57,6 +60,8 @@ using SceneEntry = std::variant<ModelEntry, SolidEntry>;
 struct SceneConfig {
   Rgb background;
   Eigen::Vector3d light_direction_W = Eigen::Vector3d::Zero();
+  Lighting lighting;
+  bool has_lights = false, has_background = false;  ///< whether they stand in the section
   std::vector<ModelEntry> models;
   std::vector<SolidEntry> solids;
 
@@ -64,6 +69,9 @@ struct SceneConfig {
   static SceneConfig fromYaml(const YAML::Node& node);
   /** The same, as a part of a larger document: faults are added to reader, whose owner calls finish(). */
   static SceneConfig read(YamlReader reader);
+
+  /** Where the section says nothing of lights and background: those of a Gazebo world with its sun. */
+  void lightAsGazebo();
 };
 
 /** An entry of `models`, or of `solids` if it has one of their shapes. @throws ParameterError listing every fault */

@@ -27,6 +27,10 @@ void visitKeys(Config& camera, Visitor&& visit) {
   visit("near_m", camera.near_m);
   visit("far_m", camera.far_m);
   visit("sampling", camera.sampling);
+  visit("renderer", camera.renderer);
+  visit("quality", camera.quality);
+  visit("exact_targets", camera.exact_targets);
+  visit("gl", camera.gl);
   visit("noise_mean", camera.noise_mean);
   visit("noise_stddev", camera.noise_stddev);
   visit("exposure_s", camera.exposure_s);

@@ -3,21 +3,31 @@
 #include <stb/stb_image.h>
 
 #include <algorithm>
+#include <aras_visual_servo_common/files.hpp>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/image/pixel_color.hpp"
 
 namespace aras_visual_servo_sim {
 
+namespace {
+
+constexpr std::size_t kMostPictureBytes = 64 * 1024 * 1024;  // more than kMostTexels that are not compressed
+
+void requireTexels(const std::string& name, int width, int height) {
+  if (width >= 1 && height >= 1 && std::int64_t(width) * height <= Texture::kMostTexels) return;
+  throw ModelError("picture '" + name + "': found " + std::to_string(width) + " x " + std::to_string(height) +
+                   " texels, allowed 1 .. " + std::to_string(Texture::kMostTexels));
+}
+
+}  // namespace
+
 Texture::Texture(std::string name, int width, int height, std::vector<std::uint8_t> rgb)
     : name_(std::move(name)), width_(width), height_(height), rgb_(std::move(rgb)) {
-  const std::string size = std::to_string(width) + " x " + std::to_string(height);
-  if (width < 1 || height < 1 || std::int64_t(width) * height > kMostTexels) {
-    throw ModelError("picture '" + name_ + "': found " + size + " texels, allowed 1 .. " + std::to_string(kMostTexels));
-  }
+  requireTexels(name_, width, height);
   if (rgb_.size() != std::size_t(3) * width * height) {
     throw ModelError("picture '" + name_ + "': found " + std::to_string(rgb_.size()) + " bytes, needs 3 for each of " +
-                     size + " texels");
+                     std::to_string(width) + " x " + std::to_string(height) + " texels");
   }
 }
 
@@ -72,13 +82,25 @@ TexturePtr textureOf(const std::string& name, std::uint8_t* pixels, int width, i
 }  // namespace
 
 TexturePtr loadTexture(const std::string& path) {
-  int width = 0, height = 0, channels = 0;
-  std::uint8_t* pixels = stbi_load(path.c_str(), &width, &height, &channels, 3);
-  return textureOf(path, pixels, width, height);
+  std::string bytes;
+  try {
+    bytes = aras_visual_servo_common::readFile(path, kMostPictureBytes);
+  } catch (const ArasError& error) {
+    throw ModelError("picture " + std::string(error.what()));
+  }
+  return loadTexture(path, reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
 }
 
 TexturePtr loadTexture(const std::string& name, const std::uint8_t* bytes, std::size_t size) {
   int width = 0, height = 0, channels = 0;
+  const auto most = static_cast<std::size_t>(kMostPictureBytes);
+  if (size > most) {
+    throw ModelError("picture '" + name + "': found " + std::to_string(size) +
+                     " bytes, allowed <= " + std::to_string(most));
+  }
+  if (stbi_info_from_memory(bytes, static_cast<int>(size), &width, &height, &channels) != 0) {
+    requireTexels(name, width, height);  // before memory is taken for them
+  }
   std::uint8_t* pixels = stbi_load_from_memory(bytes, static_cast<int>(size), &width, &height, &channels, 3);
   return textureOf(name, pixels, width, height);
 }

@@ -45,6 +45,9 @@ std::vector<double> numbersOf(const UrdfSource& source, const XMLElement& elemen
 
 namespace {
 
+/** Humanoids with hands have about a hundred. Chains are walked by functions that call themselves. */
+constexpr std::size_t kMostLinks = 1000;
+
 std::string quoted(const std::string& text) { return "'" + text + "'"; }
 
 std::string shown(double value) {
@@ -291,6 +294,9 @@ void checkUrdf(const UrdfSource& source, const XMLElement& robot) {
     checkLink(source, *link, "link " + quoted(name), has_collision);
   }
   if (links.empty()) source.fail(robot, "found no <link>, must have at least one");
+  if (links.size() > kMostLinks) {
+    source.fail(robot, "found " + std::to_string(links.size()) + " links, allowed <= " + std::to_string(kMostLinks));
+  }
   for (const XMLElement* joint = robot.FirstChildElement("joint"); joint; joint = joint->NextSiblingElement("joint")) {
     const std::string owner = "joint " + quoted(nameOf(source, *joint, joints));
     checkJoint(source, *joint, owner);

@@ -17,12 +17,13 @@ bool hasLink(const RobotModel& model, const std::string& name) {
   return false;
 }
 
-/** Gives every visual of a link the colour of one of Gazebo's materials. @return false if there is none of that name */
+/** Gives every visual of a link one of Gazebo's materials. @return false if there is none of that name */
 bool paintLink(const std::string& material, const std::string& link, RobotModel& model) {
-  const std::optional<Rgba> color = gazeboColor(material);
-  if (!color || !hasLink(model, link)) return false;
+  const std::optional<GazeboMaterial> found = gazeboMaterial(material);
+  if (!found || !hasLink(model, link)) return false;
   for (Visual& visual : model.links[model.linkIndex(link)].visuals) {
-    visual.color = *color;
+    visual.color = found->diffuse;
+    visual.finish = found->finish;
     visual.has_color = true;
     visual.texture.clear();
   }

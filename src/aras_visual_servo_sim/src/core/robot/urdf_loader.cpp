@@ -4,9 +4,8 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <algorithm>
-#include <fstream>
+#include <aras_visual_servo_common/files.hpp>
 #include <mutex>
-#include <sstream>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "urdf_check.hpp"
@@ -15,6 +14,8 @@
 namespace aras_visual_servo_sim {
 
 namespace {
+
+constexpr std::size_t kMostUrdfBytes = 4 * 1024 * 1024;  // the largest of robots that are published have 0.3
 
 /** Collects what urdfdom would print on stderr, for as long as it lives. One at a time: the handler is global. */
 class MessageCapture : public console_bridge::OutputHandler {
@@ -169,6 +170,10 @@ void nameMovingJoints(RobotModel& model) {
 }  // namespace
 
 RobotModel loadRobotModel(const std::string& urdf_xml, const std::string& source_name) {
+  if (urdf_xml.size() > kMostUrdfBytes) {
+    throw ModelError(source_name + ": found " + std::to_string(urdf_xml.size()) +
+                     " bytes, allowed <= " + std::to_string(kMostUrdfBytes));
+  }
   RobotModel model;
   model.source_name = source_name;
   tinyxml2::XMLDocument document;
@@ -205,10 +210,13 @@ RobotModel loadRobotModel(const std::string& urdf_xml, const std::string& source
 }
 
 RobotModel loadRobotModelFile(const std::string& path) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) throw ModelError(path + ": file cannot be read, must be a URDF");
-  return loadRobotModel(text.str(), path);
+  std::string text;
+  try {
+    text = aras_visual_servo_common::readFile(path, kMostUrdfBytes);
+  } catch (const ArasError& error) {
+    throw ModelError("URDF " + std::string(error.what()));
+  }
+  return loadRobotModel(text, path);
 }
 
 }  // namespace aras_visual_servo_sim

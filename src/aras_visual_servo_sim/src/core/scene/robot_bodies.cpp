@@ -8,6 +8,22 @@
 
 namespace aras_visual_servo_sim {
 
+namespace {
+
+Eigen::Vector3d intensity(const Rgba& color) { return {color.r, color.g, color.b}; }
+
+Material materialOf(const Visual& visual) {
+  Material material;
+  if (visual.finish.ambient) material.ambient = intensity(*visual.finish.ambient);
+  material.specular = intensity(visual.finish.specular);
+  material.shininess = visual.finish.shininess;
+  material.emissive = intensity(visual.finish.emissive);
+  material.opacity = std::clamp(visual.color.a, 0.0, 1.0);
+  return material;
+}
+
+}  // namespace
+
 void addRobotBodies(const RobotModel& robot, const PackagePaths& packages, Scene& scene) {
   MeshCache meshes(packages);
   const auto byte = [](double value) {
@@ -35,7 +51,7 @@ void addRobotBodies(const RobotModel& robot, const PackagePaths& packages, Scene
         }
         Rgb color{byte(visual.color.r), byte(visual.color.g), byte(visual.color.b)};
         if (!visual.texture.empty()) color = {255, 255, 255};
-        body.shapes.push_back({visual.X_link_visual, mesh, color});
+        body.shapes.push_back({visual.X_link_visual, mesh, color, materialOf(visual)});
       } catch (const ModelError& error) {
         throw ModelError("link '" + link.name + "': <visual>: " + error.what() + " (" + robot.source_name + ")");
       }

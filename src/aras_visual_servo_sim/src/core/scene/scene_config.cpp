@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "aras_visual_servo_sim/config/section.hpp"
+#include "lighting_reader.hpp"
 #include "planar_shape.hpp"
 
 namespace aras_visual_servo_sim {
@@ -66,6 +67,9 @@ SolidEntry readSolid(YamlReader& reader) {
   SolidEntry entry;
   entry.name = reader.get<std::string>("name");
   entry.color = readColor(reader, "color_rgb");
+  YamlReader material = reader.section("material");
+  entry.material = readMaterial(material);
+  entry.casts_shadows = material.get<bool>("casts_shadows");
   entry.X_WB = readPose(reader);
   entry.motion = readMotion(reader);
   entry.urdf = reader.find<std::string>("urdf").value_or("");
@@ -96,6 +100,10 @@ SceneConfig SceneConfig::read(YamlReader reader) {
   scene.background = readColor(reader, "background_rgb");
   scene.light_direction_W = reader.get<Eigen::Vector3d>("light_direction");
   if (scene.light_direction_W.norm() == 0.0) reader.fault("light_direction", "zero", "any other direction");
+  YamlReader lighting = reader.section("lighting");
+  scene.lighting = readLighting(lighting);
+  scene.has_lights = lighting.has("lights");
+  scene.has_background = reader.has("background_rgb");
   for (YamlReader& entry : reader.list("models")) scene.models.push_back(readModel(entry));
   for (YamlReader& entry : reader.list("solids")) scene.solids.push_back(readSolid(entry));
   requireDistinct(scene.models, "models", reader);

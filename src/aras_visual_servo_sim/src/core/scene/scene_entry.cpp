@@ -1,4 +1,6 @@
 // Models that come one at a time.
+#include <aras_visual_servo_common/files.hpp>
+
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/scene/scene_config.hpp"
 
@@ -42,8 +44,8 @@ YAML::Node modelEntry(const std::string& name, const std::string& description) {
     entry["mesh"] = description;
   } else {
     try {
-      entry = YAML::Load(description);
-    } catch (const YAML::Exception& error) {
+      entry = aras_visual_servo_common::parseYaml(description, aras_visual_servo_common::kMostSentYaml);
+    } catch (const ArasError& error) {
       throw ParameterError("model '" + name + "': " + error.what());
     }
     if (!entry.IsMap()) {

@@ -1,5 +1,6 @@
 #include "aras_visual_servo_sim/scene/scene_loader.hpp"
 
+#include <aras_visual_servo_common/files.hpp>
 #include <filesystem>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
@@ -10,10 +11,11 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-YAML::Node readFile(const std::string& path) {
+YAML::Node modelFile(const std::string& path) {
+  namespace common = aras_visual_servo_common;
   try {
-    return YAML::LoadFile(path);
-  } catch (const YAML::Exception& error) {
+    return common::parseYaml(common::readFile(path, common::kMostFileYaml), common::kMostFileYaml);
+  } catch (const ArasError& error) {
     throw ModelError("file '" + path + "': " + error.what());
   }
 }
@@ -35,11 +37,12 @@ void add(const SolidEntry& entry, const PackagePaths& packages, MeshCache& meshe
   Body body;
   if (entry.urdf.empty()) {
     body.name = entry.name;
-    body.shapes.push_back({Pose{}, meshes.of(entry.geometry), entry.color});
+    body.shapes.push_back({Pose{}, meshes.of(entry.geometry), entry.color, entry.material});
   } else {
     body = bodyFromUrdf(entry.name, entry.urdf, packages);
   }
   body.X_WB = entry.X_WB;
+  body.casts_shadows = entry.casts_shadows;
   scene.bodies.push_back(std::move(body));
   if (entry.motion) scene.motions.emplace(entry.name, *entry.motion);
 }
@@ -56,13 +59,14 @@ PlanarModel planarModelFromYaml(const YAML::Node& node, const std::string& sourc
 }
 
 PlanarModel loadPlanarModel(const std::string& path, const PackagePaths& packages) {
-  return planarModelFromYaml(readFile(path), path, packages, std::filesystem::path(path).parent_path().string());
+  return planarModelFromYaml(modelFile(path), path, packages, std::filesystem::path(path).parent_path().string());
 }
 
 Scene loadScene(const SceneConfig& config, const PackagePaths& packages) {
   Scene scene;
   scene.background = config.background;
   scene.light_direction_W = config.light_direction_W;
+  scene.lighting = config.lighting;
   for (const ModelEntry& entry : config.models) add(entry, packages, scene);
   MeshCache meshes(packages);
   for (const SolidEntry& entry : config.solids) add(entry, packages, meshes, scene);

@@ -44,7 +44,7 @@ void Simulation::makeWorld() {
 // --- time -----------------------------------------------------------------------------------------------------------
 
 void Simulation::step(std::int64_t n) {
-  if (n < 0) throw ParameterError("step: found " + std::to_string(n) + " periods, allowed >= 0");
+  if (n < 0) throw ParameterError("step: found " + std::to_string(n) + " steps, allowed >= 0");
   const std::int64_t end = ticks() + n;
   while (ticks() < end) {
     expose();

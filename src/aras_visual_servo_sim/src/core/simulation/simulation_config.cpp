@@ -38,6 +38,7 @@ SimulationConfig SimulationConfig::fromYaml(const YAML::Node& node) {
   for (YamlReader& camera : reader.list("cameras")) config.cameras.push_back(readCameraConfig(camera));
   config.gazebo_cameras = reader.choice<bool>("compatibility", {{"none", false}, {"gazebo", true}});
   config.scene = SceneConfig::read(reader.section("scene"));
+  if (config.gazebo_cameras) config.scene.lightAsGazebo();
   if (reader.faults().empty()) {  // checks of a camera that a schema cannot express
     for (const CameraConfig& camera : config.cameras) reader.faults().collect([&] { CameraModel{camera}; });
   }

@@ -10,6 +10,7 @@ namespace aras_visual_servo_sim {
 namespace {
 
 constexpr std::int64_t kNanosecondsPerSecond = 1000000000;
+constexpr double kFarthestM = 1e4;       // metres in single precision have steps of a millimetre there
 constexpr double kUnitTolerance = 1e-3;  // single-precision senders and three-digit command lines pass
 
 }  // namespace
@@ -37,17 +38,21 @@ geometry_msgs::Pose toMessage(const Pose& pose) {
   return message;
 }
 
-Pose fromMessage(const geometry_msgs::Pose& message) {
+Pose fromMessage(const geometry_msgs::Pose& message, Unset unset) {
   Pose pose;
   pose.p = {message.position.x, message.position.y, message.position.z};
   pose.q =
       Eigen::Quaterniond(message.orientation.w, message.orientation.x, message.orientation.y, message.orientation.z);
-  if (pose.q.coeffs().isZero(0.0)) pose.q.setIdentity();
+  if (unset == Unset::kIdentity && pose.q.coeffs().isZero(0.0)) pose.q.setIdentity();
   const double length = pose.q.norm();
   if (!pose.p.allFinite() || !std::isfinite(length)) throw NotFiniteError("pose: not finite");
   if (std::abs(length - 1.0) > kUnitTolerance) {
     throw ParameterError("pose: orientation has length " + aras_visual_servo_common::numberText(length) +
                          ", must be 1");
+  }
+  if (pose.p.cwiseAbs().maxCoeff() > kFarthestM) {
+    throw ParameterError("pose: position is " + aras_visual_servo_common::numberText(pose.p.cwiseAbs().maxCoeff()) +
+                         " m away, allowed <= " + aras_visual_servo_common::numberText(kFarthestM));
   }
   pose.q.normalize();
   return pose;

@@ -21,9 +21,12 @@ ros::Time toRosTime(std::int64_t time_ns);
 std::int64_t toNanoseconds(const ros::Time& time);
 
 geometry_msgs::Pose toMessage(const Pose& pose);
-/** @throws ParameterError if the quaternion is not of unit length (within 1e-3) or anything is not finite. An all-zero
- *  quaternion, what an unset message carries, is taken as the identity. */
-Pose fromMessage(const geometry_msgs::Pose& message);
+/** What an all-zero quaternion is, which an unset message carries. */
+enum class Unset { kIdentity, kRefused };
+
+/** @throws ParameterError if the quaternion is not of unit length (within 1e-3), the position too far away, or anything
+ *  not finite */
+Pose fromMessage(const geometry_msgs::Pose& message, Unset unset);
 /** @param V  twist stacked [v; w] */
 geometry_msgs::Twist toMessage(const Twist& V);
 

@@ -1,5 +1,6 @@
 #include "model_services.hpp"
 
+#include <aras_visual_servo_common/files.hpp>
 #include <aras_visual_servo_common/yaml_scalars.hpp>
 #include <cmath>
 
@@ -31,8 +32,8 @@ bool isZero(const geometry_msgs::Twist& twist) {
 
 YAML::Node parsed(const std::string& yaml) {
   try {
-    return YAML::Load(yaml);
-  } catch (const YAML::Exception& error) {
+    return aras_visual_servo_common::parseYaml(yaml, aras_visual_servo_common::kMostSentYaml);
+  } catch (const ArasError& error) {
     throw ParameterError(std::string("motion: ") + error.what());
   }
 }
@@ -73,7 +74,7 @@ Pose ModelServices::frame(const std::string& name) const {
 bool ModelServices::onSpawn(SpawnModel::Request& request, SpawnModel::Response& response) {
   return answer(response, [&] {
     simulation_.spawnModel(modelEntry(request.model_name, request.model_xml),
-                           frame(request.reference_frame) * fromMessage(request.initial_pose));
+                           frame(request.reference_frame) * fromMessage(request.initial_pose, Unset::kIdentity));
   });
 }
 
@@ -83,7 +84,7 @@ bool ModelServices::onDelete(DeleteModel::Request& request, DeleteModel::Respons
 
 bool ModelServices::onSetState(SetModelState::Request& request, SetModelState::Response& response) {
   return answer(response, [&] {
-    const Pose X_WM = frame(request.reference_frame) * fromMessage(request.pose);
+    const Pose X_WM = frame(request.reference_frame) * fromMessage(request.pose, Unset::kRefused);
     std::optional<ModelMotion> motion;
     if (!isZero(request.twist)) motion = ModelMotion::fromYaml(constantVelocity(request.twist), "twist");
     simulation_.setModelPose(request.model_name, X_WM);

@@ -111,7 +111,8 @@ bool SimNode::onSetJointPositions(SetJointPositions::Request& request, SetJointP
 
 bool SimNode::onSetTargetPose(SetTargetPose::Request& request, SetTargetPose::Response& response) {
   return answer(response, [&] {
-    simulation_.setModelPose(request.model.empty() ? kTargetModel : request.model, fromMessage(request.pose));
+    simulation_.setModelPose(request.model.empty() ? kTargetModel : request.model,
+                             fromMessage(request.pose, Unset::kRefused));
     markers_.publish();
   });
 }

@@ -57,6 +57,20 @@ class Models(unittest.TestCase):
         self.assertIn("dance", self.move(model_name="target", motion="{type: dance}").status_message)
         self.assertFalse(self.move(model_name="target", motion="{").success)
 
+    def test_what_would_stall_the_simulator_is_refused_at_once(self):
+        chain = "<robot name='chain'><link name='l0'/>" + "".join(
+            "<link name='l%d'/><joint name='j%d' type='fixed'><parent link='l%d'/><child link='l%d'/></joint>"
+            % (k, k, k - 1, k) for k in range(1, 20001)) + "</robot>"
+        numbers = "outlines_m: [[" + ", ".join("[%d, 1]" % k for k in range(500000)) + "]]"
+        for description, fault in ((chain, "found 20001 links, allowed <= 1000"), (numbers, "bytes of YAML, allowed"),
+                                   ("box_m: " + "[" * 30000, "ball"),
+                                   ("box_m: &a [*a]", "deep, allowed <= 64")):
+            answer = self.spawn(model_name="ball", model_xml=description, initial_pose=pose())
+            self.assertFalse(answer.success)
+            self.assertIn(fault, answer.status_message)
+        answer = self.move(model_name="target", motion="{type: waypoints, waypoints: " + "[" * 200000)
+        self.assertIn("bytes of YAML, allowed <= 131072", answer.status_message)
+
     def test_a_pose_may_be_relative_to_a_link_and_a_twist_goes_on(self):
         answer = self.place(model_name="target", pose=pose(0.0, 0.0, 0.3), reference_frame="eye_optical_frame",
                             twist=Twist(linear=Vector3(0.1, 0.0, 0.0)))

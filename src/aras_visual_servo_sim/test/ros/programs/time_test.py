@@ -159,6 +159,18 @@ class Snapshots(unittest.TestCase):
         self.assertIn("one of them", self.restore().message)
         self.assertIn("/no/such", self.save(file="/no/such/folder").message)
         self.assertIn("/no/such", self.restore(file="/no/such/folder").message)
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertIn("found a folder, allowed a regular file", self.save(file=folder).message)
+            self.assertIn("found a folder, allowed a regular file", self.restore(file=folder).message)
+            pipe = os.path.join(folder, "pipe")
+            os.mkfifo(pipe)
+            self.assertIn("found a pipe, allowed a regular file", self.restore(file=pipe).message)
+        nowhere = service("sim/set_target_pose", SetTargetPose)(model="", pose=Pose())
+        self.assertFalse(nowhere.success)
+        self.assertIn("orientation has length 0", nowhere.message)
+        far = Pose(orientation=Quaternion(w=1.0))
+        far.position.x = 1e308
+        self.assertIn("allowed <= 10000", service("sim/set_target_pose", SetTargetPose)(model="", pose=far).message)
 
 
 if __name__ == "__main__":

@@ -33,6 +33,7 @@ contacts: {ground_plane: {}, free_bodies: {box: 1.0}}
 base_pose: {}
 cameras: [{name: c, frame: f, width: 4, height: 3, horizontal_fov_rad: 1.0}]
 scene:
+  lighting: {lights: [{name: lamp, type: point}], fog: {density_per_m: 1}, zenith_rgb: [1, 2, 3]}
   models:
     - {name: a, outlines_m: &square [[[0, 0], [1, 0], [1, 1]]], motion: &straight {type: constant_velocity}}
     - {name: b, board: {size_m: [1, 1]}, motion: &circle {type: circle, radius_m: 1, angular_speed_rad_per_s: 1}}

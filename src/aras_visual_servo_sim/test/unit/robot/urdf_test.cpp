@@ -187,7 +187,22 @@ TEST(UrdfLoader, ADocumentWithoutARobotIsRefused) {
 
 TEST(UrdfLoader, AFileThatIsNotThereIsNamed) {
   EXPECT_HAS(messageOf<ModelError>([] { loadRobotModelFile("/nowhere/a.urdf"); }),
-             "/nowhere/a.urdf: file cannot be read");
+             "URDF '/nowhere/a.urdf': cannot be read: No such file or directory");
+  EXPECT_HAS(messageOf<ModelError>([] { loadRobotModelFile("/"); }), "found a folder, allowed a regular file");
+}
+
+TEST(UrdfLoader, AChainWithoutEndIsRefused) {
+  std::string chain = "<robot name='chain'><link name='l0'/>";
+  for (int k = 1; k <= 20000; ++k) {
+    const std::string parent = "l" + std::to_string(k - 1), child = "l" + std::to_string(k);
+    chain += "<link name='" + child + "'/><joint name='j" + child + "' type='fixed'><parent link='" + parent +
+             "'/><child link='" + child + "'/></joint>";
+  }
+  EXPECT_HAS(refusal(chain + "</robot>"), "found 20001 links, allowed <= 1000");
+  std::string nested;
+  for (int k = 0; k < 100000; ++k) nested += "<a>";
+  EXPECT_HAS(refusal("<robot name='deep'>" + nested), "malformed XML");
+  EXPECT_HAS(refusal("<robot/>" + std::string(5000000, ' ')), "found 5000008 bytes, allowed <= 4194304");
 }
 
 TEST(RobotModel, UnknownNamesListTheKnownOnes) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/simulation/state/run_hash.hpp"
 #include "tools/pan_lift.hpp"
 
 namespace aras_visual_servo_sim {
@@ -119,6 +120,18 @@ TEST(ModelMotion, AllFaultsAreInOneMessage) {
                ParameterError);
 }
 
+TEST(ModelMotion, WhatLeavesEveryRoomIsRefused) {
+  for (const char* far : {"{type: waypoints, waypoints: [{time_s: 1, position_m: [1.0e+308, 0, 0]}]}",
+                          "{type: waypoints, waypoints: [{time_s: 1.0e+300, position_m: [0, 0, 0]}]}",
+                          "{type: constant_velocity, linear_m_per_s: [0, 0, -1.0e+5]}",
+                          "{type: constant_velocity, angular_rad_per_s: [0, 1.0e+200, 0]}",
+                          "{type: circle, radius_m: 1.0e+100, angular_speed_rad_per_s: 1}",
+                          "{type: circle, radius_m: 1, angular_speed_rad_per_s: 1.0e+100}",
+                          "{type: random_walk, interval_s: 1, speed_stddev_m_per_s: [1.0e+308, 0, 0]}"}) {
+    EXPECT_THROW(motion(far), ParameterError) << far;
+  }
+}
+
 // --- in a simulation ------------------------------------------------------------------------------------------------
 
 const char* const kScene =
@@ -148,6 +161,21 @@ TEST(MovingModels, ResetStartsThemAgainAndRestoreContinuesThem) {
   EXPECT_EQ(fixture::hashOf(simulation, 9), later);
   simulation.reset();
   EXPECT_EQ(fixture::hashOf(simulation, 6), hash);
+}
+
+TEST(MovingModels, AForgedMotionInASavedStateIsRefused) {
+  Simulation simulation = fixture::panLift(kScene);
+  const std::string good = simulation.saveState();
+  for (const auto& [from, to] : {std::pair{"constant_velocity", "constant_velocit{"}, {"random_walk", "random_wal]"}}) {
+    std::string state = good.substr(0, good.size() - sizeof(std::uint64_t));
+    state.replace(state.find(from), std::string(from).size(), to);
+    RunHash checksum;
+    checksum.add(state.data(), state.size());
+    const std::uint64_t sum = checksum.state();
+    state.append(reinterpret_cast<const char*>(&sum), sizeof(sum));
+    EXPECT_THROW(simulation.restoreState(state), ArasError) << to;
+  }
+  simulation.restoreState(good);
 }
 
 TEST(MovingModels, MotionGivenLaterStartsThenAndPlacingEndsIt) {

@@ -2,10 +2,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "aras_visual_servo_sim/config/types.hpp"
 #include "aras_visual_servo_sim/render/geometry_image.hpp"
-#include "aras_visual_servo_sim/render/renderer.hpp"
+#include "aras_visual_servo_sim/render/opengl_renderer.hpp"
 #include "aras_visual_servo_sim/simulation/cameras/camera.hpp"
 
 namespace aras_visual_servo_sim {
@@ -27,7 +28,10 @@ class FrameDrawer {
   void drawMean(Camera& camera, const Moment& present, Scene& scene);
   void drawLate(Camera& camera, const ExposedFrame& frame, const Scene& now);
 
-  std::unique_ptr<Renderer> renderer_;
+  OpenGlRenderer& openGl(const CameraConfig& camera);
+
+  std::unique_ptr<Renderer> coverage_;
+  std::unique_ptr<OpenGlRenderer> osmesa_, egl_;  // made for the first camera that wants them
   GeometryRenderer geometry_renderer_;
 };
 

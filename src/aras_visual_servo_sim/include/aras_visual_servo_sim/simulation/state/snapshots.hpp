@@ -19,7 +19,8 @@ class Snapshots {
   std::map<std::string, std::string> states_;
 };
 
-/** @throws StateError naming the file and the system's reason */
+/** Writes a whole file or none, in place of no other file than a saved state. Files are regular files: no folders, no
+ *  pipes. @throws StateError naming the file and the reason */
 void writeStateFile(const std::string& path, const std::string& state);
 std::string readStateFile(const std::string& path);
 

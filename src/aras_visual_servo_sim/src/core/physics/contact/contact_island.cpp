@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "contact_island_limits.hpp"
+
 namespace aras_visual_servo_sim {
 
 using Eigen::Matrix2d;
@@ -11,16 +13,11 @@ using Eigen::Vector2d;
 
 namespace {
 
-constexpr int kMaxSweeps = 200;
+constexpr int kMostDense = 24;      // points; with more Newton's step is solved for in velocities
 constexpr int kMaxShortenings = 4;  // of a step of Newton's that leads away
 constexpr double kShorter = 0.3;
 constexpr int kSweepsAfterRetreat = 3;
 constexpr double kSettled = 1e-10;  // change of an impulse in a sweep, of the largest one
-constexpr double kImmovable = 1e-300;
-// The friction at four corners of a face has more unknowns than a body has sideways motions, so the equations do not
-// say how much each corner carries. This part of the stiffness is added to them; it keeps Newton's step near the
-// previous solution, and leaves about this part of the slip.
-constexpr double kStay = 1e-7;
 
 }  // namespace
 
@@ -34,14 +31,17 @@ void ContactIsland::resize(int points) {
   friction.resize(points);
 }
 
-void ContactIsland::solve() {
+bool ContactIsland::solve(long most_sweeps) {
+  many_ = points() > kMostDense;
+  if (many_) factorize();
   if (lambda.isZero(0.0)) newtonStep(true);  // finds bodies at rest at once, with the smallest impulses
   double change_before = std::numeric_limits<double>::infinity();
   int shortenings = 0;
   int sweeps_alone = 0;
-  for (int count = 0; count < kMaxSweeps; ++count) {
-    const double change = sweep();
-    if (change <= kSettled * lambda.lpNorm<Eigen::Infinity>()) return;
+  bool swept = false;  // whether there are impulses of a sweep to come back to
+  for (long count = 0; count < most_sweeps; ++count) {
+    const double change = many_ && factored_ ? sweepMany() : sweep();
+    if (change <= kSettled * lambda.lpNorm<Eigen::Infinity>()) return true;
     if (sweeps_alone > 0) {
       --sweeps_alone;
     } else if (change <= change_before) {
@@ -49,12 +49,14 @@ void ContactIsland::solve() {
       shortenings = 0;
       lambda_swept_ = lambda;
       u_swept_ = u;
+      swept = true;
       newtonStep(false);
     } else if (shortenings < kMaxShortenings) {
       ++shortenings;
       step_ *= kShorter;
       lambda = lambda_swept_ + step_;
-      u = u_swept_ + D * step_;
+      u = u_swept_;
+      addAnswer(step_);
     } else {  // sweeps go on from before the step
       lambda = lambda_swept_;
       u = u_swept_;
@@ -62,9 +64,19 @@ void ContactIsland::solve() {
       sweeps_alone = kSweepsAfterRetreat;
     }
   }
-  if (sweeps_alone > 0) return;
+  if (sweeps_alone > 0 || !swept) return false;
   lambda = lambda_swept_;  // no sweeps left: the last ones are within the cones
   u = u_swept_;
+  return false;
+}
+
+void ContactIsland::addAnswer(const Eigen::VectorXd& step) {
+  if (many_ && factored_) {
+    w_.noalias() = G_.transpose() * step;
+    u.noalias() += G_ * w_;
+  } else {
+    u.noalias() += D * step;
+  }
 }
 
 /** @return the largest change of an impulse */
@@ -72,9 +84,9 @@ double ContactIsland::sweep() {
   ++sweeps_;
   double change = 0.0;
   for (int point = 0; point < points(); ++point) {
-    const double normal = pushNormal(point);
+    const double normal = pushNormal(point, u[3 * point]);
     if (normal != 0.0) u += normal * D.col(3 * point);
-    const Vector2d tangent = pushTangent(point);
+    const Vector2d tangent = pushTangent(point, u.segment<2>(3 * point + 1));
     if (tangent != Vector2d::Zero()) u += D.middleCols<2>(3 * point + 1) * tangent;
     change = std::max({change, std::abs(normal), tangent.norm()});
   }
@@ -82,21 +94,21 @@ double ContactIsland::sweep() {
 }
 
 /** Change of the normal impulse of a point. */
-double ContactIsland::pushNormal(int point) {
+double ContactIsland::pushNormal(int point, double speed) {
   const int row = 3 * point;
   const double before = lambda[row];
-  const double pull = (u[row] + compliance[point] * before - wanted[point]) / (D(row, row) + compliance[point]);
+  const double pull = (speed + compliance[point] * before - wanted[point]) / (D(row, row) + compliance[point]);
   lambda[row] = std::max(0.0, before - pull);
   return lambda[row] - before;
 }
 
 /** Change of the tangential impulse of a point: towards no slip, within the cone. */
-Vector2d ContactIsland::pushTangent(int point) {
+Vector2d ContactIsland::pushTangent(int point, const Vector2d& slip) {
   const int row = 3 * point + 1;
   const double radius = friction[point] * lambda[row - 1];
   const Vector2d before = lambda.segment<2>(row);
   Vector2d after = before;
-  if (stiffest(row) > kImmovable) after -= u.segment<2>(row) / stiffest(row);
+  if (stiffest(row) > kImmovable) after -= slip / stiffest(row);
   const double size = after.norm();
   if (size > radius) after *= radius / size;
   lambda.segment<2>(row) = after;
@@ -112,6 +124,7 @@ double ContactIsland::stiffest(int row) const {
 
 /** Solves the equations of the branches the sweep left the points on, or as if all points touched and held. */
 void ContactIsland::newtonStep(bool all_hold) {
+  if (many_) return newtonStepMany(all_hold);
   A_ = D;
   b_ = -u;
   for (int point = 0; point < points(); ++point) {

@@ -7,6 +7,10 @@ namespace aras_visual_servo_sim {
 namespace {
 
 constexpr int kMaxRounds = 40;
+// Of a step: a round costs the square of the points, a sweep with its step of Newton's kSweepWork for each of them.
+constexpr long kMostWork = 400000;
+constexpr long kSweepWork = 20;
+constexpr long kFewestSweeps = 8;
 
 }  // namespace
 
@@ -28,9 +32,13 @@ const Eigen::VectorXd& ContactSolver::solve(const ContactRows& rows, const std::
   failed_.clear();
   bool solved = false;  // whether the impulses are those of the pieces the joints were on last
   int averages = 0;
+  work_left_ = kMostWork;
   for (int round = 0; round < kMaxRounds; ++round) {
     moveJoints();
     if (solved && joints.pieces() == pieces_) return lambda_;
+    if (work_left_ < 0) break;
+    work_left_ -= static_cast<long>(rows.points()) * rows.points();
+    settled_ = true;
     if (solved) failed_.push_back(pieces_);
     pieces_ = joints.pieces();
     freeInverse(rows, M, graphs, dt_s, joints);
@@ -43,6 +51,7 @@ const Eigen::VectorXd& ContactSolver::solve(const ContactRows& rows, const std::
     solved = std::find(failed_.begin(), failed_.end(), pieces_) == failed_.end();
     if (!solved) lambda_ = lambda_before + (lambda_ - lambda_before) / (++averages + 1.0);
   }
+  settled_ = false;
   moveJoints();  // did not settle: use the velocities that follow from the impulses
   return lambda_;
 }
@@ -107,7 +116,9 @@ void ContactSolver::solveIsland(const ContactRows& rows, const Eigen::VectorXd& 
     island_.compliance[i] = 1.0 / (dt_s * rate);
     island_.friction[i] = rows.friction[members_[i]];
   }
-  island_.solve();
+  const long before = island_.sweeps(), affordable = work_left_ / (kSweepWork * count);
+  if (!island_.solve(std::clamp(affordable, kFewestSweeps, ContactIsland::kMostSweeps))) settled_ = false;
+  work_left_ -= kSweepWork * count * (island_.sweeps() - before);
   for (int i = 0; i < count; ++i) lambda_.segment<3>(3 * members_[i]) = island_.lambda.segment<3>(3 * i);
 }
 

@@ -26,7 +26,8 @@ struct ContactRows {
  *
  *  Normal force: max(0, k d - b v) with the depth d and the speed v at the end of the step; friction: Coulomb's cone,
  *  no slip inside it. The points are solved for on the pieces the joints' graphs are on, island by island, anew until
- *  the pieces stay. Nothing is remembered from one step to the next. */
+ *  the pieces stay. Nothing is remembered from one step to the next. The work of a step is bounded: beyond that the
+ *  impulses are the best so far, within the cones. */
 class ContactSolver {
  public:
   ContactSolver(double stiffness_n_per_m, double damping_n_s_per_m)
@@ -36,6 +37,9 @@ class ContactSolver {
   const Eigen::VectorXd& solve(const ContactRows& rows, const std::vector<double>& M, const Eigen::VectorXd& v_free,
                                const std::vector<JointGraph>& graphs, double dt_s, JointSolver& joints,
                                Eigen::VectorXd& v, Eigen::VectorXd& effort);
+
+  /** Whether the impulses of the last step settled within the bound. */
+  bool settled() const { return settled_; }
 
  private:
   void freeInverse(const ContactRows& rows, const Eigen::MatrixXd& M, const std::vector<JointGraph>& graphs,
@@ -48,6 +52,8 @@ class ContactSolver {
   std::vector<int> island_of_;  // of each point, counted from 0
   int islands_ = 0;
   std::vector<int> members_;
+  long work_left_ = 0;
+  bool settled_ = true;
   ContactIsland island_;
   Eigen::VectorXd lambda_;
   std::vector<JointSolver::Piece> pieces_;

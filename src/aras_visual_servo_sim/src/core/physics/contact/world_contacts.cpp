@@ -205,6 +205,11 @@ void WorldContacts::addFreeMotion(const ArticulatedBody& body, const Eigen::Vect
   }
   free_velocity_.clear();
   for (const FreeBody& each : free_) free_velocity_.push_back(each.freeVelocity(gravity_m_s2_, period_s_));
+  sides_of_.resize(free_.size());
+  for (std::vector<std::size_t>& sides : sides_of_) sides.clear();
+  for (std::size_t i = 0; i < sides_.size(); ++i) {
+    if (sides_[i].free_body >= 0) sides_of_[sides_[i].free_body].push_back(i);
+  }
   for (std::size_t i = 0; i < sides_.size(); ++i) {
     const Side& one = sides_[i];
     if (one.free_body < 0) continue;
@@ -212,8 +217,7 @@ void WorldContacts::addFreeMotion(const ArticulatedBody& body, const Eigen::Vect
     rows_.u0.segment<3>(row) += one.rows * free_velocity_[one.free_body];
     for (int k = 0; k < 3; ++k) {
       const Twist answer = free_[one.free_body].answer(one.rows.row(k).transpose());
-      for (std::size_t j = 0; j < sides_.size(); ++j) {
-        if (sides_[j].free_body != one.free_body) continue;
+      for (const std::size_t j : sides_of_[one.free_body]) {
         rows_.S.block<3, 1>(static_cast<Eigen::Index>(3 * (j / 2)), row + k) += sides_[j].rows * answer;
       }
     }

@@ -31,6 +31,8 @@ class WorldContacts {
   /** Points of the last step, with the force on body a [N] in the world. */
   const std::vector<ContactPoint>& points() const { return points_; }
   Eigen::Vector3d force(std::size_t point) const;
+  /** Whether the impulses of the last step settled within the bound on the work of a step. */
+  bool settled() const { return points_.empty() || solver_.settled(); }
   std::string nameOf(int id) const;
 
   const std::vector<Obstacle>& obstacles() const { return config_.obstacles; }
@@ -76,7 +78,8 @@ class WorldContacts {
   std::vector<Eigen::Matrix3d> axes_;  // rows: normal and tangents of each point
   ContactRows rows_;
   Eigen::Matrix<double, Eigen::Dynamic, 6> J_base_;
-  std::vector<Side> sides_;  // two for each point
+  std::vector<Side> sides_;                         // two for each point
+  std::vector<std::vector<std::size_t>> sides_of_;  // of each free body
   std::vector<Twist> free_velocity_;
   Eigen::VectorXd lambda_;
 };

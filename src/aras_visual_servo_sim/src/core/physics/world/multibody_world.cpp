@@ -77,6 +77,8 @@ void MultibodyWorld::setJointVelocities(const Eigen::VectorXd& v) {
   impl_->coupling.complete(impl_->q, impl_->v);
 }
 
+std::uint64_t MultibodyWorld::unsettledSteps() const { return impl_->unsettled_steps; }
+
 std::vector<ContactForce> MultibodyWorld::contacts() const {
   std::vector<ContactForce> forces;
   if (!impl_->contacts) return forces;
@@ -135,7 +137,7 @@ void MultibodyWorld::setBaseTwist(const Twist& V_WB_W) {
 }
 
 void MultibodyWorld::step(int n) {
-  if (n < 0) throw ParameterError("step: found " + std::to_string(n) + " periods, allowed >= 0");
+  if (n < 0) throw ParameterError("step: found " + std::to_string(n) + " steps, allowed >= 0");
   for (int i = 0; i < n; ++i) impl_->step();
 }
 

@@ -104,6 +104,7 @@ Pose MultibodyWorld::Impl::initialBasePose() const {
 
 void MultibodyWorld::Impl::start() {
   ticks = 0;
+  unsettled_steps = 0;
   v.setZero();
   effort.setZero();
   if (!driven) coupling.complete(q, v);
@@ -159,6 +160,7 @@ void MultibodyWorld::Impl::step() {
   if (contacts) {
     contacts->prepare(body, coupling, v_free);
     contacts->solve(M_used, v_free_used, graphs, solver, v_next, total);
+    unsettled_steps += contacts->settled() ? 0 : 1;
   } else {
     solver.solve(M_used, v_free_used, graphs, dt, v_next, total);
   }

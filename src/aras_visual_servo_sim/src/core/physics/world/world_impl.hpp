@@ -71,6 +71,7 @@ class MultibodyWorld::Impl {
   Eigen::VectorXd q, v, v_free, effort;     // of the joints
   Eigen::VectorXd v_next, v_free_c, total;  // of the coordinates
   std::int64_t ticks = 0;
+  std::uint64_t unsettled_steps = 0;
 
  private:
   void makeDrives();

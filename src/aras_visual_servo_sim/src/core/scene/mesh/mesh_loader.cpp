@@ -4,6 +4,7 @@
 #include <assimp/scene.h>
 
 #include <algorithm>
+#include <aras_visual_servo_common/files.hpp>
 #include <assimp/Importer.hpp>
 #include <cmath>
 
@@ -12,6 +13,8 @@
 
 namespace aras_visual_servo_sim {
 namespace {
+
+constexpr std::size_t kMostMeshBytes = 256 * 1024 * 1024;  // five million triangles of STL
 
 std::uint8_t toByte(float value) { return static_cast<std::uint8_t>(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f); }
 
@@ -94,6 +97,11 @@ class Collector {
 MeshPtr loadMesh(const std::string& path, const Eigen::Vector3d& scale, const PackagePaths& packages) {
   if (!scale.allFinite() || (scale.array() == 0.0).any()) {
     throw ModelError("mesh '" + path + "': scale must be finite and not zero");
+  }
+  try {
+    aras_visual_servo_common::checkFile(path, kMostMeshBytes);
+  } catch (const ArasError& error) {
+    throw ModelError("mesh " + std::string(error.what()));
   }
   Assimp::Importer importer;
   importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, 40.0f);  // sharper edges stay edges

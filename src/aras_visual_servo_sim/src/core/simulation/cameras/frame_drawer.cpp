@@ -12,7 +12,17 @@ Scene sceneOf(const ExposedFrame& frame, const Scene& now) { return frame.models
 
 }  // namespace
 
-FrameDrawer::FrameDrawer() : renderer_(std::make_unique<CoverageRenderer>()) {}
+FrameDrawer::FrameDrawer() : coverage_(std::make_unique<CoverageRenderer>()) {}
+
+OpenGlRenderer& FrameDrawer::openGl(const CameraConfig& camera) {
+  const bool egl = camera.gl == "egl";
+  std::unique_ptr<OpenGlRenderer>& renderer = egl ? egl_ : osmesa_;
+  if (!renderer) {
+    renderer =
+        std::make_unique<OpenGlRenderer>(egl ? OpenGlRenderer::Platform::kEgl : OpenGlRenderer::Platform::kOsmesa);
+  }
+  return *renderer;
+}
 
 const Image& FrameDrawer::draw(Camera& camera, std::int64_t now, const Pose& X_WC, Scene& scene) {
   if (const ExposedFrame* late = camera.takenFrame()) {
@@ -27,7 +37,13 @@ const Image& FrameDrawer::draw(Camera& camera, std::int64_t now, const Pose& X_W
 }
 
 void FrameDrawer::drawOnce(Camera& camera, const Pose& X_WC, const Scene& scene) {
-  renderer_->render(camera.model(), X_WC, scene, camera.image);
+  const CameraConfig& config = camera.model().config();
+  if (config.renderer != "opengl") return coverage_->render(camera.model(), X_WC, scene, camera.image);
+  try {
+    openGl(config).render(camera.model(), X_WC, scene, camera.image);
+  } catch (const RenderError& error) {
+    throw RenderError("camera '" + config.name + "': " + error.what());
+  }
 }
 
 void FrameDrawer::drawMean(Camera& camera, const Moment& present, Scene& scene) {

@@ -1,4 +1,5 @@
 // How models, motions and frames in flight are written into a saved state and read from it.
+#include <aras_visual_servo_common/files.hpp>
 #include <memory>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
@@ -39,11 +40,27 @@ void StateWriter::putMotions(const std::map<std::string, MotionRun>& motions) {
   }
 }
 
+namespace {
+
+ModelMotion savedMotion(const std::string& text, const std::string& name) {
+  namespace common = aras_visual_servo_common;
+  const std::string where = "saved motion of '" + name + "'";
+  YAML::Node node;
+  try {
+    node = common::parseYaml(text, common::kMostFileYaml);
+  } catch (const ArasError& error) {
+    throw StateError(where + ": " + error.what());
+  }
+  return ModelMotion::fromYaml(node, where);
+}
+
+}  // namespace
+
 std::map<std::string, MotionRun> StateReader::getMotions(const ModelSet& set) {
   std::map<std::string, MotionRun> motions;
   for (auto left = get<std::uint64_t>(); left > 0; --left) {
     const std::string name = getText();
-    const ModelMotion motion = ModelMotion::fromYaml(YAML::Load(getText()), "saved motion of '" + name + "'");
+    const ModelMotion motion = savedMotion(getText(), name);
     const Pose X_WM0 = getPose();
     motions.emplace(name, MotionRun{motion, X_WM0, get<std::int64_t>()});
     if (set.starts.count(name) == 0)

@@ -1,17 +1,25 @@
 #include "aras_visual_servo_sim/simulation/state/snapshots.hpp"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <iterator>
+#include <aras_visual_servo_common/files.hpp>
+#include <filesystem>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
 
-[[noreturn]] void fail(const std::string& path, const std::string& what) {
-  throw StateError("state file '" + path + "': cannot be " + what + ": " + std::strerror(errno));
+constexpr std::size_t kMostSnapshots = 1000;                // of some kilobytes each
+constexpr std::size_t kMostStateBytes = 256 * 1024 * 1024;  // of a scene with the most that it may have
+constexpr std::size_t kMagicBytes = 8;
+
+/** What `action` returns, its errors as those of a state file. */
+template <typename Action>
+auto onFile(const Action& action) {
+  try {
+    return action();
+  } catch (const ArasError& error) {
+    throw StateError("state file " + std::string(error.what()));
+  }
 }
 
 }  // namespace
@@ -21,6 +29,10 @@ std::string Snapshots::save(const std::string& name, const std::string& state) {
   for (std::size_t k = 1; key.empty(); ++k) {
     const std::string next = "state_" + std::to_string(k);
     if (states_.count(next) == 0) key = next;
+  }
+  if (states_.count(key) == 0 && states_.size() >= kMostSnapshots) {
+    throw StateError("snapshot '" + key + "': found " + std::to_string(states_.size()) +
+                     " snapshots, allowed <= " + std::to_string(kMostSnapshots) + "; use a name that is there");
   }
   states_[key] = state;
   return key;
@@ -35,19 +47,19 @@ const std::string& Snapshots::get(const std::string& name) const {
 }
 
 void writeStateFile(const std::string& path, const std::string& state) {
-  errno = 0;
-  std::ofstream file(path, std::ios::binary);
-  file.write(state.data(), static_cast<std::streamsize>(state.size()));
-  file.close();
-  if (!file) fail(path, "written");
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(path, ignored) && std::filesystem::file_size(path, ignored) > 0) {
+    const std::string old = readStateFile(path);
+    if (old.compare(0, kMagicBytes, state, 0, kMagicBytes) != 0) {
+      throw StateError("state file '" + path + "': cannot be written: found a file that is no saved state, allowed a " +
+                       "new name or that of a saved state");
+    }
+  }
+  onFile([&] { aras_visual_servo_common::writeFile(path, state); });
 }
 
 std::string readStateFile(const std::string& path) {
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  std::string state{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file.is_open() || file.bad()) fail(path, "read");
-  return state;
+  return onFile([&] { return aras_visual_servo_common::readFile(path, kMostStateBytes); });
 }
 
 }  // namespace aras_visual_servo_sim

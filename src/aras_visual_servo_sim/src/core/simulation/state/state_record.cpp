@@ -76,6 +76,7 @@ Pose StateReader::getPose() {
   Pose pose;
   for (int k = 0; k < 3; ++k) pose.p[k] = get<double>();
   for (int k = 0; k < 4; ++k) pose.q.coeffs()[k] = get<double>();
+  if (!pose.p.allFinite() || !pose.q.coeffs().allFinite()) throw StateError("saved state: a pose is not finite");
   return pose;
 }
 

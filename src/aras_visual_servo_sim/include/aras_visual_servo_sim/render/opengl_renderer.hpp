@@ -1,0 +1,44 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "aras_visual_servo_sim/render/renderer.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** Renderer with lights, shadows, materials and pictures, by OpenGL 3.3 without a window.
+ *
+ *  Solids are drawn by OpenGL, with four samples a pixel. Flat targets are laid over them with the exact coverage of
+ *  CoverageRenderer, wherever no solid stands before them (CameraConfig::exact_targets). Images are the same between
+ *  runs, processes and threads on one kind of processor and one version of Mesa. The library is opened at the first
+ *  frame. Not thread-safe, but frames may be drawn in one thread after the other; one object may serve many cameras. */
+class OpenGlRenderer : public Renderer {
+ public:
+  enum class Platform {
+    kOsmesa,  ///< Mesa's software renderer
+    kEgl      ///< a GPU where there is one
+  };
+
+  explicit OpenGlRenderer(Platform platform = Platform::kOsmesa);
+  ~OpenGlRenderer() override;
+
+  /** What draws and of which version. @throws RenderError if there is no OpenGL */
+  std::string description();
+
+  /** What the last frame took, and all so far: to test and to measure. */
+  struct Statistics {
+    int views = 0;               ///< pictures that the last image was made of
+    bool redrawn_flats = false;  ///< a solid stood before a flat target, so that OpenGL drew targets too
+    long shadow_maps = 0;        ///< drawn so far
+  };
+  const Statistics& statistics() const;
+
+ private:
+  void doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) override;
+
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gl_functions.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** A picture of fixed size to draw into, with a depth of 32 bits and, if wanted, several samples a pixel. */
+class Canvas {
+ public:
+  static constexpr int kSamples = 4;  ///< llvmpipe has no more
+
+  /** @throws RenderError naming the size if OpenGL has no such picture */
+  Canvas(const GlFunctions& gl, int width, int height, bool multisampled);
+  ~Canvas();
+  Canvas(const Canvas&) = delete;
+  Canvas& operator=(const Canvas&) = delete;
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+  /** What is drawn from here on goes into it. */
+  void bind() const;
+  /** Means over the samples of what was drawn so far: bytes r, g, b, a for each pixel, in the order of OpenGL's rows.
+   */
+  void read(std::vector<std::uint32_t>& pixels) const;
+
+ private:
+  const GlFunctions& gl_;
+  int width_, height_;
+  GLuint drawn_ = 0, color_ = 0, depth_ = 0;  // frame buffer and what it is made of
+  GLuint resolved_ = 0, resolved_color_ = 0;  // the means; none of them without multisampling
+};
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,239 @@
+#include "aras_visual_servo_sim/render/opengl_renderer.hpp"
+
+#include <algorithm>
+#include <list>
+#include <vector>
+
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/image/pixel_color.hpp"
+#include "render/coverage/image_circle.hpp"
+#include "render/opengl/camera_views.hpp"
+#include "render/opengl/gl/gl_context.hpp"
+#include "render/opengl/scene/flat_painter.hpp"
+#include "render/opengl/scene/solid_painter.hpp"
+#include "render/planar/planar_layer.hpp"
+#include "render/view/view_volume.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+/** Whatever decides how a camera's image is made of pictures. */
+std::vector<double> keyOf(const CameraModel& camera) {
+  std::vector<double> key{double(camera.width()),
+                          double(camera.height()),
+                          camera.fx(),
+                          camera.fy(),
+                          camera.cx(),
+                          camera.cy(),
+                          double(static_cast<int>(camera.lens())),
+                          double(static_cast<int>(camera.sampling())),
+                          camera.config().quality == "high" ? 1.0 : 0.0,
+                          camera.showsLensCircle() ? camera.lensAngle() : 0.0};
+  const std::vector<double>& lens = camera.config().distortion;
+  key.insert(key.end(), lens.begin(), lens.end());
+  return key;
+}
+
+std::array<std::uint8_t, 3> bytesOf(std::uint32_t pixel) {
+  return {static_cast<std::uint8_t>(pixel), static_cast<std::uint8_t>(pixel >> 8),
+          static_cast<std::uint8_t>(pixel >> 16)};
+}
+
+void write(std::uint32_t pixel, Encoding encoding, std::uint8_t* out) {
+  const auto [r, g, b] = bytesOf(pixel);
+  if (encoding == Encoding::kMono8) {
+    *out = greyOf(r, g, b);
+    return;
+  }
+  out[0] = encoding == Encoding::kRgb8 ? r : b;
+  out[1] = g;
+  out[2] = encoding == Encoding::kRgb8 ? b : r;
+}
+
+void convert(const std::vector<std::uint32_t>& pixels, Image& out) {
+  const int channels = out.channels();
+  std::uint8_t* to = out.data.data();
+  for (const std::uint32_t pixel : pixels) {
+    write(pixel, out.encoding, to);
+    to += channels;
+  }
+}
+
+}  // namespace
+
+class OpenGlRenderer::Implementation {
+ public:
+  explicit Implementation(Platform platform) : platform_(platform) {}
+
+  ~Implementation() { forget(); }
+
+  std::string description() {
+    const GlContext::Binding binding(context());
+    return context().description();
+  }
+
+  void render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
+    const GlContext::Binding binding(context());
+    if (!parts_) parts_ = std::make_unique<Parts>(context_->gl());
+    prepare();
+    draw(camera, X_WC, scene, out);
+    context_->gl().check("drawing");
+    if (camera.showsLensCircle()) blackenBeyondLens(camera, rasterizer_, out);
+  }
+
+  Statistics statistics_;
+
+ private:
+  static constexpr std::size_t kMostCameras = 16;  // whose pictures are kept
+
+  struct Parts {
+    explicit Parts(const GlFunctions& gl) : store(gl), solids(gl, store), flats(gl, store) {}
+    GlStore store;
+    SolidPainter solids;
+    FlatPainter flats;
+    std::list<std::pair<std::vector<double>, CameraViews>> views;  // by keyOf, used last first
+  };
+
+  GlContext& context() {
+    if (!context_) context_ = platform_ == Platform::kEgl ? makeEglContext() : makeOsmesaContext();
+    return *context_;
+  }
+
+  void forget() {
+    if (!parts_) return;
+    try {
+      const GlContext::Binding binding(*context_);
+      parts_.reset();
+    } catch (const ArasError&) {
+      (void)parts_.release();  // the context is lost, and all that was in it
+    }
+  }
+
+  CameraViews& viewsOf(const CameraModel& camera) {
+    auto& all = parts_->views;
+    const std::vector<double> key = keyOf(camera);
+    const auto found = std::find_if(all.begin(), all.end(), [&](const auto& each) { return each.first == key; });
+    if (found != all.end()) {
+      all.splice(all.begin(), all, found);
+    } else {
+      all.emplace_front(std::piecewise_construct, std::forward_as_tuple(key),
+                        std::forward_as_tuple(context_->gl(), camera));
+      if (all.size() > kMostCameras) all.pop_back();
+    }
+    return all.front().second;
+  }
+
+  void prepare() {
+    const GlFunctions& gl = context_->gl();
+    gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    gl.FrontFace(GL_CW);  // counter-clockwise in the world, and rows grow downwards
+    gl.CullFace(GL_BACK);
+    gl.Enable(GL_DEPTH_TEST);
+    gl.Disable(GL_DITHER);
+    parts_->store.clean();
+  }
+
+  void clear(const Rgb& color) {
+    const GlFunctions& gl = context_->gl();
+    gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    gl.DepthMask(GL_TRUE);
+    gl.ClearColor(color.r / 255.0f, color.g / 255.0f, color.b / 255.0f, 0.0f);
+    gl.ClearDepth(0.0);
+    gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  }
+
+  void draw(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
+    const Pose X_CW = X_WC.inverse();
+    planar_.project(camera, ViewVolume(camera), X_CW, scene);
+    SolidPainter& solids = parts_->solids;
+    FlatPainter& flats = parts_->flats;
+    solids.begin(camera, X_WC, scene);
+    flats.begin(planar_, X_CW, camera.nearM());
+    const bool exact = camera.config().exact_targets && !solids.anyTransparent() && !flats.empty();
+    CameraViews& views = viewsOf(camera);
+    for (std::size_t k = 0; k < views.views().size(); ++k) {
+      const PinholeView& view = views.views()[k];
+      views.canvas(k).bind();
+      clear(scene.background);
+      solids.drawSky(view);
+      solids.drawOpaque(view);
+      if (exact) {
+        flats.mark(view);
+      } else {
+        flats.draw(view);
+        solids.drawTransparent(view);
+      }
+    }
+    views.read(pixels_);
+    convert(pixels_, out);
+    statistics_ = {static_cast<int>(views.views().size()), false, solids.shadows().drawn()};
+    if (exact) layTargetsOver(camera, views, out);
+  }
+
+  /** Flat targets by their exact coverage; where a solid stands before one, or two of them cut each other, as OpenGL
+   *  draws them. */
+  void layTargetsOver(const CameraModel& camera, CameraViews& views, Image& out) {
+    planar_.samplePictures(camera, rasterizer_);
+    planar_.paint(camera, rasterizer_, out);
+    redrawn_.clear();
+    findHidden(out);
+    for (const PixelBox& box : planar_.conflicts()) {
+      for (int v = box.v0; v < box.v1; ++v) {
+        for (int u = box.u0; u < box.u1; ++u) redrawn_.push_back(std::size_t(v) * out.width + u);
+      }
+    }
+    if (redrawn_.empty()) return;
+    statistics_.redrawn_flats = true;
+    for (std::size_t k = 0; k < views.views().size(); ++k) {
+      views.canvas(k).bind();
+      parts_->flats.draw(views.views()[k]);
+    }
+    views.read(pixels_);
+    for (const std::size_t at : redrawn_) {
+      write(pixels_[at], out.encoding, out.data.data() + at * std::size_t(out.channels()));
+    }
+  }
+
+  /** The pixels that have a mark, and their neighbours: a mark at a sample says nothing of the pixel's rim. */
+  void findHidden(const Image& out) {
+    hidden_.assign(pixels_.size(), 0);
+    bool any = false;
+    for (int v = 0; v < out.height; ++v) {
+      const std::uint32_t* row = pixels_.data() + std::size_t(v) * out.width;
+      for (int u = 0; u < out.width; ++u) {
+        if (row[u] < 0x01000000u) continue;
+        any = true;
+        for (int y = std::max(0, v - 1); y <= std::min(out.height - 1, v + 1); ++y) {
+          for (int x = std::max(0, u - 1); x <= std::min(out.width - 1, u + 1); ++x) {
+            hidden_[std::size_t(y) * out.width + x] = 1;
+          }
+        }
+      }
+    }
+    for (std::size_t k = 0; any && k < hidden_.size(); ++k) {
+      if (hidden_[k]) redrawn_.push_back(k);
+    }
+  }
+
+  Platform platform_;
+  std::unique_ptr<GlContext> context_;
+  std::unique_ptr<Parts> parts_;
+  PlanarLayer planar_;
+  CoverageRasterizer rasterizer_;
+  std::vector<std::uint32_t> pixels_;
+  std::vector<char> hidden_;
+  std::vector<std::size_t> redrawn_;
+};
+
+OpenGlRenderer::OpenGlRenderer(Platform platform) : implementation_(std::make_unique<Implementation>(platform)) {}
+OpenGlRenderer::~OpenGlRenderer() = default;
+
+std::string OpenGlRenderer::description() { return implementation_->description(); }
+
+const OpenGlRenderer::Statistics& OpenGlRenderer::statistics() const { return implementation_->statistics_; }
+
+void OpenGlRenderer::doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
+  implementation_->render(camera, X_WC, scene, out);
+}
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,159 @@
+#include "gl_store.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cstddef>
+#include <string>
+
+#include "aras_visual_servo_sim/config/errors.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+struct GlVertex {
+  Eigen::Vector3f position, normal;
+  Eigen::Vector2f coordinates;
+  std::uint8_t color[4];
+};
+
+/** Normals of a mesh; one that is not finite becomes the mean of the triangles about its point. */
+std::vector<Eigen::Vector3f> finiteNormals(const TriangleMesh& mesh) {
+  std::vector<Eigen::Vector3f> normals = mesh.normals;
+  normals.resize(mesh.points.size(), Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
+  const bool good = std::all_of(normals.begin(), normals.end(), [](const auto& n) { return n.allFinite(); });
+  if (good) return normals;
+  std::vector<Eigen::Vector3f> sums(normals.size(), Eigen::Vector3f::Zero());
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const Eigen::Vector3f area = (mesh.points[j] - mesh.points[i]).cross(mesh.points[k] - mesh.points[i]);
+    for (const std::uint32_t corner : {i, j, k}) sums[corner] += area;
+  }
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    if (normals[i].allFinite()) continue;
+    normals[i] = sums[i].norm() > 0.0f ? Eigen::Vector3f(sums[i].normalized()) : Eigen::Vector3f::UnitZ();
+  }
+  return normals;
+}
+
+GLint wrapOf(Wrap wrap) {
+  return wrap == Wrap::kMirror ? GL_MIRRORED_REPEAT : wrap == Wrap::kClamp ? GL_CLAMP_TO_EDGE : GL_REPEAT;
+}
+
+}  // namespace
+
+GlStore::~GlStore() {
+  for (const auto& [key, mesh] : meshes_) remove(mesh);
+  for (const auto& [key, picture] : pictures_) gl_.DeleteTextures(1, &picture.name);
+}
+
+void GlStore::remove(const GlMesh& mesh) {
+  gl_.DeleteBuffers(1, &mesh.vertices);
+  gl_.DeleteBuffers(1, &mesh.indices);
+  gl_.DeleteVertexArrays(1, &mesh.array);
+}
+
+void GlStore::clean() {
+  for (auto mesh = meshes_.begin(); mesh != meshes_.end();) {
+    if (mesh->second.mesh.use_count() > 1) {
+      ++mesh;
+      continue;
+    }
+    remove(mesh->second);
+    mesh = meshes_.erase(mesh);
+  }
+  for (auto picture = pictures_.begin(); picture != pictures_.end();) {
+    if (picture->second.texture.use_count() > 1) {
+      ++picture;
+      continue;
+    }
+    gl_.DeleteTextures(1, &picture->second.name);
+    picture = pictures_.erase(picture);
+  }
+}
+
+const GlMesh& GlStore::mesh(const MeshPtr& mesh) {
+  GlMesh& stored = meshes_[mesh.get()];
+  if (!stored.mesh) {
+    stored.mesh = mesh;
+    stored.serial = ++serial_;
+    upload(stored);
+  }
+  return stored;
+}
+
+void GlStore::upload(GlMesh& stored) {
+  const TriangleMesh& mesh = *stored.mesh;
+  const std::vector<Eigen::Vector3f> normals = finiteNormals(mesh);
+  std::vector<GlVertex> vertices(mesh.points.size());
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const Rgb color = mesh.colors.empty() ? Rgb{255, 255, 255} : mesh.colors[i];
+    vertices[i] = {mesh.points[i], normals[i], Eigen::Vector2f::Zero(), {color.r, color.g, color.b, 255}};
+    if (!mesh.texture_coordinates.empty()) vertices[i].coordinates = mesh.texture_coordinates[i];
+  }
+  const auto pictureOf = [&](std::size_t t) { return mesh.picture_of.empty() ? -1 : mesh.picture_of[t]; };
+  std::vector<std::uint32_t> indices;
+  for (int picture = -1; picture < static_cast<int>(mesh.pictures.size()); ++picture) {
+    MeshPart part{picture < 0 ? nullptr : &mesh.pictures[picture], static_cast<GLsizei>(indices.size()), 0};
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      if (pictureOf(t) == picture) indices.insert(indices.end(), mesh.triangles[t].begin(), mesh.triangles[t].end());
+    }
+    part.count = static_cast<GLsizei>(indices.size()) - part.first;
+    if (part.count > 0) stored.parts.push_back(part);
+  }
+  stored.index_count = static_cast<GLsizei>(indices.size());
+  gl_.GenVertexArrays(1, &stored.array);
+  gl_.GenBuffers(1, &stored.vertices);
+  gl_.GenBuffers(1, &stored.indices);
+  gl_.BindVertexArray(stored.array);
+  gl_.BindBuffer(GL_ARRAY_BUFFER, stored.vertices);
+  gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(GlVertex)), vertices.data(),
+                 GL_STATIC_DRAW);
+  gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, stored.indices);
+  gl_.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * sizeof(std::uint32_t)),
+                 indices.data(), GL_STATIC_DRAW);
+  const auto attribute = [&](GLuint place, GLint size, GLenum type, GLboolean normalized, std::size_t offset) {
+    gl_.EnableVertexAttribArray(place);
+    gl_.VertexAttribPointer(place, size, type, normalized, sizeof(GlVertex), reinterpret_cast<const void*>(offset));
+  };
+  attribute(0, 3, GL_FLOAT, GL_FALSE, offsetof(GlVertex, position));
+  attribute(1, 3, GL_FLOAT, GL_FALSE, offsetof(GlVertex, normal));
+  attribute(2, 2, GL_FLOAT, GL_FALSE, offsetof(GlVertex, coordinates));
+  attribute(3, 4, GL_UNSIGNED_BYTE, GL_TRUE, offsetof(GlVertex, color));
+}
+
+void GlStore::bindPicture(const TexturePtr& texture, Wrap wrap_s, Wrap wrap_t) {
+  GlPicture& picture = pictures_[texture.get()];
+  gl_.ActiveTexture(GL_TEXTURE0);
+  if (!picture.name) {
+    picture.texture = texture;
+    picture.name = upload(*texture);
+  } else {
+    gl_.BindTexture(GL_TEXTURE_2D, picture.name);
+  }
+  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrapOf(wrap_s));
+  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrapOf(wrap_t));
+}
+
+GLuint GlStore::upload(const Texture& texture) {
+  GLint most = 0;
+  gl_.GetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
+  if (texture.width() > most || texture.height() > most) {
+    pictures_.erase(&texture);
+    throw RenderError("renderer 'opengl': picture '" + texture.name() + "' has " + std::to_string(texture.width()) +
+                      " x " + std::to_string(texture.height()) + " px, allowed up to " + std::to_string(most) +
+                      " px a side");
+  }
+  constexpr float kAnisotropy = 16.0f;
+  GLuint name = 0;
+  gl_.GenTextures(1, &name);
+  gl_.BindTexture(GL_TEXTURE_2D, name);
+  gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, texture.width(), texture.height(), 0, GL_RGB, GL_UNSIGNED_BYTE,
+                 texture.texel(0, 0));
+  gl_.GenerateMipmap(GL_TEXTURE_2D);
+  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  gl_.TexParameterf(GL_TEXTURE_2D, GL_TEXTURE_MAX_ANISOTROPY_EXT, kAnisotropy);
+  return name;
+}
+
+}  // namespace aras_visual_servo_sim

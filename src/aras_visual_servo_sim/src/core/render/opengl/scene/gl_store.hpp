@@ -1,0 +1,56 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "aras_visual_servo_sim/scene/scene.hpp"
+#include "render/opengl/gl/gl_functions.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** Triangles of one mesh that have one picture, or none. */
+struct MeshPart {
+  const MeshPicture* picture = nullptr;
+  GLsizei first = 0, count = 0;  ///< indices
+};
+
+/** A mesh in the memory of OpenGL. */
+struct GlMesh {
+  MeshPtr mesh;
+  GLuint array = 0, vertices = 0, indices = 0;
+  GLsizei index_count = 0;
+  long serial = 0;  ///< no other mesh of this store ever had it
+  std::vector<MeshPart> parts;
+};
+
+/** Meshes and pictures in the memory of OpenGL: loaded at their first use, dropped when nobody else has them. */
+class GlStore {
+ public:
+  explicit GlStore(const GlFunctions& gl) : gl_(gl) {}
+  ~GlStore();
+  GlStore(const GlStore&) = delete;
+  GlStore& operator=(const GlStore&) = delete;
+
+  /** Frees what no scene has any more. */
+  void clean();
+  const GlMesh& mesh(const MeshPtr& mesh);
+  /** Binds a picture to texture unit 0. @throws RenderError naming a picture too large for OpenGL */
+  void bindPicture(const TexturePtr& texture, Wrap wrap_s, Wrap wrap_t);
+
+ private:
+  struct GlPicture {
+    TexturePtr texture;
+    GLuint name = 0;
+  };
+  void upload(GlMesh& mesh);
+  GLuint upload(const Texture& texture);
+  void remove(const GlMesh& mesh);
+
+  const GlFunctions& gl_;
+  std::map<const TriangleMesh*, GlMesh> meshes_;
+  long serial_ = 0;
+  std::map<const Texture*, GlPicture> pictures_;
+};
+
+}  // namespace aras_visual_servo_sim

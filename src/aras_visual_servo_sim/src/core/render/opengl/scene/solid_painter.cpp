@@ -1,0 +1,223 @@
+#include "solid_painter.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+namespace aras_visual_servo_sim {
+namespace {
+
+Eigen::Vector3f unit(const Rgb& color) { return Eigen::Vector3f(color.r, color.g, color.b) / 255.0f; }
+
+/** Radius of the ball about the middle of a mesh's box that holds it. */
+double radiusOf(const TriangleMesh& mesh) { return 0.5 * (mesh.box_max - mesh.box_min).cast<double>().norm(); }
+
+constexpr int kFirstMapUnit = 1;  // unit 0 has the picture
+
+}  // namespace
+
+SolidPainter::~SolidPainter() {
+  if (sky_array_) gl_.DeleteVertexArrays(1, &sky_array_);
+  if (sky_vertices_) gl_.DeleteBuffers(1, &sky_vertices_);
+}
+
+void SolidPainter::begin(const CameraModel& camera, const Pose& X_WC, const Scene& scene) {
+  ++frame_;
+  camera_ = &camera;
+  scene_ = &scene;
+  X_WC_ = X_WC;
+  lights_ = std::make_unique<LightSet>(scene);
+  letters_ = lightLetters(*lights_);
+  opaque_.clear();
+  transparent_.clear();
+  const Pose X_CW = X_WC.inverse();
+  for (const Body& body : scene.bodies) {
+    if (!body.visible) continue;
+    const Pose X_CB = X_CW * body.X_WB;
+    for (const Shape& shape : body.shapes) {
+      const Pose X_CS = X_CB * shape.X_BS;
+      const TriangleMesh& mesh = *shape.mesh;
+      const Eigen::Vector3d middle = (0.5f * (mesh.box_min + mesh.box_max)).cast<double>();
+      (shape.material.opacity < 1.0 ? transparent_ : opaque_)
+          .push_back({&shape, X_CS.matrix(), X_CS * middle, radiusOf(mesh)});
+    }
+  }
+  std::stable_sort(transparent_.begin(), transparent_.end(),
+                   [](const Item& a, const Item& b) { return a.center_C.norm() > b.center_C.norm(); });
+  gl_.Disable(GL_BLEND);
+  shadows_.update(scene, *lights_, scene.lighting.shadow_map_px, store_);
+}
+
+bool SolidPainter::isSeen(const Item& item, const PinholeView& view) const {
+  const Eigen::Vector3d p = view.R_FC * item.center_C;
+  if (p.z() + item.radius < camera_->nearM() || p.z() - item.radius > camera_->farM()) return false;
+  const double left = (-0.5 - view.cx) / view.fx, right = (view.width - 0.5 - view.cx) / view.fx;
+  const double top = (-0.5 - view.cy) / view.fy, bottom = (view.height - 0.5 - view.cy) / view.fy;
+  const auto outside = [&](double across, double slope, double side) {
+    return side * (across - slope * p.z()) > item.radius * std::sqrt(1.0 + slope * slope);
+  };
+  return !outside(p.x(), left, -1.0) && !outside(p.x(), right, 1.0) && !outside(p.y(), top, -1.0) &&
+         !outside(p.y(), bottom, 1.0);
+}
+
+void SolidPainter::drawOpaque(const PinholeView& view) {
+  gl_.DepthMask(GL_TRUE);
+  gl_.DepthFunc(GL_GEQUAL);
+  gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
+  for (const Item& item : opaque_) draw(item, view);
+}
+
+void SolidPainter::drawTransparent(const PinholeView& view) {
+  if (transparent_.empty()) return;
+  gl_.DepthMask(GL_FALSE);
+  gl_.DepthFunc(GL_GEQUAL);
+  gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
+  gl_.Enable(GL_BLEND);
+  gl_.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  for (const Item& item : transparent_) draw(item, view);
+  gl_.Disable(GL_BLEND);
+  gl_.DepthMask(GL_TRUE);
+}
+
+void SolidPainter::draw(const Item& item, const PinholeView& view) {
+  if (!isSeen(item, view)) return;
+  const Shape& shape = *item.shape;
+  const Material& material = shape.material;
+  const GlMesh& mesh = store_.mesh(shape.mesh);
+  gl_.BindVertexArray(mesh.array);
+  if (material.two_sided) {
+    gl_.Disable(GL_CULL_FACE);
+  } else {
+    gl_.Enable(GL_CULL_FACE);
+  }
+  const Eigen::RowVector3d axis = view.R_FC.row(2);
+  const bool reaches_far = axis.dot(item.center_C) + item.radius > camera_->farM();
+  if (reaches_far) gl_.Enable(GL_CLIP_DISTANCE0);
+  const Eigen::Matrix4f projection = view.projection(camera_->nearM()), placed = item.X_CS.cast<float>();
+  const Eigen::Vector3f color = unit(shape.color);
+  for (const MeshPart& part : mesh.parts) {
+    Program& program = programOf(shape, part.picture != nullptr);
+    gl_.UniformMatrix4fv(program.projection, 1, GL_FALSE, projection.data());
+    gl_.UniformMatrix4fv(program.placed, 1, GL_FALSE, placed.data());
+    gl_.Uniform4f(program.shape_color, color.x(), color.y(), color.z(), 1.0f);
+    gl_.Uniform1f(program.own_color, shape.mesh->colors.empty() ? 0.0f : 1.0f);
+    gl_.Uniform4f(program.far_plane, float(-axis.x()), float(-axis.y()), float(-axis.z()), float(camera_->farM()));
+    // A colour of its own that ambient light meets adds to the light it gives.
+    const bool own = material.ambient && !part.picture;
+    const Eigen::Vector3f ambient = float(own ? 0.0 : material.ambient_share) * lights_->ambient.cast<float>();
+    Eigen::Vector3f glow = material.emissive.cast<float>();
+    if (own) glow += material.ambient->cwiseProduct(lights_->ambient).cast<float>();
+    const Eigen::Vector3f highlight = material.specular.cast<float>();
+    gl_.Uniform3f(program.ambient, ambient.x(), ambient.y(), ambient.z());
+    gl_.Uniform3f(program.emissive, glow.x(), glow.y(), glow.z());
+    gl_.Uniform1f(program.opacity, static_cast<float>(material.opacity));
+    gl_.Uniform3f(program.highlight, highlight.x(), highlight.y(), highlight.z());
+    gl_.Uniform1f(program.shininess, static_cast<float>(material.shininess));
+    if (part.picture) store_.bindPicture(part.picture->texture, part.picture->wrap_s, part.picture->wrap_t);
+    gl_.DrawElements(GL_TRIANGLES, part.count, GL_UNSIGNED_INT,
+                     reinterpret_cast<const void*>(std::size_t(part.first) * sizeof(std::uint32_t)));
+  }
+  if (reaches_far) gl_.Disable(GL_CLIP_DISTANCE0);
+}
+
+SolidPainter::Program& SolidPainter::programOf(const Shape& shape, bool textured) {
+  ShaderTraits traits;
+  traits.lights = letters_;
+  traits.clamps_light = lights_->clamps_light;
+  traits.textured = textured;
+  traits.specular = !shape.material.specular.isZero();
+  traits.fog = scene_->lighting.fog.has_value();
+  Program& program = programs_[traits.name()];
+  if (!program.shader) {
+    program.shader =
+        std::make_unique<ShaderProgram>(gl_, traits.name(), solidVertexShader(), solidFragmentShader(traits));
+    const ShaderProgram& at = *program.shader;
+    program.projection = at["projection"];
+    program.placed = at["placed"];
+    program.shape_color = at["shape_color"];
+    program.own_color = at["own_color"];
+    program.ambient = at["ambient"];
+    program.emissive = at["emissive"];
+    program.opacity = at["opacity"];
+    program.highlight = at["highlight"];
+    program.shininess = at["shininess"];
+    program.far_plane = at["far_plane"];
+  }
+  program.shader->use();
+  if (program.frame != frame_) setLights(program);
+  return program;
+}
+
+void SolidPainter::setLights(Program& program) {
+  program.frame = frame_;
+  const ShaderProgram& at = *program.shader;
+  gl_.Uniform1i(at["picture"], 0);
+  gl_.Uniform1f(at["texel_of_map"], 1.0f / static_cast<float>(std::max(1, shadows_.side())));
+  if (const auto& fog = scene_->lighting.fog) {
+    const Eigen::Vector3f color = unit(fog->color);
+    gl_.Uniform4f(at["fog"], color.x(), color.y(), color.z(), static_cast<float>(fog->density_per_m));
+  }
+  const Pose X_CW = X_WC_.inverse();
+  const Eigen::Matrix4d X_WC = X_WC_.matrix();
+  int unit_of_map = kFirstMapUnit;
+  for (std::size_t k = 0; k < lights_->lights.size(); ++k) {
+    const Light& light = lights_->lights[k];
+    const auto name = [k](const char* array) { return std::string(array) + "[" + std::to_string(k) + "]"; };
+    const auto set3 = [&](const char* array, const Eigen::Vector3d& value) {
+      gl_.Uniform3f(at[name(array).c_str()], float(value.x()), float(value.y()), float(value.z()));
+    };
+    const Eigen::Vector3d toward = -(X_CW.q * light.direction_W.normalized());
+    set3("place", light.type == Light::Type::kDirectional ? toward : X_CW * light.position_W);
+    set3("axis", toward);
+    const double inner = std::cos(0.5 * light.inner_angle_rad), outer = std::cos(0.5 * light.outer_angle_rad);
+    set3("cone", {outer, 1.0 / std::max(1e-6, inner - outer), light.falloff});
+    gl_.Uniform4f(at[name("fade").c_str()], float(std::min(light.range_m, 1e30)), float(light.constant),
+                  float(light.linear_per_m), float(light.quadratic_per_m2));
+    set3("diffuse", light.diffuse);
+    set3("bright", light.specular);
+    if (!std::isupper(letters_[k])) continue;
+    const ShadowMaps::Map& map = shadows_.map(k);
+    const Eigen::Matrix4f shadow_of = (map.of_world * X_WC).cast<float>();
+    gl_.UniformMatrix4fv(at[name("shadow_of").c_str()], 1, GL_FALSE, shadow_of.data());
+    constexpr double kLift = 2.5;  // [texels]: as far as the taps of the shadow reach
+    gl_.Uniform1f(at[name("lift").c_str()], static_cast<float>(kLift * map.texel_m));
+    gl_.Uniform1i(at[("map" + std::to_string(k)).c_str()], unit_of_map);
+    gl_.ActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit_of_map));
+    gl_.BindTexture(GL_TEXTURE_2D, map.texture);
+    ++unit_of_map;
+  }
+}
+
+void SolidPainter::drawSky(const PinholeView& view) {
+  if (!scene_->lighting.zenith) return;
+  if (!sky_) {
+    sky_ = std::make_unique<ShaderProgram>(gl_, "sky", skyVertexShader(), skyFragmentShader());
+    const float corners[] = {-1.0f, -1.0f, 0.0f, 3.0f, -1.0f, 0.0f, -1.0f, 3.0f, 0.0f};
+    gl_.GenVertexArrays(1, &sky_array_);
+    gl_.GenBuffers(1, &sky_vertices_);
+    gl_.BindVertexArray(sky_array_);
+    gl_.BindBuffer(GL_ARRAY_BUFFER, sky_vertices_);
+    gl_.BufferData(GL_ARRAY_BUFFER, sizeof(corners), corners, GL_STATIC_DRAW);
+    gl_.EnableVertexAttribArray(0);
+    gl_.VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 0, nullptr);
+  }
+  Eigen::Matrix3d ray_of;  // of (x, y, 1), x and y from -1 to 1 over the picture
+  ray_of << 0.5 * view.width / view.fx, 0.0, (0.5 * view.width - 0.5 - view.cx) / view.fx, 0.0,
+      0.5 * view.height / view.fy, (0.5 * view.height - 0.5 - view.cy) / view.fy, 0.0, 0.0, 1.0;
+  Eigen::Matrix4f M = Eigen::Matrix4f::Zero();
+  M.topLeftCorner<3, 3>() = (X_WC_.q.toRotationMatrix() * view.R_FC.transpose() * ray_of).cast<float>();
+  const Eigen::Vector3f horizon = unit(scene_->background), zenith = unit(*scene_->lighting.zenith);
+  sky_->use();
+  gl_.UniformMatrix4fv((*sky_)["ray_of"], 1, GL_FALSE, M.data());
+  gl_.Uniform3f((*sky_)["horizon"], horizon.x(), horizon.y(), horizon.z());
+  gl_.Uniform3f((*sky_)["zenith"], zenith.x(), zenith.y(), zenith.z());
+  gl_.BindVertexArray(sky_array_);
+  gl_.Disable(GL_CULL_FACE);
+  gl_.DepthFunc(GL_GEQUAL);
+  gl_.DepthMask(GL_FALSE);
+  gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
+  gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+  gl_.DepthMask(GL_TRUE);
+}
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gl_lights.hpp"
+#include "gl_store.hpp"
+#include "render/opengl/gl/shader_program.hpp"
+#include "render/opengl/view/pinhole_view.hpp"
+#include "shadow_maps.hpp"
+#include "solid_shader.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** Draws the bodies of a scene and the sky into the canvas that is bound. */
+class SolidPainter {
+ public:
+  SolidPainter(const GlFunctions& gl, GlStore& store) : gl_(gl), store_(store), shadows_(gl) {}
+  ~SolidPainter();
+
+  /** What all views of one frame have in common. Draws shadow maps: bind the canvas afterwards. */
+  void begin(const CameraModel& camera, const Pose& X_WC, const Scene& scene);
+  /** Whether some of it lets light through. */
+  bool anyTransparent() const { return !transparent_.empty(); }
+  void drawSky(const PinholeView& view);
+  void drawOpaque(const PinholeView& view);
+  /** Over all that is there, the farthest first. */
+  void drawTransparent(const PinholeView& view);
+
+  const ShadowMaps& shadows() const { return shadows_; }
+
+ private:
+  struct Item {
+    const Shape* shape;
+    Eigen::Matrix4d X_CS;
+    Eigen::Vector3d center_C;
+    double radius;
+  };
+  /** A program and where its uniforms are. */
+  struct Program {
+    std::unique_ptr<ShaderProgram> shader;
+    GLint projection, placed, shape_color, own_color, ambient, emissive, opacity, highlight, shininess, far_plane;
+    long frame = -1;  ///< of which the lights are set
+  };
+  Program& programOf(const Shape& shape, bool textured);
+  void setLights(Program& program);
+  void draw(const Item& item, const PinholeView& view);
+  bool isSeen(const Item& item, const PinholeView& view) const;
+
+  const GlFunctions& gl_;
+  GlStore& store_;
+  ShadowMaps shadows_;
+  std::map<std::string, Program> programs_;
+  std::unique_ptr<ShaderProgram> sky_;
+  GLuint sky_array_ = 0, sky_vertices_ = 0;
+
+  const CameraModel* camera_ = nullptr;
+  const Scene* scene_ = nullptr;
+  Pose X_WC_;
+  std::unique_ptr<LightSet> lights_;
+  std::string letters_;
+  std::vector<Item> opaque_, transparent_;
+  long frame_ = 0;
+};
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,187 @@
+#include "solid_shader.hpp"
+
+#include <cctype>
+
+namespace aras_visual_servo_sim {
+namespace {
+
+const char kVersion[] = "#version 330 core\n";
+
+/** Light k: the direction to it, what is left of it at the point, and its part of the sum. */
+std::string lightText(char letter, std::size_t k) {
+  const std::string i = "[" + std::to_string(k) + "]";
+  const char kind = static_cast<char>(std::tolower(letter));
+  if (kind == 'h') return "  light += headlight * diffuse" + i + ";\n";
+  std::string text = "  {\n";
+  if (kind == 'd') {
+    text += "    vec3 toward = place" + i + ";\n    float left = 1.0;\n";
+  } else {
+    text += "    vec3 ray = place" + i + " - p_C;\n    float d = length(ray);\n    vec3 toward = ray / d;\n" +
+            "    float left = d < fade" + i + ".x ? 1.0 / (fade" + i + ".y + d * (fade" + i + ".z + d * fade" + i +
+            ".w)) : 0.0;\n";
+  }
+  if (kind == 's') {
+    text += "    left *= pow(clamp((dot(toward, axis" + i + ") - cone" + i + ".x) * cone" + i + ".y, 0.0, 1.0), cone" +
+            i + ".z);\n";
+  }
+  text += "    float slope = dot(n, toward);\n    if (slope > 0.0) {\n";
+  if (letter != kind) {
+    text += "      vec3 lifted = p_C + n * (lift" + i + " * sqrt(max(0.0, 1.0 - slope * slope)));\n" +
+            "      vec4 at = shadow_of" + i + " * vec4(lifted, 1.0);\n" + "      left *= shadow(map" +
+            std::to_string(k) + ", at.xyz / at.w);\n";
+  }
+  text += "      light += (left * slope) * diffuse" + i + ";\n";
+  text += "#ifdef SPECULAR\n      float glint = max(0.0, dot(n, normalize(toward - normalize(p_C))));\n" +
+          std::string("      shine += (left * pow(glint, shininess)) * bright") + i + ";\n#endif\n    }\n  }\n";
+  return text;
+}
+
+const char kSolidVertex[] = R"(
+in vec3 position;
+in vec3 normal;
+in vec2 coordinates;
+in vec4 color;
+uniform mat4 projection;
+uniform mat4 placed;  // pose of the shape in the camera's frame
+uniform vec4 shape_color;
+uniform float own_color;
+out vec3 p_C;
+out vec3 n_C;
+out vec2 texel;
+out vec3 surface;
+out float headlight;  // as the coverage renderer has it: of the corners, and between them
+void main() {
+  p_C = (placed * vec4(position, 1.0)).xyz;
+  n_C = mat3(placed) * normal;
+  texel = coordinates;
+  headlight = max(0.0, -dot(normalize(n_C), normalize(p_C)));
+  surface = mix(shape_color.rgb, color.rgb, own_color);
+  gl_Position = projection * vec4(p_C, 1.0);
+  gl_ClipDistance[0] = far_limit(p_C);
+}
+)";
+
+// Four taps of 2 x 2 comparisons each: an edge is as soft as three texels.
+const char kShadow[] = R"(
+float shadow(sampler2DShadow map, vec3 at) {
+  vec2 texel_size = vec2(0.75 * texel_of_map);
+  at.z = min(at.z, 1.0);
+  float sum = texture(map, vec3(at.xy + texel_size * vec2(-0.5, -1.0), at.z));
+  sum += texture(map, vec3(at.xy + texel_size * vec2(1.0, -0.5), at.z));
+  sum += texture(map, vec3(at.xy + texel_size * vec2(0.5, 1.0), at.z));
+  sum += texture(map, vec3(at.xy + texel_size * vec2(-1.0, 0.5), at.z));
+  return 0.25 * sum;
+}
+)";
+
+}  // namespace
+
+std::string ShaderTraits::name() const {
+  return "solid " + lights + (clamps_light ? " clamped" : "") + (textured ? " textured" : "") +
+         (specular ? " specular" : "") + (fog ? " fog" : "");
+}
+
+std::string lightLetters(const LightSet& lights) {
+  std::string letters;
+  for (std::size_t k = 0; k < lights.lights.size(); ++k) {
+    const Light& light = lights.lights[k];
+    const char letter = light.at_camera                           ? 'h'
+                        : light.type == Light::Type::kDirectional ? 'd'
+                        : light.type == Light::Type::kPoint       ? 'p'
+                                                                  : 's';
+    letters += lights.shades(k) ? static_cast<char>(std::toupper(letter)) : letter;
+  }
+  return letters;
+}
+
+std::string solidVertexShader() {
+  return std::string(kVersion) +
+         "uniform vec4 far_plane;\nfloat far_limit(vec3 p) { return dot(far_plane, vec4(p, 1.0)); }" + kSolidVertex;
+}
+
+std::string solidFragmentShader(const ShaderTraits& traits) {
+  const std::size_t count = traits.lights.size();
+  std::string text = kVersion;
+  if (traits.specular) text += "#define SPECULAR\n";
+  text += "in vec3 p_C;\nin vec3 n_C;\nin vec2 texel;\nin vec3 surface;\nin float headlight;\nout vec4 pixel;\n";
+  text += "uniform vec3 ambient;\nuniform vec3 emissive;\nuniform float opacity;\nuniform vec3 highlight;\n";
+  text += "uniform float shininess;\nuniform sampler2D picture;\nuniform vec4 fog;\nuniform float texel_of_map;\n";
+  bool shaded = false;
+  if (count > 0) {
+    const std::string n = "[" + std::to_string(count) + "];\n";
+    text += "uniform vec3 place" + n + "uniform vec3 axis" + n + "uniform vec3 cone" + n + "uniform vec4 fade" + n +
+            "uniform vec3 diffuse" + n + "uniform vec3 bright" + n + "uniform mat4 shadow_of" + n +
+            "uniform float lift" + n;
+    for (std::size_t k = 0; k < count; ++k) {
+      if (!std::isupper(traits.lights[k])) continue;
+      text += "uniform sampler2DShadow map" + std::to_string(k) + ";\n";
+      shaded = true;
+    }
+  }
+  if (shaded) text += kShadow;
+  text += "void main() {\n  vec3 n = normalize(n_C);\n  if (!gl_FrontFacing) n = -n;\n  vec3 light = ambient;\n";
+  if (traits.specular) text += "  vec3 shine = vec3(0.0);\n";
+  for (std::size_t k = 0; k < count; ++k) text += lightText(traits.lights[k], k);
+  if (traits.clamps_light) text += "  light = min(light, vec3(1.0));\n";
+  text += traits.textured ? "  vec3 color = surface * texture(picture, texel).rgb;\n" : "  vec3 color = surface;\n";
+  text += "  vec3 sum = emissive + color * light;\n";
+  if (traits.specular) text += "  sum += highlight * shine;\n";
+  if (traits.fog) {
+    text += "  float thick = fog.w * length(p_C);\n  sum = mix(fog.rgb, min(sum, vec3(1.0)), exp(-thick * thick));\n";
+  }
+  return text + "  pixel = vec4(sum, opacity);\n}\n";
+}
+
+std::string flatVertexShader() {
+  return std::string(kVersion) + R"(
+in vec3 position;
+in vec2 coordinates;
+uniform mat4 projection;
+uniform float bias;  // lifts faces over what lies in the same plane
+out vec2 texel;
+void main() {
+  texel = coordinates;
+  gl_Position = projection * vec4(position, 1.0);
+  gl_Position.z += bias * gl_Position.w;
+}
+)";
+}
+
+std::string flatFragmentShader(bool textured) {
+  return std::string(kVersion) +
+         "in vec2 texel;\nout vec4 pixel;\nuniform vec4 flat_color;\nuniform sampler2D picture;\n" +
+         (textured ? "void main() { pixel = vec4(texture(picture, texel).rgb, 1.0); }\n"
+                   : "void main() { pixel = flat_color; }\n");
+}
+
+std::string depthVertexShader() {
+  return std::string(kVersion) +
+         "in vec3 position;\nuniform mat4 projection;\nvoid main() { gl_Position = projection * vec4(position, 1.0); "
+         "}\n";
+}
+
+std::string depthFragmentShader() { return std::string(kVersion) + "void main() {}\n"; }
+
+std::string skyVertexShader() {
+  return std::string(kVersion) + R"(
+in vec3 position;
+uniform mat4 ray_of;  // from the picture's corners to rays in the world
+out vec3 ray_W;
+void main() {
+  ray_W = (ray_of * vec4(position.xy, 1.0, 0.0)).xyz;
+  gl_Position = vec4(position.xy, 0.0, 1.0);
+}
+)";
+}
+
+std::string skyFragmentShader() {
+  return std::string(kVersion) + R"(
+in vec3 ray_W;
+uniform vec3 horizon;
+uniform vec3 zenith;
+out vec4 pixel;
+void main() { pixel = vec4(mix(horizon, zenith, sqrt(max(0.0, normalize(ray_W).z))), 0.0); }
+)";
+}
+
+}  // namespace aras_visual_servo_sim
