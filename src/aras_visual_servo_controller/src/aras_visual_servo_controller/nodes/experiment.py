@@ -37,7 +37,8 @@ from ..report.report import create_result_folder, format_summary, save_results
 from ..scenario.scenario import scenario_from_dict
 from ..scenario.schema import default_of
 
-NODES = ("sim", "camera_node", "controller")
+NODES = ("sim", "controller")   # and who publishes FEATURES: a node of its own, or one in the simulator's process
+FEATURES = "camera/features"
 OUTSIDE = ("/clock", "/tf", "/tf_static")
 PRIVATE_PARAMETERS = ("results_dir", "record", "record_groups", "record_split_mb", "record_compression", "video",
                       "startup_timeout_s", "stall_timeout_s", "exit_code_file")
@@ -144,12 +145,16 @@ class ExperimentNode:
             rospy.logwarn("%s", sentence)
         return topics
 
+    def _nodes(self):
+        """Full names of the nodes of a run, this one among them."""
+        return {rospy.resolve_name(name) for name in NODES} | {rospy.get_name()} | \
+            self._graph.publishers(rospy.resolve_name(FEATURES))
+
     def _missing_connections(self):
-        nodes = {rospy.resolve_name(name) for name in NODES} | {rospy.get_name()}
         if self._recording is not None:
             self._recording.check(self._status)
         return [f"{topic}: {publisher} -> {subscriber}"
-                for topic, publisher, subscriber in self._graph.missing_connections(nodes)]
+                for topic, publisher, subscriber in self._graph.missing_connections(self._nodes())]
 
     def _wait(self, what, missing, timeout_s):
         """Wait on wall time until missing() gives an empty list. Raises RunError, which names what is still missing."""
@@ -235,7 +240,7 @@ class ExperimentNode:
         now = self._graph.node_uri(controller)
         if now is None or now == uri:
             return uri
-        ready = not self._graph.missing_connections({rospy.resolve_name(name) for name in NODES} | {rospy.get_name()})
+        ready = not self._graph.missing_connections(self._nodes())
         if not ready or self._goals.get_num_connections() == 0:
             return uri
         phase = self._state.phase if self._state is not None else "idle"

@@ -86,6 +86,10 @@ class Graph:
         prefix = None if namespace is None else namespace.rstrip("/") + "/"
         return sorted(topic for topic, nodes in publishers if nodes and (prefix is None or topic.startswith(prefix)))
 
+    def publishers(self, topic):
+        """Set of the names of the nodes that publish a topic."""
+        return {node for name, nodes in self._state()[0] if name == topic for node in nodes}
+
     def services(self):
         """Set of the names of the services offered."""
         return {name for name, nodes in self._state()[2] if nodes}

@@ -141,7 +141,7 @@ class ExperimentNode(unittest.TestCase):
     def test_goes_on_when_the_controller_is_killed_while_servoing(self):
         killer = start_listening(kill_in_phase("servo", "/killed"))
         try:
-            code, _, summary = self.run_scenario("killed", "respawn:=true", "real_time_factor:=2")
+            code, _, summary = self.run_scenario("killed", "respawn:=true", "real_time_factor:=2", "nodelets:=false")
             self.assertEqual(killer.wait(LIMIT_S), 0)
         finally:
             killer.kill()

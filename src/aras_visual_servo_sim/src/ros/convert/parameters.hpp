@@ -3,6 +3,9 @@
 #include <ros/node_handle.h>
 #include <yaml-cpp/yaml.h>
 
+#include <map>
+#include <string>
+
 #include "aras_visual_servo_sim/physics/joint_state_config.hpp"
 #include "aras_visual_servo_sim/robot/robot_model.hpp"
 #include "aras_visual_servo_sim/simulation/simulation_config.hpp"
@@ -20,9 +23,10 @@ struct NodeParameters {
   TimeConfig time;
   YAML::Node controllers;  ///< every map of the namespace whose `type` ends in "Controller"
   JointStateConfig joint_states;
-  bool gazebo_names = false;         ///< also answer /gazebo/pause_physics and the like
-  bool gazebo_camera_names = false;  ///< the URDF's cameras have the topics that Gazebo gives them
-  bool base_tf = true;               ///< say where the base is on /tf and /tf_static
+  bool gazebo_names = false;                    ///< also answer /gazebo/pause_physics and the like
+  bool gazebo_camera_names = false;             ///< the URDF's cameras have the topics that Gazebo gives them
+  bool base_tf = true;                          ///< say where the base is on /tf and /tf_static
+  std::map<std::string, std::string> nodelets;  ///< name -> type, to be loaded into this process
 };
 
 /** Reads `robot_description` (searched upwards), the controllers of the namespace, and of the private namespace the

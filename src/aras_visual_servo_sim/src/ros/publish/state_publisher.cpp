@@ -68,11 +68,11 @@ void StatePublisher::advertiseCamera(int camera, const CameraTopics& topics) {
   output.pose = {node_, recording_, truth + "camera_pose", kSmallQueue};
   output.twist = {node_, recording_, truth + "camera_twist", kSmallQueue};
   output.info_message = toMessage(model);
-  output.image_message.header.frame_id = model.config().frame;
-  output.image_message.width = static_cast<std::uint32_t>(model.width());
-  output.image_message.height = static_cast<std::uint32_t>(model.height());
-  output.image_message.encoding = encodingName(model.encoding());
-  output.image_message.step = static_cast<std::uint32_t>(model.width() * channelsOf(model.encoding()));
+  output.image_format.header.frame_id = model.config().frame;
+  output.image_format.width = static_cast<std::uint32_t>(model.width());
+  output.image_format.height = static_cast<std::uint32_t>(model.height());
+  output.image_format.encoding = encodingName(model.encoding());
+  output.image_format.step = static_cast<std::uint32_t>(model.width() * channelsOf(model.encoding()));
   cameras_.push_back(output);
 }
 
@@ -215,10 +215,12 @@ void StatePublisher::publishImage(int camera) {
   if (!render_always_ && !output.image_tap->open && output.image.getNumSubscribers() == 0) return;
   try {
     const Image& image = simulation_.render(camera);
-    output.image_message.header.stamp = stamp;
-    output.image_message.data = image.data;
-    output.image.publish(output.image_message);
-    recording_.write(*output.image_tap, output.image_message);
+    // A new one each time: nodelets of this process keep it as it is.
+    const auto message = boost::make_shared<sensor_msgs::Image>(output.image_format);
+    message->header.stamp = stamp;
+    message->data = image.data;
+    output.image.publish(sensor_msgs::ImageConstPtr(message));
+    recording_.write(*output.image_tap, *message);
   } catch (const ArasError& error) {
     ++dropped_frames_;
     ROS_ERROR_THROTTLE(kErrorPeriodS, "no image: %s", error.what());

@@ -65,7 +65,7 @@ class StatePublisher {
     Outlet<geometry_msgs::PoseStamped> pose;
     Outlet<geometry_msgs::TwistStamped> twist;
     sensor_msgs::CameraInfo info_message;
-    sensor_msgs::Image image_message;
+    sensor_msgs::Image image_format;  ///< all but stamp and data
   };
   struct ControllerOutput {
     std::string name;

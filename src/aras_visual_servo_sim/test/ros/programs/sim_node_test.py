@@ -236,6 +236,12 @@ class Refusal(unittest.TestCase):
             rospy.set_param("/%s/%s" % (namespace, name), rospy.get_param("standing/" + name))
         rospy.set_param("/%s/sim" % namespace, rospy.get_param("standing/sim"))
 
+    def test_a_nodelet_that_there_is_not_is_named(self):
+        self.robot_in("nodelets")
+        rospy.set_param("/nodelets/sim/nodelets", {"eye": "nowhere/Nothing"})
+        output = self.refused("nodelets", "/clock:=/nodelets/clock")
+        self.assertIn("nodelets/eye: found 'nowhere/Nothing'", output)
+
     def test_a_simulator_started_again_takes_over_the_parameters_of_the_first(self):
         self.robot_in("again")
         for _ in range(2):
