@@ -12,6 +12,7 @@ import time
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[1]
 SIM_BENCH = WORKSPACE / "src/aras_visual_servo_sim/bench"
+STOP_RULE = WORKSPACE / "src/aras_visual_servo_controller/bench/stop_rule.py"
 # What other programs can be measured beside, our program that measures it, and whether more is better.
 IN_TURN = {
     "physics": ("physics of the arm, Python, steps / s", ["rates.py", "physics"], True),
@@ -170,7 +171,11 @@ def main():
                         help="also write the first number of every row, JSON, for script/figures --bench FILE")
     parser.add_argument("--in-turn-only", action="store_true", help="only what --beside can stand beside")
     parser.add_argument("--paper", action="store_true", help="only README's table beside the paper's figures")
+    parser.add_argument("--stop-rule", type=int, metavar="RUNS",
+                        help="only whether CONVERGED means arrived (docs/sweeps.md)")
     arguments = parser.parse_args()
+    if arguments.stop_rule:
+        return subprocess.run([sys.executable, STOP_RULE, "--runs", str(arguments.stop_rule)]).returncode
     if arguments.paper:
         sys.path.insert(0, str(WORKSPACE / "script/docs"))
         import paper_table
@@ -195,4 +200,4 @@ def measure(arguments, beside):
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

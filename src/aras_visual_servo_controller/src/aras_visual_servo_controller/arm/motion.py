@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .chatter import Chatter
 from .limits import accelerated, braking_factor, position_factor, velocity_factor
 from .redundancy import TwistInverse, Wish, norm_part
 from ..ground.types import Status
@@ -56,6 +57,7 @@ class ArmMotion:
                                        for name in kinematics.joint_names])
         self._accelerates = bool(config.limits.joint_acceleration)
         self._before = np.zeros(len(kinematics.joint_names))
+        self._chatter = Chatter(kinematics.joint_names, kinematics.velocity)
         lower, upper = kinematics.lower, kinematics.upper
         self._wish = Wish(lower, upper, spare.posture_gain_per_s, spare.joint_limit_gain_per_s, spare.max_speed)
         self.lower, self.upper = lower + config.joint_limit_margin, upper - config.joint_limit_margin
@@ -69,6 +71,7 @@ class ArmMotion:
     def rest(self):
         """Call this when the arm is told to stand still: its next motion begins at zero velocity."""
         self._before = np.zeros_like(self._before)
+        self._chatter.clear()
 
     def at(self, q):
         """(jacobian, inverse) at joint positions q, (n,)."""
@@ -91,8 +94,28 @@ class ArmMotion:
         x, y, z = target_C  # v = -w x P keeps the point P where it is
         return np.array([-wy * z, wx * z, wy * x - wx * y, wx, wy, 0.0])
 
+    def tilt_of(self, X_BC):
+        """(2,) turn of the camera about its x and y from where the optical axis is as taught; None if none was taught.
+
+        Args: X_BC: (4, 4) pose of the camera.
+        """
+        if self.optical_axis_B is None:
+            return None
+        a, b, _ = (self.optical_axis_B @ X_BC[:3, :3]).tolist()
+        sine = (a * a + b * b) ** 0.5
+        scale = asin(min(1.0, sine)) / sine if sine > 0.0 else 1.0
+        return np.array([scale * b, -scale * a])
+
     def joint_velocity(self, q, twist, jacobian, inverse, dt_s):
         """`Motion` of a twist V_C, (6,), held for dt_s at q, (n,); jacobian and inverse are those that `at` returns."""
+        motion = self._joint_velocity(q, twist, jacobian, inverse, dt_s)
+        name = self._chatter.joint(motion.q_dot)
+        if name is None or motion.status is not None:
+            return motion
+        return motion._replace(status=Status.NEAR_SINGULARITY,
+                               text=f"joint '{name}' chatters: it reverses from image to image")
+
+    def _joint_velocity(self, q, twist, jacobian, inverse, dt_s):
         if self._limits.camera_speed_m_s < inf or self._limits.camera_turn_rad_s < inf:
             speed, turn = float(twist[:3] @ twist[:3]) ** 0.5, float(twist[3:] @ twist[3:]) ** 0.5
             twist = twist / max(1.0, speed / self._limits.camera_speed_m_s, turn / self._limits.camera_turn_rad_s)

@@ -8,7 +8,7 @@ import numpy as np
 import yaml
 
 from .files import BagError, BagFiles
-from ..run.record import RecordBuilder
+from ..run.record import STOP_NAMES, RecordBuilder
 from .record_groups import SOURCE_TOPICS, lacking
 from ..config.plugins import load_plugins
 from ..ground.spatial import pose_from_quaternion
@@ -146,6 +146,8 @@ class _Answer:
         v, w = message.twist.linear, message.twist.angular
         self.twist = [v.x, v.y, v.z, w.x, w.y, w.z]
         self.joint_names, self.q, self.set_point = message.joint_names, message.q, message.set_point
+        for name in STOP_NAMES:  # older bags do not have all of them
+            setattr(self, name, getattr(message, name, np.nan))
 
 
 def _unique_rows(states):

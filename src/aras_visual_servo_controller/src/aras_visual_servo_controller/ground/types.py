@@ -31,6 +31,7 @@ class Status(IntEnum):
     TIMED_OUT = 7
     STOPPED = 8
     FAULT = 9
+    STOPPED_BY_RULE = 10
 
 
 @dataclass
@@ -140,6 +141,9 @@ class ServoRecord:
     set_point: np.ndarray = field(default_factory=lambda: np.empty(0))
     manipulability: float = nan
     cond_l: float = nan
+    tilt_rad: float = nan
+    position_m: float = nan
+    rotation_rad: float = nan
 
 
 @dataclass(frozen=True)
@@ -153,6 +157,7 @@ class Reference:
         view: the taught `Features`, with the fields `VIEW_FIELDS` only, for laws that use the matrix at the goal; or
         None.
         plane_C: (3,) (A, B, C) of the target in the taught camera frame [1/m]; or None.
+        images: number of images whose mean the view is.
     """
 
     s_star: np.ndarray
@@ -160,10 +165,11 @@ class Reference:
     posture: Optional[Dict[str, float]] = None
     view: Optional[Features] = None
     plane_C: Optional[np.ndarray] = None
+    images: int = 1
 
     def to_dict(self) -> Dict[str, Any]:
         """Plain lists, for a parameter server or a file; what is None is left out."""
-        result = {"s_star": [float(s) for s in self.s_star]}
+        result = {"s_star": [float(s) for s in self.s_star], "images": self.images}
         for key in ("optical_axis_B", "plane_C"):
             if getattr(self, key) is not None:
                 result[key] = [float(a) for a in getattr(self, key)]
@@ -192,9 +198,12 @@ class Reference:
             posture = dict(zip(posture, values.tolist()))
         elif posture is not None:
             faults.append(f"reference/posture: found {posture}, allowed joint positions by name")
+        images = source.get("images", 1)
+        if type(images) is not int or images < 1:
+            faults.append(f"reference/images: found {images}, allowed a whole number >= 1")
         if faults:
             raise ParameterError(faults)
-        return cls(s_star, axis, posture, view, plane)
+        return cls(s_star, axis, posture, view, plane, images)
 
 
 #: Fields of the taught view that a reference keeps, beside its moments.

@@ -187,7 +187,7 @@ class Law:
         settled = self._settled(twist)
         if self._setup.smooth_start_per_s > 0.0:
             twist = self._let_in(twist, look.dt_s)
-        return Answer(twist, s, e, self._condition_at(s), settled)
+        return Answer(twist, s, e, self._condition_at(s), settled, self._pose(look))
 
     def _see(self, look):
         """The look, with what this law knows about the view added to it: here the depths of followed points."""
@@ -208,6 +208,10 @@ class Law:
         Args: twist: (6,) of `_twist`, as it is before a smooth start makes it smaller.
         """
         return True
+
+    def _pose(self, look):
+        """(6,) displacement of the camera from the goal, [p_CgC; theta u], None where the law does not know it."""
+        return look.view.displacement
 
     def _condition_at(self, s):
         """Condition number of the interaction matrix of the twist, here of the one inverted last; NaN before any."""

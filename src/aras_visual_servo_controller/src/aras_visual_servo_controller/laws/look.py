@@ -34,6 +34,8 @@ class Answer(NamedTuple):
         s, e: tuples of k, the features and their errors.
         condition: condition number of the interaction matrix that gave the twist; NaN if there is none.
         settled: False keeps the servo from ending as converged, however small e is.
+        pose: (6,) displacement of the camera from the goal, [p_CgC; theta u], where the law itself knows it; None: the
+            servo takes the one that e stands for.
     """
 
     twist: np.ndarray
@@ -41,3 +43,4 @@ class Answer(NamedTuple):
     e: Tuple[float, ...]
     condition: float
     settled: bool
+    pose: Optional[np.ndarray] = None

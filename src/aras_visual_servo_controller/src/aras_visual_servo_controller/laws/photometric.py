@@ -51,7 +51,7 @@ class Photometric(Law):
         if setup.interaction != LawSetup.interaction:
             raise ParameterError(f"interaction: found '{setup.interaction}', allowed no such key with law "
                                  f"'{self.name}': choose its matrix with vision.photometric.interaction")
-        self._first_rms = None
+        self._first_rms = self._step = None
 
     def reset(self, reference):
         """As of `Law`. The camera keeps the reference image; s_star is the rms of its difference from itself, 0."""
@@ -79,7 +79,12 @@ class Photometric(Law):
             step = np.linalg.solve(H + mu * np.diag(np.diag(H)), b)
         except np.linalg.LinAlgError as error:
             raise DegenerateFeature(f"photometric: {error}") from error
+        self._step = step
         return -sampled_gains(self.gains_per_s, look.dt_s)[0] * step
+
+    def _pose(self, look):
+        """H^-1 b, as far as the luminance is linear."""
+        return self._step
 
     def _settled(self, twist):
         return bool(np.linalg.norm(twist[:3]) < self.settings.rest_m_per_s

@@ -130,6 +130,8 @@ def state_message(record, frame_id):
     message.joint_names = record.joint_names
     message.q, message.q_dot, message.set_point = _plain(record.q), _plain(record.q_dot), _plain(record.set_point)
     message.manipulability, message.cond_l = float(record.manipulability), float(record.cond_l)
+    message.tilt_rad = float(record.tilt_rad)
+    message.position_m, message.rotation_rad = float(record.position_m), float(record.rotation_rad)
     return message
 
 

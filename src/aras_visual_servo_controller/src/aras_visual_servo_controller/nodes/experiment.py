@@ -28,6 +28,7 @@ from ..bags.bag import read_bag
 from ..ground.errors import ArasError, ParameterError
 from ..ground.processes import Interrupted, check_signals, signals_held, signals_raise
 from .goal_sender import GoalSender
+from ..ground.types import Status
 from .graph import Graph
 from ..run.loop import CLOSING_S
 from .parameters import Parameters
@@ -295,7 +296,7 @@ class ExperimentNode:
                       result.duration_s, result.reason)
         if self._recording is None:
             rospy.logwarn("nothing was recorded (record:=false): not judged by the true pose")
-            return EXIT_PASSED if result.converged else EXIT_FAILED
+            return EXIT_PASSED if result.converged or result.status == Status.STOPPED_BY_RULE else EXIT_FAILED
         record = read_bag(self._recording.bags(), rospy.get_namespace(), keep_images=self._video)
         simulated_s = float(record.t_s[-1]) if self._done_ns is None else self._done_ns * 1e-9
         record = dataclasses.replace(record, wall_s=wall_s, real_time_factor=simulated_s / wall_s)
@@ -306,7 +307,7 @@ class ExperimentNode:
         if "truth" not in self._groups:
             rospy.logwarn("the true camera pose was not recorded (record_groups without truth): the run is not judged "
                           "by it")
-            return EXIT_PASSED if summary["converged"] else EXIT_FAILED
+            return EXIT_PASSED if summary["converged"] or summary["stopped_by_rule"] else EXIT_FAILED
         return EXIT_PASSED if summary["passed"] else EXIT_FAILED
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import yaml
 
 from . import pictures, plots
-from .rows import comparison_rows, is_number
+from .rows import comparison_rows, is_number, stop_rows
 from ..features.style import styles
 from .template import render, source
 
@@ -33,7 +33,8 @@ def report_html(record, summary, command=None, film=None):
     return render(
         "report.html.j2", summary=summary, images=_images(record), plots=drawn, film=film and _film(film),
         script=source("report.js") if drawn else "",
-        rows=comparison_rows(summary), features=_feature_rows(summary), settings=flat_settings(record),
+        rows=comparison_rows(summary), stop=stop_rows(summary), features=_feature_rows(summary),
+        settings=flat_settings(record),
         recorded=[(topic, f"{count['in_bag']} of {count['published']} messages published")
                   for topic, count in record.recorded.items()],
         scenario=scenario, scenario_src=data_uri(scenario.encode(), "text/yaml"),

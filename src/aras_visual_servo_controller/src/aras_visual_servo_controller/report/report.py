@@ -15,6 +15,7 @@ import json
 import math
 import os
 import time
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -24,8 +25,9 @@ from ..features.style import styles
 from ..ground.errors import ArasError
 from ..ground.spatial import quaternion_xyzw
 from ..run.judge import judge, tracking
-from ..run.record import TWIST_NAMES
-from .rows import comparison_rows, is_number
+from ..run.record import STOP_NAMES, TWIST_NAMES
+from ..servo.stop_rule import StopSettings
+from .rows import comparison_rows, is_number, stop_rows
 from .versions import versions_of
 
 # The results published with the two experiments.
@@ -134,6 +136,7 @@ def summarise(record):
     return {
         "scenario": record.scenario,
         "converged": result.converged,
+        "stopped_by_rule": result.stopped_by_rule,
         "reason": result.reason,
         "passed": result.passed,
         "faults": list(result.faults),
@@ -145,6 +148,7 @@ def summarise(record):
         "tracking": tracking(record) if servo.get("track") else None,
         "published": PUBLISHED.get(base),
         "final_feature_error": result.final_feature_error,
+        "stop": _stop(record, servo),
         "thresholds": spread(servo.get("thresholds", {})),
         "gains_per_s": spread(servo.get("gains_per_s", {})),
         "promised_decay_per_s": result.gains_per_s,
@@ -162,6 +166,24 @@ def summarise(record):
     }
 
 
+def _stop(record, servo):
+    """What the stop rule judged beside the feature errors: name -> {found, allowed}, "rule", "cond_l".
+
+    The last values that the servo knew of; None where it did not.
+    """
+    allowed = {**asdict(StopSettings()), **servo.get("stop", {})}
+    stop = {"rule": allowed["rule"], "cond_l": _last(record, "cond_l")}
+    for name in STOP_NAMES[:3]:
+        stop[name] = {"found": _last(record, name), "allowed": allowed[name]}
+    return stop
+
+
+def _last(record, name):
+    column = np.full(0, np.nan) if record.stop is None else record.stop[record.servo_rows, STOP_NAMES.index(name)]
+    known = column[np.isfinite(column)]
+    return float(known[-1]) if len(known) else None
+
+
 def published_name(scenario):
     """The published experiment a scenario is a variant of ("experiment_1_binary" -> "experiment_1"), or ""."""
     return next((name for name in PUBLISHED if scenario == name or scenario.startswith(name + "_")), "")
@@ -171,19 +193,20 @@ def trace_csv(record):
     """The record as CSV text, one row per image. A cell is empty if its value did not exist at that image.
 
     Columns: t_s, phase, status, e_<feature>_<unit>, V_<vx..wz>, q_<joint>, p_WC_{x,y,z}_m and q_WC_{x,y,z,w} (true
-    pose of the camera in the world, unit quaternion with w >= 0).
+    pose of the camera in the world, unit quaternion with w >= 0), and what the stop rule judges, `STOP_NAMES`.
     """
     header = (["t_s", "phase", "status"]
               + [f"e_{style.column}" for style in styles(record.feature_names)]
               + [f"V_{name}_{'m_s' if name[0] == 'v' else 'rad_s'}" for name in TWIST_NAMES]
               + [f"q_{name}" for name in record.joint_names]
-              + [f"p_WC_{axis}_m" for axis in "xyz"] + [f"q_WC_{axis}" for axis in "xyzw"])
+              + [f"p_WC_{axis}_m" for axis in "xyz"] + [f"q_WC_{axis}" for axis in "xyzw"] + list(STOP_NAMES))
+    stop = np.full((len(record), len(STOP_NAMES)), np.nan) if record.stop is None else record.stop
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(header)
     for i in range(len(record)):
         numbers = np.concatenate([record.e[i], record.twist[i], record.q[i], record.X_WC[i, :3, 3],
-                                  quaternion_xyzw(record.X_WC[i, :3, :3])])
+                                  quaternion_xyzw(record.X_WC[i, :3, :3]), stop[i]])
         writer.writerow([f"{record.stamp_ns[i] // 10**9}.{record.stamp_ns[i] % 10**9:09d}", record.phase[i],
                          int(record.status[i])] + [f"{x:.9g}" if math.isfinite(x) else "" for x in numbers])
     return stream.getvalue()
@@ -204,6 +227,8 @@ def format_summary(summary):
         text = ", ".join(f"{name} {rate:.2f} (asked {asked[name]:g})"
                          for name, rate in rates.items() if name in asked)
         lines.append(f"{'decay [1/s]':<20}{text}")
+    lines += [f"{'the servo saw':<20}{row['label']} {row['found']} (allowed {row['allowed']})"
+              for row in stop_rows(summary)]
     if is_number(summary["real_time_factor"]):
         lines.append(f"{'real-time factor':<20}{summary['real_time_factor']:.1f}")
     if summary["run_hash"]:

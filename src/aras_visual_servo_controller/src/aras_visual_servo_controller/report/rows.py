@@ -20,6 +20,23 @@ def comparison_rows(summary):
     return rows
 
 
+#: What the stop rule judges beside the features: key, label, unit that is shown, its factor.
+_STOP = (("tilt_rad", "tilt", "mrad", 1e3), ("position_m", "distance from the goal", "mm", 1e3),
+         ("rotation_rad", "angle from the goal", "mrad", 1e3))
+
+
+def stop_rows(summary):
+    """Rows of what the stop rule judged beside the features: dicts of label, found and allowed, as text."""
+    stop, rows = summary.get("stop") or {}, []
+    for key, label, unit, factor in _STOP:
+        found = stop.get(key, {}).get("found")
+        if is_number(found):
+            allowed = stop[key]["allowed"]
+            rows.append({"label": label, "found": f"{found * factor:.3g} {unit}",
+                         "allowed": f"{allowed * factor:.3g} {unit}" if stop["rule"] == "pose" else "any"})
+    return rows
+
+
 def _signed(error, key):
     value = error[key]
     if not is_number(value):

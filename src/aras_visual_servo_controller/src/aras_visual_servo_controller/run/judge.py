@@ -29,8 +29,9 @@ class Judgement:
     """What came out of a run.
 
     Attributes:
-        converged: the stop rule was met.  reason: the last status in words.
-        passed: the run converged, and the true final error is within the scenario's `experiment.judge`.
+        converged: features, tilt and pose were within their thresholds.  reason: the last status in words.
+        stopped_by_rule: the published stop rule was met, which the scenario asks for in place of converging.
+        passed: one of both, and the true final error is within the scenario's `experiment.judge`.
         faults: why the run did not pass, one line each.
         duration_s: simulated seconds from the first servo image to the one that ended it.
         final_error: x_mm, y_mm, z_mm of p_CgC in the goal camera frame Cg and the total angle_deg of R_CgC.
@@ -54,6 +55,7 @@ class Judgement:
     gains_per_s: dict
     limits: dict
     images: int
+    stopped_by_rule: bool = False
 
 
 def run_in_process(scenario, progress=None, keep_images=False):
@@ -86,10 +88,11 @@ def judge(record):
         raise NothingToJudge(f"run '{record.scenario}': no taught view or no servo image, phases found: {have}{end}")
     first, last = rows[0], rows[-1]
     converged = bool(record.status[last] == Status.CONVERGED)
+    stopped_by_rule = bool(record.status[last] == Status.STOPPED_BY_RULE)
     final_error = pose_error(goal_pose(record, last), record.X_WC[last])
     limits = dict(record.settings.get("experiment", {}).get("judge", {}))
     reason = str(record.status_text[last]) or Status(record.status[last]).name
-    faults = [] if converged else [f"not converged: {reason}"]
+    faults = [] if converged or stopped_by_rule else [f"not converged: {reason}"]
     for key, limit in limits.items():
         if not abs(final_error[key]) <= limit:
             faults.append(f"{key}: found {final_error[key]:.4g}, allowed +-{limit:g}")
@@ -98,12 +101,19 @@ def judge(record):
         duration_s=float((record.stamp_ns[last] - record.stamp_ns[first]) * 1e-9),
         final_error=final_error, initial_error=pose_error(goal_pose(record, first), record.X_WC[first]),
         final_feature_error=dict(zip(record.feature_names, record.e[_last_finite(record.e, rows)].tolist())),
-        decay_per_s=fit_decay(record), gains_per_s=_promised_rates(record), limits=limits, images=len(rows))
+        decay_per_s=fit_decay(record), gains_per_s=_promised_rates(record), limits=limits, images=len(rows),
+        stopped_by_rule=stopped_by_rule)
 
 
 def taught_pose(record):
-    """X_WCg, (4, 4): the true camera pose at the taught image."""
-    return record.X_WC[record.rows("teach")[-1]]
+    """X_WCg, (4, 4): the true camera pose at the taught image; of several averaged ones, that in their middle."""
+    return record.X_WC[taught_row(record)]
+
+
+def taught_row(record):
+    """Row of the image that stands for the taught view."""
+    rows = record.rows("teach")
+    return rows[len(rows) // 2]
 
 
 def goal_pose(record, row):
@@ -112,7 +122,7 @@ def goal_pose(record, row):
     X_WCg = taught_pose(record)
     if record.target_poses is None:
         return X_WCg
-    then, now = record.target_poses[record.rows("teach")[-1]], record.target_poses[row]
+    then, now = record.target_poses[taught_row(record)], record.target_poses[row]
     return X_WCg if np.array_equal(then, now) else now @ np.linalg.solve(then, X_WCg)
 
 

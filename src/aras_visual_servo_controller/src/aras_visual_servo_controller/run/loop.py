@@ -113,21 +113,23 @@ class ServoLoop:
         self._placed_ns = self.sim.time_ns
 
     def teach(self, z_star_m):
-        """Make the next image the reference, outside an experiment.
+        """Make the next images the reference, as many as their noise asks for, outside an experiment.
 
         Args:
             z_star_m: depth of the target in this view [m].
         Returns:
-            (record, features, image) as `step` returns them, with phase "teach".
+            (record, features, image) as `step` returns them, of the last of these images, with phase "teach".
         Raises:
             ParameterError: the target is not fit for a reference in this view.
         """
-        stamp_ns, image, q = self._take()
-        features, seen = self._see(image, stamp_ns)
-        self.frame += 1
-        if self.servo.why_lost(seen):
-            raise ParameterError("target not in view at the goal")
-        self.sequence.teach(stamp_ns, seen, q, z_star_m)
+        taught = False
+        while not taught:
+            stamp_ns, image, q = self._take()
+            features, seen = self._see(image, stamp_ns)
+            self.frame += 1
+            if self.servo.why_lost(seen):
+                raise ParameterError("target not in view at the goal")
+            taught = self.sequence.teach_more(stamp_ns, seen, q, z_star_m)
         record = ServoRecord(stamp_ns, Status.IDLE, "taught", "teach", joint_names=self.kinematics.joint_names, q=q,
                              set_point=np.full(len(q), np.nan))
         return record, features, image

@@ -15,11 +15,14 @@ from ..ground.types import FEATURE_NAMES, Status
 TWIST_NAMES = ("vx", "vy", "vz", "wx", "wy", "wz")
 RAW_NAMES = ("area", "xg", "yg", "alpha")
 
+# What the stop rule judges beside the feature errors, and the condition of the interaction matrix.
+STOP_NAMES = ("tilt_rad", "position_m", "rotation_rad", "cond_l")
+
 # Steps of an experiment, in order (ServoState.phase); "idle" before it starts.
 PHASES = ("idle", "to_goal", "settle_goal", "teach", "to_start", "settle_start", "servo", "done")
 
 # Status of the image that ended the servo phase.
-TERMINAL = (Status.CONVERGED, Status.TIMED_OUT, Status.STOPPED, Status.FAULT)
+TERMINAL = (Status.CONVERGED, Status.TIMED_OUT, Status.STOPPED, Status.FAULT, Status.STOPPED_BY_RULE)
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,7 @@ class RunRecord:
         q: (n, m) measured at the stamp, set_point: (n, m) sent in answer [m or rad].
         raw: (n, 4), columns RAW_NAMES: m00, centroid, orientation; normalised image coordinates [-], [rad].
         X_WC: (n, 4, 4), true pose of the camera optical frame in the world.
+        stop: (n, 4), columns STOP_NAMES, as far as the servo knew them; None: not recorded.
         X_WT: (4, 4) true pose of the target in the world at the end, or None.
         target_poses: (n, 4, 4) of a target that moves, at each image, NaN where unknown; None if it rests.
         desired_image, initial_image, final_image: uint8 (h, w) or (h, w, 3): the taught view, the first and the
@@ -66,6 +70,7 @@ class RunRecord:
     set_point: np.ndarray
     raw: np.ndarray
     X_WC: np.ndarray
+    stop: np.ndarray = None
     X_WT: np.ndarray = None
     target_poses: np.ndarray = None
     desired_image: np.ndarray = None
@@ -134,13 +139,13 @@ class RecordBuilder:
         return len(self._rows)
 
     def add_row(self, stamp_ns, phase, status=0, status_text="", s=None, s_star=None, e=None, twist=None, q=None,
-                set_point=None, X_WC=None, raw=None, image=None, X_WT=None):
+                set_point=None, X_WC=None, raw=None, image=None, X_WT=None, stop=None):
         """Append the row of one image; values that are None become NaN.
 
         Args:
             stamp_ns: simulated time of the image [ns].  phase: one of PHASES.  status: code of ServoState.
             s, s_star, e: (k,).  twist: (6,).  q, set_point: (m,) in the order of joint_names.  X_WC: (4, 4).
-            raw: (area, xg, yg, alpha).  X_WT: (4, 4) of a target that moves.
+            raw: (area, xg, yg, alpha).  X_WT: (4, 4) of a target that moves.  stop: values of STOP_NAMES.
             image: uint8 (h, w) or (h, w, 3); copied only where the record keeps it (see `keep_image`).
         Raises:
             ShapeError: an array has not the length its names have.
@@ -149,7 +154,8 @@ class RecordBuilder:
         self._rows.append((
             int(stamp_ns), str(phase), int(status), str(status_text), _vector("s", s, k),
             _vector("s_star", s_star, k), _vector("e", e, k), _vector("twist", twist, 6), _vector("q", q, m),
-            _vector("set_point", set_point, m), _vector("raw", raw, len(RAW_NAMES)), _pose(X_WC), _pose(X_WT)))
+            _vector("set_point", set_point, m), _vector("raw", raw, len(RAW_NAMES)), _pose(X_WC), _pose(X_WT),
+            _vector("stop", stop, len(STOP_NAMES))))
         self._moving |= X_WT is not None
         if image is not None:
             self.keep_image(phase, image)
@@ -172,7 +178,8 @@ class RecordBuilder:
         same = tuple(getattr(answer, "feature_names", self.feature_names)) == self.feature_names
         s, s_star, e = (answer.s, answer.s_star, answer.e) if same else (None, None, None)
         self.add_row(answer.stamp_ns, answer.phase, answer.status, answer.status_text, s, s_star, e, answer.twist,
-                     joints(answer.q), joints(answer.set_point), X_WC, raw, image, X_WT)
+                     joints(answer.q), joints(answer.set_point), X_WC, raw, image, X_WT,
+                     [getattr(answer, name, np.nan) for name in STOP_NAMES])
 
     def keep_image(self, phase, image):
         """Keep the image of the row just added if it is the taught view, or the first or last one of the servo.
@@ -213,7 +220,7 @@ class RecordBuilder:
             simulated_s = (self._rows[-1][0] - self._rows[0][0]) * 1e-9 if self._rows else np.nan
             real_time_factor = simulated_s / wall_s
         rows = self._rows[:self._end()]
-        columns = list(zip(*rows)) if rows else [()] * 13
+        columns = list(zip(*rows)) if rows else [()] * 14
         k, m = len(self.feature_names), len(self.joint_names)
         stamp_ns = np.array(columns[0], dtype=np.int64)
 
@@ -226,7 +233,7 @@ class RecordBuilder:
             status=np.array(columns[2], dtype=int), status_text=np.array(columns[3], dtype=str),
             s=table(4, k), s_star=table(5, k), e=table(6, k), twist=table(7, 6), q=table(8, m),
             set_point=table(9, m), raw=table(10, len(RAW_NAMES)), X_WC=table(11, 4, 4),
-            X_WT=None if X_WT is None else np.array(X_WT, dtype=float),
+            stop=table(13, len(STOP_NAMES)), X_WT=None if X_WT is None else np.array(X_WT, dtype=float),
             target_poses=table(12, 4, 4) if self._moving else None,
             desired_image=self._images.get("desired"), initial_image=self._images.get("initial"),
             final_image=self._images.get("final"), images=dict(self._all_images),

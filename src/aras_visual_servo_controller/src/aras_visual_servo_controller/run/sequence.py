@@ -4,9 +4,9 @@
     idle -> servo -> done                                                                     start(servo_only=True)
 
 In to_goal and to_start the joints follow quintic trajectories. settle_* lasts at least settle_s, and then until the
-joints rest. teach lasts one image, whose view becomes the reference. In servo, `Servo` answers until it has finished.
-The image that ends a phase is already answered in the next phase. The answers depend on the observations alone, so that
-a run in process and one over ROS give the same bytes.
+joints rest. teach lasts two images or more, whose mean view becomes the reference. In servo, `Servo` answers until it
+has finished. The image that ends a phase is already answered in the next phase. The answers depend on the observations
+alone, so that a run in process and one over ROS give the same bytes.
 """
 
 from dataclasses import dataclass, replace
@@ -19,6 +19,7 @@ from ..ground.errors import ArasError, ParameterError
 from ..arm.trajectory import JointTrajectory
 from ..ground.types import Command, Observation, ServoRecord, Status
 from .settings import ExperimentSettings
+from .teaching import Teaching
 
 PHASES = ("idle", "to_goal", "settle_goal", "teach", "to_start", "settle_start", "servo", "done")
 
@@ -63,6 +64,7 @@ class ExperimentSequence:
         self.result: Optional[SequenceResult] = None
         self.teach_stamp_ns = self.servo_stamp_ns = None
         self._last_ns = self._since_ns = self._trajectory = self._set_point = self._last_q = None
+        self._teaching = None
         self._e, self._speed = np.full(len(self._servo.feature_names), nan), np.inf
         self._dt_s = self.config.image_period_s
 
@@ -84,10 +86,26 @@ class ExperimentSequence:
         Args: features, q: of this image.  z_star_m: depth of the target in it [m]; None: the experiment's.
         Raises: ParameterError: the view is not fit to be a reference; and what `teach_camera` raises.
         """
+        self._begin_teaching(stamp_ns, features, q, z_star_m)
+        self._teaching = None
+
+    def teach_more(self, stamp_ns: int, features, q, z_star_m: Optional[float] = None) -> bool:
+        """As `teach`, from several images in turn. Returns True when the goal is taught; until then, call it again."""
+        if self._teaching is None:
+            self._begin_teaching(stamp_ns, features, q, z_star_m)
+        else:
+            self._teaching.add(features, q)
+        if not self._teaching.done:
+            return False
+        self._servo.set_reference(self._teaching.reference)
+        self._teaching = None
+        return True
+
+    def _begin_teaching(self, stamp_ns, features, q, z_star_m):
         z_star_m = self.config.z_star_m if z_star_m is None else z_star_m
-        reference = self._servo.as_reference(features, q, z_star_m)
+        self._teaching = Teaching(self._servo, stamp_ns, features, q, z_star_m, self.config.teach_images)
         self._teach_camera(stamp_ns, z_star_m)
-        self._servo.set_reference(reference)
+        self._servo.set_reference(self._teaching.reference)
 
     def step(self, observation: Observation) -> Tuple[Command, ServoRecord]:
         """Answer to one image. Idle and done: an empty command (pure acknowledgement, set-points hold)."""
@@ -128,7 +146,7 @@ class ExperimentSequence:
         settling = self.phase in ("settle_goal", "settle_start") and self._trajectory is not None
         if settling and not self._settled(stamp_ns):
             return self._follow(stamp_ns)
-        if self.phase == "settle_goal":
+        if self.phase in ("settle_goal", "teach"):
             return self._teach(observation, q)
         if self.phase == "settle_start":
             if self._servo.why_lost(observation.features):
@@ -158,15 +176,18 @@ class ExperimentSequence:
     def _teach(self, observation, q):
         stamp_ns = observation.stamp_ns
         self.phase = "teach"
-        if self._servo.why_lost(observation.features):
+        if self._teaching is None and self._servo.why_lost(observation.features):
             return self._end(stamp_ns, Status.TARGET_LOST, "target not in view at the goal")
+        first = self._teaching is None
         try:
-            self.teach(stamp_ns, observation.features, q)
+            taught = self.teach_more(stamp_ns, observation.features, q)
         except Exception as error:  # the callback may be a service call: whatever it raises is the reason
             return self._end(stamp_ns, Status.FAULT, f"teach: {error}")
-        self.teach_stamp_ns = stamp_ns
+        if first:
+            self.teach_stamp_ns = stamp_ns
         answer = self._follow(stamp_ns)
-        self.phase, self._trajectory = "to_start", None
+        if taught:
+            self.phase, self._trajectory = "to_start", None
         return answer
 
     def _servo_step(self, observation):

@@ -84,6 +84,10 @@ class ExperimentSettings:
     goal: Place = setting(help="Where the view is taught that the servo is to find again.")
     start: Place = setting(help="Where the servo starts.")
     z_star_m: float = setting(unit="m", above=0, help="Depth of the target in the taught view.")
+    teach_images: int = setting(
+        300, at_least=1,
+        help="Images at most whose mean is the taught view: as many as their noise asks for, two without noise. A goal "
+             "that may move is taught from one.")
     settle_s: float = setting(0.5, unit="s", at_least=0, help="The arm waits at least this long at goal and start.")
     settle_limit_s: float = setting(
         2.0, unit="s", above=0,

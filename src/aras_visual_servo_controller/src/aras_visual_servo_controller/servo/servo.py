@@ -20,6 +20,7 @@ import numpy as np
 
 from ..arm.motion import ArmMotion
 from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError
+from .creep import CreepCompensation
 from .feed_forward import TargetMotion
 from ..features.base import FeatureSet, View
 from ..features.sources import Source, source_named
@@ -28,10 +29,11 @@ from ..laws.look import Look
 from .look_then_move import LookThenMove
 from .lost_target import LostTarget
 from .settings import ServoSettings
+from .stop_rule import GoalPose, StopRule
 from ..ground.types import Command, Observation, Reference, ServoRecord, Status
 from .visibility import keep_in_view
 
-_FINAL = (Status.CONVERGED, Status.TIMED_OUT, Status.STOPPED, Status.FAULT)
+_FINAL = (Status.CONVERGED, Status.TIMED_OUT, Status.STOPPED, Status.FAULT, Status.STOPPED_BY_RULE)
 _MOVING_STATUSES = (Status.SERVOING, Status.JOINT_LIMIT, Status.NEAR_SINGULARITY)
 
 
@@ -40,7 +42,7 @@ class Servo:
 
     Attributes:
         config: `ServoSettings` in use.  reference: `Reference` or None.  status: `Status` of the last step.
-        finished: only start() moves again (CONVERGED, TIMED_OUT, STOPPED or FAULT).
+        finished: only start() moves again (CONVERGED, STOPPED_BY_RULE, TIMED_OUT, STOPPED or FAULT).
     """
 
     def __init__(self, kinematics, config: Mapping):
@@ -55,11 +57,13 @@ class Servo:
         self._lost = LostTarget(kinematics, self._arm, self.config.on_lost, self.config.lost_target)
         forward = self.config.feed_forward
         self._target_motion = None if forward is None else TargetMotion(forward, self._features)
-        self._law = self._make_law()
+        self.reference: Optional[Reference] = None
+        self._law, self._stop, self._goal_pose = self._make_law(), self._make_stop_rule(), None
+        self._creep = CreepCompensation(self.config.creep_rate_per_s)
+        self._creeps = not (self.config.creep_rate_per_s == 0.0 or self.follows)
         self._no_velocity = dict.fromkeys(names, 0.0)
         self._zeros, self._nans = np.zeros(len(names)), np.full(len(names), nan)
         self._s_star, self._X_CgB = np.full(len(self._features), nan), None
-        self.reference: Optional[Reference] = None
         self.status = Status.IDLE
         self._clear(0, None)
 
@@ -88,6 +92,11 @@ class Servo:
 
     def _make_law(self):
         return make_law(self.config.law, self.config.gains_per_s, self.config)
+
+    def _make_stop_rule(self):
+        config = self.config
+        images = 1 if self.reference is None else self.reference.images
+        return StopRule(self._features.names, config.thresholds, config.hold_s, config.stop, self.follows, images)
 
     def configure(self, law="", gains_per_s=(), thresholds=(), time_limit_s=0.0) -> None:
         """Override the scenario's values from the next start on; empty or 0 takes the scenario's. ParameterError."""
@@ -119,9 +128,33 @@ class Servo:
         axis_B = self._kinematics.pose(q)[:3, 2].copy()
         return Reference(s_star, axis_B, self._kinematics.by_name(q), taught.view, taught.plane_C)
 
+    @property
+    def follows(self) -> bool:
+        """Whether the goal may move."""
+        return self.config.track or self._target_motion is not None
+
+    def joint_vector(self, q) -> np.ndarray:
+        """(n,) of joint positions, by name or an array."""
+        return self._kinematics.vector(q)
+
+    def goal_errors(self, views):
+        """Several views of the goal: (n, k) features as errors from the first, (n, 6) poses they stand for or None."""
+        values = [self._features.values(View(view)) for view in views]
+        errors = np.array([self._features.error(s, values[0], self.config.symmetric_target) for s in values])
+        poses = [self._goal_pose.of(e, None) for e in errors]
+        return errors, None if poses[0] is None else np.array(poses)
+
+    def averaged(self, first, views, q) -> Reference:
+        """The `Reference` by several views of one goal: `first`, and views relative to it; q: (n,) their mean."""
+        view = self._source.mean(views)
+        s_star = np.array(self._features.values(View(view)))
+        axis_B = self._kinematics.pose(q)[:3, 2].copy()
+        return Reference(s_star, axis_B, self._kinematics.by_name(q), view, first.plane_C, len(views))
+
     def set_reference(self, reference: Reference) -> None:
         """Use a reference taught before."""
         self._law.reset(reference)
+        self._goal_pose = GoalPose(self._features, reference)
         self._s_star = np.array(reference.s_star, dtype=float)
         if self._target_motion is not None:
             self._target_motion.set_reference(reference)
@@ -141,6 +174,7 @@ class Servo:
             raise ParameterError("servo: no reference, teach one first")
         self._law = self._make_law()
         self._law.reset(self.reference)
+        self._stop = self._make_stop_rule()
         self._clear(stamp_ns, None if set_point is None else self._kinematics.vector(set_point))
         self.status = Status.SERVOING
 
@@ -174,8 +208,9 @@ class Servo:
         self._last_ns = stamp_ns
         if stamp_ns - self._start_ns >= 1e9 * self.config.time_limit_s:
             if self.config.track and self._below_ns is not None:
-                return self._rest(stamp_ns, Status.CONVERGED, "followed to the end, every |e| below its threshold")
-            return self._rest(stamp_ns, Status.TIMED_OUT, f"not converged after {self.config.time_limit_s} s")
+                return self._rest(stamp_ns, Status.CONVERGED, "followed to the end, every error below its threshold")
+            return self._rest(stamp_ns, Status.TIMED_OUT,
+                              f"not converged after {self.config.time_limit_s} s: {self._stop.why_not()}")
         if gap_s > self.config.input_timeout_s or features is None:
             text = "no image" if features is None else f"no image for {gap_s:.3f} s"
             return self._rest(stamp_ns, Status.STALE_INPUT, text)
@@ -208,19 +243,20 @@ class Servo:
         self._lost.servoed(q, features)
         if self._lost.recoveries:
             twist = twist * self._lost.factor
-        below = answer.settled and all([abs(error) < most for error, most in zip(self._e, self.config.thresholds)])
-        if not below:
-            self._below_ns = None
-        elif self._below_ns is None:
-            self._below_ns = stamp_ns
-        if below and not self.config.track and stamp_ns - self._below_ns >= 1e9 * self.config.hold_s:
-            return self._rest(stamp_ns, Status.CONVERGED, "every |e| below its threshold")
-        self.status, self._text = Status.SERVOING, "servoing"
-        if self._target_motion is not None:
-            twist = twist + self._target_motion.twist(stamp_ns, self._kinematics.pose(q), self._s, self._e)
         gain, target_C = self.config.tilt_gain_per_s, None
         if gain > 0.0 and not self._features.sees_tilt:
             target_C = features.xn, features.yn, features.an
+        below, ended = self._judge(stamp_ns, q, answer, target_C is not None)
+        if ended is not None:
+            return ended
+        self.status, self._text = Status.SERVOING, "servoing"
+        if self._creeps and not look_then_move:
+            if self._stop.resting and answer.settled:
+                twist, target_C, self._text = np.zeros(6), None, "resting"
+            twist = twist * self._stop.calm(min(self._law.gains_per_s))
+            gain *= self._stop.calm(gain) if gain > 0.0 else 1.0
+        if self._target_motion is not None:
+            twist = twist + self._target_motion.twist(stamp_ns, self._kinematics.pose(q), self._s, self._e)
         if look_then_move:
             return self._rest_until_held(stamp_ns) if below else self._plan(stamp_ns, q, twist, target_C, dt_s)
         jacobian, inverse = self._arm.at(q)
@@ -230,12 +266,40 @@ class Servo:
         if self.config.visibility is not None:
             twist, bent = keep_in_view(self.config.visibility, features, twist)
             self._text = "servoing, kept in view" if bent else self._text
+        if self._creeps and self._stop.close:
+            twist = twist + self._creep.correction(twist, self._kinematics.pose(q), dt_s)
+        else:
+            self._creep.clear()
         q_dot, self._twist, status, text = self._arm.joint_velocity(q, twist, jacobian, inverse, dt_s)
         if status is not None:
             self.status, self._text = status, text
         self._applied = self._twist
         velocity = self._kinematics.by_name(q_dot)
         return Command(stamp_ns, {}, velocity), self._record(stamp_ns, self._text, q_dot, self._nans)
+
+    def _judge(self, stamp_ns, q, answer, holds_tilt):
+        """(below, ended): whether all errors are below their thresholds; the answer that ends the servo, or None."""
+        X_BC = self._kinematics.pose(q)
+        tilt = self._arm.tilt_of(X_BC) if holds_tilt else None
+        pose = answer.pose if answer.pose is not None else self._goal_pose.of(self._e, tilt)
+        of_law = answer.pose is not None
+        arrived = self._stop.arrived(stamp_ns, self._e, tilt, pose, X_BC, of_law) and answer.settled
+        published = self.config.stop.rule == "published"
+        if published:
+            below = answer.settled and all([abs(e) < most for e, most in zip(self._e, self.config.thresholds)])
+        else:
+            below = answer.settled and self._stop.within()
+        if not below:
+            self._below_ns = None
+        elif self._below_ns is None:
+            self._below_ns = stamp_ns
+        if self.config.track or not below:
+            return below, None
+        if published and stamp_ns - self._below_ns >= 1e9 * self.config.hold_s:
+            return below, self._rest(stamp_ns, Status.STOPPED_BY_RULE, "stopped by the published rule")
+        if arrived and not published:
+            return below, self._rest(stamp_ns, Status.CONVERGED, "features, tilt and pose within their thresholds")
+        return below, None
 
     def _plane(self, q):
         """(A, B, C) of the target, at rest, in the camera frame at q: the taught one, moved by the kinematics (T21)."""
@@ -268,6 +332,7 @@ class Servo:
 
     def _plan(self, stamp_ns, q, twist, target_C, dt_s):
         """Begin the move that one look asks for."""
+        self._stop.clear()
         self._twist, self._manipulability, joint = self._moves.plan(stamp_ns, q, twist, target_C)
         if joint is not None:
             self.status, self._text = Status.JOINT_LIMIT, f"joint '{joint}' at its limit"
@@ -301,6 +366,8 @@ class Servo:
         self._q, self._applied = self._nans, None
 
     def _forget(self):
+        self._stop.clear()
+        self._creep.clear()
         self._s = self._e = (nan,) * len(self._features)
         self._twist, self._manipulability, self._cond_l = np.zeros(6), nan, nan
 
@@ -322,5 +389,5 @@ class Servo:
         return ServoRecord(
             stamp_ns, self.status, text, "servo", self.status == Status.CONVERGED, self._features.names,
             np.array(self._s), self._s_star, np.array(self._e), self._twist, self._kinematics.joint_names, self._q,
-            q_dot, set_point, self._manipulability, self._cond_l,
+            q_dot, set_point, self._manipulability, self._cond_l, *self._stop.judged,
         )  # fmt: skip

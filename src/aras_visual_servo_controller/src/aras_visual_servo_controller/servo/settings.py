@@ -17,6 +17,7 @@ from ..laws.base import LawSetup, known_laws, law_settings, make_law
 from ..target.target_pose import PlanarTarget
 from .feed_forward import FeedForwardSettings
 from .lost_target import ACTIONS, LostTargetSettings
+from .stop_rule import StopSettings
 from .visibility import VisibilitySettings
 
 MODES = ("continuous", "look_then_move")
@@ -42,12 +43,18 @@ class ServoSettings(LawSetup):
              "sample_time_s < 2.")
     thresholds: Tuple[float, ...] = setting(
         above=0, by="feature", not_empty=True,
-        help="The servo has converged when the error of every feature is below its threshold for hold_s: xn, yn and an "
-             "in m, alpha in rad, the others as they are.")
+        help="The servo has converged when the mean error of every feature over hold_s is below its threshold, and "
+             "what `stop` asks for holds too: xn, yn and an in m, alpha in rad, the others as they are.")
     hold_s: float = setting(
         0.2, unit="s", at_least=0,
-        help="The servo has converged when every error was below its threshold for this long.")
+        help="The servo has converged when all that is judged was within its threshold for this long.")
     time_limit_s: float = setting(unit="s", above=0, help="Simulated time after which the servo ends.")
+    stop: StopSettings = setting(
+        StopSettings(), help="What else has to be within bounds before the servo has converged (T60, T61).")
+    creep_rate_per_s: float = setting(
+        2.0, unit="1/s", at_least=0,
+        help="Rate at which the servo works off what joints creep against dry friction near the goal (T62); 0: not. "
+             "Mode `continuous`, goals at rest.")
     input_timeout_s: float = setting(
         0.2, unit="s", above=0,
         help="A longer gap between images stops the arm for that image.")

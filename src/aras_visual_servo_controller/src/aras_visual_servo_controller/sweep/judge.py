@@ -55,6 +55,8 @@ def _reason(record, judgement, success):
     last = Status(status[-1])
     if judgement.converged:
         return "converged" if success else "converged elsewhere"
+    if last == Status.STOPPED_BY_RULE:
+        return judgement.reason
     if last == Status.TARGET_LOST:
         return "target lost"
     if last == Status.TIMED_OUT:
@@ -62,7 +64,8 @@ def _reason(record, judgement, success):
         counts = np.bincount(part) if len(part) else np.zeros(1)
         names = {Status.JOINT_LIMIT: ", at a joint limit", Status.NEAR_SINGULARITY: ", at a singularity",
                  Status.TARGET_LOST: ", target lost"}
-        return "timed out" + names.get(int(np.argmax(counts)), "")
+        lacking = judgement.reason.partition(": ")[2].split(", ")
+        return "timed out" + names.get(int(np.argmax(counts)), ", tilt" if "tilt" in lacking else "")
     return last.name.lower().replace("_", " ")
 
 

@@ -119,7 +119,7 @@ def make_starts(settings, scenario, kinematics):
     method = "random" if settings.method == "grid" else settings.method
     values = sample(method, len(places), len(settings.perturbations), [settings.seed, 2])
     goals = sample(method, len(places), len(settings.goal), [settings.seed, 3])
-    planner = _Planner(settings, scenario, kinematics)
+    planner = Planner(settings, scenario, kinematics)
     starts = []
     for i, (place, u, g) in enumerate(zip(places, values, goals)):
         point = {name: ends[0] for name, ends in settings.ranges.items()}
@@ -131,30 +131,33 @@ def make_starts(settings, scenario, kinematics):
     return starts
 
 
-class _Planner:
-    """Turns a sampled place into joint positions, or into the reason why there are none."""
+class Planner:
+    """Turns a sampled place into joint positions, or into the reason why there are none.
+
+    Attributes: settings: `SweepSettings`.  feasibility: `Feasibility` of the scenario.
+    """
 
     def __init__(self, settings, scenario, kinematics):
-        self._settings, self._scenario, self._kinematics = settings, scenario, kinematics
+        self.settings, self._scenario, self._kinematics = settings, scenario, kinematics
         self._goal = scenario.goal_posture(kinematics)
         self._X_WCg = kinematics.pose(self._goal)
         # If perturbations change target or camera, only the run itself shows whether the target is in view.
         known = not any(p.name.startswith(("target", "sim.")) for p in settings.perturbations)
-        self._feasibility = Feasibility(scenario, kinematics, look=known)
+        self.feasibility = Feasibility(scenario, kinematics, look=known)
         self._view = View(scenario, self._X_WCg) if settings.space == "view" else None
-        if settings.goal and self._feasibility.outline is None:
+        if settings.goal and self.feasibility.outline is None:
             raise ParameterError("sweep.goal: needs a flat target of known outline and a camera without fisheye lens")
 
     def plan(self, place, point, wanted):
         """(joints, offset, goal, refusal) of one run."""
         goal, q_goal, refusal = {}, self._goal, ""
-        offset = self._offset(place, point) if self._settings.space != "view" else {}
+        offset = self._offset(place, point) if self.settings.space != "view" else {}
         if wanted:
-            goal, refusal = self._tilted(wanted)
+            goal, refusal = self.tilted(wanted)
             if refusal:
                 return None, offset, goal, f"goal {refusal}"
             q_goal = self._kinematics.vector(goal["joints"])
-        if self._settings.space == "joint":
+        if self.settings.space == "joint":
             joints = {**self._kinematics.by_name(q_goal), **point}
         else:
             try:
@@ -162,14 +165,15 @@ class _Planner:
             except ParameterError as error:
                 return None, offset, goal, str(error)
             joints, refusal = reach(self._kinematics, q_goal, self._kinematics.pose(q_goal) @ pose_of(offset))
-        return joints, offset, goal, refusal or self._feasibility.refusal(q_goal, self._kinematics.vector(joints))
+        return joints, offset, goal, refusal or self.feasibility.refusal(q_goal, self._kinematics.vector(joints))
 
     def _offset(self, place, point):
         return {"camera": lambda: point, "joint": dict,
-                "ball": lambda: in_ball(self._settings.ranges, place)}[self._settings.space]()
+                "ball": lambda: in_ball(self.settings.ranges, place)}[self.settings.space]()
 
-    def _tilted(self, wanted):
-        X_WT = self._feasibility.outline.X_WT
+    def tilted(self, wanted):
+        """(goal of a `Start`, why it cannot be reached or \"\") of a tilted goal."""
+        X_WT = self.feasibility.outline.X_WT
         t_C = np.linalg.solve(self._X_WCg, X_WT)[:3, 3]
         normal_C = self._scenario.servo.get("target_normal_C", (0.0, 0.0, 1.0))
         X_CgCn, normal = tilted_goal(wanted, t_C, normal_C)

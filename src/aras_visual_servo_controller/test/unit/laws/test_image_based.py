@@ -57,7 +57,7 @@ def test_four_features_leave_tilt_alone_and_the_gain_is_exact_for_the_time_the_t
     names, gains = ("xn", "yn", "an", "alpha"), (3.0, 2.0, 4.0, 1.5)
     law, here = law_of("current", gains, names), view(HERE)
     dt_s = 0.1
-    twist, _, e, _, _ = law.step(look_at(here.features, dt_s, plane_of(HERE)))
+    twist, _, e, *_ = law.step(look_at(here.features, dt_s, plane_of(HERE)))
     L = FeatureSet(names).matrix(View(here.features, plane_of(HERE)))
     sampled = (1.0 - np.exp(-np.array(gains) * dt_s)) / dt_s
     seen = [0, 1, 2, 5]
@@ -117,7 +117,7 @@ def test_adaptive_factor_is_one_at_zero_with_the_slope_asked_for_and_the_part_fa
 def test_adaptive_gain_scales_the_twist_of_any_law_by_its_factor():
     here = view(HERE).features
     plain, adaptive = law_of("desired"), law_of("desired", adaptive_gain=AdaptiveGainSettings(0.2, 8.0))
-    twist, _, e, _, _ = plain.step(look_at(here, 0.0))
+    twist, _, e, *_ = plain.step(look_at(here, 0.0))
     factor = adaptive_factor(max(map(abs, e)), 0.2, 8.0)
     assert factor < 0.9
     for _ in range(2):  # not factor squared the second time

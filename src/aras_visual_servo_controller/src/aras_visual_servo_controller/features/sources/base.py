@@ -102,6 +102,14 @@ class Source:
         """
         raise NotImplementedError
 
+    def kept(self, features):
+        """Copy of features that outlives their image."""
+        return features
+
+    def mean(self, views):
+        """The mean of several views of one goal, for sources whose `Taught` holds a view."""
+        return views[0]
+
     def follow(self, extractor, features):
         """Give an extractor the reference that these recorded features had, as far as their fields tell it.
 

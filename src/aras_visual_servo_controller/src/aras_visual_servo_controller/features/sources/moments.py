@@ -1,8 +1,11 @@
 """Source `moments`: image moments of the target, its corners, its kernel projections (MomentFeatures)."""
 
+from dataclasses import replace
+from math import pi, remainder
+
 import numpy as np
 
-from ...ground.types import Features
+from ...ground.types import VIEW_POINTS, Features
 from ..interaction import plane_from_pose
 from .base import Source, Taught, register_source
 
@@ -31,6 +34,19 @@ class Moments(Source):
         view.has_reference, view.z_star_m, view.area_star = True, float(z_star_m), view.area
         view.an, view.xn, view.yn = view.z_star_m, view.z_star_m * view.xg, view.z_star_m * view.yg
         return Taught(view, view, plane_from_pose(normal_C, view.z_star_m * np.array([view.xg, view.yg, 1.0])))
+
+    def kept(self, features):
+        return Features.from_object(features)
+
+    def mean(self, views):
+        """Moments, points and features one by one; alpha the short way round from the first view's."""
+        mean, first = replace(views[0]), views[0]
+        for name in ("m", "mu", *VIEW_POINTS):
+            setattr(mean, name, tuple(np.mean([getattr(view, name) for view in views], axis=0).tolist()))
+        for name in ("area", "xg", "yg", "xn", "yn", "an"):
+            setattr(mean, name, float(np.mean([getattr(view, name) for view in views])))
+        mean.alpha = first.alpha + float(np.mean([remainder(view.alpha - first.alpha, pi) for view in views]))
+        return mean
 
     def follow(self, extractor, features):
         """As of `Source`. Area and orientation come from the features; the orientation may be half a turn off."""

@@ -1,0 +1,267 @@
+"""When the servo has arrived: the features, what else is held, and the pose that the errors stand for, all together.
+
+Feature errors alone do not tell. A tilt of the camera and a translation cancel in xn and yn, and where the interaction
+matrix is ill conditioned a small error stands for a large displacement. So CONVERGED asks for four things at once, over
+`hold_s`: the mean of every feature error below its threshold; the tilt that is held from the joints below `tilt_rad`;
+the displacement of the camera from the goal, at each image of that time, below `position_m` and `rotation_rad`; and a
+camera that moves by less than half of these.
+
+The displacement of one image is L*^+ e, with L* the interaction matrix of the goal and the tilt taken from the joints
+(T60); laws that work on the pose give it themselves. One image is noisy. But the joints say exactly how the camera
+moved between images, so every image of the last AVERAGED_S seconds tells where the camera is now, and their mean is
+used. Its standard error, and that of the goal as it was taught, count as distance, so that noise cannot pass for
+arrival (T61).
+
+The published rule, |e| < thresholds and nothing else, is there by name. It ends a run with a status of its own.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+from math import nan
+
+import numpy as np
+
+from ..config.settings import setting
+from ..features.base import View
+from ..ground.errors import DegenerateFeature
+from ..ground.spatial import rotation_vector
+from ..laws.base import MAX_CONDITION
+
+RULES = ("pose", "published")
+#: The camera is close to the goal while every error is below this many times its threshold. Only there does the matrix
+#: of the goal hold, and images are averaged.
+CLOSE = 5.0
+#: ... and over this time at most [s].
+AVERAGED_S = 10.0
+#: So many standard errors of the mean count as distance from the goal.
+SURE = 2.0
+#: Within hold_s the camera moves by less than this part of position_m and rotation_rad: it has come to rest.
+MOVED = 0.5
+#: The servo comes to rest when all that is judged is below this part of its threshold ...
+REST = 0.5
+#: ... and moves again when something is above this part of it.
+MOVE = 0.8
+#: Close to the goal for longer than PATIENCE_S without having arrived, the servo calms down, since delay or noise keep
+#: it hunting: its rates become smaller with the time, down to CALM_PER_S.
+PATIENCE_S, CALM_PER_S = 2.0, 1.0
+TILT_COLUMNS, OTHER_COLUMNS = [3, 4], [0, 1, 2, 5]
+
+
+@dataclass(frozen=True)
+class StopSettings:
+    """Section `servo.stop`: what CONVERGED asks for beside `thresholds` and `hold_s`."""
+
+    rule: str = setting(
+        "pose", choices=RULES,
+        help="`pose`: features, tilt and pose, as below. `published`: the paper's rule, which asks for `thresholds` "
+             "alone; the run then ends as STOPPED_BY_RULE and never as CONVERGED.")
+    tilt_rad: float = setting(
+        0.0005, unit="rad", above=0,
+        help="Largest angle between the optical axis and its taught direction, by the joints, where the servo holds it "
+             "(`tilt_gain_per_s`).")
+    position_m: float = setting(
+        0.0006, unit="m", above=0,
+        help="Largest distance of the camera from the goal, by the pose that the feature errors stand for.")
+    rotation_rad: float = setting(
+        0.0024, unit="rad", above=0, help="Largest angle of the camera from the goal, likewise.")
+
+
+#: tilt_rad, position_m, rotation_rad of an image that tells none of them.
+UNKNOWN = (nan, nan, nan)
+
+
+class GoalPose:
+    """From the error of the features to the displacement of the camera from the goal, (6,), [p_CgC; theta u] (T60)."""
+
+    def __init__(self, features, reference):
+        """Args: features: `FeatureSet`. reference: `Reference`."""
+        self._sees_tilt, self._inverse, self._of_tilt = features.sees_tilt, None, None
+        if reference.view is None or reference.plane_C is None:
+            return
+        try:
+            L = features.matrix(View(reference.view, reference.plane_C))
+        except DegenerateFeature:
+            return
+        U, sigmas, Vt = np.linalg.svd(L if self._sees_tilt else L[:, OTHER_COLUMNS], full_matrices=False)
+        if not sigmas[0] < MAX_CONDITION * sigmas[-1]:
+            return
+        inverse = (Vt.T / sigmas) @ U.T
+        if self._sees_tilt:
+            self._inverse = inverse
+            return
+        self._inverse = np.zeros((6, len(L)))
+        self._inverse[OTHER_COLUMNS] = inverse
+        self._of_tilt = np.eye(6)[:, TILT_COLUMNS] - self._inverse @ L[:, TILT_COLUMNS]
+
+    def of(self, e, tilt):
+        """Displacement, (6,), or None where it cannot be told.
+
+        Args: e: (k,) errors.  tilt: (2,) displacement about x and y by the joints; None: it is not held.
+        """
+        if self._inverse is None:
+            return None
+        if self._of_tilt is None or tilt is None:
+            return self._inverse @ e
+        return self._inverse @ e + self._of_tilt @ tilt
+
+
+class StopRule:
+    """Watches the images of one run.
+
+    Attributes:
+        judged: (tilt_rad, position_m, rotation_rad) of the last image: the tilt, and the camera's distance and angle
+            from the goal as far as the images up to it tell; NaN where it is not known.
+        lacking: what kept the servo from having arrived at the last image: features, "tilt", "position", "rotation",
+            "rest".
+        close: the last image was close to the goal.
+        resting: all that is judged is so small that there is nothing to correct (`REST`, `MOVE`).
+    """
+
+    def __init__(self, names, thresholds, hold_s, settings, follows, taught_images=1):
+        """Args: names, thresholds: of the features. settings: `StopSettings`. follows: the goal may move.
+
+        taught_images: number of images whose mean is the goal: their noise counts too.
+        """
+        self._taught_images = taught_images
+        self._names, self._thresholds, self._settings = names, np.array(thresholds), settings
+        self._close = tuple([CLOSE * threshold for threshold in thresholds])
+        self._hold_ns, self._follows = round(1e9 * hold_s), follows
+        self._kept_ns = self._hold_ns if follows else max(self._hold_ns, round(1e9 * AVERAGED_S))
+        self.clear()
+
+    def clear(self):
+        """Forget the images seen."""
+        self._held, self._where, self._X_BC, self._since_ns = deque(), _Window(), None, 0
+        self.judged, self.lacking, self.close, self.resting = UNKNOWN, ("no image",), False, False
+
+    def arrived(self, stamp_ns, e, tilt, pose, X_BC, pose_of_law=False):
+        """Whether the camera has been at the goal for `hold_s`.
+
+        Args:
+            e: (k,) feature errors.  tilt: (2,) about x and y by the joints, None where it is not held.
+            pose: (6,) displacement from the goal by this image, None where it is not known.
+            X_BC: (4, 4) pose of the camera by the joints.
+            pose_of_law: the pose is the law's own and not that of e, so that a small e does not say that it holds.
+        """
+        tilt_rad = nan if tilt is None else float(tilt @ tilt) ** 0.5
+        self.close = self._is_close(e, tilt_rad, pose if pose_of_law else None)
+        if not self.close:
+            self.clear()
+            self.judged = (tilt_rad, *_size(pose))
+            lacking = [name for name, error, most in zip(self._names, e, self._thresholds) if not abs(error) < most]
+            self.lacking = (*lacking, "tilt") if tilt_rad >= self._settings.tilt_rad else tuple(lacking)
+            return False
+        if not self._held:
+            self._since_ns = stamp_ns
+        self._held.append((stamp_ns, np.array(e), tilt_rad))
+        while stamp_ns - self._held[0][0] > self._hold_ns:
+            self._held.popleft()
+        parts = self._parts(tilt_rad)
+        self.judged = (tilt_rad, nan, nan)
+        if pose is None:
+            self.resting = max(parts.values()) < (MOVE if self.resting else REST)
+        else:
+            self._judge_pose(stamp_ns, pose, X_BC, parts)
+        self.lacking = tuple([name for name, part in parts.items() if not part < 1.0])
+        return not self.lacking and stamp_ns - self._since_ns >= self._hold_ns
+
+    def _is_close(self, e, tilt_rad, pose):
+        settings = self._settings
+        if tilt_rad > CLOSE * settings.tilt_rad or not all([abs(error) < most for error, most in zip(e, self._close)]):
+            return False
+        position, rotation = _size(pose)
+        return not (position > CLOSE * settings.position_m or rotation > CLOSE * settings.rotation_rad)
+
+    def _parts(self, tilt_rad):
+        """Features and tilt of the last hold_s as parts of their thresholds, by name."""
+        mean = np.abs(sum([seen[1] for seen in self._held]) / len(self._held))
+        parts = dict(zip(self._names, (mean / self._thresholds).tolist()))
+        if tilt_rad == tilt_rad:
+            parts["tilt"] = max([seen[2] for seen in self._held]) / self._settings.tilt_rad
+        return parts
+
+    def _judge_pose(self, stamp_ns, pose, X_BC, parts):
+        """Put the pose of the last hold_s into `parts`; sets `judged` and `resting`."""
+        settings, moved = self._settings, self._moved(X_BC)
+        self._where.add(stamp_ns, moved, pose - moved, self._kept_ns)
+        offs, held = self._where.near(moved, settings.position_m, settings.rotation_rad), self._where.since(
+            stamp_ns - self._hold_ns)
+        where = offs.mean(axis=0) + held
+        positions, rotations = _sizes(where)
+        most = max(*parts.values(), float(positions.max()) / settings.position_m,
+                   float(rotations.max()) / settings.rotation_rad)
+        self.resting = most < (MOVE if self.resting else REST)
+        ways, turns = _sizes(held - moved)
+        parts["rest"] = max(float(ways.max()) / settings.position_m, float(turns.max()) / settings.rotation_rad) / MOVED
+        unsure = SURE**2 * (1.0 / len(offs) + 1.0 / self._taught_images) * offs.var(axis=0)
+        positions, rotations = _sizes((where * where + unsure) ** 0.5)
+        self.judged = (self.judged[0], float(positions[-1]), float(rotations[-1]))
+        parts["position"] = float(positions.max()) / settings.position_m
+        parts["rotation"] = float(rotations.max()) / settings.rotation_rad
+
+    def _moved(self, X_BC):
+        """(6,) displacement by the joints since the first image close to the goal; zeros if the goal may move."""
+        if self._follows:
+            return np.zeros(6)
+        if self._X_BC is None:
+            self._X_BC = X_BC
+        R = self._X_BC[:3, :3]
+        return np.concatenate([(X_BC[:3, 3] - self._X_BC[:3, 3]) @ R, rotation_vector(R.T @ X_BC[:3, :3])])
+
+    def calm(self, rate_per_s):
+        """Factor of a rate [1/s] of the servo: 1, or less where it has been close to the goal for long."""
+        if not self._held:
+            return 1.0
+        over_s = 1e-9 * (self._held[-1][0] - self._since_ns) - PATIENCE_S
+        return 1.0 if over_s <= 0.0 else max(1.0 / (1.0 + over_s), min(1.0, CALM_PER_S / rate_per_s))
+
+    def within(self):
+        """Whether nothing was lacking at the last image."""
+        return not self.lacking
+
+    def why_not(self):
+        """What was lacking at the last image, in words."""
+        return ", ".join(self.lacking) or "everything for less than hold_s"
+
+
+class _Window:
+    """What the images of the last seconds say: stamp, motion of the camera by the joints, pose less that motion."""
+
+    def __init__(self):
+        self._table, self._first, self._last = np.empty((64, 13)), 0, 0
+
+    def add(self, stamp_ns, moved, off, kept_ns):
+        """One more image; those older than kept_ns are forgotten."""
+        table = self._table
+        while self._first < self._last and stamp_ns - table[self._first, 0] > kept_ns:
+            self._first += 1
+        if self._last == len(table):
+            rows = table[self._first:self._last]
+            self._table = table = np.concatenate([rows, np.empty((len(rows) + 64, 13))])
+            self._first, self._last = 0, len(rows)
+        row = table[self._last]
+        row[0], row[1:7], row[7:] = stamp_ns, moved, off
+        self._last += 1
+
+    def near(self, moved, position_m, rotation_rad):
+        """(n, 6) pose less motion, of the images from whose place the camera has moved by less than this."""
+        rows = self._table[self._first:self._last]
+        positions, rotations = _sizes(rows[:, 1:7] - moved)
+        return rows[(positions < position_m) & (rotations < rotation_rad), 7:]
+
+    def since(self, stamp_ns):
+        """(n, 6) motion of the images from this stamp on."""
+        rows = self._table[self._first:self._last]
+        return rows[rows[:, 0] >= stamp_ns, 1:7]
+
+
+def _sizes(poses):
+    """((n,), (n,)) lengths of the translations and of the rotations of poses, (n, 6)."""
+    squares = poses * poses
+    return squares[:, :3].sum(axis=1) ** 0.5, squares[:, 3:].sum(axis=1) ** 0.5
+
+
+def _size(pose):
+    if pose is None:
+        return nan, nan
+    return float(pose[:3] @ pose[:3]) ** 0.5, float(pose[3:] @ pose[3:]) ** 0.5
