@@ -7,7 +7,7 @@
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/config/splitmix.hpp"
-#include "wide.hpp"
+#include "aras_visual_servo_sim/config/wide.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

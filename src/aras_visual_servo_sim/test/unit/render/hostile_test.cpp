@@ -76,9 +76,9 @@ TEST(Hostile, ThingsOfAnySizeAnywhereAreDrawnOrNot) {
         Body body;
         body.name = "body";
         const double edge = std::clamp(size, 1e-30, 1e30);
-        body.shapes.push_back({Pose{}, makeBox({edge, edge, edge}), {90, 90, 90}});
-        body.shapes.push_back({Pose{}, makeSphere(edge), {90, 90, 90}});
-        body.shapes.push_back({Pose{}, makeCylinder(edge, edge), {90, 90, 90}});
+        body.shapes.push_back({Pose{}, makeBox({edge, edge, edge}), {90, 90, 90}, {}});
+        body.shapes.push_back({Pose{}, makeSphere(edge), {90, 90, 90}, {}});
+        body.shapes.push_back({Pose{}, makeCylinder(edge, edge), {90, 90, 90}, {}});
         body.X_WB.p = {0.1 * away, 0.0, -away - edge};
         scene.bodies.push_back(body);
         for (const double height : {0.4, 1e307}) {

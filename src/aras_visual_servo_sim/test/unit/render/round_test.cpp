@@ -66,7 +66,7 @@ struct View {
     scene.background = {255, 255, 255};
     Body body;
     body.name = "round";
-    body.shapes.push_back({Pose{}, mesh, color});
+    body.shapes.push_back({Pose{}, mesh, color, {}});
     body.X_WB = X_WB;
     scene.bodies.push_back(body);
     return scene;
@@ -170,8 +170,12 @@ TEST(Round, OutlinesAreWithinATwentiethOfAPixelOfThoseOfTheBody) {
           for (const double b : {-0.5, 0.5}) corners += seesBody(a, b);
         }
         const double drawn = 1.0 - *image.pixel(u, v) / 255.0;
-        if (corners == 4) EXPECT_GT(drawn, 0.98);
-        if (corners == 0) EXPECT_LT(drawn, 0.25);  // the outline may bulge into a pixel without holding a corner
+        if (corners == 4) {
+          EXPECT_GT(drawn, 0.98);
+        }
+        if (corners == 0) {  // the outline may bulge into a pixel without holding a corner
+          EXPECT_LT(drawn, 0.25);
+        }
         if (corners == 0 || corners == 4) continue;
         int inside = 0;
         for (int k = 0; k < kFine * kFine; ++k) {
@@ -251,7 +255,7 @@ TEST(Round, BodiesThatMeetHideEachOtherAlongTheirCurve) {
   Scene scene = view.scene(meshOf(view.shape), {0, 0, 0});
   Body table;
   table.name = "table";
-  table.shapes.push_back({Pose{}, makeBox({2.0, 2.0, 0.1}), {255, 255, 255}});
+  table.shapes.push_back({Pose{}, makeBox({2.0, 2.0, 0.1}), {255, 255, 255}, {}});
   table.X_WB.p = {0.0, 0.0, -0.05};
   scene.bodies.push_back(table);
   const Image image = render(camera, view.X_WC, scene);

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "image/wide.hpp"
+#include "aras_visual_servo_sim/config/wide.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

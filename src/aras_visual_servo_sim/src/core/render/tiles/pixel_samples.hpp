@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <limits>
 
 namespace aras_visual_servo_sim {
 
@@ -17,9 +18,9 @@ class PixelSamples {
 
   /** A triangle about a pixel: x and y from its middle [px], y down. */
   struct Triangle {
-    std::array<float, 3> a, b, c, least;  ///< inside where a x + b y + c >= least for all three edges
-    float z, z_x, z_y;                    ///< inverse depth in the middle and its slopes
-    float most;                           ///< what is nearer is not seen
+    std::array<float, 3> a, b, c, least;             ///< inside where a x + b y + c >= least for all three edges
+    float z, z_x, z_y;                               ///< inverse depth in the middle and its slopes
+    float most = std::numeric_limits<float>::max();  ///< what is nearer is not seen
   };
   /** A curved surface about a pixel: x and y as above. */
   struct Curved {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "aras_visual_servo_sim/config/wide.hpp"
 #include "aras_visual_servo_sim/image/pixel_color.hpp"
-#include "image/wide.hpp"
 #include "render/view/pixel_rays.hpp"
 #include "tile_bins.hpp"
 
@@ -19,8 +19,8 @@ struct TileColors {
 };
 
 /** Colours along a row of pixels: (over + slope x) / (under + under_x x). */
-ARAS_WIDE void shadeRow(const double* x, const double* slope, const double* over, double under_x, double under, int first,
-                        TileColors& colors) {
+ARAS_WIDE void shadeRow(const double* x, const double* slope, const double* over, double under_x, double under,
+                        int first, TileColors& colors) {
   double *red = colors.red + first, *green = colors.green + first, *blue = colors.blue + first;
   for (int i = 0; i < kTile; ++i) {
     const double scale = 1.0 / (under + under_x * x[i]);
@@ -129,7 +129,8 @@ void shadeTile(const CameraModel& camera, const Facet& facet, const PixelBox& ti
     for (int v = tile.v0; v < tile.v1; ++v) {
       const double y = (v - camera.cy()) / camera.fy();
       const Eigen::Vector3d over_row = over.col(1) * y + over.col(2);
-      shadeRow(x, over.col(0).data(), over_row.data(), under[0], under[1] * y + under[2], (v - tile.v0) * kTile, colors);
+      shadeRow(x, over.col(0).data(), over_row.data(), under[0], under[1] * y + under[2], (v - tile.v0) * kTile,
+               colors);
     }
   } else {
     double x[kPixels] = {}, y[kPixels] = {}, z[kPixels];
