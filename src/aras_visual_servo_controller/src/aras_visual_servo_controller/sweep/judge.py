@@ -65,7 +65,7 @@ def _reason(record, judgement, success):
         names = {Status.JOINT_LIMIT: ", at a joint limit", Status.NEAR_SINGULARITY: ", at a singularity",
                  Status.TARGET_LOST: ", target lost"}
         lacking = judgement.reason.partition(": ")[2].split(", ")
-        return "timed out" + names.get(int(np.argmax(counts)), ", tilt" if "tilt" in lacking else "")
+        return "timed out" + names.get(int(np.argmax(counts)), ", tilt" if lacking[0] == "tilt" else "")
     return last.name.lower().replace("_", " ")
 
 
