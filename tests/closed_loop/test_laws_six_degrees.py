@@ -55,8 +55,12 @@ def test_pose_laws_arrive_whatever_the_pose_comes_from(law, names, pose):
     ids=["broyden, test moves", "broyden, from the goal", "sliding"])
 @pytest.mark.parametrize("focal, depth", [(0.3, 0.3), (-0.3, -0.3), (0.3, -0.3), (-0.3, 0.3)])
 def test_thirty_percent_of_focal_length_and_depth_do_not_matter(scenario, changes, focal, depth):
-    """Coordinates that are believed to be 0.7 times as large ask for thresholds of that size."""
-    changes = {**changes, "servo.thresholds": {"points4": 0.0002}}
+    """Coordinates that are believed to be 0.7 times as large ask for thresholds of that size.
+
+    The stop rule believes the camera to be up to 1.3 times as far from the goal in depth, and as much again in focal
+    length.
+    """
+    changes = {**changes, "servo.thresholds": {"points4": 0.0002}, "servo.stop": {"position_m": 0.0006 * 1.3 * 1.3}}
     wrong = perturbed(load_scenario(scenario, changes), {"focal_error": focal, "z_star_error": depth})
     assert_arrives(run_in_process(wrong))
 

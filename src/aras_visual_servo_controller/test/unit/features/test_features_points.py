@@ -103,14 +103,14 @@ OUTLINE4 = np.array([[-0.09, -0.045], [0.10, -0.03], [0.06, 0.03], [-0.07, 0.04]
 @pytest.mark.parametrize("point_depth", ["plane", "goal"])
 def test_law_takes_the_depth_it_is_told(point_depth):
     law, here = law_of(point_depth), view(HERE, OUTLINE4)
-    twist, _, e, _, _ = law.step(look_at(here.features, 0.0, plane_of(HERE)))
+    answer = law.step(look_at(here.features, 0.0, plane_of(HERE)))
     seen = view(HERE if point_depth == "plane" else GOAL, OUTLINE4).features
     plane = plane_of(HERE if point_depth == "plane" else GOAL)
     over_Z = [float(plane @ [x, y, 1.0]) for x, y in zip(seen.point_x, seen.point_y)]
     rows = []
     for x, y, d in zip(here.features.point_x, here.features.point_y, over_Z):
         rows += [[-d, 0.0, x * d, x * y, -1.0 - x * x, y], [0.0, -d, y * d, 1.0 + y * y, -x * y, -x]]
-    np.testing.assert_allclose(twist, -2.0 * np.linalg.pinv(rows) @ e, atol=1e-9)  # condition of about 100
+    np.testing.assert_allclose(answer.twist, -2.0 * np.linalg.pinv(rows) @ answer.e, atol=1e-9)  # condition of about 100
 
 
 def test_number_of_points_that_changes_is_refused():

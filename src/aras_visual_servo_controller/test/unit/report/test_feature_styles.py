@@ -120,7 +120,7 @@ def test_lines_at_one_height_take_turns():
 
 def test_an_error_is_shown_with_the_digits_of_its_threshold():
     row = table_of(record_of("six_dof_points"))[0]
-    assert row[2] == "0.0003" and re.fullmatch(r"[+-]\d\.\d{6}", row[1])
+    assert row[2] == "0.0005" and re.fullmatch(r"[+-]\d\.\d{6}", row[1])
 
 
 @pytest.mark.parametrize("name, columns", [

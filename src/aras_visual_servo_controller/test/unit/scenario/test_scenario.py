@@ -72,9 +72,11 @@ def test_the_free_camera_sees_the_scene_of_the_arm_from_the_same_goal():
 @pytest.mark.parametrize("name, may_differ", [
     ("experiment_1_paper", {"sim.cameras", "vision.segmentation", "vision.threshold", "vision.object_grey",
                             "vision.background_grey", "servo.law", "servo.mode", "servo.gains_per_s",
-                            "servo.sample_time_s", "servo.thresholds", "experiment.judge"}),
+                            "servo.sample_time_s", "servo.thresholds", "servo.stop", "experiment.teach_images",
+                            "experiment.judge"}),
     ("experiment_1_binary", {"sim.cameras", "vision.segmentation", "vision.threshold", "vision.object_grey",
-                             "vision.background_grey", "servo.thresholds", "servo.hold_s", "experiment.judge"}),
+                             "vision.background_grey", "servo.thresholds", "servo.hold_s", "servo.stop",
+                             "experiment.judge"}),
 ])
 @pytest.mark.parametrize("number", ["1", "2"])
 def test_a_variant_differs_from_its_experiment_only_where_it_says(number, name, may_differ):

@@ -173,10 +173,8 @@ TEST(Round, OutlinesAreWithinATwentiethOfAPixelOfThoseOfTheBody) {
         if (corners == 4) {
           EXPECT_GT(drawn, 0.98);
         }
-        if (corners == 0) {  // the outline may bulge into a pixel without holding a corner
-          EXPECT_LT(drawn, 0.25);
-        }
-        if (corners == 0 || corners == 4) continue;
+        // The outline may bulge into a pixel, or the body lie within it, without holding a corner.
+        if (corners == 4 || (corners == 0 && drawn == 0.0)) continue;
         int inside = 0;
         for (int k = 0; k < kFine * kFine; ++k) {
           const double a = (k % kFine + 0.5) / kFine - 0.5, b = (k / kFine + 0.5) / kFine - 0.5;  // NOLINT
