@@ -190,7 +190,8 @@ class LostTarget:
             places = search_places(self._config, self._direction)
             self._places, self._place, self._until_ns = [X_BH @ exponential(place) for place in places], -1, stamp_ns
         way = None if self._place < 0 else self._way(q)
-        if way is None or stamp_ns >= self._until_ns or self._size(way) < NEAR_PART:  # on; the pattern begins anew
+        if way is None or stamp_ns >= self._until_ns or self._size(way) < NEAR_PART:
+            # Go on to the next place of the search, and from the last place to the first one.
             self._place = (self._place + 1) % len(self._places)
             way = self._way(q)
             self._until_ns = stamp_ns + ceil(1e9 * (PATIENT * self._time_s(way) + WHILE_S))

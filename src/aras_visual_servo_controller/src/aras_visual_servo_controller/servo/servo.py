@@ -83,7 +83,7 @@ class Servo:
         return self._source
 
     def why_lost(self, features) -> str:
-        """What is wrong with features that are not fit to servo on, or with None; "": they are."""
+        """Why the servo cannot use these features (None: there are none), in words; an empty text if it can."""
         return "no image" if features is None else self._source.why_lost(features)
 
     def split(self, q, q_dot):
@@ -108,7 +108,7 @@ class Servo:
         return self.reference
 
     def as_reference(self, features, q, z_star_m) -> Reference:
-        """A view as a goal; nothing is changed.
+        """The `Reference` that a view would give as the goal. The servo's own goal stays as it is.
 
         Args:
             features: of the view, whatever reference they have themselves.  q: joint positions there.
@@ -138,14 +138,14 @@ class Servo:
         return self._kinematics.vector(q)
 
     def goal_errors(self, views):
-        """Several views of the goal: (n, k) features as errors from the first, (n, 6) poses they stand for or None."""
+        """How several views of the goal differ from the first: (n, k) errors, (n, 6) poses they stand for or None."""
         values = [self._features.values(View(view)) for view in views]
         errors = np.array([self._features.error(s, values[0], self.config.symmetric_target) for s in values])
         poses = [self._goal_pose.of(e, None) for e in errors]
         return errors, None if poses[0] is None else np.array(poses)
 
     def averaged(self, first, views, q) -> Reference:
-        """The `Reference` by several views of one goal: `first`, and views relative to it; q: (n,) their mean."""
+        """The mean `Reference` of several views of one goal: the first, others relative to it; q: (n,) their mean."""
         view = self._source.mean(views)
         s_star = np.array(self._features.values(View(view)))
         axis_B = self._kinematics.pose(q)[:3, 2].copy()
@@ -278,7 +278,7 @@ class Servo:
         return Command(stamp_ns, {}, velocity), self._record(stamp_ns, self._text, q_dot, self._nans)
 
     def _judge(self, stamp_ns, q, answer, holds_tilt):
-        """(below, ended): whether all errors are below their thresholds; the answer that ends the servo, or None."""
+        """Judge this image: (whether all errors are below their thresholds, the answer that ends the servo or None)."""
         X_BC = self._kinematics.pose(q)
         tilt = self._arm.tilt_of(X_BC) if holds_tilt else None
         pose = answer.pose if answer.pose is not None else self._goal_pose.of(self._e, tilt)

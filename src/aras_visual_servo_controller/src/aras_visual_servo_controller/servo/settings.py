@@ -122,7 +122,7 @@ class ServoSettings(LawSetup):
         return config
 
     def check(self):
-        """What the mode allows."""
+        """Yield a fault for each setting that does not fit the mode."""
         if self.mode != "look_then_move":
             return
         if self.feed_forward is not None or self.track:

@@ -110,7 +110,7 @@ def test_law_takes_the_depth_it_is_told(point_depth):
     rows = []
     for x, y, d in zip(here.features.point_x, here.features.point_y, over_Z):
         rows += [[-d, 0.0, x * d, x * y, -1.0 - x * x, y], [0.0, -d, y * d, 1.0 + y * y, -x * y, -x]]
-    np.testing.assert_allclose(answer.twist, -2.0 * np.linalg.pinv(rows) @ answer.e, atol=1e-9)  # condition of about 100
+    np.testing.assert_allclose(answer.twist, -2.0 * np.linalg.pinv(rows) @ answer.e, atol=1e-9)  # condition: 100
 
 
 def test_number_of_points_that_changes_is_refused():
