@@ -36,7 +36,7 @@ def arm(tmp_path_factory):
 
 
 def answer(graph, service, request=""):
-    return yaml.safe_load(graph.output("rosservice", "call", service, request))
+    return yaml.safe_load(graph.output("rosservice", "call", service, *([request] if request else [])))
 
 
 def moved(graph, *words):

@@ -32,7 +32,8 @@ def tolerances_of(messages):
 
 def point_message(rows):
     """JointTrajectoryPoint of (n, 3) position, velocity, acceleration."""
-    return JointTrajectoryPoint(*(list(map(float, rows[:, k])) for k in range(3)))
+    positions, velocities, accelerations = (list(map(float, rows[:, k])) for k in range(3))
+    return JointTrajectoryPoint(positions=positions, velocities=velocities, accelerations=accelerations)
 
 
 @register("effort_controllers/JointTrajectoryController", "position_controllers/JointTrajectoryController",

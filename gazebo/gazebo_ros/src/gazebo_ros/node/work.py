@@ -2,6 +2,8 @@
 import queue
 import threading
 
+import rospy
+
 LIMIT_S = 60.0  #: wall time after which a caller gives up on the world
 
 
@@ -51,12 +53,12 @@ class Work:
         value, error = None, None
         try:
             value = action()
-        except Exception as caught:  # goes to who asked; what nobody asked for is told by its action
+        except Exception as caught:  # goes to who asked, or to the log: the world goes on
             error = caught
         if answer is not None:
             answer.put((value, error))
         elif error is not None:
-            raise error
+            rospy.logerr("%s: %s" % (type(error).__name__, error))
 
     def close(self):
         self._closed.set()

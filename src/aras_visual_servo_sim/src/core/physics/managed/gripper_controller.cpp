@@ -89,7 +89,8 @@ void GripperController::update(double time_s, double, const std::vector<JointNow
       state_ = State::kStalled;
     }
   }
-  targets.front() = {position_, 0.0, effort_};
+  targets.front().set_point = position_;
+  if (drives().front().type != ControllerType::kPosition) targets.front().effort_limit = effort_;
 }
 
 template <typename Visitor>
