@@ -155,7 +155,7 @@ def test_time_stands_still_while_it_is_paused_and_begins_again_after_a_reset(arm
 def test_two_robots_live_in_their_namespaces(tmp_path_factory):
     with launched(tmp_path_factory.mktemp("ros"), "two.launch") as graph:
         graph.until(lambda: graph.log().count("Started controllers") == 2, "the controllers of both run")
-        assert answer(graph, "/gazebo/get_world_properties")["model_names"][1:] in (["left", "right"], ["right", "left"])
+        assert sorted(answer(graph, "/gazebo/get_world_properties")["model_names"][1:]) == ["left", "right"]
         for name, controller in (("left", "arm_controller"), ("right", "joint_group_effort")):
             listed = answer(graph, "/%s/controller_manager/list_controllers" % name)["controller"]
             assert [each["name"] for each in listed] == ["joint_state_controller", controller]
@@ -166,7 +166,8 @@ def test_two_robots_live_in_their_namespaces(tmp_path_factory):
 
 def test_what_spawned_a_model_with_a_bond_deletes_it_when_it_ends(tmp_path_factory):
     with Graph(tmp_path_factory.mktemp("ros")) as graph:
-        graph.start("roslaunch", "-p", str(graph.port), "gazebo_ros", "empty_world.launch", "gui:=false", "paused:=true")
+        graph.start("roslaunch", "-p", str(graph.port), "gazebo_ros", "empty_world.launch", "gui:=false",
+                    "paused:=true")
         graph.until(lambda: "/gazebo/model_states" in graph.topics(), "the world")
         ball = ("<robot name='ball'><link name='ball'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' "
                 "ixy='0' ixz='0' iyz='0'/></inertial><collision><geometry><sphere radius='0.1'/></geometry></collision>"

@@ -2,6 +2,7 @@
 import numpy
 import pytest
 
+from gazebo_ros.world.description import located
 from gazebo_ros.world.errors import BadValueError, SpawnError, UnknownEntityError
 from gazebo_ros.world.poses import IDENTITY, matrix_of, quaternion_of, rpy_of
 from gazebo_ros.world.world import World
@@ -13,7 +14,8 @@ PENDULUM = """<robot name='pendulum'>
   <link name='world'/>
   <joint name='to_world' type='fixed'><parent link='world'/><child link='base'/></joint>
   <link name='base'>%(inertial)s</link>
-  <link name='arm'>%(inertial)s<visual><origin xyz='0 0 0.2'/><geometry><box size='0.1 0.1 0.4'/></geometry></visual></link>
+  <link name='arm'>%(inertial)s
+    <visual><origin xyz='0 0 0.2'/><geometry><box size='0.1 0.1 0.4'/></geometry></visual></link>
   <joint name='swing' type='revolute'><parent link='base'/><child link='arm'/><axis xyz='0 1 0'/>
     <limit lower='-2' upper='2' effort='50' velocity='5'/></joint>
   <transmission name='t'><joint name='swing'><hardwareInterface>PositionJointInterface</hardwareInterface></joint>
@@ -162,6 +164,14 @@ def test_what_refers_to_nothing_is_ignored_by_name():
                              "<joint name='none'/></transmission></robot>")
     warnings = "\n".join(World().spawn("one", stray).warnings)
     assert "<gazebo reference='ghost'>" in warnings and "<transmission name='u'>: there is no joint 'none'" in warnings
+
+
+def test_files_of_packages_are_found_wherever_they_are():
+    text = """<robot name='r'><mesh filename="package://pack/meshes/a.stl"/><uri> model://box/b.dae</uri>
+              <mesh filename='package://nowhere/c.stl'/></robot>"""
+    found = located(text, {"pack": "/deep/in/pack", "box": "/models/box"}.get)
+    assert 'filename="file:///deep/in/pack/meshes/a.stl"' in found and "<uri> file:///models/box/b.dae" in found
+    assert "package://nowhere/c.stl" in found
 
 
 def test_poses_survive_the_way_there_and_back():

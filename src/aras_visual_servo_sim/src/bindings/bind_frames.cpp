@@ -99,8 +99,7 @@ void bindFrames(py::module_& module, py::class_<Simulation>& type) {
           },
           py::arg("camera") = "camera", "\"rgb8\", \"bgr8\" or \"mono8\".")
       .def(
-          "trigger",
-          [](Simulation& self, const std::string& camera) { self.trigger(self.cameras().index(camera)); },
+          "trigger", [](Simulation& self, const std::string& camera) { self.trigger(self.cameras().index(camera)); },
           py::arg("camera") = "camera", "Asks a triggered camera for one frame, the next of its schedule.");
   type.def("frame", &frame, py::arg("camera") = "camera",
            "Renders as render does, and returns the image with what was true when it was exposed.\n\n"

@@ -9,6 +9,7 @@ from .beat import NEVER_NS
 from .cameras import Cameras
 from .controller_manager import ControllerManager
 from .convert import stamp
+from .folders import Folders
 from .gazebo_services import GazeboServices
 from .state_topics import StateTopics
 from .work import Work
@@ -31,7 +32,7 @@ class Server:
             settings: WorldSettings.
             static_models: names of what the .world file has besides.
         """
-        self.world, self.work, self.paused = World(settings), Work(), paused
+        self.world, self.work, self.paused = World(settings, Folders()), Work(), paused
         self.update_rate_hz = UPDATE_RATE_HZ
         self._static_models = list(static_models)
         self._interfaces = {}

@@ -1,5 +1,6 @@
 """What a URDF says to Gazebo besides what it says to everybody: namespaces of plugins, whether the model is free."""
 import dataclasses
+import re
 import xml.etree.ElementTree as ElementTree
 
 from .errors import SpawnError
@@ -7,6 +8,7 @@ from .errors import SpawnError
 #: Plugins that are part of the simulator, by a piece of their file name.
 CONTROL, CAMERA = "gazebo_ros_control", "camera"
 #: Plugins whose work is done without them.
+NAMED = re.compile(r"(['\">]\s*)(?:package|model)://([^/'\"<]+)")
 NEEDLESS = ("mimic_joint",)
 MOVING = {"revolute": 0, "continuous": 1, "prismatic": 2}
 
@@ -42,6 +44,18 @@ def joined(*parts):
 def text_of(element, key, otherwise=""):
     child = element.find(key)
     return child.text.strip() if child is not None and child.text else otherwise
+
+
+def located(xml, find_folder):
+    """A description whose package:// and model:// names are files.
+
+    Args:
+        find_folder: function of the name of a package or model, returns its folder or None; such names stay.
+    """
+    def path(match):
+        folder = find_folder(match[2])
+        return match[0] if folder is None else match[1] + "file://" + folder
+    return NAMED.sub(path, xml)
 
 
 def read_description(xml, namespace, model):

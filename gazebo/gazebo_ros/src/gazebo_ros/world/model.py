@@ -21,18 +21,16 @@ class Model:
         links: names, in the order of the URDF.
     """
 
-    def __init__(self, name, xml, namespace, pose, settings, begun_ns, packages=None):
+    def __init__(self, name, xml, namespace, pose, settings, begun_ns):
         """
         Args:
             pose: X_WB, (4, 4), of the root link.
             settings: WorldSettings.
-            packages: dict of package name -> folder; None: as ROS finds them.
         Raises:
             SpawnError: everything that is wrong with the URDF.
         """
         self.name, self.namespace, self.begun_ns = name, namespace, begun_ns
         self.description = read_description(xml, namespace, name)
-        self.xml, self._packages = xml, packages
         self.simulation = self._made(settings, pose)
         robot = self._tree = ElementTree.fromstring(self.description.urdf)
         self.links = [link.get("name") for link in robot.findall("link") if link.get("name") != "world"]
@@ -52,7 +50,7 @@ class Model:
         if settings.ground and self.description.collides and not self.description.fixed:
             config["contacts"] = {"ground_plane": {}}
         try:
-            return Simulation(self.description.urdf, config, {}, self._packages)
+            return Simulation(self.description.urdf, config, {})
         except ArasError as error:
             raise SpawnError("SpawnModel: model '%s' cannot be simulated: %s" % (self.name, error)) from error
 

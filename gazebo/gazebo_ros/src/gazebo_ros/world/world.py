@@ -3,6 +3,7 @@ import dataclasses
 
 import numpy
 
+from .description import located
 from .errors import BadValueError, SpawnError, UnknownEntityError
 from .model import Model
 from .poses import IDENTITY
@@ -30,10 +31,14 @@ class World:
         models: dict of name -> Model, in the order in which they were spawned.
     """
 
-    def __init__(self, settings=None, packages=None):
+    def __init__(self, settings=None, find_folder=lambda name: None):
+        """
+        Args:
+            find_folder: where a package:// or model:// of this name is, None if nowhere.
+        """
         self.settings = settings or WorldSettings()
         self.models = {}
-        self._packages = packages
+        self._find_folder = find_folder
         self._ticks = 0
 
     @property
@@ -86,7 +91,7 @@ class World:
         except UnknownEntityError as error:
             raise SpawnError("SpawnModel: reference reference_frame not found, did you forget to scope the link by "
                              "model name?") from error
-        model = Model(name, xml, namespace, X_WF @ pose, self.settings, self.time_ns, self._packages)
+        model = Model(name, located(xml, self._find_folder), namespace, X_WF @ pose, self.settings, self.time_ns)
         self._introduce(model)
         self.models[name] = model
         return model
