@@ -160,7 +160,10 @@ def test_two_robots_live_in_their_namespaces(tmp_path_factory):
             listed = answer(graph, "/%s/controller_manager/list_controllers" % name)["controller"]
             assert [each["name"] for each in listed] == ["joint_state_controller", controller]
         assert answer(graph, "/gazebo/delete_model", "{model_name: left}")["success"]
-        graph.until(lambda: "/left/joint_states" not in graph.topics(), "its topics are gone")
+        services = graph.output("rosservice", "list").split()
+        assert not [each for each in services if each.startswith("/left/controller_manager")]
+        publishers = graph.output("rostopic", "list", "-p").split()
+        assert "/left/joint_states" not in publishers and "/right/joint_states" in publishers
         assert answer(graph, "/right/controller_manager/list_controllers")["controller"]
 
 
