@@ -102,7 +102,7 @@ TEST(TrajectoryController, AGoalMayLiftTolerancesOrTightenThem) {
   follower.pursue(to(2.5, 0.0, 0.05), loose);
   follower.run(0.2);
   EXPECT_EQ(follower.arm().goalState(), GoalState::kActive);
-  GoalTolerances tight;
+  GoalTolerances tight = loose;  // of a, which is still on its way
   tight.goal["b"] = {1e-12, 0.0, 0.0};
   tight.goal_time_s = 0.01;
   follower.pursue(to(2.5, 0.1, 2.0), tight);
