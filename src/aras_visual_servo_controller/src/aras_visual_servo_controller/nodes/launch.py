@@ -44,6 +44,8 @@ def run_over_ros(scenario, results_dir, arguments=(), verbose=False, namespace=N
         Interrupted: by a signal; what was recorded is in a closed bag.
     """
     environment = marked(_environment(dict(os.environ)))
+    if environment.get("PYTHONPATH"):  # nodes run in another folder, and must find the same modules
+        environment["PYTHONPATH"] = os.pathsep.join(map(os.path.abspath, environment["PYTHONPATH"].split(os.pathsep)))
     before = _folders(Path(results_dir) / scenario.name)
     if namespace is not None:
         arguments = [*arguments, f"ns:={namespace}", "side_by_side:=true"]

@@ -75,7 +75,7 @@ def test_over_ros_the_launch_gets_the_overrides(tmp_path, monkeypatch):
 def test_the_launch_file_loads_what_a_scenario_extends_and_what_set_says():
     said = subprocess.run(["roslaunch", "--dump-params", "aras_visual_servo_controller", "servo.launch",
                            "scenario:=experiment_2", "set:=sim.seed=3 servo.gains_per_s.xn=1.5"], check=True,
-                          stdout=subprocess.PIPE, timeout=60).stdout
+                          stdout=subprocess.PIPE, timeout=240).stdout
     found = yaml.safe_load(said)
     expected = load_scenario("experiment_2", {"sim.seed": 3, "servo.gains_per_s.xn": 1.5}).as_dict()
     scenario = found["/aras_visual_servo/scenario"]
@@ -97,7 +97,7 @@ COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1))
 _aras_rosrun
 printf '%s\\n' "${{COMPREPLY[@]}}"
 """
-    return subprocess.run(["bash", "-c", script], stdout=subprocess.PIPE, check=True, timeout=60,
+    return subprocess.run(["bash", "-c", script], stdout=subprocess.PIPE, check=True, timeout=240,
                           env={**os.environ, "COMP_WORDBREAKS": " \t\n\"'><=;|&(:"}).stdout.decode().split()
 
 
