@@ -1,11 +1,10 @@
 """A scenario to begin with: it extends another one, and every key that it may change stands there with its meaning."""
 
-import re
 import textwrap
 
 from ..config.tables import allowed_of, flow, section_of
 from .scenario import load_scenario
-from .schema import NAME, scenario_schema
+from .schema import scenario_schema
 
 HEAD = """\
 # {name}: a scenario that says only in what it differs from {base}.
@@ -38,12 +37,6 @@ def starter(name, base="experiment_1"):
         meaning = _first(sections[section]) or WHAT[section]
         lines += ["", *_wrapped(meaning, ""), f"#{section}:", *_keys(sections[section], said.get(section, {}), "  ")]
     return "\n".join(lines) + "\n"
-
-
-def allowed_name(name):
-    """Pattern that the name of a scenario must match, "" if it does."""
-    import re
-    return "" if re.fullmatch(NAME, name) else NAME
 
 
 def _keys(schema, said, indent):
