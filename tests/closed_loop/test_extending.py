@@ -28,7 +28,7 @@ def block(language):
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """A folder with my_servo.py and mine.yaml in it, where Python looks for modules; what it registers is forgotten afterwards."""
+    """A folder with both files in it, where Python looks for modules; what it registers is forgotten afterwards."""
     from aras_visual_servo_controller.features import base as features
     from aras_visual_servo_controller.laws import base as laws
 

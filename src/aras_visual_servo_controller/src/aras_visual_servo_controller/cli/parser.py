@@ -18,7 +18,7 @@ def command_parser(prog, description, examples):
 
 
 def parse(parser, argv=None):
-    """The arguments; first, if the shell asks for it, what the word under the cursor may become (python3-argcomplete)."""
+    """The arguments; or, if the shell asks for it, what the word under the cursor may become (python3-argcomplete)."""
     try:
         import argcomplete
     except ImportError:  # nothing but the completion is missing then

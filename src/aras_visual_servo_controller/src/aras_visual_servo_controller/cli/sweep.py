@@ -18,7 +18,7 @@ from ..ground.processes import Interrupted
 
 FOLDER = "sweeps"
 SWEEP_EXAMPLES = (("experiment_1 --starts 200", "200 starts, on every core"),
-                  ("experiment_1 --starts 200 --set servo.law=paper --name paper", "another law, in a folder of its own"),
+                  ("experiment_1 --starts 200 --set servo.law=paper --name paper", "another law, in a named folder"),
                   ("experiment_1 --resume", "go on where the newest one was interrupted"))
 RERUN_EXAMPLES = (("17", "run 17 of the newest sweep once more, with a report"),
                   ("17 --sweep results/sweeps/experiment_1/STAMP", "of this one"))

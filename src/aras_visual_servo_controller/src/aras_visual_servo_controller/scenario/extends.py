@@ -63,7 +63,7 @@ def _load(path, way):
 def merge(base, changes):
     """What `base` becomes by `changes`, a new document. Neither is changed.
 
-    Sections are merged key by key; `null` takes a key away; any other value, a list too, takes the place of the old one.
+    Sections are merged key by key; `null` takes a key away; any other value, a list too, replaces the old one.
     Two rules more: in lists whose entries all have a `name` (cameras, models) the entries are merged by name, and new
     ones come last; and where `servo.features` changes, numbers by feature (gains, thresholds) of features that are
     no longer used go with them.

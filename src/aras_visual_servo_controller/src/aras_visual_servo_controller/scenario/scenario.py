@@ -1,8 +1,8 @@
 """Scenarios: the one file that says what a run is. Loaded and checked without ROS and without a master.
 
 `load_scenario("experiment_1")` reads config/scenarios/experiment_1.yaml of this package, `load_scenario(PATH)` any
-other file. Everything is checked against the schema first (schema.py); every fault is listed with its path, and with the
-line of the file that says it. A scenario may extend another one (extends.py); what is loaded is the whole.
+other file. Everything is checked against the schema first (schema.py); every fault is listed with its path and the line
+of the file. A scenario may extend another one (extends.py); what is loaded is the whole.
 """
 
 import copy
