@@ -130,8 +130,8 @@ TEST(MomentAccuracy, EllipseMatchesItsClosedForms) {
 // Edges along the rows and columns of pixels, where the error of an edge is the same in every pixel. In units of m00
 // l^3, l the longer side, with a tilt of one mrad worth 2e-5 or more.
 TEST(MomentAccuracy, ThirdMomentsDoNotDependOnWhereInThePixelsTheEdgesRun) {
-  constexpr double kThird = 1e-6;  // at pixel centres it would be 4e-5
-  constexpr double kSide = 62.0, kOther = 37.0;
+  constexpr double kThird = 1e-6;  // summed at the centres of pixels it would be 1.3e-5
+  constexpr double kSide = 62.4, kOther = 36.6;
   const CameraIntrinsics camera = testCamera();
   VisionConfig config = testing::usualVision();
   config.order = 4;
@@ -156,8 +156,8 @@ TEST(MomentAccuracy, ThirdMomentsDoNotDependOnWhereInThePixelsTheEdgesRun) {
 // inside.
 TEST(MomentAccuracy, NoiseMovesNoEdgeWhereverInItsPixelsItRuns) {
   constexpr double kSigma = 5.0, kSide = 60.0;
-  constexpr int kImages = 100;
-  // 4 x 60 px of edge, about three pixels across with the deviation 5 / 210, in the mean of 100 images; four of these.
+  constexpr int kImages = 300;
+  // 4 x 60 px of edge, about three pixels across with the deviation 5 / 210, in the mean of all images; four of these.
   const double allowed_px = 4.0 * std::sqrt(4.0 * kSide * 3.0) * kSigma / 210.0 / std::sqrt(1.0 * kImages);
   const CameraIntrinsics camera = testCamera();
   MomentExtractor extractor(camera, testing::usualVision());
