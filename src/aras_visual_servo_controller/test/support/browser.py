@@ -64,6 +64,7 @@ class Browser:
 
     def __exit__(self, *_):
         self._socket.close()
+        self._loop.run_until_complete(asyncio.sleep(0.05))
         self._process.terminate()
         self._process.wait()
         self._loop.close()
@@ -105,7 +106,8 @@ class Browser:
         """Wait until an expression is true, and give its value; AssertionError after the limit."""
         until = time.monotonic() + limit_s
         while True:
-            found = self.value(f"(() => {{ try {{ return {expression}; }} catch {{ return false; }} }})()")
+            found = self.value(f"(() => {{ try {{ const found = {expression}; return typeof found === 'object' ? "
+                               "found !== null : found; } catch { return false; } })()")
             if found:
                 return found
             assert time.monotonic() < until, f"not within {limit_s} s: {expression}; the page said {self.said}"

@@ -62,7 +62,7 @@ export class World {
     const sun = new THREE.DirectionalLight(0xffffff, dark ? 0.7 : 0.5), [x, y, z] = this.about.observer.look_at;
     sun.position.set(x + 1.4, y - 1.1, z + 2.6);
     sun.target.position.set(x, y, z);
-    sun.castShadow = true;
+    sun.castShadow = !this.plain;
     sun.shadow.mapSize.set(1024, 1024);
     Object.assign(sun.shadow.camera, { left: -1.6, right: 1.6, top: 1.6, bottom: -1.6, near: 0.3, far: 7 });
     sun.shadow.bias = -0.0004;
@@ -164,7 +164,7 @@ export class World {
   follow(on) { this.follows = on; if (on && this.last) this.show(this.last); }
 
   size(width, height) {
-    const ratio = Math.min(devicePixelRatio || 1, 2);
+    const ratio = this.plain >= 2 ? 0.6 : Math.min(devicePixelRatio || 1, 2);
     if (this.w === width && this.h === height && this.ratio === ratio) return;
     Object.assign(this, { w: width, h: height, ratio, dirty: true });
     this.renderer.setPixelRatio(ratio);
@@ -181,6 +181,7 @@ export class World {
   draw() {
     if (!this.dirty || !this.w || !this.h) return;
     this.dirty = false;
+    this.pace();
     const { renderer, scene } = this;
     const view = (camera, left, top, width, height) => {
       camera.aspect = width / height;
@@ -194,6 +195,18 @@ export class World {
     const [main, other] = this.swapped ? [this.observer, this.eye] : [this.eye, this.observer];
     view(main, 0, 0, this.w, this.h);
     if (this.second) view(other, ...this.inset());
+  }
+
+  /** Where pictures come slowly, first the shadows go, then resolution: whoever has no graphics card still sees it move. */
+  pace() {
+    const now = performance.now(), took = now - (this.drawn || now);
+    this.drawn = now;
+    this.slow = took > 70 && took < 2000 ? (this.slow || 0) + 1 : Math.max(0, (this.slow || 0) - 1);
+    if (this.slow < 8 || this.plain >= 2) return;
+    this.slow = 0;
+    this.plain = (this.plain || 0) + 1;
+    if (this.plain === 1) this.scene.traverse((one) => { if (one.isLight) one.castShadow = false; });
+    else this.w = 0;   // sized anew
   }
 
   // --- the target by hand -------------------------------------------------------------------------------------------

@@ -119,7 +119,7 @@ def test_the_buttons_pause_step_reset_and_start(serve, tmp_path):
         browser.click("#pause")
         browser.wait(f"aras.model.state.frame > {frame} + 5")
         browser.click("#start")
-        browser.wait("aras.model.state.phase === 'to_goal'")
+        browser.wait("aras.model.state.phase !== 'idle'")
         browser.click("#stop")
         browser.wait("aras.model.state.phase === 'done'")
         browser.click("#reset")
