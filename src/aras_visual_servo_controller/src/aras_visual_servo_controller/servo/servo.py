@@ -112,8 +112,8 @@ class Servo:
         if self.reference is None:
             return servo
         if servo.source is not self._source:
-            raise ParameterError(f"features: found {', '.join(servo.feature_names)}, which another source makes; allowed "
-                                 "before the next reset: features of the source that the goal was taught with")
+            raise ParameterError(f"features: found {', '.join(servo.feature_names)}, which another source makes; "
+                                 "allowed before the next reset: features of the source that the goal was taught with")
         reference = self.reference
         if servo.feature_names != self.feature_names:
             reference = replace(reference, s_star=np.array(servo._features.values(View(reference.view)), dtype=float))
