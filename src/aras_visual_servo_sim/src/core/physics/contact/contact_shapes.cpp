@@ -90,8 +90,7 @@ void ContactShapes::add(int body, const Geometry& geometry, const Pose& X_BS) {
   const bool long_one = cone || geometry.type == Geometry::Type::kCylinder;
   const bool round = long_one || geometry.type == Geometry::Type::kSphere;
   if ((geometry.type == Geometry::Type::kBox && !(geometry.size_m.minCoeff() > 0.0)) ||
-      (round && !(geometry.radius_m > 0.0)) ||
-      (long_one && !(geometry.length_m > 0.0))) {
+      (round && !(geometry.radius_m > 0.0)) || (long_one && !(geometry.length_m > 0.0))) {
     throw ModelError("collision shape: found a size that is not positive, must be > 0");
   }
   auto shape = std::make_unique<Shape>();
