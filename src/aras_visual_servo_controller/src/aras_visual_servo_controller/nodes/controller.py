@@ -29,6 +29,7 @@ from ..arm.float_commands import SetPointIntegrator
 from .null_space_topic import NullSpaceTopic
 from ..run.pairing import StampPairer
 from .parameters import ControllerSetup
+from .tuning import Tuning
 from ..run.session import Session
 from ..ground.types import Reference, ServoRecord, Status
 
@@ -102,6 +103,7 @@ class ControllerNode:
         self._server.start()
         rospy.Service("teach", Teach, self._on_teach)
         rospy.Service("stop", Trigger, self._on_stop)
+        self._tuning = Tuning(self._servo, self._lock)
         rospy.Subscriber("joint_states", convert.LazyJointState, self._on_joints, tcp_nodelay=True)
         source = self._servo.source
         rospy.Subscriber(source.topic, convert.message_class(source.message), self._on_features, tcp_nodelay=True)
@@ -246,10 +248,10 @@ class ControllerNode:
             self._publish_state(record)
             self._finish(record)
 
-    def _on_stop(self, _request):
+    def _on_stop(self, request):
         with self._lock:
             was_active = self._session.active
-            self._stop("stopped by service")
+            self._stop(f"stopped by {request._connection_header.get('callerid', 'a service call')}")
             return TriggerResponse(True, "stopped" if was_active else "there was no goal; the arm stands still")
 
     def _on_teach(self, request):
