@@ -8,11 +8,11 @@ import math
 import numpy as np
 
 from ..ground.errors import ArasError
+from ..live.view.projection import standpoint
 from ..scenario.scenario import scenario_from_dict
 from ..config.files import package_paths
 
 NAME = "observer"
-AZIMUTH, ELEVATION = math.radians(-45.0), math.radians(11.0)   # direction from the target to the observer
 FIELD_RAD = 0.95                                               # horizontal field of view
 FLOOR_RGB, TABLE_RGB, BACKGROUND_RGB, ZENITH_RGB = [186, 191, 199], [240, 238, 232], [222, 228, 236], [150, 172, 200]
 # A lamp behind the observer's right shoulder, so low that the gantry's shadow misses the arm, and a weak one without
@@ -24,9 +24,6 @@ LIGHTING = {
                 "specular_rgb": [150, 150, 150]},
                {"name": "fill", "type": "directional", "direction": [0.3, 0.9, -0.4], "color_rgb": [60, 64, 70],
                 "casts_shadows": False}]}
-# The picture shows this much of the arm above the camera, as a multiple of the height of the camera over the target.
-REACH = 1.4
-MARGIN = 1.75    # distance of the observer, as a multiple of the height of what it looks at
 
 
 class ObserverError(ArasError):
@@ -85,15 +82,6 @@ class Observer:
         """The view with the joints at q, (m,) in the record's order: uint8 (height, width, 3), the caller's own."""
         self._sim.set_joint_positions({name: float(x) for name, x in zip(self._names, q) if math.isfinite(x)})
         return np.array(self._sim.render(NAME))
-
-
-def standpoint(at_C, at_T):
-    """(eye, look_at), (3,) each, world [m]: far enough to see from the target up to the arm above the camera."""
-    height = max(abs(at_C[2] - at_T[2]) * (1.0 + REACH), 0.5)
-    look_at = np.array([(at_C[0] + at_T[0]) / 2, (at_C[1] + at_T[1]) / 2, min(at_C[2], at_T[2]) + 0.47 * height])
-    away = np.array([math.cos(ELEVATION) * math.cos(AZIMUTH), math.cos(ELEVATION) * math.sin(AZIMUTH),
-                     math.sin(ELEVATION)])
-    return look_at + MARGIN * height * away, look_at
 
 
 def with_stand(urdf_xml, eye, look_at):
