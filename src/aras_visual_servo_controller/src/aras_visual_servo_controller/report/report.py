@@ -28,7 +28,7 @@ from ..run.judge import judge, tracking
 from ..run.record import STOP_NAMES, TWIST_NAMES
 from ..servo.stop_rule import StopSettings
 from .rows import comparison_rows, is_number, stop_rows
-from .versions import versions_of
+from .versions import installed_versions
 
 # The results published with the two experiments.
 PUBLISHED = {
@@ -162,7 +162,7 @@ def summarise(record):
         "notes": list(record.notes),
         "real_time_factor": record.real_time_factor,
         "wall_s": record.wall_s,
-        "versions": record.versions or versions_of(record.settings),
+        "versions": {**installed_versions(), **({"opengl": record.opengl} if record.opengl else {})},
     }
 
 
@@ -233,6 +233,9 @@ def format_summary(summary):
         lines.append(f"{'real-time factor':<20}{summary['real_time_factor']:.1f}")
     if summary["run_hash"]:
         lines.append(f"{'run hash':<20}{summary['run_hash']}")
+        if summary["versions"].get("opengl"):
+            lines.append(f"{'':<20}on this kind of processor and with this OpenGL:")
+            lines.append(f"{'':<20}{summary['versions']['opengl']}")
     lines += [f"{'!':<20}{fault}" for fault in summary["faults"]]
     lines += [f"{'note':<20}{note}" for note in summary["notes"]]
     if summary.get("report"):
