@@ -30,7 +30,6 @@ PIECES = {
 }
 #: Functions with less than this part of all instructions are not kept: they cannot be what made a piece slower.
 KEPT = 0.0005
-_LINE = re.compile(r"^\s*([\d,]+) \([^)]*\)\s+(.*)$")
 
 
 def count():
@@ -53,7 +52,7 @@ def count():
         run_hash, status, ticks, frames = program.stdout.split()
         if status != "SERVOING":
             raise RuntimeError(f"the frames that are counted end as {status}, allowed SERVOING")
-        inclusive, exclusive = (annotated(parts[0], more) for more in (["--inclusive=yes"], []))
+        exclusive, inclusive = costs_of(parts[0].read_text())
     frames = int(frames)
     total = sum(exclusive.values())
     pieces = {piece: sum(n for name, n in inclusive.items() if name.startswith(function)) if function else total
@@ -65,25 +64,31 @@ def count():
             "functions": {name: round(n / frames) for name, n in exclusive.items() if n > KEPT * total}}
 
 
-def annotated(path, more):
-    """{function: instructions} of a callgrind file, by callgrind_annotate."""
-    text = subprocess.run(["callgrind_annotate", "--threshold=100", *more, str(path)], check=True, capture_output=True,
-                          text=True).stdout
-    found = {}
+def costs_of(text):
+    """({function: its own instructions}, {function: those with everything that it calls}) of a file of callgrind."""
+    names, own, inclusive, function, library, called = {}, {}, {}, "", "", False
     for line in text.splitlines():
-        match = _LINE.match(line)
-        if match and "PROGRAM TOTALS" not in line:
-            name = function_of(match[2])
-            found[name] = max(found.get(name, 0), 0) + int(match[1].replace(",", ""))
-    return found
+        key, _, value = line.partition("=")
+        if key in ("fn", "ob", "cfn", "cob"):  # a name stands where its number comes first
+            number, _, name = value.partition(" ")
+            name = names.setdefault((key[-2:], number), name)
+            library = name if key == "ob" else library
+            function = function_of(name, library) if key == "fn" else function
+        elif key == "calls":
+            called = True
+        elif line[:1].isdigit() or line[:1] in ("+", "-", "*"):
+            cost = int(line.split()[1])
+            inclusive[function] = inclusive.get(function, 0) + cost
+            if not called:
+                own[function] = own.get(function, 0) + cost
+            called = False
+    return own, inclusive
 
 
-def function_of(place):
-    """The function in callgrind's "file:function [library]"; one without a name is called by its library."""
-    place, _, library = place.partition(" [")
-    library = pathlib.Path(library.rstrip("]")).name
-    function = re.sub(r"^(\S*?|\?\?\?):(?!:)", "", place)
-    return f"unnamed in {library}" if re.fullmatch(r"0x[0-9a-f]+", function) else re.sub(r"'\d+$", "", function)
+def function_of(name, library):
+    """The function without marks of recursion; one without a name is called by its library."""
+    unnamed = re.fullmatch(r"0x[0-9a-f]+", name)
+    return f"unnamed in {pathlib.PurePath(library).name}" if unnamed else re.sub(r"'\d+$", "", name)
 
 
 def made_with():

@@ -32,14 +32,31 @@ def test_other_versions_are_named():
     assert f"compiler {FIGURES['made_with']['compiler']} -> cc 99" in last
 
 
-@pytest.mark.parametrize("place,function", [
-    ("???:f::g(int) [/usr/lib/x.so.1]", "f::g(int)"),
-    ("./string/../sysdeps/x86_64/memset.S:__memset_avx2 [/usr/lib/libc.so.6]", "__memset_avx2"),
-    ("???:0x000000000033 [/usr/lib/libopencv_imgproc.so.4.6.0]", "unnamed in libopencv_imgproc.so.4.6.0"),
-    ("???:_PyEval_EvalFrameDefault'2 [/usr/bin/python3.11]", "_PyEval_EvalFrameDefault"),
-])
-def test_functions_have_the_same_name_on_every_machine(place, function):
-    assert counts.function_of(place) == function
+def test_callgrinds_file_is_read_function_by_function():
+    text = """version: 1
+events: Ir
+
+ob=(1) /usr/lib/libours.so
+fl=(1) ours.cpp
+fn=(1) ours::step(int)
+10 100
+cfn=(2) ours::hash()
+calls=3 20
+11 60
+fn=(2)
+20 50
+cfn=(3) 0x0000000000004c80
+calls=3 0
++1 10
+ob=(2) /usr/lib/libtheirs.so
+fn=(3)
+* 10
+fn=(1)
+12 5
+"""
+    own, inclusive = counts.costs_of(text)
+    assert own == {"ours::step(int)": 105, "ours::hash()": 50, "unnamed in libtheirs.so": 10}
+    assert inclusive == {"ours::step(int)": 165, "ours::hash()": 60, "unnamed in libtheirs.so": 10}
 
 
 def test_no_piece_became_slower():
