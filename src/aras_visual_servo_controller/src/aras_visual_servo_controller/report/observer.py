@@ -5,16 +5,13 @@ import math
 import numpy as np
 
 from ..ground.errors import ArasError
+from ..live.view.projection import standpoint
 from ..scenario.scenario import scenario_from_dict
 from ..config.files import package_paths
 
 NAME = "observer"
-AZIMUTH, ELEVATION = math.radians(-45.0), math.radians(11.0)   # direction from the target to the observer
 FIELD_RAD = 0.95                                               # horizontal field of view
 FLOOR_RGB, TABLE_RGB, BACKGROUND_RGB = [204, 208, 214], [236, 236, 232], [226, 231, 238]
-# The picture shows this much of the arm above the camera, as a multiple of the height of the camera over the target.
-REACH = 1.4
-MARGIN = 1.75    # distance of the observer, as a multiple of the height of what it looks at
 
 
 class ObserverError(ArasError):
@@ -65,15 +62,6 @@ class Observer:
         """The view with the joints at q, (m,) in the record's order: uint8 (height, width, 3), the caller's own."""
         self._sim.set_joint_positions({name: float(x) for name, x in zip(self._names, q) if math.isfinite(x)})
         return np.array(self._sim.render(NAME))
-
-
-def standpoint(at_C, at_T):
-    """(eye, look_at), (3,) each, world [m]: far enough to see from the target up to the arm above the camera."""
-    height = max(abs(at_C[2] - at_T[2]) * (1.0 + REACH), 0.5)
-    look_at = np.array([(at_C[0] + at_T[0]) / 2, (at_C[1] + at_T[1]) / 2, min(at_C[2], at_T[2]) + 0.47 * height])
-    away = np.array([math.cos(ELEVATION) * math.cos(AZIMUTH), math.cos(ELEVATION) * math.sin(AZIMUTH),
-                     math.sin(ELEVATION)])
-    return look_at + MARGIN * height * away, look_at
 
 
 def with_stand(urdf_xml, eye, look_at):

@@ -14,7 +14,7 @@ from ..ground.errors import ArasError, ParameterError
 from ..run.judge import pose_error
 from ..arm.robot import robot_kinematics
 from ..run.loop import DEFAULT_LIMIT_S, ServoLoop
-from ..target.outline import Outline
+from ..features.target.outline import Outline
 from ..run.record import RecordBuilder
 from ..run.measures import measures
 from ..run.settings import ExperimentSettings

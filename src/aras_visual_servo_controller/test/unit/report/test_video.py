@@ -12,6 +12,7 @@ pytest.importorskip("cv2")
 pytest.importorskip("aras_visual_servo_sim")
 from aras_visual_servo_controller.features import expand, styles  # noqa: E402
 from aras_visual_servo_controller.features.palette import rgb  # noqa: E402
+from aras_visual_servo_controller.ground.errors import ParameterError  # noqa: E402
 from aras_visual_servo_controller.report import video  # noqa: E402
 from aras_visual_servo_controller.run.judge import run_in_process  # noqa: E402
 from aras_visual_servo_controller.report.observer import Observer, ObserverError, standpoint, with_stand  # noqa: E402
@@ -52,7 +53,7 @@ def test_a_lens_bends_where_features_are_drawn_and_nothing_stays_nothing():
     pixels = video.project(np.array([[0.0, 0.0], [0.5, 0.0], [np.nan, 0.0]]), info)
     assert np.allclose(pixels[0], [50.0, 40.0]) and np.isnan(pixels[2]).all()
     assert pixels[1, 0] == pytest.approx(50 + 100 * 0.5 * (1 - 0.3 * 0.25 + 0.1 * 0.0625))
-    with pytest.raises(video.VideoError, match="no camera_info"):
+    with pytest.raises(ParameterError, match="no camera_info"):
         video.project(pixels, {})
 
 

@@ -36,6 +36,7 @@ class OpenGlRenderer : public Renderer {
 
  private:
   void doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) override;
+  void doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, FineImage& out) override;
 
   class Implementation;
   std::unique_ptr<Implementation> implementation_;

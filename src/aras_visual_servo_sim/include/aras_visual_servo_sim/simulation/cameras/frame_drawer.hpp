@@ -24,9 +24,14 @@ class FrameDrawer {
   const GeometryImage& drawGeometry(Camera& camera, const Pose& X_WC, const Scene& scene, Distance distance);
 
  private:
-  void drawOnce(Camera& camera, const Pose& X_WC, const Scene& scene);
-  void drawMean(Camera& camera, const Moment& present, Scene& scene);
-  void drawLate(Camera& camera, const ExposedFrame& frame, const Scene& now);
+  template <typename Value>
+  void drawOn(ImageOf<Value>& image, const Camera& camera, std::int64_t now, const Pose& X_WC, Scene& scene);
+  template <typename Value>
+  void drawOnce(ImageOf<Value>& image, const Camera& camera, const Pose& X_WC, const Scene& scene);
+  template <typename Value>
+  void drawMean(ImageOf<Value>& image, const Camera& camera, const Moment& present, Scene& scene);
+  template <typename Value>
+  void drawLate(ImageOf<Value>& image, const Camera& camera, const ExposedFrame& frame, const Scene& now);
 
   OpenGlRenderer& openGl(const CameraConfig& camera);
 
