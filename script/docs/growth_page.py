@@ -39,10 +39,14 @@ def slopes(counts, costs):
 
 
 def bend(counts, costs):
-    """The first of the counts from which on one more costs BEND times what it cost up to there; None if there is none."""
-    rise = slopes(counts, costs)
-    for at in range(1, len(rise)):
-        if rise[at] > BEND * max(rise[:at]) and rise[at] > 0.0:
+    """The first of the counts beyond which one more costs over BEND times what it cost on average up to there.
+
+    None if there is none. The first step is no measure for those that follow: it is as small as what it is part of.
+    """
+    for at in range(2, len(counts) - 1):
+        before = (costs[at] - costs[0]) / (counts[at] - counts[0])
+        after = (costs[at + 1] - costs[at]) / (counts[at + 1] - counts[at])
+        if after > BEND * before and after > 0.0:
             return counts[at]
     return None
 
@@ -53,8 +57,8 @@ def series_text(title, what, unit, counts, costs):
     more = ["", *(f"{slope:.3g}" for slope in slopes(counts, costs))]
     lines += [f"| {n} | {cost:.3g} | {extra} |" for n, cost, extra in zip(counts, costs, more)]
     at = bend(counts, costs)
-    lines += ["", f"It bends at {at} {what}: from there on one more costs over {BEND:g} times what it did before." if at
-              else f"It does not bend: one more costs at most {BEND:g} times what it did before."]
+    lines += ["", f"It bends at {at} {what}: beyond, one more costs over {BEND:g} times what it did up to there." if at
+              else f"It does not bend: one more never costs over {BEND:g} times what it did before."]
     return lines
 
 
@@ -67,9 +71,8 @@ def draw_growth(measured, path):
         for _, what, unit, counts, costs in measured.series:
             panel = next(panels)
             panel.plot(counts, costs, "o-", markersize=4)
-            panel.set(xlabel=what, ylabel=unit.partition(",")[0], ylim=(0.0, None))
-            if max(counts) > 1000:
-                panel.set(xscale="log", yscale="log", ylim=(None, None))
+            panel.set(xlabel=what, ylabel=unit.partition(",")[0])
+            panel.set(**{"xscale": "log", "yscale": "log"} if max(counts) > 1000 else {"ylim": (0.0, None)})
             if bend(counts, costs):
                 panel.axvline(bend(counts, costs), linestyle=":", color="#888888")
         panel = next(panels)
@@ -139,9 +142,9 @@ def page(measured):
               for (width, height), cost in sizes.items()]
     pixels, sums = [width * height for width, height in sizes], [sum(cost) for cost in sizes.values()]
     at = bend(pixels, sums)
-    lines += ["", "It bends at %d x %d: from there on a pixel costs over %g times what it did before." %
+    lines += ["", "It bends at %d x %d: beyond, a pixel more costs over %g times what it did up to there." %
               (*list(sizes)[pixels.index(at)], BEND) if at else
-              f"It does not bend: one more pixel costs at most {BEND:g} times what it did before.", "",
+              f"It does not bend: one more pixel never costs over {BEND:g} times what it did before.", "",
               "### Workers of a sweep", "", "| workers | runs / s | of what as many as one would do |", "|---|---|---|"]
     first = next(iter(workers.values()))
     lines += [f"| {n} | {rate:.3g} | {100 * rate / (n * first):.0f} % |" for n, rate in workers.items()]

@@ -96,8 +96,8 @@ def made_with():
     def first_line(*command):
         return subprocess.run(command, capture_output=True, text=True).stdout.splitlines()[0].strip()
 
-    packages = ["libbulletdynamics3.24", "libvisp-dev", "libopencv-dev", "libopenblas0-pthread", "libc6",
-                "python3-numpy", "python3.11", "valgrind"]
+    packages = ["libbullet3.24", "libeigen3-dev", "libvisp-dev", "libopencv-dev", "liborocos-kdl1.5", "libblas3",
+                "liblapack3", "libc6", "python3-numpy", "python3.11", "valgrind"]
     versions = {"compiler": first_line("c++", "--version")}
     for package in packages:
         found = subprocess.run(["dpkg-query", "-W", "-f", "${Version}", package], capture_output=True, text=True)
