@@ -118,8 +118,8 @@ class ServoLoop:
 
         Args:
             z_star_m: depth of the target in this view [m].
-        Returns:
-            (record, features, image) as `step` returns them, of the last of these images, with phase "teach".
+        Yields:
+            (record, features, image) of each of these images, as `step` returns them, with phase "teach".
         Raises:
             ParameterError: the target is not fit for a reference in this view.
         """
@@ -131,9 +131,9 @@ class ServoLoop:
             if self.servo.why_lost(seen):
                 raise ParameterError("target not in view at the goal")
             taught = self.sequence.teach_more(stamp_ns, seen, q, z_star_m)
-        record = ServoRecord(stamp_ns, Status.IDLE, "taught", "teach", joint_names=self.kinematics.joint_names, q=q,
-                             set_point=np.full(len(q), np.nan))
-        return record, features, image
+            record = ServoRecord(stamp_ns, Status.IDLE, "taught", "teach", joint_names=self.kinematics.joint_names, q=q,
+                                 set_point=np.full(len(q), np.nan))
+            yield record, features, image
 
     def use(self, servo):
         """Go on with another servo, of the same kinematics and source of features."""

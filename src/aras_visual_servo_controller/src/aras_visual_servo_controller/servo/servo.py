@@ -308,7 +308,7 @@ class Servo:
         if published:
             below = answer.settled and all([abs(e) < most for e, most in zip(self._e, self.config.thresholds)])
         else:
-            below = answer.settled and self._stop.within()
+            below = answer.settled and not self._stop.lacking
         if not below:
             self._below_ns = None
         elif self._below_ns is None:

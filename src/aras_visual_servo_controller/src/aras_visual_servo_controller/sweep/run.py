@@ -101,10 +101,10 @@ class Bench:
         config = ExperimentSettings.from_dict(loop.scenario.experiment, loop.kinematics)
         loop.place(config.goal.joints, config.settle_s)
         try:
-            record, features, image = loop.teach(config.z_star_m)
+            for record, features, image in loop.teach(config.z_star_m):
+                builder.add_answer(record, loop.camera_pose(), features, image, loop.moving_target_pose())
         except ParameterError as error:
             raise Infeasible(str(error)) from error
-        builder.add_answer(record, loop.camera_pose(), features, image, loop.moving_target_pose())
         loop.place(start.joints, config.settle_s)
         loop.start(servo_only=True)
 
