@@ -6,6 +6,7 @@ run is computed, and then one makes the PNG and the other the PDF.
         save_results(record, folder, drawing=drawing)
 """
 
+import importlib
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from multiprocessing import get_context
@@ -45,9 +46,9 @@ class Drawing:
 
 
 def _prepare():
-    from matplotlib.backends import backend_agg, backend_pdf  # noqa: F401, imported for those who draw
-
-    from . import figure  # noqa: F401
+    """Import what drawing needs."""
+    for name in (f"{__package__}.figure", "matplotlib.backends.backend_agg", "matplotlib.backends.backend_pdf"):
+        importlib.import_module(name)
 
 
 def _draw(record, png_path, pdf_path):
