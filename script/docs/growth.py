@@ -163,12 +163,11 @@ def workers_of(count, run_s, runs):
 SERIES = (
     ("Joints of an arm", "joints", "us a physics step of 1 ms", (6, 12, 18, 24, 36, 48, 60), physics_of),
     ("Boxes that rest on the ground, four contact points each", "boxes", "us a physics step of 1 ms",
-                 (0, 1, 2, 4, 8, 16), contacts_of),
-    ("Cameras of 320 x 240 at 30 Hz", "cameras", "us a frame of all, physics included",
-                (1, 2, 3, 4, 6, 8), cameras_of),
+     (0, 1, 2, 4, 8, 16), contacts_of),
+    ("Cameras of 320 x 240 at 30 Hz", "cameras", "us a frame of all, physics included", (1, 2, 3, 4, 6, 8), cameras_of),
     ("Flat targets in the image, 320 x 240", "targets", "us an image", (1, 2, 4, 8, 16, 32), targets_of),
-    ("Triangles of a mesh in the image, 320 x 240", "triangles", "us an image",
-                  (32, 128, 512, 2048, 8192, 32768), triangles_of),
+    ("Triangles of a mesh in the image, 320 x 240", "triangles", "us an image", (32, 128, 512, 2048, 8192, 32768),
+     triangles_of),
 )
 SIZES = ((160, 120), (320, 240), (640, 480), (1280, 720), (1920, 1080))
 WORKERS = (1, 2, 3, 4, 6, 8)

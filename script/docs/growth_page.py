@@ -2,6 +2,7 @@
 
 A series is (title, what is counted, unit of the cost, counts, costs), all of them by name.
 """
+import textwrap
 from typing import NamedTuple
 
 import matplotlib
@@ -12,6 +13,28 @@ from aras_visual_servo_controller.report.figure import STYLE
 
 #: A series bends where one more costs this many times what it cost before.
 BEND = 1.5
+INTRODUCTION = """
+What a frame costs, how the cost grows, and where it bends. `script/bench --growth` measures all of it and writes this
+page and its pictures; nothing here is typed by hand. `script/bench` measures us beside other programs, and
+`script/test counts` counts instructions, so that no change makes a piece of work slower unseen.
+"""
+METHODS = """
+**Processor time, not the clock.** A figure in us is the time that one thread spent, the least of {repetitions}
+repetitions, so that other programs on the machine change it little.
+
+**In process** is experiment_1 from its first image to its end, 30 images and 1000 physics steps a simulated second,
+with a 320 x 240 rgb8 camera and the whole record. The parts are timed at the doors between them, in a run of their
+own, because the clock costs time too.
+
+**Over ROS** two runs with their bags are compared, of which one holds the goal 20 s longer: what each process used
+more, over the images more. So starting, importing and the report do not count.
+
+**Arms** are generated chains, every joint with a PID controller. **Scenes** are those of `script/bench`: a table that
+fills the view, and a flat target on it.
+
+**Workers** are processes that are busy as long as a run takes on a core of its own, by sleeping: so a cluster of eight
+cores can be simulated on fewer, and what is measured is how far handing out and saving runs keeps up.
+"""
 
 
 class Measured(NamedTuple):
@@ -107,34 +130,25 @@ def draw_budget(frames, path):
         figure.savefig(path, dpi=110, metadata={"Software": None})
 
 
+def filled(text, bullet=""):
+    """The lines of a paragraph."""
+    return textwrap.wrap(" ".join(text.split()), 125, initial_indent=bullet, subsequent_indent=" " * len(bullet))
+
+
 def page(measured):
     """Text of docs/performance.md."""
     sizes, workers, frames, whole_us = measured.sizes, measured.workers, measured.frames, measured.whole_us
-    lines = [
-        "# Performance", "",
-        "What a frame costs, how the cost grows, and where it bends. `script/bench --growth` measures all of it and writes this page",
-        "and its pictures; nothing here is typed by hand. `script/bench` measures us beside other programs, and `script/test counts`",
-        "counts instructions, so that no change makes a piece of work slower unseen.", "",
-        f"Measured on {measured.machine}.", "", "## How each figure is taken", "",
-        "- **Processor time, not the clock.** A figure in us is the time that one thread spent, the least of "
-        f"{measured.repetitions} repetitions, so that other",
-        "  programs on the machine change it little.",
-        "- **In process** is experiment_1 from its first image to its end, 30 images and 1000 physics steps a simulated second, with a",
-        "  320 x 240 rgb8 camera and the whole record. The parts are timed at the doors between them, in a run of their own, because the",
-        "  clock costs time too.",
-        "- **Over ROS** two runs with their bags are compared, of which one holds the goal 20 s longer: what each process used more,",
-        "  over the images more. So starting, importing and the report do not count.",
-        "- **Arms** are generated chains, every joint with a PID controller. **Scenes** are those of `script/bench`: a table that fills the",
-        "  view, and a flat target on it.",
-        "- **Workers** are processes that are busy as long as a run takes on a core of its own, by sleeping: so a cluster of eight cores",
-        "  can be simulated on fewer, and what is measured is how far handing out and saving runs keeps up.", "",
-        "## Where a frame goes", "", "![Budget of a frame](images/frame_budget.png)", ""]
+    lines = ["# Performance", "", *filled(INTRODUCTION), "", f"Measured on {measured.machine}.", "",
+             "## How each figure is taken", ""]
+    for entry in METHODS.format(repetitions=measured.repetitions).strip().split("\n\n"):
+        lines += filled(entry, "- ")
+    lines += ["", "## Where a frame goes", "", "![Budget of a frame](images/frame_budget.png)", ""]
     for title, parts in frames.items():
         lines += [f"| {title} | us a frame |", "|---|---|",
                   *(f"| {part} | {us:.0f} |" for part, us in sorted(parts.items(), key=lambda item: -item[1])),
                   f"| sum | {sum(parts.values()):.0f} |", ""]
-    lines += [f"Without clocks between the parts a frame in process costs {whole_us:.0f} us: {1e6 / 30.0 / whole_us:.0f} times real "
-              "time.", "", "## How it grows", "", "![Growth](images/growth.png)", ""]
+    lines += [f"Without clocks between the parts a frame in process costs {whole_us:.0f} us: "
+              f"{1e6 / 30.0 / whole_us:.0f} times real time.", "", "## How it grows", "", "![Growth](images/growth.png)", ""]
     for one in measured.series:
         lines += series_text(*one) + [""]
     lines += ["### Image size", "", "| image | render [us] | features [us] | both, ns a pixel |", "|---|---|---|---|"]
