@@ -148,7 +148,8 @@ def page(measured):
                   *(f"| {part} | {us:.0f} |" for part, us in sorted(parts.items(), key=lambda item: -item[1])),
                   f"| sum | {sum(parts.values()):.0f} |", ""]
     lines += [f"Without clocks between the parts a frame in process costs {whole_us:.0f} us: "
-              f"{1e6 / 30.0 / whole_us:.0f} times real time.", "", "## How it grows", "", "![Growth](images/growth.png)", ""]
+              f"{1e6 / 30.0 / whole_us:.0f} times real time.", "",
+              "## How it grows", "", "![Growth](images/growth.png)", ""]
     for one in measured.series:
         lines += series_text(*one) + [""]
     lines += ["### Image size", "", "| image | render [us] | features [us] | both, ns a pixel |", "|---|---|---|---|"]
