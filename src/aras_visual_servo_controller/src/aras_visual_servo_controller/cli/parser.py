@@ -2,17 +2,19 @@
 
 import argparse
 
-PREFIX = "rosrun aras_visual_servo_controller"
+PACKAGE = "aras_visual_servo_controller"
+PREFIX = f"rosrun {PACKAGE}"
 #: Where completion offers names: an argument of this name is completed by this function.
 _COMPLETE = {"scenario": lambda prefix: _scenarios(prefix), "overrides": lambda prefix: _keys(prefix)}
 
 
-def command_parser(prog, description, examples):
+def command_parser(prog, description, examples, package=PACKAGE):
     """Parser of a command.
 
     Args: prog: its name.  examples: lines to type, (arguments, what they do) each; shown at the end of --help.
+        package: that has the command.
     """
-    text = "\n".join(f"  # {what}\n  {PREFIX} {prog} {line}" for line, what in examples)
+    text = "\n".join(f"  # {what}\n  rosrun {package} {prog} {line}" for line, what in examples)
     return argparse.ArgumentParser(prog=prog, description=description, epilog=f"examples:\n{text}",
                                    formatter_class=_Help)
 

@@ -67,6 +67,10 @@ class ExperimentSequence:
         self._e, self._speed = self._no_features, np.inf
         self._dt_s = self.config.image_period_s
 
+    def use(self, servo) -> None:
+        """Go on with another servo, which has the goal of the one before it (`Servo.retuned`)."""
+        self._servo, self._e = servo, np.full(len(servo.feature_names), nan)
+
     @property
     def done(self) -> bool:
         """True once `result` is there."""

@@ -13,6 +13,7 @@ that see tilt (`FeatureSet.sees_tilt`) turn it themselves.
 Nothing moves on data that is missing, not valid, late or not finite: zero velocity, and a status that says why.
 """
 
+from dataclasses import replace
 from math import expm1, inf, isfinite, nan
 from typing import Mapping, Optional, Tuple
 
@@ -100,6 +101,27 @@ class Servo:
     def configure(self, law="", gains_per_s=(), thresholds=(), time_limit_s=0.0) -> None:
         """Override the scenario's values from the next start on; empty or 0 takes the scenario's. ParameterError."""
         self.config = self._scenario_config.with_overrides(law, gains_per_s, thresholds, time_limit_s)
+
+    def retuned(self, config: Mapping) -> "Servo":
+        """A servo with other settings that goes on where this one is: same goal, same time limit, same state.
+
+        Args: config: the scenario's section `servo` (dict). Raises: ParameterError: a fault of it, or the goal was
+        taught for features that do not tell what the new ones need.
+        """
+        servo = Servo(self._kinematics, config)
+        if self.reference is None:
+            return servo
+        if servo.source is not self._source:
+            raise ParameterError(f"features: found {', '.join(servo.feature_names)}, which another source makes; "
+                                 "allowed before the next reset: features of the source that the goal was taught with")
+        reference = self.reference
+        if servo.feature_names != self.feature_names:
+            reference = replace(reference, s_star=np.array(servo._features.values(View(reference.view)), dtype=float))
+        servo.set_reference(reference)
+        if self.status != Status.IDLE:
+            servo.start(self._start_ns)
+            servo.status, servo._text = self.status, self._text
+        return servo
 
     def teach(self, features, q, z_star_m) -> Reference:
         """Make a view the goal. Args and errors: those of `as_reference`."""
@@ -286,7 +308,7 @@ class Servo:
         if published:
             below = answer.settled and all([abs(e) < most for e, most in zip(self._e, self.config.thresholds)])
         else:
-            below = answer.settled and self._stop.within()
+            below = answer.settled and not self._stop.lacking
         if not below:
             self._below_ns = None
         elif self._below_ns is None:

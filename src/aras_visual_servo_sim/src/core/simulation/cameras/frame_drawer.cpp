@@ -17,7 +17,7 @@ Scene sceneOf(const ExposedFrame& frame, const Scene& now) { return frame.models
 
 FrameDrawer::FrameDrawer() : coverage_(std::make_unique<CoverageRenderer>()) {}
 
-OpenGlRenderer& FrameDrawer::openGl(const CameraConfig& camera) {
+OpenGlRenderer& FrameDrawer::openGlFor(const CameraConfig& camera) {
   const bool egl = camera.gl == "egl";
   std::unique_ptr<OpenGlRenderer>& renderer = egl ? egl_ : osmesa_;
   if (!renderer) {
@@ -25,6 +25,15 @@ OpenGlRenderer& FrameDrawer::openGl(const CameraConfig& camera) {
         std::make_unique<OpenGlRenderer>(egl ? OpenGlRenderer::Platform::kEgl : OpenGlRenderer::Platform::kOsmesa);
   }
   return *renderer;
+}
+
+std::string FrameDrawer::openGl() const {
+  std::string found;
+  for (const OpenGlRenderer* renderer : {osmesa_.get(), egl_.get()}) {
+    if (!renderer || renderer->drewWith().empty()) continue;
+    found += (found.empty() ? "" : "; ") + renderer->drewWith();
+  }
+  return found;
 }
 
 const Image& FrameDrawer::draw(Camera& camera, std::int64_t now, const Pose& X_WC, Scene& scene) {
@@ -61,7 +70,7 @@ void FrameDrawer::drawOnce(ImageOf<Value>& image, const CameraModel& camera, con
   const CameraConfig& config = camera.config();
   if (config.renderer != "opengl") return coverage_->render(camera, X_WC, scene, image);
   try {
-    openGl(config).render(camera, X_WC, scene, image);
+    openGlFor(config).render(camera, X_WC, scene, image);
   } catch (const RenderError& error) {
     throw RenderError("camera '" + config.name + "': " + error.what());
   }

@@ -9,8 +9,8 @@ from math import log
 
 import numpy as np
 
-from ..ground.errors import DegenerateFeature
-from ..ground.spatial import exponential
+from ...ground.errors import DegenerateFeature
+from ...ground.spatial import exponential
 
 ORDER = 4  # of the predicted moments: rows of third order need it
 _I, _J = np.array([(i, k - i) for k in (2, 3) for i in range(k, -1, -1)]).T

@@ -7,7 +7,8 @@ from views import exponential, tilted_pose
 from toy_plant import OUTLINE
 
 from aras_visual_servo_controller.ground.errors import DegenerateFeature
-from aras_visual_servo_controller.target.points_pose import PlanarPoints, corners_clockwise, find_corners, homography
+from aras_visual_servo_controller.features.target.points_pose import (PlanarPoints, corners_clockwise, find_corners,
+                                                                      homography)
 from aras_visual_servo_controller.ground.spatial import rotation_vector
 
 SEEDS = (1, 2, 3, 4)

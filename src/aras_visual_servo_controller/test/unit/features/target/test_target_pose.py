@@ -7,11 +7,11 @@ from toy_plant import OUTLINE, Camera
 
 from aras_visual_servo_controller.features import interaction
 
-from aras_visual_servo_controller.target import target_pose
+from aras_visual_servo_controller.features.target import target_pose
 from aras_visual_servo_controller.ground.errors import DegenerateFeature, ParameterError
 from aras_visual_servo_controller.laws.base import LawSetup, make_law
 from aras_visual_servo_controller.ground.spatial import rotation_vector
-from aras_visual_servo_controller.target.target_pose import PlanarTarget, measures_of
+from aras_visual_servo_controller.features.target.target_pose import PlanarTarget, measures_of
 from aras_visual_servo_controller.ground.types import Reference
 
 SEEDS = (1, 2, 3, 4)

@@ -7,9 +7,9 @@ from math import inf, tan
 
 import numpy as np
 
-from ..ground.errors import ParameterError
-from ..ground.spatial import inverse, rotation_rpy
-from ..config.files import load_yaml, resolve_uri
+from ...ground.errors import ParameterError
+from ...ground.spatial import inverse, rotation_rpy
+from ...config.files import load_yaml, resolve_uri
 
 
 class Outline:

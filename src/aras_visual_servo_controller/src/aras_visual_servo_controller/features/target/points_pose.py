@@ -9,8 +9,8 @@ from math import isfinite
 
 import numpy as np
 
-from ..ground.errors import DegenerateFeature, NotFiniteError
-from ..ground.spatial import exponential
+from ...ground.errors import DegenerateFeature, NotFiniteError
+from ...ground.spatial import exponential
 
 #: Largest residual of a coordinate at which a pose is accepted [-]: four pixels at f = 200 px; the noise of corners is
 #: below half a pixel.
