@@ -11,8 +11,8 @@ from emva1288.process.loader import LoadImageData  # noqa: E402
 from emva1288.process.results import Results1288  # noqa: E402
 
 WIDTH, HEIGHT = 320, 240
-GIVEN = {"quantum_efficiency": 0.6, "system_gain_dn_per_e": 0.0275, "saturation_capacity_e": 9000.0, "dark_noise_e": 40.0,
-         "dark_current_e_per_s": 20000.0, "prnu": 0.015, "dsnu_e": 60.0, "black_level_dn": 20.0}
+GIVEN = {"quantum_efficiency": 0.6, "system_gain_dn_per_e": 0.0275, "saturation_capacity_e": 9000.0,
+         "dark_noise_e": 40.0, "dark_current_e_per_s": 20000.0, "prnu": 0.015, "dsnu_e": 60.0, "black_level_dn": 20.0}
 SPATIAL_S = 0.02
 PHOTONS_PER_S = 4.0e5
 #: Electrons of light with which the largest number, 255, is reached: those of heat come on top.
@@ -33,8 +33,9 @@ def _points():
 def found(tmp_path_factory):
     points = list(_points())
     file = tmp_path_factory.mktemp("emva") / "images.npz"
-    ours.light(GIVEN, WIDTH, HEIGHT, file, [{"exposure_s": exposure_s, "photons": photons, "frames": frames, "seed": seed}
-                                            for seed, (_, exposure_s, photons, frames) in enumerate(points)])
+    ours.light(GIVEN, WIDTH, HEIGHT, file,
+               [{"exposure_s": exposure_s, "photons": photons, "frames": frames, "seed": seed}
+                for seed, (_, exposure_s, photons, frames) in enumerate(points)])
     stored = np.load(file)
     names = {"temporal": {}, "spatial": {}}
     shown = {}
@@ -53,8 +54,8 @@ def found(tmp_path_factory):
 
 
 # Each bound is what a measurement of this size leaves to chance, times three or more: K from variances of 76 800 pixels
-# at 30 exposures (0.5 % each), sigma_d from one of them, the spatial ones from 76 800 pixels. Saturation is where the variance
-# is largest, a few percent before the pixels are full, and in steps of 3 %.
+# at 30 exposures (0.5 % each), sigma_d from one of them, the spatial ones from 76 800 pixels. Saturation is where the
+# variance is largest, a few percent before the pixels are full, and in steps of 3 %.
 @pytest.mark.parametrize("name, symbol, given, share", [
     ("system gain", "K", GIVEN["system_gain_dn_per_e"], 0.01),
     ("quantum efficiency", "QE", 100.0 * GIVEN["quantum_efficiency"], 0.01),
