@@ -147,10 +147,6 @@ class Law:
         self._s_star = self._inverse_depths = None
         self._first, self._t_s, self._condition = None, 0.0, float("nan")
 
-    def retune(self, gains_per_s):
-        """Other gains from the next look on, (k,), > 0 [1/s]."""
-        self.gains_per_s = self._rates = tuple(float(gain) for gain in gains_per_s)
-
     def reset(self, reference):
         """Forget the past and servo to `reference` from now on.
 

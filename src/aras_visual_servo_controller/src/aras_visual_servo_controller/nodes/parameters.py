@@ -10,7 +10,7 @@ from ..scenario.schema import RobotSettings
 from ..servo.servo import Servo
 
 CONTROLLER_PARAMETERS = ("command_interface", "feedback_rate_hz", "taught_reference", "scenario", "servo", "experiment",
-                         "robot", "actionlib_status_frequency", "tuning")
+                         "robot", "actionlib_status_frequency")
 
 _TYPES = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}
 

@@ -207,7 +207,7 @@ class ServoLoop:
             builder.note(f"given up after {limit_s:g} s of simulated time in phase {record.phase}")
         wall_s = time.perf_counter() - started_s
         return builder.finish(run_hash=self.sim.run_hash, wall_s=wall_s, camera_info=self.camera_info,
-                              X_WT=self.target_pose())
+                              X_WT=self.target_pose(), opengl=self.sim.opengl)
 
     def moving_target_pose(self):
         """X_WT, (4, 4), at the last image, of a target that moves; None of one that rests."""

@@ -45,7 +45,7 @@ class RunRecord:
         camera_info: dict as `Simulation.camera_info`, {} if unknown.
         run_hash: of joint trajectory and images, hexadecimal, "" if unknown.
         real_time_factor: simulated over wall seconds, NaN if unknown.  wall_s: of the whole run, NaN if unknown.
-        versions: package or library name -> version.
+        opengl: what drew images by OpenGL, and its version; "" if nothing did. The run hash holds for one of these.
         recorded: topic -> {"published": n, "in_bag": m}, messages of a run that was recorded; {} of any other.
         notes: what was missing or repaired while the record was made, in words.
     """
@@ -77,7 +77,7 @@ class RunRecord:
     run_hash: str = ""
     real_time_factor: float = float("nan")
     wall_s: float = float("nan")
-    versions: dict = field(default_factory=dict)
+    opengl: str = ""
     recorded: dict = field(default_factory=dict)
     notes: tuple = ()
 
@@ -237,7 +237,7 @@ class RecordBuilder:
         return last + (last < len(self._rows) and self._rows[last][1] == "done")
 
     def finish(self, run_hash="", wall_s=float("nan"), real_time_factor=None, camera_info=None, X_WT=None,
-               versions=None, recorded=None):
+               opengl="", recorded=None):
         """The record, up to the end of the run. real_time_factor: None: simulated time of all rows over wall_s."""
         if real_time_factor is None:
             simulated_s = (self._rows[-1][0] - self._rows[0][0]) * 1e-9 if self._rows else np.nan
@@ -263,5 +263,5 @@ class RecordBuilder:
             desired_image=self._images.get("desired"), initial_image=self._images.get("initial"),
             final_image=self._images.get("final"), images=dict(self._all_images),
             camera_info=dict(camera_info or {}), run_hash=str(run_hash),
-            real_time_factor=float(real_time_factor), wall_s=float(wall_s), versions=dict(versions or {}),
+            real_time_factor=float(real_time_factor), wall_s=float(wall_s), opengl=str(opengl),
             recorded=dict(recorded or {}), notes=tuple(self._notes))

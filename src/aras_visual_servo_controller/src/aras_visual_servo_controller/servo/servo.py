@@ -123,24 +123,6 @@ class Servo:
             servo.status, servo._text = self.status, self._text
         return servo
 
-    def retune(self, gains_per_s=None, thresholds=None) -> None:
-        """Other gains and thresholds from the next image on, also in the middle of a run, and for later ones.
-
-        Args: gains_per_s, thresholds: by the names of features; what is not named stays.
-        Raises: ParameterError: an unknown feature, or a number that is not > 0; nothing changes then.
-        """
-        names, changes, faults = self.feature_names, {}, []
-        for key, given in (("gains_per_s", gains_per_s or {}), ("thresholds", thresholds or {})):
-            faults += [f"{key}.{name}: unknown, allowed {', '.join(names)}" for name in given if name not in names]
-            now = dict(zip(names, getattr(self.config, key)))
-            changes[key] = [given.get(name, value) for name, value in now.items()]
-        if faults:
-            raise ParameterError(faults)
-        self.config = self.config.with_overrides(**changes)
-        self._scenario_config = self._scenario_config.with_overrides(**changes)
-        self._law.retune(self.config.gains_per_s)
-        self._stop = self._make_stop_rule()
-
     def teach(self, features, q, z_star_m) -> Reference:
         """Make a view the goal. Args and errors: those of `as_reference`."""
         self.set_reference(self.as_reference(features, q, z_star_m))
@@ -326,7 +308,7 @@ class Servo:
         if published:
             below = answer.settled and all([abs(e) < most for e, most in zip(self._e, self.config.thresholds)])
         else:
-            below = answer.settled and self._stop.within()
+            below = answer.settled and not self._stop.lacking
         if not below:
             self._below_ns = None
         elif self._below_ns is None:

@@ -72,7 +72,7 @@ class Bench:
             drive(loop, builder, start)
             self._servo(loop, builder)
             record = builder.finish(run_hash=loop.sim.run_hash, camera_info=loop.camera_info,
-                                    X_WT=loop.target_pose())
+                                    X_WT=loop.target_pose(), opengl=loop.sim.opengl)
             lower, upper = loop.kinematics.lower, loop.kinematics.upper
             row = dict(judge_row(record), **measures(record, lower, upper, Outline.of(scenario)), id=start.id)
             return row, record

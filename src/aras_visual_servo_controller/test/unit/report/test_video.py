@@ -72,6 +72,29 @@ def test_the_observer_stands_in_the_same_place_for_a_run_and_its_bag(record):
     assert np.array_equal(Observer(record, 160, 120).picture(q), Observer(other, 160, 120).picture(q))
 
 
+def test_the_observer_sees_light_and_shadow(record, monkeypatch):
+    from aras_visual_servo_controller.report import observer as module
+    q = record.q[record.servo_rows[0]]
+    observer = Observer(record, 160, 120)
+    lit = observer.picture(q).astype(int)
+    assert "Mesa" in observer.drawn_by
+    monkeypatch.setattr(module, "LIGHTING", dict(module.LIGHTING, shadows=False))
+    without = Observer(record, 160, 120).picture(q).astype(int)
+    in_shadow = (without - lit).max(axis=2) > 25
+    assert in_shadow.sum() > 100 and (lit - without).max() <= 1
+
+
+def test_without_opengl_the_observer_draws_without_shadows(record, monkeypatch):
+    import aras_visual_servo_sim
+
+    def missing(gl="osmesa"):
+        raise aras_visual_servo_sim.RenderError("no such library")
+
+    monkeypatch.setattr(aras_visual_servo_sim, "opengl_description", missing)
+    observer = Observer(record, 160, 120)
+    assert np.ptp(observer.picture(record.q[0]).astype(int)) > 100 and observer.drawn_by == ""
+
+
 def test_the_observer_looks_at_what_it_is_told_to():
     eye, look_at = standpoint(np.array([0.0, 0.0, 0.8]), np.array([0.1, 0.0, 0.2]))
     assert eye[2] > look_at[2] > 0.2 and np.linalg.norm(eye - look_at) > 1.0

@@ -329,39 +329,3 @@ def test_overrides_hold_for_the_next_start_and_can_be_taken_back():
 def test_same_observations_give_the_same_bytes():
     answers = [[command.velocity for command in (bench.run(), bench.commands)[1]] for bench in (Bench(), Bench())]
     assert answers[0] == answers[1]
-
-
-def test_a_gain_that_is_changed_in_the_middle_acts_at_once_on_its_feature_alone():
-    bench = Bench()
-    for _ in range(10):
-        bench.step()
-    bench.servo.retune({"xn": 1.0})
-    for _ in range(21):
-        bench.step()
-    e = bench.errors()
-    rates = -np.log(np.abs(e[30] / e[11])) / (19 * DT_S)
-    np.testing.assert_allclose(rates[[0, 1, 3]], [1.0, LAMBDA, LAMBDA], rtol=0.03)
-    assert bench.records[-1].status == Status.SERVOING
-    bench.servo.configure()  # a goal without gains of its own takes these over
-    assert bench.servo.config.gains_per_s == (1.0, LAMBDA, LAMBDA, LAMBDA)
-
-
-def test_thresholds_that_are_widened_in_the_middle_end_the_run():
-    bench = Bench(stop={"tilt_rad": 1.0, "position_m": 1.0, "rotation_rad": 1.0})
-    for _ in range(60):
-        bench.step()
-    assert bench.records[-1].status == Status.SERVOING
-    bench.servo.retune(thresholds=dict.fromkeys(FEATURE_NAMES, 1.0))
-    for _ in range(40):
-        bench.step()
-    assert bench.records[-1].status == Status.CONVERGED
-
-
-def test_tuning_that_is_not_allowed_is_named_and_changes_nothing():
-    bench = Bench()
-    before = bench.servo.config
-    for changes, said in (({"gains_per_s": {"x": 1.0}}, "gains_per_s.x: unknown, allowed xn, yn, an, alpha"),
-                          ({"thresholds": {"xn": -1.0}}, "thresholds: found")):
-        with pytest.raises(ParameterError, match=said):
-            bench.servo.retune(**changes)
-    assert bench.servo.config is before

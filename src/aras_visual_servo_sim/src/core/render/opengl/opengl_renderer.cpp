@@ -1,7 +1,10 @@
 #include "aras_visual_servo_sim/render/opengl_renderer.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <list>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
@@ -47,33 +50,50 @@ void write(std::uint32_t pixel, Encoding encoding, Value* out) {
   out[2] = static_cast<Value>(kUnits * part(encoding == Encoding::kRgb8 ? 2 : 0));
 }
 
+/** Bytes r, g, b, a of each pixel to three of them: four are written each time, the last of which the next overwrites.
+ */
+template <bool kSwap>
+void dropAlpha(const std::vector<std::uint32_t>& pixels, std::uint8_t* to) {
+  for (std::size_t k = 0; k + 1 < pixels.size(); ++k, to += 3) {
+    std::uint32_t pixel = pixels[k];
+    if (kSwap) pixel = (pixel & 0x0000ff00u) | ((pixel >> 16) & 0xffu) | ((pixel & 0xffu) << 16);
+    std::memcpy(to, &pixel, sizeof(pixel));
+  }
+}
+
 template <typename Value>
 void convert(const std::vector<std::uint32_t>& pixels, ImageOf<Value>& out) {
   const int channels = out.channels();
   Value* to = out.data.data();
-  for (const std::uint32_t pixel : pixels) {
-    write(pixel, out.encoding, to);
-    to += channels;
+  std::size_t done = 0;
+  if constexpr (std::is_same_v<Value, std::uint8_t>) {
+    if (out.encoding == Encoding::kRgb8) dropAlpha<false>(pixels, to);
+    if (out.encoding == Encoding::kBgr8) dropAlpha<true>(pixels, to);
+    if (channels == 3) done = pixels.size() - 1;
   }
+  for (std::size_t k = done; k < pixels.size(); ++k) write(pixels[k], out.encoding, to + k * channels);
 }
 
 }  // namespace
 
 class OpenGlRenderer::Implementation {
  public:
-  explicit Implementation(Platform platform) : platform_(platform) {}
+  explicit Implementation(MakeContext make_context) : make_context_(std::move(make_context)) {}
 
   ~Implementation() { forget(); }
 
   std::string description() {
-    const GlContext::Binding binding(context());
-    return context().description();
+    const GlContext::Binding binding = bind();
+    return context_->description();
   }
 
   template <typename Value>
   void render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, ImageOf<Value>& out) {
-    const GlContext::Binding binding(context());
-    if (!parts_) parts_ = std::make_unique<Parts>(context_->gl());
+    const GlContext::Binding binding = bind();
+    if (!parts_) {
+      parts_ = std::make_unique<Parts>(context_->gl());
+      drew_with_ = context_->description();
+    }
     prepare();
     draw(camera, X_WC, scene, out);
     context_->gl().check("drawing");
@@ -81,9 +101,10 @@ class OpenGlRenderer::Implementation {
   }
 
   Statistics statistics_;
+  std::string drew_with_;
 
  private:
-  static constexpr std::size_t kMostCameras = 16;  // whose pictures are kept
+  static constexpr std::size_t kMostCameras = 16 + 4096;  // whose pictures are kept; rows of rolling shutters are some
 
   struct Parts {
     explicit Parts(const GlFunctions& gl) : store(gl), solids(gl, store), flats(gl, store) {}
@@ -93,9 +114,20 @@ class OpenGlRenderer::Implementation {
     std::list<std::pair<std::vector<double>, CameraViews>> views;  // by keyOf, used last first
   };
 
-  GlContext& context() {
-    if (!context_) context_ = platform_ == Platform::kEgl ? makeEglContext() : makeOsmesaContext();
-    return *context_;
+  GlContext::Binding bind() {
+    if (!context_) context_ = make_context_();
+    try {
+      return GlContext::Binding(*context_);
+    } catch (const RenderError&) {
+      abandon();
+      throw;
+    }
+  }
+
+  /** The context is lost, and all that was in it: none of it can be freed. */
+  void abandon() {
+    (void)parts_.release();
+    (void)context_.release();
   }
 
   void forget() {
@@ -104,7 +136,7 @@ class OpenGlRenderer::Implementation {
       const GlContext::Binding binding(*context_);
       parts_.reset();
     } catch (const ArasError&) {
-      (void)parts_.release();  // the context is lost, and all that was in it
+      abandon();
     }
   }
 
@@ -216,7 +248,7 @@ class OpenGlRenderer::Implementation {
     }
   }
 
-  Platform platform_;
+  MakeContext make_context_;
   std::unique_ptr<GlContext> context_;
   std::unique_ptr<Parts> parts_;
   PlanarLayer planar_;
@@ -226,10 +258,17 @@ class OpenGlRenderer::Implementation {
   std::vector<std::size_t> redrawn_;
 };
 
-OpenGlRenderer::OpenGlRenderer(Platform platform) : implementation_(std::make_unique<Implementation>(platform)) {}
+OpenGlRenderer::OpenGlRenderer(Platform platform)
+    : OpenGlRenderer(platform == Platform::kEgl ? &makeEglContext : &makeOsmesaContext) {}
+
+OpenGlRenderer::OpenGlRenderer(MakeContext make_context)
+    : implementation_(std::make_unique<Implementation>(std::move(make_context))) {}
+
 OpenGlRenderer::~OpenGlRenderer() = default;
 
 std::string OpenGlRenderer::description() { return implementation_->description(); }
+
+const std::string& OpenGlRenderer::drewWith() const { return implementation_->drew_with_; }
 
 const OpenGlRenderer::Statistics& OpenGlRenderer::statistics() const { return implementation_->statistics_; }
 
