@@ -33,7 +33,8 @@ const std::set<std::string> kIgnored = {"joint_limits/angle_wraparound"};
 const char* const kSim = R"(
 contacts: {ground_plane: {}, free_bodies: {box: 1.0}}
 base_pose: {}
-cameras: [{name: c, frame: f, width: 4, height: 3, horizontal_fov_rad: 1.0}]
+cameras: [{name: c, frame: f, width: 4, height: 3, horizontal_fov_rad: 1.0,
+           sensor: {auto_exposure: {}, auto_white_balance: {}}}]
 scene:
   lighting: {lights: [{name: lamp, type: point}], fog: {density_per_m: 1}, zenith_rgb: [1, 2, 3]}
   models:
@@ -44,6 +45,7 @@ scene:
   solids:
     - {name: box, box_m: [1, 1, 1], motion: *straight}
     - {name: cylinder, cylinder_m: [1, 1], motion: *circle}
+    - {name: cone, cone_m: [1, 1]}
     - {name: sphere, sphere_m: 1, motion: *walk}
     - {name: mesh, mesh: x.stl, motion: *way}
     - {name: urdf, urdf: x.urdf}

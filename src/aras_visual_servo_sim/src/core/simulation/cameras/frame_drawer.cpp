@@ -1,8 +1,11 @@
 #include "aras_visual_servo_sim/simulation/cameras/frame_drawer.hpp"
 
+#include <algorithm>
+
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/image/image_mean.hpp"
 #include "aras_visual_servo_sim/render/coverage_renderer.hpp"
+#include "rolling_shutter.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -14,7 +17,7 @@ Scene sceneOf(const ExposedFrame& frame, const Scene& now) { return frame.models
 
 FrameDrawer::FrameDrawer() : coverage_(std::make_unique<CoverageRenderer>()) {}
 
-OpenGlRenderer& FrameDrawer::openGl(const CameraConfig& camera) {
+OpenGlRenderer& FrameDrawer::openGlFor(const CameraConfig& camera) {
   const bool egl = camera.gl == "egl";
   std::unique_ptr<OpenGlRenderer>& renderer = egl ? egl_ : osmesa_;
   if (!renderer) {
@@ -24,57 +27,104 @@ OpenGlRenderer& FrameDrawer::openGl(const CameraConfig& camera) {
   return *renderer;
 }
 
-const Image& FrameDrawer::draw(Camera& camera, std::int64_t now, const Pose& X_WC, Scene& scene) {
-  if (const ExposedFrame* late = camera.takenFrame()) {
-    drawLate(camera, *late, scene);
-  } else if (camera.blurs() && camera.scheduledAt(now)) {
-    drawMean(camera, momentOf(now, X_WC, scene), scene);
-  } else {
-    drawOnce(camera, X_WC, scene);
+std::string FrameDrawer::openGl() const {
+  std::string found;
+  for (const OpenGlRenderer* renderer : {osmesa_.get(), egl_.get()}) {
+    if (!renderer || renderer->drewWith().empty()) continue;
+    found += (found.empty() ? "" : "; ") + renderer->drewWith();
   }
-  camera.addNoise(now);
+  return found;
+}
+
+const Image& FrameDrawer::draw(Camera& camera, std::int64_t now, const Pose& X_WC, Scene& scene) {
+  if (camera.readsOut()) {
+    drawOn(camera.light, camera, now, X_WC, scene);
+    camera.readOut(now);
+  } else {
+    drawOn(camera.image, camera, now, X_WC, scene);
+  }
   return camera.image;
 }
 
-void FrameDrawer::drawOnce(Camera& camera, const Pose& X_WC, const Scene& scene) {
-  const CameraConfig& config = camera.model().config();
-  if (config.renderer != "opengl") return coverage_->render(camera.model(), X_WC, scene, camera.image);
+template <typename Value>
+void FrameDrawer::drawOn(ImageOf<Value>& image, const Camera& camera, std::int64_t now, const Pose& X_WC,
+                         Scene& scene) {
+  if (const ExposedFrame* late = camera.takenFrame()) {
+    drawLate(image, camera, *late, scene);
+  } else if (camera.blurs() && camera.scheduledAt(now)) {
+    const Moment present = momentOf(now, X_WC, scene);
+    try {
+      drawMoments(image, camera, camera.samplesOf(present), scene);
+    } catch (const ArasError&) {
+      show(present, scene);
+      throw;
+    }
+    show(present, scene);
+  } else {
+    drawOnce(image, camera.model(), X_WC, scene);
+  }
+}
+
+template <typename Value>
+void FrameDrawer::drawOnce(ImageOf<Value>& image, const CameraModel& camera, const Pose& X_WC, const Scene& scene) {
+  const CameraConfig& config = camera.config();
+  if (config.renderer != "opengl") return coverage_->render(camera, X_WC, scene, image);
   try {
-    openGl(config).render(camera.model(), X_WC, scene, camera.image);
+    openGlFor(config).render(camera, X_WC, scene, image);
   } catch (const RenderError& error) {
     throw RenderError("camera '" + config.name + "': " + error.what());
   }
 }
 
-void FrameDrawer::drawMean(Camera& camera, const Moment& present, Scene& scene) {
+/** The mean over the moments, or, of a rolling shutter, each row as it was when it was exposed. */
+template <typename Value>
+void FrameDrawer::drawMoments(ImageOf<Value>& image, const Camera& camera, const std::vector<Exposure::Sample>& moments,
+                              Scene& scene) {
+  if (!camera.rows().empty()) return drawRows(image, camera, moments, scene);
   ImageMean mean;
-  try {
-    for (const Exposure::Sample& sample : camera.samplesOf(present)) {
-      show(*sample.moment, scene);
-      drawOnce(camera, sample.moment->X_WC, scene);
-      mean.add(camera.image, sample.count);
-    }
-  } catch (const ArasError&) {
-    show(present, scene);
-    throw;
+  for (const Exposure::Sample& sample : moments) {
+    show(*sample.moment, scene);
+    drawOnce(image, camera.model(), sample.moment->X_WC, scene);
+    mean.add(image, sample.count);
   }
-  show(present, scene);
-  mean.write(camera.image);
+  mean.write(image);
 }
 
-void FrameDrawer::drawLate(Camera& camera, const ExposedFrame& frame, const Scene& now) {
-  Scene scene = sceneOf(frame, now);
-  const auto drawAt = [&](const Moment& moment) {
-    show(moment, scene);
-    drawOnce(camera, moment.X_WC, scene);
-  };
-  if (frame.samples.empty()) return drawAt(frame.present);
-  ImageMean mean;
-  for (const auto& [moment, count] : frame.samples) {
-    drawAt(moment);
-    mean.add(camera.image, count);
+template <typename Value>
+void FrameDrawer::drawRows(ImageOf<Value>& image, const Camera& camera, const std::vector<Exposure::Sample>& moments,
+                           Scene& scene) {
+  const CameraModel& model = camera.model();
+  const RollingShutter shutter(model.config(), moments, camera.periodNs());
+  if (shutter.still()) {
+    show(*moments.back().moment, scene);
+    return drawOnce(image, model, moments.back().moment->X_WC, scene);
   }
-  mean.write(camera.image);
+  image.resize(model.width(), model.height(), model.drawnEncoding());
+  ImageOf<Value> row;
+  Moment moment;
+  for (int v = 0; v < model.height(); ++v) {
+    ImageMean mean;
+    for (int sample = 0; sample < shutter.samples(); ++sample) {
+      shutter.find(v, sample, moment);
+      show(moment, scene);
+      drawOnce(row, camera.rows()[v], moment.X_WC, scene);
+      mean.add(row, 1);
+    }
+    mean.write(row);
+    std::copy(row.data.begin(), row.data.end(), image.pixel(0, v));
+  }
+}
+
+template <typename Value>
+void FrameDrawer::drawLate(ImageOf<Value>& image, const Camera& camera, const ExposedFrame& frame, const Scene& now) {
+  Scene scene = sceneOf(frame, now);
+  if (frame.samples.empty()) {
+    show(frame.present, scene);
+    return drawOnce(image, camera.model(), frame.present.X_WC, scene);
+  }
+  std::vector<Exposure::Sample> moments;
+  for (const auto& [moment, count] : frame.samples) moments.push_back({&moment, count});
+  drawMoments(image, camera, moments, scene);
 }
 
 const GeometryImage& FrameDrawer::drawGeometry(Camera& camera, const Pose& X_WC, const Scene& now, Distance distance) {
