@@ -31,7 +31,8 @@ const std::set<std::string> kIgnored = {"joint_limits/angle_wraparound"};
 const char* const kSim = R"(
 contacts: {ground_plane: {}, free_bodies: {box: 1.0}}
 base_pose: {}
-cameras: [{name: c, frame: f, width: 4, height: 3, horizontal_fov_rad: 1.0}]
+cameras: [{name: c, frame: f, width: 4, height: 3, horizontal_fov_rad: 1.0,
+           sensor: {auto_exposure: {}, auto_white_balance: {}}}]
 scene:
   lighting: {lights: [{name: lamp, type: point}], fog: {density_per_m: 1}, zenith_rgb: [1, 2, 3]}
   models:
