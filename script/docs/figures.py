@@ -25,7 +25,7 @@ What makes a figure:
 - Anything else is a command that a person runs.
 
 Timings and commands are held only to be the same here and in the text.
-Formats are those of Python, and `t`: a whole number of three digits and noughts, thousands apart.
+Formats are those of Python, and `t`: a whole number of three digits and noughts, thousands apart; `p`: as 1e-7.
 """
 import argparse
 import json
@@ -46,11 +46,15 @@ _FIGURE = re.compile(r"\{([\w.]+):([^}]*)\}")
 def load(path=LIST):
     """{figures: {name: {value, made_by, tolerance}}, texts: [{file, text}]}"""
     listed = yaml.safe_load(path.read_text())
+    for figure in listed["figures"].values():
+        figure["value"] = json.loads(str(figure["value"]))  # YAML takes JSON's 1e-07 for a text
     return {part: listed.get(part, {}) for part in ("runs", "figures", "texts", "exceptions")}
 
 
 def shown(value, form):
     """A figure as the text has it."""
+    if form == "p":
+        return f"{value:.0e}".replace("e-0", "e-")
     return f"{float(f'{value:.3g}'):,.0f}".replace(",", " ") if form == "t" else format(value, form)
 
 

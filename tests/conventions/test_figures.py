@@ -71,14 +71,16 @@ def test_a_number_that_its_test_does_not_state_is_named(sources, tmp_path, made_
 
 
 def test_a_new_value_goes_into_the_list_and_into_the_text(figures, sources, tmp_path):
-    (tmp_path / "page.md").write_text("The loop runs\nat 113 times; 24 600 steps. Another 113 times.\n")
+    (tmp_path / "page.md").write_text("The loop runs\nat 113 times; 24 600 steps, 1e-7. Another 113 times.\n")
     listed = {"runs": {}, "exceptions": {"published": [{"file": "page.md", "text": "1 mm"}]},
               "figures": {"loop": {"value": 113, "made_by": "script/bench: loop"},
-                          "steps": {"value": 24600, "made_by": "script/bench: steps"}},
-              "texts": [{"file": "page.md", "text": "The loop runs at {loop:.0f} times; {steps:t} steps"}]}
-    made = sources.made_by_bench(listed["figures"], {"loop": 120.4, "steps": 31257.0})
-    assert figures.renew(listed, made, tmp_path) == [("loop", 113, 120.4), ("steps", 24600, 31260.0)]
-    assert (tmp_path / "page.md").read_text() == "The loop runs at 120 times; 31 300 steps. Another 113 times.\n"
+                          "steps": {"value": 24600, "made_by": "script/bench: steps"},
+                          "depth": {"value": 1e-7, "made_by": "script/bench: depth"}},
+              "texts": [{"file": "page.md", "text": "The loop runs at {loop:.0f} times; {steps:t} steps, {depth:p}"}]}
+    made = sources.made_by_bench(listed["figures"], {"loop": 120.4, "steps": 31257.0, "depth": 2e-7})
+    changes = [("loop", 113, 120.4), ("steps", 24600, 31260.0), ("depth", 1e-7, 2e-7)]
+    assert figures.renew(listed, made, tmp_path) == changes
+    assert (tmp_path / "page.md").read_text() == "The loop runs at 120 times; 31 300 steps, 2e-7. Another 113 times.\n"
     figures.save(listed, tmp_path / "figures.yaml")
     assert figures.load(tmp_path / "figures.yaml") == json.loads(json.dumps(listed))
 
