@@ -161,8 +161,10 @@ def test_namespaces_are_those_of_the_plugin_else_of_the_spawn_else_the_name_of_t
 
 def test_what_refers_to_nothing_is_ignored_by_name():
     stray = PENDULUM.replace("</robot>", "<gazebo reference='ghost'><mu1>1</mu1></gazebo><transmission name='u'>"
-                             "<joint name='none'/></transmission></robot>")
+                             "<joint name='none'/></transmission><gazebo><plugin filename='libdrive.so'/></gazebo>"
+                             "</robot>")
     warnings = "\n".join(World().spawn("one", stray).warnings)
+    assert "plugin libdrive.so of model 'one' is not simulated" in warnings and "control" not in warnings, warnings
     assert "<gazebo reference='ghost'>" in warnings and "<transmission name='u'>: there is no joint 'none'" in warnings
 
 

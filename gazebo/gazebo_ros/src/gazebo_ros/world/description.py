@@ -77,7 +77,8 @@ def read_description(xml, namespace, model):
         raise SpawnError("SpawnModel: Failure - entity format is invalid: found <%s>, allowed is <robot>" % robot.tag)
     warnings = drop_strangers(robot)
     control = ""
-    for plugin in robot.findall("gazebo/plugin"):
+    for gazebo, plugin in [(each, plugin) for each in robot.findall("gazebo") for plugin in each.findall("plugin")]:
+        gazebo.remove(plugin)  # the simulator would warn of what is used here
         file = plugin.get("filename", "")
         if CONTROL in file:
             control = joined(text_of(plugin, "robotNamespace", namespace or model))
