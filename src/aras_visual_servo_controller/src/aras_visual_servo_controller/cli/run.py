@@ -77,16 +77,21 @@ def run_main(argv=None):
     if arguments.split is not None and arguments.split < 1:
         parser.error(f"--split: found {arguments.split}, allowed >= 1")
 
-    def work():
+    def work(drawing=None):
         scenario = load_scenario(arguments.scenario, parse_overrides(arguments.overrides))
         if arguments.resolve:
             print(scenario.as_yaml(), end="")
             return EXIT_PASSED
         from ..scenario.feasibility import check_feasible
         check_feasible(scenario)
-        return _run_in_process(scenario, arguments) if arguments.in_process else _run_over_ros(scenario, arguments)
+        return _run_in_process(scenario, arguments, drawing) if drawing else _run_over_ros(scenario, arguments)
 
-    return guarded(work)
+    def work_while_drawing_begins():
+        from ..report.drawing import Drawing
+        with Drawing() as drawing:
+            return work(drawing)
+
+    return guarded(work_while_drawing_begins if arguments.in_process and not arguments.resolve else work)
 
 
 def report_main(argv=None):
@@ -162,7 +167,7 @@ def _write_starter(name, base):
     return EXIT_PASSED
 
 
-def _run_in_process(scenario, arguments):
+def _run_in_process(scenario, arguments, drawing):
     from ..run.judge import run_in_process
     from ..report.report import create_result_folder, format_summary, save_results
     folder = create_result_folder(arguments.output, scenario.name)
@@ -170,7 +175,7 @@ def _run_in_process(scenario, arguments):
                             **({"keep_images": True} if arguments.video else {}))
     words = [f"--set {text}" for text in arguments.overrides]
     command = " ".join(["rosrun aras_visual_servo_controller run", arguments.scenario, "--in-process"] + words)
-    summary = save_results(record, folder, command, video=arguments.video)
+    summary = save_results(record, folder, command, video=arguments.video, drawing=drawing)
     print(format_summary(summary))
     return EXIT_PASSED if summary["passed"] else EXIT_FAILED
 

@@ -43,7 +43,7 @@ def sweep_main(argv=None):
                         help="let the arm drive to goal and start as `run` does, instead of placing it there")
     parser.add_argument("--workers", type=int, metavar="N",
                         help="number of worker processes on this machine (default: one per core; 0: run in this "
-                             "process, without Dask)")
+                             "process)")
     parser.add_argument("--scheduler", metavar="ADDRESS",
                         help="address of a Dask scheduler whose workers do the runs, e.g. tcp://host:8786")
     parser.add_argument("--output", default="results", metavar="DIR",

@@ -30,6 +30,11 @@ class Hand:
             self._at[name] = float(dict(zip(loop.sim.joint_names, loop.sim.joint_positions))[name])
         self._wanted[name] = position
 
+    @property
+    def busy(self):
+        """Whether a joint is on its way."""
+        return bool(self._wanted)
+
     def let_go(self):
         """Forget all of it."""
         self._wanted, self._at = {}, {}

@@ -55,6 +55,8 @@ class Hub:
     def tick(self):
         """Called some sixty times a second: hand out what is new."""
         runner = self._runner
+        # Nothing is made for pages that are all behind, as nothing is for none.
+        runner.watched = any(viewer.behind < WINDOW for viewer in self._viewers)
         if not self._viewers:
             return
         about = runner.about

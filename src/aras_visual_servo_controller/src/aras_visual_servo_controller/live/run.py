@@ -11,24 +11,16 @@ No threads and no wall time: live/runner.py lets it go on at the speed that some
 import math
 
 import numpy as np
-import yaml
 
 from ..config.files import package_paths
-from ..features.base import known_features
-from ..features.style import styles
 from ..ground.errors import ParameterError
-from ..ground.spatial import rotation_rpy
 from ..ground.types import Status
-from ..laws.base import known_laws
 from ..run.loop import ServoLoop
-from ..run.record import TWIST_NAMES
 from ..run.sequence import ExperimentSequence
-from ..scenario.schema import scenario_schema
+from .about import about, marks_of, row, rounded, saved
 from .hand import Hand
-from .settings import AT_ONCE, acts_at_once, changed
-from .view.projection import project, standpoint
-from .view.robot import robot_of
-from .view.scene import pose_numbers, scene_of
+from .settings import acts_at_once, changed
+from .view.scene import pose_numbers
 
 #: A target that has moved this far since the servo ended is followed again [m], and turned this far [rad].
 MOVED_M, MOVED_RAD = 2e-4, 1e-3
@@ -48,6 +40,7 @@ class LiveRun:
     def __init__(self, scenario):
         self.scenario, self.version, self.images = scenario, 0, 0
         self._follow, self._waiting = True, set()
+        self._marked, self._marks = -1, None  # image whose marks were made last, and these
         self._build(None)
 
     def _build(self, sim):
@@ -113,49 +106,18 @@ class LiveRun:
 
     def about(self):
         """What a page has to know before anything moves, and again when `version` has grown: for JSON."""
-        loop, scenario = self.loop, self.scenario
-        kinematics, camera, info = loop.kinematics, loop.camera, loop.camera_info
-        at_C, target = loop.sim.camera_pose(camera)[:3, 3], loop.target_pose()
-        eye, look_at = standpoint(at_C, at_C * [1, 1, 0] if target is None else target[:3, 3])
-        thresholds = loop.servo.config.thresholds
-        features = [{"name": style.name, "symbol": style.symbol, "label": style.label, "unit": style.unit,
-                     "factor": style.factor, "read_unit": style.read_unit, "colour": style.colour,
-                     "threshold": threshold}
-                    for style, threshold in zip(styles(loop.servo.feature_names), thresholds)]
-        robot = robot_of(scenario.urdf_xml())
-        names = kinematics.joint_names
-        scene = scene_of(scenario)
-        return {
-            "version": self.version, "scenario": scenario.name, "description": scenario.description,
-            "robot": {**robot, "meshes": list(robot["meshes"])}, "tip": scenario.robot["tip_link"],
-            "floating": not kinematics.spare_motion,
-            "joints": [{"name": name, "lower": _finite(low), "upper": _finite(high)}
-                       for name, low, high in zip(names, kinematics.lower, kinematics.upper)],
-            "camera": {"width": info["width"], "height": info["height"], "K": info["K"]},
-            "scene": scene, "target": loop._target, "features": features, "rows": self.row_names(),
-            "observer": {"eye": [float(x) for x in eye], "look_at": [float(x) for x in look_at]},
-            "schema": scenario_schema()["properties"],
-            "choices": {"servo.law": known_laws(), "servo.features": known_features()},
-            "at_once": list(AT_ONCE), "cannot": {}, "notes": scene["notes"], **self.standing()}
+        loop = self.loop
+        at_C = loop.sim.camera_pose(loop.camera)[:3, 3]
+        return {**about(self.scenario, loop.kinematics, loop.camera_info, loop.servo, at_C, loop.target_pose(),
+                        loop._target), "version": self.version, "cannot": {}, **self.standing()}
 
     def standing(self):
         """The part of `about` that changes with every setting: values of the scenario, and which wait for a reset."""
         return {"values": self.scenario.as_dict(), "waiting": sorted(self._waiting)}
 
-    def row_names(self):
-        """Names of the numbers of `row`."""
-        joints, features = self.loop.kinematics.joint_names, self.loop.servo.feature_names
-        return ["t", *(f"e.{name}" for name in features), *(f"v.{name}" for name in TWIST_NAMES),
-                *(f"q.{name}" for name in joints), "condition", "manipulability", "real_time_factor",
-                "x", "y", "z", "u", "v"]
-
     def row(self, real_time_factor):
-        """The numbers of the last image that curves show, None where one does not exist."""
-        record, X_WC = self.record, self.loop.camera_pose()
-        centre = self.marks()["centre"] or (None, None)
-        numbers = [record.stamp_ns * 1e-9, *record.e, *record.twist, *self.loop.seen.q, record.cond_l,
-                   record.manipulability, real_time_factor, *X_WC[:3, 3]]
-        return [_rounded(x) for x in numbers] + list(centre)
+        """The numbers of the last image that curves show (`row_names`), None where one does not exist."""
+        return row(self.record, self.loop.seen.q, real_time_factor, self.loop.camera_pose()[:3, 3], self.marks())
 
     def state(self):
         """What moves: for JSON."""
@@ -163,22 +125,17 @@ class LiveRun:
         q = sim.joint_positions
         order = self.loop._order
         status = Status.IDLE if record is None else record.status
-        return {"t": round(sim.time_s, 4), "q": [_rounded(x) for x in (q if order is None else q[order])],
+        return {"t": round(sim.time_s, 4), "q": [rounded(x) for x in (q if order is None else q[order])],
                 "camera": pose_numbers(sim.camera_pose(self.loop.camera)),
                 "target": pose_numbers(self.loop.target_pose()),
                 "status": status.name, "text": record.status_text if record else "", "phase": sequence.phase,
                 "taught": self.goal is not None, "frame": self.loop.frame, "follow": self._follow}
 
-    def marks(self, features=None):
-        """What is drawn into an image: dict centre [u, v] or None, axis [rad] or None, points [[u, v], ...], in px."""
-        features = self.features if features is None else features
-        if features is None or not features.target_visible:
-            return {"centre": None, "axis": None, "points": []}
-        xy = [(features.xg, features.yg), *zip(features.point_x, features.point_y)]
-        pixels = project(np.array(xy, dtype=float), self.loop.camera_info)
-        pixels = [[round(float(u), 2), round(float(v), 2)] if math.isfinite(u) and math.isfinite(v) else None
-                  for u, v in pixels]
-        return {"centre": pixels[0], "axis": _rounded(features.alpha), "points": [p for p in pixels[1:] if p]}
+    def marks(self):
+        """What is drawn into the last image, see `marks_of`."""
+        if self._marked != self.images:
+            self._marked, self._marks = self.images, marks_of(self.features, self.loop.camera_info)
+        return self._marks
 
     # --- what a page asks for -----------------------------------------------------------------------------------
 
@@ -289,43 +246,7 @@ class LiveRun:
         self._hand.hold(request.name, request.position, self.loop)
 
     def do_save(self, request):
-        scenario = self._as_it_stands(request)
-        return {"yaml": f"# Saved from the live page, from the scenario {self.scenario.name}.\n"
-                + yaml.safe_dump(scenario.as_dict(), sort_keys=False, allow_unicode=True, default_flow_style=None)}
-
-    def _as_it_stands(self, request):
-        """The scenario with the target and, where asked for, the arm where they are now."""
-        values = {"name": request.name, "robot.urdf": self._address("urdf"),
-                  "robot.controllers": self._address("controllers")}
-        X_WT, models = self.loop.target_pose(), self.scenario.sim.get("scene", {}).get("models", [])
-        for i, model in enumerate(models):
-            if model["name"] == self.loop._target and "motion" not in model:
-                values[f"sim.scene.models.{i}.position_m"] = [round(float(x), 6) for x in X_WT[:3, 3]]
-                values[f"sim.scene.models.{i}.rpy_rad"] = [round(x, 7) for x in rpy_of(X_WT[:3, :3])]
-        if request.start_here:
-            values["experiment.start"] = {"joints": {
-                name: round(float(x), 7) for name, x in zip(self.loop.kinematics.joint_names, self.state()["q"])}}
-        return changed(self.scenario, values)
-
-    def _address(self, key):
-        given = self.scenario.robot[key]
-        path = self.scenario.urdf_path if key == "urdf" else self.scenario.controllers_path
-        return given if given.startswith("package://") else str(path.resolve())
-
-
-def rpy_of(R):
-    """Roll, pitch and yaw of a rotation matrix, floats [rad]: the inverse of `rotation_rpy`."""
-    pitch = math.asin(max(-1.0, min(1.0, -R[2, 0])))
-    roll, yaw = math.atan2(R[2, 1], R[2, 2]), math.atan2(R[1, 0], R[0, 0])
-    if not np.allclose(rotation_rpy([roll, pitch, yaw]), R, atol=1e-6):  # straight up or down: only their sum counts
-        roll, yaw = 0.0, math.atan2(-R[0, 1], R[1, 1])
-    return roll, pitch, yaw
-
-
-def _finite(value):
-    return float(value) if math.isfinite(value) else None
-
-
-def _rounded(value):
-    """Six digits are more than a screen shows; JSON knows no NaN."""
-    return float(f"{value:.6g}") if math.isfinite(value) else None
+        """What stands there as a scenario file."""
+        names = self.loop.kinematics.joint_names
+        start = dict(zip(names, self.state()["q"])) if request.start_here else None
+        return {"yaml": saved(self.scenario, request.name, self.loop.target_pose(), self.loop._target, start)}

@@ -25,7 +25,8 @@ from .messages import parse
 from .view.files import THREE_FILES, three_file, web_dir
 from .view.robot import mesh_blocks, robot_of
 
-TICK_S = 1.0 / 60.0
+#: Between two looks at the run, while a page is ready for what is new, and while none is [s].
+TICK_S, IDLE_S = 1.0 / 60.0, 0.1
 #: What the kernel holds of what a page has not read: little, so that nothing old waits there.
 SEND_BUFFER_BYTES = 65536
 #: A page that has not taken this much is not read to any longer [bytes].
@@ -78,8 +79,8 @@ class Server:
 
     async def _tick(self):
         while True:
-            # Without a page there is nothing to look for, and the run has the processor to itself.
-            await asyncio.sleep(TICK_S if self.hub.viewers else 0.1)
+            # Without a page that is ready there is nothing to look for, and the run has the processor to itself.
+            await asyncio.sleep(TICK_S if self.runner.watched else IDLE_S)
             self.hub.tick()
 
     def close(self):

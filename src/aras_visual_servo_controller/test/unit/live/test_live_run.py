@@ -7,7 +7,8 @@ import yaml
 from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.ground.types import Status
 from aras_visual_servo_controller.live import messages as ask
-from aras_visual_servo_controller.live.run import LiveRun, rpy_of
+from aras_visual_servo_controller.live.about import rpy_of
+from aras_visual_servo_controller.live.run import LiveRun
 from aras_visual_servo_controller.live.settings import acts_at_once
 from aras_visual_servo_controller.ground.spatial import rotation_rpy
 from aras_visual_servo_controller.scenario.scenario import load_scenario
@@ -90,7 +91,7 @@ def test_other_features_of_the_same_view_get_gains_and_thresholds(run):
     run.do(ask.Set({"servo.law": "ibvs", "servo.features": ["xn", "yn", "an"]}))
     assert run.loop.servo.feature_names == ("xn", "yn", "an")
     images(run, 3)
-    assert len(run.record.e) == 3 and run.row_names()[1:4] == ["e.xn", "e.yn", "e.an"]
+    assert len(run.record.e) == 3 and run.about()["rows"][1:4] == ["e.xn", "e.yn", "e.an"]
     assert set(run.scenario.servo["gains_per_s"]) == {"xn", "yn", "an"}
     run.do(ask.Set({"servo.features": ["xn", "yn", "an", "alpha"]}))
     images(run, 2)

@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -49,20 +48,28 @@ def slide(browser, path, share):
 
 
 def test_a_gain_that_is_moved_while_it_servoes_acts_at_once(serve, tmp_path):
-    with Browser(tmp_path) as browser:
-        browser.open(serve("--speed", "0.25", "--set", "servo.gains_per_s.xn=0.5"))
+    # Without the 3-D view, which takes most of a processor where there is no graphics card.
+    with Browser(tmp_path, webgl=False) as browser:
+        browser.open(serve("--speed", "0.1", "--set", "servo.gains_per_s.xn=0.5"))
         browser.wait(READY)
-        browser.wait("aras.model.state.status === 'SERVOING' && aras.model.rows.length > 5", 2 * LIMIT_S)
-        gain = slide(browser, "servo.gains_per_s.xn", 0.95)
-        assert gain > 3.0
-        moved_s = time.monotonic()
-        browser.wait(f"aras.model.values.servo.gains_per_s.xn === {gain}")
-        assert time.monotonic() - moved_s < EFFECT_S
+        browser.value("aras.ask({do: 'speed', factor: 2}).then(() => 1)")
+        browser.wait("aras.model.state.phase === 'servo'", 2 * LIMIT_S)
+        browser.value("aras.ask({do: 'speed', factor: 0.1}).then(() => 1)")
+        # When the slider was moved last, and when the run said that it has the value.
+        browser.value("(() => { const e = document.querySelector('[data-path=\"servo.gains_per_s.xn\"] [type=range]'); "
+                      "e.addEventListener('input', () => { window.moved = performance.now(); }); "
+                      "aras.model.on('values', () => { window.heard = performance.now(); }); })()")
+        took = []
+        for share in (0.4, 0.6, 0.75):  # the best of three: other programs may hold the browser up
+            gain = slide(browser, "servo.gains_per_s.xn", share)
+            browser.wait(f"aras.model.values.servo.gains_per_s.xn === {gain}")
+            took.append(browser.value("(heard - moved) / 1000"))
+        assert gain > 2.0 and min(took) < EFFECT_S
         t0 = browser.value("aras.model.state.t")
         browser.wait(f"aras.model.state.t > {t0} + 0.4")
         rows = browser.value("aras.model.rows.map((row) => [row[0], row[aras.model.column['e.xn']]])")
         t, e = np.array(rows, dtype=float).T
-        after = (t > t0 + 0.07) & (t < t0 + 0.3)
+        after = (t > t0 + 0.1) & (t < t0 + 0.3)
         found = -np.polyfit(t[after], np.log(np.abs(e[after])), 1)[0]
         assert found == pytest.approx(gain, rel=0.25)
         assert browser.said == []

@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from aras_visual_servo_controller.config.files import resolve_uri
 from aras_visual_servo_controller.ground.errors import ModelError
 from aras_visual_servo_controller.live.view.meshes import STEPS, as_block, mesh_block, triangles_of
 from aras_visual_servo_controller.live.view.robot import mesh_blocks, robot_of
-from aras_visual_servo_controller.live.view.scene import scene_of
+from aras_visual_servo_controller.live.view.scene import pose_numbers, scene_of
 from aras_visual_servo_controller.scenario.scenario import load_scenario
 
 LINK = "package://aras_description/meshes/visual/link3.stl"
@@ -77,3 +78,14 @@ def test_the_scene_has_outlines_and_pictures():
     assert model["name"] == "target" and len(model["outlines"]) == 1 and model["pose"][2] == 0.193394
     photo = scene_of(load_scenario("six_dof_photometric"))["models"][0]
     assert photo["image"]["src"].startswith("data:image/png;base64,") and photo["image"]["size"][0] > 0.0
+
+
+def test_pose_numbers_are_those_of_the_library():
+    random = np.random.default_rng(3)
+    for rotation in [*Rotation.random(50, random_state=4).as_matrix(), np.diag([1.0, -1.0, -1.0]),
+                     np.diag([-1.0, 1.0, -1.0]), np.diag([-1.0, -1.0, 1.0]), np.eye(3)]:
+        X = np.eye(4)
+        X[:3, :3], X[:3, 3] = rotation, random.normal(size=3)
+        numbers = pose_numbers(X)
+        assert Rotation.from_quat(numbers[3:]).as_matrix() == pytest.approx(rotation, abs=5e-6)
+        assert numbers[:3] == pytest.approx(X[:3, 3], abs=1e-6)

@@ -28,7 +28,9 @@ def as_block(corners):
     low, high = points.min(axis=0), points.max(axis=0)
     step = np.maximum(high - low, 1e-9) / STEPS
     cells = np.round((points - low) / step).astype(np.uint16)
-    vertices, index = np.unique(cells, axis=0, return_inverse=True)
+    # The three cells of a corner as one number sort ten times as fast as three numbers.
+    packed, index = np.unique(cells.astype(np.uint64) @ np.array([1 << 32, 1 << 16, 1], np.uint64), return_inverse=True)
+    vertices = np.stack([packed >> np.uint64(shift) & np.uint64(STEPS) for shift in (32, 16, 0)], axis=1)
     index = index.reshape(-1, 3)
     # A triangle with two corners in one cell has no area.
     index = index[(index[:, 0] != index[:, 1]) & (index[:, 1] != index[:, 2]) & (index[:, 2] != index[:, 0])]

@@ -39,6 +39,9 @@ def project(xy, camera_info):
     seen = np.all(np.isfinite(xy), axis=1)
     if not seen.any():
         return pixels
+    if not D.any() and camera_info.get("distortion_model") != "equidistant":
+        pixels[seen] = xy[seen] * K[[0, 1], [0, 1]] + K[:2, 2]
+        return pixels
     points = np.column_stack([xy[seen], np.ones(seen.sum())])
     zero = np.zeros(3)
     if camera_info.get("distortion_model") == "equidistant":

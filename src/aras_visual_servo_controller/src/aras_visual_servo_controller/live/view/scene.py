@@ -1,6 +1,7 @@
 """The scene of a scenario as a page draws it: flat models with their outlines and pictures, and simple solids."""
 
 import base64
+import math
 from pathlib import Path
 
 from ...config.files import load_yaml, resolve_uri
@@ -36,7 +37,27 @@ def pose_numbers(X):
     """[x, y, z, qx, qy, qz, qw] of a pose (4, 4), rounded to a micrometre and a microradian; None of no pose."""
     if X is None:
         return None
-    return [round(float(x), 6) for x in (*X[:3, 3], *quaternion_xyzw(X[:3, :3]))]
+    (a, b, c, x), (d, e, f, y), (g, h, i, z), _ = X.tolist()
+    return [round(value, 6) for value in (x, y, z, *_quaternion(a, b, c, d, e, f, g, h, i))]
+
+
+def _quaternion(a, b, c, d, e, f, g, h, i):
+    """(qx, qy, qz, qw) of a rotation matrix, row by row (Shepperd 1978).
+
+    The library takes a tenth of a millisecond, and this is asked for a hundred times a second.
+    """
+    trace, largest = a + e + i, max(a, e, i)
+    if trace > largest:
+        w = 0.5 * math.sqrt(max(0.0, 1.0 + trace))
+        return (h - f) / (4.0 * w), (c - g) / (4.0 * w), (d - b) / (4.0 * w), w
+    if a == largest:
+        x = 0.5 * math.sqrt(max(0.0, 1.0 + a - e - i))
+        return x, (b + d) / (4.0 * x), (c + g) / (4.0 * x), (h - f) / (4.0 * x)
+    if e == largest:
+        y = 0.5 * math.sqrt(max(0.0, 1.0 + e - a - i))
+        return (b + d) / (4.0 * y), y, (f + h) / (4.0 * y), (c - g) / (4.0 * y)
+    z = 0.5 * math.sqrt(max(0.0, 1.0 + i - a - e))
+    return (c + g) / (4.0 * z), (f + h) / (4.0 * z), z, (d - b) / (4.0 * z)
 
 
 def _pose(entry):
