@@ -56,10 +56,9 @@ def _signal(pids, number):
 def children_of(pid):
     """Set of the pids of the children of a process."""
     found = set()
-    for path in Path("/proc").glob("[0-9]*/stat"):
+    for path in Path(f"/proc/{pid}/task").glob("*/children"):  # of each thread
         try:
-            if int(path.read_text().rpartition(")")[2].split()[1]) == pid:
-                found.add(int(path.parent.name))
+            found.update(map(int, path.read_text().split()))
         except OSError:
             pass  # it has ended
     return found
