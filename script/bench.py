@@ -173,7 +173,12 @@ def main():
     parser.add_argument("--paper", action="store_true", help="only README's table beside the paper's figures")
     parser.add_argument("--stop-rule", type=int, metavar="RUNS",
                         help="only whether CONVERGED means arrived (docs/sweeps.md)")
+    parser.add_argument("--growth", action="store_true", help="only how cost grows; writes docs/performance.md")
     arguments = parser.parse_args()
+    if arguments.growth:
+        sys.path.insert(0, str(WORKSPACE / "script/docs"))
+        import growth
+        return growth.main(["--no-ros"] if arguments.no_ros else [])
     if arguments.stop_rule:
         return subprocess.run([sys.executable, STOP_RULE, "--runs", str(arguments.stop_rule)]).returncode
     if arguments.paper:

@@ -1,5 +1,5 @@
-"""Pictures of README.md and docs/: the arm seen from outside, the six panels of the published experiments, the laws on
-the canonical tasks."""
+"""Pictures of README.md and docs/: the arm seen from outside, the six panels of the published experiments, two runs as
+animated pictures, the curves of the tutorial, the laws on the canonical tasks."""
 import os
 import pathlib
 import shutil
@@ -9,7 +9,9 @@ import tempfile
 import cv2
 
 sys.path.insert(0, str(pathlib.Path(__file__).with_name("docs")))
+import animation
 import comparison as tables
+import tutorial
 
 from aras_visual_servo_controller.run.judge import run_in_process
 from aras_visual_servo_controller.compare.laws import load_comparison, run_comparison
@@ -29,6 +31,9 @@ def main(folder):
         if name == "experiment_1":
             start = Observer(record, width=960, height=720).picture(record.q[record.servo_rows[0]])
             cv2.imwrite(str(folder / "arm.png"), cv2.cvtColor(start, cv2.COLOR_RGB2BGR))
+    for name in animation.SCENARIOS:
+        animation.animate(name, folder / f"{name}.webp")
+    tutorial.save_picture(folder / "tutorial.png")
     page = folder.parent / "comparison.md"
     for table, scenario in tables.TABLES.items():
         comparison = load_comparison("canonical", scenario=scenario)
@@ -37,7 +42,7 @@ def main(folder):
     with tempfile.TemporaryDirectory() as pictures:
         save_figure(comparison, results, pathlib.Path(pictures))
         shutil.copy(pathlib.Path(pictures) / "comparison.png", folder / "comparison.png")
-    print("\n".join(sorted(str(path) for path in folder.glob("*.png"))))
+    print("\n".join(sorted(str(path) for path in folder.iterdir())))
 
 
 if __name__ == "__main__":

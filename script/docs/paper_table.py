@@ -17,7 +17,7 @@ AXES = ("x_mm", "y_mm", "z_mm", "angle_deg")
 #: Experiment -> what the paper reports as its "mean of tracking errors": x, y, z [mm], angle [deg].
 PUBLISHED = {1: ("2", "4.7", "2.6", "0.003"), 2: ("4", "8.9", "7.2", "0.03")}
 #: What runs here -> the scenario of experiment {n}.
-HERE = {"the published law, gains, stop rule and binary images, here": "experiment_{n}_paper",
+HERE = {"the published law, gains, stop rule and binary images of OSMesa, here": "experiment_{n}_paper",
         "ours: decoupled law, coverage images, tightened stop rule": "experiment_{n}"}
 HEAD = "| final error of the true camera pose: median (worst) of 16 starts | x | y | z [mm] | angle [deg] |\n" \
        "|---|---|---|---|---|"

@@ -11,7 +11,7 @@ from aras_visual_servo_controller.scenario.scenario import load_scenario
 
 MOTIONS = {
     "constant_velocity": {"linear_m_per_s": [0.005, -0.03, 0.0], "angular_rad_per_s": [0.0, 0.0, 0.05]},
-    "circle": {"radius_m": 0.05, "angular_speed_rad_per_s": 0.8},
+    "circle": {"radius_m": 0.03, "angular_speed_rad_per_s": 1.3},
     "random_walk": {"interval_s": 0.5, "speed_stddev_m_per_s": [0.03, 0.03, 0.005],
                     "angular_speed_stddev_rad_per_s": [0.0, 0.0, 0.05], "radius_m": 0.08, "seed": 3},
 }
@@ -29,7 +29,10 @@ def test_feed_forward_follows_closer_by_this_factor(kind):
     without, fed = (tracking(follow(kind, part)) for part in (0.0, 1.0))
     assert without["position_mm"] > 5.0  # the lag is real
     assert fed["position_mm"] * FACTOR[kind] < without["position_mm"]
-    assert fed["angle_deg"] < without["angle_deg"]
+    if kind == "circle":  # the target does not turn
+        assert fed["angle_deg"] < 0.15
+    else:
+        assert fed["angle_deg"] < without["angle_deg"]
 
 
 def test_the_shipped_scenario_follows_to_the_end(run):

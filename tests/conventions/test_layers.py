@@ -23,6 +23,7 @@ ALLOWED = {
     "aras_visual_servo_camera": {"aras_description", "aras_visual_servo_common", "aras_visual_servo_msgs"},
     "aras_visual_servo_controller": {"aras_description", "aras_visual_servo_common", "aras_visual_servo_msgs",
                                      "aras_visual_servo_sim", "aras_visual_servo_camera"},
+    "aras_visual_servo_learning": {"aras_description", "aras_visual_servo_controller"},
 }
 # The rooms of a package, which are its folders, floor by floor from the ground up: a room imports itself and rooms of
 # lower floors, none of its own floor or above.

@@ -7,8 +7,8 @@ import pytest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "aras_visual_servo_controller" / "src" / "aras_visual_servo_controller"
 #: From the ground up. Rooms of one floor do not import each other.
-FLOORS = (("ground",), ("config",), ("features", "target", "arm"), ("laws",), ("servo",), ("run",), ("scenario",),
-          ("bags", "report"), ("sweep", "nodes"), ("compare",), ("cli",))
+FLOORS = (("ground",), ("config",), ("features", "arm"), ("laws",), ("servo",), ("run",), ("scenario",),
+          ("live",), ("bags", "report"), ("sweep", "nodes"), ("compare",), ("cli",))
 FLOOR_OF = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
 #: Names in one folder of source or tests that a newcomer can still take in.
 MOST_NAMES = 16

@@ -307,6 +307,69 @@ def test_sums_of_coverage_are_points_of_the_edges_and_the_edges_meet_in_the_corn
         same(p + t * d, corner, 1e-9)
 
 
+PIXEL = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
+
+
+def beyond_line(normal, bound):
+    """The part of a pixel about the origin where normal . point >= bound."""
+    turn = np.array([normal, [-normal[1], normal[0]]])
+    return clipped(PIXEL @ turn.T, 0, bound, -1.0) @ turn
+
+
+def area_and_centroid(polygon):
+    """Area and centroid of a convex polygon."""
+    a, b = polygon, np.roll(polygon, -1, axis=0)
+    twice = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    return 0.5 * twice.sum(), ((a + b) * twice[:, None]).sum(axis=0) / (3.0 * twice.sum())
+
+
+@formula("T63")
+def triangle(k, p):
+    """X = sqrt(2 k p) / 3, Y = X / k"""
+    X = np.sqrt(2 * k * p) / 3
+    return X, X / k
+
+
+@formula("T63")
+def trapezoid(k, p):
+    """X = p/2 + k^2/(24 p), Y = 1/2 - k/(12 p)"""
+    return p / 2 + k**2 / (24 * p), 1 / 2 - k / (12 * p)
+
+
+@formula("T63")
+def covered(p, w, X, Y):
+    """(p / w) (1/2 - X, 1/2 - Y)"""
+    return p / w * (1 / 2 - X), p / w * (1 / 2 - Y)
+
+
+@formula("T63")
+def extent(w):
+    """(w/12 + w^3/12) / 2"""
+    return (w / 12 + w**3 / 12) / 2
+
+
+@equation("T63")
+def test_the_covered_part_of_a_pixel_has_the_centroid_of_the_pixel_cut_by_the_edge():
+    for angle in np.linspace(0.02, np.pi / 4, 7):
+        normal = np.array([np.cos(angle), np.sin(angle)])
+        for bound in np.linspace(-0.65, 0.65, 23):
+            polygon = beyond_line(normal, bound)
+            if len(polygon) < 3:
+                continue
+            w, centroid = area_and_centroid(polygon)
+            k, p = np.tan(angle), min(w, 1.0 - w)
+            if p > 1e-3:
+                same(covered(p, w, *(triangle(k, p) if 2.0 * p < k else trapezoid(k, p))), centroid, 1e-9)
+
+
+@equation("T63")
+def test_parts_of_pixels_extend_by_a_sixteenth_in_the_mean():
+    w = (np.arange(10000) + 0.5) / 10000
+    second = [np.mean([v * (1.0 / 12.0), v * (v * v / 12.0)]) for v in w]  # along the edge, across it: v wide
+    same(np.mean(extent(w)), np.mean(second), 1e-12)
+    same(np.mean(extent(w)), np.mean(w) / 16.0, 1e-6)
+
+
 @formula("T37")
 def laid_over(a, r, b):
     """p = a r + b"""

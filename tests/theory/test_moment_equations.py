@@ -11,7 +11,7 @@ from views import parallel_pose
 from aras_visual_servo_controller.features import interaction
 from aras_visual_servo_controller.features.base import FeatureSet
 from aras_visual_servo_controller.ground.errors import DegenerateFeature
-from aras_visual_servo_controller.target.target_pose import PlanarTarget
+from aras_visual_servo_controller.features.target.target_pose import PlanarTarget
 
 SEEDS = (1, 2, 3)
 ORDERS = [(i, j) for i in range(5) for j in range(5 - i)]

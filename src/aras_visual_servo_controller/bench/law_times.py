@@ -24,7 +24,7 @@ from aras_visual_servo_controller.scenario.scenario import load_scenario
 from aras_visual_servo_controller.config.files import load_yaml, resolve_uri
 from aras_visual_servo_controller.servo.servo import Servo
 from aras_visual_servo_controller.ground.spatial import exponential
-from aras_visual_servo_controller.target.target_pose import ORDER, PlanarTarget
+from aras_visual_servo_controller.features.target.target_pose import ORDER, PlanarTarget
 from aras_visual_servo_controller.ground.types import Features, Observation
 
 DT_S, Z_STAR_M = 1.0 / 30.0, 0.6

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "aras_visual_servo_sim/image/sensor/gaussian_noise.hpp"
 #include "aras_visual_servo_sim/render/coverage_renderer.hpp"
 
 namespace aras_visual_servo_sim {
@@ -67,6 +68,20 @@ void run(benchmark::State& state, const CameraModel& model, const Scene& scene,
   state.counters["triangles"] = renderer.statistics().triangles;
 }
 
+/** What an image with noise takes: light, noise, rounding. */
+void coverageNoise(benchmark::State& state) {
+  const CameraModel model = camera("rgb8", false);
+  const Scene scene = blobScene();
+  CoverageRenderer renderer;
+  FineImage light;
+  Image image;
+  std::int64_t frame = 0;
+  for (auto _ : state) {
+    renderer.render(model, poseOf(frame), scene, light);
+    addGaussianNoise(light, 2.0, 1, static_cast<std::uint64_t>(frame++), 0.0, image);
+    benchmark::DoNotOptimize(image.data.data());
+  }
+}
 void coverageRgb(benchmark::State& state) { run(state, camera("rgb8", false), blobScene()); }
 void coverageMono(benchmark::State& state) { run(state, camera("mono8", false), blobScene()); }
 void coverageLens(benchmark::State& state) { run(state, camera("rgb8", true), blobScene()); }
@@ -95,13 +110,15 @@ void occluded(benchmark::State& state) { run(state, camera("rgb8", false), occlu
 void occludedLens(benchmark::State& state) { run(state, camera("rgb8", true), occludedScene(10)); }
 void noise(benchmark::State& state) {
   CoverageRenderer renderer;
+  FineImage light;
   Image image;
-  renderer.render(camera("rgb8", false), poseOf(0), blobScene(), image);
+  renderer.render(camera("rgb8", false), poseOf(0), blobScene(), light);
   std::uint64_t frame = 0;
-  for (auto _ : state) addGaussianNoise(image, 2.0, 1, frame++);
+  for (auto _ : state) addGaussianNoise(light, 2.0, 1, frame++, 0.0, image);
 }
 
 BENCHMARK(coverageRgb)->Unit(benchmark::kMicrosecond);
+BENCHMARK(coverageNoise)->Unit(benchmark::kMicrosecond);
 BENCHMARK(coverageMono)->Unit(benchmark::kMicrosecond);
 BENCHMARK(coverageLens)->Unit(benchmark::kMicrosecond);
 BENCHMARK(coverageBoard)->Unit(benchmark::kMicrosecond);

@@ -213,3 +213,18 @@ def test_features_are_a_copy():
     xg = first.xg
     extractor.process(image_with_wedge(u0=150))
     assert first.xg == xg != extractor.features.xg
+
+
+@pytest.mark.parametrize("background", [120, 128, 255])
+def test_grey_in_three_channels_gives_the_features_of_mono8(background):
+    # Rows of one byte, rows that hold the object, and rows of every grey take different ways through the conversion.
+    extractors = [camera.MomentExtractor(dict(INFO, width=70), VISION) for _ in range(2)]
+    grey = np.full((240, 70), background, np.uint8)
+    grey[100:160, 20:47] = 30
+    grey[120:140, 20:30] = background
+    grey[99, 20:47] = grey[160, 20:47] = 77
+    grey[220:224, :64] = np.minimum(np.arange(256).reshape(4, 64), background)
+    mono = extractors[0].process(grey)
+    rgb = extractors[1].process(np.ascontiguousarray(np.repeat(grey[:, :, None], 3, axis=2)))
+    assert mono.valid and mono.m == rgb.m and mono.mu == rgb.mu and mono.components == rgb.components
+    np.testing.assert_array_equal(extractors[0].converted_image, extractors[1].converted_image)

@@ -360,8 +360,11 @@
   const point = (index) => {
     const t = index === null ? null : times[0].data.t[index];
     for (const plot of [...times, ...paths]) { plot.cursor = t === null ? null : nearest(t, plot.data.t); plot.mark(); }
+    if (t !== null) document.dispatchEvent(new CustomEvent("moment", { detail: t }));
   };
   const pointAt = (t) => point(times.length ? nearest(t, times[0].data.t) : 0);
+
+  document.addEventListener("seek", (event) => { if (times.length) pointAt(event.detail); });
 
   for (const figure of document.querySelectorAll("figure.plot"))
     figure.dataset.kind === "time" ? times.push(new TimePlot(figure)) : paths.push(new PathPlot(figure));

@@ -67,7 +67,7 @@ def messages_of(record, skip=(), encoding="rgb8", padding=0, scenario=True):
             yield "ground_truth/camera_pose", pose_message(record.X_WC[i], stamp), stamp
         yield "camera/features", features, stamp
         yield "servo_state", state_message(record, i, stamp), stamp
-    status = SimStatus(real_time_factor=12.5, run_hash="feed")
+    status = SimStatus(real_time_factor=12.5, run_hash="feed", opengl="llvmpipe, 4.5")
     yield "sim/status", status, stamp
 
 

@@ -239,6 +239,9 @@ void bindState(py::class_<Simulation>& type) {
           "16 hexadecimal digits, of joint positions and velocities at every frame and of every image\n"
           "rendered for a frame since the last reset: equal for equal runs.")
       .def_property_readonly(
+          "opengl", &Simulation::openGl,
+          "What drew images by OpenGL so far, and its version; '' if nothing did. A run hash holds for one of these.")
+      .def_property_readonly(
           "warnings", [](const Simulation& self) { return self.model().warnings; },
           "What was ignored in the URDF, a line each.");
 }

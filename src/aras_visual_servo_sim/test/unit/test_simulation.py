@@ -263,6 +263,28 @@ def driven():
     return Simulation((FOLDER.parent.parent / "urdf" / "driven_camera.urdf").read_text(), DRIVEN)
 
 
+CONE = {"name": "cone", "cone_m": [0.1, 0.2], "color_rgb": [0, 0, 0], "position_m": [0.5, 0.0, 0.12]}
+
+
+def test_a_cone_stands_on_its_base():
+    sim = make(contacts={"ground_plane": {"z_m": 0.0}}, scene={"solids": [{**CONE, "mass_kg": 1.0}]})
+    sim.step(1500)
+    assert sim.model_pose("cone")[2, 3] == pytest.approx(0.1, abs=1e-5)
+    assert sim.model_pose("cone")[2, 2] == pytest.approx(1.0, abs=1e-9)
+
+
+def test_a_cone_is_drawn_with_its_tip_up():
+    camera = {"name": "camera", "frame": "eye_optical_frame", "width": 120, "height": 120, "horizontal_fov_rad": 0.5,
+              "rate_hz": 50.0}
+    sim = Simulation('<robot name="eye"><link name="eye_optical_frame"/></robot>', {
+        "base_pose": {"position_m": [0.5, -1.0, 0.12], "rpy_rad": [-np.pi / 2.0, 0.0, 0.0]}, "cameras": [camera],
+        "scene": {"background_rgb": [255, 255, 255], "solids": [CONE]}})
+    widths = [int(row.sum()) for row in sim.render()[..., 0] < 128]
+    seen = [width for width in widths if width]
+    assert seen[0] <= 3 and len(seen) == pytest.approx(120 * 0.2 / (2 * np.tan(0.25)), abs=3)
+    assert np.argmax(seen) >= len(seen) - 8 and max(seen) == pytest.approx(len(seen), abs=4)  # as wide as it is high
+
+
 def test_a_driven_base_has_six_coordinates_in_the_place_of_joints():
     sim = driven()
     assert sim.joint_names == ["px", "py", "pz", "rx", "ry", "rz"] == sorted(sim.joint_names)

@@ -10,10 +10,12 @@ struct Span {
   int v, u_begin, u_end;
 };
 
-/** A pixel of the object's edge and the part of it that the object covers, 0 to 1. */
+/** A pixel of the object's edge, the part of it that the object covers, and where in the pixel that part lies. Noise
+ * may take the weight below 0 and above 1. */
 struct EdgePixel {
   int v, u;
   double weight;
+  double du = 0.0, dv = 0.0;  ///< centroid of the covered part, from the centre of the pixel [px]
 };
 
 /** The object in one image: the weight of each pixel. Pixels that are not listed have weight zero. Sorted by row. */

@@ -27,6 +27,19 @@ class PixelMap {
     return pixels_[static_cast<std::size_t>(v) * width() + u];
   }
 
+  /** The same at (u + du, v + dv), each at most 1/2: from a pixel to its neighbours, it changes linearly. */
+  Pixel at(int u, int v, double du, double dv) const {
+    const Pixel p = at(u, v);
+    if (separable()) return {p.x + du / intrinsics_.fx(), p.y + dv / intrinsics_.fy(), p.area};
+    const int right = u + 1 < width() ? 1 : -1, down = v + 1 < height() ? 1 : -1;
+    const Pixel a = at(u + right, v), b = at(u, v + down);
+    if (p.area == 0.0 || a.area == 0.0 || b.area == 0.0) return p;
+    const auto between = [&](double Pixel::*value) {
+      return p.*value + right * du * (a.*value - p.*value) + down * dv * (b.*value - p.*value);
+    };
+    return {between(&Pixel::x), between(&Pixel::y), between(&Pixel::area)};
+  }
+
   /** Separable maps only. */
   const std::vector<double>& xOfU() const { return x_of_u_; }
   double yOfV(int v) const { return y_of_v_[v]; }

@@ -15,10 +15,9 @@ std::vector<std::string> momentNames(int order);
 
 /** Raw moments m_ij = sum of x^i y^j dA of an object in one image, normalised coordinates, in one pass over its pixels.
  *
- *  Sums at pixel centres. An image of coverage weights is the object smeared by one pixel; that adds the second moments
- *  of a pixel (1/12 px^2 along each axis) to those of the object, and is subtracted again (theory: a coverage image
- *  samples the convolution of object and pixel). Hard-edged masks are samples of the object itself and need no such
- *  correction. */
+ *  Where the mask has soft edges, each pixel's part of the object is summed at its own centroid, and the second moments
+ *  that such a part has about its centroid are added (T63). Hard-edged masks are samples of the object at the centres
+ * of pixels. */
 class MomentAccumulator {
  public:
   /** @param map  must outlive the accumulator. @param order  >= 0 */
@@ -34,8 +33,8 @@ class MomentAccumulator {
  private:
   void sumSeparable(const ObjectMask& mask);
   void sumPixels(const ObjectMask& mask);
-  void addPixel(int u, int v, double weight);
-  void undoPixelExtent();
+  void addPixel(const PixelMap::Pixel& pixel, double weight);
+  void addPixelExtent(const ObjectMask& mask);
 
   const PixelMap& map_;
   int order_;

@@ -25,31 +25,23 @@ MomentAccumulator::MomentAccumulator(const PixelMap& map, int order) : map_(map)
   }
 }
 
-// Row by row: s_i = sum of w x^i, then m_ij += y^j s_i. Spans cost one subtraction of prefix sums.
+// Row by row: s_i = sum of w x^i, then m_ij += y^j s_i. Spans cost one subtraction of prefix sums. Edge pixels have a y
+// of their own.
 void MomentAccumulator::sumSeparable(const ObjectMask& mask) {
   const int n = order_ + 1;
-  auto span = mask.spans.begin();
-  auto edge = mask.edge.begin();
-  while (span != mask.spans.end() || edge != mask.edge.end()) {
-    int v = map_.height();
-    if (span != mask.spans.end()) v = span->v;
-    if (edge != mask.edge.end()) v = std::min(v, edge->v);
+  for (auto span = mask.spans.begin(); span != mask.spans.end();) {
+    const int v = span->v;
     std::fill(row_.begin(), row_.end(), 0.0);
     for (; span != mask.spans.end() && span->v == v; ++span)
       for (int i = 0; i < n; ++i) row_[i] += prefix_[span->u_end * n + i] - prefix_[span->u_begin * n + i];
-    for (; edge != mask.edge.end() && edge->v == v; ++edge) {
-      double term = edge->weight;
-      const double x = map_.xOfU()[edge->u];
-      for (int i = 0; i < n; ++i, term *= x) row_[i] += term;
-    }
     double y_power = map_.area();
     for (int j = 0; j < n; ++j, y_power *= map_.yOfV(v))
       for (int i = 0; i + j < n; ++i) m_[momentIndex(i, j)] += y_power * row_[i];
   }
+  for (const EdgePixel& e : mask.edge) addPixel(map_.at(e.u, e.v, e.du, e.dv), e.weight);
 }
 
-void MomentAccumulator::addPixel(int u, int v, double weight) {
-  const PixelMap::Pixel p = map_.at(u, v);
+void MomentAccumulator::addPixel(const PixelMap::Pixel& p, double weight) {
   if (p.area == 0.0) {
     left_the_lens_ = true;
     return;
@@ -68,32 +60,35 @@ void MomentAccumulator::addPixel(int u, int v, double weight) {
 
 void MomentAccumulator::sumPixels(const ObjectMask& mask) {
   for (const Span& s : mask.spans)
-    for (int u = s.u_begin; u < s.u_end; ++u) addPixel(u, s.v, 1.0);
-  for (const EdgePixel& e : mask.edge) addPixel(e.u, e.v, e.weight);
+    for (int u = s.u_begin; u < s.u_end; ++u) addPixel(map_.at(u, s.v), 1.0);
+  for (const EdgePixel& e : mask.edge) addPixel(map_.at(e.u, e.v, e.du, e.dv), e.weight);
 }
 
-// To second order in the size of a pixel, m_ij of the smeared object is larger by
-// (cxx i (i-1) m_{i-2,j} + 2 cxy i j m_{i-1,j-1} + cyy j (j-1) m_{i,j-2}) / 2, c the second moments of one pixel over
-// its area, (1/12) J J^T with J = d(x, y)/d(u, v). J is taken at the centroid: over the object it changes by less than
-// the next order. Lower moments must be undone first.
-void MomentAccumulator::undoPixelExtent() {
+// To second order in the size of a pixel, m_ij of the object is larger than the sum over centroids by
+// (cxx i (i-1) m_{i-2,j} + 2 cxy i j m_{i-1,j-1} + cyy j (j-1) m_{i,j-2}) / 2, c the second moments of the parts about
+// their centroids over the area, variance J J^T with J = d(x, y)/d(u, v). J is taken at the centroid of the object:
+// over the object it changes by less than the next order. Lower moments are made use of before they are changed.
+void MomentAccumulator::addPixelExtent(const ObjectMask& mask) {
   if (order_ < 2 || !(m_[0] > 0.0)) return;
-  constexpr double kPixelVariance = 1.0 / 12.0;
+  double whole = 0.0, parts = 0.0;
+  for (const Span& span : mask.spans) whole += span.u_end - span.u_begin;
+  for (const EdgePixel& pixel : mask.edge) parts += pixel.weight;
+  const double variance = (whole / 12.0 + parts / 16.0) / (whole + parts);
   const std::array<double, 2> centre =
       map_.intrinsics().project(m_[momentIndex(1, 0)] / m_[0], m_[momentIndex(0, 1)] / m_[0]);
   const CameraIntrinsics::Undistorted ray = map_.intrinsics().undistort(centre[0], centre[1]);
   if (!ray.valid) return;
   const auto& J = ray.jacobian;
-  const double cxx = kPixelVariance * (J[0] * J[0] + J[1] * J[1]), cyy = kPixelVariance * (J[2] * J[2] + J[3] * J[3]);
-  const double cxy = kPixelVariance * (J[0] * J[2] + J[1] * J[3]);
-  for (int n = 2; n <= order_; ++n) {
+  const double cxx = variance * (J[0] * J[0] + J[1] * J[1]), cyy = variance * (J[2] * J[2] + J[3] * J[3]);
+  const double cxy = variance * (J[0] * J[2] + J[1] * J[3]);
+  for (int n = order_; n >= 2; --n) {
     for (int j = 0; j <= n; ++j) {
       const int i = n - j;
       double excess = 0.0;
       if (i >= 2) excess += 0.5 * cxx * i * (i - 1) * m_[momentIndex(i - 2, j)];
       if (i >= 1 && j >= 1) excess += cxy * i * j * m_[momentIndex(i - 1, j - 1)];
       if (j >= 2) excess += 0.5 * cyy * j * (j - 1) * m_[momentIndex(i, j - 2)];
-      m_[momentIndex(i, j)] -= excess;
+      m_[momentIndex(i, j)] += excess;
     }
   }
 }
@@ -109,7 +104,7 @@ const std::vector<double>& MomentAccumulator::process(const ObjectMask& mask) {
   } else {
     sumPixels(mask);
   }
-  if (mask.soft_edges) undoPixelExtent();
+  if (mask.soft_edges) addPixelExtent(mask);
   return m_;
 }
 

@@ -1,13 +1,32 @@
 #include "segmentation/edge_weights.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <cstring>
+
+#include "segmentation/covered_part.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
 
-constexpr int kReach = 2;            // edge pixels lie within this distance of the contour
-constexpr int kMargin = 2 * kReach;  // the box of edge pixels, and what their windows look at
+constexpr int kReach = 2;  // edge pixels lie within this distance of the contour
+// Away from the contour a weight that is within three standard deviations of the noise of 0 or 1 counts as that; 0.67
+// of the standard deviation is the median of the noise's size.
+constexpr double kMedians = 3.0 / 0.67;
+constexpr double kMostFaint = 1.0 / 16;  // what is larger may be blur
+constexpr int kMargin = 2 * kReach;      // the box of edge pixels, and what their windows look at
+
+// Where the covered part of pixel u lies: across the gradient of the weights around it, by Scharr's operator.
+PixelPoint coveredPart(const std::array<const std::uint8_t*, 3>& rows, int u, int width, const double* weight_of_grey,
+                       double weight) {
+  if (!(weight > 0.0 && weight < 1.0)) return {};
+  const int left = std::max(u - 1, 0), right = std::min(u + 1, width - 1);
+  const auto at = [&](int row, int column) { return weight_of_grey[rows[row][column]]; };
+  const double down_left = at(2, left) - at(0, right), down_right = at(2, right) - at(0, left);
+  return centroidOfCoveredPart(weight, 10.0 * (at(1, right) - at(1, left)) + 3.0 * (down_right - down_left),
+                               10.0 * (at(2, u) - at(0, u)) + 3.0 * (down_right + down_left));
+}
 
 }  // namespace
 
@@ -81,7 +100,17 @@ bool EdgeWeights::belongsToAnother(int row, int col) const {
   return touches_other && !touches_own;
 }
 
-void EdgeWeights::emitRow(const std::uint8_t* grey_row, int v, const double* weight_of_grey, ObjectMask* mask) const {
+bool EdgeWeights::isNextToContour(int row, int col) const {
+  int own = 0;
+  for (int r = row - 1; r <= row + 1; ++r) {
+    const std::uint8_t* p = at(own_, r) + col;
+    own += p[-1] + p[0] + p[1];
+  }
+  return own != 0 && own != 9;
+}
+
+void EdgeWeights::emitRow(const std::array<const std::uint8_t*, 3>& rows, int v, const double* weight_of_grey,
+                          ObjectMask* mask) {
   const int row = v - v0_;
   const auto find = [this](const std::uint8_t* p, int begin, int value) {
     const void* found = begin < stride_ ? std::memchr(p + begin, value, stride_ - begin) : nullptr;
@@ -98,10 +127,31 @@ void EdgeWeights::emitRow(const std::uint8_t* grey_row, int v, const double* wei
   const std::uint8_t* edge = at(edge_, row);
   for (int c = find(edge, first, 1); c < limit; c = find(edge, c, 1)) {
     for (; c < limit && edge[c]; ++c) {
-      const double weight = weight_of_grey[grey_row[c + u0_]];
-      if (weight > 0.0 && !belongsToAnother(row, c)) mask->edge.push_back({v, c + u0_, weight});
+      const int u = c + u0_;
+      const double weight = weight_of_grey[rows[1][u]];
+      if (belongsToAnother(row, c)) continue;
+      if (!isNextToContour(row, c)) {
+        away_.push_back(mask->edge.size());
+        faint_.push_back(std::min(std::abs(weight), std::abs(1.0 - weight)));
+      }
+      const PixelPoint part = coveredPart(rows, u, mask->width_px, weight_of_grey, weight);
+      mask->edge.push_back({v, u, weight, part.u, part.v});
     }
   }
+}
+
+void EdgeWeights::forgetNoiseAwayFromContour(ObjectMask* mask) {
+  if (faint_.empty()) return;
+  const auto middle = faint_.begin() + static_cast<std::ptrdiff_t>(faint_.size() / 2);
+  std::nth_element(faint_.begin(), middle, faint_.end());
+  const double noise = std::min(kMedians * *middle, kMostFaint);
+  for (const std::size_t k : away_) {
+    EdgePixel& pixel = mask->edge[k];
+    if (pixel.weight <= noise) pixel = {pixel.v, pixel.u, 0.0};
+    if (pixel.weight >= 1.0 - noise) pixel = {pixel.v, pixel.u, 1.0};
+  }
+  const auto empty = [](const EdgePixel& pixel) { return pixel.weight == 0.0; };
+  mask->edge.erase(std::remove_if(mask->edge.begin(), mask->edge.end(), empty), mask->edge.end());
 }
 
 void EdgeWeights::process(const std::uint8_t* grey, std::size_t step, int width, int height,
@@ -116,10 +166,15 @@ void EdgeWeights::process(const std::uint8_t* grey, std::size_t step, int width,
   growAndShrink();
 
   double weight_of_grey[256];
-  for (int g = 0; g < 256; ++g)
-    weight_of_grey[g] = std::clamp((levels.background - g) / (levels.background - levels.object), 0.0, 1.0);
+  for (int g = 0; g < 256; ++g) weight_of_grey[g] = (levels.background - g) / (levels.background - levels.object);
+  away_.clear();
+  faint_.clear();
   const int v_end = std::min(v0_ + rows_ - kReach, height);
-  for (int v = std::max(v0_ + kReach, 0); v < v_end; ++v) emitRow(grey + v * step, v, weight_of_grey, mask);
+  for (int v = std::max(v0_ + kReach, 0); v < v_end; ++v) {
+    const auto row = [&](int of) { return grey + std::clamp(of, 0, height - 1) * step; };
+    emitRow({row(v - 1), row(v), row(v + 1)}, v, weight_of_grey, mask);
+  }
+  forgetNoiseAwayFromContour(mask);
 }
 
 }  // namespace aras_visual_servo_camera

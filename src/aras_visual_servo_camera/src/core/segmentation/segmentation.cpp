@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "aras_visual_servo_camera/config/errors.hpp"
 #include "image/grey_image.hpp"
@@ -23,13 +25,34 @@ constexpr double kBorderWeight = 0.1;
 
 std::array<int, 256> countGreys(const cv::Mat& grey) {
   std::array<std::array<int, 256>, 4> parts{};  // four, so that equal neighbours do not wait for each other
+  constexpr int kBlock = 32, kWords = 4;
+  // Blocks of one grey, most of an image, are compared with the last such block and counted when another comes.
+  std::uint64_t last = 0;
+  int blocks = 0;
+  const auto flush = [&] { parts[0][last & 0xff] += kBlock * std::exchange(blocks, 0); };
   for (int v = 0; v < grey.rows; ++v) {
     const std::uint8_t* row = grey.ptr(v);
     int u = 0;
-    for (; u + 4 <= grey.cols; u += 4)
-      for (int k = 0; k < 4; ++k) ++parts[k][row[u + k]];
+    for (; u + kBlock <= grey.cols; u += kBlock) {
+      std::uint64_t words[kWords];
+      std::memcpy(words, row + u, kBlock);
+      const auto holds = [&words](std::uint64_t one) {
+        return ((words[0] ^ one) | (words[1] ^ one) | (words[2] ^ one) | (words[3] ^ one)) == 0;
+      };
+      if (!holds(last)) {
+        const std::uint64_t one = row[u] * std::uint64_t{0x0101010101010101};
+        if (!holds(one)) {
+          for (int k = 0; k < kBlock; ++k) ++parts[k % 4][row[u + k]];
+          continue;
+        }
+        flush();
+        last = one;
+      }
+      ++blocks;
+    }
     for (; u < grey.cols; ++u) ++parts[0][row[u]];
   }
+  flush();
   std::array<int, 256> sum{};
   for (int g = 0; g < 256; ++g) sum[g] = parts[0][g] + parts[1][g] + parts[2][g] + parts[3][g];
   return sum;

@@ -78,15 +78,15 @@ class ArmMotion:
         jacobian = self._kinematics.jacobian(q)
         return jacobian, self._invert(jacobian)
 
-    def tilt(self, q, inverse, gain, target_C):
+    def tilt(self, X_BC, inverse, gain, target_C):
         """Twist that turns the optical axis towards the taught one, as far as the arm can; zeros if none was taught.
 
-        Args: gain: part of the angle to turn per second [1/s], or in one move.  target_C: (x, y, z) of a point that
-            keeps its place in the camera frame [m].
+        Args: X_BC: (4, 4) pose of the camera.  gain: part of the angle to turn per second [1/s], or in one move.
+            target_C: (x, y, z) of a point that keeps its place in the camera frame [m].
         """
         if self.optical_axis_B is None:
             return np.zeros(6)
-        a, b, _ = (self.optical_axis_B @ self._kinematics.pose(q)[:3, :3]).tolist()  # the taught axis in C
+        a, b, _ = (self.optical_axis_B @ X_BC[:3, :3]).tolist()  # the taught axis in C
         sine = (a * a + b * b) ** 0.5
         if sine > 0.0:
             gain *= asin(min(1.0, sine)) / sine

@@ -122,7 +122,8 @@ def _read(bags, topics, scenario, keep_images):
     factors = [s.real_time_factor for s in statuses if not s.paused and s.real_time_factor > 0.0]
     return builder.finish(run_hash=statuses[-1].run_hash if statuses else "",
                           real_time_factor=float(np.median(factors)) if factors else float("nan"),
-                          camera_info=camera_info, X_WT=X_WT, recorded=recorded)
+                          camera_info=camera_info, X_WT=X_WT, recorded=recorded,
+                          opengl=getattr(statuses[-1], "opengl", "") if statuses else "")
 
 
 def _compare(bags, published):

@@ -75,6 +75,11 @@ class BagFiles:
                 if note not in self.notes:
                     self.notes.append(note)
 
+    def raw_messages(self):
+        """Yield (topic, (type, bytes, MD5, position, Python class), time) of all messages, undecoded, bag after bag."""
+        for bag in self._bags:
+            yield from bag.read_messages(raw=True)
+
     def _open(self, path):
         import rosbag  # only here, so that the rest of the package works without ROS
         try:

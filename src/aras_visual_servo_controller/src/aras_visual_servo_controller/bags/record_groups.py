@@ -64,9 +64,14 @@ def parse_groups(value):
     return tuple(name for name in (*GROUPS, *ON_DEMAND) if name in chosen or name == ALWAYS)
 
 
+def _within(topic, namespace):
+    """Name of a topic in its namespace, without a slash before it."""
+    return (topic[len(namespace):] if topic.startswith(namespace) else topic).lstrip("/")
+
+
 def group_of(topic, namespace="/"):
     """Group of a topic, given by its resolved name. namespace: of the run, e.g. "/aras_visual_servo/"."""
-    name = (topic[len(namespace):] if topic.startswith(namespace) else topic).lstrip("/")
+    name = _within(topic, namespace)
     for group, part in ON_DEMAND.items():
         if part in "/" + name:
             return group
@@ -78,7 +83,7 @@ def group_of(topic, namespace="/"):
 
 def is_chosen(topic, namespace, groups):
     """Whether a topic, given by its resolved name, is recorded when these groups are. namespace: as `group_of`."""
-    name = "/" + (topic[len(namespace):] if topic.startswith(namespace) else topic).lstrip("/")
+    name = "/" + _within(topic, namespace)
     return group_of(topic, namespace) in groups and not any(part in name for part in NEVER)
 
 

@@ -1,21 +1,26 @@
 """The commands `compare_laws` and `compare_runs`. Exit codes: 0 done, 2 bad input, 3 could not run, 130 interrupted."""
 
-import argparse
 import os
 import shlex
 import sys
 from pathlib import Path
 
+from .parser import command_parser, parse
 from .run import EXIT_PASSED, guarded, parse_overrides
 from ..ground.errors import ParameterError
 
 FOLDER = "comparisons"
+LAWS_EXAMPLES = (("canonical", "every law on every canonical task"),
+                 ("canonical --laws pbvs,ibvs:current --tasks A_90", "two laws on one task"),
+                 ("canonical --scenario free_camera", "the same tasks with a camera that flies freely"))
+RUNS_EXAMPLES = (("naive_inverse redundant", "two scenarios, run here"),
+                 ("results/experiment_1/STAMP mine.yaml", "a recorded run beside a scenario"))
 
 
 def compare_laws_main(argv=None):
     """`compare_laws canonical --laws A,B` runs laws on the same tasks. Returns the exit code."""
-    parser = argparse.ArgumentParser(prog="compare_laws", description="Run several laws on the same tasks, and write "
-                                     "one table (comparison.csv, comparison.html) and one figure of the results.")
+    parser = command_parser("compare_laws", "Run several laws on the same tasks, and write one table (comparison.csv, "
+                            "comparison.html) and one figure of the results.", LAWS_EXAMPLES)
     parser.add_argument("comparison", nargs="?", default="canonical",
                         help="name of a comparison of this package, or path of a YAML file (default: canonical)")
     parser.add_argument("--laws", type=_names, default=(), metavar="A,B,...",
@@ -34,7 +39,7 @@ def compare_laws_main(argv=None):
                         help="folder under which result folders are made (default: results)")
     parser.add_argument("--name", help="name of the folder DIR/comparisons/COMPARISON/NAME (default: the time)")
     parser.add_argument("--list", action="store_true", help="only list the laws and tasks of the comparison")
-    arguments = parser.parse_args(argv)
+    arguments = parse(parser, argv)
 
     def work():
         from ..compare.laws import load_comparison, run_comparison
@@ -65,14 +70,14 @@ def compare_laws_main(argv=None):
 
 def compare_runs_main(argv=None):
     """`compare_runs A B` shows two or more runs on one page. Returns the exit code."""
-    parser = argparse.ArgumentParser(prog="compare_runs", description="Two or more runs side by side on one page "
-                                     "(runs.html): camera path, errors, joints against their limits, what differs.")
+    parser = command_parser("compare_runs", "Two or more runs side by side on one page (runs.html): camera path, "
+                            "errors, joints against their limits, what differs.", RUNS_EXAMPLES)
     parser.add_argument("runs", nargs="+", metavar="RUN", help="a scenario, by name or path of its YAML file, which is "
                         "then run in this process; or a recorded run: a bag, or a folder of bags")
     parser.add_argument("--output", default="results", metavar="DIR",
                         help="folder under which result folders are made (default: results)")
     parser.add_argument("--name", help="name of the folder DIR/comparisons/runs/NAME (default: the time)")
-    arguments = parser.parse_args(argv)
+    arguments = parse(parser, argv)
 
     def work():
         from ..report.report import create_result_folder

@@ -3,7 +3,6 @@
 Exit codes: 0 the run passed, 1 it did not, 2 bad input, 3 could not run, 128 + N ended by signal N.
 """
 
-import argparse
 import os
 import re
 import sys
@@ -11,6 +10,7 @@ from pathlib import Path
 
 import yaml
 
+from .parser import PREFIX, command_parser, parse
 from ..ground.errors import ArasError, ParameterError
 from ..ground.processes import Interrupted, signals_raise
 from ..bags.record_groups import COMPRESSIONS, GROUPS, ON_DEMAND, parse_groups
@@ -18,11 +18,20 @@ from ..bags.record_groups import COMPRESSIONS, GROUPS, ON_DEMAND, parse_groups
 EXIT_PASSED, EXIT_FAILED, EXIT_PARAMETERS, EXIT_BROKEN = range(4)
 NAMESPACE = re.compile(r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
 
+RUN_EXAMPLES = (("experiment_1 --in-process", "without ROS, in a fraction of a second"),
+                ("experiment_1 --in-process --set servo.gains_per_s.xn=1.0", "with another gain"),
+                ("experiment_1 --set sim.seed=3", "over ROS, with a bag"),
+                ("--init mine", "write mine.yaml, a scenario to begin with"),
+                ("mine.yaml --in-process --video", "run it, with a video"),
+                ("mine.yaml --resolve", "print it with all that it extends"))
+REPORT_EXAMPLES = (("results/experiment_1/STAMP/run.bag", "everything again, from the bag"),
+                   ("results/experiment_1/STAMP --video --replay", "and the video; the same features?"))
+
 
 def run_main(argv=None):
     """`run SCENARIO`: over ROS through roslaunch, or without ROS with --in-process. Returns the exit code."""
-    parser = argparse.ArgumentParser(prog="run", description="Run a scenario, judge it by the true camera pose, and "
-                                     "write a result folder with summary, trace, figure and report.")
+    parser = command_parser("run", "Run a scenario, judge it by the true camera pose, and write a result folder with "
+                            "summary, trace, figure and report.", RUN_EXAMPLES)
     parser.add_argument("scenario", nargs="?", help="name of a scenario of this package, or path of a YAML file")
     parser.add_argument("--in-process", action="store_true",
                         help="run simulator, camera and controller in this process, without ROS")
@@ -30,7 +39,7 @@ def run_main(argv=None):
                         help="folder under which result folders are made (default: results)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
                         help="replace a value of the scenario, e.g. --set servo.gains_per_s.xn=2.0; may be given "
-                             "several times (only with --in-process)")
+                             "several times")
     parser.add_argument("--video", action="store_true", help="make video.mp4 too and show it in the report (ffmpeg)")
     parser.add_argument("--record", metavar="GROUPS", help="groups of topics to record (only over ROS), e.g. "
                         "images,features,truth for these, --record=-images for all but images, or all,segmentation "
@@ -45,17 +54,21 @@ def run_main(argv=None):
                         "clock)")
     parser.add_argument("--verbose", action="store_true", help="show the output of the nodes (only over ROS)")
     parser.add_argument("--list", action="store_true", help="only list the scenarios that come with the package")
-    arguments = parser.parse_args(argv)
+    parser.add_argument("--init", metavar="NAME", help="only write NAME.yaml, a scenario to begin with: it extends "
+                        "SCENARIO (default: experiment_1), and every key stands there with its meaning")
+    parser.add_argument("--resolve", action="store_true", help="only print the scenario as it runs, as YAML: with all "
+                        "that it extends, and with --set")
+    arguments = parse(parser, argv)
     from ..scenario.scenario import load_scenario
     from ..scenario.files import scenario_names
     if arguments.list:
         for name in scenario_names():
             print(f"{name:<28} {load_scenario(name).description}")
         return EXIT_PASSED
+    if arguments.init:
+        return guarded(lambda: _write_starter(arguments.init, arguments.scenario or "experiment_1"))
     if not arguments.scenario:
         parser.error("SCENARIO is missing; --list shows the known ones")
-    if arguments.overrides and not arguments.in_process:
-        parser.error("--set works with --in-process only; over ROS change a copy of the scenario file")
     if arguments.in_process and (arguments.record or arguments.split or arguments.compression):
         parser.error("--record, --split and --compression say how the bag is written, but --in-process writes no bag")
     if arguments.namespace is not None and (arguments.in_process or not NAMESPACE.fullmatch(arguments.namespace)):
@@ -64,19 +77,27 @@ def run_main(argv=None):
     if arguments.split is not None and arguments.split < 1:
         parser.error(f"--split: found {arguments.split}, allowed >= 1")
 
-    def work():
-        from ..scenario.feasibility import check_feasible
+    def work(drawing=None):
         scenario = load_scenario(arguments.scenario, parse_overrides(arguments.overrides))
+        if arguments.resolve:
+            print(scenario.as_yaml(), end="")
+            return EXIT_PASSED
+        from ..scenario.feasibility import check_feasible
         check_feasible(scenario)
-        return _run_in_process(scenario, arguments) if arguments.in_process else _run_over_ros(scenario, arguments)
+        return _run_in_process(scenario, arguments, drawing) if drawing else _run_over_ros(scenario, arguments)
 
-    return guarded(work)
+    def work_while_drawing_begins():
+        from ..report.drawing import Drawing
+        with Drawing() as drawing:
+            return work(drawing)
+
+    return guarded(work_while_drawing_begins if arguments.in_process and not arguments.resolve else work)
 
 
 def report_main(argv=None):
     """`report BAG` makes summary, trace, figure and report again from a rosbag. Returns the exit code."""
-    parser = argparse.ArgumentParser(prog="report", description="Rebuild summary.json, trace.csv, figure.{png,pdf} "
-                                                                "and report.html of a run from its bag.")
+    parser = command_parser("report", "Rebuild summary.json, trace.csv, figure.{png,pdf} and report.html of a run "
+                            "from its bag.", REPORT_EXAMPLES)
     parser.add_argument("bag", nargs="+", help="the rosbag of a run, under any namespace; several bags, or a folder of "
                                                "bags, are read as the parts of one run")
     parser.add_argument("--output", metavar="DIR", help="folder to write to; files of an earlier report there are "
@@ -87,7 +108,7 @@ def report_main(argv=None):
     parser.add_argument("--panels", action="store_true", help="write each panel of the figure as panel_NAME.pdf too")
     parser.add_argument("--replay", action="store_true",
                         help="process the images again and compare the features with the recorded ones, bit for bit")
-    arguments = parser.parse_args(argv)
+    arguments = parse(parser, argv)
 
     def work():
         from ..bags.bag import read_bag
@@ -130,7 +151,23 @@ def parse_overrides(texts):
     return overrides
 
 
-def _run_in_process(scenario, arguments):
+def _write_starter(name, base):
+    from ..scenario.schema import NAME
+    from ..scenario.starter import starter
+    name = name[:-len(".yaml")] if name.endswith(".yaml") else name
+    if not re.fullmatch(NAME, name):
+        raise ParameterError(f"--init: found '{name}', allowed letters, digits, _ . -, not only dots")
+    path, text = Path(f"{name}.yaml"), starter(name, base)
+    try:
+        with open(path, "x", encoding="utf-8") as stream:
+            stream.write(text)
+    except FileExistsError:
+        raise ParameterError(f"--init: {path} is there already; choose another name") from None
+    print(f"{path} is written; run it:  {PREFIX} run {path} --in-process")
+    return EXIT_PASSED
+
+
+def _run_in_process(scenario, arguments, drawing):
     from ..run.judge import run_in_process
     from ..report.report import create_result_folder, format_summary, save_results
     folder = create_result_folder(arguments.output, scenario.name)
@@ -138,7 +175,7 @@ def _run_in_process(scenario, arguments):
                             **({"keep_images": True} if arguments.video else {}))
     words = [f"--set {text}" for text in arguments.overrides]
     command = " ".join(["rosrun aras_visual_servo_controller run", arguments.scenario, "--in-process"] + words)
-    summary = save_results(record, folder, command, video=arguments.video)
+    summary = save_results(record, folder, command, video=arguments.video, drawing=drawing)
     print(format_summary(summary))
     return EXIT_PASSED if summary["passed"] else EXIT_FAILED
 

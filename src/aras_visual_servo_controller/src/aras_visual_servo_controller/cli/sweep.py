@@ -4,7 +4,6 @@ Exit codes: 0 done; 1 a `--fail-if` expression held, or a repeated run gave othe
 128 + N ended by signal N (a sweep keeps the runs that were done).
 """
 
-import argparse
 import os
 import re
 import shlex
@@ -12,17 +11,25 @@ import sys
 from dataclasses import asdict
 from pathlib import Path
 
+from .parser import command_parser, parse
 from .run import EXIT_FAILED, EXIT_PASSED, guarded, parse_overrides
 from ..ground.errors import ParameterError
 from ..ground.processes import Interrupted
 
 FOLDER = "sweeps"
+SWEEP_EXAMPLES = (("experiment_1 --starts 200", "200 starts, on every core"),
+                  ("experiment_1 --starts 200 --set servo.law=paper --name paper", "another law, in a named folder"),
+                  ("experiment_1 --resume", "go on where the newest one was interrupted"))
+RERUN_EXAMPLES = (("17", "run 17 of the newest sweep once more, with a report"),
+                  ("17 --sweep results/sweeps/experiment_1/STAMP", "of this one"))
+COMPARE_EXAMPLES = (("FOLDER_A FOLDER_B", "two sweeps of the same starts, paired"),
+                    ('FOLDER_A FOLDER_B --fail-if "B.success<0.98"', "as a gate: exit code 1 if it holds"))
 
 
 def sweep_main(argv=None):
     """`sweep SCENARIO --starts N` runs a scenario from many starts. Returns the exit code."""
-    parser = argparse.ArgumentParser(prog="sweep", description="Run a scenario from many starts. The result folder "
-                                     "gets one row per run in sweep.db and runs.csv, figures, and sweep.html.")
+    parser = command_parser("sweep", "Run a scenario from many starts. The result folder gets one row per run in "
+                            "sweep.db and runs.csv, figures, and sweep.html.", SWEEP_EXAMPLES)
     parser.add_argument("scenario", nargs="?", help="name of a scenario of this package, or path of a YAML file")
     parser.add_argument("--starts", type=int, metavar="N",
                         help="number of runs (default: sweep.starts of the scenario, else 100)")
@@ -36,7 +43,7 @@ def sweep_main(argv=None):
                         help="let the arm drive to goal and start as `run` does, instead of placing it there")
     parser.add_argument("--workers", type=int, metavar="N",
                         help="number of worker processes on this machine (default: one per core; 0: run in this "
-                             "process, without Dask)")
+                             "process)")
     parser.add_argument("--scheduler", metavar="ADDRESS",
                         help="address of a Dask scheduler whose workers do the runs, e.g. tcp://host:8786")
     parser.add_argument("--output", default="results", metavar="DIR",
@@ -47,7 +54,7 @@ def sweep_main(argv=None):
                              "saved are not repeated")
     parser.add_argument("--axes", nargs=2, metavar=("X", "Y"),
                         help="columns of runs.csv that are the axes of the maps (default: x0_mm y0_mm)")
-    arguments = parser.parse_args(argv)
+    arguments = parse(parser, argv)
     if arguments.scenario is None and not arguments.resume:
         parser.error("SCENARIO is missing (or --resume FOLDER)")
 
@@ -66,14 +73,14 @@ def sweep_main(argv=None):
 
 def rerun_main(argv=None):
     """`rerun ID` repeats one run of a sweep and writes its result folder. Returns the exit code."""
-    parser = argparse.ArgumentParser(prog="rerun", description="Repeat one run of a sweep, check that it gives the "
-                                     "same values as before, and write its summary, trace, figure and report.")
+    parser = command_parser("rerun", "Repeat one run of a sweep, check that it gives the same values as before, and "
+                            "write its summary, trace, figure and report.", RERUN_EXAMPLES)
     parser.add_argument("id", type=int, help="id of the run: column id of runs.csv")
     parser.add_argument("--sweep", metavar="FOLDER", help="folder of the sweep (default: the newest one under DIR)")
     parser.add_argument("--results", default="results", metavar="DIR",
                         help="folder under which the sweeps are (default: results)")
     parser.add_argument("--output", metavar="DIR", help="folder to write to (default: FOLDER/runs/ID)")
-    arguments = parser.parse_args(argv)
+    arguments = parse(parser, argv)
 
     def work():
         from ..report.report import ResultFolderError, format_summary, save_results
@@ -109,14 +116,14 @@ def rerun_main(argv=None):
 
 def compare_main(argv=None):
     """`compare A B [C]` compares sweeps and checks gates on their numbers. Returns the exit code."""
-    parser = argparse.ArgumentParser(prog="compare", description="Sweeps side by side, with paired statistics on the "
-                                     "same starts: McNemar's test for success, Wilcoxon's for time and error.")
+    parser = command_parser("compare", "Sweeps side by side, with paired statistics on the same starts: McNemar's test "
+                            "for success, Wilcoxon's for time and error.", COMPARE_EXAMPLES)
     parser.add_argument("sweeps", nargs="+", metavar="FOLDER",
                         help="folders of sweeps, which are called A, B, C, ... in this order; each is compared with A")
     parser.add_argument("--fail-if", action="append", default=[], metavar="EXPRESSION",
                         help="exit with code 1 if this holds, e.g. \"success<0.98\" or "
                              "\"B.time_median_s>1.1*A.time_median_s\"; a name without a letter means the last sweep")
-    arguments = parser.parse_args(argv)
+    arguments = parse(parser, argv)
 
     def work():
         from ..compare.sweeps import LETTERS, format_comparison, gate_fires, numbers_of

@@ -16,7 +16,7 @@ from ..ground.errors import ParameterError
 from ..ground.processes import end_with_parent
 from ..scenario.feasibility import Feasibility
 from ..arm.robot import robot_kinematics
-from ..target.outline import Outline
+from ..features.target.outline import Outline
 from ..arm.reach import reach
 from ..scenario.scenario import load_scenario
 from ..config.files import load_yaml, share_dir

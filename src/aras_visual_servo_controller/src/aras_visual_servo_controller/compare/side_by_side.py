@@ -19,7 +19,7 @@ from ..report.figure import STYLE, draw_panel
 from ..arm.robot import robot_kinematics
 from .laws_figure import COLOURS, FLOOR_DEG, FLOOR_MM
 from .laws_report import TABLE, cells
-from ..target.outline import Outline
+from ..features.target.outline import Outline
 from ..report.page import flat_settings
 from ..report.template import render
 from ..report.report import ResultFolderError

@@ -8,7 +8,7 @@ def table_of(schema, elsewhere=()):
 
     Args: schema: of the section.  elsewhere: dotted keys whose own keys have a table of their own.
     """
-    return [*HEAD, *(f"| {' | '.join(row)} |" for row in _rows(_section(schema), "", set(elsewhere)))]
+    return [*HEAD, *(f"| {' | '.join(row)} |" for row in _rows(section_of(schema), "", set(elsewhere)))]
 
 
 def part_of(sections, name):
@@ -16,15 +16,15 @@ def part_of(sections, name):
     first, *keys = name.split(".")
     schema = sections.get(first)
     for key in keys:
-        schema = _section(schema or {}).get("properties", {}).get(key)
+        schema = section_of(schema or {}).get("properties", {}).get(key)
     return schema
 
 
-def _section(schema):
+def section_of(schema):
     """The schema that has the keys: the given one, that of a list's or table's entries, or all kinds put together."""
     schema = schema.get("items", {}) if schema.get("type") == "array" else schema
     if isinstance(schema.get("additionalProperties"), dict):
-        schema = _section(schema["additionalProperties"])
+        schema = section_of(schema["additionalProperties"])
     kinds = [kind for kind in schema.get("oneOf", schema.get("anyOf", ())) if "properties" in kind]
     if not kinds:
         return schema
@@ -55,8 +55,8 @@ def _rows(schema, before, elsewhere):
     properties = schema.get("properties", {})
     for key in sorted(properties, key=lambda key: key not in required):
         found, name = properties[key], before + key
-        inner = _section(found)
-        yield (f"`{name}`", found.get("unit", ""), _default(found, inner, key in required), _allowed(found),
+        inner = section_of(found)
+        yield (f"`{name}`", found.get("unit", ""), _default(found, inner, key in required), allowed_of(found),
                found.get("description", "").replace("|", "\\|"))
         if "properties" in inner and name not in elsewhere:
             by_name = isinstance(found.get("additionalProperties"), dict)
@@ -70,39 +70,39 @@ def _default(found, inner, required):
     if "properties" in inner and isinstance(found.get("default", {}), dict):
         own = {key: value["default"] for key, value in inner["properties"].items() if "default" in value}
         given = {**own, **found.get("default", {})}
-        return f"`{_plain(given)}`" if given != own else "as below" if "default" in found else "off"
+        return f"`{flow(given)}`" if given != own else "as below" if "default" in found else "off"
     if found.get("default") in (None, {}, [], ""):
         return "none"
-    text = _plain(found["default"])
+    text = flow(found["default"])
     return f"`{text}`" if isinstance(found["default"], (str, list, dict)) else text
 
 
-def _plain(value):
+def flow(value):
     """As YAML has it, in one line."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, float):
         return f"{value:g}"
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{key}: {_plain(entry)}" for key, entry in value.items()) + "}"
-    return f"[{', '.join(map(_plain, value))}]" if isinstance(value, list) else str(value)
+        return "{" + ", ".join(f"{key}: {flow(entry)}" for key, entry in value.items()) + "}"
+    return f"[{', '.join(map(flow, value))}]" if isinstance(value, list) else str(value)
 
 
-def _allowed(schema):
+def allowed_of(schema):
     """In a few words."""
     if "enum" in schema:
-        return ", ".join(f"`{_plain(value)}`" for value in schema["enum"])
+        return ", ".join(f"`{flow(value)}`" for value in schema["enum"])
     if "const" in schema:
-        return f"`{_plain(schema['const'])}`"
+        return f"`{flow(schema['const'])}`"
     kinds = schema.get("oneOf", schema.get("anyOf"))
     if kinds:
-        return " or ".join(dict.fromkeys(filter(None, map(_allowed, kinds))))
+        return " or ".join(dict.fromkeys(filter(None, map(allowed_of, kinds))))
     kind = schema.get("type", "")
     if kind == "array":
         return _list(schema)
     if kind == "object":
         entries = schema.get("additionalProperties")
-        return f"{_allowed(entries)} by name" if isinstance(entries, dict) and _allowed(entries) else ""
+        return f"{allowed_of(entries)} by name" if isinstance(entries, dict) and allowed_of(entries) else ""
     words = {"number": "a number", "integer": "a whole number", "boolean": "true, false", "string": "a text"}
     bounds = _bounds(schema)
     return f"{'whole ' * (kind == 'integer')}{bounds}" if bounds else words.get(kind, "")
@@ -120,4 +120,4 @@ def _list(schema):
 
 def _bounds(schema):
     signs = (("exclusiveMinimum", ">"), ("minimum", ">="), ("exclusiveMaximum", "<"), ("maximum", "<="))
-    return ", ".join(f"{sign} {_plain(schema[word])}" for word, sign in signs if word in schema)
+    return ", ".join(f"{sign} {flow(schema[word])}" for word, sign in signs if word in schema)

@@ -139,6 +139,27 @@ def end_with_parent(number=signal.SIGKILL):
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, number)
 
 
+@contextlib.contextmanager
+def signals_blocked():
+    """Processes that are forked inside this block get no signal of SIGNALS before they call `end_as_child`."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def end_as_child():
+    """Called in a forked worker: the process that forked it ends it, and it ends with that process.
+
+    A terminal sends Ctrl-C to all processes; a worker that obeyed would print a traceback.
+    """
+    end_with_parent()
+    for number in SIGNALS:
+        signal.signal(number, signal.SIG_DFL if number == signal.SIGTERM else signal.SIG_IGN)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
+
+
 def marked(environment):
     """A copy of an environment with a mark, by which `processes_of` finds the processes that were started with it."""
     return dict(environment, **{MARK: f"{os.getpid()}-{os.urandom(8).hex()}"})

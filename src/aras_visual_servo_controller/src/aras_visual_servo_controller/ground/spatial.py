@@ -1,10 +1,11 @@
 """Rotations and poses: matrices, rotation vectors, quaternions, roll-pitch-yaw angles. No other module computes them.
 
 A pose X_AB is a 4 x 4 homogeneous matrix, a twist is stacked [v; w], a rotation vector is theta u [rad]. The functions
-that a servo calls at every image are written out for speed; the others are scipy's.
+that a servo calls at every image are written out for speed, and those that every run needs, because scipy takes a tenth
+of a second to import; the others are scipy's.
 """
 
-from math import atan2, cos, sin
+from math import atan2, cos, sin, sqrt
 
 import numpy as np
 
@@ -94,15 +95,46 @@ def rotation_angle(R):
 
 
 def rotation_rpy(rpy_rad):
-    """Rotation matrix of fixed-axis roll, pitch, yaw, as in URDF: Rz(yaw) Ry(pitch) Rx(roll)."""
-    return _scipy_rotation().from_euler("xyz", rpy_rad).as_matrix()
+    """Rotation matrix of fixed-axis roll, pitch, yaw, as in URDF: Rz(yaw) Ry(pitch) Rx(roll).
+
+    By way of the quaternion, as scipy does, to the last bit.
+    """
+    roll, pitch, yaw = [0.5 * float(angle) for angle in rpy_rad]
+    q = _quaternion_product((0.0, sin(pitch), 0.0, cos(pitch)), (sin(roll), 0.0, 0.0, cos(roll)))
+    x, y, z, w = _quaternion_product((0.0, 0.0, sin(yaw), cos(yaw)), q)
+    xx, yy, zz, ww = x * x, y * y, z * z, w * w
+    return np.array([[xx - yy - zz + ww, 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+                     [2.0 * (x * y + z * w), -xx + yy - zz + ww, 2.0 * (y * z - x * w)],
+                     [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), -xx - yy + zz + ww]])
+
+
+def _quaternion_product(p, q):
+    """Hamilton's product p q of quaternions (x, y, z, w)."""
+    return (p[3] * q[0] + q[3] * p[0] + (p[1] * q[2] - p[2] * q[1]),
+            p[3] * q[1] + q[3] * p[1] + (p[2] * q[0] - p[0] * q[2]),
+            p[3] * q[2] + q[3] * p[2] + (p[0] * q[1] - p[1] * q[0]),
+            p[3] * q[3] - p[0] * q[0] - p[1] * q[1] - p[2] * q[2])
 
 
 def quaternion_xyzw(R):
-    """Unit quaternion (x, y, z, w), w >= 0, of a rotation matrix, shape (4,); NaN for a matrix with NaN."""
+    """Unit quaternion (x, y, z, w), w >= 0, of a rotation matrix, shape (4,); NaN for a matrix with NaN.
+
+    As scipy's, to the last bit.
+    """
     if not np.all(np.isfinite(R)):
         return np.full(4, np.nan)
-    q = _scipy_rotation().from_matrix(R).as_quat()
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = np.asarray(R, dtype=float).tolist()
+    trace = xx + yy + zz
+    most = max(xx, yy, zz, trace)  # the largest part of the quaternion is found first, and the others by it
+    if most == trace:
+        x, y, z, w = zy - yz, xz - zx, yx - xy, 1.0 + trace
+    elif most == xx:
+        x, y, z, w = 1.0 - trace + 2.0 * xx, yx + xy, zx + xz, zy - yz
+    elif most == yy:
+        x, y, z, w = xy + yx, 1.0 - trace + 2.0 * yy, zy + yz, xz - zx
+    else:
+        x, y, z, w = xz + zx, yz + zy, 1.0 - trace + 2.0 * zz, yx - xy
+    q = np.array([x, y, z, w]) / sqrt(x * x + y * y + z * z + w * w)
     return q if q[3] >= 0.0 else -q
 
 

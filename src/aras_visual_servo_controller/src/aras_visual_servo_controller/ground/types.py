@@ -34,6 +34,13 @@ class Status(IntEnum):
     STOPPED_BY_RULE = 10
 
 
+#: Statuses that end the servo phase; only a new start moves the arm again.
+FINAL = (Status.CONVERGED, Status.TIMED_OUT, Status.STOPPED, Status.FAULT, Status.STOPPED_BY_RULE)
+
+#: Steps of an experiment, in order (ServoState.phase); "idle" before it starts.
+PHASES = ("idle", "to_goal", "settle_goal", "teach", "to_start", "settle_start", "servo", "done")
+
+
 @dataclass
 class Features:
     """Image moments of the target in one image: the fields of aras_visual_servo_msgs/MomentFeatures.

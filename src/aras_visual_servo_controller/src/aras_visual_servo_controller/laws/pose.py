@@ -5,7 +5,7 @@ import numpy as np
 from ..ground.errors import DegenerateFeature, ParameterError
 from ..features.base import View
 from .base import Law, LawSetup, register, sampled_gains
-from ..target.points_pose import PlanarPoints, find_corners
+from ..features.target.points_pose import PlanarPoints, find_corners
 from ..ground.spatial import inverse, rotation_vector
 
 

@@ -5,7 +5,7 @@ from typing import Any, Mapping, Optional, Tuple
 
 from ..config.settings import setting
 from ..ground.types import FEATURE_NAMES
-from ..target.target_pose import PlanarTarget
+from ..features.target.target_pose import PlanarTarget
 
 INTERACTIONS = ("desired", "current", "mean")
 POINT_DEPTHS = ("plane", "goal")

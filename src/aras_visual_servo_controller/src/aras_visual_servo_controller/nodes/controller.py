@@ -28,7 +28,7 @@ from ..ground.processes import check_signals
 from ..arm.float_commands import SetPointIntegrator
 from .null_space_topic import NullSpaceTopic
 from ..run.pairing import StampPairer
-from .parameters import ControllerSetup
+from .parameters import ControllerSetup, Parameters
 from ..run.session import Session
 from ..ground.types import Reference, ServoRecord, Status
 
@@ -103,6 +103,7 @@ class ControllerNode:
         self._server.start()
         rospy.Service("teach", Teach, self._on_teach)
         rospy.Service("stop", Trigger, self._on_stop)
+        rospy.Service("reconfigure", Trigger, self._on_reconfigure)
         rospy.Subscriber("joint_states", convert.LazyJointState, self._on_joints, tcp_nodelay=True)
         source = self._servo.source
         rospy.Subscriber(source.topic, convert.message_class(source.message), self._on_features, tcp_nodelay=True)
@@ -254,6 +255,21 @@ class ControllerNode:
             was_active = self._session.active
             self._stop("stopped by service")
             return TriggerResponse(True, "stopped" if was_active else "there was no goal; the arm stands still")
+
+    def _on_reconfigure(self, _request):
+        """Read the section `servo` again and go on with it, also in the middle of a goal."""
+        with self._lock:
+            parameters = Parameters()
+            try:
+                section = parameters.section("servo")
+                parameters.check()
+                servo = self._servo.retuned(section)
+            except ArasError as error:
+                return TriggerResponse(False, str(error))
+            self._servo = servo
+            self._session.use(servo)
+            self._bars.use(servo)
+            return TriggerResponse(True, "the servo goes on with the settings of now")
 
     def _on_teach(self, request):
         with self._lock:

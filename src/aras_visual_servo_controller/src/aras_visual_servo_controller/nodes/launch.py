@@ -32,7 +32,7 @@ def run_over_ros(scenario, results_dir, arguments=(), verbose=False, namespace=N
     """Run servo.launch and wait for its end.
 
     Args:
-        scenario: `Scenario` with a path.  results_dir: root of the result folders.
+        scenario: `Scenario`; it is run as it stands, with its overrides.  results_dir: root of the result folders.
         arguments: more arguments of servo.launch, `name:=value` each.
         verbose: show the output of the nodes; without it the output goes to roslaunch.log in the result folder, and
             only the outcome is printed.
@@ -44,12 +44,16 @@ def run_over_ros(scenario, results_dir, arguments=(), verbose=False, namespace=N
         Interrupted: by a signal; what was recorded is in a closed bag.
     """
     environment = marked(_environment(dict(os.environ)))
+    if environment.get("PYTHONPATH"):  # nodes run in another folder, and must find the same modules
+        environment["PYTHONPATH"] = os.pathsep.join(map(os.path.abspath, environment["PYTHONPATH"].split(os.pathsep)))
     before = _folders(Path(results_dir) / scenario.name)
     if namespace is not None:
         arguments = [*arguments, f"ns:={namespace}", "side_by_side:=true"]
     with _alone("/" + (namespace or NAMESPACE).strip("/"), environment), temporary_folder("aras_run_") as folder:
-        outcome = Path(folder) / "exit_code"
-        command = ["roslaunch", *LAUNCH_FILE, f"scenario:={scenario.path}", f"model:={scenario.urdf_path}",
+        outcome, resolved = Path(folder) / "exit_code", Path(folder) / f"{scenario.name}.yaml"
+        resolved.write_text(scenario.as_yaml(), encoding="utf-8")
+        command = ["roslaunch", *LAUNCH_FILE, f"scenario:={scenario.path or scenario.name}",
+                   f"scenario_file:={resolved}", f"model:={scenario.urdf_path}",
                    f"controllers:={scenario.controllers_path}", f"results_dir:={os.path.abspath(results_dir)}",
                    f"exit_code_file:={outcome}", "guard:=false", *arguments]  # ours is enough
         log = Path(folder) / "roslaunch.log"

@@ -23,6 +23,10 @@ class NullSpaceTopic:
         self._wall_s = -PERIOD_S
         self._publisher = rospy.Publisher("null_space_bars", Image, queue_size=1)
 
+    def use(self, servo):
+        """Go on with another servo."""
+        self._servo = servo
+
     def show(self, record, frame_id):
         """Show a `ServoRecord`, at most once every PERIOD_S of wall time."""
         if not self._publisher.get_num_connections() or time.monotonic() - self._wall_s < PERIOD_S:

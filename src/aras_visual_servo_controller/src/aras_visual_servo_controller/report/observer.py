@@ -1,20 +1,29 @@
-"""A camera beside the arm. It renders a run from the recorded joint positions, as somebody standing there saw it."""
+"""A camera beside the arm. It renders a run from the recorded joint positions, as somebody standing there saw it.
+
+OpenGL draws it, with light and shadow; where there is no OpenGL, the coverage renderer does, without shadows.
+"""
 
 import math
 
 import numpy as np
 
 from ..ground.errors import ArasError
+from ..live.view.projection import standpoint
 from ..scenario.scenario import scenario_from_dict
 from ..config.files import package_paths
 
 NAME = "observer"
-AZIMUTH, ELEVATION = math.radians(-45.0), math.radians(11.0)   # direction from the target to the observer
 FIELD_RAD = 0.95                                               # horizontal field of view
-FLOOR_RGB, TABLE_RGB, BACKGROUND_RGB = [204, 208, 214], [236, 236, 232], [226, 231, 238]
-# The picture shows this much of the arm above the camera, as a multiple of the height of the camera over the target.
-REACH = 1.4
-MARGIN = 1.75    # distance of the observer, as a multiple of the height of what it looks at
+FLOOR_RGB, TABLE_RGB, BACKGROUND_RGB, ZENITH_RGB = [186, 191, 199], [240, 238, 232], [222, 228, 236], [150, 172, 200]
+# A lamp behind the observer's right shoulder, so low that the gantry's shadow misses the arm, and a weak one without
+# shadows from the left. Haze hides where the floor ends.
+LIGHTING = {
+    "ambient_rgb": [84, 87, 92], "shadow_map_px": 2048, "zenith_rgb": ZENITH_RGB,
+    "fog": {"color_rgb": BACKGROUND_RGB, "density_per_m": 0.05},
+    "lights": [{"name": "key", "type": "directional", "direction": [-0.62, -0.2, -1.0], "color_rgb": [182, 177, 168],
+                "specular_rgb": [150, 150, 150]},
+               {"name": "fill", "type": "directional", "direction": [0.3, 0.9, -0.4], "color_rgb": [60, 64, 70],
+                "casts_shadows": False}]}
 
 
 class ObserverError(ArasError):
@@ -53,27 +62,26 @@ class Observer:
     def _config(scenario, at_T, width, height):
         config = dict(scenario.sim, cameras=[{
             "name": NAME, "frame": NAME, "width": width, "height": height, "horizontal_fov_rad": FIELD_RAD,
-            "rate_hz": 30.0, "near_m": 0.05, "far_m": 50.0}])
-        floor = _square("floor", 6.0, [at_T[0], at_T[1], min(0.0, at_T[2] - 0.01)], FLOOR_RGB)
-        table = _square("table", 0.5, [at_T[0], at_T[1], at_T[2] - 0.0015], TABLE_RGB)
+            "rate_hz": 30.0, "near_m": 0.05, "far_m": 60.0, "renderer": _renderer(), "quality": "high"}])
+        table_m = at_T[2] - 0.0015
+        floor = _slab("floor", 80.0, 0.01, [at_T[0], at_T[1], min(0.0, table_m - 0.05)], FLOOR_RGB)
+        table = _slab("table", 1.2, 0.02, [at_T[0], at_T[1], table_m], TABLE_RGB)
         scene = dict(scenario.sim["scene"], background_rgb=BACKGROUND_RGB)
-        scene["models"] = [floor, table, *scene.get("models", [])]
+        scene["solids"] = [floor, table, *scene.get("solids", [])]
+        if not scene.get("lighting", {}).get("lights"):
+            scene["lighting"] = LIGHTING
         config["scene"] = scene
         return config
+
+    @property
+    def drawn_by(self):
+        """What drew the pictures so far by OpenGL, and its version; "" if nothing did."""
+        return self._sim.opengl
 
     def picture(self, q):
         """The view with the joints at q, (m,) in the record's order: uint8 (height, width, 3), the caller's own."""
         self._sim.set_joint_positions({name: float(x) for name, x in zip(self._names, q) if math.isfinite(x)})
         return np.array(self._sim.render(NAME))
-
-
-def standpoint(at_C, at_T):
-    """(eye, look_at), (3,) each, world [m]: far enough to see from the target up to the arm above the camera."""
-    height = max(abs(at_C[2] - at_T[2]) * (1.0 + REACH), 0.5)
-    look_at = np.array([(at_C[0] + at_T[0]) / 2, (at_C[1] + at_T[1]) / 2, min(at_C[2], at_T[2]) + 0.47 * height])
-    away = np.array([math.cos(ELEVATION) * math.cos(AZIMUTH), math.cos(ELEVATION) * math.sin(AZIMUTH),
-                     math.sin(ELEVATION)])
-    return look_at + MARGIN * height * away, look_at
 
 
 def with_stand(urdf_xml, eye, look_at):
@@ -98,7 +106,17 @@ def _root_link(urdf_xml):
     return next(link.get("name") for link in robot.findall("link") if link.get("name") not in children)
 
 
-def _square(name, half_m, position_m, color_rgb):
-    corners = [[-half_m, -half_m], [half_m, -half_m], [half_m, half_m], [-half_m, half_m]]
-    return {"name": f"observer_{name}", "outlines_m": [corners], "color_rgb": color_rgb,
-            "position_m": [float(x) for x in position_m], "rpy_rad": [0.0, 0.0, 0.0]}
+def _renderer():
+    from aras_visual_servo_sim import RenderError, opengl_description
+    try:
+        opengl_description()
+    except RenderError:
+        return "coverage"
+    return "opengl"
+
+
+def _slab(name, width_m, height_m, top_m, color_rgb):
+    """A square plate, top_m (3,): the middle of its upper side. It takes shadows and casts none."""
+    x, y, z = (float(value) for value in top_m)
+    return {"name": f"observer_{name}", "box_m": [width_m, width_m, height_m], "color_rgb": color_rgb,
+            "position_m": [x, y, z - height_m / 2], "material": {"casts_shadows": False}}

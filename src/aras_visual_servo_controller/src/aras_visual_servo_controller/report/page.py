@@ -10,6 +10,7 @@ import numpy as np
 import yaml
 
 from . import pictures, plots
+from .replay import ReplayError, replay_of
 from .rows import comparison_rows, is_number, stop_rows
 from ..features.style import styles
 from .template import render, source
@@ -29,10 +30,14 @@ def report_html(record, summary, command=None, film=None):
     for plot in drawn:
         # A "<" in the numbers or names could end the script element that contains them.
         plot["json"] = json.dumps(plot.pop("data"), ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
+    try:
+        shown_again, why_not = replay_of(record), ""
+    except ReplayError as error:
+        shown_again, why_not = None, str(error)
     scenario = yaml.safe_dump(record.settings, sort_keys=False, allow_unicode=True) if record.settings else ""
     return render(
         "report.html.j2", summary=summary, images=_images(record), plots=drawn, film=film and _film(film),
-        script=source("report.js") if drawn else "",
+        replay=shown_again, no_replay=why_not, script=source("report.js") if drawn else "",
         rows=comparison_rows(summary), stop=stop_rows(summary), features=_feature_rows(summary),
         settings=flat_settings(record),
         recorded=[(topic, f"{count['in_bag']} of {count['published']} messages published")

@@ -28,7 +28,7 @@ from ..run.judge import judge, tracking
 from ..run.record import STOP_NAMES, TWIST_NAMES
 from ..servo.stop_rule import StopSettings
 from .rows import comparison_rows, is_number, stop_rows
-from .versions import versions_of
+from .versions import installed_versions
 
 # The results published with the two experiments.
 PUBLISHED = {
@@ -80,7 +80,7 @@ def create_result_folder(output, scenario_name, stamp=None):
     return folder
 
 
-def save_results(record, folder, command=None, video=False, panels=False):
+def save_results(record, folder, command=None, video=False, panels=False, drawing=None):
     """Judge a run and write its result folder. The numbers are written first, before the pictures are drawn.
 
     Args:
@@ -88,17 +88,19 @@ def save_results(record, folder, command=None, video=False, panels=False):
         video: write video.mp4 too (needs the images of the servo phase in the record, and ffmpeg) and show it in the
             report. If the video cannot be made, the report is written without it and a note in it says why.
         panels: write each of the six panels as panel_NAME.pdf too.
+        drawing: `drawing.Drawing` that draws the figure meanwhile; None: this process draws it.
     Returns:
         The summary, as written to summary.json (see `summarise`), with `report`, the path of report.html (str).
     Raises:
         ResultFolderError: a file cannot be written.
         NothingToJudge: the run never servoed; only trace.csv is written then.
     """
-    from . import figure
-    from . import page  # only here: matplotlib and jinja2 take half a second to import
+    from . import page  # only here: jinja2 is slow to import, and so is matplotlib
     folder = Path(folder)
     _write(folder / "trace.csv", trace_csv(record))
     summary = summarise(record)
+    files = folder / "figure.png", folder / "figure.pdf"
+    drawn = None if drawing is None else drawing.save(record, *files)
     film = None
     if video:
         film, notes = _save_video(record, folder / "video.mp4")
@@ -107,12 +109,17 @@ def save_results(record, folder, command=None, video=False, panels=False):
         (folder / "video.mp4").unlink(missing_ok=True)  # an earlier report may have left one
     _write(folder / "summary.json", json.dumps(_json_safe(summary), indent=2) + "\n")
     try:
-        figure.save_figure(record, folder / "figure.png", folder / "figure.pdf")
+        if drawn is None or panels:
+            from . import figure
+        if drawn is None:
+            figure.save_figure(record, *files)
         if panels:
             figure.save_panels(record, folder)
+        _write(folder / "report.html", page.report_html(record, summary, command, film))
+        if drawn is not None:
+            drawn()
     except OSError as error:
         raise ResultFolderError(f"{folder}: the figure cannot be written: {error}") from error
-    _write(folder / "report.html", page.report_html(record, summary, command, film))
     return dict(summary, report=str(folder / "report.html"))
 
 
@@ -162,7 +169,7 @@ def summarise(record):
         "notes": list(record.notes),
         "real_time_factor": record.real_time_factor,
         "wall_s": record.wall_s,
-        "versions": record.versions or versions_of(record.settings),
+        "versions": {**installed_versions(), **({"opengl": record.opengl} if record.opengl else {})},
     }
 
 
@@ -233,6 +240,9 @@ def format_summary(summary):
         lines.append(f"{'real-time factor':<20}{summary['real_time_factor']:.1f}")
     if summary["run_hash"]:
         lines.append(f"{'run hash':<20}{summary['run_hash']}")
+        if summary["versions"].get("opengl"):
+            lines.append(f"{'':<20}on this kind of processor and with this OpenGL:")
+            lines.append(f"{'':<20}{summary['versions']['opengl']}")
     lines += [f"{'!':<20}{fault}" for fault in summary["faults"]]
     lines += [f"{'note':<20}{note}" for note in summary["notes"]]
     if summary.get("report"):

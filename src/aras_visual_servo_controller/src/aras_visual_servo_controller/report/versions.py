@@ -39,25 +39,6 @@ def installed_versions():
     return dict(_installed())
 
 
-def versions_of(settings):
-    """installed_versions(), and under "opengl" what draws the cameras of a scenario (dict) that OpenGL draws."""
-    versions = installed_versions()
-    platforms = {camera.get("gl", "osmesa") for camera in settings.get("sim", {}).get("cameras") or []
-                 if camera.get("renderer") == "opengl"}
-    if platforms:
-        versions["opengl"] = "; ".join(_opengl(platform) for platform in sorted(platforms))
-    return versions
-
-
-def _opengl(gl):
-    from aras_visual_servo_sim import ArasError, opengl_description
-
-    try:
-        return opengl_description(gl)
-    except ArasError as error:
-        return str(error)
-
-
 def package_version(path):
     """The <version> of a package.xml, "unknown" if there is none."""
     try:

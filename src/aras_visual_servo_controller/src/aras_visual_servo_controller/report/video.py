@@ -15,7 +15,8 @@ import numpy as np
 
 from ..features.palette import BLUE, GREEN, VERMILION, rgb
 from ..features.style import styles
-from ..ground.errors import ArasError
+from ..ground.errors import ArasError, ParameterError
+from ..live.view.projection import project
 
 WIDTH, VIEW_HEIGHT, CURVES_HEIGHT = 1280, 480, 240
 HALF = WIDTH // 2
@@ -113,9 +114,12 @@ class Composer:
         except ObserverError as error:
             raise VideoError(str(error)) from error
         self._t_s = (record.stamp_ns[rows] - record.stamp_ns[rows[0]]) * 1e-9
-        self._features = project(record.raw[rows, 1:3], record.camera_info)
         taught = record.rows("teach")
-        self._wanted = project(record.raw[taught[-1:], 1:3], record.camera_info) if len(taught) else np.empty((0, 2))
+        try:
+            self._features = project(record.raw[rows, 1:3], record.camera_info)
+            self._wanted = project(record.raw[taught[-1:], 1:3], record.camera_info)
+        except ParameterError as error:
+            raise VideoError(str(error)) from error
         self._wanted_alpha = record.raw[taught[-1], 3] if len(taught) else np.nan
         self._faint, self._full, self._left, self._right = self._curves()
 
@@ -199,30 +203,3 @@ class Composer:
                 canvas.draw()
                 pictures.append(np.array(canvas.buffer_rgba())[:, :, :3])
         return (*pictures, 0.08 * WIDTH, 0.98 * WIDTH)
-
-
-def project(xy, camera_info):
-    """Pixels (n, 2) of normalised image coordinates (n, 2) of a camera; NaN stays NaN.
-
-    Args:
-        camera_info: dict as `Simulation.camera_info`: K, D, distortion_model (plumb_bob, rational_polynomial,
-            equidistant, none).
-    Raises:
-        VideoError: the record has no camera_info.
-    """
-    import cv2
-    if not camera_info:
-        raise VideoError("the record has no camera_info (record the group features)")
-    K = np.array(camera_info["K"], dtype=float).reshape(3, 3)
-    D = np.array(camera_info.get("D") or [], dtype=float)
-    pixels = np.full((len(xy), 2), np.nan)
-    seen = np.all(np.isfinite(xy), axis=1)
-    if not seen.any():
-        return pixels
-    points = np.column_stack([xy[seen], np.ones(seen.sum())])
-    zero = np.zeros(3)
-    if camera_info.get("distortion_model") == "equidistant":
-        pixels[seen] = cv2.fisheye.projectPoints(points[:, None], zero, zero, K, D[:4])[0].reshape(-1, 2)
-    else:
-        pixels[seen] = cv2.projectPoints(points, zero, zero, K, D if len(D) else None)[0].reshape(-1, 2)
-    return pixels

@@ -106,14 +106,18 @@ def judge(record):
 
 
 def taught_pose(record):
-    """X_WCg, (4, 4): the true camera pose at the taught image; of several averaged ones, that in their middle."""
+    """X_WCg, (4, 4): the true camera pose at the image that stands for the taught view."""
     return record.X_WC[taught_row(record)]
 
 
 def taught_row(record):
-    """Row of the image that stands for the taught view."""
+    """Row of the image that stands for the taught view: of several averaged ones, that nearest to their mean place.
+
+    The arm may creep a little while it is taught, fast at first and then slower.
+    """
     rows = record.rows("teach")
-    return rows[len(rows) // 2]
+    places = record.X_WC[rows, :3, 3]
+    return rows[np.linalg.norm(places - places.mean(axis=0), axis=1).argmin()]
 
 
 def goal_pose(record, row):

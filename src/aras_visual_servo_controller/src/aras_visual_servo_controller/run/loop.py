@@ -48,6 +48,7 @@ class ServoLoop:
         sim, extractor, kinematics, servo, sequence: the parts.  extractor: makes the moments that the record shows.
         servo_extractor: makes the features that the servo works on; where these are moments, it is `extractor`.
         frame: index of the image answered last, -1 before the first.
+        seen: the last answered `Observation`, None before the first.
     """
 
     def __init__(self, scenario, camera=None, sim=None):
@@ -71,7 +72,7 @@ class ServoLoop:
         if servoed_on is not shown:
             self.servo_extractor = servoed_on.extractor(believed, scenario.vision)
         self.sequence = ExperimentSequence(self.kinematics, self.servo, scenario.experiment, self._teach_camera)
-        self.frame = -1
+        self.frame, self.seen = -1, None
         self._placed_ns = 0
         self._frame = None  # taken last: image, joints, poses of camera and models at its stamp
         target = next(iter(scenario.sim.get("scene", {}).get("models", [])), None)
@@ -117,8 +118,8 @@ class ServoLoop:
 
         Args:
             z_star_m: depth of the target in this view [m].
-        Returns:
-            (record, features, image) as `step` returns them, of the last of these images, with phase "teach".
+        Yields:
+            (record, features, image) of each of these images, as `step` returns them, with phase "teach".
         Raises:
             ParameterError: the target is not fit for a reference in this view.
         """
@@ -130,9 +131,20 @@ class ServoLoop:
             if self.servo.why_lost(seen):
                 raise ParameterError("target not in view at the goal")
             taught = self.sequence.teach_more(stamp_ns, seen, q, z_star_m)
-        record = ServoRecord(stamp_ns, Status.IDLE, "taught", "teach", joint_names=self.kinematics.joint_names, q=q,
-                             set_point=np.full(len(q), np.nan))
-        return record, features, image
+            record = ServoRecord(stamp_ns, Status.IDLE, "taught", "teach", joint_names=self.kinematics.joint_names, q=q,
+                                 set_point=np.full(len(q), np.nan))
+            yield record, features, image
+
+    def use(self, servo):
+        """Go on with another servo, of the same kinematics and source of features."""
+        self.servo = servo
+        self.sequence.use(servo)
+
+    def teach_here(self, z_star_m):
+        """Make the view of the image answered last the goal. Args and errors: those of `ExperimentSequence.teach`."""
+        if self.seen is None:
+            raise ParameterError("teach: no image has come yet")
+        self.sequence.teach(self.seen.stamp_ns, self.seen.features, self.seen.q, z_star_m)
 
     def start(self, servo_only=False):
         """Begin the experiment with the next image; servo_only: servo to the reference taught last."""
@@ -148,7 +160,8 @@ class ServoLoop:
         stamp_ns, image, q = self._take()
         features, seen = self._see(image, stamp_ns)
         self.frame += 1
-        command, record = self.sequence.step(Observation(stamp_ns, seen, q, self.frame))
+        self.seen = Observation(stamp_ns, seen, q, self.frame)
+        command, record = self.sequence.step(self.seen)
         self.sim.set_command(position=command.position, velocity=command.velocity, stamp_ns=stamp_ns)
         return record, features, image
 
@@ -194,7 +207,7 @@ class ServoLoop:
             builder.note(f"given up after {limit_s:g} s of simulated time in phase {record.phase}")
         wall_s = time.perf_counter() - started_s
         return builder.finish(run_hash=self.sim.run_hash, wall_s=wall_s, camera_info=self.camera_info,
-                              X_WT=self.target_pose())
+                              X_WT=self.target_pose(), opengl=self.sim.opengl)
 
     def moving_target_pose(self):
         """X_WT, (4, 4), at the last image, of a target that moves; None of one that rests."""

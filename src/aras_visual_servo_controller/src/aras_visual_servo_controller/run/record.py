@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..ground.errors import ShapeError
-from ..ground.types import FEATURE_NAMES, Status
+from ..ground.types import FEATURE_NAMES, FINAL
 
 TWIST_NAMES = ("vx", "vy", "vz", "wx", "wy", "wz")
 RAW_NAMES = ("area", "xg", "yg", "alpha")
@@ -18,11 +18,7 @@ RAW_NAMES = ("area", "xg", "yg", "alpha")
 # What the stop rule judges beside the feature errors, and the condition of the interaction matrix.
 STOP_NAMES = ("tilt_rad", "position_m", "rotation_rad", "cond_l")
 
-# Steps of an experiment, in order (ServoState.phase); "idle" before it starts.
-PHASES = ("idle", "to_goal", "settle_goal", "teach", "to_start", "settle_start", "servo", "done")
-
-# Status of the image that ended the servo phase.
-TERMINAL = (Status.CONVERGED, Status.TIMED_OUT, Status.STOPPED, Status.FAULT, Status.STOPPED_BY_RULE)
+FIRST_ROWS = 256  # for which a builder has room at first; it doubles when they are full
 
 
 @dataclass(frozen=True)
@@ -34,7 +30,7 @@ class RunRecord:
         settings: the scenario as a nested dict (`Scenario.as_dict`), {} if unknown.
         joint_names: m names, sorted: the columns of q and set_point.  feature_names: k names.
         stamp_ns: (n,) int64, simulated time of the state each image shows [ns].
-        phase: (n,) str, one of PHASES.  status: (n,) int, codes of ServoState.  status_text: (n,) str.
+        phase: (n,) str, one of types.PHASES.  status: (n,) int, codes of ServoState.  status_text: (n,) str.
         s, s_star, e: (n, k), features, reference, e = s - s_star, in the features' units (features.styles).
         twist: (n, 6), commanded V_C = [v; w] in the camera frame [m/s, rad/s].
         q: (n, m) measured at the stamp, set_point: (n, m) sent in answer [m or rad].
@@ -49,7 +45,7 @@ class RunRecord:
         camera_info: dict as `Simulation.camera_info`, {} if unknown.
         run_hash: of joint trajectory and images, hexadecimal, "" if unknown.
         real_time_factor: simulated over wall seconds, NaN if unknown.  wall_s: of the whole run, NaN if unknown.
-        versions: package or library name -> version.
+        opengl: what drew images by OpenGL, and its version; "" if nothing did. The run hash holds for one of these.
         recorded: topic -> {"published": n, "in_bag": m}, messages of a run that was recorded; {} of any other.
         notes: what was missing or repaired while the record was made, in words.
     """
@@ -81,7 +77,7 @@ class RunRecord:
     run_hash: str = ""
     real_time_factor: float = float("nan")
     wall_s: float = float("nan")
-    versions: dict = field(default_factory=dict)
+    opengl: str = ""
     recorded: dict = field(default_factory=dict)
     notes: tuple = ()
 
@@ -101,12 +97,12 @@ class RunRecord:
     def servo_rows(self):
         """Indices of the images of the servo phase, with the one that ended it: (j,) int.
 
-        The phase ends with a `servo` row whose status is in TERMINAL, or with the `done` row that follows.
+        The phase ends with a `servo` row whose status is in types.FINAL, or with the `done` row that follows.
         """
         rows = self.rows("servo")
         if not len(rows):
             return rows
-        ended = np.flatnonzero(np.isin(self.status[rows], TERMINAL))
+        ended = np.flatnonzero(np.isin(self.status[rows], FINAL))
         if len(ended):
             return rows[:ended[0] + 1]
         follows = rows[-1] + 1
@@ -130,8 +126,15 @@ class RecordBuilder:
         self.settings = dict(settings or {})
         self.joint_names = tuple(joint_names)
         self.feature_names = tuple(feature_names)
-        self._rows, self._moving = [], False
-        self._images = {}
+        k, m = len(self.feature_names), len(self.joint_names)
+        self._columns, width = {}, 0
+        for name, size in (("s", k), ("s_star", k), ("e", k), ("twist", 6), ("q", m), ("set_point", m),
+                           ("raw", len(RAW_NAMES)), ("X_WC", 16), ("X_WT", 16), ("stop", len(STOP_NAMES))):
+            self._columns[name] = slice(width, width + size), size
+            width += size
+        self._rows, self._numbers = [], np.full((FIRST_ROWS, width), np.nan)
+        self._moving = False
+        self._images, self._last_servo_image = {}, None
         self._keep_images, self._all_images = keep_images, {}
         self._notes = []
 
@@ -143,19 +146,34 @@ class RecordBuilder:
         """Append the row of one image; values that are None become NaN.
 
         Args:
-            stamp_ns: simulated time of the image [ns].  phase: one of PHASES.  status: code of ServoState.
+            stamp_ns: simulated time of the image [ns].  phase: one of types.PHASES.  status: code of ServoState.
             s, s_star, e: (k,).  twist: (6,).  q, set_point: (m,) in the order of joint_names.  X_WC: (4, 4).
             raw: (area, xg, yg, alpha).  X_WT: (4, 4) of a target that moves.  stop: values of STOP_NAMES.
-            image: uint8 (h, w) or (h, w, 3); copied only where the record keeps it (see `keep_image`).
+            image: uint8 (h, w) or (h, w, 3), unchanged until the next row or `finish`; copied only where the record
+                keeps it (see `keep_image`).
         Raises:
             ShapeError: an array has not the length its names have.
         """
-        k, m = len(self.feature_names), len(self.joint_names)
-        self._rows.append((
-            int(stamp_ns), str(phase), int(status), str(status_text), _vector("s", s, k),
-            _vector("s_star", s_star, k), _vector("e", e, k), _vector("twist", twist, 6), _vector("q", q, m),
-            _vector("set_point", set_point, m), _vector("raw", raw, len(RAW_NAMES)), _pose(X_WC), _pose(X_WT),
-            _vector("stop", stop, len(STOP_NAMES))))
+        if len(self._rows) == len(self._numbers):
+            self._numbers = np.concatenate([self._numbers, np.full_like(self._numbers, np.nan)])
+        row, columns = self._numbers[len(self._rows)], self._columns
+        for name, value in (("s", s), ("s_star", s_star), ("e", e), ("twist", twist), ("q", q),
+                            ("set_point", set_point), ("raw", raw), ("stop", stop)):
+            if value is not None:
+                place, size = columns[name]
+                found = value.size if isinstance(value, np.ndarray) else len(value)
+                if found != size:
+                    row.fill(np.nan)
+                    raise ShapeError(f"{name}: expected {size} values, got {found}")
+                row[place] = value
+        for name, X in (("X_WC", X_WC), ("X_WT", X_WT)):
+            if X is not None:
+                X = np.asarray(X)
+                if X.shape != (4, 4):
+                    row.fill(np.nan)
+                    raise ShapeError(f"{name}: expected shape (4, 4), got {X.shape}")
+                row[columns[name][0]] = X.reshape(16)
+        self._rows.append((int(stamp_ns), str(phase), int(status), str(status_text)))
         self._moving |= X_WT is not None
         if image is not None:
             self.keep_image(phase, image)
@@ -169,10 +187,13 @@ class RecordBuilder:
             image: uint8 (h, w) or (h, w, 3), or None.  X_WT: (4, 4) true pose of a target that moves, or None.
         """
         names = tuple(answer.joint_names)
-        by_name = [names.index(name) if name in names else None for name in self.joint_names]
+        by_name = None if names == self.joint_names else [names.index(name) if name in names else None
+                                                          for name in self.joint_names]
 
         def joints(values):
-            return [np.nan if i is None or i >= len(values) else values[i] for i in by_name]
+            if by_name is None and len(values) == len(names):
+                return values
+            return [np.nan if i is None or i >= len(values) else values[i] for i in by_name or range(len(names))]
 
         raw = None if features is None else [getattr(features, name) for name in RAW_NAMES]
         same = tuple(getattr(answer, "feature_names", self.feature_names)) == self.feature_names
@@ -187,15 +208,17 @@ class RecordBuilder:
         The `done` row's image is the last one only if no servo row before it reported the end (see `servo_rows`).
         """
         ends = phase == "done" and len(self._rows) > 1 and self._rows[-2][1] == "servo" and \
-            self._rows[-2][2] not in TERMINAL
+            self._rows[-2][2] not in FINAL
         if self._keep_images and (phase == "servo" or ends):
             self._all_images[len(self._rows) - 1] = np.array(image, dtype=np.uint8)
         if phase == "teach":
             self._images["desired"] = np.array(image, dtype=np.uint8)
+        elif phase == "servo" and "initial" not in self._images:
+            self._images["initial"] = np.array(image, dtype=np.uint8)
+        if ends or phase == "servo" and self._rows[-1][2] in FINAL:
+            self._images["final"], self._last_servo_image = np.array(image, dtype=np.uint8), None
         elif phase == "servo":
-            self._images.setdefault("initial", np.array(image, dtype=np.uint8))
-        if phase == "servo" or ends:
-            self._images["final"] = np.array(image, dtype=np.uint8)
+            self._last_servo_image = image  # it is the last view only if the run breaks off here: copied then
 
     def note(self, text):
         """Remember something a reader of the report must know."""
@@ -214,47 +237,31 @@ class RecordBuilder:
         return last + (last < len(self._rows) and self._rows[last][1] == "done")
 
     def finish(self, run_hash="", wall_s=float("nan"), real_time_factor=None, camera_info=None, X_WT=None,
-               versions=None, recorded=None):
+               opengl="", recorded=None):
         """The record, up to the end of the run. real_time_factor: None: simulated time of all rows over wall_s."""
         if real_time_factor is None:
             simulated_s = (self._rows[-1][0] - self._rows[0][0]) * 1e-9 if self._rows else np.nan
             real_time_factor = simulated_s / wall_s
         rows = self._rows[:self._end()]
-        columns = list(zip(*rows)) if rows else [()] * 14
-        k, m = len(self.feature_names), len(self.joint_names)
+        columns = list(zip(*rows)) if rows else [()] * 4
         stamp_ns = np.array(columns[0], dtype=np.int64)
+        if self._last_servo_image is not None:
+            self._images["final"], self._last_servo_image = np.array(self._last_servo_image, dtype=np.uint8), None
 
-        def table(index, *shape):
-            return np.array(columns[index], dtype=float).reshape((-1,) + shape)
+        def table(name, *shape):
+            found = self._numbers[:len(rows), self._columns[name][0]].copy()
+            return found.reshape((len(rows), *shape)) if shape else found
 
         return RunRecord(
             scenario=self.scenario, settings=self.settings, joint_names=self.joint_names,
             feature_names=self.feature_names, stamp_ns=stamp_ns, phase=np.array(columns[1], dtype=str),
             status=np.array(columns[2], dtype=int), status_text=np.array(columns[3], dtype=str),
-            s=table(4, k), s_star=table(5, k), e=table(6, k), twist=table(7, 6), q=table(8, m),
-            set_point=table(9, m), raw=table(10, len(RAW_NAMES)), X_WC=table(11, 4, 4),
-            stop=table(13, len(STOP_NAMES)), X_WT=None if X_WT is None else np.array(X_WT, dtype=float),
-            target_poses=table(12, 4, 4) if self._moving else None,
+            s=table("s"), s_star=table("s_star"), e=table("e"), twist=table("twist"), q=table("q"),
+            set_point=table("set_point"), raw=table("raw"), X_WC=table("X_WC", 4, 4), stop=table("stop"),
+            X_WT=None if X_WT is None else np.array(X_WT, dtype=float),
+            target_poses=table("X_WT", 4, 4) if self._moving else None,
             desired_image=self._images.get("desired"), initial_image=self._images.get("initial"),
             final_image=self._images.get("final"), images=dict(self._all_images),
             camera_info=dict(camera_info or {}), run_hash=str(run_hash),
-            real_time_factor=float(real_time_factor), wall_s=float(wall_s), versions=dict(versions or {}),
+            real_time_factor=float(real_time_factor), wall_s=float(wall_s), opengl=str(opengl),
             recorded=dict(recorded or {}), notes=tuple(self._notes))
-
-
-def _vector(name, value, length):
-    if value is None:
-        return np.full(length, np.nan)
-    array = np.array(value, dtype=float).reshape(-1)
-    if len(array) != length:
-        raise ShapeError(f"{name}: expected {length} values, got {len(array)}")
-    return array
-
-
-def _pose(X):
-    if X is None:
-        return np.full((4, 4), np.nan)
-    array = np.array(X, dtype=float)
-    if array.shape != (4, 4):
-        raise ShapeError(f"X_WC: expected shape (4, 4), got {array.shape}")
-    return array

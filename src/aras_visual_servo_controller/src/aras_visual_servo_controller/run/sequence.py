@@ -21,8 +21,6 @@ from ..ground.types import Command, Observation, ServoRecord, Status
 from .settings import ExperimentSettings
 from .teaching import Teaching
 
-PHASES = ("idle", "to_goal", "settle_goal", "teach", "to_start", "settle_start", "servo", "done")
-
 
 @dataclass
 class SequenceResult:
@@ -39,7 +37,7 @@ class ExperimentSequence:
     """Runs the scenario's experiment.
 
     Attributes:
-        phase: one of PHASES.  result: `SequenceResult`, None until done.
+        phase: one of types.PHASES.  result: `SequenceResult`, None until done.
         teach_stamp_ns: stamp of the image that was taught, or None.  servo_stamp_ns: that of the first servo image.
     """
 
@@ -57,6 +55,7 @@ class ExperimentSequence:
         self._kinematics, self._servo, self._teach_camera = kinematics, servo, teach_camera
         self._no_velocity = dict.fromkeys(kinematics.joint_names, 0.0)
         self._n = len(kinematics.joint_names)
+        self._nans, self._no_features = np.full(self._n, nan), np.full(len(servo.feature_names), nan)
         self._reset("idle")
 
     def _reset(self, phase):
@@ -65,8 +64,12 @@ class ExperimentSequence:
         self.teach_stamp_ns = self.servo_stamp_ns = None
         self._last_ns = self._since_ns = self._trajectory = self._set_point = self._last_q = None
         self._teaching = None
-        self._e, self._speed = np.full(len(self._servo.feature_names), nan), np.inf
+        self._e, self._speed = self._no_features, np.inf
         self._dt_s = self.config.image_period_s
+
+    def use(self, servo) -> None:
+        """Go on with another servo, which has the goal of the one before it (`Servo.retuned`)."""
+        self._servo, self._e = servo, np.full(len(servo.feature_names), nan)
 
     @property
     def done(self) -> bool:
@@ -112,7 +115,7 @@ class ExperimentSequence:
         stamp_ns = observation.stamp_ns
         if self.phase in ("idle", "done"):
             text = self.phase if self.result is None else self.result.reason
-            return Command(stamp_ns), self._record(stamp_ns, np.full(self._n, nan), text)
+            return Command(stamp_ns), self._record(stamp_ns, self._nans, text)
         if self._last_ns is not None and stamp_ns > self._last_ns:
             self._dt_s = 1e-9 * (stamp_ns - self._last_ns)
         try:
@@ -176,9 +179,9 @@ class ExperimentSequence:
     def _teach(self, observation, q):
         stamp_ns = observation.stamp_ns
         self.phase = "teach"
-        if self._teaching is None and self._servo.why_lost(observation.features):
-            return self._end(stamp_ns, Status.TARGET_LOST, "target not in view at the goal")
         first = self._teaching is None
+        if first and self._servo.why_lost(observation.features):
+            return self._end(stamp_ns, Status.TARGET_LOST, "target not in view at the goal")
         try:
             taught = self.teach_more(stamp_ns, observation.features, q)
         except Exception as error:  # the callback may be a service call: whatever it raises is the reason
@@ -211,13 +214,11 @@ class ExperimentSequence:
         return Command(stamp_ns, position, dict(self._no_velocity)), self._record(stamp_ns, np.zeros(self._n), reason)
 
     def _record(self, stamp_ns, q_dot, text):
-        nans = np.full(self._n, nan)
         status = Status.IDLE if self.result is None else self.result.status
-        q = nans if self._last_q is None else self._last_q
-        set_point = nans if self._set_point is None else self._set_point
-        names = self._servo.feature_names
-        none = np.full(len(names), nan)
+        q = self._nans if self._last_q is None else self._last_q
+        set_point = self._nans if self._set_point is None else self._set_point
+        none = self._no_features
         return ServoRecord(
-            stamp_ns, status, text, self.phase, status == Status.CONVERGED, names, none, none.copy(), self._e,
-            joint_names=self._kinematics.joint_names, q=q, q_dot=q_dot, set_point=set_point,
+            stamp_ns, status, text, self.phase, status == Status.CONVERGED, self._servo.feature_names, none, none,
+            self._e, joint_names=self._kinematics.joint_names, q=q, q_dot=q_dot, set_point=set_point,
         )  # fmt: skip

@@ -80,6 +80,11 @@ class Session:
         """Command of zero velocity for every joint: the set-points stay."""
         return Command(stamp_ns, velocity=dict.fromkeys(self._kinematics.joint_names, 0.0))
 
+    def use(self, servo):
+        """Go on with another servo, which has the goal of the one before it (`Servo.retuned`)."""
+        self._servo = servo
+        self._sequence.use(servo)
+
     # --- goals --------------------------------------------------------------------------------------------------
 
     def begin(self, reference, law, gains_per_s, thresholds, time_limit_s, now_ns, wall_s):

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..ground.errors import ParameterError
 from ..arm.robot import robot_kinematics
-from ..target.outline import Outline
+from ..features.target.outline import Outline
 from ..arm.reach import outside_limits
 
 #: The target counts as not in view when it is cut by more than this [px]; when it is cut by less, the image decides.

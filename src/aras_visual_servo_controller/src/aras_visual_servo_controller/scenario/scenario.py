@@ -1,7 +1,8 @@
 """Scenarios: the one file that says what a run is. Loaded and checked without ROS and without a master.
 
 `load_scenario("experiment_1")` reads config/scenarios/experiment_1.yaml of this package, `load_scenario(PATH)` any
-other file. Everything is checked against the schema first (schema.py); every fault is listed with its path.
+other file. Everything is checked against the schema first (schema.py); every fault is listed with its path and the line
+of the file. A scenario may extend another one (extends.py); what is loaded is the whole.
 """
 
 import copy
@@ -9,9 +10,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+import yaml
 
 from ..ground.errors import ParameterError
 from .check import check
+from .extends import anchored, load_resolved, with_lines
 from .files import find_scenario
 from ..config.files import load_yaml, resolve_uri
 from ..run.settings import place_of
@@ -95,6 +98,12 @@ class Scenario:
                        for section in OPTIONAL_SECTIONS if getattr(self, section)})
         return result
 
+    def as_yaml(self):
+        """Text of a file that is this scenario, whole and from any folder: with nothing that it extends, and with files
+        by their absolute paths where they are relative to its own."""
+        document = self.as_dict()
+        return yaml.safe_dump(anchored(document, self._base) if self._base else document, sort_keys=False)
+
     def with_overrides(self, overrides):
         """The same scenario with some values replaced, checked again.
 
@@ -125,12 +134,25 @@ def load_scenario(name_or_path, overrides=None):
         ParameterError: no such scenario, not YAML, or faults in it: all of them, one line each.
     """
     path = find_scenario(name_or_path)
-    scenario = scenario_from_dict(load_yaml(path), source=str(name_or_path), base=path.parent, path=path)
+    document, files = load_resolved(path)
+    faults = faults_of(document, path.parent)
+    if faults:
+        raise ParameterError(with_lines(faults, files, document))
+    scenario = _scenario(document, path.parent, path)
     return scenario.with_overrides(overrides) if overrides else scenario
 
 
 def scenario_from_dict(document, source="scenario", base=None, path=None):
-    """Check a nested dict (as in the file) and make a Scenario of it; relative file names start at `base`."""
+    """Check a nested dict (as in the file, without `extends`) and make a Scenario of it; relative file names start at
+    `base`."""
+    faults = faults_of(document, base)
+    if faults:
+        raise ParameterError([f"{source}: {fault}" for fault in faults])
+    return _scenario(document, base, path)
+
+
+def faults_of(document, base=None):
+    """Faults of a scenario document, `dotted.path: what, allowed` each; of files that are missing too."""
     faults = check(document)
     if not faults:
         robot, models = document["robot"], document["sim"].get("scene", {}).get("models", [])
@@ -141,8 +163,10 @@ def scenario_from_dict(document, source="scenario", base=None, path=None):
                 resolve_uri(uri, base, key)
             except ParameterError as error:
                 faults.append(str(error))
-    if faults:
-        raise ParameterError([f"{source}: {fault}" for fault in faults])
+    return faults
+
+
+def _scenario(document, base, path):
     sections = {section: copy.deepcopy(document.get(section, {})) for section in SECTIONS + OPTIONAL_SECTIONS}
     return Scenario(name=document["name"], description=document.get("description", ""), path=path, _base=base,
                     **sections)

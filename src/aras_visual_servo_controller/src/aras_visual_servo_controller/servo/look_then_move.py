@@ -40,11 +40,11 @@ class LookThenMove:
         """Whether the last move is not finished."""
         return self._move is not None
 
-    def plan(self, stamp_ns, q, twist, target_C):
+    def plan(self, stamp_ns, q, X_BC, twist, target_C):
         """Begin the move that one look asks for.
 
         Args:
-            q: (n,) measured.  twist: V_C, (6,), of the law.
+            q: (n,) measured.  X_BC: (4, 4) pose of the camera there.  twist: V_C, (6,), of the law.
             target_C: (x, y, z) of the target if tilt is held, or None.
         Returns:
             (twist with tilt hold, manipulability, name of the joint that shortens the move or None).
@@ -55,7 +55,7 @@ class LookThenMove:
             if step == 0:
                 manipulability = inverse.manipulability
                 if target_C is not None:
-                    motion = motion + self._arm.tilt(q, inverse, LOOK_TILT, target_C)
+                    motion = motion + self._arm.tilt(X_BC, inverse, LOOK_TILT, target_C)
                 twist = motion / self._config.sample_time_s
             q_dot = self._arm.unlimited(ahead, motion, inverse)
             turning = self._arm.turning(ahead, q_dot, jacobian, inverse, 1.0 / LOOK_STEPS)

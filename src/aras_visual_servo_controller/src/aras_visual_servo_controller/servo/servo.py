@@ -13,6 +13,7 @@ that see tilt (`FeatureSet.sees_tilt`) turn it themselves.
 Nothing moves on data that is missing, not valid, late or not finite: zero velocity, and a status that says why.
 """
 
+from dataclasses import replace
 from math import expm1, inf, isfinite, nan
 from typing import Mapping, Optional, Tuple
 
@@ -30,10 +31,9 @@ from .look_then_move import LookThenMove
 from .lost_target import LostTarget
 from .settings import ServoSettings
 from .stop_rule import GoalPose, StopRule
-from ..ground.types import Command, Observation, Reference, ServoRecord, Status
+from ..ground.types import FINAL, Command, Observation, Reference, ServoRecord, Status
 from .visibility import keep_in_view
 
-_FINAL = (Status.CONVERGED, Status.TIMED_OUT, Status.STOPPED, Status.FAULT, Status.STOPPED_BY_RULE)
 _MOVING_STATUSES = (Status.SERVOING, Status.JOINT_LIMIT, Status.NEAR_SINGULARITY)
 
 
@@ -70,7 +70,7 @@ class Servo:
     @property
     def finished(self) -> bool:
         """True when only start() moves again."""
-        return self.status in _FINAL
+        return self.status in FINAL
 
     @property
     def feature_names(self) -> Tuple[str, ...]:
@@ -101,6 +101,27 @@ class Servo:
     def configure(self, law="", gains_per_s=(), thresholds=(), time_limit_s=0.0) -> None:
         """Override the scenario's values from the next start on; empty or 0 takes the scenario's. ParameterError."""
         self.config = self._scenario_config.with_overrides(law, gains_per_s, thresholds, time_limit_s)
+
+    def retuned(self, config: Mapping) -> "Servo":
+        """A servo with other settings that goes on where this one is: same goal, same time limit, same state.
+
+        Args: config: the scenario's section `servo` (dict). Raises: ParameterError: a fault of it, or the goal was
+        taught for features that do not tell what the new ones need.
+        """
+        servo = Servo(self._kinematics, config)
+        if self.reference is None:
+            return servo
+        if servo.source is not self._source:
+            raise ParameterError(f"features: found {', '.join(servo.feature_names)}, which another source makes; "
+                                 "allowed before the next reset: features of the source that the goal was taught with")
+        reference = self.reference
+        if servo.feature_names != self.feature_names:
+            reference = replace(reference, s_star=np.array(servo._features.values(View(reference.view)), dtype=float))
+        servo.set_reference(reference)
+        if self.status != Status.IDLE:
+            servo.start(self._start_ns)
+            servo.status, servo._text = self.status, self._text
+        return servo
 
     def teach(self, features, q, z_star_m) -> Reference:
         """Make a view the goal. Args and errors: those of `as_reference`."""
@@ -225,10 +246,10 @@ class Servo:
 
     def _servo(self, stamp_ns, features, q, dt_s):
         """One look at valid features."""
-        look_then_move, law = self.config.mode == "look_then_move", self._law
+        look_then_move, law, X_BC = self.config.mode == "look_then_move", self._law, self._kinematics.pose(q)
         try:
-            view = View(features, self._plane(q) if law.needs_plane else None)
-            X_CgC = self._displacement(q) if law.needs_pose else None
+            view = View(features, self._plane(X_BC) if law.needs_plane else None)
+            X_CgC = self._displacement(X_BC) if law.needs_pose else None
             answer = law.step(Look(view, 0.0 if look_then_move else dt_s, X_CgC, self._applied))
             twist = answer.twist
         except NotFiniteError as error:
@@ -246,7 +267,7 @@ class Servo:
         gain, target_C = self.config.tilt_gain_per_s, None
         if gain > 0.0 and not self._features.sees_tilt:
             target_C = features.xn, features.yn, features.an
-        below, ended = self._judge(stamp_ns, q, answer, target_C is not None)
+        below, ended = self._judge(stamp_ns, X_BC, answer, target_C is not None)
         if ended is not None:
             return ended
         self.status, self._text = Status.SERVOING, "servoing"
@@ -256,18 +277,18 @@ class Servo:
             twist = twist * self._stop.calm(min(self._law.gains_per_s))
             gain *= self._stop.calm(gain) if gain > 0.0 else 1.0
         if self._target_motion is not None:
-            twist = twist + self._target_motion.twist(stamp_ns, self._kinematics.pose(q), self._s, self._e)
+            twist = twist + self._target_motion.twist(stamp_ns, X_BC, self._s, self._e)
         if look_then_move:
-            return self._rest_until_held(stamp_ns) if below else self._plan(stamp_ns, q, twist, target_C, dt_s)
+            return self._rest_until_held(stamp_ns) if below else self._plan(stamp_ns, q, X_BC, twist, target_C, dt_s)
         jacobian, inverse = self._arm.at(q)
         self._manipulability = inverse.manipulability
         if target_C is not None:
-            twist = twist + self._arm.tilt(q, inverse, -expm1(-gain * dt_s) / dt_s, target_C)
+            twist = twist + self._arm.tilt(X_BC, inverse, -expm1(-gain * dt_s) / dt_s, target_C)
         if self.config.visibility is not None:
             twist, bent = keep_in_view(self.config.visibility, features, twist)
             self._text = "servoing, kept in view" if bent else self._text
         if self._creeps and self._stop.close:
-            twist = twist + self._creep.correction(twist, self._kinematics.pose(q), dt_s)
+            twist = twist + self._creep.correction(twist, X_BC, dt_s)
         else:
             self._creep.clear()
         q_dot, self._twist, status, text = self._arm.joint_velocity(q, twist, jacobian, inverse, dt_s)
@@ -277,9 +298,8 @@ class Servo:
         velocity = self._kinematics.by_name(q_dot)
         return Command(stamp_ns, {}, velocity), self._record(stamp_ns, self._text, q_dot, self._nans)
 
-    def _judge(self, stamp_ns, q, answer, holds_tilt):
+    def _judge(self, stamp_ns, X_BC, answer, holds_tilt):
         """Judge this image: (whether all errors are below their thresholds, the answer that ends the servo or None)."""
-        X_BC = self._kinematics.pose(q)
         tilt = self._arm.tilt_of(X_BC) if holds_tilt else None
         pose = answer.pose if answer.pose is not None else self._goal_pose.of(self._e, tilt)
         of_law = answer.pose is not None
@@ -288,7 +308,7 @@ class Servo:
         if published:
             below = answer.settled and all([abs(e) < most for e, most in zip(self._e, self.config.thresholds)])
         else:
-            below = answer.settled and self._stop.within()
+            below = answer.settled and not self._stop.lacking
         if not below:
             self._below_ns = None
         elif self._below_ns is None:
@@ -301,18 +321,18 @@ class Servo:
             return below, self._rest(stamp_ns, Status.CONVERGED, "features, tilt and pose within their thresholds")
         return below, None
 
-    def _plane(self, q):
-        """(A, B, C) of the target, at rest, in the camera frame at q: the taught one, moved by the kinematics (T21)."""
+    def _plane(self, X_BC):
+        """(A, B, C) of the target, at rest, in the frame of a camera at X_BC: the taught one, moved there (T21)."""
         if self.reference.plane_C is None:
             raise ParameterError("the reference holds no plane: teach it again")
-        X_CgC = self._displacement(q)
+        X_CgC = self._displacement(X_BC)
         return (self.reference.plane_C @ X_CgC[:3, :3]) / (1.0 - self.reference.plane_C @ X_CgC[:3, 3])
 
-    def _displacement(self, q):
-        """X_CgC, (4, 4): pose of the camera at q in that of the goal, by the kinematics."""
+    def _displacement(self, X_BC):
+        """X_CgC, (4, 4): a camera pose by the kinematics, relative to the goal's."""
         if self._X_CgB is None:
             raise ParameterError("the reference holds no posture: teach it again")
-        return self._X_CgB @ self._kinematics.pose(q)
+        return self._X_CgB @ X_BC
 
     def _without_target(self, stamp_ns, q, dt_s, text, visible=False):
         """TARGET_LOST: the arm holds still, or does what `on_lost` says until the target is found again."""
@@ -330,10 +350,10 @@ class Servo:
 
     # --- look then move -----------------------------------------------------------------------------------------
 
-    def _plan(self, stamp_ns, q, twist, target_C, dt_s):
+    def _plan(self, stamp_ns, q, X_BC, twist, target_C, dt_s):
         """Begin the move that one look asks for."""
         self._stop.clear()
-        self._twist, self._manipulability, joint = self._moves.plan(stamp_ns, q, twist, target_C)
+        self._twist, self._manipulability, joint = self._moves.plan(stamp_ns, q, X_BC, twist, target_C)
         if joint is not None:
             self.status, self._text = Status.JOINT_LIMIT, f"joint '{joint}' at its limit"
         return self._follow(stamp_ns, dt_s)
@@ -373,7 +393,7 @@ class Servo:
 
     def _rest(self, stamp_ns, status, text):
         """Zero velocity. The record of CONVERGED keeps s and e; every other one has nothing to show."""
-        if status not in _FINAL:
+        if status not in FINAL:
             self._below_ns = None
             self._forget()
         self._twist, self._applied = np.zeros(6), None

@@ -14,7 +14,7 @@ from ..features.base import expand, feature_settings, is_known, known_features
 from ..ground.errors import ParameterError
 from ..ground.types import FEATURE_NAMES
 from ..laws.base import LawSetup, known_laws, law_settings, make_law
-from ..target.target_pose import PlanarTarget
+from ..features.target.target_pose import PlanarTarget
 from .feed_forward import FeedForwardSettings
 from .lost_target import ACTIONS, LostTargetSettings
 from .stop_rule import StopSettings

@@ -215,10 +215,6 @@ class StopRule:
         over_s = 1e-9 * (self._held[-1][0] - self._since_ns) - PATIENCE_S
         return 1.0 if over_s <= 0.0 else max(1.0 / (1.0 + over_s), min(1.0, CALM_PER_S / rate_per_s))
 
-    def within(self):
-        """Whether nothing was lacking at the last image."""
-        return not self.lacking
-
     def why_not(self):
         """What was lacking at the last image, in words."""
         return ", ".join(self.lacking) or "everything for less than hold_s"

@@ -12,6 +12,7 @@ from concurrent.futures import CancelledError
 from ..ground.errors import ArasError
 from ..ground.processes import temporary_folder
 from .judge import COLUMNS
+from .local import run_local
 from .metrics import judge_by
 from .worker import plain, run_chunk
 
@@ -71,7 +72,7 @@ def run_pending(store, setup, workers=None, scheduler=None, progress=None):
 
     Args:
         store: `SweepStore`, open for writing.  setup: of `worker.make_setup`.
-        workers: processes on this machine; None: one a core; 0: this process, without Dask.
+        workers: processes on this machine; None: one a core; 0: this process alone.
         scheduler: address of a Dask scheduler, "tcp://host:8786", instead of local workers.
     Raises:
         EngineError: there is no scheduler or no worker.  ParameterError: the workers refuse the sweep.
@@ -91,30 +92,32 @@ def run_pending(store, setup, workers=None, scheduler=None, progress=None):
         if workers == 0 and scheduler is None:
             for start in pending:
                 save(run_chunk(setup, [plain(start)]))
+        elif scheduler is None:
+            count = min(workers or os.cpu_count() or 1, len(pending))
+            chunks = [[plain(start) for start in chunk] for chunk in _chunks(pending, count)]
+            run_local(run_chunk, setup, chunks, count, DEATHS, save,
+                      lambda start: save([(_killed(by_id[start["id"]]), 0.0)]))
         else:
-            _with_dask(setup, pending, workers, scheduler, save)
+            _with_dask(setup, pending, scheduler, save)
     finally:
         progress.end()
 
 
-def _with_dask(setup, pending, workers, scheduler, save):
-    # Workers that each have BLAS threads for every core would slow each other down. Processes inherit this setting.
-    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ.setdefault(name, "1")
+def _chunks(pending, count):
+    """The runs in pieces for that many workers, so small that none has to wait long for the others at the end."""
+    size = max(1, min(CHUNK, len(pending) // (4 * count)))
+    return [pending[i:i + size] for i in range(0, len(pending), size)]
+
+
+def _with_dask(setup, pending, scheduler, save):
     import dask  # only here: these take a second to import
     from distributed import Client
-    from .cluster import local_cluster
     with temporary_folder("aras-sweep-") as folder, dask.config.set({
             "distributed.scheduler.allowed-failures": DEATHS - 1, "temporary-directory": folder,
             "distributed.comm.timeouts.connect": f"{CONNECT_S:g}s", "distributed.worker.profile.enabled": False}):
-        if scheduler:
-            with _client(Client, scheduler) as client:
-                if not client.scheduler_info()["workers"]:
-                    raise EngineError(f"scheduler {scheduler}: it has no workers; start some: dask-worker {scheduler}")
-                _collect(client, setup, pending, save)
-            return
-        count = min(workers or os.cpu_count() or 1, len(pending))
-        with local_cluster(count, folder) as cluster, Client(cluster) as client:
+        with _client(Client, scheduler) as client:
+            if not client.scheduler_info()["workers"]:
+                raise EngineError(f"scheduler {scheduler}: it has no workers; start some: dask-worker {scheduler}")
             _collect(client, setup, pending, save)
 
 
@@ -131,9 +134,7 @@ def _client(Client, scheduler):
 def _collect(client, setup, pending, save):
     from distributed import as_completed
     from distributed.scheduler import KilledWorker
-    count = max(1, sum(client.nthreads().values()))
-    size = max(1, min(CHUNK, len(pending) // (4 * count)))
-    chunks = [pending[i:i + size] for i in range(0, len(pending), size)]
+    chunks = _chunks(pending, max(1, sum(client.nthreads().values())))
     # The scenario is sent with every chunk: its 5 kB are less than the results.
     futures = {_submit(client, setup, chunk): chunk for chunk in chunks}
     suspects = []

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from ..ground.errors import ParameterError
 from ..features.palette import BLUE, GREY, VERMILION
+from ..report.drawing import drawn_side_by_side
 from ..report.figure import STYLE
 from .metrics import metric
 from .statistics import reasons, success_curve
@@ -44,16 +45,17 @@ def make_figure(name, rows, axes=DEFAULT_AXES):
 
 def save_figures(rows, folder, axes=DEFAULT_AXES):
     """Write NAME.png and NAME.pdf of every figure; {name: png bytes}."""
-    pictures = {}
+    return dict(zip(FIGURES, drawn_side_by_side(_save_figure, [(name, rows, folder, axes) for name in FIGURES])))
+
+
+def _save_figure(name, rows, folder, axes):
     with matplotlib.rc_context(STYLE):
-        for name in FIGURES:
-            figure = make_figure(name, rows, axes)
-            stream = io.BytesIO()
-            figure.savefig(stream, format="png", dpi=150, metadata={"Software": None})
-            pictures[name] = stream.getvalue()
-            (folder / f"{name}.png").write_bytes(pictures[name])
-            figure.savefig(folder / f"{name}.pdf", metadata={"CreationDate": None})
-    return pictures
+        figure = make_figure(name, rows, axes)
+        stream = io.BytesIO()
+        figure.savefig(stream, format="png", dpi=150, metadata={"Software": None})
+        (folder / f"{name}.png").write_bytes(stream.getvalue())
+        figure.savefig(folder / f"{name}.pdf", metadata={"CreationDate": None})
+    return stream.getvalue()
 
 
 def _map(rows, axes):

@@ -14,7 +14,7 @@ from ..ground.errors import ArasError, ParameterError
 from ..run.judge import pose_error
 from ..arm.robot import robot_kinematics
 from ..run.loop import DEFAULT_LIMIT_S, ServoLoop
-from ..target.outline import Outline
+from ..features.target.outline import Outline
 from ..run.record import RecordBuilder
 from ..run.measures import measures
 from ..run.settings import ExperimentSettings
@@ -72,7 +72,7 @@ class Bench:
             drive(loop, builder, start)
             self._servo(loop, builder)
             record = builder.finish(run_hash=loop.sim.run_hash, camera_info=loop.camera_info,
-                                    X_WT=loop.target_pose())
+                                    X_WT=loop.target_pose(), opengl=loop.sim.opengl)
             lower, upper = loop.kinematics.lower, loop.kinematics.upper
             row = dict(judge_row(record), **measures(record, lower, upper, Outline.of(scenario)), id=start.id)
             return row, record
@@ -101,10 +101,10 @@ class Bench:
         config = ExperimentSettings.from_dict(loop.scenario.experiment, loop.kinematics)
         loop.place(config.goal.joints, config.settle_s)
         try:
-            record, features, image = loop.teach(config.z_star_m)
+            for record, features, image in loop.teach(config.z_star_m):
+                builder.add_answer(record, loop.camera_pose(), features, image, loop.moving_target_pose())
         except ParameterError as error:
             raise Infeasible(str(error)) from error
-        builder.add_answer(record, loop.camera_pose(), features, image, loop.moving_target_pose())
         loop.place(start.joints, config.settle_s)
         loop.start(servo_only=True)
 

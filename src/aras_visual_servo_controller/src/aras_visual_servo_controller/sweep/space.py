@@ -11,7 +11,7 @@ import numpy as np
 
 from ..ground.errors import ParameterError
 from ..scenario.sweep import BALL_AXES, CAMERA_AXES
-from ..target.outline import Outline
+from ..features.target.outline import Outline
 from ..ground.spatial import rotation, rotation_vector
 
 #: At u, v = +-1 the target keeps this distance from the border of the image, since one that touches it is not measured

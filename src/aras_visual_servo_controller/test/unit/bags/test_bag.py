@@ -36,7 +36,7 @@ def test_a_bag_gives_back_the_record_it_was_written_from(tmp_path, original):
     for name in ("s", "s_star", "e", "twist", "q", "set_point"):
         np.testing.assert_array_equal(getattr(record, name), getattr(original, name), err_msg=name)
     np.testing.assert_allclose(record.X_WC, original.X_WC, rtol=0, atol=POSE_TOLERANCE)
-    assert (record.run_hash, record.real_time_factor) == ("feed", 12.5)
+    assert (record.run_hash, record.real_time_factor, record.opengl) == ("feed", 12.5, "llvmpipe, 4.5")
     assert record.camera_info["K"][0] == 100 and record.notes == ()
 
 

@@ -1,6 +1,8 @@
 """Rotations and poses, exact at zero and at half a turn, against scipy and against each other."""
 
 import math
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -120,3 +122,24 @@ def test_a_pose_comes_back_from_its_logarithm_and_a_twist_from_its_exponential(s
 def test_of_exactly_half_a_turn_the_logarithm_is_one_of_two_screws(seed):
     X = exponential(np.r_[0.3, -0.2, 0.1, math.pi * axis_of(seed)])
     np.testing.assert_allclose(exponential(logarithm(X)), X, rtol=0.0, atol=10.0 * AXIS_ROUNDING)
+
+
+def test_angles_and_quaternions_are_those_of_scipy_to_the_last_bit():
+    # Poses of results were made by scipy's functions, which take a tenth of a second to import.
+    random = np.random.default_rng(7)
+    for _ in range(400):
+        rpy = random.uniform(-4.0, 4.0, 3) * (random.random(3) > 0.3)
+        R = Rotation.from_euler("xyz", rpy).as_matrix()
+        np.testing.assert_array_equal(rotation_rpy(rpy), R)
+        q = Rotation.from_matrix(R).as_quat()
+        np.testing.assert_array_equal(quaternion_xyzw(R), q if q[3] >= 0.0 else -q)
+
+
+def test_a_run_in_process_needs_no_scipy():
+    code = ("import sys; from aras_visual_servo_controller.report.report import summarise; "
+            "from aras_visual_servo_controller.run.judge import run_in_process; "
+            "from aras_visual_servo_controller.scenario.feasibility import check_feasible; "
+            "from aras_visual_servo_controller.scenario.scenario import load_scenario; "
+            "scenario = load_scenario('experiment_1'); check_feasible(scenario); "
+            "summarise(run_in_process(scenario)); sys.exit('scipy' in sys.modules)")
+    assert subprocess.run([sys.executable, "-c", code]).returncode == 0

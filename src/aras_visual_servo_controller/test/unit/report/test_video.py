@@ -12,6 +12,7 @@ pytest.importorskip("cv2")
 pytest.importorskip("aras_visual_servo_sim")
 from aras_visual_servo_controller.features import expand, styles  # noqa: E402
 from aras_visual_servo_controller.features.palette import rgb  # noqa: E402
+from aras_visual_servo_controller.ground.errors import ParameterError  # noqa: E402
 from aras_visual_servo_controller.report import video  # noqa: E402
 from aras_visual_servo_controller.run.judge import run_in_process  # noqa: E402
 from aras_visual_servo_controller.report.observer import Observer, ObserverError, standpoint, with_stand  # noqa: E402
@@ -52,7 +53,7 @@ def test_a_lens_bends_where_features_are_drawn_and_nothing_stays_nothing():
     pixels = video.project(np.array([[0.0, 0.0], [0.5, 0.0], [np.nan, 0.0]]), info)
     assert np.allclose(pixels[0], [50.0, 40.0]) and np.isnan(pixels[2]).all()
     assert pixels[1, 0] == pytest.approx(50 + 100 * 0.5 * (1 - 0.3 * 0.25 + 0.1 * 0.0625))
-    with pytest.raises(video.VideoError, match="no camera_info"):
+    with pytest.raises(ParameterError, match="no camera_info"):
         video.project(pixels, {})
 
 
@@ -69,6 +70,29 @@ def test_the_observer_stands_in_the_same_place_for_a_run_and_its_bag(record):
     other.X_WC[record.servo_rows[-1] + 1:] += 1.0
     q = record.q[record.servo_rows[0]]
     assert np.array_equal(Observer(record, 160, 120).picture(q), Observer(other, 160, 120).picture(q))
+
+
+def test_the_observer_sees_light_and_shadow(record, monkeypatch):
+    from aras_visual_servo_controller.report import observer as module
+    q = record.q[record.servo_rows[0]]
+    observer = Observer(record, 160, 120)
+    lit = observer.picture(q).astype(int)
+    assert "Mesa" in observer.drawn_by
+    monkeypatch.setattr(module, "LIGHTING", dict(module.LIGHTING, shadows=False))
+    without = Observer(record, 160, 120).picture(q).astype(int)
+    in_shadow = (without - lit).max(axis=2) > 25
+    assert in_shadow.sum() > 100 and (lit - without).max() <= 1
+
+
+def test_without_opengl_the_observer_draws_without_shadows(record, monkeypatch):
+    import aras_visual_servo_sim
+
+    def missing(gl="osmesa"):
+        raise aras_visual_servo_sim.RenderError("no such library")
+
+    monkeypatch.setattr(aras_visual_servo_sim, "opengl_description", missing)
+    observer = Observer(record, 160, 120)
+    assert np.ptp(observer.picture(record.q[0]).astype(int)) > 100 and observer.drawn_by == ""
 
 
 def test_the_observer_looks_at_what_it_is_told_to():

@@ -7,7 +7,7 @@ from aras_visual_servo_controller.laws import base as laws
 from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.run.judge import judge
 from aras_visual_servo_controller.run.loop import ServoLoop
-from aras_visual_servo_controller.run.record import PHASES
+from aras_visual_servo_controller.ground.types import PHASES
 from aras_visual_servo_controller.scenario.scenario import load_scenario
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.target.outline import Outline
+from aras_visual_servo_controller.features.target.outline import Outline
 from aras_visual_servo_controller.run.record import RecordBuilder
 from aras_visual_servo_controller.ground.spatial import rotation
 from aras_visual_servo_controller.run.measures import MEASURES, distance_from_segment, measures

@@ -5,9 +5,9 @@ import pytest
 from toy_plant import GOAL, PERIOD_NS, START, Camera, arm, pose_error
 
 from aras_visual_servo_controller.ground.errors import ParameterError
-from aras_visual_servo_controller.run.sequence import PHASES, ExperimentSequence
+from aras_visual_servo_controller.run.sequence import ExperimentSequence
 from aras_visual_servo_controller.servo.servo import Servo
-from aras_visual_servo_controller.ground.types import FEATURE_NAMES, Observation, Status
+from aras_visual_servo_controller.ground.types import FEATURE_NAMES, PHASES, Observation, Status
 
 FINAL_POSITION_M = 1e-5  # wanted; thresholds of 1 um leave below 2 um
 EXPERIMENT = {"goal": {"joints": GOAL}, "start": {"joints": START}, "z_star_m": 0.5934, "settle_s": 0.5,

@@ -9,7 +9,7 @@ from aras_visual_servo_controller.cli.run import EXIT_PARAMETERS, run_main
 from aras_visual_servo_controller.scenario.feasibility import Feasibility, check_feasible
 from aras_visual_servo_controller.arm.kinematics import Kinematics
 from aras_visual_servo_controller.run.loop import ServoLoop
-from aras_visual_servo_controller.target.outline import Outline
+from aras_visual_servo_controller.features.target.outline import Outline
 from aras_visual_servo_controller.arm.reach import reach
 from aras_visual_servo_controller.ground.spatial import rotation
 from aras_visual_servo_controller.scenario.scenario import load_scenario, scenario_from_dict

@@ -38,7 +38,8 @@ def test_plane_of_the_target_follows_the_joints():
     bench = Bench(**{**IBVS, "interaction": "current"})
     q = bench.goal_q + 0.1 * np.arange(6.0) / 6.0
     X_CT = np.linalg.inv(bench.arm.pose(q)) @ bench.camera.X_WT
-    np.testing.assert_allclose(bench.servo._plane(q), plane_from_pose(X_CT[:3, 2], X_CT[:3, 3]), atol=ROUNDING)
+    np.testing.assert_allclose(bench.servo._plane(bench.arm.pose(q)), plane_from_pose(X_CT[:3, 2], X_CT[:3, 3]),
+                               atol=ROUNDING)
 
 
 def test_features_that_see_tilt_are_recorded_by_name_with_the_condition_of_their_matrix():

@@ -133,14 +133,13 @@ def listening(process):
     return found
 
 
-def test_a_sweep_listens_on_the_loopback_only_and_serves_no_pages(tmp_path):
+def test_a_sweep_without_a_scheduler_listens_nowhere(tmp_path):
     process = start_process(tmp_path, "listening", "--workers", "2")
     wait_for_rows(process, folder_of(tmp_path, "listening") / "sweep.db", 1)
     sockets = listening(psutil.Process(process.pid))
     process.send_signal(signal.SIGTERM)
     process.communicate(timeout=PATIENCE_S)
-    assert {address for address, _ in sockets} == {"127.0.0.1"}
-    assert len(sockets) == 5, "a scheduler, two workers and their two nannies; a sixth port would be a page"
+    assert not sockets
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGKILL],
@@ -160,8 +159,7 @@ def test_a_killed_worker_loses_nothing(undisturbed, tmp_path):
     process = start_process(tmp_path, "killed", "--workers", "2")
     folder = folder_of(tmp_path, "killed")
     assert wait_for_rows(process, folder / "sweep.db", 1) < STARTS
-    workers = [child for child in psutil.Process(process.pid).children() if "spawn_main" in " ".join(child.cmdline())]
-    os.kill(workers[0].pid, signal.SIGKILL)
+    os.kill(psutil.Process(process.pid).children()[0].pid, signal.SIGKILL)
     _, said = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 0, said
     assert rows_of(folder) == rows_of(undisturbed)

@@ -5,7 +5,7 @@ import pytest
 
 from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.arm.kinematics import Kinematics
-from aras_visual_servo_controller.target.outline import Outline
+from aras_visual_servo_controller.features.target.outline import Outline
 from aras_visual_servo_controller.scenario.scenario import load_scenario, scenario_from_dict
 from aras_visual_servo_controller.sweep.plan import SweepSettings, make_starts, sample
 from aras_visual_servo_controller.sweep.run import placed

@@ -25,27 +25,33 @@ struct Rgb {
 };
 
 /** Image of height x width pixels, row-major, top row first, no padding; channels interleaved as encoding says. */
-struct Image {
+template <typename Value>
+struct ImageOf {
   int width = 0;
   int height = 0;
   Encoding encoding = Encoding::kRgb8;
-  std::vector<std::uint8_t> data;  ///< height * width * channels() bytes
+  std::vector<Value> data;  ///< height * width * channels() values
 
   int channels() const { return channelsOf(encoding); }
   std::size_t stride() const { return static_cast<std::size_t>(width) * channels(); }
-  const std::uint8_t* pixel(int u, int v) const { return data.data() + v * stride() + u * channels(); }
-  std::uint8_t* pixel(int u, int v) { return data.data() + v * stride() + u * channels(); }
+  const Value* pixel(int u, int v) const { return data.data() + v * stride() + u * channels(); }
+  Value* pixel(int u, int v) { return data.data() + v * stride() + u * channels(); }
   /** Gives the image this size and encoding; memory is kept when it suffices, contents are undefined. */
-  void resize(int width, int height, Encoding encoding);
+  void resize(int new_width, int new_height, Encoding new_encoding) {
+    width = new_width;
+    height = new_height;
+    encoding = new_encoding;
+    data.resize(stride() * height);
+  }
 };
 
-/** Adds Gaussian noise to every byte, each channel by itself, rounded and clamped to [0, 255].
- *
- *  Counter based: what is added depends on (seed, frame_index, byte index) alone, so frame k is the same whatever was
- *  rendered before it.
- *  @param stddev  standard deviation before rounding, in grey levels, finite and >= 0; 0 adds the mean alone
- *  @param mean    in grey levels, finite
- *  @throws ParameterError if one is out of range */
-void addGaussianNoise(Image& image, double stddev, std::uint64_t seed, std::uint64_t frame_index, double mean = 0.0);
+using Image = ImageOf<std::uint8_t>;  ///< as a camera delivers it: grey levels
+
+/** As light falls on the sensor, before noise and rounding: 257 units are a grey level, so that 65535 are white. */
+using FineImage = ImageOf<std::uint16_t>;
+
+/** How many units of an image's values are a grey level. */
+template <typename Value>
+inline constexpr int kUnitsOf = sizeof(Value) == 1 ? 1 : 257;
 
 }  // namespace aras_visual_servo_sim

@@ -7,24 +7,33 @@
 
 namespace aras_visual_servo_sim {
 
-/** Nearest byte of a colour's part, 0 .. 255. */
-inline std::uint8_t byteOf(double part) { return static_cast<std::uint8_t>(part + 0.5); }
-
 /** Grey of a colour: ITU-R BT.601 luma, as OpenCV's cvtColor. */
-inline std::uint8_t greyOf(double r, double g, double b) { return byteOf(0.299 * r + 0.587 * g + 0.114 * b); }
+inline double luma(double r, double g, double b) { return 0.299 * r + 0.587 * g + 0.114 * b; }
 
-/** Bytes of one pixel of this colour; mono8 uses the first only. */
-inline std::array<std::uint8_t, 3> pixelOf(const Rgb& color, Encoding encoding) {
+/** Nearest value of an image to a colour's part, 0 .. 255. */
+template <typename Value>
+Value valueOf(double part) {
+  return static_cast<Value>(part * kUnitsOf<Value> + 0.5);
+}
+
+/** Values of one pixel of this colour; mono8 uses the first only. @param r, g, b  0 .. 255 */
+template <typename Value>
+std::array<Value, 3> pixelOf(double r, double g, double b, Encoding encoding) {
   switch (encoding) {
     case Encoding::kRgb8:
-      return {color.r, color.g, color.b};
+      return {valueOf<Value>(r), valueOf<Value>(g), valueOf<Value>(b)};
     case Encoding::kBgr8:
-      return {color.b, color.g, color.r};
+      return {valueOf<Value>(b), valueOf<Value>(g), valueOf<Value>(r)};
     default: {
-      const std::uint8_t grey = greyOf(color.r, color.g, color.b);
+      const Value grey = valueOf<Value>(luma(r, g, b));
       return {grey, grey, grey};
     }
   }
+}
+
+template <typename Value = std::uint8_t>
+std::array<Value, 3> pixelOf(const Rgb& color, Encoding encoding) {
+  return pixelOf<Value>(color.r, color.g, color.b, encoding);
 }
 
 }  // namespace aras_visual_servo_sim

@@ -33,6 +33,7 @@ class CoverageRenderer : public Renderer {
 
  private:
   void doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) override;
+  void doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, FineImage& out) override;
 
   class Implementation;
   std::unique_ptr<Implementation> implementation_;

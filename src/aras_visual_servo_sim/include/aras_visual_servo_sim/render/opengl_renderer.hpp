@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -7,12 +8,15 @@
 
 namespace aras_visual_servo_sim {
 
+class GlContext;
+
 /** Renderer with lights, shadows, materials and pictures, by OpenGL 3.3 without a window.
  *
  *  Solids are drawn by OpenGL, with four samples a pixel. Flat targets are laid over them with the exact coverage of
  *  CoverageRenderer, wherever no solid stands before them (CameraConfig::exact_targets). Images are the same between
  *  runs, processes and threads on one kind of processor and one version of Mesa. The library is opened at the first
- *  frame. Not thread-safe, but frames may be drawn in one thread after the other; one object may serve many cameras. */
+ *  frame. A context that was lost costs one image, an error; the next one is drawn in a new context. Not thread-safe,
+ * but frames may be drawn in one thread after the other; one object may serve many cameras. */
 class OpenGlRenderer : public Renderer {
  public:
   enum class Platform {
@@ -20,11 +24,17 @@ class OpenGlRenderer : public Renderer {
     kEgl      ///< a GPU where there is one
   };
 
+  using MakeContext = std::function<std::unique_ptr<GlContext>()>;
+
   explicit OpenGlRenderer(Platform platform = Platform::kOsmesa);
+  /** Draws in contexts made elsewhere. */
+  explicit OpenGlRenderer(MakeContext make_context);
   ~OpenGlRenderer() override;
 
   /** What draws and of which version. @throws RenderError if there is no OpenGL */
   std::string description();
+  /** The same, empty before the first image. */
+  const std::string& drewWith() const;
 
   /** What the last frame took, and all so far: to test and to measure. */
   struct Statistics {
@@ -36,6 +46,7 @@ class OpenGlRenderer : public Renderer {
 
  private:
   void doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) override;
+  void doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, FineImage& out) override;
 
   class Implementation;
   std::unique_ptr<Implementation> implementation_;

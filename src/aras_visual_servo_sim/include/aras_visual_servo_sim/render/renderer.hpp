@@ -17,9 +17,12 @@ class Renderer {
    *  @param out   given the camera's size and encoding; memory is reused from frame to frame
    *  @throws NotFiniteError if a pose is not finite, RenderError if the renderer fails */
   void render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out);
+  /** The same before it is rounded to bytes. */
+  void render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, FineImage& out);
 
  private:
   virtual void doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) = 0;
+  virtual void doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, FineImage& out) = 0;
 };
 
 }  // namespace aras_visual_servo_sim

@@ -10,13 +10,14 @@
 
 namespace aras_visual_servo_sim {
 
-/** Shape of a visual, in its own frame. Boxes are centred; cylinders are centred with their axis along z. */
+/** Shape of a visual, in its own frame. Boxes are centred; cylinders and cones are centred with their axis along z, the
+ *  tip of a cone at +z. */
 struct Geometry {
-  enum class Type { kBox, kCylinder, kSphere, kMesh };
+  enum class Type { kBox, kCylinder, kSphere, kMesh, kCone };
   Type type = Type::kBox;
-  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  ///< box: full edge lengths
-  double radius_m = 0.0;                             ///< cylinder, sphere
-  double length_m = 0.0;                             ///< cylinder
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  ///< box, and the box around a cone: full edge lengths
+  double radius_m = 0.0;                             ///< cylinder, sphere, cone
+  double length_m = 0.0;                             ///< cylinder, cone
   std::string filename;                              ///< mesh: as written, e.g. package://pkg/meshes/a.stl
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();   ///< mesh
 };

@@ -75,6 +75,8 @@ class Simulation {
    *  at the tick at which a frame was taken, that frame.
    *  @return valid as long as the simulation; its content until the next render of this camera @throws RenderError */
   const Image& render(int camera);
+  /** What drew images by OpenGL so far, and its version; empty if nothing did. Run hashes hold for one of these. */
+  std::string openGl() const { return drawer_.openGl(); }
   /** Depth and ids of what the image of this camera shows, noise and blur apart; content until the next call for this
    *  camera. segmentationIds of shownScene says what the ids mean. */
   const GeometryImage& renderGeometry(int camera, Distance distance = Distance::kDepth);

@@ -19,7 +19,8 @@ struct SimulationConfig {
   std::uint64_t seed = 0;                           ///< of the image noise
   std::map<std::string, double> initial_positions;  ///< by joint name [m or rad]
   std::vector<CameraConfig> cameras;
-  bool gazebo_cameras = false;  ///< `compatibility`: "gazebo"; cameras of the URDF are as Gazebo has them
+  std::string tag_renderer = "opengl";  ///< of cameras that are taken from the URDF's tags
+  bool gazebo_cameras = false;          ///< `compatibility`: "gazebo"; cameras of the URDF are as Gazebo has them
   SceneConfig scene;
 
   /** @param node  the section; null gives the defaults

@@ -1,6 +1,6 @@
 #include "aras_visual_servo_sim/render/coverage_renderer.hpp"
 
-#include <cstring>
+#include <algorithm>
 
 #include "aras_visual_servo_sim/image/pixel_color.hpp"
 #include "render/coverage/coverage_rasterizer.hpp"
@@ -13,13 +13,14 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-void fill(const std::array<std::uint8_t, 3>& pixel, Image& image) {
+template <typename Value>
+void fill(const std::array<Value, 3>& pixel, ImageOf<Value>& image) {
   if (image.channels() == 1 || (pixel[0] == pixel[1] && pixel[1] == pixel[2])) {
-    std::memset(image.data.data(), pixel[0], image.data.size());
+    std::fill(image.data.begin(), image.data.end(), pixel[0]);
     return;
   }
-  for (int u = 0; u < image.width; ++u) std::memcpy(image.pixel(u, 0), pixel.data(), 3);
-  for (int v = 1; v < image.height; ++v) std::memcpy(image.pixel(0, v), image.pixel(0, 0), image.stride());
+  for (int u = 0; u < image.width; ++u) std::copy_n(pixel.data(), 3, image.pixel(u, 0));
+  for (int v = 1; v < image.height; ++v) std::copy_n(image.pixel(0, 0), image.stride(), image.pixel(0, v));
 }
 
 }  // namespace
@@ -28,7 +29,8 @@ class CoverageRenderer::Implementation {
  public:
   explicit Implementation(Path path) : path_(path) {}
 
-  void render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
+  template <typename Value>
+  void render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, ImageOf<Value>& out) {
     statistics_ = {};
     draw(camera, X_WC, scene, out);
     if (camera.showsLensCircle()) blackenBeyondLens(camera, rasterizer_, out);
@@ -37,12 +39,13 @@ class CoverageRenderer::Implementation {
   Statistics statistics_;
 
  private:
-  void draw(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
+  template <typename Value>
+  void draw(const CameraModel& camera, const Pose& X_WC, const Scene& scene, ImageOf<Value>& out) {
     const ViewVolume volume(camera);
     planar_.project(camera, volume, X_WC.inverse(), scene);
-    fill(pixelOf(scene.background, out.encoding), out);
+    fill(pixelOf<Value>(scene.background, out.encoding), out);
     const bool everything = path_ == Path::kSampled;
-    planar_.samplePictures(camera, rasterizer_);
+    planar_.samplePictures<Value>(camera, rasterizer_);
     if (!everything) planar_.paint(camera, rasterizer_, out);
     triangles_.begin(camera, volume);
     curved_.begin(camera, volume);
@@ -59,7 +62,8 @@ class CoverageRenderer::Implementation {
     }
     triangles_.addPlanar(planar_, X_WC.inverse());
     bins_.sort(triangles_);
-    tiles_.paint(camera, triangles_, curved_, bins_, scene.background, planar_.pictures(), out);
+    tiles_.paint(camera, triangles_, curved_, bins_, scene.background,
+                 TilePainter::Canvas<Value>{&out, &planar_.pictures<Value>()});
     statistics_ = {static_cast<int>(triangles_.size()), tiles_.statistics().tiles, tiles_.statistics().sampled_pixels};
   }
 
@@ -80,6 +84,10 @@ CoverageRenderer& CoverageRenderer::operator=(CoverageRenderer&&) noexcept = def
 const CoverageRenderer::Statistics& CoverageRenderer::statistics() const { return implementation_->statistics_; }
 
 void CoverageRenderer::doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
+  implementation_->render(camera, X_WC, scene, out);
+}
+
+void CoverageRenderer::doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, FineImage& out) {
   implementation_->render(camera, X_WC, scene, out);
 }
 

@@ -11,12 +11,22 @@ void requireFinite(const Pose& pose, const char* kind, const std::string& name) 
   }
 }
 
-}  // namespace
-
-void Renderer::render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
+void requireFinite(const CameraModel& camera, const Pose& X_WC, const Scene& scene) {
   requireFinite(X_WC, "camera", camera.config().name);
   for (const PlanarModel& model : scene.models) requireFinite(model.X_WM, "model", model.name());
   for (const Body& body : scene.bodies) requireFinite(body.X_WB, "body", body.name);
+}
+
+}  // namespace
+
+void Renderer::render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
+  requireFinite(camera, X_WC, scene);
+  out.resize(camera.width(), camera.height(), camera.encoding());
+  doRender(camera, X_WC, scene, out);
+}
+
+void Renderer::render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, FineImage& out) {
+  requireFinite(camera, X_WC, scene);
   out.resize(camera.width(), camera.height(), camera.encoding());
   doRender(camera, X_WC, scene, out);
 }

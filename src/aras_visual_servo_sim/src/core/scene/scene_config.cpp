@@ -23,6 +23,12 @@ Geometry readGeometry(YamlReader& reader) {
     const auto size = reader.get<Eigen::Vector2d>("cylinder_m");
     geometry.radius_m = size[0];
     geometry.length_m = size[1];
+  } else if (reader.has("cone_m")) {
+    geometry.type = Geometry::Type::kCone;
+    const auto size = reader.get<Eigen::Vector2d>("cone_m");
+    geometry.radius_m = size[0];
+    geometry.length_m = size[1];
+    geometry.size_m = {2.0 * size[0], 2.0 * size[0], size[1]};
   } else if (reader.has("sphere_m")) {
     geometry.type = Geometry::Type::kSphere;
     geometry.radius_m = reader.get<double>("sphere_m");
@@ -77,7 +83,7 @@ SolidEntry readSolid(YamlReader& reader) {
   entry.mass_kg = reader.find<double>("mass_kg").value_or(0.0);
   entry.touches = readTouches(reader);
   if (reader.has("mass_kg") && reader.has("urdf")) {
-    reader.fault("mass_kg", "it together with urdf", "it with box_m, cylinder_m, sphere_m or mesh only");
+    reader.fault("mass_kg", "it together with urdf", "it with box_m, cylinder_m, cone_m, sphere_m or mesh only");
   }
   if (reader.has("scale") && !reader.has("mesh")) reader.fault("scale", "it without mesh", "it with mesh only");
   return entry;

@@ -15,7 +15,7 @@ bool endsWith(const std::string& text, const std::string& suffix) {
 
 SceneEntry sceneEntryFromYaml(const YAML::Node& node) {
   bool solid = false;
-  for (const char* key : {"box_m", "cylinder_m", "sphere_m", "mesh", "urdf"}) {
+  for (const char* key : {"box_m", "cylinder_m", "cone_m", "sphere_m", "mesh", "urdf"}) {
     solid = solid || (node.IsMap() && node[key].IsDefined());
   }
   YAML::Node scene;

@@ -25,6 +25,7 @@ Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::No
   faults.collect([&] { start_.check(model_, config_.world); });
   if (config_.cameras.empty()) {
     faults.collect([&] { config_.cameras = camerasFromTags(model_, model_.warnings, config_.gazebo_cameras); });
+    for (CameraConfig& camera : config_.cameras) camera.renderer = config_.tag_renderer;
   }
   for (const CameraConfig& camera : config_.cameras) {
     faults.collect([&] { cameras_.add(camera, model_, config_.seed, periodNs()); });

@@ -36,6 +36,7 @@ SimulationConfig SimulationConfig::fromYaml(const YAML::Node& node) {
   YamlReader positions = reader.section("initial_positions");
   for (const std::string& joint : positions.keys()) config.initial_positions[joint] = positions.get<double>(joint);
   for (YamlReader& camera : reader.list("cameras")) config.cameras.push_back(readCameraConfig(camera));
+  config.tag_renderer = reader.get<std::string>("tag_renderer");
   config.gazebo_cameras = reader.choice<bool>("compatibility", {{"none", false}, {"gazebo", true}});
   config.scene = SceneConfig::read(reader.section("scene"));
   if (config.gazebo_cameras) config.scene.lightAsGazebo();

@@ -172,6 +172,7 @@ void SimNode::publishStatus() {
   status.unsettled_steps = simulation_.world().unsettledSteps();
   status.refused_commands = simulation_.commands().refused();
   status.last_refusal = simulation_.commands().lastRefusal();
+  status.opengl = simulation_.openGl();
   status.run_hash = simulation_.runHash();
   status.recording = recording_.running();
   status.recording_fault = recording_.fault();

@@ -42,6 +42,7 @@ scene:
   solids:
     - {name: box, box_m: [1, 1, 1], motion: *straight}
     - {name: cylinder, cylinder_m: [1, 1], motion: *circle}
+    - {name: cone, cone_m: [1, 1]}
     - {name: sphere, sphere_m: 1, motion: *walk}
     - {name: mesh, mesh: x.stl, motion: *way}
     - {name: urdf, urdf: x.urdf}

@@ -83,8 +83,11 @@ class Camera {
   // --- the image
   Image image{};
   GeometryImage geometry{};
-  /** Adds the noise of the frame that was drawn. */
-  void addNoise(std::int64_t now);
+  /** Of a camera with noise what falls on its sensor, of which readOut() makes the image. */
+  FineImage light{};
+  bool noisy() const;
+  /** Makes the image of the light of the frame that was drawn, with its noise. @pre noisy() */
+  void readOut(std::int64_t now);
   /** True once for each frame taken, when its image is drawn. */
   bool imageIsOfNewFrame();
 

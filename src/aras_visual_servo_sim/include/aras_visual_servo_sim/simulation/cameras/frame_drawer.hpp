@@ -20,15 +20,22 @@ class FrameDrawer {
    *  @param now    the present tick: at a scheduled frame's, the mean over the exposure that ends there
    *  @param scene  as it is now, and so again afterwards @throws RenderError */
   const Image& draw(Camera& camera, std::int64_t now, const Pose& X_WC, Scene& scene);
+  /** What drew by OpenGL so far, and its version: OpenGlRenderer::description; empty if nothing did. */
+  std::string openGl() const;
   /** Depth and ids of the same view, without blur. */
   const GeometryImage& drawGeometry(Camera& camera, const Pose& X_WC, const Scene& scene, Distance distance);
 
  private:
-  void drawOnce(Camera& camera, const Pose& X_WC, const Scene& scene);
-  void drawMean(Camera& camera, const Moment& present, Scene& scene);
-  void drawLate(Camera& camera, const ExposedFrame& frame, const Scene& now);
+  template <typename Value>
+  void drawOn(ImageOf<Value>& image, const Camera& camera, std::int64_t now, const Pose& X_WC, Scene& scene);
+  template <typename Value>
+  void drawOnce(ImageOf<Value>& image, const Camera& camera, const Pose& X_WC, const Scene& scene);
+  template <typename Value>
+  void drawMean(ImageOf<Value>& image, const Camera& camera, const Moment& present, Scene& scene);
+  template <typename Value>
+  void drawLate(ImageOf<Value>& image, const Camera& camera, const ExposedFrame& frame, const Scene& now);
 
-  OpenGlRenderer& openGl(const CameraConfig& camera);
+  OpenGlRenderer& openGlFor(const CameraConfig& camera);
 
   std::unique_ptr<Renderer> coverage_;
   std::unique_ptr<OpenGlRenderer> osmesa_, egl_;  // made for the first camera that wants them

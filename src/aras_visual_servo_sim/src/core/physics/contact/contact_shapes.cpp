@@ -37,6 +37,17 @@ std::unique_ptr<btCollisionShape> boxOf(const Vector3d& size) {
   return box;
 }
 
+/** Tip and base of a cone, the base as a polygon of 32 corners. */
+std::vector<Vector3d> coneCorners(double radius_m, double length_m) {
+  constexpr int kCorners = 32;
+  std::vector<Vector3d> corners{{0.0, 0.0, 0.5 * length_m}};
+  for (int i = 0; i < kCorners; ++i) {
+    const double angle = 2.0 * M_PI * i / kCorners;
+    corners.push_back({radius_m * std::cos(angle), radius_m * std::sin(angle), -0.5 * length_m});
+  }
+  return corners;
+}
+
 std::unique_ptr<btCollisionShape> hullOf(const std::vector<Vector3d>& points) {
   auto hull = std::make_unique<btConvexHullShape>();
   for (const Vector3d& point : points) hull->addPoint(toBullet(point), false);
@@ -75,10 +86,11 @@ ContactShapes::ContactShapes(const ContactConfig& config)
 ContactShapes::~ContactShapes() = default;
 
 void ContactShapes::add(int body, const Geometry& geometry, const Pose& X_BS) {
-  const bool round = geometry.type == Geometry::Type::kCylinder || geometry.type == Geometry::Type::kSphere;
+  const bool cone = geometry.type == Geometry::Type::kCone;
+  const bool long_one = cone || geometry.type == Geometry::Type::kCylinder;
+  const bool round = long_one || geometry.type == Geometry::Type::kSphere;
   if ((geometry.type == Geometry::Type::kBox && !(geometry.size_m.minCoeff() > 0.0)) ||
-      (round && !(geometry.radius_m > 0.0)) ||
-      (geometry.type == Geometry::Type::kCylinder && !(geometry.length_m > 0.0))) {
+      (round && !(geometry.radius_m > 0.0)) || (long_one && !(geometry.length_m > 0.0))) {
     throw ModelError("collision shape: found a size that is not positive, must be > 0");
   }
   auto shape = std::make_unique<Shape>();
@@ -93,6 +105,10 @@ void ContactShapes::add(int body, const Geometry& geometry, const Pose& X_BS) {
     case Geometry::Type::kCylinder:
       shape->shape =
           std::make_unique<btCylinderShapeZ>(btVector3(geometry.radius_m, geometry.radius_m, 0.5 * geometry.length_m));
+      break;
+    case Geometry::Type::kCone:
+      shape->corners = coneCorners(geometry.radius_m, geometry.length_m);
+      shape->shape = hullOf(shape->corners);
       break;
     case Geometry::Type::kSphere:
       shape->shape = std::make_unique<btSphereShape>(geometry.radius_m);

@@ -10,45 +10,48 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr float kNothing = 0.5f / 256.0f;  // coverage that changes no 8-bit value
-constexpr double kFarthest = 1e7;          // [px] corners beyond are drawn there
+constexpr double kFarthest = 1e7;  // [px] corners beyond are drawn there
 
-/** Blends colour over count pixels of channels bytes, with one coverage for all of them. */
-template <int channels>
-void blendRun(std::uint8_t* pixel, int count, float coverage, const std::array<std::uint8_t, 3>& color) {
-  if (coverage < kNothing) return;
-  if (coverage > 1.0f - kNothing) {
+/** Coverage that changes no value of an image. */
+template <typename Value>
+constexpr float kNothing = 0.5f / 256.0f / static_cast<float>(kUnitsOf<Value>);
+
+/** Blends colour over count pixels of channels values, with one coverage for all of them. */
+template <int channels, typename Value>
+void blendRun(Value* pixel, int count, float coverage, const std::array<Value, 3>& color) {
+  if (coverage < kNothing<Value>) return;
+  if (coverage > 1.0f - kNothing<Value>) {
     if (channels == 1 || (color[0] == color[1] && color[1] == color[2])) {
-      std::memset(pixel, color[0], static_cast<std::size_t>(count) * channels);
+      std::fill_n(pixel, static_cast<std::size_t>(count) * channels, color[0]);
       return;
     }
     // The first pixel, then what is there already, twice as much each time.
     const std::size_t size = static_cast<std::size_t>(count) * channels;
-    std::memcpy(pixel, color.data(), channels);
+    std::copy_n(color.data(), channels, pixel);
     for (std::size_t done = channels; done < size; done *= 2) {
-      std::memcpy(pixel + done, pixel, std::min(done, size - done));
+      std::copy_n(pixel, std::min(done, size - done), pixel + done);
     }
     return;
   }
   for (int i = 0; i < count * channels; i += channels) {
     for (int c = 0; c < channels; ++c) {
       const float below = pixel[i + c];
-      pixel[i + c] = static_cast<std::uint8_t>(below + coverage * (color[c] - below) + 0.5f);
+      pixel[i + c] = static_cast<Value>(below + coverage * (color[c] - below) + 0.5f);
     }
   }
 }
 
 /** The same with a colour for each pixel. */
-template <int channels>
-void blendRun(std::uint8_t* pixel, int count, float coverage, const std::uint8_t* colors) {
-  if (coverage < kNothing) return;
-  if (coverage > 1.0f - kNothing) {
-    std::memcpy(pixel, colors, static_cast<std::size_t>(count) * channels);
+template <int channels, typename Value>
+void blendRun(Value* pixel, int count, float coverage, const Value* colors) {
+  if (coverage < kNothing<Value>) return;
+  if (coverage > 1.0f - kNothing<Value>) {
+    std::copy_n(colors, static_cast<std::size_t>(count) * channels, pixel);
     return;
   }
   for (int i = 0; i < count * channels; ++i) {
     const float below = pixel[i];
-    pixel[i] = static_cast<std::uint8_t>(below + coverage * (colors[i] - below) + 0.5f);
+    pixel[i] = static_cast<Value>(below + coverage * (colors[i] - below) + 0.5f);
   }
 }
 
@@ -65,8 +68,8 @@ int zerosOf(const float* values, int count) {
 }
 
 /** @param colorsFrom  colour or colours of a run that begins at a pixel of the row */
-template <int channels, typename Colors>
-void blendRow(float* accumulator, int count, std::uint8_t* pixel, const Colors& colorsFrom) {
+template <int channels, typename Value, typename Colors>
+void blendRow(float* accumulator, int count, Value* pixel, const Colors& colorsFrom) {
   float sum = 0.0f;
   for (int i = 0; i < count;) {
     const int j = i + zerosOf(accumulator + i, count - i);  // inside and outside: nothing changes
@@ -113,8 +116,9 @@ PixelBox CoverageRasterizer::bounds() const {
           static_cast<int>(std::clamp(std::ceil(y_max_), 0.0, double(height_)))};
 }
 
-void CoverageRasterizer::blend(const std::array<std::uint8_t, 3>& color, Image& image) {
-  const auto same = [&color](int) -> const std::array<std::uint8_t, 3>& { return color; };
+template <typename Value>
+void CoverageRasterizer::blend(const std::array<Value, 3>& color, ImageOf<Value>& image) {
+  const auto same = [&color](int) -> const std::array<Value, 3>& { return color; };
   fill([&](float* row, int count, int u, int v) {
     if (image.channels() == 3) {
       blendRow<3>(row, count, image.pixel(u, v), same);
@@ -124,9 +128,10 @@ void CoverageRasterizer::blend(const std::array<std::uint8_t, 3>& color, Image& 
   });
 }
 
-void CoverageRasterizer::blend(const Image& colors, Image& image) {
+template <typename Value>
+void CoverageRasterizer::blend(const ImageOf<Value>& colors, ImageOf<Value>& image) {
   fill([&](float* row, int count, int u, int v) {
-    const std::uint8_t* first = colors.pixel(u, v);
+    const Value* first = colors.pixel(u, v);
     if (image.channels() == 3) {
       blendRow<3>(row, count, image.pixel(u, v), [first](int i) { return first + 3 * i; });
     } else {
@@ -134,6 +139,11 @@ void CoverageRasterizer::blend(const Image& colors, Image& image) {
     }
   });
 }
+
+template void CoverageRasterizer::blend(const std::array<std::uint8_t, 3>& color, Image& image);
+template void CoverageRasterizer::blend(const Image& colors, Image& image);
+template void CoverageRasterizer::blend(const std::array<std::uint16_t, 3>& color, FineImage& image);
+template void CoverageRasterizer::blend(const FineImage& colors, FineImage& image);
 
 void CoverageRasterizer::forEachRun(const std::function<void(int, int, int)>& visit) {
   fill([&](float* row, int count, int u, int v) {

@@ -36,9 +36,11 @@ class CoverageRasterizer {
   /** Pixels that the edges so far can touch, clipped to the image. */
   PixelBox bounds() const;
   /** Blends the colour over image (channels as the image has) and ends the fill. */
-  void blend(const std::array<std::uint8_t, 3>& color, Image& image);
+  template <typename Value>
+  void blend(const std::array<Value, 3>& color, ImageOf<Value>& image);
   /** The same with a colour for each pixel. @param colors  of the size and encoding of image; read inside bounds() */
-  void blend(const Image& colors, Image& image);
+  template <typename Value>
+  void blend(const ImageOf<Value>& colors, ImageOf<Value>& image);
   /** Hands out runs of pixels u0 <= u < u1 of row v, covered by half or more, and ends the fill. */
   void forEachRun(const std::function<void(int u0, int u1, int v)>& visit);
 

@@ -5,7 +5,8 @@
 
 namespace aras_visual_servo_sim {
 
-void blackenBeyondLens(const CameraModel& camera, CoverageRasterizer& rasterizer, Image& image) {
+template <typename Value>
+void blackenBeyondLens(const CameraModel& camera, CoverageRasterizer& rasterizer, ImageOf<Value>& image) {
   constexpr double kChord = 1e-3;  // [px] the circle may stray from its chords
   const double angle = camera.lensAngle();
   const auto onCircle = [&](double azimuth) {
@@ -27,7 +28,10 @@ void blackenBeyondLens(const CameraModel& camera, CoverageRasterizer& rasterizer
     rasterizer.addEdge(before, here);
     before = here;
   }
-  rasterizer.blend(std::array<std::uint8_t, 3>{0, 0, 0}, image);
+  rasterizer.blend(std::array<Value, 3>{0, 0, 0}, image);
 }
+
+template void blackenBeyondLens(const CameraModel& camera, CoverageRasterizer& rasterizer, Image& image);
+template void blackenBeyondLens(const CameraModel& camera, CoverageRasterizer& rasterizer, FineImage& image);
 
 }  // namespace aras_visual_servo_sim

@@ -7,7 +7,8 @@ namespace aras_visual_servo_sim {
 
 /** Blackens what of an image lies beyond the circle that the camera's lens draws, its border by exact coverage.
  *  @pre camera.showsLensCircle() */
-void blackenBeyondLens(const CameraModel& camera, CoverageRasterizer& rasterizer, Image& image);
+template <typename Value>
+void blackenBeyondLens(const CameraModel& camera, CoverageRasterizer& rasterizer, ImageOf<Value>& image);
 
 /** How coverage is counted in images of a camera. */
 inline CoverageRasterizer::Rule ruleOf(const CameraModel& camera) {

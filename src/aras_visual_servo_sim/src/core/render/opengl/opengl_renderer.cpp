@@ -1,7 +1,10 @@
 #include "aras_visual_servo_sim/render/opengl_renderer.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <list>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
@@ -34,47 +37,63 @@ std::vector<double> keyOf(const CameraModel& camera) {
   return key;
 }
 
-std::array<std::uint8_t, 3> bytesOf(std::uint32_t pixel) {
-  return {static_cast<std::uint8_t>(pixel), static_cast<std::uint8_t>(pixel >> 8),
-          static_cast<std::uint8_t>(pixel >> 16)};
-}
-
-void write(std::uint32_t pixel, Encoding encoding, std::uint8_t* out) {
-  const auto [r, g, b] = bytesOf(pixel);
+template <typename Value>
+void write(std::uint32_t pixel, Encoding encoding, Value* out) {
+  const auto part = [pixel](int k) { return static_cast<std::uint8_t>(pixel >> (8 * k)); };
   if (encoding == Encoding::kMono8) {
-    *out = greyOf(r, g, b);
+    *out = valueOf<Value>(luma(part(0), part(1), part(2)));
     return;
   }
-  out[0] = encoding == Encoding::kRgb8 ? r : b;
-  out[1] = g;
-  out[2] = encoding == Encoding::kRgb8 ? b : r;
+  constexpr int kUnits = kUnitsOf<Value>;
+  out[0] = static_cast<Value>(kUnits * part(encoding == Encoding::kRgb8 ? 0 : 2));
+  out[1] = static_cast<Value>(kUnits * part(1));
+  out[2] = static_cast<Value>(kUnits * part(encoding == Encoding::kRgb8 ? 2 : 0));
 }
 
-void convert(const std::vector<std::uint32_t>& pixels, Image& out) {
-  const int channels = out.channels();
-  std::uint8_t* to = out.data.data();
-  for (const std::uint32_t pixel : pixels) {
-    write(pixel, out.encoding, to);
-    to += channels;
+/** Bytes r, g, b, a of each pixel to three of them: four are written each time, the last of which the next overwrites.
+ */
+template <bool kSwap>
+void dropAlpha(const std::vector<std::uint32_t>& pixels, std::uint8_t* to) {
+  for (std::size_t k = 0; k + 1 < pixels.size(); ++k, to += 3) {
+    std::uint32_t pixel = pixels[k];
+    if (kSwap) pixel = (pixel & 0x0000ff00u) | ((pixel >> 16) & 0xffu) | ((pixel & 0xffu) << 16);
+    std::memcpy(to, &pixel, sizeof(pixel));
   }
+}
+
+template <typename Value>
+void convert(const std::vector<std::uint32_t>& pixels, ImageOf<Value>& out) {
+  const int channels = out.channels();
+  Value* to = out.data.data();
+  std::size_t done = 0;
+  if constexpr (std::is_same_v<Value, std::uint8_t>) {
+    if (out.encoding == Encoding::kRgb8) dropAlpha<false>(pixels, to);
+    if (out.encoding == Encoding::kBgr8) dropAlpha<true>(pixels, to);
+    if (channels == 3) done = pixels.size() - 1;
+  }
+  for (std::size_t k = done; k < pixels.size(); ++k) write(pixels[k], out.encoding, to + k * channels);
 }
 
 }  // namespace
 
 class OpenGlRenderer::Implementation {
  public:
-  explicit Implementation(Platform platform) : platform_(platform) {}
+  explicit Implementation(MakeContext make_context) : make_context_(std::move(make_context)) {}
 
   ~Implementation() { forget(); }
 
   std::string description() {
-    const GlContext::Binding binding(context());
-    return context().description();
+    const GlContext::Binding binding = bind();
+    return context_->description();
   }
 
-  void render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
-    const GlContext::Binding binding(context());
-    if (!parts_) parts_ = std::make_unique<Parts>(context_->gl());
+  template <typename Value>
+  void render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, ImageOf<Value>& out) {
+    const GlContext::Binding binding = bind();
+    if (!parts_) {
+      parts_ = std::make_unique<Parts>(context_->gl());
+      drew_with_ = context_->description();
+    }
     prepare();
     draw(camera, X_WC, scene, out);
     context_->gl().check("drawing");
@@ -82,6 +101,7 @@ class OpenGlRenderer::Implementation {
   }
 
   Statistics statistics_;
+  std::string drew_with_;
 
  private:
   static constexpr std::size_t kMostCameras = 16;  // whose pictures are kept
@@ -94,9 +114,20 @@ class OpenGlRenderer::Implementation {
     std::list<std::pair<std::vector<double>, CameraViews>> views;  // by keyOf, used last first
   };
 
-  GlContext& context() {
-    if (!context_) context_ = platform_ == Platform::kEgl ? makeEglContext() : makeOsmesaContext();
-    return *context_;
+  GlContext::Binding bind() {
+    if (!context_) context_ = make_context_();
+    try {
+      return GlContext::Binding(*context_);
+    } catch (const RenderError&) {
+      abandon();
+      throw;
+    }
+  }
+
+  /** The context is lost, and all that was in it: none of it can be freed. */
+  void abandon() {
+    (void)parts_.release();
+    (void)context_.release();
   }
 
   void forget() {
@@ -105,7 +136,7 @@ class OpenGlRenderer::Implementation {
       const GlContext::Binding binding(*context_);
       parts_.reset();
     } catch (const ArasError&) {
-      (void)parts_.release();  // the context is lost, and all that was in it
+      abandon();
     }
   }
 
@@ -142,7 +173,8 @@ class OpenGlRenderer::Implementation {
     gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   }
 
-  void draw(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
+  template <typename Value>
+  void draw(const CameraModel& camera, const Pose& X_WC, const Scene& scene, ImageOf<Value>& out) {
     const Pose X_CW = X_WC.inverse();
     planar_.project(camera, ViewVolume(camera), X_CW, scene);
     SolidPainter& solids = parts_->solids;
@@ -172,11 +204,12 @@ class OpenGlRenderer::Implementation {
 
   /** Flat targets by their exact coverage; where a solid stands before one, or two of them cut each other, as OpenGL
    *  draws them. */
-  void layTargetsOver(const CameraModel& camera, CameraViews& views, Image& out) {
-    planar_.samplePictures(camera, rasterizer_);
+  template <typename Value>
+  void layTargetsOver(const CameraModel& camera, CameraViews& views, ImageOf<Value>& out) {
+    planar_.samplePictures<Value>(camera, rasterizer_);
     planar_.paint(camera, rasterizer_, out);
     redrawn_.clear();
-    findHidden(out);
+    findHidden(out.width, out.height);
     for (const PixelBox& box : planar_.conflicts()) {
       for (int v = box.v0; v < box.v1; ++v) {
         for (int u = box.u0; u < box.u1; ++u) redrawn_.push_back(std::size_t(v) * out.width + u);
@@ -195,17 +228,17 @@ class OpenGlRenderer::Implementation {
   }
 
   /** The pixels that have a mark, and their neighbours: a mark at a sample says nothing of the pixel's rim. */
-  void findHidden(const Image& out) {
+  void findHidden(int width, int height) {
     hidden_.assign(pixels_.size(), 0);
     bool any = false;
-    for (int v = 0; v < out.height; ++v) {
-      const std::uint32_t* row = pixels_.data() + std::size_t(v) * out.width;
-      for (int u = 0; u < out.width; ++u) {
+    for (int v = 0; v < height; ++v) {
+      const std::uint32_t* row = pixels_.data() + std::size_t(v) * width;
+      for (int u = 0; u < width; ++u) {
         if (row[u] < 0x01000000u) continue;
         any = true;
-        for (int y = std::max(0, v - 1); y <= std::min(out.height - 1, v + 1); ++y) {
-          for (int x = std::max(0, u - 1); x <= std::min(out.width - 1, u + 1); ++x) {
-            hidden_[std::size_t(y) * out.width + x] = 1;
+        for (int y = std::max(0, v - 1); y <= std::min(height - 1, v + 1); ++y) {
+          for (int x = std::max(0, u - 1); x <= std::min(width - 1, u + 1); ++x) {
+            hidden_[std::size_t(y) * width + x] = 1;
           }
         }
       }
@@ -215,7 +248,7 @@ class OpenGlRenderer::Implementation {
     }
   }
 
-  Platform platform_;
+  MakeContext make_context_;
   std::unique_ptr<GlContext> context_;
   std::unique_ptr<Parts> parts_;
   PlanarLayer planar_;
@@ -225,14 +258,25 @@ class OpenGlRenderer::Implementation {
   std::vector<std::size_t> redrawn_;
 };
 
-OpenGlRenderer::OpenGlRenderer(Platform platform) : implementation_(std::make_unique<Implementation>(platform)) {}
+OpenGlRenderer::OpenGlRenderer(Platform platform)
+    : OpenGlRenderer(platform == Platform::kEgl ? &makeEglContext : &makeOsmesaContext) {}
+
+OpenGlRenderer::OpenGlRenderer(MakeContext make_context)
+    : implementation_(std::make_unique<Implementation>(std::move(make_context))) {}
+
 OpenGlRenderer::~OpenGlRenderer() = default;
 
 std::string OpenGlRenderer::description() { return implementation_->description(); }
 
+const std::string& OpenGlRenderer::drewWith() const { return implementation_->drew_with_; }
+
 const OpenGlRenderer::Statistics& OpenGlRenderer::statistics() const { return implementation_->statistics_; }
 
 void OpenGlRenderer::doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
+  implementation_->render(camera, X_WC, scene, out);
+}
+
+void OpenGlRenderer::doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, FineImage& out) {
   implementation_->render(camera, X_WC, scene, out);
 }
 

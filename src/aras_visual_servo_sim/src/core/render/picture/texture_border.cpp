@@ -81,8 +81,8 @@ void integrateEdge(const Texture::Level& level, int width, const Eigen::Vector2d
 }  // namespace
 
 /** At the picture's border a pixel gets the mean of the part that sees it. */
-template <int channels>
-void TextureSampler::integrateBorder(const Tile& tile, Image& out) {
+template <int channels, typename Value>
+void TextureSampler::integrateBorder(const Tile& tile, ImageOf<Value>& out) {
   double merged = 1.0;
   const Texture::Level& level = levelOf(tile, channels, merged);
   constexpr double kFarthest = 1e8;  // [texels] so that rows and columns are numbers
@@ -100,7 +100,7 @@ void TextureSampler::integrateBorder(const Tile& tile, Image& out) {
     }
   }
   for (int j = 0; j < rows; ++j) {
-    std::uint8_t* pixel = out.pixel(tile.box.u0, tile.box.v0 + j);
+    Value* pixel = out.pixel(tile.box.u0, tile.box.v0 + j);
     for (int i = 0; i < columns; ++i, pixel += channels) {
       const int at = 4 * (j * kStride + i), below = at + 4 * kStride, right = at + 4;
       double sum[4];
@@ -123,5 +123,7 @@ void TextureSampler::integrateBorder(const Tile& tile, Image& out) {
 
 template void TextureSampler::integrateBorder<1>(const Tile& tile, Image& out);
 template void TextureSampler::integrateBorder<3>(const Tile& tile, Image& out);
+template void TextureSampler::integrateBorder<1>(const Tile& tile, FineImage& out);
+template void TextureSampler::integrateBorder<3>(const Tile& tile, FineImage& out);
 
 }  // namespace aras_visual_servo_sim

@@ -10,8 +10,9 @@
 
 namespace aras_visual_servo_sim {
 
+template <typename Value>
 void TextureSampler::sample(const CameraModel& camera, const Pose& X_CM, const PlanarModel::Picture& picture,
-                            const PixelBox& box, Image& out) {
+                            const PixelBox& box, ImageOf<Value>& out) {
   camera_ = &camera;
   texture_ = picture.texture.get();
   const double width = texture_->width(), height = texture_->height();
@@ -56,32 +57,37 @@ Eigen::Vector3d TextureSampler::ray(double u, double v) const {
   return (1.0 - b) * ((1.0 - a) * top[0] + a * top[1]) + b * ((1.0 - a) * bottom[0] + a * bottom[1]);
 }
 
-void TextureSampler::write(const double* rgb, std::uint8_t* pixel, Encoding encoding) const {
-  const auto byte = [](double x) { return static_cast<std::uint8_t>(std::clamp(x + 0.5, 0.0, 255.0)); };
-  pixel[0] = byte(rgb[encoding == Encoding::kBgr8 ? 2 : 0]);
+template <typename Value>
+void TextureSampler::write(const double* rgb, Value* pixel, Encoding encoding) const {
+  constexpr double kUnits = kUnitsOf<Value>;
+  const auto value = [](double x) { return static_cast<Value>(std::clamp(x * kUnits + 0.5, 0.0, 255.0 * kUnits)); };
+  pixel[0] = value(rgb[encoding == Encoding::kBgr8 ? 2 : 0]);
   if (encoding == Encoding::kMono8) return;
-  pixel[1] = byte(rgb[1]);
-  pixel[2] = byte(rgb[encoding == Encoding::kBgr8 ? 0 : 2]);
+  pixel[1] = value(rgb[1]);
+  pixel[2] = value(rgb[encoding == Encoding::kBgr8 ? 0 : 2]);
 }
 
-void TextureSampler::sampleCenters(const PixelBox& box, Image& out) const {
+template <typename Value>
+void TextureSampler::sampleCenters(const PixelBox& box, ImageOf<Value>& out) const {
   for (int v = box.v0; v < box.v1; ++v) {
     for (int u = box.u0; u < box.u1; ++u) sampleCenter(u, v, out);
   }
 }
 
 /** Texel nearest to what the centre of a pixel sees. */
-void TextureSampler::sampleCenter(int u, int v, Image& out) const {
+template <typename Value>
+void TextureSampler::sampleCenter(int u, int v, ImageOf<Value>& out) const {
   const Eigen::Vector3d m = onPicture(u, v);
   const Eigen::Array2d st = m.head<2>().array() / std::max(m.z(), 1e-300);
   const int i = static_cast<int>(held(st.x(), 0.0, texture_->width() - 1.0));
   const int j = static_cast<int>(held(st.y(), 0.0, texture_->height() - 1.0));
   const std::uint8_t* rgb = texture_->texel(i, j);
-  const auto pixel = pixelOf({rgb[0], rgb[1], rgb[2]}, out.encoding);
+  const auto pixel = pixelOf<Value>({rgb[0], rgb[1], rgb[2]}, out.encoding);
   std::copy(pixel.begin(), pixel.begin() + out.channels(), out.pixel(u, v));
 }
 
-void TextureSampler::sampleTile(const PixelBox& box, Image& out) {
+template <typename Value>
+void TextureSampler::sampleTile(const PixelBox& box, ImageOf<Value>& out) {
   const Tile tile = findCorners(box);
   if (!tile.seen) return;
   if (!tile.regular) {
@@ -142,8 +148,8 @@ const Texture::Level& TextureSampler::levelOf(const Tile& tile, int channels, do
 }
 
 /** Edges of a row of pixels: their corners below those of the row before, the integrals of which are known. */
-template <int channels>
-void TextureSampler::integrateInside(const Tile& tile, Image& out) const {
+template <int channels, typename Value>
+void TextureSampler::integrateInside(const Tile& tile, ImageOf<Value>& out) const {
   using Integrals = TileIntegrals<channels>;
   double merged = 1.0;
   const Texture::Level& level = levelOf(tile, channels, merged);
@@ -162,7 +168,7 @@ void TextureSampler::integrateInside(const Tile& tile, Image& out) const {
     integrals.along(x1.data(), y1.data(), x1.data() + 1, y1.data() + 1, columns, across[j % 2]);
     if (j == 0) continue;
     integrals.along(x0.data(), y0.data(), x1.data(), y1.data(), columns + 1, down);
-    std::uint8_t* pixel = out.pixel(tile.box.u0, tile.box.v0 + j - 1);
+    Value* pixel = out.pixel(tile.box.u0, tile.box.v0 + j - 1);
     for (int i = 0; i < columns; ++i, pixel += channels) {
       const auto sum = across[1 - j % 2][i] + down[i + 1] - across[j % 2][i] - down[i];
       const float area = 0.5f * ((x1[i + 1] - x0[i]) * (y1[i] - y0[i + 1]) - (y1[i + 1] - y0[i]) * (x1[i] - x0[i + 1]));
@@ -176,7 +182,8 @@ void TextureSampler::integrateInside(const Tile& tile, Image& out) const {
 }
 
 /** Means of 8 x 8 rays a pixel, where the plane's horizon is near. */
-void TextureSampler::sampleRays(const PixelBox& box, Image& out) const {
+template <typename Value>
+void TextureSampler::sampleRays(const PixelBox& box, ImageOf<Value>& out) const {
   constexpr int kRays = 8;
   for (int v = box.v0; v < box.v1; ++v) {
     for (int u = box.u0; u < box.u1; ++u) {
@@ -196,10 +203,20 @@ void TextureSampler::sampleRays(const PixelBox& box, Image& out) const {
         continue;
       }
       for (double& value : sum) value /= count;
-      if (out.channels() == 1) sum[0] = greyOf(sum[0], sum[1], sum[2]);
+      if (out.channels() == 1) sum[0] = luma(sum[0], sum[1], sum[2]);
       write(sum, out.pixel(u, v), out.encoding);
     }
   }
 }
+
+// For texture_border.cpp.
+template void TextureSampler::sampleCenter(int, int, Image&) const;
+template void TextureSampler::sampleCenter(int, int, FineImage&) const;
+template void TextureSampler::write(const double*, std::uint8_t*, Encoding) const;
+template void TextureSampler::write(const double*, std::uint16_t*, Encoding) const;
+template void TextureSampler::sample(const CameraModel&, const Pose&, const PlanarModel::Picture&, const PixelBox&,
+                                     Image&);
+template void TextureSampler::sample(const CameraModel&, const Pose&, const PlanarModel::Picture&, const PixelBox&,
+                                     FineImage&);
 
 }  // namespace aras_visual_servo_sim

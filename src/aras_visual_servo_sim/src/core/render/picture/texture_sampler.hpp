@@ -21,8 +21,9 @@ class TextureSampler {
  public:
   /** Writes the colours of the pixels in box that see the picture; others are undefined.
    *  @param X_CM  pose of the model in the camera's frame */
+  template <typename Value>
   void sample(const CameraModel& camera, const Pose& X_CM, const PlanarModel::Picture& picture, const PixelBox& box,
-              Image& out);
+              ImageOf<Value>& out);
 
  private:
   static constexpr int kTile = 16;           ///< [px] block of pixels that share corners and edges
@@ -41,17 +42,22 @@ class TextureSampler {
   };
   Eigen::Vector3d ray(double u, double v) const;
   Eigen::Vector3d onPicture(double u, double v) const { return T_ * ray(u, v); }
-  void sampleCenters(const PixelBox& box, Image& out) const;
-  void sampleCenter(int u, int v, Image& out) const;
-  void sampleTile(const PixelBox& box, Image& out);
+  template <typename Value>
+  void sampleCenters(const PixelBox& box, ImageOf<Value>& out) const;
+  template <typename Value>
+  void sampleCenter(int u, int v, ImageOf<Value>& out) const;
+  template <typename Value>
+  void sampleTile(const PixelBox& box, ImageOf<Value>& out);
   Tile findCorners(const PixelBox& box);
   const Texture::Level& levelOf(const Tile& tile, int channels, double& merged) const;
-  template <int channels>
-  void integrateInside(const Tile& tile, Image& out) const;
-  template <int channels>
-  void integrateBorder(const Tile& tile, Image& out);
-  void sampleRays(const PixelBox& box, Image& out) const;
-  void write(const double* rgb, std::uint8_t* pixel, Encoding encoding) const;
+  template <int channels, typename Value>
+  void integrateInside(const Tile& tile, ImageOf<Value>& out) const;
+  template <int channels, typename Value>
+  void integrateBorder(const Tile& tile, ImageOf<Value>& out);
+  template <typename Value>
+  void sampleRays(const PixelBox& box, ImageOf<Value>& out) const;
+  template <typename Value>
+  void write(const double* rgb, Value* pixel, Encoding encoding) const;
 
   const CameraModel* camera_ = nullptr;
   const Texture* texture_ = nullptr;

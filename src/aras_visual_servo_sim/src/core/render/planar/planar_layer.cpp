@@ -50,7 +50,8 @@ void PlanarLayer::project(const CameraModel& camera, const ViewVolume& volume, c
       faces_.push_back(part.face);
     }
   }
-  pictures_.resize(pictures);
+  std::get<0>(pictures_).resize(pictures);
+  std::get<1>(pictures_).resize(pictures);
 }
 
 PlanarLayer::View PlanarLayer::takeView() {
@@ -224,12 +225,14 @@ void PlanarLayer::forEachFace(const std::function<void(const Face&, const Eigen:
   }
 }
 
+template <typename Value>
 void PlanarLayer::samplePictures(const CameraModel& camera, CoverageRasterizer& rasterizer) {
-  if (pictures_.empty()) return;
+  auto& pictures = std::get<std::vector<ImageOf<Value>>>(pictures_);
+  if (pictures.empty()) return;
   for (const View& view : views_) {
     for (const Part& part : view.parts) {
       if (part.face.kind != Face::Kind::kPicture) continue;
-      Image& picture = pictures_[part.face.picture];
+      ImageOf<Value>& picture = pictures[part.face.picture];
       picture.resize(camera.width(), camera.height(), camera.encoding());
       rasterizer.begin(camera.width(), camera.height(), CoverageRasterizer::Rule::kCoverage);
       addEdges(part, rasterizer);
@@ -238,19 +241,25 @@ void PlanarLayer::samplePictures(const CameraModel& camera, CoverageRasterizer& 
   }
 }
 
-void PlanarLayer::paint(const CameraModel& camera, CoverageRasterizer& rasterizer, Image& image) const {
+template <typename Value>
+void PlanarLayer::paint(const CameraModel& camera, CoverageRasterizer& rasterizer, ImageOf<Value>& image) const {
   const CoverageRasterizer::Rule rule = ruleOf(camera);
   for (const std::size_t index : order_) {
     for (const Part& part : views_[index].parts) {
       rasterizer.begin(image.width, image.height, rule);
       addEdges(part, rasterizer);
       if (part.face.kind == Face::Kind::kPicture) {
-        rasterizer.blend(pictures_[part.face.picture], image);
+        rasterizer.blend(pictures<Value>()[part.face.picture], image);
       } else {
-        rasterizer.blend(pixelOf(part.face.color, image.encoding), image);
+        rasterizer.blend(pixelOf<Value>(part.face.color, image.encoding), image);
       }
     }
   }
 }
+
+template void PlanarLayer::samplePictures<std::uint8_t>(const CameraModel&, CoverageRasterizer&);
+template void PlanarLayer::samplePictures<std::uint16_t>(const CameraModel&, CoverageRasterizer&);
+template void PlanarLayer::paint(const CameraModel&, CoverageRasterizer&, Image&) const;
+template void PlanarLayer::paint(const CameraModel&, CoverageRasterizer&, FineImage&) const;
 
 }  // namespace aras_visual_servo_sim

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -19,11 +20,13 @@ class PlanarLayer {
    *  @param X_CW  pose of the world in the camera's frame */
   void project(const CameraModel& camera, const ViewVolume& volume, const Pose& X_CW, const Scene& scene);
 
-  /** Samples the pictures in view, as wide as the image. @pre project() */
+  /** Samples the pictures in view, as wide as the image, for images of this kind of values. @pre project() */
+  template <typename Value>
   void samplePictures(const CameraModel& camera, CoverageRasterizer& rasterizer);
 
-  /** Paints everything over image by exact coverage. @pre samplePictures() */
-  void paint(const CameraModel& camera, CoverageRasterizer& rasterizer, Image& image) const;
+  /** Paints everything over image by exact coverage. @pre samplePictures() of its values */
+  template <typename Value>
+  void paint(const CameraModel& camera, CoverageRasterizer& rasterizer, ImageOf<Value>& image) const;
 
   /** Outlines, picture or board of one model. */
   struct Face {
@@ -44,7 +47,10 @@ class PlanarLayer {
   void addEdges(const Face& face, CoverageRasterizer& rasterizer) const;
 
   /** What a pixel that looks at a picture sees of it; pixels elsewhere are undefined. */
-  const std::vector<Image>& pictures() const { return pictures_; }
+  template <typename Value>
+  const std::vector<ImageOf<Value>>& pictures() const {
+    return std::get<std::vector<ImageOf<Value>>>(pictures_);
+  }
 
   /** Where two models overlap and neither is wholly behind the other: painting is not right there. */
   const std::vector<PixelBox>& conflicts() const { return conflicts_; }
@@ -84,7 +90,7 @@ class PlanarLayer {
   std::vector<char> must_precede_, done_;  // scratch of sort()
   std::vector<Face> faces_;
   std::vector<PixelBox> conflicts_;
-  std::vector<Image> pictures_;
+  std::tuple<std::vector<Image>, std::vector<FineImage>> pictures_;  // as many of both; sampled are those asked for
   TextureSampler sampler_;
   std::vector<Eigen::Vector2d> points_;                  // pixel coordinates of all loops
   std::vector<Eigen::Vector3d> polygon_;                 // scratch

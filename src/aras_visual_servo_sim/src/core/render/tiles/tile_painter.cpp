@@ -17,13 +17,12 @@ float dot(const float* a, const float* b) { return a[0] * b[0] + a[1] * b[1] + a
 }  // namespace
 
 void TilePainter::paint(const CameraModel& camera, const TriangleList& triangles, const CurvedList& curved,
-                        const TileBins& bins, const Rgb& background, const std::vector<Image>& pictures, Image& image) {
+                        const TileBins& bins, const Rgb& background, const AnyCanvas& canvas) {
   camera_ = &camera;
   list_ = &triangles;
   curved_list_ = &curved;
   bins_ = &bins;
-  pictures_ = &pictures;
-  image_ = &image;
+  canvas_ = canvas;
   background_ = background;
   statistics_ = {};
   for (int tile = 0; tile < bins.tiles(); ++tile) {
@@ -65,7 +64,7 @@ bool TilePainter::paintWhole() {
   const Facet& facet = list_->facet(front->triangle);
   if (keep_ && facet.planar) return true;
   if (facet.picture >= 0 || facet.texture) return false;
-  shadeTile(*camera_, facet, box_, *image_);
+  std::visit([&](const auto& canvas) { shadeTile(*camera_, facet, box_, *canvas.image); }, canvas_);
   return true;
 }
 
@@ -271,13 +270,13 @@ void TilePainter::paintPixel(int p) {
     ++statistics_.sampled_pixels;
     samplePixel(p, rgb);
   }
-  std::uint8_t* out = image_->pixel(box_.u0 + p % kTile, box_.v0 + p / kTile);
-  if (image_->encoding == Encoding::kMono8) {
-    *out = greyOf(rgb[0], rgb[1], rgb[2]);
-    return;
-  }
-  const auto bytes = pixelOf({byteOf(rgb[0]), byteOf(rgb[1]), byteOf(rgb[2])}, image_->encoding);
-  std::copy(bytes.begin(), bytes.end(), out);
+  std::visit([&](const auto& canvas) { put(rgb, p, *canvas.image); }, canvas_);
+}
+
+template <typename Value>
+void TilePainter::put(const double* rgb, int p, ImageOf<Value>& image) const {
+  const auto values = pixelOf<Value>(rgb[0], rgb[1], rgb[2], image.encoding);
+  std::copy_n(values.begin(), image.channels(), image.pixel(box_.u0 + p % kTile, box_.v0 + p / kTile));
 }
 
 /** Which of the candidates seen_, none of which ends in the pixel, its middle sees; -1 unless they are one surface of
@@ -341,10 +340,14 @@ Eigen::Vector3d TilePainter::colorOf(std::uint32_t index, int p, const PixelSamp
     const Eigen::Vector3d color = facet.color(rays_[p].at(share.x, share.y));
     return facet.texture ? Eigen::Vector3d(color.cwiseProduct(textureOf(candidate, p, share)) / 255.0) : color;
   }
-  const Image& picture = (*pictures_)[facet.picture];
-  const std::uint8_t* seen = picture.pixel(box_.u0 + p % kTile, box_.v0 + p / kTile);
+  return std::visit([&](const auto& canvas) { return seenOf((*canvas.pictures)[facet.picture], p); }, canvas_);
+}
+
+template <typename Value>
+Eigen::Vector3d TilePainter::seenOf(const ImageOf<Value>& picture, int p) const {
+  const Value* seen = picture.pixel(box_.u0 + p % kTile, box_.v0 + p / kTile);
   const bool grey = picture.channels() == 1, bgr = picture.encoding == Encoding::kBgr8;
-  return {double(seen[grey || !bgr ? 0 : 2]), double(seen[grey ? 0 : 1]), double(seen[grey || bgr ? 0 : 2])};
+  return Eigen::Vector3d(seen[grey || !bgr ? 0 : 2], seen[grey ? 0 : 1], seen[grey || bgr ? 0 : 2]) / kUnitsOf<Value>;
 }
 
 /** Mean of the texels over the part of the pixel's square that lies in the triangle, hidden or not. */

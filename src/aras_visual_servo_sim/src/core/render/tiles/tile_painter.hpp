@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <variant>
 #include <vector>
 
 #include "pixel_samples.hpp"
@@ -29,13 +30,20 @@ class TilePainter {
     int sampled_pixels = 0;  ///< in which more than one thing is seen
   };
 
+  /** What is painted, and what its pixels see of planar models' pictures. */
+  template <typename Value>
+  struct Canvas {
+    ImageOf<Value>* image;
+    const std::vector<ImageOf<Value>>* pictures;
+  };
+  using AnyCanvas = std::variant<Canvas<std::uint8_t>, Canvas<std::uint16_t>>;
+
   /** @param bins      marked, and triangles sorted into them
    *  @param curved    sorted into tiles too
-   *  @param pictures  what pixels see of planar models' pictures
-   *  @param image     planar models and background are painted already: where the mark is kBodies, pixels that see no
+   *  @param canvas    planar models and background are painted already: where the mark is kBodies, pixels that see no
    *                   body are left alone */
   void paint(const CameraModel& camera, const TriangleList& triangles, const CurvedList& curved, const TileBins& bins,
-             const Rgb& background, const std::vector<Image>& pictures, Image& image);
+             const Rgb& background, const AnyCanvas& canvas);
 
   const Statistics& statistics() const { return statistics_; }
 
@@ -67,6 +75,10 @@ class TilePainter {
   void collectCurvedCenters(std::uint32_t candidate);
   void putInFront(int pixel, std::uint32_t candidate, float farthest, float nearest);
   void paintPixel(int pixel);
+  template <typename Value>
+  void put(const double* rgb, int pixel, ImageOf<Value>& image) const;
+  template <typename Value>
+  Eigen::Vector3d seenOf(const ImageOf<Value>& picture, int pixel) const;
   int smoothFront(int pixel) const;
   void samplePixel(int pixel, double* rgb);
   Eigen::Vector3d colorOf(std::uint32_t candidate, int pixel, const PixelSamples::Share& share);
@@ -78,8 +90,7 @@ class TilePainter {
   const TriangleList* list_ = nullptr;
   const CurvedList* curved_list_ = nullptr;
   const TileBins* bins_ = nullptr;
-  const std::vector<Image>* pictures_ = nullptr;
-  Image* image_ = nullptr;
+  AnyCanvas canvas_;
   Rgb background_;
   Statistics statistics_;
 

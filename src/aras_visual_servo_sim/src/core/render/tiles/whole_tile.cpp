@@ -115,7 +115,8 @@ const TileTriangle* wholeFront(const CameraModel& camera, const TriangleList& li
   return front;
 }
 
-void shadeTile(const CameraModel& camera, const Facet& facet, const PixelBox& tile, Image& image) {
+template <typename Value>
+void shadeTile(const CameraModel& camera, const Facet& facet, const PixelBox& tile, ImageOf<Value>& image) {
   // With b = areal * ray, colour = rgb * b / sum(b): three linear functions of the ray over a fourth.
   Eigen::Matrix3d rgb;
   for (int k = 0; k < 3; ++k) rgb.col(k) = facet.rgb[k].cast<double>();
@@ -148,23 +149,27 @@ void shadeTile(const CameraModel& camera, const Facet& facet, const PixelBox& ti
   }
   const bool bgr = image.encoding == Encoding::kBgr8;
   for (int v = tile.v0; v < tile.v1; ++v) {
-    std::uint8_t* out = image.pixel(tile.u0, v);
+    Value* out = image.pixel(tile.u0, v);
     const int row = (v - tile.v0) * kTile;
     const double *red = colors.red + row, *green = colors.green + row, *blue = colors.blue + row;
     if (image.encoding == Encoding::kMono8) {
-      for (int i = 0; i < width; ++i) out[i] = greyOf(red[i], green[i], blue[i]);
+      for (int i = 0; i < width; ++i) out[i] = valueOf<Value>(luma(red[i], green[i], blue[i]));
       continue;
     }
-    std::int32_t bytes[3][kTile];
+    std::int32_t values[3][kTile];
+    constexpr double kUnits = kUnitsOf<Value>;
     for (int i = 0; i < kTile; ++i) {
-      bytes[0][i] = static_cast<std::int32_t>((bgr ? blue : red)[i] + 0.5);
-      bytes[1][i] = static_cast<std::int32_t>(green[i] + 0.5);
-      bytes[2][i] = static_cast<std::int32_t>((bgr ? red : blue)[i] + 0.5);
+      values[0][i] = static_cast<std::int32_t>((bgr ? blue : red)[i] * kUnits + 0.5);
+      values[1][i] = static_cast<std::int32_t>(green[i] * kUnits + 0.5);
+      values[2][i] = static_cast<std::int32_t>((bgr ? red : blue)[i] * kUnits + 0.5);
     }
     for (int i = 0; i < width; ++i, out += 3) {
-      for (int c = 0; c < 3; ++c) out[c] = static_cast<std::uint8_t>(bytes[c][i]);
+      for (int c = 0; c < 3; ++c) out[c] = static_cast<Value>(values[c][i]);
     }
   }
 }
+
+template void shadeTile(const CameraModel& camera, const Facet& facet, const PixelBox& tile, Image& image);
+template void shadeTile(const CameraModel& camera, const Facet& facet, const PixelBox& tile, FineImage& image);
 
 }  // namespace aras_visual_servo_sim

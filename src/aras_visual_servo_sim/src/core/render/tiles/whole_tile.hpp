@@ -15,6 +15,7 @@ const TileTriangle* wholeFront(const CameraModel& camera, const TriangleList& li
 
 /** Paints every pixel of a tile with the colours of a facet that covers it, as Facet::color has them for the ray
  *  through its middle, texture left out. */
-void shadeTile(const CameraModel& camera, const Facet& facet, const PixelBox& tile, Image& image);
+template <typename Value>
+void shadeTile(const CameraModel& camera, const Facet& facet, const PixelBox& tile, ImageOf<Value>& image);
 
 }  // namespace aras_visual_servo_sim

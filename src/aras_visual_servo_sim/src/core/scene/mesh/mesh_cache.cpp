@@ -8,6 +8,8 @@ MeshPtr MeshCache::of(const Geometry& geometry) {
       return makeBox(geometry.size_m);
     case Geometry::Type::kCylinder:
       return makeCylinder(geometry.radius_m, geometry.length_m);
+    case Geometry::Type::kCone:
+      return makeCone(geometry.radius_m, geometry.length_m);
     case Geometry::Type::kSphere:
       return makeSphere(geometry.radius_m);
     default:

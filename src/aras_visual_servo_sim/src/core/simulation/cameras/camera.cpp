@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "aras_visual_servo_sim/image/sensor/gaussian_noise.hpp"
+
 namespace aras_visual_servo_sim {
 namespace {
 
@@ -77,11 +79,13 @@ void Camera::note(Moment moment) {
   exposure_.note(std::move(moment), frame_tick);
 }
 
-void Camera::addNoise(std::int64_t now) {
+bool Camera::noisy() const { return model_.config().noise_stddev != 0.0 || model_.config().noise_mean != 0.0; }
+
+void Camera::readOut(std::int64_t now) {
   const CameraConfig& config = model_.config();
-  if (config.noise_stddev == 0.0 && config.noise_mean == 0.0) return;
   const std::int64_t index = takenFrame() ? takenFrame()->index : plan_.indexFrom(now);
-  addGaussianNoise(image, config.noise_stddev, noise_seed_, static_cast<std::uint64_t>(index), config.noise_mean);
+  addGaussianNoise(light, config.noise_stddev, noise_seed_, static_cast<std::uint64_t>(index), config.noise_mean,
+                   image);
 }
 
 bool Camera::imageIsOfNewFrame() { return std::exchange(unhashed_frame_, -1) >= 0; }

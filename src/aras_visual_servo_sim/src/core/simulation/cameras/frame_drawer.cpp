@@ -14,7 +14,7 @@ Scene sceneOf(const ExposedFrame& frame, const Scene& now) { return frame.models
 
 FrameDrawer::FrameDrawer() : coverage_(std::make_unique<CoverageRenderer>()) {}
 
-OpenGlRenderer& FrameDrawer::openGl(const CameraConfig& camera) {
+OpenGlRenderer& FrameDrawer::openGlFor(const CameraConfig& camera) {
   const bool egl = camera.gl == "egl";
   std::unique_ptr<OpenGlRenderer>& renderer = egl ? egl_ : osmesa_;
   if (!renderer) {
@@ -24,57 +24,79 @@ OpenGlRenderer& FrameDrawer::openGl(const CameraConfig& camera) {
   return *renderer;
 }
 
-const Image& FrameDrawer::draw(Camera& camera, std::int64_t now, const Pose& X_WC, Scene& scene) {
-  if (const ExposedFrame* late = camera.takenFrame()) {
-    drawLate(camera, *late, scene);
-  } else if (camera.blurs() && camera.scheduledAt(now)) {
-    drawMean(camera, momentOf(now, X_WC, scene), scene);
-  } else {
-    drawOnce(camera, X_WC, scene);
+std::string FrameDrawer::openGl() const {
+  std::string found;
+  for (const OpenGlRenderer* renderer : {osmesa_.get(), egl_.get()}) {
+    if (!renderer || renderer->drewWith().empty()) continue;
+    found += (found.empty() ? "" : "; ") + renderer->drewWith();
   }
-  camera.addNoise(now);
+  return found;
+}
+
+const Image& FrameDrawer::draw(Camera& camera, std::int64_t now, const Pose& X_WC, Scene& scene) {
+  if (camera.noisy()) {
+    drawOn(camera.light, camera, now, X_WC, scene);
+    camera.readOut(now);
+  } else {
+    drawOn(camera.image, camera, now, X_WC, scene);
+  }
   return camera.image;
 }
 
-void FrameDrawer::drawOnce(Camera& camera, const Pose& X_WC, const Scene& scene) {
+template <typename Value>
+void FrameDrawer::drawOn(ImageOf<Value>& image, const Camera& camera, std::int64_t now, const Pose& X_WC,
+                         Scene& scene) {
+  if (const ExposedFrame* late = camera.takenFrame()) {
+    drawLate(image, camera, *late, scene);
+  } else if (camera.blurs() && camera.scheduledAt(now)) {
+    drawMean(image, camera, momentOf(now, X_WC, scene), scene);
+  } else {
+    drawOnce(image, camera, X_WC, scene);
+  }
+}
+
+template <typename Value>
+void FrameDrawer::drawOnce(ImageOf<Value>& image, const Camera& camera, const Pose& X_WC, const Scene& scene) {
   const CameraConfig& config = camera.model().config();
-  if (config.renderer != "opengl") return coverage_->render(camera.model(), X_WC, scene, camera.image);
+  if (config.renderer != "opengl") return coverage_->render(camera.model(), X_WC, scene, image);
   try {
-    openGl(config).render(camera.model(), X_WC, scene, camera.image);
+    openGlFor(config).render(camera.model(), X_WC, scene, image);
   } catch (const RenderError& error) {
     throw RenderError("camera '" + config.name + "': " + error.what());
   }
 }
 
-void FrameDrawer::drawMean(Camera& camera, const Moment& present, Scene& scene) {
+template <typename Value>
+void FrameDrawer::drawMean(ImageOf<Value>& image, const Camera& camera, const Moment& present, Scene& scene) {
   ImageMean mean;
   try {
     for (const Exposure::Sample& sample : camera.samplesOf(present)) {
       show(*sample.moment, scene);
-      drawOnce(camera, sample.moment->X_WC, scene);
-      mean.add(camera.image, sample.count);
+      drawOnce(image, camera, sample.moment->X_WC, scene);
+      mean.add(image, sample.count);
     }
   } catch (const ArasError&) {
     show(present, scene);
     throw;
   }
   show(present, scene);
-  mean.write(camera.image);
+  mean.write(image);
 }
 
-void FrameDrawer::drawLate(Camera& camera, const ExposedFrame& frame, const Scene& now) {
+template <typename Value>
+void FrameDrawer::drawLate(ImageOf<Value>& image, const Camera& camera, const ExposedFrame& frame, const Scene& now) {
   Scene scene = sceneOf(frame, now);
   const auto drawAt = [&](const Moment& moment) {
     show(moment, scene);
-    drawOnce(camera, moment.X_WC, scene);
+    drawOnce(image, camera, moment.X_WC, scene);
   };
   if (frame.samples.empty()) return drawAt(frame.present);
   ImageMean mean;
   for (const auto& [moment, count] : frame.samples) {
     drawAt(moment);
-    mean.add(camera.image, count);
+    mean.add(image, count);
   }
-  mean.write(camera.image);
+  mean.write(image);
 }
 
 const GeometryImage& FrameDrawer::drawGeometry(Camera& camera, const Pose& X_WC, const Scene& now, Distance distance) {

@@ -134,6 +134,32 @@ TEST(OpenGl, DrawsPicturesOnTargetsAndMeshes) {
   EXPECT_LE(std::abs(difference.mean), kMeanGrey);
 }
 
+// The coverage renderer draws round bodies exactly. Polyhedra lie inside them: seen in the area, over the outline's
+// length.
+TEST(OpenGl, OutlinesOfRoundBodiesAreRightToATwentiethOfAPixel) {
+  constexpr double kOutline_px = 0.05;
+  const CameraModel camera(cameraConfig());
+  for (const MeshPtr& mesh : {makeSphere(0.1), makeCylinder(0.1, 0.02), makeCone(0.1, 0.1)}) {
+    for (const double height : {0.25, 0.4, 1.0, 3.0}) {
+      Scene scene;
+      scene.background = {255, 255, 255};
+      scene.lighting.shadows = false;
+      scene.bodies.push_back(solid("round", mesh, {0, 0, 0}, {0.0, 0.0, 0.0}));
+      const Pose X_WC = lookingDown({0.003, 0.002, height}, 0.05, -0.05, 0.4);
+      const auto area = [](const Image& image) {
+        double sum = 0.0;
+        for (int v = 0; v < image.height; ++v)
+          for (int u = 0; u < image.width; ++u) sum += 1.0 - *image.pixel(u, v) / 255.0;
+        return sum;
+      };
+      const double exact = area(render(camera, X_WC, scene));
+      ASSERT_GT(exact, 50.0);
+      EXPECT_NEAR(area(renderOpenGl(camera, X_WC, scene)), exact, kOutline_px * std::sqrt(4.0 * M_PI * exact))
+          << height;
+    }
+  }
+}
+
 TEST(OpenGl, HighQualityIsNearerToExactCoverage) {
   CameraConfig config = cameraConfig();
   config.exact_targets = false;

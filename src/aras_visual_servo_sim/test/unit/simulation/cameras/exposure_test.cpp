@@ -106,11 +106,12 @@ TEST(Exposure, ImageIsTheMeanOfSharpOnesRoundedOnce) {
   EXPECT_EQ(blurred.cameraPose(0).matrix(), sharp.cameraPose(0).matrix());
   EXPECT_EQ(blurred.models().pose("target").matrix(), sharp.models().pose("target").matrix());
 
-  Simulation noisy = moving(std::string(kBlur) + ", noise_stddev: 3.0");
-  Image once;
-  once.data = mean;
-  addGaussianNoise(once, 3.0, 0, 1);
-  EXPECT_EQ(frameOne(noisy), once.data);
+  Simulation noisy = moving(std::string(kBlur) + ", noise_stddev: 1.0");
+  double sum = 0.0, expected = 0.0;
+  for (const std::uint8_t x : frameOne(noisy)) sum += x;
+  for (const std::uint32_t x : sums) expected += x / 4.0;
+  const double values = static_cast<double>(mean.size());
+  EXPECT_NEAR(sum / values, expected / values, 4.0 * std::sqrt((1.0 + 1.0 / 12.0) / values));  // four standard errors
 }
 
 TEST(Exposure, NothingThatMovesNoPastOrNoFrameIsSharp) {

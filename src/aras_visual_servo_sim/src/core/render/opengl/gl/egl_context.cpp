@@ -1,9 +1,9 @@
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
-#include <dlfcn.h>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "gl_context.hpp"
+#include "shared_library.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -22,24 +22,17 @@ struct Library {
 const Library& library() {
   static const Library opened = [] {
     prepareMesa();
-    void* handle = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);  // never closed, as libOSMesa
-    if (!handle) {
-      throw RenderError(std::string("gl 'egl': libEGL cannot be opened (Debian's package libegl1): ") + dlerror());
-    }
-    const auto symbol = [handle](auto& function, const char* name) {
-      function = reinterpret_cast<std::decay_t<decltype(function)>>(dlsym(handle, name));
-      if (!function) throw RenderError(std::string("gl 'egl': libEGL has no function ") + name);
-    };
+    const SharedLibrary file("gl 'egl'", {"libEGL.so.1"}, "libegl1");
     Library found{};
-    symbol(found.address, "eglGetProcAddress");
-    symbol(found.initialize, "eglInitialize");
-    symbol(found.bind_api, "eglBindAPI");
-    symbol(found.choose, "eglChooseConfig");
-    symbol(found.create, "eglCreateContext");
-    symbol(found.destroy, "eglDestroyContext");
-    symbol(found.make_current, "eglMakeCurrent");
+    file.find(found.address, "eglGetProcAddress");
+    file.find(found.initialize, "eglInitialize");
+    file.find(found.bind_api, "eglBindAPI");
+    file.find(found.choose, "eglChooseConfig");
+    file.find(found.create, "eglCreateContext");
+    file.find(found.destroy, "eglDestroyContext");
+    file.find(found.make_current, "eglMakeCurrent");
     decltype(&eglGetPlatformDisplay) display_of = nullptr;
-    symbol(display_of, "eglGetPlatformDisplay");
+    file.find(display_of, "eglGetPlatformDisplay");
     found.display = display_of(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
     if (found.display == EGL_NO_DISPLAY || !found.initialize(found.display, nullptr, nullptr)) {
       throw RenderError("gl 'egl': found no surfaceless display, needs Mesa's EGL (Debian's package libegl-mesa0)");

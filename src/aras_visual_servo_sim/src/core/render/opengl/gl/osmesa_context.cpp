@@ -3,11 +3,14 @@
 // clang-format on
 
 #include <GL/osmesa.h>
-#include <dlfcn.h>
 
 #include <array>
+#include <cstdlib>
+#include <string>
+#include <vector>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "shared_library.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -19,27 +22,21 @@ struct Library {
   decltype(&OSMesaGetProcAddress) address;
 };
 
+/** Files that may hold it: the one that the environment names, else Debian's. */
+std::vector<std::string> namesOfLibrary() {
+  if (const char* name = std::getenv("ARAS_VISUAL_SERVO_OSMESA")) return {name};
+  return {"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"};
+}
+
 const Library& library() {
   static const Library opened = [] {
     prepareMesa();
-    void* handle = nullptr;
-    for (const char* name : {"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"}) {
-      handle = dlopen(name, RTLD_NOW | RTLD_LOCAL);  // never closed: llvmpipe does not survive that
-      if (handle) break;
-    }
-    if (!handle) {
-      throw RenderError(std::string("renderer 'opengl': libOSMesa cannot be opened (Debian's package libosmesa6): ") +
-                        dlerror() + "; renderer 'coverage' needs no library");
-    }
-    const auto symbol = [handle](auto& function, const char* name) {
-      function = reinterpret_cast<std::decay_t<decltype(function)>>(dlsym(handle, name));
-      if (!function) throw RenderError(std::string("renderer 'opengl': libOSMesa has no function ") + name);
-    };
+    const SharedLibrary file("renderer 'opengl'", namesOfLibrary(), "libosmesa6");
     Library found{};
-    symbol(found.create, "OSMesaCreateContextAttribs");
-    symbol(found.destroy, "OSMesaDestroyContext");
-    symbol(found.make_current, "OSMesaMakeCurrent");
-    symbol(found.address, "OSMesaGetProcAddress");
+    file.find(found.create, "OSMesaCreateContextAttribs");
+    file.find(found.destroy, "OSMesaDestroyContext");
+    file.find(found.make_current, "OSMesaMakeCurrent");
+    file.find(found.address, "OSMesaGetProcAddress");
     return found;
   }();
   return opened;

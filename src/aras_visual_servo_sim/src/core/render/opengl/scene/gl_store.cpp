@@ -2,10 +2,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <string>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/scene/mesh_loader.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -32,6 +34,15 @@ std::vector<Eigen::Vector3f> finiteNormals(const TriangleMesh& mesh) {
     normals[i] = sums[i].norm() > 0.0f ? Eigen::Vector3f(sums[i].normalized()) : Eigen::Vector3f::UnitZ();
   }
   return normals;
+}
+
+/** The round body that a mesh stands for, with another number of sides. */
+MeshPtr withSides(const TriangleMesh& mesh, int sides) {
+  const RoundShape& shape = *mesh.round;
+  const MeshPtr made = shape.kind == RoundShape::Kind::kSphere     ? makeSphere(shape.radius_m, sides)
+                       : shape.kind == RoundShape::Kind::kCylinder ? makeCylinder(shape.radius_m, shape.length_m, sides)
+                                                                   : makeCone(shape.radius_m, shape.length_m, sides);
+  return mesh.pictures.empty() ? made : withPicture(*made, mesh.pictures.front().texture);
 }
 
 GLint wrapOf(Wrap wrap) {
@@ -70,18 +81,29 @@ void GlStore::clean() {
   }
 }
 
-const GlMesh& GlStore::mesh(const MeshPtr& mesh) {
-  GlMesh& stored = meshes_[mesh.get()];
+const GlMesh& GlStore::roundMesh(const MeshPtr& mesh, double outline_px) {
+  if (!mesh->round) return this->mesh(mesh);
+  // A side of a circle lies radius (1 - cos(pi / sides)) inside it; on a sphere sides and rings add up.
+  constexpr double kInside_px = 0.02;
+  constexpr int kFewest = 32, kMost = 512;
+  int sides = kFewest;
+  while (sides < kMost && outline_px * (1.0 - std::cos(M_PI / sides)) > kInside_px) sides *= 2;
+  return meshWith(mesh, sides);
+}
+
+const GlMesh& GlStore::meshWith(const MeshPtr& mesh, int sides) {
+  GlMesh& stored = meshes_[{mesh.get(), sides}];
   if (!stored.mesh) {
     stored.mesh = mesh;
     stored.serial = ++serial_;
+    if (sides != 0) stored.drawn = withSides(*mesh, sides);
     upload(stored);
   }
   return stored;
 }
 
 void GlStore::upload(GlMesh& stored) {
-  const TriangleMesh& mesh = *stored.mesh;
+  const TriangleMesh& mesh = stored.drawn ? *stored.drawn : *stored.mesh;
   const std::vector<Eigen::Vector3f> normals = finiteNormals(mesh);
   std::vector<GlVertex> vertices(mesh.points.size());
   for (std::size_t i = 0; i < vertices.size(); ++i) {

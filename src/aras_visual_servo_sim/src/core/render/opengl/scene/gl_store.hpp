@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "aras_visual_servo_sim/scene/scene.hpp"
@@ -18,6 +19,7 @@ struct MeshPart {
 /** A mesh in the memory of OpenGL. */
 struct GlMesh {
   MeshPtr mesh;
+  MeshPtr drawn;  ///< a finer one that is drawn in its place; null: there is none
   GLuint array = 0, vertices = 0, indices = 0;
   GLsizei index_count = 0;
   long serial = 0;  ///< no other mesh of this store ever had it
@@ -34,7 +36,10 @@ class GlStore {
 
   /** Frees what no scene has any more. */
   void clean();
-  const GlMesh& mesh(const MeshPtr& mesh);
+  const GlMesh& mesh(const MeshPtr& mesh) { return meshWith(mesh, 0); }
+  /** The same of a mesh that stands for a round body, with so many sides that its outline is right to 0.05 px.
+   *  @param outline_px  radius of the outline in the image */
+  const GlMesh& roundMesh(const MeshPtr& mesh, double outline_px);
   /** Binds a picture to texture unit 0. @throws RenderError naming a picture too large for OpenGL */
   void bindPicture(const TexturePtr& texture, Wrap wrap_s, Wrap wrap_t);
 
@@ -43,12 +48,14 @@ class GlStore {
     TexturePtr texture;
     GLuint name = 0;
   };
-  void upload(GlMesh& mesh);
+  /** @param sides  of a round body, 0: as it is */
+  const GlMesh& meshWith(const MeshPtr& mesh, int sides);
+  void upload(GlMesh& stored);
   GLuint upload(const Texture& texture);
   void remove(const GlMesh& mesh);
 
   const GlFunctions& gl_;
-  std::map<const TriangleMesh*, GlMesh> meshes_;
+  std::map<std::pair<const TriangleMesh*, int>, GlMesh> meshes_;  // by mesh and number of sides
   long serial_ = 0;
   std::map<const Texture*, GlPicture> pictures_;
 };

@@ -83,14 +83,17 @@ void SolidPainter::draw(const Item& item, const PinholeView& view) {
   if (!isSeen(item, view)) return;
   const Shape& shape = *item.shape;
   const Material& material = shape.material;
-  const GlMesh& mesh = store_.mesh(shape.mesh);
+  const Eigen::RowVector3d axis = view.R_FC.row(2);
+  // A body beside the axis is drawn larger, by as much as it is farther away than its depth.
+  const double depth = std::max(axis.dot(item.center_C) - item.radius, camera_->nearM());
+  const double scale = std::max(view.fx, view.fy) / depth * std::max(1.0, item.center_C.norm() / depth);
+  const GlMesh& mesh = store_.roundMesh(shape.mesh, scale * item.radius);
   gl_.BindVertexArray(mesh.array);
   if (material.two_sided) {
     gl_.Disable(GL_CULL_FACE);
   } else {
     gl_.Enable(GL_CULL_FACE);
   }
-  const Eigen::RowVector3d axis = view.R_FC.row(2);
   const bool reaches_far = axis.dot(item.center_C) + item.radius > camera_->farM();
   if (reaches_far) gl_.Enable(GL_CLIP_DISTANCE0);
   const Eigen::Matrix4f projection = view.projection(camera_->nearM()), placed = item.X_CS.cast<float>();

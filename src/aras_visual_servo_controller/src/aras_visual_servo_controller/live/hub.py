@@ -1,0 +1,140 @@
+"""Hands the newest sample of a run to every page that is ready for it. Knows no sockets: a viewer is asked to `send`.
+
+Each viewer says which messages it has seen. One that is more than WINDOW messages behind gets none until it has caught
+up, and then the newest: what came between is dropped, and neither the run nor another viewer waits.
+"""
+
+import json
+import struct
+
+import numpy as np
+
+WINDOW = 6
+QUALITY = 88  # of JPEG
+#: Rows that one message carries at most; a page that has missed more takes them in turn.
+MOST_ROWS = 400
+
+
+class Hub:
+    """Makes the messages, each once for all viewers.
+
+    Args: runner: `Runner`, or what has its attributes sample, rows, about, encoding and watched.
+    """
+
+    def __init__(self, runner):
+        self._runner, self._viewers = runner, []
+        self._number, self._about, self._goal = -1, None, None
+        self._last_row, self._image_number, self._jpeg = -1, -1, b""
+
+    def add(self, viewer):
+        """A page has come: `viewer` has send(bytes or str), and gets attributes `behind` and `next_row`."""
+        viewer.behind, viewer.next_row, viewer.image_number = 0, 0, -1
+        self._viewers.append(viewer)
+        self._runner.watched = True
+        viewer.send(_text({"type": "about", **self._runner.about}))
+        if self._goal is not None:
+            viewer.send(_goal_message(self._goal, self._runner.encoding))
+
+    def remove(self, viewer):
+        """A page has gone."""
+        if viewer in self._viewers:
+            self._viewers.remove(viewer)
+        self._runner.watched = bool(self._viewers)
+
+    @property
+    def viewers(self):
+        """How many pages look."""
+        return len(self._viewers)
+
+    def tell(self, message):
+        """Send a message, dict, to every page."""
+        text = _text(message)
+        for viewer in list(self._viewers):
+            viewer.send(text)
+
+    def tick(self):
+        """Called some sixty times a second: hand out what is new."""
+        runner = self._runner
+        # Nothing is made for pages that are all behind, as nothing is for none.
+        runner.watched = any(viewer.behind < WINDOW for viewer in self._viewers)
+        if not self._viewers:
+            return
+        about = runner.about
+        if self._about != about["version"]:
+            if self._about is not None:
+                self.tell({"type": "about", **about})
+                for viewer in self._viewers:
+                    viewer.next_row = 0 if not runner.rows else min(viewer.next_row, runner.rows[-1][0] + 1)
+            self._about = about["version"]
+        sample = runner.sample
+        if sample is None or sample.number == self._number:
+            return
+        self._number = sample.number
+        if sample.goal is not None and (self._goal is None or self._goal[1] is not sample.goal[1]):
+            message = _goal_message(sample.goal, runner.encoding)
+            for viewer in self._viewers:
+                viewer.send(message)
+        self._goal = sample.goal
+        ready = [viewer for viewer in self._viewers if viewer.behind < WINDOW]
+        made = {}
+        for viewer in ready:
+            with_image = viewer.image_number != sample.image_number and sample.image is not None
+            key = viewer.next_row, with_image
+            if key not in made:
+                made[key] = self._message(sample, *key)
+            message, next_row = made[key]
+            viewer.next_row, viewer.image_number = next_row, sample.image_number
+            viewer.behind += 1
+            viewer.send(message)
+
+    def _message(self, sample, first_row, with_image):
+        """(bytes, next row): length of the head (uint32), the head in JSON, the image as JPEG."""
+        rows = self._rows(first_row)
+        head = {"type": "now", "number": sample.number, "state": sample.state, "viewers": len(self._viewers),
+                "rows": [row for _, row in rows]}
+        image = b""
+        if with_image:
+            head["marks"] = sample.marks
+            image = self._encoded(sample)
+        text = json.dumps(head, separators=(",", ":"), allow_nan=False).encode()
+        return struct.pack("<I", len(text)) + text + image, rows[-1][0] + 1 if rows else first_row
+
+    def _rows(self, first):
+        """The rows from this one on, MOST_ROWS of them at most: then every second, third ... from the newest back."""
+        found = []
+        for entry in reversed(self._runner.rows.copy()):
+            if entry[0] < first:
+                break
+            found.append(entry)
+        return found[::-(-len(found) // MOST_ROWS) or 1][::-1]
+
+    def _encoded(self, sample):
+        if self._image_number != sample.image_number:
+            self._jpeg, self._image_number = jpeg(sample.image, self._runner.encoding), sample.image_number
+        return self._jpeg
+
+
+def jpeg(image, encoding):
+    """The bytes of a JPEG of a camera's image, uint8 (h, w) or (h, w, 3) of rgb8 or bgr8."""
+    import cv2
+    if image.ndim == 3 and encoding != "bgr8":
+        image = image[:, :, ::-1]
+    return cv2.imencode(".jpg", np.ascontiguousarray(image), (cv2.IMWRITE_JPEG_QUALITY, QUALITY))[1].tobytes()
+
+
+def _goal_message(goal, encoding):
+    _, image, marks, pose = goal
+    text = json.dumps({"type": "goal", "marks": marks, "pose": pose}, separators=(",", ":")).encode()
+    return struct.pack("<I", len(text)) + text + jpeg(image, encoding)
+
+
+def _text(message):
+    return json.dumps(message, separators=(",", ":"), allow_nan=False, default=_plain)
+
+
+def _plain(value):
+    if isinstance(value, (np.floating, np.integer)):
+        return value.item()
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    return str(value)

@@ -1,0 +1,71 @@
+"""Draws the figure of a run in processes of its own. They import matplotlib, which takes as long as a run, while the
+run is computed, and then one makes the PNG and the other the PDF.
+
+    with Drawing() as drawing:
+        record = run_in_process(scenario)
+        save_results(record, folder, drawing=drawing)
+"""
+
+import importlib
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from multiprocessing import get_context
+
+from ..ground.processes import end_as_child, signals_blocked
+
+WORKERS = 2  # one for each file
+
+
+class Drawing:
+    """Processes that wait for a record."""
+
+    def __init__(self):
+        self._pool = ProcessPoolExecutor(WORKERS, get_context("fork"), end_as_child)
+        with signals_blocked():
+            for _ in range(WORKERS):
+                self._pool.submit(_prepare)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, *_):
+        if kind is not None:
+            for process in list(self._pool._processes.values()):  # nobody waits for what they are doing
+                process.kill()
+        self._pool.shutdown()
+
+    def save(self, record, png_path, pdf_path):
+        """Begin to draw both files. Returns a function that waits for them; it raises the OSError of one that fails."""
+        record = replace(record, images={})  # the figure shows none of them
+        futures = [self._pool.submit(_draw, record, *paths) for paths in ((png_path, None), (None, pdf_path))]
+
+        def wait():
+            for future in futures:
+                future.result()
+        return wait
+
+
+def _prepare():
+    """Import what drawing needs."""
+    for name in (f"{__package__}.figure", "matplotlib.backends.backend_agg", "matplotlib.backends.backend_pdf"):
+        importlib.import_module(name)
+
+
+def _draw(record, png_path, pdf_path):
+    from .figure import save_figure
+    save_figure(record, png_path, pdf_path)
+
+
+def drawn_side_by_side(draw, jobs):
+    """[draw(*job) for job in jobs], by processes that are forked here, with everything imported."""
+    with signals_blocked():
+        pool = ProcessPoolExecutor(WORKERS, get_context("fork"), end_as_child)
+        futures = [pool.submit(draw, *job) for job in jobs]
+    try:
+        return [future.result() for future in futures]
+    except BaseException:
+        for process in list((pool._processes or {}).values()):
+            process.kill()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)

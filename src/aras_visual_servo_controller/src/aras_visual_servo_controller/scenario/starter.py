@@ -1,0 +1,88 @@
+"""A scenario to begin with: it extends another one, and every key that it may change stands there with its meaning."""
+
+import textwrap
+
+from ..config.tables import allowed_of, flow, section_of
+from .scenario import load_scenario
+from .schema import scenario_schema
+
+HEAD = """\
+# {name}: a scenario that says only in what it differs from {base}.
+# Run it:  rosrun aras_visual_servo_controller run {name}.yaml --in-process
+# Lines with ## explain. A line with # holds what {base} says, or the default: take the # away, from the line
+# and from those of the sections that it is in, and change the value. `null` takes away what {base} says.
+name: {name}
+description: As {base}, so far.
+extends: {extends}
+"""
+#: In this order: first what one changes first.
+SECTIONS = ("servo", "experiment", "vision", "sim", "robot", "time", "sweep")
+#: What the sections are that say it nowhere else.
+WHAT = {"servo": "The law, its features and gains, when it has arrived, and how the arm follows.",
+        "experiment": "What is run: the goal that is taught, the start, and how the result is judged.",
+        "robot": "The arm.", "sweep": "What a sweep of many runs varies (docs/sweeps.md)."}
+WIDTH = 120
+
+
+def starter(name, base="experiment_1"):
+    """Text of a scenario file that does what `base` does, with every key commented out, from the schema.
+
+    Args: name: of the new scenario.  base: name or path of the one that it extends.
+    Raises: ParameterError: there is no such scenario, or it has faults.
+    """
+    scenario = load_scenario(base)
+    said, sections = scenario.as_dict(), scenario_schema()["properties"]
+    lines = HEAD.format(name=name, base=scenario.name, extends=flow(str(base))).splitlines()
+    for section in SECTIONS:
+        meaning = _first(sections[section]) or WHAT[section]
+        lines += ["", *_wrapped(meaning, ""), f"#{section}:", *_keys(sections[section], said.get(section, {}), "  ")]
+    return "\n".join(lines) + "\n"
+
+
+def _keys(schema, said, indent):
+    """Lines of the keys of one section; `said` is what the base scenario has there."""
+    schema = section_of(schema)
+    for key, found in schema.get("properties", {}).items():
+        yield from _wrapped(_meaning(found), f"#{indent}")
+        value, inner = said.get(key, found.get("default")), section_of(found).get("properties")
+        if inner and isinstance(value, dict) and not isinstance(found.get("additionalProperties"), dict):
+            yield f"#{indent}{key}:"
+            yield from _keys(found, value, indent + "  ")
+        elif inner and found.get("type") == "array" and value and all("name" in entry for entry in value):
+            yield f"#{indent}{key}:"
+            for entry in value:
+                yield f"#{indent}  - name: {flow(entry['name'])}"
+                rest = {name: part for name, part in section_of(found)["properties"].items() if name != "name"}
+                yield from _keys({"properties": rest}, entry, indent + "    ")
+        else:
+            yield f"#{indent}{key}:" + ("" if value in (None, "") else f" {_exact(value)}")
+
+
+def _meaning(schema):
+    """Unit, what is allowed and the description, in a line."""
+    unit = f"[{schema['unit']}]" if schema.get("unit") else ""
+    allowed = allowed_of(schema).replace("`", "").replace("\\|", "|")
+    if section_of(schema).get("properties") and schema.get("type") != "array":
+        allowed = "a section"
+    return " ".join(filter(None, (unit, f"{allowed}:" if allowed else "", _first(schema))))
+
+
+def _wrapped(text, before):
+    return textwrap.wrap(text, WIDTH, initial_indent=before + "## ", subsequent_indent=before + "##   ")
+
+
+def _first(schema):
+    return " ".join(str(schema.get("description", "")).split())
+
+
+def _exact(value):
+    """As YAML has it, in one line, numbers with all their digits."""
+    if isinstance(value, bool) or not isinstance(value, (float, dict, list)):
+        text = flow(value)
+        return f'"{text}"' if isinstance(value, str) and (": " in text or text[:1] in "*&!%@`{[-") else text
+    if isinstance(value, float):
+        text = repr(value)
+        return text if "." in text or "e" not in text else text.replace("e", ".0e")
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key}: {_exact(entry)}" for key, entry in value.items()) + "}"
+    return f"[{', '.join(map(_exact, value))}]"

@@ -1,0 +1,210 @@
+// A live plot on a canvas: series over time, linear or logarithmic, with zoom, read-out, PNG and CSV.
+import { download, el, onPage } from "./dom.js";
+
+const LEFT = 54, RIGHT = 10, TOP = 8, BOTTOM = 24;
+
+const nice = (low, high, most) => {
+  const raw = (high - low) / most, power = 10 ** Math.floor(Math.log10(raw)), step = [1, 2, 5, 10].find((n) => n * power >= raw) * power;
+  const values = [];
+  for (let value = Math.ceil(low / step - 1e-9) * step; value <= high + 1e-9 * step; value += step) values.push(Math.abs(value) < 1e-9 * step ? 0 : value);
+  return { values, step };
+};
+const words = (value, step) => {
+  const size = Math.max(Math.abs(value), step);
+  const text = size >= 1e5 || (value && size < 1e-3) ? value.toExponential(0) : value.toFixed(Math.max(0, Math.min(6, -Math.floor(Math.log10(step) + 1e-9))));
+  return text.replace("-", "−");
+};
+
+export class Chart {
+  /**
+   * spec: { title, unit, series: [{ name, label, colour, value(row) -> number | null, level }], log, low, high, lines }
+   * shared: { window_s, from, to, paused }, one for all charts; from and to are null while the newest is followed.
+   */
+  constructor(spec, shared, changed) {
+    Object.assign(this, { spec, shared, changed, rows: [], hidden: new Set(), log: Boolean(spec.log), cursor: null });
+    this.canvas = el("canvas", { tabindex: 0, "aria-label": `${spec.title}, over time` });
+    this.legend = el("div", { class: "legend" });
+    this.outputs = spec.series.map((one, i) => {
+      const output = el("output");
+      const chip = el("button", { type: "button", "aria-pressed": "true", title: one.title || one.label, onclick: () => {
+        if (!this.hidden.delete(i)) this.hidden.add(i);
+        chip.setAttribute("aria-pressed", String(!this.hidden.has(i)));
+        this.draw();
+      } }, el("i", { class: "swatch" }), one.label, output);
+      chip.firstChild.style.background = onPage(one.colour);
+      this.legend.append(chip);
+      return output;
+    });
+    this.logButton = el("button", { type: "button", class: "quiet", title: "Linear or logarithmic", "aria-pressed": String(this.log), onclick: () => this.setLog(!this.log) }, "log");
+    const tool = (text, title, act) => el("button", { type: "button", class: "quiet", title, onclick: act }, text);
+    this.element = el("figure", { class: "chart", "data-chart": spec.key }, el("figcaption", {}, el("b", {}, spec.title), el("span", {}, spec.unit),
+      el("span", { class: "tools" }, spec.fixed ? null : this.logButton, tool("PNG", "Save this plot as a picture", () => this.png()), tool("CSV", "Save the numbers that are shown", () => this.csv()))),
+    this.canvas, this.legend);
+    this.listen();
+    new ResizeObserver(() => this.draw()).observe(this.canvas);
+  }
+
+  setLog(log) { this.log = log; this.logButton.setAttribute("aria-pressed", String(log)); this.draw(); }
+
+  recolour() { this.spec.series.forEach((one, i) => { this.legend.children[i].firstChild.style.background = onPage(one.colour); }); this.draw(); }
+
+  take(rows) { this.rows = rows; this.draw(); }
+
+  /** [from, to] in seconds that are shown. */
+  range() {
+    const { shared, rows } = this, end = rows.length ? rows[rows.length - 1][0] : 0;
+    return shared.from === null ? [Math.max(rows.length ? rows[0][0] : 0, end - shared.window_s), Math.max(end, (rows.length ? rows[0][0] : 0) + 1)] : [shared.from, shared.to];
+  }
+
+  inRange([from, to]) {
+    const { rows } = this;
+    const at = (t) => { let a = 0, b = rows.length; while (a < b) { const m = (a + b) >> 1; if (rows[m][0] < t) a = m + 1; else b = m; } return a; };
+    return [Math.max(0, at(from) - 1), Math.min(rows.length, at(to) + 1)];
+  }
+
+  draw() {
+    const ratio = Math.min(devicePixelRatio || 1, 2), w = this.canvas.clientWidth, h = this.canvas.clientHeight;
+    if (!w || !h) return;
+    if (this.canvas.width !== Math.round(w * ratio) || this.canvas.height !== Math.round(h * ratio)) { this.canvas.width = Math.round(w * ratio); this.canvas.height = Math.round(h * ratio); }
+    const pen = this.canvas.getContext("2d"), style = getComputedStyle(this.element), colour = (name) => style.getPropertyValue(name).trim();
+    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    pen.clearRect(0, 0, w, h);
+    const [from, to] = this.range(), [first, end] = this.inRange([from, to]), { spec } = this;
+    const size = (y) => (this.log ? Math.log10(Math.max(Math.abs(y), 1e-12)) : y);
+    let low = Infinity, high = -Infinity;
+    const stride = Math.max(1, Math.floor((end - first) / (2 * w)));
+    spec.series.forEach((one, s) => {
+      if (this.hidden.has(s)) return;
+      for (let i = first; i < end; i += stride) {
+        const y = one.value(this.rows[i]);
+        if (y === null || y === undefined || (this.log && y === 0)) continue;
+        low = Math.min(low, size(y));
+        high = Math.max(high, size(y));
+      }
+      if (this.log && one.level) { low = Math.min(low, size(one.level)); high = Math.max(high, size(one.level)); }
+    });
+    if (!(low <= high)) { low = this.log ? -3 : -1; high = this.log ? 0 : 1; }
+    if (!this.log && spec.low !== undefined) { low = Math.min(low, spec.low); high = Math.max(high, spec.high); }
+    const pad = Math.max(0.06 * (high - low), this.log ? 0.08 : 0.5 * (spec.least || 0) - 0.5 * (high - low), 1e-9);
+    low -= pad;
+    high += pad;
+    const X = (t) => LEFT + (t - from) / (to - from) * (w - LEFT - RIGHT), Y = (v) => TOP + (high - v) / (high - low) * (h - TOP - BOTTOM);
+    Object.assign(this, { X, from, to, w });
+    pen.font = "11px system-ui, sans-serif";
+    pen.fillStyle = colour("--soft");
+    pen.strokeStyle = colour("--line");
+    pen.lineWidth = 1;
+    const line = (x0, y0, x1, y1) => { pen.beginPath(); pen.moveTo(x0, y0); pen.lineTo(x1, y1); pen.stroke(); };
+    pen.textAlign = "center";
+    const across = nice(from, to, Math.max(3, w / 90));
+    for (const t of across.values) { line(X(t), TOP, X(t), h - BOTTOM); pen.fillText(`${words(t, across.step)} s`, X(t), h - 8); }
+    pen.textAlign = "right";
+    let up = nice(low, high, 4);
+    if (this.log) up = high - low > 1.6 ? { values: nice(low, high, 4).values.map(Math.round).filter((v, i, all) => all.indexOf(v) === i && v >= low && v <= high), step: 1 } : up;
+    for (const v of up.values) {
+      pen.strokeStyle = !this.log && v === 0 ? colour("--axis") : colour("--line");
+      line(LEFT, Y(v), w - RIGHT, Y(v));
+      pen.fillText(this.log ? (Number.isInteger(v) ? `1e${v}`.replace("-", "−") : (10 ** v).toPrecision(2)) : words(v, up.step), LEFT - 6, Y(v) + 4);
+    }
+    for (const v of this.log ? [] : spec.lines || []) { pen.strokeStyle = colour("--warn"); pen.setLineDash([5, 4]); line(LEFT, Y(v), w - RIGHT, Y(v)); pen.setLineDash([]); }
+    pen.save();
+    pen.beginPath();
+    pen.rect(LEFT, TOP - 2, w - LEFT - RIGHT, h - TOP - BOTTOM + 4);
+    pen.clip();
+    spec.series.forEach((one, s) => {
+      if (this.hidden.has(s)) return;
+      pen.strokeStyle = onPage(one.colour);
+      if (this.log && one.level) { pen.globalAlpha = 0.55; pen.setLineDash([4, 4]); line(LEFT, Y(size(one.level)), w, Y(size(one.level))); pen.setLineDash([]); pen.globalAlpha = 1; }
+      pen.lineWidth = 1.7;
+      pen.lineJoin = "round";
+      pen.beginPath();
+      let on = false;
+      for (let i = first; i < end; i += stride) {
+        const y = one.value(this.rows[i]);
+        if (y === null || y === undefined || (this.log && y === 0)) { on = false; continue; }
+        if (on) pen.lineTo(X(this.rows[i][0]), Y(size(y))); else pen.moveTo(X(this.rows[i][0]), Y(size(y)));
+        on = true;
+      }
+      pen.stroke();
+      pen.lineWidth = 1;
+    });
+    pen.restore();
+    let row = this.rows[this.rows.length - 1];
+    if (this.shared.cursor !== null && this.shared.cursor !== undefined && this.shared.cursor >= from && this.shared.cursor <= to) {
+      pen.strokeStyle = colour("--axis");
+      line(X(this.shared.cursor), TOP, X(this.shared.cursor), h - BOTTOM);
+      const [near] = this.inRange([this.shared.cursor, this.shared.cursor]);
+      row = this.rows[near] || row;
+    }
+    if (this.selecting) {
+      pen.fillStyle = colour("--accent");
+      pen.globalAlpha = 0.15;
+      pen.fillRect(Math.min(...this.selecting), TOP, Math.abs(this.selecting[1] - this.selecting[0]), h - TOP - BOTTOM);
+      pen.globalAlpha = 1;
+    }
+    this.outputs.forEach((output, i) => {
+      const y = row ? spec.series[i].value(row) : null;
+      output.textContent = y === null || y === undefined ? "" : Math.abs(y) >= 1e-3 || y === 0 ? y.toFixed(Math.abs(y) >= 100 ? 1 : 3).replace("-", "−") : y.toExponential(1).replace("-", "−");
+    });
+  }
+
+  listen() {
+    const { canvas, shared } = this, time = (x) => this.from + (x - LEFT) / (this.w - LEFT - RIGHT) * (this.to - this.from);
+    const at = (event) => event.clientX - canvas.getBoundingClientRect().left;
+    const look = (from, to) => { if (to - from < 0.02) return; shared.from = from; shared.to = to; this.changed(); };
+    canvas.addEventListener("pointermove", (event) => {
+      if (this.begun === undefined) { shared.cursor = time(at(event)); this.changed(); return; }
+      if (event.shiftKey || event.pointerType === "touch") {
+        const d = time(this.begun) - time(at(event));
+        this.begun = at(event);
+        look(this.from + d, this.to + d);
+      } else { this.selecting = [this.begun, Math.max(LEFT, Math.min(this.w - RIGHT, at(event)))]; this.draw(); }
+    });
+    canvas.addEventListener("pointerdown", (event) => { this.begun = Math.max(LEFT, at(event)); canvas.setPointerCapture(event.pointerId); });
+    canvas.addEventListener("pointerup", () => {
+      const chosen = this.selecting;
+      this.begun = this.selecting = undefined;
+      if (chosen && Math.abs(chosen[1] - chosen[0]) > 6) look(...[time(chosen[0]), time(chosen[1])].sort((a, b) => a - b));
+      this.draw();
+    });
+    canvas.addEventListener("pointercancel", () => { this.begun = this.selecting = undefined; });
+    canvas.addEventListener("pointerleave", () => { shared.cursor = null; this.changed(); });
+    canvas.addEventListener("dblclick", () => { shared.from = shared.to = null; this.changed(); });
+    canvas.addEventListener("wheel", (event) => {
+      if (!event.ctrlKey && !event.altKey && document.activeElement !== canvas) return;   // the page scrolls, unless the plot was clicked
+      event.preventDefault();
+      const mid = time(at(event)), factor = event.deltaY > 0 ? 1.25 : 0.8;
+      look(mid + (this.from - mid) * factor, mid + (this.to - mid) * factor);
+    }, { passive: false });
+  }
+
+  csv() {
+    const [first, end] = this.inRange(this.range()), { series } = this.spec;
+    const lines = [["t_s", ...series.map((one) => one.name)].join(",")];
+    for (const row of this.rows.slice(first, end)) lines.push([row[0], ...series.map((one) => one.value(row) ?? "")].join(","));
+    download(`${this.spec.key}.csv`, new Blob([lines.join("\n") + "\n"], { type: "text/csv" }));
+  }
+
+  png() {
+    const { canvas } = this, picture = document.createElement("canvas"), ratio = canvas.width / canvas.clientWidth, head = 30 * ratio;
+    picture.width = canvas.width;
+    picture.height = canvas.height + head;
+    const pen = picture.getContext("2d"), style = getComputedStyle(this.element);
+    pen.fillStyle = style.getPropertyValue("--card");
+    pen.fillRect(0, 0, picture.width, picture.height);
+    pen.drawImage(canvas, 0, head);
+    pen.scale(ratio, ratio);
+    pen.font = "600 12px system-ui, sans-serif";
+    pen.fillStyle = style.getPropertyValue("--ink");
+    pen.fillText(`${this.spec.title}  ${this.spec.unit}`, 8, 19);
+    let x = 16 + pen.measureText(`${this.spec.title}  ${this.spec.unit}`).width;
+    this.spec.series.forEach((one, i) => {
+      if (this.hidden.has(i)) return;
+      pen.fillStyle = onPage(one.colour);
+      pen.fillRect(x, 13, 12, 3);
+      pen.fillText(one.label, x + 16, 19);
+      x += 30 + pen.measureText(one.label).width;
+    });
+    picture.toBlob((blob) => download(`${this.spec.key}.png`, blob), "image/png");
+  }
+}

@@ -1,0 +1,206 @@
+// Controls from a schema: a slider for a number, a list for a choice, a switch, and sections of these.
+import { button, el, notice } from "./dom.js";
+import { valueAt } from "./model.js";
+
+/** Where a slider of a key without useful bounds ends, by unit; the number beside it takes any value that is allowed. */
+const SPAN = { "grey levels": 20, s: 0.2, "1/s": 10, m: 0.2, rad: 0.2, "m, rad": 0.1, Hz: 100, "m/s": 1, "rad/s": 2 };
+const SEND_MS = 60;
+
+const lowest = (schema) => schema.minimum ?? schema.exclusiveMinimum ?? -Infinity;
+const highest = (schema) => schema.maximum ?? schema.exclusiveMaximum ?? Infinity;
+
+/** How a slider maps its way of 0 to 1 to a number: { from(part), to(value) }. */
+export const scaleOf = (schema, value) => {
+  const low = lowest(schema), high = highest(schema), size = Math.abs(value || 0) || Math.abs(schema.default || 0);
+  if (schema.exclusiveMinimum === 0 && size > 0 && !(high <= 100 * size)) {   // a gain, a threshold: factors count
+    const bottom = Math.log(size / 20), top = Math.log(size * 20);
+    return { from: (part) => Math.exp(bottom + part * (top - bottom)), to: (x) => (Math.log(Math.max(x, 1e-12)) - bottom) / (top - bottom) };
+  }
+  const span = Math.max(SPAN[schema.unit] || 1, 3 * size);
+  const begin = Number.isFinite(low) && low > -1000 ? low : -span, end = Number.isFinite(high) && high - begin <= 1000 && high - begin <= 50 * span ? high : Math.max(begin, 0) + span;
+  return { from: (part) => begin + part * (end - begin), to: (x) => (x - begin) / (end - begin) };
+};
+
+const short = (value, schema) => (schema.type === "integer" ? String(Math.round(value)) : String(Number(value.toPrecision(4))));
+
+/** The kind of a schema that a value is of, where there are several. */
+export const kindOf = (kinds, value) => kinds.find((kind) => value && Object.entries(kind.properties || {}).every(([key, one]) => one.const === undefined || one.const === value[key])) || kinds[0];
+
+export class Fields {
+  constructor(page) {
+    this.page = page;
+    this.model = page.model;
+    this.byPath = new Map();
+    this.waiting = new Map();
+    this.model.on("values", (paths) => this.refresh(paths));
+  }
+
+  /** Sends a value, no oftener than the run can take it; the newest always arrives. */
+  send(path, value) {
+    const pending = this.waiting.get(path) || {};
+    pending.value = value;
+    this.waiting.set(path, pending);
+    if (pending.timer || pending.flying) return;
+    pending.timer = setTimeout(() => {
+      pending.timer = null;
+      pending.flying = true;
+      const sent = pending.value;
+      this.page.ask({ do: "set", values: { [path]: sent } })
+        .then(() => notice(path, ""), (error) => { this.fault(path, error.message); this.refresh(null); })
+        .finally(() => { pending.flying = false; if (pending.value !== sent) this.send(path, pending.value); });
+    }, pending.last && performance.now() - pending.last < SEND_MS ? SEND_MS : 0);
+    pending.last = performance.now();
+  }
+
+  fault(path, text) {
+    notice(path, text);
+    setTimeout(() => notice(path, ""), 8000);
+  }
+
+  refresh(paths) {
+    for (const [path, fields] of this.byPath)
+      if (paths === null || paths.some((one) => path === one || path.startsWith(`${one}.`) || one.startsWith(`${path}.`)))
+        for (const field of fields) field();
+  }
+
+  listen(path, show) {
+    if (!this.byPath.has(path)) this.byPath.set(path, []);
+    this.byPath.get(path).push(show);
+    show();
+  }
+
+  value(path, schema) { const value = valueAt(this.model.values, path); return value === undefined ? schema.default : value; }
+
+  waits(path) { return !this.model.about.at_once.some((pattern) => new RegExp(`^(?:${pattern})$`).test(path)); }
+
+  row(path, schema, label, control, more = null) {
+    const help = [schema.description, schema.unit ? `[${schema.unit}]` : ""].filter(Boolean).join(" ");
+    const note = el("small", { class: "waits", hidden: true }, "after Reset");
+    this.listen(path, () => { note.hidden = !this.waits(path) || !this.model.waiting.includes(path); });
+    return el("div", { class: "field", "data-path": path, title: help }, el("label", {}, label, schema.unit ? el("small", {}, ` ${schema.unit}`) : "", note), control, more);
+  }
+
+  /** The control of one key, or the section of one that holds others. */
+  make(path, schema, label = path.split(".").pop()) {
+    const choices = this.model.about.choices[path] || schema.enum;
+    if (path === "servo.features") return this.list(path, schema, label, choices);
+    if (choices) return this.choice(path, schema, label, choices);
+    if (schema.type === "boolean") return this.toggle(path, schema, label);
+    if (schema.type === "number" || schema.type === "integer") return this.number(path, schema, label);
+    if (schema.type === "string") return this.text(path, schema, label);
+    if (schema.type === "array" && /number|integer/.test(schema.items?.type) && (schema.minItems === schema.maxItems) && schema.maxItems <= 8) return this.numbers(path, schema, label);
+    if (schema.properties || (schema.type === "object" && typeof schema.additionalProperties === "object")) return this.section(path, schema, label);
+    return this.json(path, schema, label);
+  }
+
+  number(path, schema, label) {
+    let scale = scaleOf(schema, this.value(path, schema)), held = false;
+    const slider = el("input", { type: "range", min: 0, max: 1, step: 0.001, "aria-label": label });
+    const box = el("input", { type: "number", step: "any", "aria-label": label });
+    const show = () => {
+      const value = this.value(path, schema);
+      if (held || document.activeElement === box) return;
+      box.value = value === undefined || value === null ? "" : short(value, schema);
+      if (value !== undefined && value !== null && (scale.to(value) < 0 || scale.to(value) > 1)) scale = scaleOf(schema, value);
+      slider.value = value === undefined || value === null ? 0 : scale.to(value);
+    };
+    slider.oninput = () => {
+      held = true;
+      let value = Number(short(scale.from(Number(slider.value)), schema));
+      value = Math.min(highest(schema), Math.max(lowest(schema), value));
+      box.value = value;
+      this.send(path, value);
+    };
+    slider.onchange = () => { held = false; };
+    box.onchange = () => {
+      const value = box.value === "" ? null : Number(box.value);
+      this.send(path, value);
+      if (value !== null) { scale = scaleOf(schema, value); slider.value = scale.to(value); }
+    };
+    this.listen(path, show);
+    return this.row(path, schema, label, slider, box);
+  }
+
+  choice(path, schema, label, choices) {
+    const select = el("select", { "aria-label": label, onchange: () => this.send(path, select.value) }, ...choices.map((one) => el("option", { value: one }, String(one).replaceAll("_", " "))));
+    this.listen(path, () => { select.value = this.value(path, schema) ?? choices[0]; });
+    return this.row(path, schema, label, select);
+  }
+
+  toggle(path, schema, label) {
+    const box = el("input", { type: "checkbox", "aria-label": label, onchange: () => this.send(path, box.checked) });
+    this.listen(path, () => { box.checked = Boolean(this.value(path, schema)); });
+    return this.row(path, schema, label, box);
+  }
+
+  text(path, schema, label) {
+    const box = el("input", { type: "text", "aria-label": label, spellcheck: "false", onchange: () => this.send(path, box.value === "" ? null : box.value) });
+    this.listen(path, () => { if (document.activeElement !== box) box.value = this.value(path, schema) ?? ""; });
+    return this.row(path, schema, label, box);
+  }
+
+  list(path, schema, label, choices) {
+    const box = el("input", { type: "text", "aria-label": label, spellcheck: "false", onchange: () => this.send(path, box.value.split(/[\s,]+/).filter(Boolean)) });
+    this.listen(path, () => { if (document.activeElement !== box) box.value = (this.value(path, schema) || []).join(", "); });
+    const row = this.row(path, schema, label, box);
+    if (choices) row.append(el("details", { class: "section wide" }, el("summary", {}, el("small", {}, "known features")), el("small", { class: "soft" }, choices.join(", "))));
+    return row;
+  }
+
+  numbers(path, schema, label) {
+    const boxes = Array.from({ length: schema.maxItems }, (_, i) => el("input", { type: "number", step: "any", "aria-label": `${label} ${i + 1}`, onchange: () => {
+      const value = boxes.map((box) => Number(box.value || 0));
+      this.send(path, value);
+    } }));
+    this.listen(path, () => { const value = this.value(path, schema) || []; boxes.forEach((box, i) => { if (document.activeElement !== box) box.value = value[i] ?? ""; }); });
+    return this.row(path, schema, label, el("span", { class: "numbers" }, ...boxes));
+  }
+
+  json(path, schema, label) {
+    const box = el("textarea", { rows: 1, "aria-label": label, spellcheck: "false", onchange: () => {
+      try { this.send(path, box.value.trim() === "" ? null : JSON.parse(box.value)); } catch (error) { this.fault(path, `${path}: found no JSON: ${error.message}`); }
+    } });
+    this.listen(path, () => { if (document.activeElement !== box) { const value = this.value(path, schema); box.value = value === undefined ? "" : JSON.stringify(value); } });
+    return this.row(path, schema, label, box);
+  }
+
+  /** A section: its keys; of a table, an entry for each name that stands in it. */
+  section(path, schema, label, open = false) {
+    const body = el("div", { class: "body" }), toggle = el("input", { type: "checkbox", title: "with or without" });
+    const optional = schema.default === undefined && schema.properties && !(path.split(".").length === 1);
+    const build = () => {
+      const value = valueAt(this.model.values, path), keys = schema.properties ? Object.keys(schema.properties) : Object.keys(value || {});
+      toggle.checked = value !== undefined;
+      const names = keys.join();
+      if (body.dataset.names === names) return;
+      body.dataset.names = names;
+      body.replaceChildren(...keys.map((key) => this.make(`${path}.${key}`, schema.properties ? schema.properties[key] : schema.additionalProperties, key)));
+    };
+    toggle.onchange = () => this.send(path, toggle.checked ? Object.fromEntries((schema.required || []).map((key) => [key, start(schema.properties[key])])) : null);
+    const details = el("details", { class: "section", open, title: schema.description || "" }, el("summary", {}, label, optional && !schema.required?.length === false ? toggle : ""), body);
+    details.addEventListener("toggle", () => { if (details.open) this.listenOnce(path, build); });
+    if (open) this.listenOnce(path, build);
+    return details;
+  }
+
+  listenOnce(path, build) {
+    if (build.listens) { build(); return; }
+    build.listens = true;
+    this.listen(path, build);
+  }
+}
+
+/** A value to begin with, for a required key without default. */
+const start = (schema) => {
+  if (schema.default !== undefined) return schema.default;
+  if (schema.enum) return schema.enum[0];
+  if (schema.const !== undefined) return schema.const;
+  if (schema.type === "array") return Array.from({ length: schema.minItems || 0 }, () => start(schema.items));
+  if (schema.type === "number" || schema.type === "integer") {
+    const low = lowest(schema), high = highest(schema);
+    if (Number.isFinite(low) && Number.isFinite(high)) return (low + high) / 2;
+    return Number.isFinite(low) ? low + 0.1 : Number.isFinite(high) ? high - 0.1 : 0;
+  }
+  return schema.properties ? Object.fromEntries((schema.required || []).map((key) => [key, start(schema.properties[key])])) : "";
+};
+export { start, button };

@@ -1,0 +1,34 @@
+// The page: connects, then lets every panel of panels/ build itself. A panel is a module that exports `panel`:
+//   { place: "stage" | "camera" | "curves" | "controls", order, make(page) -> element }
+import { Connection } from "./lib/connection.js";
+import { Model } from "./lib/model.js";
+import { bar } from "./lib/bar.js";
+import { notice } from "./lib/dom.js";
+
+const model = new Model();
+const connection = new Connection(model);
+const page = { model, connection, ask: (request) => connection.ask(request) };
+
+window.aras = page;   // for tests, and for the curious
+bar(page, document.querySelector("#bar"));
+model.on("connection", (state) => notice("connection", state === "open" ? "" : "The run cannot be reached; trying again."));
+connection.open();
+
+const names = await (await fetch("panels.json")).json();
+await model.first("about");
+const found = await Promise.all(names.map(async (name) => {
+  try {
+    return (await import(`./panels/${name}`)).panel;
+  } catch (error) {
+    notice(`panel ${name}`, `The panel ${name} cannot be shown: ${error.message}`);
+    return null;
+  }
+}));
+for (const panel of found.filter(Boolean).sort((a, b) => a.order - b.order)) {
+  try {
+    document.querySelector(`#${panel.place}`).append(panel.make(page));
+  } catch (error) {
+    notice(panel.place, error.message);
+  }
+}
+document.body.classList.add("ready");

@@ -1,0 +1,81 @@
+// The arm, the target and the camera in three dimensions.
+import { button, card, el, isDark, notice } from "../lib/dom.js";
+import { meshOf } from "../lib/meshes.js";
+import { hasWebGL, World } from "../lib/world.js";
+
+const load = async (about) => Object.fromEntries(await Promise.all(about.robot.meshes.map(async (name) => {
+  const answer = await fetch(`mesh/${name}`);
+  return [name, answer.ok ? meshOf(await answer.arrayBuffer()) : null];
+})));
+
+const make = (page) => {
+  const { model } = page, { card: box, head, body } = card("Arm", "view");
+  if (!hasWebGL()) {
+    body.append(el("p", { class: "absent", id: "no-webgl" }, "This browser has no WebGL, so the arm is not drawn. The camera's image, the curves and all controls work without it."));
+    return box;
+  }
+  const canvas = el("canvas", { id: "world", tabindex: 0, "aria-label": "the arm; drag to turn, wheel to zoom, drag the target to move it" });
+  const inset = el("button", { class: "inset", type: "button", title: "The observer's view; click to change places with the large one" });
+  body.append(canvas, inset, el("p", { class: "hint" }, "Drag turns the view, the wheel or two fingers zoom, the right button or two fingers shift. Drag the target to move it, the ring around it to turn it."));
+  let world = null;
+  const toggle = (text, title, on, act) => {
+    const control = button(text, title, () => { control.setAttribute("aria-pressed", String(act())); }, { "aria-pressed": String(on), class: "quiet" });
+    return control;
+  };
+  head.append(el("span", { class: "tools" },
+    button("Home", "The view from where everything is seen", () => world?.home(), { class: "quiet" }),
+    toggle("Follow", "The view goes with the camera", false, () => { world?.follow(!world.follows); return world?.follows; }),
+    toggle("Observer", "A second view, from an observer beside the arm", true, () => { if (world) { world.second = !world.second; world.dirty = true; inset.hidden = !world.second; } return world?.second; })));
+  inset.onclick = () => { if (world) { world.swapped = !world.swapped; world.dirty = true; } };
+
+  let sent = 0, later = 0;
+  const place = (position_m, q_xyzw) => {
+    const send = () => { sent = performance.now(); page.ask({ do: "place_target", position_m, q_xyzw }).then(() => notice("target", "")).catch((error) => notice("target", error.message)); };
+    clearTimeout(later);
+    if (performance.now() - sent > 40) send(); else later = setTimeout(send, 40);
+  };
+
+  let robot = "";
+  const build = async (about) => {
+    const same = JSON.stringify([about.robot, about.scene, about.camera, about.target]);
+    if (same === robot) return;
+    robot = same;
+    const geometries = await load(about);
+    const old = world;
+    world = new World(canvas, about, geometries, isDark());
+    if (old) { world.second = old.second; world.eye.position.copy(old.eye.position); world.controls.target.copy(old.controls.target); old.controls.dispose(); world.controls.update(); }
+    if (!about.cannot.place_target) world.draggable(place);
+    page.world = world;
+    world.size(canvas.clientWidth, canvas.clientHeight);
+    if (model.state) world.show(model.state);
+    if (model.goal) world.setGoal(model.goal.pose);
+    path(model.rows);
+  };
+  const path = (rows) => {
+    const { x, y, z } = model.column;
+    if (world && x !== undefined) world.setPath(rows.filter((row) => row[x] !== null).map((row) => [row[x], row[y], row[z]]));
+  };
+  model.on("about", (about) => build(about).catch((error) => notice("arm", error.message)));
+  model.on("state", (state) => world?.show(state));
+  model.on("image", ({ bitmap }) => world?.image(bitmap));
+  model.on("goal", (goal) => world?.setGoal(goal ? goal.pose : null));
+  model.on("theme", () => world?.build(isDark()));
+  let shown = 0;
+  model.on("rows", (rows) => { if (performance.now() - shown > 100) { shown = performance.now(); path(rows); } });
+  build(model.about).catch((error) => notice("arm", error.message));
+
+  canvas.addEventListener("webglcontextlost", (event) => { event.preventDefault(); notice("webgl", "The browser has taken the 3-D view away; reload the page to have it back."); });
+  const frame = () => {
+    if (world) {
+      world.size(canvas.clientWidth, canvas.clientHeight);
+      world.draw();
+      const [left, top, width, height] = world.inset();
+      Object.assign(inset.style, { left: `${left}px`, top: `${top}px`, width: `${width}px`, height: `${height}px` });
+    }
+    requestAnimationFrame(frame);
+  };
+  requestAnimationFrame(frame);
+  return box;
+};
+
+export const panel = { place: "stage", order: 10, make };

@@ -1,0 +1,67 @@
+// Live curves: errors, camera velocity, joints against their limits, condition and manipulability, real-time factor.
+import { button, card, el } from "../lib/dom.js";
+import { Chart } from "../lib/chart.js";
+
+const XYZ = ["#0072b2", "#d55e00", "#009e73"], MORE = ["#0072b2", "#d55e00", "#009e73", "#aa4499", "#170393", "#614d10", "#aa71fc", "#400d07"];
+const times = (factor, i) => (row) => (row[i] === null || row[i] === undefined ? null : factor * row[i]);
+const plain = (symbol) => symbol.replace("_", "");
+
+/** What is plotted, from what the run says of itself. */
+export const charts = (about, column) => {
+  const units = [...new Set(about.features.map((feature) => feature.read_unit))];
+  const errors = about.features.map((feature) => ({
+    name: `e_${feature.name}_${feature.read_unit}`, label: `${plain(feature.symbol)}${units.length > 1 ? ` ${feature.read_unit}` : ""}`, title: feature.label,
+    colour: feature.colour, value: times(feature.factor, column[`e.${feature.name}`]), level: feature.factor * feature.threshold }));
+  const velocity = (letters, factor, unit) => letters.map((letter, i) => ({ name: `${letter}_${unit}`, label: letter, colour: XYZ[i], value: times(factor, column[`v.${letter}`]) }));
+  const joints = about.joints.map((joint, i) => {
+    const bounded = joint.lower !== null && joint.upper !== null, at = column[`q.${joint.name}`];
+    const low = bounded ? joint.lower : -Math.PI, high = bounded ? joint.upper : Math.PI;
+    return { name: `${joint.name}_part_of_range`, label: joint.name, colour: MORE[i % MORE.length], title: bounded ? `${joint.name}: ${low} to ${high}` : `${joint.name}: no limits, shown from −π to π`,
+      value: (row) => (row[at] === null || row[at] === undefined ? null : 2 * (row[at] - low) / (high - low) - 1) };
+  });
+  return [
+    { key: "errors", title: "Errors", unit: units.map((unit) => `[${unit}]`).join(", "), series: errors, least: 0.01 },
+    { key: "linear_velocity", title: "Camera velocity", unit: "[mm/s]", series: velocity(["vx", "vy", "vz"], 1e3, "mm_per_s"), fixed: true, least: 1 },
+    { key: "angular_velocity", title: "Camera turning", unit: "[deg/s]", series: velocity(["wx", "wy", "wz"], 180 / Math.PI, "deg_per_s"), fixed: true, least: 0.2 },
+    { key: "joints", title: "Joints", unit: "between their limits, −1 to 1", series: joints, fixed: true, low: -1, high: 1, lines: [-1, 1] },
+    { key: "condition", title: "Conditioning", unit: "", log: true, series: [
+      { name: "condition", label: "condition of L", colour: MORE[0], value: times(1, column.condition) },
+      { name: "manipulability", label: "manipulability", colour: MORE[1], value: times(1, column.manipulability) }] },
+    { key: "real_time_factor", title: "Real-time factor", unit: "simulated s per wall s", fixed: true, low: 0, high: 1, series: [
+      { name: "real_time_factor", label: "reached", colour: MORE[0], value: times(1, column.real_time_factor) }] },
+  ];
+};
+
+const make = (page) => {
+  const { model } = page, { card: box, head, body } = card("Curves", "curves");
+  const shared = { window_s: 20, from: null, to: null, paused: false, cursor: null };
+  let drawn = [], kept = null, due = false;
+  const redraw = () => {
+    if (due) return;
+    due = true;
+    requestAnimationFrame(() => { due = false; for (const chart of drawn) chart.take(shared.paused ? kept : model.rows); sync(); });
+  };
+  const pause = button("Hold", "Hold the curves still; the run goes on", () => {
+    shared.paused = !shared.paused;
+    kept = shared.paused ? model.rows.slice() : null;
+    redraw();
+  }, { class: "quiet", "aria-pressed": "false", id: "hold" });
+  const whole = button("Follow", "Show the newest again (double click on a curve)", () => { shared.from = shared.to = null; shared.paused = false; redraw(); }, { class: "quiet" });
+  const window_s = el("select", { title: "How much is shown", id: "window", onchange: () => { shared.window_s = Number(window_s.value); shared.from = shared.to = null; redraw(); } },
+    ...[[5, "5 s"], [10, "10 s"], [20, "20 s"], [60, "1 min"], [600, "all"]].map(([value, label]) => el("option", { value, selected: value === 20 }, label)));
+  const sync = () => { pause.setAttribute("aria-pressed", String(shared.paused)); whole.disabled = shared.from === null && !shared.paused; };
+  head.append(el("span", { class: "tools" }, window_s, pause, whole));
+  const build = (about) => {
+    drawn = charts(about, model.column).map((spec) => new Chart(spec, shared, redraw));
+    body.replaceChildren(...drawn.map((chart) => chart.element));
+    page.charts = drawn;
+    redraw();
+  };
+  model.on("about", build);
+  model.on("rows", redraw);
+  model.on("theme", () => drawn.forEach((chart) => chart.recolour()));
+  build(model.about);
+  return box;
+};
+
+export const panel = { place: "curves", order: 10, make };

@@ -1,0 +1,64 @@
+// The target: where it is, and a motion for it.
+import { button, el, folding, notice } from "../lib/dom.js";
+import { kindOf, start } from "../lib/fields.js";
+
+const make = (page) => {
+  const { model } = page, { card: box, body } = folding("Target", true);
+  const ask = (request) => page.ask(request).then(() => notice("target", "")).catch((error) => { notice("target", error.message); setTimeout(() => notice("target", ""), 8000); });
+  const build = (about) => {
+    if (!about.target) { body.replaceChildren(el("p", { class: "soft" }, "The scene has no target.")); return; }
+    const where = el("p", { class: "numbers-line", id: "target-at" });
+    // Along the target's own axes: x and y lie in its plane.
+    const nudge = (dx, dy, turn) => {
+      const pose = model.state?.target;
+      if (!pose) return;
+      const q = pose.slice(3), moved = rotate(q, [dx, dy, 0]).map((x, i) => x + pose[i]);
+      ask({ do: "place_target", position_m: moved, q_xyzw: times(q, [0, 0, Math.sin(turn / 2), Math.cos(turn / 2)]) });
+    };
+    const pad = el("div", { class: "pad" }, button("↺", "Turn by 5°", () => nudge(0, 0, Math.PI / 36)), button("↑", "10 mm along its y", () => nudge(0, 0.01, 0)), button("↻", "Turn by −5°", () => nudge(0, 0, -Math.PI / 36)),
+      button("←", "−10 mm along its x", () => nudge(-0.01, 0, 0)), button("↓", "−10 mm along its y", () => nudge(0, -0.01, 0)), button("→", "10 mm along its x", () => nudge(0.01, 0, 0)));
+    model.on("state", (state) => {
+      if (state.target) where.textContent = `x ${(1e3 * state.target[0]).toFixed(1)}   y ${(1e3 * state.target[1]).toFixed(1)}   z ${(1e3 * state.target[2]).toFixed(1)} mm`;
+    });
+    const kinds = about.schema.sim.properties.scene.properties.models.items.properties.motion.oneOf;
+    const choice = el("select", { id: "motion", onchange: () => fill() }, el("option", { value: "" }, "at rest"), ...kinds.map((kind) => el("option", { value: kind.properties.type.const }, kind.properties.type.const.replaceAll("_", " "))));
+    const form = el("div", { class: "form" });
+    const fill = () => {
+      const kind = choice.value && kindOf(kinds, { type: choice.value });
+      form.replaceChildren(...(kind ? Object.entries(kind.properties).filter(([key]) => key !== "type").map(([key, schema]) => {
+        const first = GOOD[choice.value]?.[key] ?? start(schema);
+        const input = el("input", { type: "text", value: JSON.stringify(first), "data-key": key, spellcheck: "false", "aria-label": key });
+        return el("div", { class: "field", title: schema.description }, el("label", {}, key, schema.unit ? el("small", {}, ` ${schema.unit}`) : ""), input);
+      }) : []));
+    };
+    const give = button("Give it this motion", "From where it is, from now on", () => {
+      if (!choice.value) { ask({ do: "move_target", motion: null }); return; }
+      const motion = { type: choice.value };
+      try {
+        for (const input of form.querySelectorAll("input")) motion[input.dataset.key] = JSON.parse(input.value);
+      } catch (error) { notice("target", `motion: found no JSON: ${error.message}`); return; }
+      ask({ do: "move_target", motion });
+    }, { id: "give-motion" });
+    if (about.cannot.move_target) { give.disabled = true; give.title = about.cannot.move_target; }
+    body.replaceChildren(where, pad, el("h3", {}, "motion"), el("div", { class: "line" }, choice, give), form);
+    fill();
+  };
+  let target;
+  model.on("about", (about) => { if (about.target !== target) build(about); target = about.target; });
+  target = model.about.target;
+  build(model.about);
+  return box;
+};
+
+/** Motions that one sees and a servo can follow. */
+const GOOD = {
+  constant_velocity: { linear_m_per_s: [0.01, 0, 0] },
+  circle: { radius_m: 0.05, angular_speed_rad_per_s: 0.8 },
+  random_walk: { interval_s: 0.5, speed_stddev_m_per_s: [0.03, 0.03, 0], radius_m: 0.08 },
+  waypoints: { waypoints: [{ time_s: 0, position_m: [0, 0, 0.2] }, { time_s: 4, position_m: [0.05, 0.05, 0.2] }] },
+};
+const times = ([x1, y1, z1, w1], [x2, y2, z2, w2]) => [w1 * x2 + x1 * w2 + y1 * z2 - z1 * y2, w1 * y2 - x1 * z2 + y1 * w2 + z1 * x2,
+  w1 * z2 + x1 * y2 - y1 * x2 + z1 * w2, w1 * w2 - x1 * x2 - y1 * y2 - z1 * z2];
+const rotate = (q, [x, y, z]) => times(times(q, [x, y, z, 0]), [-q[0], -q[1], -q[2], q[3]]).slice(0, 3);
+
+export const panel = { place: "controls", order: 20, make };
