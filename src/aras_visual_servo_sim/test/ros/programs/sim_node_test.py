@@ -29,8 +29,8 @@ class Wiring(unittest.TestCase):
     """A free-running simulator, a few times faster than real time."""
 
     def test_every_topic_of_the_interface_is_there(self):
-        expected = ["joint_states", "image_joint_states", "camera/image_raw", "camera/camera_info", "ground_truth/camera_pose",
-                    "ground_truth/camera_twist", "ground_truth/target_pose", "ground_truth/target_twist",
+        expected = ["joint_states", "image_joint_states", "camera/image_raw", "camera/camera_info",
+                    "ground_truth/camera_pose", "ground_truth/camera_twist", "ground_truth/target_pose", "ground_truth/target_twist",
                     "sim/status", "pan_controller/state",
                     "scene_markers", "camera_path"]
         expected = {rospy.resolve_name(name) for name in expected} | {"/clock"}
