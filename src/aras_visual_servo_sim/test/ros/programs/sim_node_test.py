@@ -30,8 +30,8 @@ class Wiring(unittest.TestCase):
 
     def test_every_topic_of_the_interface_is_there(self):
         expected = ["joint_states", "image_joint_states", "camera/image_raw", "camera/camera_info",
-                    "ground_truth/camera_pose", "ground_truth/camera_twist", "ground_truth/target_pose", "ground_truth/target_twist",
-                    "sim/status", "pan_controller/state",
+                    "ground_truth/camera_pose", "ground_truth/camera_twist", "ground_truth/target_pose",
+                    "ground_truth/target_twist", "sim/status", "pan_controller/state",
                     "scene_markers", "camera_path"]
         expected = {rospy.resolve_name(name) for name in expected} | {"/clock"}
         until(lambda: expected <= {name for name, _ in rospy.get_published_topics()}, "topics " + str(expected))
