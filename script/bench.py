@@ -173,6 +173,8 @@ def main():
     parser.add_argument("--paper", action="store_true", help="only README's table beside the paper's figures")
     parser.add_argument("--stop-rule", type=int, metavar="RUNS",
                         help="only whether CONVERGED means arrived (docs/sweeps.md)")
+    parser.add_argument("--rows", metavar="FILE", help="with --stop-rule, also a line of JSON per run, for "
+                        "script/figures --stop-rule FILE")
     parser.add_argument("--growth", action="store_true", help="only how cost grows; writes docs/performance.md")
     arguments = parser.parse_args()
     if arguments.growth:
@@ -180,7 +182,8 @@ def main():
         import growth
         return growth.main(["--no-ros"] if arguments.no_ros else [])
     if arguments.stop_rule:
-        return subprocess.run([sys.executable, STOP_RULE, "--runs", str(arguments.stop_rule)]).returncode
+        rows = ["--rows", arguments.rows] if arguments.rows else []
+        return subprocess.run([sys.executable, STOP_RULE, "--runs", str(arguments.stop_rule), *rows]).returncode
     if arguments.paper:
         sys.path.insert(0, str(WORKSPACE / "script/docs"))
         import paper_table

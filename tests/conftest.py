@@ -1,9 +1,10 @@
 """Runs that several tests look at are made once; what tests compared with others is written down."""
 import functools
-import importlib.util
+import importlib
 import json
 import os
 import pathlib
+import sys
 
 import numpy as np
 import pytest
@@ -23,6 +24,20 @@ def _run(name, changes):
 def run():
     """A function: (scenario name, {dotted path: value}) -> RunRecord of the run in this process."""
     return lambda name, changes=None: _run(name, tuple(sorted((changes or {}).items())))
+
+
+@pytest.fixture(scope="session")
+def docs():
+    """A function: name of a module of script/docs -> that module."""
+    return _docs
+
+
+@functools.lru_cache(maxsize=None)
+def _docs(name):
+    folder = str(ROOT / "script" / "docs")
+    if folder not in sys.path:
+        sys.path.append(folder)
+    return importlib.import_module(name)
 
 
 #: The worst difference that a test finds is that of docs/validation.md to this factor: rounding differs from one
@@ -54,17 +69,8 @@ def compared(request):
     return say
 
 
-@functools.lru_cache(maxsize=None)
-def _tables():
-    """Module script/docs/validation.py."""
-    spec = importlib.util.spec_from_file_location("validation", ROOT / "script" / "docs" / "validation.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 def _same_as_said(found, what, against):
-    said = _tables().read((ROOT / "docs" / "validation.md").read_text()).get((what, against))
+    said = _docs("validation").read((ROOT / "docs" / "validation.md").read_text()).get((what, against))
     again = "script/validation makes the page again"
     assert said is not None, f"docs/validation.md: found no row '{what} | {against}'; {again}"
     for key in ("cases", "bound", "unit"):

@@ -2,6 +2,8 @@
 
 script/gallery makes them again; tests/closed_loop/test_comparison_page.py holds some of their cells.
 """
+import marked
+
 #: Table -> the scenario that it was run on; None: that of the comparison itself.
 TABLES = {"free_camera": "free_camera", "arm": None}
 BEGIN, END = "<!-- comparison: {} -->\n", "<!-- end comparison -->"
@@ -19,7 +21,7 @@ def cell(row):
 
 def read(page, table):
     """{(law, task): cell} of a table of the page."""
-    lines = page.partition(BEGIN.format(table))[2].partition(END)[0].splitlines()
+    lines = marked.parts(page, BEGIN.format(table), END)[1].splitlines()
     titles = [title.strip().replace(" ", "_") for title in lines[0].strip("| ").split("|")][1:]
     found = {}
     for line in lines[2:]:
@@ -28,14 +30,17 @@ def read(page, table):
     return found
 
 
+def numbers(cell):
+    """(final error [mm] or None, how the run ended or "", detour [mm]) of a cell."""
+    ended, detour = cell.split("; ")
+    word = ended.strip("*") if ended.startswith("*") else ""
+    return (None if word else float(ended)), word, float(detour)
+
+
 def write(page, table, results):
     """The page with a table made anew of what `run_comparison` returned."""
     tasks, laws = ([*dict.fromkeys(result[k] for result in results)] for k in (0, 1))
     cells = {(law, task): cell(row) for task, law, row, _ in results}
     lines = [f"| law | {' | '.join(task.replace('_', ' ') for task in tasks)} |", "|---" * (len(tasks) + 1) + "|"]
     lines += [f"| `{law}` | {' | '.join(cells[law, task] for task in tasks)} |" for law in laws]
-    before, found, rest = page.partition(BEGIN.format(table))
-    _, ended, after = rest.partition(END)
-    if not (found and ended):
-        raise SystemExit(f"comparison: found no '{BEGIN.format(table).strip()}' ... '{END}' in the page")
-    return "".join([before, found, "\n".join(lines), "\n", END, after])
+    return marked.replaced(page, BEGIN.format(table), END, "\n".join(lines) + "\n")

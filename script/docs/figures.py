@@ -1,16 +1,31 @@
 """Figures of README.md and docs/: docs/figures.yaml says what they are, what makes them and where they stand.
 
+    runs:                          # by name, those that are not just a scenario
+      follow_circle: {scenario: moving_target, set: {KEY: VALUE}, motion: {type: circle, ...}}
     figures:                       # by name
       six_dof_points.x_mm: {value: 0.06, made_by: run, tolerance: 0.02}
       loop: {value: 113, made_by: 'script/bench: whole loop in process, simulated / wall seconds, one core'}
     texts:                         # word for word, {name:format} stands for a figure, lines may break anywhere
     - {file: README.md, text: 'at {loop:.0f} times real time'}
+    exceptions:                    # by reason, numbers with a unit that no text above states
+      published by others:
+      - {file: README.md, text: the published 1.41 rad, which is f = 188 px}
+      a test of its own holds it:
+      - {file: README.md, table: the first words of a table}      # or paragraph
 
-`made_by: run`: the name is SCENARIO.KEY, KEY one of RUN_KEYS. These are the same on every machine, but for rounding,
-and a test makes them again (tests/closed_loop/test_figures_of_runs.py). `script/bench: ROW` is a row of what
-script/bench prints. Anything else is a command that a person runs. Timings are held only to be the same here and in
-the text.
-Formats are those of Python, and `t`: a whole number of three digits and noughts, thousands apart.
+tests/conventions/test_measured_numbers.py finds numbers with a unit that stand neither here nor in a marked table.
+
+What makes a figure:
+
+- `run`: the name is RUN.KEY, RUN of `runs` or a scenario, KEY one of RUN_KEYS. These are the same on every machine, but
+  for rounding, and a test makes them again (tests/closed_loop/test_figures_of_runs.py).
+- `table`: the name is TABLE.LAW.TASK.KEY, a cell of docs/comparison.md, KEY one of CELL_KEYS.
+- `test PATH::NAME`: the test NAME asserts this very number, which a test checks in its source.
+- `script/bench: ROW`: a row of what script/bench prints.
+- Anything else is a command that a person runs.
+
+Timings and commands are held only to be the same here and in the text.
+Formats are those of Python, and `t`: a whole number of three digits and noughts, thousands apart; `p`: as 1e-7.
 """
 import argparse
 import json
@@ -19,22 +34,27 @@ import re
 
 import yaml
 
+import figure_sources as sources
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 LIST = ROOT / "docs" / "figures.yaml"
 HEADER = ("# Figures of README.md and docs/, what makes them, and the texts that state them. `script/figures` renews\n"
           "# this file and the texts; script/docs/figures.py says how to read it.\n")
-RUN_KEYS = ("x_mm", "y_mm", "z_mm", "angle_deg", "duration_s", "x0_mm", "y0_mm", "z0_mm", "angle0_deg")
-BENCH = "script/bench: "
 _FIGURE = re.compile(r"\{([\w.]+):([^}]*)\}")
 
 
 def load(path=LIST):
     """{figures: {name: {value, made_by, tolerance}}, texts: [{file, text}]}"""
-    return yaml.safe_load(path.read_text())
+    listed = yaml.safe_load(path.read_text())
+    for figure in listed["figures"].values():
+        figure["value"] = json.loads(str(figure["value"]))  # YAML takes JSON's 1e-07 for a text
+    return {part: listed.get(part, {}) for part in ("runs", "figures", "texts", "exceptions")}
 
 
 def shown(value, form):
     """A figure as the text has it."""
+    if form == "p":
+        return f"{value:.0e}".replace("e-0", "e-")
     return f"{float(f'{value:.3g}'):,.0f}".replace(",", " ") if form == "t" else format(value, form)
 
 
@@ -51,57 +71,6 @@ def names_in(text):
 def pattern(words):
     """What finds these words, wherever lines break."""
     return re.compile(r"\s+".join(map(re.escape, words.split())))
-
-
-def run_figures(scenario):
-    """{KEY: value} of RUN_KEYS of a run in this process; lengths without sign."""
-    from aras_visual_servo_controller.run.judge import judge, run_in_process
-    from aras_visual_servo_controller.scenario.scenario import load_scenario
-
-    result = judge(run_in_process(load_scenario(scenario)))
-    values = {"duration_s": result.duration_s}
-    for key in ("x_mm", "y_mm", "z_mm", "angle_deg"):
-        name, _, unit = key.partition("_")
-        values[key], values[f"{name}0_{unit}"] = abs(result.final_error[key]), abs(result.initial_error[key])
-    return values
-
-
-def made_by_runs(figures):
-    """{name: value} of all figures that runs in this process make."""
-    wanted = [name.rsplit(".", 1) for name, figure in figures.items() if figure["made_by"] == "run"]
-    runs = {scenario: run_figures(scenario) for scenario in sorted({scenario for scenario, _ in wanted})}
-    return {f"{scenario}.{key}": runs[scenario][key] for scenario, key in wanted}
-
-
-def made_by_bench(figures, measured):
-    """{name: value} of all figures that script/bench measured. KeyError: a row that it does not have."""
-    return {name: measured[figure["made_by"][len(BENCH):]] for name, figure in figures.items()
-            if figure["made_by"].startswith(BENCH)}
-
-
-def sweep_figures(folder):
-    """(scenario, {KEY: value}) of a sweep: counts, of runs that every metric speaks of too, and medians."""
-    from aras_visual_servo_controller.sweep.metrics import known_metrics
-    from aras_visual_servo_controller.sweep.statistics import aggregate
-    from aras_visual_servo_controller.sweep.store import SweepStore
-
-    with SweepStore.open(folder) as store:
-        rows, scenario = store.rows(), store.meta["setup"]["scenario"]["name"]
-    numbers = aggregate(rows)
-    values = {"drawn": numbers["runs"], "refused": numbers["infeasible"], "feasible": numbers["feasible"],
-              "rate": 100.0 * numbers["success"], "error_mm": numbers["error_median_mm"],
-              "angle_deg": numbers["angle_median_deg"]}
-    for metric in known_metrics():
-        said = [row[metric.name] for row in rows if row["outcome"] != "infeasible" and row[metric.name] is not None]
-        values[metric.name], values[f"{metric.name}_of"] = sum(said), len(said)
-    return scenario, values
-
-
-def made_by_sweep(figures, folder):
-    """{name: value} of all figures `sweep.SCENARIO.KEY` of that sweep."""
-    scenario, values = sweep_figures(folder)
-    prefix = f"sweep.{scenario}."
-    return {name: values[name[len(prefix):]] for name in figures if name.startswith(prefix)}
 
 
 def renew(listed, made, root=ROOT):
@@ -125,9 +94,14 @@ def renew(listed, made, root=ROOT):
 
 
 def save(listed, path=LIST):
-    lines = [HEADER, "figures:\n"]
-    lines += [f"  {name}: {json.dumps(figure)}\n" for name, figure in listed["figures"].items()]
+    lines = [HEADER]
+    for part in ("runs", "figures"):
+        lines += [f"{part}:{'' if listed[part] else ' {}'}\n"]
+        lines += [f"  {name}: {json.dumps(entry)}\n" for name, entry in listed[part].items()]
     lines += ["texts:\n", *(f"- {json.dumps(text)}\n" for text in listed["texts"])]
+    lines += [f"exceptions:{'' if listed['exceptions'] else ' {}'}\n"]
+    for reason, entries in listed["exceptions"].items():
+        lines += [f"  {json.dumps(reason)}:\n", *(f"  - {json.dumps(entry)}\n" for entry in entries)]
     path.write_text("".join(lines))
 
 
@@ -136,13 +110,17 @@ def main():
     parser.add_argument("--bench", metavar="FILE", type=pathlib.Path, help="what script/bench --figures FILE wrote")
     parser.add_argument("--sweep", metavar="FOLDER", action="append", default=[],
                         help="folder of a sweep whose figures docs/sweeps.md states; may be given several times")
+    parser.add_argument("--stop-rule", metavar="FILE", type=pathlib.Path,
+                        help="what script/bench --stop-rule RUNS --rows FILE wrote")
     listed = load()
     arguments = parser.parse_args()
-    made = made_by_runs(listed["figures"])
+    made = {**sources.made_by_tables(listed["figures"]), **sources.made_by_runs(listed)}
     for folder in arguments.sweep:
-        made.update(made_by_sweep(listed["figures"], folder))
+        made.update(sources.made_by_sweep(listed["figures"], folder))
+    if arguments.stop_rule:
+        made.update(sources.made_by_stop_rule(listed["figures"], arguments.stop_rule))
     if arguments.bench:
-        made.update(made_by_bench(listed["figures"], json.loads(arguments.bench.read_text())))
+        made.update(sources.made_by_bench(listed["figures"], json.loads(arguments.bench.read_text())))
     for name, before, now in renew(listed, made):
         print(f"{name}: {before:g} -> {now:g}")
     save(listed)

@@ -4,6 +4,8 @@ import pathlib
 import re
 import sys
 
+import marked
+
 #: A table of the page stands between these lines; the group is whose tests fill it.
 BEGIN, END = "<!-- compared: {} -->", "<!-- end compared -->"
 HEAD = "| what | against | cases | worst difference | allowed |\n|---|---|---|---|---|\n"
@@ -29,12 +31,8 @@ def table(entries):
 def write(page, entries):
     """The page with the tables of those groups made anew of which there are entries."""
     for group in sorted({entry["group"] for entry in entries}):
-        begin = BEGIN.format(group)
-        before, found, rest = page.partition(begin + "\n")
-        _, ended, after = rest.partition(END)
-        if not (found and ended):
-            raise SystemExit(f"validation: found no '{begin}' ... '{END}' in the page")
-        page = before + begin + "\n" + table([entry for entry in entries if entry["group"] == group]) + END + after
+        rows = table([entry for entry in entries if entry["group"] == group])
+        page = marked.replaced(page, BEGIN.format(group) + "\n", END, rows)
     return page
 
 

@@ -1,5 +1,4 @@
 """Some cells of docs/comparison.md are what the runs make now, on the free camera and on the arm."""
-import importlib.util
 import pathlib
 
 import pytest
@@ -12,35 +11,22 @@ LAWS, TASKS = ("points_mean", "pbvs"), ("turn_90", "retreat", "general")
 ERROR_MM, DETOUR_MM, SHARE = 0.4, 2.0, 0.1
 
 
-def numbers(cell):
-    """(final error or None, how the run ended or "", detour) of a cell."""
-    ended, detour = cell.split("; ")
-    word = ended.strip("*") if ended.startswith("*") else ""
-    return (None if word else float(ended)), word, float(detour)
-
-
-@pytest.fixture(scope="module")
-def tables():
-    spec = importlib.util.spec_from_file_location("comparison_tables", ROOT / "script" / "docs" / "comparison.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 @pytest.mark.parametrize("table, scenario", [("free_camera", "free_camera"), ("arm", None)])
-def test_the_page_states_what_runs_make(tables, table, scenario):
+def test_the_page_states_what_runs_make(docs, table, scenario):
+    tables = docs("comparison")
     stated = tables.read((ROOT / "docs" / "comparison.md").read_text(), table)
     off = []
     for task, law, row, _ in run_comparison(load_comparison("canonical", LAWS, TASKS, scenario=scenario), workers=0):
         found, said = tables.cell(row), stated[law, task]
-        (error, ended, detour), (error_said, ended_said, detour_said) = numbers(found), numbers(said)
+        (error, ended, detour), (error_said, ended_said, detour_said) = tables.numbers(found), tables.numbers(said)
         same = ended == ended_said and abs(detour - detour_said) <= DETOUR_MM + SHARE * detour_said
         if not same or (error is not None and abs(error - error_said) > ERROR_MM):
             off.append(f"{law}, {task}: the page says {said}, found {found}")
     assert not off, "\n".join([*off, "script/gallery makes the tables again"])
 
 
-def test_a_table_is_read_as_it_was_written(tables):
+def test_a_table_is_read_as_it_was_written(docs):
+    tables = docs("comparison")
     row = {"outcome": "success", "reason": "converged", "converged": 1, "error_mm": 0.123, "angle_deg": 0.1,
            "detour_mm": 4.4}
     lost = {**row, "outcome": "failure", "reason": "timed out, at a joint limit", "converged": 0, "error_mm": 90.0}

@@ -2,19 +2,11 @@
 
 The tests that compare hold each row themselves: fixture `compared` in tests/conftest.py.
 """
-import importlib.util
 import pathlib
 import re
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "validation.md"
-
-
-def tables():
-    spec = importlib.util.spec_from_file_location("validation", ROOT / "script" / "docs" / "validation.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 def test_every_test_that_the_page_names_is_there():
@@ -24,15 +16,15 @@ def test_every_test_that_the_page_names_is_there():
     assert len(named) > 8 and not missing, missing
 
 
-def test_no_comparison_stands_outside_its_bound():
-    rows = tables().read(PAGE.read_text())
+def test_no_comparison_stands_outside_its_bound(docs):
+    rows = docs("validation").read(PAGE.read_text())
     assert {against.split(",")[0].split(" ")[0] for _, against in rows} >= {"ViSP", "Pinocchio", "MuJoCo"}
     assert all(row["worst"] <= row["bound"] and row["cases"] > 0 for row in rows.values())
 
 
-def test_a_table_is_read_as_it_was_written():
+def test_a_table_is_read_as_it_was_written(docs):
     entry = {"group": "peers", "what": "mass", "against": "b", "cases": 3, "worst": 2e-3, "bound": 1e-2,
              "unit": "of it"}
     page = "<!-- compared: peers -->\nold\n<!-- end compared -->\n"
-    found = tables().read(tables().write(page, [entry]))
+    found = docs("validation").read(docs("validation").write(page, [entry]))
     assert found == {("mass", "b"): {key: entry[key] for key in ("cases", "worst", "bound", "unit")}}

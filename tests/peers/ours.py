@@ -40,3 +40,9 @@ def kinematics(urdf, base, tip, positions):
     asked = {"urdf": urdf, "base": base, "tip": tip, "positions": positions}
     answers = _ask(["/usr/bin/python3", pathlib.Path(__file__).with_name("jacobians.py")], asked)
     return [(np.array(one["pose"]), np.array(one["jacobian"])) for one in answers]
+
+
+def light(sensor, width, height, file, points):
+    """Writes images of an evenly lit sensor, as photons.py describes them."""
+    asked = {"sensor": sensor, "width": width, "height": height, "file": str(file), "points": points}
+    _ask(["/usr/bin/python3", pathlib.Path(__file__).with_name("photons.py")], asked)

@@ -62,9 +62,12 @@ class Browser:
     async def _connected(address):
         return await websocket_connect(address, max_message_size=1 << 28)
 
-    def __exit__(self, *_):
+    async def _closed(self):
         self._socket.close()
-        self._loop.run_until_complete(asyncio.sleep(0.05))
+        await asyncio.sleep(0.05)
+
+    def __exit__(self, *_):
+        self._loop.run_until_complete(self._closed())
         self._process.terminate()
         self._process.wait()
         self._loop.close()

@@ -92,6 +92,15 @@ void bindFrame(py::module_& module) {
 
 void bindFrames(py::module_& module, py::class_<Simulation>& type) {
   bindFrame(module);
+  type.def(
+          "camera_encoding",
+          [](const Simulation& self, const std::string& camera) {
+            return self.cameras()[self.cameras().index(camera)].model().config().encoding;
+          },
+          py::arg("camera") = "camera", "\"rgb8\", \"bgr8\" or \"mono8\".")
+      .def(
+          "trigger", [](Simulation& self, const std::string& camera) { self.trigger(self.cameras().index(camera)); },
+          py::arg("camera") = "camera", "Asks a triggered camera for one frame, the next of its schedule.");
   type.def("frame", &frame, py::arg("camera") = "camera",
            "Renders as render does, and returns the image with what was true when it was exposed.\n\n"
            "Raises:\n    UnknownNameError, RenderError.")

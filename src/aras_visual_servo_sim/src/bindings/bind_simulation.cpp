@@ -16,6 +16,7 @@
 #include "aras_visual_servo_sim/robot/urdf_loader.hpp"
 #include "aras_visual_servo_sim/simulation/simulation.hpp"
 #include "bind_contacts.hpp"
+#include "bind_controllers.hpp"
 #include "bind_frames.hpp"
 #include "bind_geometry.hpp"
 
@@ -88,6 +89,11 @@ py::dict controllerState(const Simulation& simulation, const std::string& contro
   result["i_clamp"] = state.gains.i_max;
   result["antiwindup"] = state.gains.antiwindup;
   return result;
+}
+
+void setBase(Simulation& simulation, const Eigen::Matrix4d& X_WB, const Twist& V_WB_W) {
+  const Eigen::Quaterniond q(X_WB.topLeftCorner<3, 3>());
+  simulation.setBase({X_WB.topRightCorner<3, 1>(), q.normalized()}, V_WB_W);
 }
 
 void setModelPose(Simulation& simulation, const std::string& name, const Eigen::Vector3d& p,
@@ -190,6 +196,13 @@ void bindRobot(py::class_<Simulation>& type) {
       .def_property_readonly(
           "base_pose", [](const Simulation& self) { return self.world().basePose().matrix(); },
           "X_WB, (4, 4): pose of the root link, or of the child of a floating joint, in W.")
+      .def(
+          "link_twist",
+          [](const Simulation& self, const std::string& link) -> Twist { return self.world().linkTwist(link); },
+          py::arg("link"), "V_WL_L, (6,): twist of a link in W in its own axes, [v; w] [m/s; rad/s].")
+      .def("set_base", &setBase, py::arg("pose"), py::arg("twist") = Twist(Twist::Zero()),
+           "Places a base that is not fixed: X_WB (4, 4); twist (6,), [v; w] in world axes, not of a driven one.\n\n"
+           "Raises:\n    ParameterError: it is fixed; NotFiniteError. Nothing changes then.")
       .def("set_joint_positions", &Simulation::setJointPositions, py::arg("positions"),
            "Places joints, dict name -> [m or rad], at rest with their set-points there.\n\n"
            "Raises:\n    UnknownNameError, NotFiniteError, ParameterError (outside the limits); nothing changes then.");
@@ -227,7 +240,10 @@ void bindScene(py::class_<Simulation>& type) {
 }
 
 void bindState(py::class_<Simulation>& type) {
-  type.def("reset", &Simulation::reset, ReleaseGil(), "Back to tick 0, everything as constructed.")
+  type.def("reset", &Simulation::reset, ReleaseGil(),
+           "Back to tick 0, everything as constructed; controllers that were loaded stay, those that run begin anew.")
+      .def("reset_world", &Simulation::resetWorld, ReleaseGil(),
+           "Joints and models back to where they started, at rest; time goes on.")
       .def(
           "save_state", [](const Simulation& self) { return py::bytes(self.saveState()); },
           "bytes: everything that decides the future and the run hash.")
@@ -267,6 +283,7 @@ void bindSimulation(py::module_& module) {
   bindGeometry(type);
   bindContacts(type);
   bindRobot(type);
+  bindControllers(type);
   bindScene(type);
   bindState(type);
 }

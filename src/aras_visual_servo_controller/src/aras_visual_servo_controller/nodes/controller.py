@@ -250,10 +250,10 @@ class ControllerNode:
             self._publish_state(record)
             self._finish(record)
 
-    def _on_stop(self, _request):
+    def _on_stop(self, request):
         with self._lock:
             was_active = self._session.active
-            self._stop("stopped by service")
+            self._stop(f"stopped by {request._connection_header.get('callerid', 'a service call')}")
             return TriggerResponse(True, "stopped" if was_active else "there was no goal; the arm stands still")
 
     def _on_reconfigure(self, _request):

@@ -6,6 +6,7 @@ import time
 
 import rospy
 from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
 
 from . import conversions as convert
 from ..ground.errors import ArasError, ParameterError
@@ -20,7 +21,8 @@ EXIT_STOPPED, EXIT_PARAMETERS = 0, 2
 class TeleopNode:
     """Answers each joint state with velocities while a key is held, and once with zeros when it is let go.
 
-    Otherwise it sends nothing. So it does not disturb another controller that moves the arm, and a simulator in
+    The first key of a motion stops the goal that the controller works on, whose result then names this node. Otherwise
+    it sends nothing. So it does not disturb another controller that moves the arm, and a simulator in
     lockstep does not begin to wait for its answers.
     """
 
@@ -39,6 +41,7 @@ class TeleopNode:
         self._names, self._moving = kinematics.joint_names, False
         self._joints = convert.JointReader(kinematics.joint_names)
         self._command = rospy.Publisher("joint_command", JointState, queue_size=1, tcp_nodelay=True)
+        self._stop = rospy.ServiceProxy("stop", Trigger)
         rospy.Subscriber("joint_states", JointState, self._on_joints, queue_size=1, tcp_nodelay=True)
 
     def _on_joints(self, message):
@@ -49,11 +52,20 @@ class TeleopNode:
                 rospy.logwarn_throttle(5.0, "teleop: no command was sent: %s", error)
                 return
             moves = bool(velocity.any())
+            if moves and not self._moving:
+                self._take_over()
             if moves or self._moving:
                 command = JointState(name=list(self._names), velocity=velocity.tolist())
                 command.header.stamp = message.header.stamp
                 self._command.publish(command)
             self._moving = moves
+
+    def _take_over(self):
+        """End the controller's goal, if there is a controller: two must not drive the arm."""
+        try:
+            self._stop()
+        except (rospy.ServiceException, rospy.ROSException):
+            pass  # there is no controller
 
 
 def main(descriptor=0):

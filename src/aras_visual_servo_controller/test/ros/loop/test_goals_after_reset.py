@@ -6,6 +6,7 @@ import unittest
 import actionlib
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus
+from std_srvs.srv import Trigger
 
 from aras_visual_servo_msgs.msg import VisualServoAction, VisualServoGoal
 from wiring import LIMIT_S, Watcher, call, wait_until
@@ -37,6 +38,19 @@ class GoalsAfterReset(unittest.TestCase):
     def setUp(self):
         self.reset()
         self.run_until(2.0)
+
+    def test_the_result_of_a_goal_that_is_stopped_names_who_stopped_it(self):
+        self.begin()
+        rospy.ServiceProxy("stop", Trigger)()
+        wait_until(lambda: self.client.get_state() == GoalStatus.ABORTED, "the goal to end")
+        result = wait_until(self.client.get_result, "the result")
+        self.assertEqual(result.reason, f"stopped by {rospy.get_name()}")
+
+    def test_a_goal_is_taken_after_each_of_ten_resets(self):
+        for _ in range(10):
+            self.begin()
+            self.reset()
+            self.run_until(0.3)
 
     def test_a_goal_is_taken_after_a_reset_that_followed_its_end(self):
         self.begin()

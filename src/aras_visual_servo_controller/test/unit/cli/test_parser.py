@@ -81,7 +81,8 @@ def test_the_launch_file_loads_what_a_scenario_extends_and_what_set_says():
     scenario = found["/aras_visual_servo/scenario"]
     assert {key: scenario[key] for key in expected if key != "time"} == {
         key: value for key, value in expected.items() if key != "time"}
-    assert found["/aras_visual_servo/scenario/time/start_paused"] is True
+    assert scenario["time"] == {**expected["time"], "start_paused": True}
+    assert not [name for name in found if name.startswith("/aras_visual_servo/scenario/")]  # one parameter, no conflict
 
 
 def completed(line):

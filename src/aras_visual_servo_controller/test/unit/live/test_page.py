@@ -60,11 +60,11 @@ def test_a_gain_that_is_moved_while_it_servoes_acts_at_once(serve, tmp_path):
                       "e.addEventListener('input', () => { window.moved = performance.now(); }); "
                       "aras.model.on('values', () => { window.heard = performance.now(); }); })()")
         took = []
-        for share in (0.4, 0.6, 0.95):  # the best of three: other programs may hold the browser up
+        for share in (0.4, 0.6, 0.75):  # the best of three: other programs may hold the browser up
             gain = slide(browser, "servo.gains_per_s.xn", share)
             browser.wait(f"aras.model.values.servo.gains_per_s.xn === {gain}")
             took.append(browser.value("(heard - moved) / 1000"))
-        assert gain > 3.0 and min(took) < EFFECT_S
+        assert gain > 2.0 and min(took) < EFFECT_S
         t0 = browser.value("aras.model.state.t")
         browser.wait(f"aras.model.state.t > {t0} + 0.4")
         rows = browser.value("aras.model.rows.map((row) => [row[0], row[aras.model.column['e.xn']]])")

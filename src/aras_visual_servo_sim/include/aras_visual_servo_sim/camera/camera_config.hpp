@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "aras_visual_servo_sim/config/types.hpp"
+#include "aras_visual_servo_sim/image/sensor/sensor_config.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -36,6 +37,7 @@ struct CameraConfig {
   double noise_mean = 0.0, noise_stddev = 0.0;
   double exposure_s = 0.0;
   int exposure_samples = 0;
+  std::optional<SensorConfig> sensor;  ///< nothing: an image is what the scene shows
   double latency_s = 0.0;
   double drop_probability = 0.0;
   bool triggered = false;

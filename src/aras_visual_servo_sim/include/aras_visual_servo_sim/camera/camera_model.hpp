@@ -48,6 +48,10 @@ class CameraModel {
   Lens lens() const { return lens_; }
   Sampling sampling() const { return sampling_; }
   Encoding encoding() const { return encoding_; }
+  /** In which the renderer draws: rgb8 for a Bayer pattern, which is made of it, else encoding(). */
+  Encoding drawnEncoding() const { return isBayer(encoding_) ? Encoding::kRgb8 : encoding_; }
+  /** A camera that sees row v of this one's image, and nothing else. */
+  CameraModel row(int v) const;
 
   /** Pixel coordinates (u, v) of p_C [m]; nothing where Z <= 0 or beyond the radius at which the lens folds over.
    *  Through the equidistant lens: nothing beyond lensAngle(). The image border does not matter: coordinates may lie
@@ -111,6 +115,7 @@ class CameraModel {
  private:
   void readLens(FaultList& faults);
   void readFocalLength(FaultList& faults);
+  void checkSensor(FaultList& faults) const;
   Eigen::Vector2d distort(const Eigen::Vector3d& ray) const;
   double radial(double r) const;
   std::optional<double> inverseRadial(double rd) const;

@@ -8,13 +8,15 @@
 namespace aras_visual_servo_sim {
 
 /** Layout of one pixel; names are those of sensor_msgs/image_encodings. */
-enum class Encoding { kRgb8, kBgr8, kMono8 };
+enum class Encoding { kRgb8, kBgr8, kMono8, kBayerRggb8, kBayerBggr8, kBayerGbrg8, kBayerGrbg8 };
 
-/** @throws ParameterError unless name is "rgb8", "bgr8" or "mono8" */
+/** @throws ParameterError unless name is that of one of them, as "rgb8" */
 Encoding encodingFromName(const std::string& name);
 const char* encodingName(Encoding encoding);
 /** Bytes of one pixel: 3 or 1. */
 int channelsOf(Encoding encoding);
+/** Whether a pixel shows one of red, green and blue, by its place. */
+inline bool isBayer(Encoding encoding) { return encoding >= Encoding::kBayerRggb8; }
 
 /** Colour, 8 bits a channel, as displayed (no gamma is applied anywhere). */
 struct Rgb {

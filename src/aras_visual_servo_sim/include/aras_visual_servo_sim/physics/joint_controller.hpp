@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "aras_visual_servo_sim/config/section.hpp"
 #include "aras_visual_servo_sim/physics/pid.hpp"
 #include "aras_visual_servo_sim/robot/robot_model.hpp"
 
@@ -49,6 +50,9 @@ struct ControllerState {
  *  @throws ParameterError with all faults: unknown type, unknown joint, joint with two controllers, a type that the
  *          hardware interfaces of the joint's <transmission> do not have, missing `p`, ... */
 std::vector<ControllerConfig> parseControllers(const YAML::Node& node, const RobotModel& model);
+
+/** Reads a section `pid`. Faults go to the reader's family. */
+PidGains readGains(YamlReader reader);
 
 /** @throws ParameterError unless the gains are finite, not negative, i_min <= 0 <= i_max. */
 void checkGains(const PidGains& gains, const std::string& controller_name);

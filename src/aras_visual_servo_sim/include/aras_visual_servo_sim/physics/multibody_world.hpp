@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "aras_visual_servo_sim/config/types.hpp"
+#include "aras_visual_servo_sim/physics/managed/controller_set.hpp"
 #include "aras_visual_servo_sim/physics/world_config.hpp"
 #include "aras_visual_servo_sim/robot/robot_model.hpp"
 
@@ -123,6 +124,26 @@ class MultibodyWorld {
   ControllerState controllerState(const std::string& controller) const;
   /** Changes gains while running; the integral is kept. @throws UnknownNameError, ParameterError */
   void setGains(const std::string& controller, const PidGains& gains);
+
+  // --- controllers as ros_control's controller manager has them: loaded, started and stopped between two steps
+  /** @return what was ignored, a line each @throws as ControllerSet::load */
+  std::vector<std::string> loadController(const std::string& name, const YAML::Node& parameters);
+  /** @throws as ControllerSet::unload */
+  void unloadController(const std::string& name);
+  /** @throws as ControllerSet::plan, ParameterError for a joint that such a controller cannot drive; nothing changes
+   * then
+   */
+  void switchControllers(const std::vector<std::string>& start, const std::vector<std::string>& stop, bool strict);
+  const ControllerSet& controllers() const;
+  /** Gives the controllers of another world of this model, to go on here from where the joints are. */
+  void takeControllers(MultibodyWorld& other);
+  /** A running controller, to be told what to do. @throws UnknownNameError, ParameterError: it does not run */
+  Controller& runningController(const std::string& name);
+  /** State of the joints of a controller. */
+  std::vector<JointNow> jointsOf(const Controller& controller) const;
+  /** Sets all joints of a running group at once, in the order of its joints.
+   *  @throws UnknownNameError, ParameterError (does not run, wrong size), NotFiniteError; nothing changes then */
+  void setGroupCommand(const std::string& controller, const std::vector<double>& values);
 
   /** X_WL of any link, fixed ones included. */
   Pose linkPose(int link) const;

@@ -27,6 +27,8 @@ struct WorldConfig {
   Drive drive = Drive::kImplicit;
   double command_timeout_s = 0.0;             ///< a velocity command older than this (simulated) counts as 0; 0: never
   std::vector<ControllerConfig> controllers;  ///< joints without one are passive
+  bool hold_idle_joints = false;              ///< as Gazebo: a joint whose <transmission> has a position or velocity
+                                              ///< interface stays where it is while no controller drives it
   ContactConfig contacts;                     ///< none by default
   Base base = Base::kFromModel;
   /** Initial pose of the root link, or of the child of a floating joint; default: the world frame, or that joint's

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/config/package_paths.hpp"
 #include "aras_visual_servo_sim/physics/multibody_world.hpp"
 #include "aras_visual_servo_sim/robot/robot_model.hpp"
@@ -102,6 +103,28 @@ class Simulation {
   void setGains(const std::string& controller, const PidGains& gains) { world_->setGains(controller, gains); }
   /** Places joints, at rest. @throws as MultibodyWorld::setJointPositions */
   void setJointPositions(const std::map<std::string, double>& positions);
+
+  // --- controllers that are loaded, started and stopped while time goes on, see MultibodyWorld; a reset starts those
+  // anew that run
+  std::vector<std::string> loadController(const std::string& name, const YAML::Node& parameters) {
+    return world_->loadController(name, parameters);
+  }
+  void unloadController(const std::string& name) { world_->unloadController(name); }
+  void switchControllers(const std::vector<std::string>& start, const std::vector<std::string>& stop, bool strict) {
+    world_->switchControllers(start, stop, strict);
+  }
+  Controller& runningController(const std::string& name) { return world_->runningController(name); }
+  void setGroupCommand(const std::string& controller, const std::vector<double>& values) {
+    world_->setGroupCommand(controller, values);
+  }
+  /** Places a floating base, with a twist [v; w] in world axes; a driven one takes no twist.
+   *  @throws as MultibodyWorld::setBasePose; nothing changes then */
+  void setBase(const Pose& X_WB, const Twist& V_WB_W) {
+    if (!V_WB_W.allFinite()) throw NotFiniteError("setBase: found a twist that is not finite, must be finite");
+    world_->setBasePose(X_WB);
+    if (!world_->drivenBase()) world_->setBaseTwist(V_WB_W);
+    cameras_.forgetPast();
+  }
 
   // --- models: what is in the scene besides the robot, flat ones and solids
   /** Adds a model until the next reset.

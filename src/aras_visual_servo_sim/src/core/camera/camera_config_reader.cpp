@@ -1,6 +1,7 @@
 #include "aras_visual_servo_sim/camera/camera_config_reader.hpp"
 
 #include "aras_visual_servo_sim/camera/camera_model.hpp"
+#include "camera/sensor_config_reader.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -83,6 +84,7 @@ CameraConfig::CameraConfig() { visitKeys(*this, SettingDefaults{sectionOf(kSecti
 CameraConfig readCameraConfig(YamlReader& reader) {
   CameraConfig camera;
   visitKeys(camera, Reading{reader});
+  if (reader.has("sensor")) camera.sensor = readSensorConfig(reader.section("sensor"));
   return camera;
 }
 

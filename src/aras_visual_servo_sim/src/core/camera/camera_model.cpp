@@ -6,6 +6,7 @@
 
 #include "aras_visual_servo_sim/camera/camera_config_reader.hpp"
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "camera/sensor_config_reader.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -26,6 +27,7 @@ CameraModel::CameraModel(const CameraConfig& config) : config_(config) {
   if (config.exposure_s >= 1.0 / config.rate_hz) {
     faults.add("exposure_s", numberText(config.exposure_s), "< 1 / rate_hz, " + numberText(1.0 / config.rate_hz));
   }
+  if (config.sensor) checkSensor(faults);
   sampling_ = config.sampling == "center" ? Sampling::kCenter : Sampling::kCoverage;
   readLens(faults);
   readFocalLength(faults);
@@ -45,6 +47,30 @@ CameraModel::CameraModel(const CameraConfig& config) : config_(config) {
   FaultList named;
   named.adopt(ParameterError(faults.lines()), "camera '" + config.name + "': ");
   named.throwIfAny();
+}
+
+void CameraModel::checkSensor(FaultList& faults) const {
+  const SensorConfig& sensor = *config_.sensor;
+  aras_visual_servo_sim::checkSensor(sensor, config_.encoding != "mono8", faults);
+  const double all_s = config_.exposure_s + sensor.row_time_s * (config_.height - 1);
+  if (sensor.row_time_s > 0.0 && all_s >= 1.0 / config_.rate_hz) {
+    faults.add("sensor/row_time_s", numberText(sensor.row_time_s),
+               "a time with which all rows, " + numberText(all_s) + " s, take < 1 / rate_hz, " +
+                   numberText(1.0 / config_.rate_hz));
+  }
+  if (config_.noise_stddev != 0.0 || config_.noise_mean != 0.0) {
+    faults.add("noise_stddev and noise_mean",
+               numberText(config_.noise_stddev) + " and " + numberText(config_.noise_mean),
+               "0 with a sensor, whose own keys are dark_noise_e and black_level_dn");
+  }
+}
+
+CameraModel CameraModel::row(int v) const {
+  CameraModel model = *this;
+  model.config_.height = 1;
+  model.config_.cy_px = model.cy_ = cy_ - v;
+  model.rays_ = std::make_shared<Rays>();
+  return model;
 }
 
 void CameraModel::readFocalLength(FaultList& faults) {

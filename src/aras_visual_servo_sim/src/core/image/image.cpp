@@ -4,24 +4,25 @@
 
 namespace aras_visual_servo_sim {
 
+namespace {
+
+/** In the order of Encoding. */
+constexpr const char* kNames[] = {"rgb8", "bgr8", "mono8", "bayer_rggb8", "bayer_bggr8", "bayer_gbrg8", "bayer_grbg8"};
+
+}  // namespace
+
 Encoding encodingFromName(const std::string& name) {
-  if (name == "rgb8") return Encoding::kRgb8;
-  if (name == "bgr8") return Encoding::kBgr8;
-  if (name == "mono8") return Encoding::kMono8;
-  throw ParameterError("encoding: found '" + name + "', allowed rgb8, bgr8, mono8");
-}
-
-const char* encodingName(Encoding encoding) {
-  switch (encoding) {
-    case Encoding::kRgb8:
-      return "rgb8";
-    case Encoding::kBgr8:
-      return "bgr8";
-    default:
-      return "mono8";
+  std::string known;
+  int index = 0;
+  for (const char* each : kNames) {
+    if (name == each) return static_cast<Encoding>(index);
+    known += (index++ == 0 ? "" : ", ") + std::string(each);
   }
+  throw ParameterError("encoding: found '" + name + "', allowed " + known);
 }
 
-int channelsOf(Encoding encoding) { return encoding == Encoding::kMono8 ? 1 : 3; }
+const char* encodingName(Encoding encoding) { return kNames[static_cast<int>(encoding)]; }
+
+int channelsOf(Encoding encoding) { return encoding == Encoding::kRgb8 || encoding == Encoding::kBgr8 ? 3 : 1; }
 
 }  // namespace aras_visual_servo_sim

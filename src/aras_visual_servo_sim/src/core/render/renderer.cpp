@@ -21,13 +21,13 @@ void requireFinite(const CameraModel& camera, const Pose& X_WC, const Scene& sce
 
 void Renderer::render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
   requireFinite(camera, X_WC, scene);
-  out.resize(camera.width(), camera.height(), camera.encoding());
+  out.resize(camera.width(), camera.height(), camera.drawnEncoding());
   doRender(camera, X_WC, scene, out);
 }
 
 void Renderer::render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, FineImage& out) {
   requireFinite(camera, X_WC, scene);
-  out.resize(camera.width(), camera.height(), camera.encoding());
+  out.resize(camera.width(), camera.height(), camera.drawnEncoding());
   doRender(camera, X_WC, scene, out);
 }
 

@@ -222,7 +222,9 @@ void Simulation::resetWorld() {
 void Simulation::reset() {
   models_.reset();
   contacts_.change(models_.set());
+  const std::unique_ptr<MultibodyWorld> before = std::move(world_);
   makeWorld();
+  world_->takeControllers(*before);
   resetWorld();
   cameras_.reset();
   run_hash_.reset();

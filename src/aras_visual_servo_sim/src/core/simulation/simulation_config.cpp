@@ -21,6 +21,7 @@ WorldConfig readWorld(YamlReader& reader) {
     YamlReader pose = reader.section("base_pose");
     world.X_WB = Pose{pose.get<Eigen::Vector3d>("position_m"), quaternionFromRpy(pose.get<Eigen::Vector3d>("rpy_rad"))};
   }
+  world.hold_idle_joints = reader.choice<bool>("idle_joints", {{"free", false}, {"hold", true}});
   world.command_timeout_s = reader.get<double>("command_timeout_s");
   world.contacts = readContacts(reader.section("contacts"));
   return world;

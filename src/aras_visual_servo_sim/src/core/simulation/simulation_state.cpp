@@ -40,6 +40,9 @@ std::string Simulation::saveState() const {
   for (const Camera& camera : cameras_) {
     if (camera.late()) out.putFrames(camera.flight());
   }
+  for (const Camera& camera : cameras_) {
+    if (camera.sensor() && camera.sensor()->setsItself()) out.putSensor(camera.sensor()->state());
+  }
   return out.take();
 }
 
@@ -86,6 +89,10 @@ void Simulation::restoreState(const std::string& state) {
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     if (cameras_[static_cast<int>(k)].late())
       in.getFrames(static_cast<int>(world_->jointNames().size()), models.scene, compose, cameras[k]);
+  }
+  for (std::size_t k = 0; k < cameras.size(); ++k) {
+    const Sensor* sensor = cameras_[static_cast<int>(k)].sensor();
+    if (sensor && sensor->setsItself()) cameras[k].sensor = in.getSensor();
   }
   if (!in.atEnd()) throw StateError("saved state: found bytes after its end, allowed a state of this simulation");
 

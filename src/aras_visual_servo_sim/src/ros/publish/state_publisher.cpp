@@ -65,6 +65,7 @@ void StatePublisher::advertiseCamera(int camera, const CameraTopics& topics) {
   CameraOutput output;
   output.image = transport_.advertise(topics.image, kImageQueue);
   output.image_tap = &recording_.tap(topics.image);
+  output.compressed = {node_, transport_, topics.image, model};
   output.info = {node_, recording_, topics.info, kSmallQueue};
   output.pose = {node_, recording_, truth + "camera_pose", kSmallQueue};
   output.twist = {node_, recording_, truth + "camera_twist", kSmallQueue};
@@ -214,7 +215,8 @@ void StatePublisher::publishImage(int camera) {
   output.info_message.header.stamp = stamp;
   output.info.publish(output.info_message);
   geometry_.publish(camera, stamp);
-  if (!render_always_ && !output.image_tap->open && output.image.getNumSubscribers() == 0) return;
+  const bool wanted = output.image_tap->open || output.image.getNumSubscribers() > 0 || output.compressed.wanted();
+  if (!render_always_ && !wanted) return;
   try {
     const Image& image = simulation_.render(camera);
     // A new one each time: nodelets of this process keep it as it is.
@@ -223,6 +225,7 @@ void StatePublisher::publishImage(int camera) {
     message->data = image.data;
     output.image.publish(sensor_msgs::ImageConstPtr(message));
     recording_.write(*output.image_tap, *message);
+    if (output.compressed.wanted()) output.compressed.publish(image, stamp);
   } catch (const ArasError& error) {
     ++dropped_frames_;
     ROS_ERROR_THROTTLE(kErrorPeriodS, "no image: %s", error.what());

@@ -17,6 +17,7 @@
 #include "aras_visual_servo_sim/simulation/cameras/frame_schedule.hpp"
 #include "aras_visual_servo_sim/simulation/simulation.hpp"
 #include "camera_topics.hpp"
+#include "compressed_publisher.hpp"
 #include "convert/parameters.hpp"
 #include "convert/wire_time.hpp"
 #include "geometry_publisher.hpp"
@@ -61,6 +62,7 @@ class StatePublisher {
   struct CameraOutput {
     image_transport::Publisher image;
     Tap* image_tap = nullptr;
+    CompressedPublisher compressed;
     Outlet<sensor_msgs::CameraInfo> info;
     Outlet<geometry_msgs::PoseStamped> pose;
     Outlet<geometry_msgs::TwistStamped> twist;

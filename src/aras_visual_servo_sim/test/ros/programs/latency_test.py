@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Two cameras of different latency in lockstep with this test: the run of the Python class, byte for byte."""
+"""Two cameras of different latency, one of them with a sensor, in lockstep with this test: the run of the Python class,
+byte for byte."""
 import hashlib
 import unittest
 

@@ -8,7 +8,9 @@ import subprocess
 import sys
 import unittest
 
+import cv2
 import dynamic_reconfigure.client
+import numpy as np
 import rospy
 import rostest
 from aras_visual_servo_msgs.msg import JointControllerState, SimStatus
@@ -16,7 +18,7 @@ from aras_visual_servo_msgs.srv import SetJointPositions, SetTargetPose, Step
 from aras_visual_servo_sim import Simulation
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import CameraInfo, Image, JointState
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image, JointState
 from std_msgs.msg import Float64
 from std_srvs.srv import Empty
 
@@ -72,6 +74,18 @@ class Wiring(unittest.TestCase):
         first = stamps_ms[0] * 30 // 1000
         expected = [-(-(first + k) * 1000 // 30) for k in range(40)]  # k / 30 Hz, rounded up to a tick of 1 ms
         self.assertEqual(stamps_ms, expected)
+
+    def test_compressed_images_are_jpeg_files_of_the_same_stamps(self):
+        compressed = Listener("camera/image_raw/compressed", CompressedImage)
+        images = Listener("camera/image_raw", Image)
+        stamps = until(lambda: set(images.stamps()) & set(compressed.stamps()), "an image both ways")
+        image = next(m for m in images.messages if m.header.stamp.to_nsec() in stamps)
+        file = next(m for m in compressed.messages if m.header.stamp == image.header.stamp)
+        self.assertEqual(file.header.frame_id, "eye_optical_frame")
+        self.assertEqual(file.format, "rgb8; jpeg compressed bgr8")
+        seen = cv2.imdecode(np.frombuffer(file.data, np.uint8), cv2.IMREAD_COLOR)[:, :, ::-1]
+        raw = np.frombuffer(image.data, np.uint8).reshape(seen.shape)
+        self.assertLess(np.abs(seen.astype(int) - raw).mean(), 5.0)
 
     def test_clock_never_runs_backwards_and_is_never_behind_an_image(self):
         clocks = Listener("/clock", Clock)

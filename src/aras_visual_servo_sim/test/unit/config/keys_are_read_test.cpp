@@ -12,12 +12,14 @@
 #include "aras_visual_servo_sim/config/section.hpp"
 #include "aras_visual_servo_sim/physics/joint_controller.hpp"
 #include "aras_visual_servo_sim/physics/joint_state_config.hpp"
+#include "aras_visual_servo_sim/physics/managed/controller.hpp"
 #include "aras_visual_servo_sim/robot/joint_limits_reader.hpp"
 #include "aras_visual_servo_sim/robot/urdf_loader.hpp"
 #include "aras_visual_servo_sim/scene/scene_loader.hpp"
 #include "aras_visual_servo_sim/simulation/simulation_config.hpp"
 #include "aras_visual_servo_sim/simulation/time/time_config.hpp"
 #include "schema_sections.hpp"
+#include "tools/two_joints.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -31,7 +33,8 @@ const std::set<std::string> kIgnored = {"joint_limits/angle_wraparound"};
 const char* const kSim = R"(
 contacts: {ground_plane: {}, free_bodies: {box: 1.0}}
 base_pose: {}
-cameras: [{name: c, frame: f, width: 4, height: 3, horizontal_fov_rad: 1.0}]
+cameras: [{name: c, frame: f, width: 4, height: 3, horizontal_fov_rad: 1.0,
+           sensor: {auto_exposure: {}, auto_white_balance: {}}}]
 scene:
   lighting: {lights: [{name: lamp, type: point}], fog: {density_per_m: 1}, zenith_rgb: [1, 2, 3]}
   models:
@@ -56,6 +59,15 @@ c2: {type: effort_controllers/JointEffortController, joint: j2}
 c3: {type: position_controllers/JointPositionController, joint: j3}
 c4: {type: velocity_controllers/JointVelocityController, joint: j4}
 )";
+
+const char* const kTrajectory = R"(
+{type: effort_controllers/JointTrajectoryController, joints: [a], gains: {a: {p: 1}}, velocity_ff: {a: 1},
+ constraints: {a: {goal: 1}}}
+)";
+
+const char* const kGroup = "{type: effort_controllers/JointGroupPositionController, joints: [a], a: {pid: {p: 1}}}";
+
+const char* const kGripper = "{type: effort_controllers/GripperActionController, joint: a, gains: {a: {p: 1}}}";
 
 const char* const kTarget = R"(
 {name: t, outlines_m: [[[0, 0], [1, 0], [1, 1]]], board: {size_m: [1, 1]}, image: {file: no_such.png, size_m: [1, 1]}}
@@ -97,7 +109,17 @@ std::vector<Root> roots() {
     } catch (const ModelError&) {  // all keys are read, and then there is no picture of this name
     }
   };
-  return {{"sim", [] { SimulationConfig::fromYaml(YAML::Load(kSim)); }},
+  const auto managed = [](const char* yaml) {
+    return [yaml] {
+      std::vector<std::string> warnings;
+      makeController("c", YAML::Load(yaml), twoJoints(), warnings);
+    };
+  };
+  return {{"trajectory_controller", managed(kTrajectory)},
+          {"group_controller", managed("{type: effort_controllers/JointGroupEffortController, joints: [a]}")},
+          {"group_pid_controller", managed(kGroup)},
+          {"gripper_controller", managed(kGripper)},
+          {"sim", [] { SimulationConfig::fromYaml(YAML::Load(kSim)); }},
           {"time", [] { TimeConfig::fromYaml(YAML::Load("{render: always}")); }},
           {"target", target},
           {"controller", controllers},
@@ -147,7 +169,9 @@ bool isRead(const Schema& map, const std::string& key, const std::function<void(
   }
   const std::string faults = faultsOf(read);
   for (auto& [properties, before] : kept) properties->swap(before);
+  // Without its description a key is, for some sections, one of the other names, which are maps.
   return faults.find(key + ": is read, but not described") != std::string::npos ||
+         faults.find(key + ": is read as") != std::string::npos ||
          faults.find(key + ": has no default") != std::string::npos;
 }
 

@@ -8,7 +8,8 @@ namespace aras_visual_servo_sim {
 namespace {
 
 TEST(Encoding, NamesGoBothWaysAndOthersAreRejected) {
-  for (const char* name : {"rgb8", "bgr8", "mono8"}) EXPECT_STREQ(encodingName(encodingFromName(name)), name);
+  for (const char* name : {"rgb8", "bgr8", "mono8", "bayer_rggb8", "bayer_bggr8", "bayer_gbrg8", "bayer_grbg8"})
+    EXPECT_STREQ(encodingName(encodingFromName(name)), name);
   EXPECT_THROW(encodingFromName("rgb16"), ParameterError);
 }
 

@@ -9,6 +9,7 @@
 #include "aras_visual_servo_sim/camera/camera_model.hpp"
 #include "aras_visual_servo_sim/config/types.hpp"
 #include "aras_visual_servo_sim/image/image.hpp"
+#include "aras_visual_servo_sim/image/sensor/sensor.hpp"
 #include "aras_visual_servo_sim/physics/multibody_world.hpp"
 #include "aras_visual_servo_sim/render/geometry_image.hpp"
 #include "aras_visual_servo_sim/simulation/cameras/exposure.hpp"
@@ -29,8 +30,9 @@ class Camera {
   Camera(CameraModel model, int link, int index, std::uint64_t seed, std::int64_t period_ns);
 
   const CameraModel& model() const { return model_; }
-  Pose pose(const MultibodyWorld& world) const;    ///< X_WC
-  Twist twist(const MultibodyWorld& world) const;  ///< V_WC_C
+  std::int64_t periodNs() const { return period_ns_; }  ///< of a tick
+  Pose pose(const MultibodyWorld& world) const;         ///< X_WC
+  Twist twist(const MultibodyWorld& world) const;       ///< V_WC_C
 
   // --- which frames
   bool late() const { return flight_.late(); }
@@ -83,11 +85,15 @@ class Camera {
   // --- the image
   Image image{};
   GeometryImage geometry{};
-  /** Of a camera with noise what falls on its sensor, of which readOut() makes the image. */
+  /** Of a camera with a sensor, noise or a Bayer pattern what falls on it, of which readOut() makes the image. */
   FineImage light{};
-  bool noisy() const;
-  /** Makes the image of the light of the frame that was drawn, with its noise. @pre noisy() */
+  bool readsOut() const;
+  /** Makes the image of the light of the frame that was drawn. @pre readsOut() */
   void readOut(std::int64_t now);
+  /** Null without a section `sensor`. */
+  const Sensor* sensor() const { return sensor_ ? &*sensor_ : nullptr; }
+  /** Of a rolling shutter: the rows as cameras of their own; else empty. */
+  const std::vector<CameraModel>& rows() const { return rows_; }
   /** True once for each frame taken, when its image is drawn. */
   bool imageIsOfNewFrame();
 
@@ -98,6 +104,7 @@ class Camera {
     std::vector<Moment> past;
     std::optional<ExposedFrame> taken;
     std::deque<ExposedFrame> in_flight;
+    Sensor::State sensor{};  ///< what the camera has set by itself
   };
   const FramePlan::State& plan() const { return plan_.state(); }
   std::int64_t unhashedFrame() const { return unhashed_frame_; }
@@ -108,10 +115,14 @@ class Camera {
  private:
   CameraModel model_;
   int link_;
+  std::int64_t period_ns_;
   std::uint64_t noise_seed_;
   FramePlan plan_;
   Exposure exposure_;
   FramesInFlight flight_;
+  std::optional<Sensor> sensor_;
+  std::vector<CameraModel> rows_;
+  FineImage mosaic_;  // scratch
   std::int64_t unhashed_frame_ = -1;
 };
 

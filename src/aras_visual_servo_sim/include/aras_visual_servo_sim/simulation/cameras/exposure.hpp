@@ -19,6 +19,8 @@ class Exposure {
   Exposure() = default;
   /** @param exposure_s  >= 0, 0 as above [s]  @param samples  >= 1  @param period_ns  of a tick, > 0 [ns] */
   Exposure(double exposure_s, int samples, std::int64_t period_ns);
+  /** Of a rolling shutter: every tick of the time in which some row is exposed. @param all_s  that time, > 0 [s] */
+  static Exposure ofRows(double all_s, std::int64_t period_ns);
 
   /** False if every image is that of one moment. */
   bool blurs() const { return !ages_.empty(); }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "aras_visual_servo_sim/config/types.hpp"
 #include "aras_visual_servo_sim/render/geometry_image.hpp"
@@ -29,9 +30,13 @@ class FrameDrawer {
   template <typename Value>
   void drawOn(ImageOf<Value>& image, const Camera& camera, std::int64_t now, const Pose& X_WC, Scene& scene);
   template <typename Value>
-  void drawOnce(ImageOf<Value>& image, const Camera& camera, const Pose& X_WC, const Scene& scene);
+  void drawOnce(ImageOf<Value>& image, const CameraModel& camera, const Pose& X_WC, const Scene& scene);
   template <typename Value>
-  void drawMean(ImageOf<Value>& image, const Camera& camera, const Moment& present, Scene& scene);
+  void drawMoments(ImageOf<Value>& image, const Camera& camera, const std::vector<Exposure::Sample>& moments,
+                   Scene& scene);
+  template <typename Value>
+  void drawRows(ImageOf<Value>& image, const Camera& camera, const std::vector<Exposure::Sample>& moments,
+                Scene& scene);
   template <typename Value>
   void drawLate(ImageOf<Value>& image, const Camera& camera, const ExposedFrame& frame, const Scene& now);
 

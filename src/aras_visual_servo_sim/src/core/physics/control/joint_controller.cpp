@@ -23,19 +23,6 @@ const std::vector<std::pair<std::string, ControllerType>>& knownTypes() {
   return kTypes;
 }
 
-/** control_toolbox::Pid::init: the signs of the clamps do not matter. */
-PidGains readGains(YamlReader reader) {
-  PidGains gains;
-  gains.p = reader.get<double>("p");
-  gains.i = reader.get<double>("i");
-  gains.d = reader.get<double>("d");
-  const double clamp = reader.get<double>("i_clamp");
-  gains.i_min = -std::abs(reader.find<double>("i_clamp_min").value_or(clamp));
-  gains.i_max = std::abs(reader.find<double>("i_clamp_max").value_or(clamp));
-  gains.antiwindup = reader.get<bool>("antiwindup");
-  return gains;
-}
-
 bool hasPid(ControllerType type) {
   return type == ControllerType::kEffortPosition || type == ControllerType::kEffortVelocity;
 }
@@ -71,6 +58,20 @@ void readJoint(YamlReader& reader, const RobotModel& model, std::map<std::string
 }
 
 }  // namespace
+
+/** control_toolbox::Pid::init: the signs of the clamps do not matter. */
+PidGains readGains(YamlReader reader) {
+  PidGains gains;
+  reader.get<bool>("publish_state");  // checked; only a controller of one joint has such a topic
+  gains.p = reader.get<double>("p");
+  gains.i = reader.get<double>("i");
+  gains.d = reader.get<double>("d");
+  const double clamp = reader.get<double>("i_clamp");
+  gains.i_min = -std::abs(reader.find<double>("i_clamp_min").value_or(clamp));
+  gains.i_max = std::abs(reader.find<double>("i_clamp_max").value_or(clamp));
+  gains.antiwindup = reader.get<bool>("antiwindup");
+  return gains;
+}
 
 std::string controllerTypeName(ControllerType type) {
   for (const auto& known : knownTypes()) {

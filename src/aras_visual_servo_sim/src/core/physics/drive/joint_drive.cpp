@@ -33,6 +33,33 @@ JointDrive::JointDrive(const Joint& joint, const ControllerConfig* controller, D
   memory_.gains = controller_.gains;
 }
 
+void JointDrive::check(const ControllerConfig& controller) const { checkSoftLimits(joint_, controller.type); }
+
+void JointDrive::engage(const ControllerConfig& controller, double q) {
+  check(controller);
+  controller_ = controller;
+  has_controller_ = true;
+  memory_.gains = controller_.gains;
+  start(q);
+}
+
+void JointDrive::release() {
+  controller_ = ControllerConfig{};
+  has_controller_ = false;
+  memory_ = DriveMemory{};
+}
+
+void JointDrive::aim(const JointTarget& target) {
+  if (positionControlled()) {
+    commandPosition(target.set_point);
+  } else {
+    memory_.set_point = controller_.type == ControllerType::kEffort ? target.set_point
+                                                                    : clampVelocity(joint_.enforced, target.set_point);
+  }
+  memory_.feed_forward = target.feed_forward;
+  memory_.effort_limit = target.effort_limit;
+}
+
 bool JointDrive::positionControlled() const {
   return has_controller_ &&
          (controller_.type == ControllerType::kEffortPosition || controller_.type == ControllerType::kPosition);
@@ -140,7 +167,10 @@ ActuatorLaw JointDrive::law(double q, double v, std::int64_t tick) {
   } else {
     law = implicitPid(velocityTarget(tick), 1.0);
   }
+  if (memory_.feed_forward != 0.0) law.a0 += memory_.feed_forward;
   limitEffort(q, v, law);
+  if (memory_.effort_limit < law.u_max) law.u_max = memory_.effort_limit;
+  if (-memory_.effort_limit > law.u_min) law.u_min = -memory_.effort_limit;
   return law;
 }
 

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "aras_visual_servo_sim/physics/joint_controller.hpp"
+#include "aras_visual_servo_sim/physics/managed/controller.hpp"
 #include "aras_visual_servo_sim/robot/robot_model.hpp"
 #include "joint_graph.hpp"
 
@@ -19,6 +20,8 @@ struct DriveMemory {
   std::int64_t expiry_tick = kNever;  ///< at which the last velocity or effort command stops acting
   PidGains gains;
   PidState pid;
+  double feed_forward = 0.0;                                        ///< effort added to that of a PID
+  double effort_limit = std::numeric_limits<double>::infinity();    ///< of a PID, beside the joint's own
   double soft_position = std::numeric_limits<double>::quiet_NaN();  ///< last position command within soft limits
   double process_value = 0.0, process_value_dot = 0.0, error = 0.0, command = 0.0;
 };
@@ -39,6 +42,13 @@ class JointDrive {
   DriveMemory& memory() { return memory_; }
   const DriveMemory& memory() const { return memory_; }
 
+  /** Acts for this controller from now on. @throws as the constructor; nothing changes then */
+  void engage(const ControllerConfig& controller, double q);
+  /** Acts for none: the joint is passive. */
+  void release();
+  /** Whether a controller that drives the joint so could engage(). @throws as the constructor */
+  void check(const ControllerConfig& controller) const;
+
   /** ros_control's starting(): set-point where the joint is, no memory. Gains stay as they are. */
   void start(double q);
 
@@ -46,6 +56,9 @@ class JointDrive {
   void commandPosition(double set_point);
   void commandVelocity(double velocity, std::int64_t expiry_tick);
   void commandEffort(double effort, std::int64_t expiry_tick);
+
+  /** What the controller wants at the end of the next period. */
+  void aim(const JointTarget& target);
 
   /** Moves the set-point on by one period and makes the graph of efforts, from the state at the period's beginning. */
   void prepare(double q, double v, std::int64_t tick, JointGraph& graph);

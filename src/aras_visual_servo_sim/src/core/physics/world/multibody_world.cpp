@@ -64,6 +64,7 @@ void MultibodyWorld::setJointPositions(const std::map<std::string, double>& posi
   }
   impl_->coupling.complete(impl_->q, impl_->v);
   impl_->body.setPositions(impl_->q);
+  impl_->restartControllers();
 }
 
 void MultibodyWorld::setJointVelocities(const Eigen::VectorXd& v) {

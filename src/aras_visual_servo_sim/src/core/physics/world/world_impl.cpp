@@ -87,6 +87,7 @@ void MultibodyWorld::Impl::makeDrives() {
     }
     drives.emplace_back(coupling.driven(model, c), controller, config.drive, config.period_s);
     q[i] = clampPosition(model.movingJoint(i).limits, 0.0);
+    if (!controller) idle(drives.back(), q[i]);
   }
   for (const auto& each : config.controllers) driveOfJoint(each.joint);
 }
@@ -109,6 +110,7 @@ void MultibodyWorld::Impl::start() {
   effort.setZero();
   if (!driven) coupling.complete(q, v);
   for (std::size_t c = 0; c < drives.size(); ++c) drives[c].start(q[coupling.joint(static_cast<int>(c))]);
+  restartControllers();
   placeBase(initialBasePose());
   if (contacts) contacts->reset();
 }
@@ -146,6 +148,7 @@ void MultibodyWorld::Impl::step() {
     ++ticks;
     return;
   }
+  if (!acting_.empty()) letControllersAct();
   const int coordinates = coupling.coordinates();
   for (int c = 0; c < coordinates; ++c) {
     const int i = coupling.joint(c);
@@ -205,7 +208,7 @@ JointDrive& MultibodyWorld::Impl::driveOfJoint(const std::string& name) {
 JointDrive& MultibodyWorld::Impl::driveOf(const std::string& controller) {
   std::string known;
   for (auto& drive : drives) {
-    if (!drive.hasController()) continue;
+    if (!drive.hasController() || drive.controller().name.empty()) continue;
     if (drive.controller().name == controller) return drive;
     known += (known.empty() ? "" : ", ") + drive.controller().name;
   }

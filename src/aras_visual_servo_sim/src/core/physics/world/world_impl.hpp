@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "aras_visual_servo_sim/physics/managed/controller_set.hpp"
 #include "aras_visual_servo_sim/physics/multibody_world.hpp"
 #include "physics/body/articulated_body.hpp"
 #include "physics/body/driven_base.hpp"
@@ -43,6 +44,17 @@ class MultibodyWorld::Impl {
   const JointDrive& driveOf(int joint) const { return drives[coupling.coordinate(joint)]; }
   JointDrive& driveOf(const std::string& controller);
 
+  // --- controllers that are started and stopped, world_controllers.cpp
+  void switchControllers(const std::vector<std::string>& start, const std::vector<std::string>& stop, bool strict);
+  /** These in place of those there were; the running ones go on, their drives have to be restored. */
+  void adopt(ControllerSet next);
+  /** The running controllers begin anew from where the joints are. */
+  void restartControllers();
+  /** @throws UnknownNameError, ParameterError: it does not run */
+  Controller& running(const std::string& name);
+  std::vector<JointNow> jointsOf(const Controller& controller) const;
+  double timeS() const { return static_cast<double>(ticks) * config.period_s; }
+
   /** Index of an obstacle of the contacts. @throws UnknownNameError */
   std::size_t obstacle(const std::string& name) const;
   void setContacts(const ContactConfig& config);
@@ -66,6 +78,7 @@ class MultibodyWorld::Impl {
   JointSolver solver;
   std::unique_ptr<WorldContacts> contacts;  // null: nothing touches
   std::vector<JointDrive> drives;           // of the coordinates
+  ControllerSet controllers;
   std::vector<JointGraph> graphs;
   std::vector<double> M, M_c;               // of the joints, of the coordinates
   Eigen::VectorXd q, v, v_free, effort;     // of the joints
@@ -74,6 +87,18 @@ class MultibodyWorld::Impl {
   std::uint64_t unsettled_steps = 0;
 
  private:
+  /** A running controller that moves its set-points. */
+  struct Acting {
+    Controller* controller;
+    std::vector<int> joints;
+    std::vector<JointNow> now;
+    std::vector<JointTarget> targets;
+  };
+
+  void letControllersAct();
+  void listActing();
+  void idle(JointDrive& drive, double q);
+  std::vector<Acting> acting_;
   void makeDrives();
   void checkDriven() const;
   void commandDriven(const JointCommand& command, bool expires);

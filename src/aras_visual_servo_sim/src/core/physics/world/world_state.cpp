@@ -1,5 +1,6 @@
 // Saving and restoring a MultibodyWorld.
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/physics/managed/memory.hpp"
 #include "state_stream.hpp"
 #include "world_impl.hpp"
 
@@ -34,10 +35,11 @@ void visitContacts(Stream& stream, WorldContacts& contacts) {
 
 template <typename Stream>
 void visitMemory(Stream& stream, DriveMemory& memory) {
-  for (double* value : {&memory.set_point, &memory.soft_position, &memory.velocity_command, &memory.process_value,
-                        &memory.process_value_dot, &memory.error, &memory.command, &memory.gains.p, &memory.gains.i,
-                        &memory.gains.d, &memory.gains.i_min, &memory.gains.i_max, &memory.pid.error,
-                        &memory.pid.last_error, &memory.pid.error_dot, &memory.pid.integral, &memory.pid.command}) {
+  for (double* value :
+       {&memory.set_point, &memory.feed_forward, &memory.effort_limit, &memory.soft_position, &memory.velocity_command,
+        &memory.process_value, &memory.process_value_dot, &memory.error, &memory.command, &memory.gains.p,
+        &memory.gains.i, &memory.gains.d, &memory.gains.i_min, &memory.gains.i_max, &memory.pid.error,
+        &memory.pid.last_error, &memory.pid.error_dot, &memory.pid.integral, &memory.pid.command}) {
     stream.value(*value);
   }
   stream.value(memory.expiry_tick);
@@ -72,8 +74,10 @@ std::string MultibodyWorld::Impl::signature() const {
   }
   for (const auto& drive : drives) {
     text += '\n' + drive.joint().name;
-    if (drive.hasController())
-      text += ' ' + drive.controller().name + ' ' + controllerTypeName(drive.controller().type);
+    for (const auto& controller : config.controllers) {
+      if (controller.joint == drive.joint().name)
+        text += ' ' + controller.name + ' ' + controllerTypeName(controller.type);
+    }
   }
   return text;
 }
@@ -82,7 +86,9 @@ std::string MultibodyWorld::saveState() const {
   StateWriter writer;
   writer.text(impl_->signature());
   impl_->visitState(writer);
-  return writer.bytes();
+  MemoryWriter controllers;
+  impl_->controllers.save(controllers);
+  return writer.bytes() + controllers.bytes();
 }
 
 void MultibodyWorld::restoreState(const std::string& state) {
@@ -90,10 +96,14 @@ void MultibodyWorld::restoreState(const std::string& state) {
   mine.text(impl_->signature());
   StateWriter whole = mine;
   impl_->visitState(whole);
-  if (state.size() != whole.bytes().size() || state.compare(0, mine.bytes().size(), mine.bytes()) != 0) {
+  if (state.size() < whole.bytes().size() || state.compare(0, mine.bytes().size(), mine.bytes()) != 0) {
     throw StateError("state: found " + std::to_string(state.size()) +
                      " bytes of another model or other controllers, must come from saveState() of a world like this");
   }
+  MemoryReader loaded(state, whole.bytes().size());
+  ControllerSet controllers = ControllerSet::restored(loaded, impl_->model);
+  if (!loaded.atEnd()) throw StateError("state: found bytes after its end, must be of a world like this");
+  impl_->adopt(std::move(controllers));
   StateReader reader(state, mine.bytes().size());
   impl_->visitState(reader);
   impl_->body.setPositions(impl_->q);

@@ -104,7 +104,7 @@ class OpenGlRenderer::Implementation {
   std::string drew_with_;
 
  private:
-  static constexpr std::size_t kMostCameras = 16;  // whose pictures are kept
+  static constexpr std::size_t kMostCameras = 16 + 4096;  // whose pictures are kept; rows of rolling shutters are some
 
   struct Parts {
     explicit Parts(const GlFunctions& gl) : store(gl), solids(gl, store), flats(gl, store) {}

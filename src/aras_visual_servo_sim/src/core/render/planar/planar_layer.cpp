@@ -233,7 +233,7 @@ void PlanarLayer::samplePictures(const CameraModel& camera, CoverageRasterizer& 
     for (const Part& part : view.parts) {
       if (part.face.kind != Face::Kind::kPicture) continue;
       ImageOf<Value>& picture = pictures[part.face.picture];
-      picture.resize(camera.width(), camera.height(), camera.encoding());
+      picture.resize(camera.width(), camera.height(), camera.drawnEncoding());
       rasterizer.begin(camera.width(), camera.height(), CoverageRasterizer::Rule::kCoverage);
       addEdges(part, rasterizer);
       sampler_.sample(camera, part.X_CM, *part.face.model->picture(), rasterizer.bounds(), picture);

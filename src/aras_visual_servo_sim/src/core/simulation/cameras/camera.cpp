@@ -1,7 +1,9 @@
 #include "aras_visual_servo_sim/simulation/cameras/camera.hpp"
 
+#include <algorithm>
 #include <utility>
 
+#include "aras_visual_servo_sim/image/sensor/bayer.hpp"
 #include "aras_visual_servo_sim/image/sensor/gaussian_noise.hpp"
 
 namespace aras_visual_servo_sim {
@@ -10,15 +12,44 @@ namespace {
 constexpr std::uint64_t kSeedStride = 1000003;   // keeps the noise of several cameras apart
 constexpr std::uint64_t kDropSeed = 0x64726f70;  // keeps the drawing of drops apart from that of noise
 
+Exposure exposureOf(const CameraModel& model, std::int64_t period_ns) {
+  const CameraConfig& config = model.config();
+  if (config.sensor && config.sensor->row_time_s > 0.0) {
+    return Exposure::ofRows(config.exposure_s + config.sensor->row_time_s * (model.height() - 1), period_ns);
+  }
+  return {config.exposure_s, config.exposure_samples, period_ns};
+}
+
+Sensor sensorOf(const CameraModel& model, int index, std::uint64_t seed) {
+  const CameraConfig& config = model.config();
+  std::vector<float> cosines;
+  for (int v = 0; config.sensor->vignetting_exponent > 0.0 && v < model.height(); ++v) {
+    for (int u = 0; u < model.width(); ++u) {
+      const Eigen::Vector3d ray = model.pixelRay(u, v);
+      cosines.push_back(static_cast<float>(std::max(0.0, ray.z() / ray.norm())));
+    }
+  }
+  const double integration_s = config.exposure_s > 0.0 ? config.exposure_s : 1.0 / config.rate_hz;
+  const auto pattern_seed =
+      static_cast<std::uint64_t>(config.sensor->pattern_seed) + kSeedStride * std::uint64_t(index);
+  return {*config.sensor, model.width(), model.height(), model.encoding(), cosines, integration_s, seed, pattern_seed};
+}
+
 }  // namespace
 
 Camera::Camera(CameraModel model, int link, int index, std::uint64_t seed, std::int64_t period_ns)
     : model_(std::move(model)),
       link_(link),
+      period_ns_(period_ns),
       noise_seed_(seed + kSeedStride * static_cast<std::uint64_t>(index)),
       plan_(model_.config(), period_ns, seed + kDropSeed + static_cast<std::uint64_t>(index)),
-      exposure_(model_.config().exposure_s, model_.config().exposure_samples, period_ns),
-      flight_(model_.config().latency_s, period_ns) {}
+      exposure_(exposureOf(model_, period_ns)),
+      flight_(model_.config().latency_s, period_ns) {
+  const std::optional<SensorConfig>& sensor = model_.config().sensor;
+  if (!sensor) return;
+  sensor_ = sensorOf(model_, index, noise_seed_);
+  for (int v = 0; sensor->row_time_s > 0.0 && v < model_.height(); ++v) rows_.push_back(model_.row(v));
+}
 
 Pose Camera::pose(const MultibodyWorld& world) const {
   const Pose X_WM = world.linkPose(link_);
@@ -79,13 +110,18 @@ void Camera::note(Moment moment) {
   exposure_.note(std::move(moment), frame_tick);
 }
 
-bool Camera::noisy() const { return model_.config().noise_stddev != 0.0 || model_.config().noise_mean != 0.0; }
+bool Camera::readsOut() const {
+  const CameraConfig& config = model_.config();
+  return sensor_ || config.noise_stddev != 0.0 || config.noise_mean != 0.0 || isBayer(model_.encoding());
+}
 
 void Camera::readOut(std::int64_t now) {
   const CameraConfig& config = model_.config();
   const std::int64_t index = takenFrame() ? takenFrame()->index : plan_.indexFrom(now);
-  addGaussianNoise(light, config.noise_stddev, noise_seed_, static_cast<std::uint64_t>(index), config.noise_mean,
-                   image);
+  if (sensor_) return sensor_->readOut(light, static_cast<std::uint64_t>(index), unhashed_frame_ >= 0, image);
+  if (isBayer(model_.encoding())) throughBayerFilter(light, model_.encoding(), mosaic_);
+  addGaussianNoise(isBayer(model_.encoding()) ? mosaic_ : light, config.noise_stddev, noise_seed_,
+                   static_cast<std::uint64_t>(index), config.noise_mean, image);
 }
 
 bool Camera::imageIsOfNewFrame() { return std::exchange(unhashed_frame_, -1) >= 0; }
@@ -95,6 +131,7 @@ void Camera::restore(State state) {
   unhashed_frame_ = state.unhashed_frame;
   exposure_.setPast(std::move(state.past));
   flight_.restore(std::move(state.taken), std::move(state.in_flight));
+  if (sensor_) sensor_->restore(std::move(state.sensor));
 }
 
 }  // namespace aras_visual_servo_sim

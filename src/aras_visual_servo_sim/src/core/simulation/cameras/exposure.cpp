@@ -14,6 +14,13 @@ Exposure::Exposure(double exposure_s, int samples, std::int64_t period_ns) {
   }
 }
 
+Exposure Exposure::ofRows(double all_s, std::int64_t period_ns) {
+  const std::int64_t all_ns = std::llround(1e9 * all_s);
+  Exposure exposure;
+  for (std::int64_t age = (all_ns + period_ns - 1) / period_ns; age >= 0; --age) exposure.ages_.push_back(age);
+  return exposure;
+}
+
 bool Exposure::samples(std::int64_t tick, std::int64_t frame_tick) const {
   return std::find(ages_.begin(), ages_.end(), frame_tick - tick) != ages_.end();
 }

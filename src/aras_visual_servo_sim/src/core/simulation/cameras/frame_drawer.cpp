@@ -1,8 +1,11 @@
 #include "aras_visual_servo_sim/simulation/cameras/frame_drawer.hpp"
 
+#include <algorithm>
+
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/image/image_mean.hpp"
 #include "aras_visual_servo_sim/render/coverage_renderer.hpp"
+#include "rolling_shutter.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -34,7 +37,7 @@ std::string FrameDrawer::openGl() const {
 }
 
 const Image& FrameDrawer::draw(Camera& camera, std::int64_t now, const Pose& X_WC, Scene& scene) {
-  if (camera.noisy()) {
+  if (camera.readsOut()) {
     drawOn(camera.light, camera, now, X_WC, scene);
     camera.readOut(now);
   } else {
@@ -49,54 +52,79 @@ void FrameDrawer::drawOn(ImageOf<Value>& image, const Camera& camera, std::int64
   if (const ExposedFrame* late = camera.takenFrame()) {
     drawLate(image, camera, *late, scene);
   } else if (camera.blurs() && camera.scheduledAt(now)) {
-    drawMean(image, camera, momentOf(now, X_WC, scene), scene);
+    const Moment present = momentOf(now, X_WC, scene);
+    try {
+      drawMoments(image, camera, camera.samplesOf(present), scene);
+    } catch (const ArasError&) {
+      show(present, scene);
+      throw;
+    }
+    show(present, scene);
   } else {
-    drawOnce(image, camera, X_WC, scene);
+    drawOnce(image, camera.model(), X_WC, scene);
   }
 }
 
 template <typename Value>
-void FrameDrawer::drawOnce(ImageOf<Value>& image, const Camera& camera, const Pose& X_WC, const Scene& scene) {
-  const CameraConfig& config = camera.model().config();
-  if (config.renderer != "opengl") return coverage_->render(camera.model(), X_WC, scene, image);
+void FrameDrawer::drawOnce(ImageOf<Value>& image, const CameraModel& camera, const Pose& X_WC, const Scene& scene) {
+  const CameraConfig& config = camera.config();
+  if (config.renderer != "opengl") return coverage_->render(camera, X_WC, scene, image);
   try {
-    openGlFor(config).render(camera.model(), X_WC, scene, image);
+    openGlFor(config).render(camera, X_WC, scene, image);
   } catch (const RenderError& error) {
     throw RenderError("camera '" + config.name + "': " + error.what());
   }
 }
 
+/** The mean over the moments, or, of a rolling shutter, each row as it was when it was exposed. */
 template <typename Value>
-void FrameDrawer::drawMean(ImageOf<Value>& image, const Camera& camera, const Moment& present, Scene& scene) {
+void FrameDrawer::drawMoments(ImageOf<Value>& image, const Camera& camera, const std::vector<Exposure::Sample>& moments,
+                              Scene& scene) {
+  if (!camera.rows().empty()) return drawRows(image, camera, moments, scene);
   ImageMean mean;
-  try {
-    for (const Exposure::Sample& sample : camera.samplesOf(present)) {
-      show(*sample.moment, scene);
-      drawOnce(image, camera, sample.moment->X_WC, scene);
-      mean.add(image, sample.count);
-    }
-  } catch (const ArasError&) {
-    show(present, scene);
-    throw;
+  for (const Exposure::Sample& sample : moments) {
+    show(*sample.moment, scene);
+    drawOnce(image, camera.model(), sample.moment->X_WC, scene);
+    mean.add(image, sample.count);
   }
-  show(present, scene);
   mean.write(image);
+}
+
+template <typename Value>
+void FrameDrawer::drawRows(ImageOf<Value>& image, const Camera& camera, const std::vector<Exposure::Sample>& moments,
+                           Scene& scene) {
+  const CameraModel& model = camera.model();
+  const RollingShutter shutter(model.config(), moments, camera.periodNs());
+  if (shutter.still()) {
+    show(*moments.back().moment, scene);
+    return drawOnce(image, model, moments.back().moment->X_WC, scene);
+  }
+  image.resize(model.width(), model.height(), model.drawnEncoding());
+  ImageOf<Value> row;
+  Moment moment;
+  for (int v = 0; v < model.height(); ++v) {
+    ImageMean mean;
+    for (int sample = 0; sample < shutter.samples(); ++sample) {
+      shutter.find(v, sample, moment);
+      show(moment, scene);
+      drawOnce(row, camera.rows()[v], moment.X_WC, scene);
+      mean.add(row, 1);
+    }
+    mean.write(row);
+    std::copy(row.data.begin(), row.data.end(), image.pixel(0, v));
+  }
 }
 
 template <typename Value>
 void FrameDrawer::drawLate(ImageOf<Value>& image, const Camera& camera, const ExposedFrame& frame, const Scene& now) {
   Scene scene = sceneOf(frame, now);
-  const auto drawAt = [&](const Moment& moment) {
-    show(moment, scene);
-    drawOnce(image, camera, moment.X_WC, scene);
-  };
-  if (frame.samples.empty()) return drawAt(frame.present);
-  ImageMean mean;
-  for (const auto& [moment, count] : frame.samples) {
-    drawAt(moment);
-    mean.add(image, count);
+  if (frame.samples.empty()) {
+    show(frame.present, scene);
+    return drawOnce(image, camera.model(), frame.present.X_WC, scene);
   }
-  mean.write(image);
+  std::vector<Exposure::Sample> moments;
+  for (const auto& [moment, count] : frame.samples) moments.push_back({&moment, count});
+  drawMoments(image, camera, moments, scene);
 }
 
 const GeometryImage& FrameDrawer::drawGeometry(Camera& camera, const Pose& X_WC, const Scene& now, Distance distance) {

@@ -105,6 +105,24 @@ void StateWriter::putFrames(const FramesInFlight& flight) {
   for (const ExposedFrame& frame : flight.inFlight()) putFrame(frame);
 }
 
+void StateWriter::putSensor(const Sensor::State& state) {
+  put(state.brightness);
+  put(state.balance);
+  put<std::uint64_t>(state.brightnesses.size());
+  for (const double each : state.brightnesses) put(each);
+  put<std::uint64_t>(state.balances.size());
+  for (const std::array<double, 2>& each : state.balances) put(each);
+}
+
+Sensor::State StateReader::getSensor() {
+  Sensor::State state;
+  state.brightness = get<double>();
+  state.balance = get<std::array<double, 2>>();
+  for (auto left = get<std::uint64_t>(); left > 0; --left) state.brightnesses.push_back(get<double>());
+  for (auto left = get<std::uint64_t>(); left > 0; --left) state.balances.push_back(get<std::array<double, 2>>());
+  return state;
+}
+
 void StateReader::getFrames(int joints, const Scene& scene, const Compose& compose, Camera::State& camera) {
   if (get<std::uint64_t>() != 0) camera.taken = getFrame(joints, scene, compose);
   for (auto left = get<std::uint64_t>(); left > 0; --left) {

@@ -32,6 +32,7 @@ class StateWriter {
   void putMotions(const std::map<std::string, MotionRun>& motions);
   void putFrame(const ExposedFrame& frame);
   void putFrames(const FramesInFlight& flight);
+  void putSensor(const Sensor::State& state);
   std::string take();
 
  private:
@@ -65,6 +66,7 @@ class StateReader {
   /** @param scene  of frames without models of their own */
   ExposedFrame getFrame(int joints, const Scene& scene, const Compose& compose);
   void getFrames(int joints, const Scene& scene, const Compose& compose, Camera::State& camera);
+  Sensor::State getSensor();
   bool atEnd() const { return at_ == end_; }
 
  private:

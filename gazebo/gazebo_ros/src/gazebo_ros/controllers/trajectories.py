@@ -1,0 +1,181 @@
+"""Joints that follow trajectories: the topics command and state, the action follow_joint_trajectory."""
+import actionlib
+import rospy
+from control_msgs.msg import (FollowJointTrajectoryAction, FollowJointTrajectoryFeedback, FollowJointTrajectoryResult,
+                              JointTrajectoryControllerState)
+from control_msgs.srv import QueryTrajectoryState, QueryTrajectoryStateResponse
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from aras_visual_servo_sim import ArasError
+
+from ..node.beat import NEVER_NS, Beat
+from ..node.convert import stamp
+from .adapter import Adapter, register
+
+Result = FollowJointTrajectoryResult
+#: What the end of a goal is in the words of the action.
+ENDS = {"succeeded": Result.SUCCESSFUL, "path_tolerance_violated": Result.PATH_TOLERANCE_VIOLATED,
+        "goal_tolerance_violated": Result.GOAL_TOLERANCE_VIOLATED}
+NOT_RUNNING = "Can't accept new action goals. Controller is not running."
+WRONG_JOINTS = "Joints on incoming goal don't match the controller joints."
+
+
+def points_of(trajectory):
+    """What the simulator takes: (time_s, positions, velocities, accelerations) of each point."""
+    return [(point.time_from_start.to_sec(), list(point.positions), list(point.velocities), list(point.accelerations))
+            for point in trajectory.points]
+
+
+def tolerances_of(messages):
+    return {each.name: (each.position, each.velocity, each.acceleration) for each in messages}
+
+
+def point_message(rows):
+    """JointTrajectoryPoint of (n, 3) position, velocity, acceleration."""
+    positions, velocities, accelerations = (list(map(float, rows[:, k])) for k in range(3))
+    return JointTrajectoryPoint(positions=positions, velocities=velocities, accelerations=accelerations)
+
+
+@register("effort_controllers/JointTrajectoryController", "position_controllers/JointTrajectoryController",
+          "velocity_controllers/JointTrajectoryController", "pos_vel_controllers/JointTrajectoryController")
+class TrajectoryFollower(Adapter):
+    def open(self):
+        settings = self.simulation.trajectory_report(self.name)
+        self._state_rate_hz, self._monitor_rate_hz = settings["state_rate_hz"], settings["monitor_rate_hz"]
+        self._partial = settings["partial_joints"]
+        self._beat = self._feedback_beat = self._goal = None
+        self.listen(self.topic("command"), JointTrajectory, self._command)
+        self._states = self.advertise(self.topic("state"), JointTrajectoryControllerState)
+        query = rospy.Service(self.topic("query_state"), QueryTrajectoryState,
+                              lambda request: self.work.call(lambda: self._query(request)))
+        self.ends_with(query.shutdown)
+        self._open_action()
+        self.ends_with(lambda: self._server.stop())
+
+    def _open_action(self):
+        # Its callbacks hold a lock that answering takes too: they leave the work to the world's thread.
+        self._server = actionlib.ActionServer(
+            self.topic("follow_joint_trajectory"), FollowJointTrajectoryAction,
+            lambda goal: self.work.post(lambda: self._accept(goal)),
+            lambda goal: self.work.post(lambda: self._cancel(goal)), auto_start=False)
+        self._server.start()
+
+    # --- what comes in
+
+    def _start_s(self, header):
+        """When a trajectory begins; None: now."""
+        return None if header.stamp.is_zero() else self.model.time_s(header.stamp.to_nsec())
+
+    def _command(self, message):
+        note = self.simulation.follow_trajectory(self.name, list(message.joint_names), points_of(message),
+                                                 self._start_s(message.header))
+        if note:
+            rospy.logwarn("%s: %s" % (self.place, note))
+        self._watch()
+
+    def _accept(self, handle):
+        goal = handle.get_goal()
+        trajectory = goal.trajectory
+        if not self.running:
+            return self._reject(handle, Result.INVALID_GOAL, NOT_RUNNING)
+        named = set(trajectory.joint_names)
+        fits = named and named <= set(self.joints) and (self._partial or named == set(self.joints))
+        if not fits or len(named) != len(trajectory.joint_names):
+            return self._reject(handle, Result.INVALID_JOINTS, WRONG_JOINTS)
+        try:
+            note = self.simulation.pursue_trajectory(
+                self.name, list(trajectory.joint_names), points_of(trajectory), self._start_s(trajectory.header),
+                tolerances_of(goal.path_tolerance), tolerances_of(goal.goal_tolerance),
+                goal.goal_time_tolerance.to_sec())
+        except ArasError as error:
+            return self._reject(handle, Result.INVALID_GOAL, str(error))
+        if note:
+            rospy.logwarn("%s: %s" % (self.place, note))
+        if self._goal is not None:
+            self._goal.set_canceled()
+        handle.set_accepted()
+        self._goal = handle
+        self._feedback_beat = Beat(self._monitor_rate_hz, self.world.time_ns)
+
+    def _reject(self, handle, code, text):
+        rospy.logerr("%s: %s" % (self.place, text))
+        handle.set_rejected(Result(error_code=code, error_string=text), text)
+
+    def _cancel(self, handle):
+        if self._goal is not None and handle == self._goal:
+            if self.running:
+                self.simulation.cancel_goal(self.name)
+            self._goal, goal = None, self._goal
+            goal.set_canceled()
+
+    def _query(self, request):
+        if not self.running:
+            raise rospy.ServiceException("Can't sample trajectory. Controller is not running.")
+        rows = self.simulation.trajectory_at(self.name, self.model.time_s(request.time.to_nsec()))
+        return QueryTrajectoryStateResponse(list(self.joints), *(list(map(float, rows[:, k])) for k in range(3)))
+
+    # --- what goes out
+
+    @property
+    def next_ns(self):
+        if not self.running:
+            return NEVER_NS
+        state = self._beat.next_ns if self._states.get_num_connections() else NEVER_NS
+        return min(state, self._feedback_beat.next_ns) if self._goal is not None else state
+
+    def started(self, now_ns):
+        super().started(now_ns)
+        self._beat = Beat(self._state_rate_hz, now_ns)
+        self._watch()
+
+    def stopped(self):
+        super().stopped()
+        self._watch()
+
+    def time_reset(self, now_ns):
+        """An action server takes no goals that are older than those it has seen: a new one is needed."""
+        if self._goal is not None:
+            self._goal.set_canceled()
+            self._goal = None
+        self._server.stop()
+        self._open_action()
+        super().time_reset(now_ns)
+
+    def _watch(self):
+        """Ends the goal when the controller has."""
+        if self._goal is None:
+            return
+        report = self.simulation.trajectory_report(self.name)
+        end = report["goal"]
+        if end == "active":
+            return
+        goal, self._goal = self._goal, None
+        if end not in ENDS:
+            goal.set_canceled()
+            return
+        result = Result(error_code=ENDS[end], error_string=report["goal_error"])
+        if end == "succeeded":
+            goal.set_succeeded(result)
+        else:
+            goal.set_aborted(result, report["goal_error"])
+
+    def publish(self, now_ns):
+        if not self.running:
+            return
+        self._watch()
+        wants_state = self._beat.due(now_ns) and self._states.get_num_connections()
+        wants_feedback = self._goal is not None and self._feedback_beat.due(now_ns)
+        if not wants_state and not wants_feedback:
+            return
+        report = self.simulation.trajectory_report(self.name)
+        for wanted, kind, send in ((wants_state, JointTrajectoryControllerState, self._states.publish),
+                                   (wants_feedback, FollowJointTrajectoryFeedback, self._feedback)):
+            if wanted:
+                message = kind(joint_names=report["joints"])
+                message.header.stamp = stamp(now_ns)
+                for part in ("desired", "actual", "error"):
+                    setattr(message, part, point_message(report[part]))
+                send(message)
+
+    def _feedback(self, message):
+        self._goal.publish_feedback(message)

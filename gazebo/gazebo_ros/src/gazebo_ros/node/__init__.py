@@ -1,0 +1,1 @@
+"""The ROS interface of the world: /gazebo services and topics, controller managers, cameras."""

@@ -1,0 +1,139 @@
+"""ros_control's controller manager of one model: its services, and the topics of the controllers that are loaded."""
+import rospy
+from controller_manager_msgs.msg import ControllerState, HardwareInterfaceResources
+from controller_manager_msgs.srv import (ListControllers, ListControllersResponse, ListControllerTypes,
+                                         ListControllerTypesResponse, LoadController, LoadControllerResponse,
+                                         ReloadControllerLibraries, ReloadControllerLibrariesResponse,
+                                         SwitchController, SwitchControllerRequest, SwitchControllerResponse,
+                                         UnloadController, UnloadControllerResponse)
+
+from aras_visual_servo_sim import ArasError, Simulation
+
+from ..controllers import adapter_of
+from ..world.description import joined
+from .beat import NEVER_NS
+
+BASE_CLASS = "controller_interface::ControllerBase"
+
+
+class ControllerManager:
+    """Answers as controller_manager does: false, with an error in the log, for what cannot be done."""
+
+    def __init__(self, world, model, work):
+        self._world, self._model, self._work = world, model, work
+        self._space = model.description.control_namespace
+        self._adapters = {}
+        self._services = [
+            self._serve("load_controller", LoadController, self._load),
+            self._serve("unload_controller", UnloadController, self._unload),
+            self._serve("switch_controller", SwitchController, self._switch),
+            self._serve("list_controllers", ListControllers, self._list),
+            self._serve("list_controller_types", ListControllerTypes, self._types),
+            self._serve("reload_controller_libraries", ReloadControllerLibraries, self._reload)]
+
+    def _serve(self, name, kind, answer):
+        return rospy.Service(joined(self._space, "controller_manager", name), kind,
+                             lambda request: self._work.call(lambda: answer(request)))
+
+    @property
+    def _simulation(self):
+        return self._model.simulation
+
+    def _tell(self, text):
+        rospy.logerr("%s: %s" % (joined(self._space, "controller_manager"), text))
+
+    # --- services
+
+    def _load(self, request):
+        place = joined(self._space, request.name)
+        try:
+            warnings = self._simulation.load_controller(request.name, rospy.get_param(place, None) or {})
+        except ArasError as error:
+            self._tell("Could not load controller '%s': %s" % (request.name, error))
+            return LoadControllerResponse(ok=False)
+        for warning in warnings:
+            rospy.logwarn("%s: %s" % (self._space, warning))
+        loaded = self._simulation.loaded_controllers()[-1]
+        self._adapters[request.name] = adapter_of(loaded["type"])(
+            request.name, place, self._space, self._model, loaded["joints"], self._work, self._world)
+        return LoadControllerResponse(ok=True)
+
+    def _unload(self, request):
+        try:
+            self._simulation.unload_controller(request.name)
+        except ArasError as error:
+            self._tell(str(error))
+            return UnloadControllerResponse(ok=False)
+        self._adapters.pop(request.name).close()
+        return UnloadControllerResponse(ok=True)
+
+    def _switch(self, request):
+        strictness = request.strictness
+        if strictness not in (SwitchControllerRequest.BEST_EFFORT, SwitchControllerRequest.STRICT):
+            rospy.logwarn("%s: To switch controllers you need to specify a strictness level of STRICT (2) or "
+                          "BEST_EFFORT (1). Defaulting to BEST_EFFORT." % joined(self._space, "controller_manager"))
+        try:
+            self._simulation.switch_controllers(request.start_controllers, request.stop_controllers,
+                                                strictness == SwitchControllerRequest.STRICT)
+        except ArasError as error:
+            self._tell(str(error))
+            return SwitchControllerResponse(ok=False)
+        self._follow()
+        return SwitchControllerResponse(ok=True)
+
+    def _follow(self):
+        """Tells the adapters what runs now."""
+        for each in self._simulation.loaded_controllers():
+            adapter = self._adapters[each["name"]]
+            runs = each["state"] == "running"
+            if runs and not adapter.running:
+                adapter.started(self._world.time_ns)
+            elif adapter.running and not runs:
+                adapter.stopped()
+
+    def _list(self, _request):
+        states = []
+        for each in self._simulation.loaded_controllers():
+            claimed = HardwareInterfaceResources(each["hardware_interface"], each["joints"])
+            states.append(ControllerState(each["name"], each["state"], each["type"], [claimed]))
+        return ListControllersResponse(states)
+
+    @staticmethod
+    def _types(_request):
+        types = Simulation.controller_types()
+        return ListControllerTypesResponse(types, [BASE_CLASS] * len(types))
+
+    def _reload(self, request):
+        """There are no libraries: what can be done is to kill all controllers."""
+        loaded = self._simulation.loaded_controllers()
+        if loaded and not request.force_kill:
+            self._tell("Cannot reload controller libraries because there are still %d controllers running" %
+                       len(loaded))
+            return ReloadControllerLibrariesResponse(ok=False)
+        self._simulation.switch_controllers([], [each["name"] for each in loaded], False)
+        self._follow()
+        for each in loaded:
+            self._simulation.unload_controller(each["name"])
+            self._adapters.pop(each["name"]).close()
+        return ReloadControllerLibrariesResponse(ok=True)
+
+    # --- time
+
+    @property
+    def next_ns(self):
+        return min((each.next_ns for each in self._adapters.values()), default=NEVER_NS)
+
+    def publish(self, now_ns):
+        for adapter in list(self._adapters.values()):
+            adapter.publish(now_ns)
+
+    def time_reset(self, now_ns):
+        for adapter in self._adapters.values():
+            adapter.time_reset(now_ns)
+
+    def close(self):
+        for service in self._services:
+            service.shutdown("the model is gone")
+        for adapter in self._adapters.values():
+            adapter.close()
+        self._adapters = {}

@@ -1,0 +1,29 @@
+"""Messages of the world's values and back."""
+import rospy
+from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
+
+from ..world.poses import matrix_of, quaternion_of
+
+
+def stamp(time_ns):
+    return rospy.Time(time_ns // 1000000000, time_ns % 1000000000)
+
+
+def pose_message(pose):
+    return Pose(Point(*map(float, pose[:3, 3])), Quaternion(*map(float, quaternion_of(pose))))
+
+
+def twist_message(twist):
+    return Twist(Vector3(*map(float, twist[:3])), Vector3(*map(float, twist[3:])))
+
+
+def pose_of(message, what):
+    """X (4, 4). Raises: BadValueError."""
+    p, q = message.position, message.orientation
+    return matrix_of((p.x, p.y, p.z), (q.x, q.y, q.z, q.w), what)
+
+
+def twist_of(message):
+    """(6,) [v; w]."""
+    return (message.linear.x, message.linear.y, message.linear.z,
+            message.angular.x, message.angular.y, message.angular.z)

@@ -1,0 +1,196 @@
+"""The services /gazebo/...: what makes sense here is done as Gazebo does it, the rest is refused with a reason."""
+import math
+
+import gazebo_msgs.srv as srv
+import numpy
+import rospy
+import std_srvs.srv
+from gazebo_msgs.msg import LinkState, ODEPhysics
+from geometry_msgs.msg import Vector3
+
+from aras_visual_servo_sim import ArasError
+
+from ..world.errors import GazeboError, UnknownEntityError
+from ..world.poses import rotated
+from ..world.world import WORLD_FRAMES
+from .convert import pose_message, pose_of, stamp, twist_message, twist_of
+
+#: Services that are there so that callers get an answer, and why they do nothing.
+REFUSED = {
+    "apply_joint_effort": (srv.ApplyJointEffort, "efforts act through controllers"),
+    "apply_body_wrench": (srv.ApplyBodyWrench, "there are no forces from outside"),
+    "get_light_properties": (srv.GetLightProperties, "the light is that of the default sun"),
+    "set_light_properties": (srv.SetLightProperties, "the light is that of the default sun"),
+    "delete_light": (srv.DeleteLight, "the light is that of the default sun"),
+    "get_link_properties": (srv.GetLinkProperties, "masses stand in the URDF"),
+    "set_link_properties": (srv.SetLinkProperties, "masses stand in the URDF"),
+    "set_joint_properties": (srv.SetJointProperties, "joints are not those of ODE"),
+    "set_link_state": (srv.SetLinkState, "models are placed as a whole, by set_model_state"),
+    "spawn_sdf_model": (srv.SpawnModel, "models are described by URDF"),
+}
+
+
+class GazeboServices:
+    def __init__(self, server):
+        """
+        Args:
+            server: Server, which spawns, deletes, pauses and resets.
+        """
+        self._server, self._world = server, server.world
+        for name, (kind, answer) in {
+                "spawn_urdf_model": (srv.SpawnModel, self._spawn),
+                "delete_model": (srv.DeleteModel, self._delete),
+                "get_model_state": (srv.GetModelState, self._model_state),
+                "set_model_state": (srv.SetModelState, self._place),
+                "set_model_configuration": (srv.SetModelConfiguration, self._configure),
+                "get_model_properties": (srv.GetModelProperties, self._model_properties),
+                "get_world_properties": (srv.GetWorldProperties, self._world_properties),
+                "get_link_state": (srv.GetLinkState, self._link_state),
+                "get_joint_properties": (srv.GetJointProperties, self._joint_properties),
+                "get_physics_properties": (srv.GetPhysicsProperties, self._physics),
+                "set_physics_properties": (srv.SetPhysicsProperties, self._set_physics)}.items():
+            self._serve(name, kind, answer)
+        for name, (kind, reason) in REFUSED.items():
+            text = "%s is not simulated: %s" % (name, reason)
+            self._serve(name, kind, lambda _, kind=kind, text=text: kind._response_class(
+                success=False, status_message=text))
+        for name, action in (("pause_physics", lambda: server.pause(True)),
+                             ("unpause_physics", lambda: server.pause(False)),
+                             ("reset_world", lambda: server.reset(False)),
+                             ("reset_simulation", lambda: server.reset(True))):
+            rospy.Service("/gazebo/" + name, std_srvs.srv.Empty, self._in_turn(
+                lambda _, action=action: action() or std_srvs.srv.EmptyResponse()))
+        for name, kind in (("clear_joint_forces", srv.JointRequest), ("clear_body_wrenches", srv.BodyRequest)):
+            rospy.Service("/gazebo/" + name, kind, lambda _, kind=kind: kind._response_class())
+
+    def _in_turn(self, answer):
+        return lambda request: self._server.work.call(lambda: answer(request))
+
+    def _serve(self, name, kind, answer):
+        """Errors of the world become success: false with their text."""
+        def checked(request):
+            try:
+                return answer(request)
+            except (GazeboError, ArasError) as error:
+                rospy.logerr("%s: %s" % (name, error))
+                return kind._response_class(success=False, status_message=str(error))
+        rospy.Service("/gazebo/" + name, kind, self._in_turn(checked))
+
+    # --- models
+
+    def _spawn(self, request):
+        pose = pose_of(request.initial_pose, "SpawnModel: initial_pose")
+        self._server.spawn(request.model_name, request.model_xml, request.robot_namespace, pose,
+                           request.reference_frame)
+        return srv.SpawnModelResponse(True, "SpawnModel: Successfully spawned entity")
+
+    def _delete(self, request):
+        self._known(request.model_name, "DeleteModel: model does not exist")
+        self._server.delete(request.model_name)
+        return srv.DeleteModelResponse(True, "DeleteModel: successfully deleted model")
+
+    def _known(self, name, answer):
+        """The model of a name. Raises: UnknownEntityError with Gazebo's own words."""
+        try:
+            return self._world.model(name)
+        except UnknownEntityError as error:
+            raise UnknownEntityError(answer) from error
+
+    def _frame(self, name, answer):
+        try:
+            return self._world.frame(name)
+        except UnknownEntityError as error:
+            raise UnknownEntityError(answer) from error
+
+    def _model_state(self, request):
+        ground = request.model_name == "ground_plane"
+        model = None if ground else self._known(request.model_name, "GetModelState: model does not exist")
+        X_WF, _ = self._frame(request.relative_entity_name, "GetModelState: reference relative_entity_name not found, "
+                              "did you forget to scope the body by model name?")
+        X_WM, twist = (numpy.eye(4), numpy.zeros(6)) if ground else (model.pose(), model.twist())
+        response = srv.GetModelStateResponse(success=True, status_message="GetModelState: got properties")
+        response.header.stamp, response.header.frame_id = stamp(self._world.time_ns), request.relative_entity_name
+        response.pose = pose_message(numpy.linalg.inv(X_WF) @ X_WM)
+        response.twist = twist_message(rotated(numpy.linalg.inv(X_WF), twist))
+        return response
+
+    def _place(self, request):
+        self.place(request.model_state)
+        return srv.SetModelStateResponse(True, "SetModelState: set model state done")
+
+    def place(self, state):
+        """What the topic set_model_state does too. Raises: GazeboError."""
+        model = self._known(state.model_name, "SetModelState: model does not exist")
+        X_WF, _ = self._frame(state.reference_frame, "SetModelState: specified reference frame entity does not exist")
+        pose = X_WF @ pose_of(state.pose, "SetModelState: pose")
+        model.place(pose, rotated(X_WF, numpy.asarray(twist_of(state.twist))))
+
+    def _configure(self, request):
+        model = self._known(request.model_name, "SetModelConfiguration: model does not exist")
+        if len(request.joint_names) != len(request.joint_positions):
+            raise GazeboError("SetModelConfiguration: joint name and position list have different lengths")
+        model.set_joints(dict(zip(request.joint_names, request.joint_positions)))
+        return srv.SetModelConfigurationResponse(True, "SetModelConfiguration: success")
+
+    def _model_properties(self, request):
+        model = self._known(request.model_name, "GetModelProperties: model does not exist")
+        return srv.GetModelPropertiesResponse(
+            canonical_body_name=model.root, body_names=model.links, joint_names=model.simulation.joint_names,
+            is_static=model.description.fixed, success=True, status_message="GetModelProperties: got properties")
+
+    # --- links and joints
+
+    def _link_state(self, request):
+        try:
+            model, link = self._world.scoped(request.link_name)
+        except UnknownEntityError as error:
+            raise UnknownEntityError("GetLinkState: link not found, did you forget to scope the link by model name?"
+                                     ) from error
+        X_WF, _ = self._frame(request.reference_frame, "GetLinkState: reference reference_frame not found, did you "
+                              "forget to scope the link by model name?")
+        X_FW = numpy.linalg.inv(X_WF)
+        frame = "world" if request.reference_frame in WORLD_FRAMES else request.reference_frame
+        state = LinkState(request.link_name, pose_message(X_FW @ model.link_pose(link)),
+                          twist_message(rotated(X_FW, model.link_twist(link))), frame)
+        return srv.GetLinkStateResponse(state, True, "GetLinkState: got state")
+
+    def _joint_properties(self, request):
+        try:
+            model = self._world.joint_owner(request.joint_name.rpartition("::")[2])
+        except UnknownEntityError as error:
+            raise UnknownEntityError("GetJointProperties: joint not found") from error
+        simulation = model.simulation
+        k = simulation.joint_names.index(request.joint_name.rpartition("::")[2])
+        return srv.GetJointPropertiesResponse(
+            type=model.description.joint_types.get(simulation.joint_names[k], 0),
+            position=[simulation.joint_positions[k]], rate=[simulation.joint_velocities[k]], success=True,
+            status_message="GetJointProperties: got properties")
+
+    # --- the world
+
+    def _world_properties(self, _request):
+        return srv.GetWorldPropertiesResponse(
+            sim_time=1e-9 * self._world.time_ns, model_names=self._server.model_names(), rendering_enabled=True,
+            success=True, status_message="GetWorldProperties: got properties")
+
+    def _physics(self, _request):
+        settings = self._world.settings
+        return srv.GetPhysicsPropertiesResponse(
+            time_step=settings.period_s, pause=self._server.paused, max_update_rate=self._server.update_rate_hz,
+            gravity=Vector3(*settings.gravity_m_s2), ode_config=ODEPhysics(), success=True,
+            status_message="GetPhysicsProperties: got properties")
+
+    def _set_physics(self, request):
+        gravity = (request.gravity.x, request.gravity.y, request.gravity.z)
+        settings = self._world.settings
+        if not all(map(math.isfinite, (*gravity, request.max_update_rate, request.time_step))):
+            raise GazeboError("set_physics_properties: found a number that is not finite, allowed are finite numbers")
+        if request.time_step != settings.period_s and self._world.models:
+            raise GazeboError("set_physics_properties: found time_step %g s, allowed is %g s while there are models" %
+                              (request.time_step, settings.period_s))
+        if gravity != tuple(settings.gravity_m_s2) and self._world.models:
+            raise GazeboError("set_physics_properties: found gravity %s, allowed is %s while there are models" %
+                              (gravity, tuple(settings.gravity_m_s2)))
+        self._world.set_physics(request.time_step, gravity)
+        self._server.set_update_rate(request.max_update_rate)
+        return srv.SetPhysicsPropertiesResponse(True, "physics engine updated")

@@ -1,0 +1,136 @@
+"""The node: one thread that steps the world, publishes, and answers calls."""
+import time
+
+import rospy
+from rosgraph_msgs.msg import Clock
+
+from ..world.world import World
+from .beat import NEVER_NS
+from .cameras import Cameras
+from .controller_manager import ControllerManager
+from .convert import stamp
+from .folders import Folders
+from .gazebo_services import GazeboServices
+from .state_topics import StateTopics
+from .work import Work
+
+CLOCK_RATE_HZ = 100.0
+PAUSED_BEAT_S = 0.1    #: wall time between two messages on /clock while time stands still
+FORGOTTEN_LAG_S = 0.1  #: wall time; a world that is further behind does not catch up
+UPDATE_RATE_HZ = 1000.0
+
+
+class Server:
+    """
+    Attributes:
+        world: World.  work: Work, calls for the world's thread.  paused, update_rate_hz: as set.
+    """
+
+    def __init__(self, settings, paused=False, clock_rate_hz=CLOCK_RATE_HZ, static_models=()):
+        """
+        Args:
+            settings: WorldSettings.
+            static_models: names of what the .world file has besides.
+        """
+        self.world, self.work, self.paused = World(settings, Folders()), Work(), paused
+        self.update_rate_hz = UPDATE_RATE_HZ
+        self._static_models = list(static_models)
+        self._interfaces = {}
+        self._clock = rospy.Publisher("/clock", Clock, queue_size=10)
+        self._slice_ns = round(1e9 / clock_rate_hz)
+        self._states = StateTopics(self, GazeboServices(self))
+        self._restart_pace()
+
+    # --- what the services ask for, in the world's thread
+
+    def spawn(self, name, xml, namespace, pose, frame):
+        """Raises: SpawnError."""
+        model = self.world.spawn(name, xml, namespace, pose, frame)
+        for warning in model.warnings:
+            rospy.logwarn("model '%s': %s" % (name, warning))
+        interfaces = [Cameras(self.world, model, self.work)] if model.description.cameras else []
+        if model.description.control_namespace:
+            interfaces.append(ControllerManager(self.world, model, self.work))
+        self._interfaces[name] = interfaces
+
+    def delete(self, name):
+        for interface in self._interfaces.pop(name):
+            interface.close()
+        self.world.delete(name)
+
+    def pause(self, paused):
+        self.paused = paused
+        self._restart_pace()
+
+    def set_update_rate(self, rate_hz):
+        """Steps per second of wall time at most; 0: as many as there can be."""
+        self.update_rate_hz = rate_hz
+        self._restart_pace()
+
+    def reset(self, time_too):
+        if time_too:
+            self.world.reset_simulation()
+            self._states.time_reset(0)
+        else:
+            self.world.reset_world()
+        for interfaces in self._interfaces.values():
+            for interface in interfaces:
+                if time_too and isinstance(interface, ControllerManager):
+                    interface.time_reset(0)
+        self._restart_pace()
+
+    def model_names(self):
+        return self._static_models + list(self.world.models)
+
+    # --- time
+
+    def _restart_pace(self):
+        self._begun_ns, self._begun_s = self.world.time_ns, time.monotonic()
+
+    def _ahead_s(self, time_ns):
+        """Wall time to wait before simulated time may be this."""
+        factor = self.update_rate_hz * self.world.settings.period_s
+        if factor <= 0.0:
+            return 0.0
+        ahead_s = 1e-9 * (time_ns - self._begun_ns) / factor - (time.monotonic() - self._begun_s)
+        if ahead_s < -FORGOTTEN_LAG_S:
+            self._restart_pace()
+        return max(0.0, ahead_s)
+
+    def _outlets(self):
+        yield self._states
+        for interfaces in self._interfaces.values():
+            yield from interfaces
+
+    def run(self):
+        """Returns when ROS shuts down."""
+        try:
+            while not rospy.is_shutdown():
+                self.work.run(0.0)
+                if self.paused:
+                    self._clock.publish(Clock(stamp(self.world.time_ns)))
+                    self.work.run(PAUSED_BEAT_S)
+                    continue
+                target_ns = self._next_stop()
+                ahead_s = self._ahead_s(target_ns)
+                if ahead_s > 0.0:
+                    self.work.run(ahead_s)
+                else:
+                    self.advance(target_ns)
+        finally:
+            self.work.close()
+
+    def _next_stop(self):
+        """When something is due, or the clock; a whole number of periods."""
+        now_ns, period_ns = self.world.time_ns, self.world.period_ns
+        due_ns = min((outlet.next_ns for outlet in self._outlets()), default=NEVER_NS)
+        clock_ns = (now_ns // self._slice_ns + 1) * self._slice_ns
+        ticks = max(1, -(-(min(due_ns, clock_ns) - now_ns) // period_ns))
+        return now_ns + ticks * period_ns
+
+    def advance(self, target_ns):
+        """Steps to a time and publishes what is due there."""
+        self.world.step((target_ns - self.world.time_ns) // self.world.period_ns)
+        self._clock.publish(Clock(stamp(self.world.time_ns)))
+        for outlet in list(self._outlets()):
+            outlet.publish(self.world.time_ns)

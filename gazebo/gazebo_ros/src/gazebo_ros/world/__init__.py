@@ -1,0 +1,1 @@
+"""The world: models, each a simulation of its own, under one clock. No ROS."""

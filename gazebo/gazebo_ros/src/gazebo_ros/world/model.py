@@ -1,0 +1,126 @@
+"""One model of the world: a robot, or any other thing that a URDF describes."""
+import xml.etree.ElementTree as ElementTree
+
+import numpy
+
+from aras_visual_servo_sim import ArasError, Simulation
+
+from .description import read_description
+from .errors import BadValueError, SpawnError, UnknownEntityError
+from .poses import quaternion_of, rpy_of, rotated
+
+
+class Model:
+    """A model and its simulation, whose time begins when it is spawned.
+
+    Attributes:
+        name, description: as spawned.
+        namespace: of its topics.
+        simulation: aras_visual_servo_sim.Simulation.
+        begun_ns: time of the world at the simulation's tick 0, int [ns].
+        links: names, in the order of the URDF.
+    """
+
+    def __init__(self, name, xml, namespace, pose, settings, begun_ns):
+        """
+        Args:
+            pose: X_WB, (4, 4), of the root link.
+            settings: WorldSettings.
+        Raises:
+            SpawnError: everything that is wrong with the URDF.
+        """
+        self.name, self.namespace, self.begun_ns = name, namespace, begun_ns
+        self.description = read_description(xml, namespace, name)
+        self.simulation = self._made(settings, pose)
+        robot = self._tree = ElementTree.fromstring(self.description.urdf)
+        self.links = [link.get("name") for link in robot.findall("link") if link.get("name") != "world"]
+        self.drawn_links = [link.get("name") for link in robot.findall("link") if link.find("visual") is not None]
+        self.warnings = list(self.description.warnings) + list(self.simulation.warnings)
+
+    def _made(self, settings, pose):
+        base = "floating"
+        if self.description.fixed:
+            base = "fixed" if self.description.jointed else "driven"  # one without joints can be placed anew
+        gravity = (0.0, 0.0, 0.0) if self.description.weightless else settings.gravity_m_s2
+        config = {"base": base, "idle_joints": "hold",
+                  "compatibility": "gazebo", "period_s": settings.period_s, "command_timeout_s": 0.0,
+                  "gravity_m_s2": list(gravity),
+                  "base_pose": {"position_m": [float(each) for each in pose[:3, 3]],
+                                "rpy_rad": [float(each) for each in rpy_of(pose)]}}
+        if settings.ground and self.description.collides and not self.description.fixed:
+            config["contacts"] = {"ground_plane": {}}
+        try:
+            return Simulation(self.description.urdf, config, {})
+        except ArasError as error:
+            raise SpawnError("SpawnModel: model '%s' cannot be simulated: %s" % (self.name, error)) from error
+
+    # --- state
+
+    @property
+    def root(self):
+        """Name of the link whose pose is the model's."""
+        return self.links[0] if self.links else "world"
+
+    def pose(self):
+        """X_WB, (4, 4)."""
+        return self.simulation.base_pose
+
+    def link_pose(self, link):
+        """X_WL, (4, 4). Raises: UnknownEntityError."""
+        if link not in self.links:
+            raise UnknownEntityError("link '%s' of model '%s' does not exist" % (link, self.name))
+        return self.simulation.link_pose(link)
+
+    def link_twist(self, link):
+        """(6,), [v; w] in world axes."""
+        pose = self.link_pose(link)
+        return rotated(pose, self.simulation.link_twist(link))
+
+    def twist(self):
+        return self.link_twist(self.root) if self.links else numpy.zeros(6)
+
+    def place(self, pose, twist):
+        """Puts the model somewhere else, with a twist [v; w] in world axes.
+
+        Raises: BadValueError: numbers that are not finite, or the model has joints and is fixed in the world.
+        """
+        try:
+            self.simulation.set_base(pose, twist)
+        except ArasError as error:
+            raise BadValueError("model '%s': %s" % (self.name, error)) from error
+
+    def set_joints(self, positions):
+        """Places joints, dict of name -> [m or rad], at rest. Raises: BadValueError, UnknownEntityError."""
+        try:
+            self.simulation.set_joint_positions(positions)
+        except ArasError as error:
+            raise BadValueError(str(error)) from error
+
+    def one_link(self, name):
+        """A URDF of one link alone, for the scene of another model."""
+        alone = ElementTree.Element("robot", name=name)
+        alone.extend(each for each in self._tree if each.tag == "material" or
+                     each.tag == "link" and each.get("name") == name or
+                     each.tag == "gazebo" and each.get("reference") == name and each.find("material") is not None)
+        return ElementTree.tostring(alone, encoding="unicode")
+
+    @staticmethod
+    def quaternion(pose):
+        return quaternion_of(pose)
+
+    # --- time
+
+    def step(self, ticks):
+        self.simulation.step(ticks)
+
+    def time_s(self, world_ns):
+        """The simulation's own time at a time of the world [s]."""
+        return 1e-9 * (world_ns - self.begun_ns)
+
+    def reset(self, world_ns, to_start):
+        """Everything back to where it was spawned; `to_start`: its time too."""
+        if to_start:
+            self.begun_ns = 0
+            self.simulation.reset()
+        else:
+            self.simulation.reset_world()

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "aras_visual_servo_sim/image/image.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** The image as a JPEG file, its colours at half the resolution. @param quality  1 .. 100 @throws RenderError */
+std::vector<std::uint8_t> jpegOf(const Image& image, int quality);
+
+/** Writes what a reader sees of a JPEG file of the image over it. @throws RenderError */
+void throughJpeg(int quality, Image& image);
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,265 @@
+#include "bind_controllers.hpp"
+
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <aras_visual_servo_common/python/yaml_from_python.hpp>
+#include <map>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/physics/managed/gripper_controller.hpp"
+#include "aras_visual_servo_sim/physics/managed/joint_state_controller.hpp"
+#include "aras_visual_servo_sim/physics/managed/trajectory_controller.hpp"
+
+namespace py = pybind11;
+
+namespace aras_visual_servo_sim {
+namespace {
+
+using Names = std::vector<std::string>;
+using Numbers = std::vector<double>;
+/** time_s, positions, velocities, accelerations */
+using Point = std::tuple<double, Numbers, Numbers, Numbers>;
+/** position, velocity, acceleration by joint */
+using Limits = std::map<std::string, std::tuple<double, double, double>>;
+
+/** @throws ParameterError: it is of another kind */
+template <typename Kind>
+Kind& as(Controller& controller) {
+  if (auto* found = dynamic_cast<Kind*>(&controller)) return *found;
+  throw ParameterError("controller '" + controller.name() + "': found type " + controller.type() +
+                       ", allowed is one that takes such commands");
+}
+
+/** A loaded controller, running or not. */
+template <typename Kind>
+Kind& loaded(const Simulation& simulation, const std::string& name) {
+  for (const auto& entry : simulation.world().controllers().entries()) {
+    if (entry.controller->name() == name) return as<Kind>(*entry.controller);
+  }
+  throw UnknownNameError("controller '" + name + "' is not loaded");
+}
+
+py::list loadedControllers(const Simulation& simulation) {
+  py::list list;
+  for (const auto& entry : simulation.world().controllers().entries()) {
+    Names joints;
+    for (const ControllerConfig& drive : entry.controller->drives()) joints.push_back(drive.joint);
+    py::dict one;
+    one["name"] = entry.controller->name();
+    one["type"] = entry.controller->type();
+    one["state"] = entry.state();
+    one["hardware_interface"] = entry.controller->hardwareInterface();
+    one["joints"] = joints;
+    list.append(one);
+  }
+  return list;
+}
+
+void setGains(Simulation& simulation, const std::string& name, double p, double i, double d, double i_clamp,
+              bool antiwindup) {
+  simulation.setGains(name, PidGains{p, i, d, -i_clamp, i_clamp, antiwindup});
+}
+
+std::map<std::string, Tolerance> tolerances(const Limits& limits) {
+  std::map<std::string, Tolerance> result;
+  for (const auto& [joint, limit] : limits) {
+    result[joint] = {std::get<0>(limit), std::get<1>(limit), std::get<2>(limit)};
+  }
+  return result;
+}
+
+Trajectory trajectory(const Names& joints, const std::vector<Point>& points, std::optional<double> start_s) {
+  Trajectory result{joints, start_s, {}};
+  for (const auto& [time_s, positions, velocities, accelerations] : points) {
+    result.points.push_back({positions, velocities, accelerations, time_s});
+  }
+  return result;
+}
+
+std::string follow(Simulation& simulation, const std::string& name, const Names& joints,
+                   const std::vector<Point>& points, std::optional<double> start_s) {
+  auto& controller = as<TrajectoryController>(simulation.runningController(name));
+  return controller.follow(trajectory(joints, points, start_s), simulation.timeS(),
+                           simulation.world().jointsOf(controller));
+}
+
+std::string pursue(Simulation& simulation, const std::string& name, const Names& joints,
+                   const std::vector<Point>& points, std::optional<double> start_s, const Limits& path,
+                   const Limits& goal, double goal_time_s) {
+  auto& controller = as<TrajectoryController>(simulation.runningController(name));
+  return controller.pursue(trajectory(joints, points, start_s), {tolerances(path), tolerances(goal), goal_time_s},
+                           simulation.timeS(), simulation.world().jointsOf(controller));
+}
+
+void cancelGoal(Simulation& simulation, const std::string& name) {
+  Controller& controller = simulation.runningController(name);
+  const std::vector<JointNow> joints = simulation.world().jointsOf(controller);
+  if (auto* gripper = dynamic_cast<GripperController*>(&controller)) return gripper->cancel(joints.front());
+  as<TrajectoryController>(controller).cancel(simulation.timeS(), joints);
+}
+
+const char* word(GoalState state) {
+  switch (state) {
+    case GoalState::kActive:
+      return "active";
+    case GoalState::kSucceeded:
+      return "succeeded";
+    case GoalState::kPathViolated:
+      return "path_tolerance_violated";
+    case GoalState::kGoalViolated:
+      return "goal_tolerance_violated";
+    case GoalState::kPreempted:
+      return "preempted";
+    case GoalState::kNone:
+      break;
+  }
+  return "none";
+}
+
+const char* word(GripperController::State state) {
+  switch (state) {
+    case GripperController::State::kActive:
+      return "active";
+    case GripperController::State::kReached:
+      return "reached";
+    case GripperController::State::kStalled:
+      return "stalled";
+    case GripperController::State::kPreempted:
+      return "preempted";
+    case GripperController::State::kNone:
+      break;
+  }
+  return "none";
+}
+
+Eigen::MatrixX3d rows(const std::vector<TrajectoryState>& states) {
+  Eigen::MatrixX3d matrix(states.size(), 3);
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    matrix.row(static_cast<Eigen::Index>(i)) << states[i].position, states[i].velocity, states[i].acceleration;
+  }
+  return matrix;
+}
+
+py::dict trajectoryReport(const Simulation& simulation, const std::string& name) {
+  const auto& controller = loaded<TrajectoryController>(simulation, name);
+  std::vector<TrajectoryState> desired, actual, error;
+  for (const auto& joint : controller.report()) {
+    desired.push_back(joint.desired);
+    actual.push_back(joint.actual);
+    error.push_back(joint.error);
+  }
+  py::dict report;
+  report["joints"] = controller.joints();
+  report["desired"] = rows(desired);
+  report["actual"] = rows(actual);
+  report["error"] = rows(error);
+  report["goal"] = word(controller.goalState());
+  report["goal_error"] = controller.goalError();
+  report["goals"] = controller.goals();
+  report["state_rate_hz"] = controller.settings().state_rate_hz;
+  report["monitor_rate_hz"] = controller.settings().monitor_rate_hz;
+  report["partial_joints"] = controller.settings().partial_joints;
+  return report;
+}
+
+py::dict gripperReport(const Simulation& simulation, const std::string& name) {
+  const auto& controller = loaded<GripperController>(simulation, name);
+  py::dict report;
+  report["goal"] = word(controller.state());
+  report["goals"] = controller.goals();
+  report["position"] = controller.joint().position;
+  report["effort"] = controller.joint().effort;
+  report["monitor_rate_hz"] = controller.settings().monitor_rate_hz;
+  return report;
+}
+
+py::dict jointStateSettings(const Simulation& simulation, const std::string& name) {
+  const JointStateConfig& config = loaded<JointStateController>(simulation, name).config();
+  py::list extra;
+  for (const ExtraJoint& joint : config.extra_joints) {
+    extra.append(py::make_tuple(joint.name, joint.position, joint.velocity, joint.effort));
+  }
+  py::dict settings;
+  settings["publish_rate_hz"] = config.publish_rate_hz;
+  settings["extra_joints"] = extra;
+  return settings;
+}
+
+}  // namespace
+
+void bindControllers(py::class_<Simulation>& type) {
+  type.def(
+          "load_controller",
+          [](Simulation& self, const std::string& name, const py::object& parameters) {
+            return self.loadController(name, aras_visual_servo_common::yamlFromPython(parameters, name));
+          },
+          py::arg("name"), py::arg("parameters"),
+          "Makes a controller, which does not run yet.\n\nArgs:\n"
+          "    parameters: dict in ros_control's layout, with `type`.\n"
+          "Returns:\n    what was ignored, a list of lines.\n"
+          "Raises:\n    ParameterError: the name is taken, or what is wrong with the parameters.")
+      .def("unload_controller", &Simulation::unloadController, py::arg("name"),
+           "Forgets a controller.\n\nRaises:\n    UnknownNameError; ParameterError: it is running.")
+      .def("switch_controllers", &Simulation::switchControllers, py::arg("start") = Names(), py::arg("stop") = Names(),
+           py::arg("strict") = true,
+           "Stops and starts controllers before the next period.\n\nArgs:\n"
+           "    strict: all of them or none; False: those that are there and not in that state already.\n"
+           "Raises:\n    UnknownNameError, ParameterError (two controllers on one joint); nothing changes then.")
+      .def("loaded_controllers", &loadedControllers,
+           "list of dict: name, type, state (initialized, running, stopped), hardware_interface, joints.")
+      .def_static("controller_types", &controllerTypes, "Types that load_controller knows.")
+      .def("set_controller_command", &Simulation::setControllerCommand, py::arg("controller"), py::arg("value"),
+           "A number on the command topic of a running controller of one joint.\n\nRaises:\n    UnknownNameError, "
+           "NotFiniteError.")
+      .def("set_gains", &setGains, py::arg("controller"), py::arg("p"), py::arg("i"), py::arg("d"), py::arg("i_clamp"),
+           py::arg("antiwindup"),
+           "Gains of a running controller of one joint.\n\nRaises:\n    UnknownNameError, ParameterError.")
+      .def("set_group_command", &Simulation::setGroupCommand, py::arg("controller"), py::arg("values"),
+           "Sets all joints of a running group, in its order.\n\nRaises:\n    UnknownNameError, NotFiniteError; "
+           "ParameterError: wrong size, not running.")
+      .def("follow_trajectory", &follow, py::arg("controller"), py::arg("joints"), py::arg("points"),
+           py::arg("start_s") = py::none(),
+           "Lets joints follow a trajectory; the goal before it, if any, is preempted.\n\nArgs:\n"
+           "    points: list of (time_s, positions, velocities, accelerations); the last two may be empty. No points: "
+           "stop.\n"
+           "    start_s: when it begins, since the robot's first tick [s]; None: now.\n"
+           "Returns:\n    what its author may want to know, \"\" if nothing.\n"
+           "Raises:\n    ParameterError: joints, times or numbers that are wrong; nothing changes then.")
+      .def("pursue_trajectory", &pursue, py::arg("controller"), py::arg("joints"), py::arg("points"),
+           py::arg("start_s") = py::none(), py::arg("path") = Limits(), py::arg("goal") = Limits(),
+           py::arg("goal_time_s") = 0.0,
+           "The same as a goal that succeeds or fails, see trajectory_report.\n\nArgs:\n"
+           "    path, goal: dict joint -> (position, velocity, acceleration), how far off it may be; 0: as the\n"
+           "        controller's parameters say, negative: as far as it likes.")
+      .def("cancel_goal", &cancelGoal, py::arg("controller"), "Ends the goal of a trajectory or gripper, and stops.")
+      .def("trajectory_report", &trajectoryReport, py::arg("controller"),
+           "dict of the last period: joints; desired, actual, error, (n, 3) position, velocity, acceleration;\n"
+           "goal (none, active, succeeded, path_tolerance_violated, goal_tolerance_violated, preempted), goal_error,\n"
+           "goals (how many so far); state_rate_hz, monitor_rate_hz, partial_joints.")
+      .def(
+          "trajectory_at",
+          [](const Simulation& self, const std::string& name, double time_s) {
+            return rows(loaded<TrajectoryController>(self, name).at(time_s));
+          },
+          py::arg("controller"), py::arg("time_s"),
+          "(n, 3): position, velocity, acceleration that its joints are to have at a time since the robot's first "
+          "tick.")
+      .def(
+          "pursue_grip",
+          [](Simulation& self, const std::string& name, double position, double max_effort) {
+            as<GripperController>(self.runningController(name)).pursue(position, max_effort, self.timeS());
+          },
+          py::arg("controller"), py::arg("position"), py::arg("max_effort"),
+          "Moves a gripper to a position [m or rad] with at most this effort [N or N m].")
+      .def("gripper_report", &gripperReport, py::arg("controller"),
+           "dict: goal (none, active, reached, stalled, preempted), goals, position, effort, monitor_rate_hz.")
+      .def("joint_state_settings", &jointStateSettings, py::arg("controller"),
+           "dict: publish_rate_hz, extra_joints [(name, position, velocity, effort)].");
+}
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,113 @@
+#include "aras_visual_servo_sim/physics/managed/gripper_controller.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
+#include "aras_visual_servo_sim/physics/managed/memory.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+std::unique_ptr<Controller> make(const std::string& name, const std::string& type, const YAML::Node& parameters,
+                                 const RobotModel& model, std::vector<std::string>& warnings) {
+  const Schema& section = sectionOf("gripper_controller");
+  YamlReader reader(describedKeys(parameters, section, name, warnings), section, name);
+  reader.get<std::string>("type");
+  ControllerConfig drive;
+  drive.joint = reader.get<std::string>("joint");
+  drive.name = name + "/gains/" + drive.joint;
+  drive.type = interfaceOfType(type) == "Position" ? ControllerType::kPosition : ControllerType::kEffortPosition;
+  checkJoint(model, drive.joint, drive.type, name, reader.faults());
+  YamlReader gains = reader.section("gains");
+  if (drive.type == ControllerType::kEffortPosition) {
+    if (gains.has(drive.joint)) {
+      drive.gains = readGains(gains.section(drive.joint));
+    } else {
+      warnings.push_back(drive.name + ": is missing, so this gripper does not move");
+    }
+  }
+  GripperController::Settings settings;
+  settings.goal_tolerance = std::abs(reader.get<double>("goal_tolerance"));
+  settings.max_effort = std::abs(reader.get<double>("max_effort"));
+  settings.stall_speed = reader.get<double>("stall_velocity_threshold");
+  settings.stall_timeout_s = reader.get<double>("stall_timeout");
+  settings.monitor_rate_hz = reader.get<double>("action_monitor_rate");
+  reader.finish();
+  return std::make_unique<GripperController>(name, type, std::move(drive), settings);
+}
+
+const RegisterController kTypes[] = {{"effort_controllers/GripperActionController", make},
+                                     {"position_controllers/GripperActionController", make}};
+
+}  // namespace
+
+GripperController::GripperController(std::string name, std::string type, ControllerConfig drive, Settings settings)
+    : Controller(std::move(name), std::move(type), {std::move(drive)}), settings_(settings) {}
+
+void GripperController::hold(const JointNow& joint) {
+  if (state_ == State::kActive) state_ = State::kPreempted;
+  position_ = joint.position;
+  effort_ = settings_.max_effort;
+}
+
+void GripperController::start(double time_s, const std::vector<JointNow>& joints) {
+  hold(joints.front());
+  moved_s_ = time_s;
+  last_ = joints.front();
+}
+
+void GripperController::stop() {
+  if (state_ == State::kActive) state_ = State::kPreempted;
+}
+
+void GripperController::pursue(double position, double max_effort, double now_s) {
+  if (!std::isfinite(position) || !std::isfinite(max_effort)) {
+    throw NotFiniteError("controller '" + name() + "': position or max_effort is not finite, must be finite");
+  }
+  position_ = position;
+  effort_ = std::abs(max_effort);
+  moved_s_ = now_s;
+  ++goals_;
+  state_ = State::kActive;
+}
+
+void GripperController::cancel(const JointNow& joint) {
+  if (state_ == State::kActive) hold(joint);
+}
+
+void GripperController::update(double time_s, double, const std::vector<JointNow>& joints,
+                               std::vector<JointTarget>& targets) {
+  last_ = joints.front();
+  if (state_ == State::kActive) {
+    if (std::abs(position_ - last_.position) < settings_.goal_tolerance) {
+      state_ = State::kReached;
+    } else if (std::abs(last_.velocity) > settings_.stall_speed) {
+      moved_s_ = time_s;
+    } else if (time_s - moved_s_ > settings_.stall_timeout_s) {
+      state_ = State::kStalled;
+    }
+  }
+  targets.front().set_point = position_;
+  if (drives().front().type != ControllerType::kPosition) targets.front().effort_limit = effort_;
+}
+
+template <typename Visitor>
+void GripperController::visit(Visitor&& visit) {
+  visit(state_);
+  visit(goals_);
+  for (double* value : {&position_, &effort_, &moved_s_, &last_.position, &last_.velocity, &last_.effort}) {
+    visit(*value);
+  }
+}
+
+void GripperController::save(MemoryWriter& out) const {
+  const_cast<GripperController*>(this)->visit([&out](const auto& value) { out.put(value); });
+}
+
+void GripperController::restore(MemoryReader& in) {
+  visit([&in](auto& value) { in.get(value); });
+}
+
+}  // namespace aras_visual_servo_sim

@@ -1,0 +1,68 @@
+// Controllers that pass on what they are told: those of one joint, and groups of joints with one list of commands.
+#include <string>
+#include <utility>
+
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
+#include "aras_visual_servo_sim/physics/managed/controller.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+using Drives = std::vector<ControllerConfig>;
+
+std::unique_ptr<Controller> makeSingle(const std::string& name, const std::string& type, const YAML::Node& parameters,
+                                       const RobotModel& model, std::vector<std::string>& warnings) {
+  YAML::Node entry;
+  entry[name] = describedKeys(parameters, sectionOf("controller"), name, warnings);
+  Drives drives = parseControllers(entry, model);
+  FaultList faults;
+  for (const ControllerConfig& drive : drives) checkJoint(model, drive.joint, drive.type, name, faults);
+  faults.throwIfAny();
+  return std::make_unique<Controller>(name, type, std::move(drives));
+}
+
+/** The drive of each joint of a group: of effort groups for positions a PID, else the command itself. */
+ControllerType driveOfGroup(const std::string& type) {
+  const std::string interface = interfaceOfType(type);
+  if (interface == "Position") return ControllerType::kPosition;
+  if (interface == "Velocity") return ControllerType::kVelocity;
+  return type.find("Position") != std::string::npos ? ControllerType::kEffortPosition : ControllerType::kEffort;
+}
+
+std::unique_ptr<Controller> makeGroup(const std::string& name, const std::string& type, const YAML::Node& parameters,
+                                      const RobotModel& model, std::vector<std::string>& warnings) {
+  const bool with_pids = driveOfGroup(type) == ControllerType::kEffortPosition;
+  const Schema& section = sectionOf(with_pids ? "group_pid_controller" : "group_controller");
+  YamlReader reader(describedKeys(parameters, section, name, warnings), section, name);
+  Drives drives;
+  for (const std::string& joint : reader.get<std::vector<std::string>>("joints")) {
+    ControllerConfig drive;
+    drive.name = name + "/" + joint;
+    drive.type = driveOfGroup(type);
+    drive.joint = joint;
+    checkJoint(model, joint, drive.type, name, reader.faults());
+    if (with_pids && !reader.has(joint)) {
+      reader.faults().add(name, "no " + joint + "/pid", "gains for each joint");
+    } else if (with_pids) {
+      drive.gains = readGains(reader.section(joint).section("pid"));
+    }
+    drives.push_back(std::move(drive));
+  }
+  reader.get<std::string>("type");
+  reader.finish();
+  return std::make_unique<Controller>(name, type, std::move(drives));
+}
+
+const RegisterController kTypes[] = {{"effort_controllers/JointEffortController", makeSingle},
+                                     {"effort_controllers/JointPositionController", makeSingle},
+                                     {"effort_controllers/JointVelocityController", makeSingle},
+                                     {"position_controllers/JointPositionController", makeSingle},
+                                     {"velocity_controllers/JointVelocityController", makeSingle},
+                                     {"effort_controllers/JointGroupEffortController", makeGroup},
+                                     {"effort_controllers/JointGroupPositionController", makeGroup},
+                                     {"position_controllers/JointGroupPositionController", makeGroup},
+                                     {"velocity_controllers/JointGroupVelocityController", makeGroup}};
+
+}  // namespace
+}  // namespace aras_visual_servo_sim

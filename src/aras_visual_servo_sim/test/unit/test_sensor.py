@@ -1,0 +1,62 @@
+"""A camera with a sensor, in process: keys from Python, shapes, reruns. What the sensor does is tested in C++."""
+import numpy as np
+import pytest
+from test_simulation import make
+
+from aras_visual_servo_sim import ParameterError
+
+CAMERA = {"name": "camera", "frame": "eye_optical_frame", "width": 64, "height": 48, "horizontal_fov_rad": 1.0}
+SCENE = {"background_rgb": [200, 120, 60],
+         "models": [{"name": "target", "outlines_m": [[[-0.1, -0.05], [0.1, -0.05], [0.1, 0.05], [-0.1, 0.05]]],
+                     "motion": {"type": "constant_velocity", "linear_m_per_s": [0.5, 0.1, 0.0]}}]}
+
+
+def sensed(sensor, **camera):
+    return make(cameras=[{**CAMERA, **camera, "sensor": sensor}], scene=SCENE)
+
+
+def images(sim, count=4):
+    frames = []
+    for _ in range(count):
+        sim.step_to_image()
+        frames.append(sim.render().copy())
+    return frames
+
+
+def test_bayer_image_has_one_value_a_pixel():
+    image = sensed({"shot_noise": False}, encoding="bayer_grbg8").render()
+    assert image.shape == (48, 64)
+    np.testing.assert_allclose(image[0, :2], [120, 200], atol=1)
+    np.testing.assert_allclose(image[1, :2], [60, 120], atol=1)
+
+
+@pytest.mark.parametrize("renderer", ["coverage", "opengl"])
+def test_reruns_and_resets_give_the_same_bytes(renderer):
+    everything = {"dark_noise_e": 10.0, "prnu": 0.02, "dsnu_e": 10.0, "gamma": 2.2, "vignetting_exponent": 4.0,
+                  "defocus_px": 2.0, "row_time_s": 1.0e-4, "jpeg_quality": 80, "auto_exposure": {"speed": 1.0},
+                  "auto_white_balance": {}}
+    sim, other = (sensed(everything, exposure_s=0.004, exposure_samples=2, renderer=renderer) for _ in range(2))
+    first = images(sim)
+    assert np.array_equal(first, images(other)) and sim.run_hash == other.run_hash
+    sim.reset()
+    assert np.array_equal(first, images(sim)) and sim.run_hash == other.run_hash
+    state = sim.save_state()
+    went_on = images(sim)
+    sim.restore_state(state)
+    assert np.array_equal(went_on, images(sim))
+
+
+def test_noise_has_the_variance_of_photons():
+    # Background red, 200 of 255: 7843 electrons of 10 000, K = 255 / 10 000.
+    frames = np.array(images(sensed({}), 40), float)[:, 0, :, 0]
+    expected = (255.0 / 10000.0) ** 2 * 7843.0 + 1.0 / 12.0
+    assert frames.mean() == pytest.approx(200.0, abs=0.2)
+    # 64 pixels, 40 frames: chance leaves 2.8 % of the variance.
+    assert frames.var(axis=0, ddof=1).mean() == pytest.approx(expected, rel=0.12)
+
+
+@pytest.mark.parametrize("sensor, named", [({"quantum_efficiency": 2}, "quantum_efficiency"), ({"iso": 100}, "iso"),
+                                           ({"row_time_s": 0.1}, "row_time_s")])
+def test_bad_keys_are_named(sensor, named):
+    with pytest.raises(ParameterError, match=named):
+        sensed(sensor)
