@@ -11,17 +11,39 @@ import tempfile
 import time
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[1]
+LIGHT_BENCH = WORKSPACE / "build/aras_visual_servo_sim/light_bench"
 SIM_BENCH = WORKSPACE / "src/aras_visual_servo_sim/bench"
 STOP_RULE = WORKSPACE / "src/aras_visual_servo_controller/bench/stop_rule.py"
-# What other programs can be measured beside, our program that measures it, and whether more is better.
+
+
+def python_bench(program, *arguments):
+    return [sys.executable, SIM_BENCH / program, *arguments]
+
+
+def light_bench(scene):
+    return [LIGHT_BENCH, "--rate", scene]
+
+
+# What other programs can be measured beside, our program that measures it, and whether more is better. The scenes of
+# the rows light_... are those of light_bench.cpp, in frames per second of CPU time.
 IN_TURN = {
-    "physics": ("physics of the arm, Python, steps / s", ["rates.py", "physics"], True),
-    "camera": ("camera, flat scene fills the view, Python, frames / s", ["rates.py", "camera", "plane"], True),
-    "lit": ("camera, a shaded solid fills the view, frames / s", ["rates.py", "camera", "lit"], True),
-    "picture": ("camera, a picture fills the view, frames / s", ["rates.py", "camera", "picture"], True),
-    "boxes": ("camera, ten boxes on a flat scene, frames / s", ["rates.py", "camera", "boxes"], True),
-    "start": ("process start to first image, Python [s]", ["start_up.py"], False),
-    "start_solid": ("the same, a solid in view [s]", ["start_up.py", "--solid"], False),
+    "physics": ("physics of the arm, Python, steps / s", python_bench("rates.py", "physics"), True),
+    "camera": ("camera, flat scene fills the view, Python, frames / s", python_bench("rates.py", "camera", "plane"),
+               True),
+    "lit": ("camera, a shaded solid fills the view, frames / s", python_bench("rates.py", "camera", "lit"), True),
+    "picture": ("camera, a picture fills the view, frames / s", python_bench("rates.py", "camera", "picture"), True),
+    "boxes": ("camera, ten boxes on a flat scene, frames / s", python_bench("rates.py", "camera", "boxes"), True),
+    "light_flat": ("OpenGL, a lit plane, frames / s", light_bench("opengl/flat"), True),
+    "light_textured": ("OpenGL, a picture on it", light_bench("opengl/textured"), True),
+    "light_textured_msaa": ("OpenGL, and 4 samples a pixel", light_bench("opengl/textured_msaa"), True),
+    "light_boxes": ("OpenGL, the lit plane and ten boxes", light_bench("opengl/boxes"), True),
+    "light_boxes_shadow": ("OpenGL, and a shadow map drawn anew", light_bench("opengl/boxes_shadow"), True),
+    "light_everything": ("OpenGL, picture, boxes, shadow map, 4 samples", light_bench("opengl/everything"), True),
+    "light_coverage_flat": ("coverage, a lit solid fills the view", light_bench("coverage/flat"), True),
+    "light_coverage_textured": ("coverage, a picture fills the view", light_bench("coverage/textured"), True),
+    "start": ("process start to first image, Python [s]", python_bench("start_up.py"), False),
+    "start_solid": ("the same, a solid in view [s]", python_bench("start_up.py", "--solid"), False),
+    "start_opengl": ("the same, by OpenGL [s]", python_bench("start_up.py", "--opengl"), False),
 }
 # google-benchmark executables, and the rows of theirs that stand in the table: (program, row, what it is)
 MICRO = (
@@ -109,10 +131,9 @@ def in_process(runs, others):
 
 
 def simulator(runs, beside):
-    for name, (what, (program, *arguments), more_is_better) in IN_TURN.items():
-        command = [sys.executable, SIM_BENCH / program, *arguments]
+    for name, (what, command, more_is_better) in IN_TURN.items():
         compare(what, lambda command=command: last_number(command), beside[name], runs, more_is_better)
-    for arguments in ([], ["--solid"], ["--blind"]):
+    for arguments in ([], ["--solid"], ["--opengl"], ["--blind"]):
         output = subprocess.run([sys.executable, SIM_BENCH / "start_up.py", *arguments], check=True,
                                 capture_output=True, text=True).stdout
         row(f"resident memory after the first image {' '.join(arguments)}", " ".join(output.split()[1:3]).rstrip(","))

@@ -5,7 +5,7 @@ import psutil
 from ros_graph import LIMIT_S, until
 
 #: roscpp binds its XML-RPC server to every interface whatever ROS_HOSTNAME says: one port of each of these.
-ROSCPP = {"rosout", "robot_state_publisher", "sim_node"}
+ROSCPP = {"rosout", "sim_node"}
 ALL = ROSCPP | {"roslaunch", "rosmaster", "controller", "experiment"}
 
 

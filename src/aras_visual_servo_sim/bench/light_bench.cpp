@@ -1,15 +1,52 @@
-// Cost of one frame of 320 x 240 under light, drawn by OpenGL: a plane, a picture on it, ten boxes, their shadow.
-// Run: light_bench [--benchmark_filter=...]; the scenes are those that MuJoCo's camera is measured with.
+// Cost of one frame under light: a plane, a picture on it, ten boxes, their shadow; the arm over a table. 320 x 240
+// unless said.
+// Run: light_bench [--benchmark_filter=...], or light_bench --rate NAME: frames per second of CPU time as the last
+// word. The scenes without the arm are those that MuJoCo's camera is measured with.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <functional>
+#include <memory>
 #include <string>
 
 #include "aras_visual_servo_sim/render/coverage_renderer.hpp"
 #include "aras_visual_servo_sim/render/opengl_renderer.hpp"
+#include "aras_visual_servo_sim/robot/urdf_loader.hpp"
+#include "aras_visual_servo_sim/simulation/simulation.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
+
+/** Draws the next frame. */
+using Draw = std::function<void()>;
+
+Light lamp(const Eigen::Vector3d& direction_W, double diffuse) {
+  Light light;
+  light.name = "sun";
+  light.direction_W = direction_W;
+  light.diffuse.setConstant(diffuse);
+  return light;
+}
+
+/** Draws by a renderer of its own. @param moves  the last body, in each frame: its shadow is drawn anew */
+template <typename AnyRenderer>
+Draw drawing(const CameraModel& camera, const Pose& X_WC, const Scene& scene, bool moves) {
+  struct Stage {
+    Stage(const CameraModel& of, const Scene& seen) : camera(of), scene(seen) {}
+    CameraModel camera;
+    Scene scene;
+    AnyRenderer renderer;
+    Image image;
+  };
+  const auto stage = std::make_shared<Stage>(camera, scene);
+  return [stage, X_WC, moves] {
+    if (moves) stage->scene.bodies.back().X_WB.p.x() += 1e-9;
+    stage->renderer.render(stage->camera, X_WC, stage->scene, stage->image);
+    benchmark::DoNotOptimize(stage->image.data.data());
+  };
+}
 
 struct Kind {
   const char* name;
@@ -59,10 +96,7 @@ MeshPtr plane(bool textured) {
 
 Scene sceneOf(const Kind& kind) {
   Scene scene;
-  Light sun;
-  sun.name = "sun";
-  sun.diffuse.setConstant(0.7);
-  scene.lighting.lights = {sun};
+  scene.lighting.lights = {lamp({0.0, 0.0, -1.0}, 0.7)};
   scene.lighting.ambient.setConstant(0.1);
   scene.lighting.shadows = kind.shadow;
   const auto add = [&](const std::string& name, const MeshPtr& mesh, const Rgb& color, const Eigen::Vector3d& p) {
@@ -83,34 +117,136 @@ Scene sceneOf(const Kind& kind) {
 }
 
 template <typename AnyRenderer>
-void run(benchmark::State& state, const Kind& kind) {
-  const CameraModel camera = cameraOf(kind);
-  Scene scene = sceneOf(kind);
+Draw planeDrawing(const Kind& kind) {
   const Pose X_WC{{0, 0, 0.6}, Eigen::Quaterniond(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()))};
-  AnyRenderer renderer;
-  Image image;
-  for (auto _ : state) {
-    if (kind.moving) scene.bodies.back().X_WB.p.x() += 1e-9;  // its shadow is drawn anew
-    renderer.render(camera, X_WC, scene, image);
-    benchmark::DoNotOptimize(image.data.data());
-  }
+  return drawing<AnyRenderer>(cameraOf(kind), X_WC, sceneOf(kind), kind.moving);
 }
 
-void registerAll() {
-  for (const Kind& kind : kKinds) {
-    const auto add = [&](const std::string& renderer, auto* function) {
-      benchmark::RegisterBenchmark((renderer + "/" + kind.name).c_str(), function, kind)->Unit(benchmark::kMicrosecond);
-    };
-    add("opengl", &run<OpenGlRenderer>);
-    if (!kind.shadow) add("coverage", &run<CoverageRenderer>);
+// --- the arm --------------------------------------------------------------------------------------------------------
+
+struct ArmKind {
+  const char* name;
+  int shadow_px;  ///< 0: none
+  bool moving, in_view, everything;
+  int width = 320;
+};
+
+constexpr ArmKind kArmKinds[] = {{"arm_casts_512", 512, true, false, false},
+                                 {"arm_casts_1024", 1024, true, false, false},
+                                 {"arm_casts_2048", 2048, true, false, false},
+                                 {"arm_casts_512_at_rest", 512, false, false, false},
+                                 {"arm_casts_1024_at_rest", 1024, false, false, false},
+                                 {"arm_casts_2048_at_rest", 2048, false, false, false},
+                                 {"arm", 0, true, true, false},
+                                 {"arm_shadow", 1024, true, true, false},
+                                 {"arm_everything", 1024, true, true, true},
+                                 {"arm_everything_640", 1024, true, true, true, 640}};
+
+/** The arm over a table, its links where they are at the start. */
+Scene armScene(const ArmKind& kind, Pose& X_WC) {
+  const PackagePaths packages;
+  const std::string file = packages.resolve("package://aras_description/urdf/aras_arm.urdf");
+  const YAML::Node config =
+      YAML::Load("cameras: [{name: eye, frame: camera_optical_frame, width: 8, height: 8, horizontal_fov_rad: 1.41}]");
+  Simulation sim(loadRobotModelFile(file), SimulationConfig::fromYaml(config), YAML::Node(), packages);
+  sim.render(0);  // puts the links into the scene
+  Scene scene = sim.scene();
+  X_WC = sim.cameraPose(0);
+  Body table;
+  table.name = "table";
+  table.shapes.push_back({Pose{}, plane(kind.everything), {200, 200, 200}, Material{}});
+  table.X_WB.p.z() = 0.19;
+  table.casts_shadows = false;
+  scene.bodies.insert(scene.bodies.begin(), table);
+  scene.lighting.lights = {lamp({0.3, 0.4, -1.0}, 0.7)};
+  scene.lighting.ambient.setConstant(0.3);
+  scene.lighting.shadows = kind.shadow_px > 0;
+  if (kind.shadow_px > 0) scene.lighting.shadow_map_px = kind.shadow_px;
+  if (kind.everything) {
+    scene.lighting.lights[0].specular.setConstant(0.5);
+    for (Body& body : scene.bodies) {
+      for (Shape& shape : body.shapes) shape.material.specular.setConstant(0.3);
+    }
   }
+  if (kind.in_view) {
+    const Eigen::Vector3d from(1.3, -1.3, 1.0), to(0.0, 0.0, 0.85);
+    Eigen::Matrix3d R;
+    R.col(2) = (to - from).normalized();
+    R.col(0) = R.col(2).cross(Eigen::Vector3d::UnitZ()).normalized();
+    R.col(1) = R.col(2).cross(R.col(0));
+    X_WC = {from, Eigen::Quaterniond(R)};
+  }
+  return scene;
+}
+
+Draw armDrawing(const ArmKind& kind) {
+  CameraConfig config;
+  config.width = kind.width;
+  config.height = 3 * kind.width / 4;
+  config.horizontal_fov_rad = 1.0;
+  config.sampling = kind.everything ? "coverage" : "center";
+  Pose X_WC;
+  const Scene scene = armScene(kind, X_WC);
+  return drawing<OpenGlRenderer>(CameraModel(config), X_WC, scene, kind.moving);
+}
+
+// --- all of them ----------------------------------------------------------------------------------------------------
+
+struct Case {
+  std::string name;
+  std::function<Draw()> make;
+};
+
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  for (const Kind& kind : kKinds) {
+    all.push_back({std::string("opengl/") + kind.name, [&kind] { return planeDrawing<OpenGlRenderer>(kind); }});
+    if (kind.shadow) continue;
+    all.push_back({std::string("coverage/") + kind.name, [&kind] { return planeDrawing<CoverageRenderer>(kind); }});
+  }
+  for (const ArmKind& kind : kArmKinds) {
+    all.push_back({std::string("opengl/") + kind.name, [&kind] { return armDrawing(kind); }});
+  }
+  return all;
+}
+
+void run(benchmark::State& state, const Case& each) {
+  const Draw draw = each.make();
+  draw();  // shaders, textures
+  for (auto _ : state) draw();
+}
+
+/** Frames per second of CPU time. */
+double rateOf(const Case& each) {
+  const Draw draw = each.make();
+  draw();
+  const std::clock_t start = std::clock();
+  std::clock_t now = start;
+  long frames = 0;
+  for (; now - start < CLOCKS_PER_SEC; ++frames, now = std::clock()) draw();
+  return double(frames) * CLOCKS_PER_SEC / double(now - start);
 }
 
 }  // namespace
 }  // namespace aras_visual_servo_sim
 
 int main(int argc, char** argv) {
-  aras_visual_servo_sim::registerAll();
+  using namespace aras_visual_servo_sim;
+  const std::vector<Case> all = cases();
+  if (argc == 3 && std::string(argv[1]) == "--rate") {
+    for (const Case& each : all) {
+      if (each.name != argv[2]) continue;
+      std::printf("%s %.1f\n", each.name.c_str(), rateOf(each));
+      return 0;
+    }
+    std::fprintf(stderr, "light_bench: no scene '%s'\n", argv[2]);
+    return 2;
+  }
+  for (const Case& each : all) {
+    benchmark::RegisterBenchmark(each.name.c_str(), [&each](benchmark::State& state) {
+      run(state, each);
+    })->Unit(benchmark::kMicrosecond);
+  }
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();
   return 0;

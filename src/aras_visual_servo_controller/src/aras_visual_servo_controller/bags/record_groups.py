@@ -22,8 +22,8 @@ GROUPS = {
 ON_DEMAND = {"converted": "/converted_image", "overlay": "/overlay", "depth": "/depth/",
              "segmentation": "/segmentation/"}
 # Parts of names that are never recorded: they can be made from what is.
-NEVER = ("/null_space_bars", "/camera_path", "/parameter_descriptions", "/parameter_updates", "/compressed", "/theora",
-         "/state")
+NEVER = ("/null_space_bars", "/camera_path", "/image_joint_states", "/parameter_descriptions", "/parameter_updates",
+         "/compressed", "/theora", "/state")
 COMPRESSIONS = ("lz4", "bz2", "none")
 ALWAYS = "servo"       # always recorded: without it nothing can be reported
 # (topic, its group, what a report lacks without it).

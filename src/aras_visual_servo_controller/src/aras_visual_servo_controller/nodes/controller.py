@@ -51,6 +51,7 @@ class ControllerNode:
         self._preempted = False
         self._frame_id = ""
         self._feedback_wall_s = self._status_wall_s = time.monotonic()
+        self._feedback_phase = ""
         self._time_restarts = 0
         # (stamp at which the simulator holds or -1, wall time since when); None once the first image was answered.
         self._held = None
@@ -176,14 +177,16 @@ class ControllerNode:
         message = convert.state_message(record, self._frame_id)
         self._state_publisher.publish(message)
         self._bars.show(record, self._frame_id)
-        if self._session.active:
-            now_s = time.monotonic()
-            if now_s - self._feedback_wall_s >= self._feedback_period_s:
-                self._feedback_wall_s = now_s
+        now_s = time.monotonic()
+        if record.phase != self._feedback_phase or now_s - self._feedback_wall_s >= self._feedback_period_s:
+            if self._session.active:
+                self._feedback_wall_s, self._feedback_phase = now_s, record.phase
                 self._server.publish_feedback(VisualServoFeedback(message))
 
     def _finish(self, record):
-        """Report the end of the goal."""
+        """Report the end of the goal: the last state as feedback, then the result."""
+        self._feedback_phase = ""
+        self._server.publish_feedback(VisualServoFeedback(convert.state_message(record, self._frame_id)))
         converged, status, reason, e, duration_s = self._session.outcome(record)
         result = VisualServoResult(converged=bool(converged), status=int(status), reason=reason,
                                    feature_names=list(record.feature_names), e=[float(value) for value in e],

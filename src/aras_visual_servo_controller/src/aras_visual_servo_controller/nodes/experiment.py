@@ -20,8 +20,8 @@ from actionlib_msgs.msg import GoalStatus, GoalStatusArray
 from std_msgs.msg import String
 from std_srvs.srv import Empty
 
-from aras_visual_servo_msgs.msg import (ServoState, SimStatus, VisualServoActionGoal, VisualServoActionResult,
-                                        VisualServoGoal)
+from aras_visual_servo_msgs.msg import (SimStatus, VisualServoActionFeedback, VisualServoActionGoal,
+                                        VisualServoActionResult, VisualServoGoal)
 from aras_visual_servo_msgs.srv import Step
 
 from ..bags.bag import read_bag
@@ -121,7 +121,8 @@ class ExperimentNode:
         self._goals = rospy.Publisher("servo/goal", VisualServoActionGoal, queue_size=10, latch=False)
         self._goal = GoalSender(self._goals.publish)
         rospy.Subscriber("sim/status", SimStatus, self._on_status)
-        rospy.Subscriber("servo_state", ServoState, self._on_state, tcp_nodelay=True)
+        # It holds the phases and the last state. Each servo_state would wake this node at every image.
+        rospy.Subscriber("servo/feedback", VisualServoActionFeedback, self._on_feedback)
         rospy.Subscriber("servo/result", VisualServoActionResult, self._on_result)
         rospy.Subscriber("servo/status", GoalStatusArray, self._on_goals)
         self._step = rospy.ServiceProxy("sim/step", Step)
@@ -225,7 +226,7 @@ class ExperimentNode:
 
     def _send_goal(self, reference):
         goal = VisualServoActionGoal()
-        goal.header.stamp = rospy.get_rostime()
+        goal.header.stamp = self._status.header.stamp
         goal.goal_id.id = f"{rospy.get_name()}-{os.getpid()}-{self._goals_sent}"
         goal.goal_id.stamp = goal.header.stamp
         goal.goal.reference = reference
@@ -255,7 +256,7 @@ class ExperimentNode:
 
         At which tick the pause came is chance. Without this step the recorded run, and its hash, would end anywhere.
         """
-        self._wait("the last servo_state", lambda: [] if self._done_ns is not None else ["phase done"], 10.0)
+        self._wait("the last feedback", lambda: [] if self._done_ns is not None else ["phase done"], 10.0)
         self._wait("the pause", lambda: [] if self._status.paused else ["sim/status paused"], 10.0)
         end_ns = self._done_ns + round(CLOSING_S * 1e9)
         period_ns = round(self._scenario.sim.get("period_s", default_of("sim.period_s")) * 1e9)
@@ -271,11 +272,12 @@ class ExperimentNode:
         with self._changed:
             self._status = message
 
-    def _on_state(self, message):
-        if message.phase == "done" and self._done_ns is None and self._state is not None:
-            self._done_ns = message.header.stamp.to_nsec()
-        if message.phase not in ("idle", "done"):  # a controller that was just started again is idle: keep the old one
-            self._state = message
+    def _on_feedback(self, message):
+        state = message.feedback.state
+        if state.phase == "done" and self._done_ns is None and self._state is not None:
+            self._done_ns = state.header.stamp.to_nsec()
+        if state.phase not in ("idle", "done"):  # a controller that was just started again is idle: keep the old one
+            self._state = state
 
     def _on_result(self, message):
         with self._changed:

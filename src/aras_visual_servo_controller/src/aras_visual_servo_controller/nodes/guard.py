@@ -56,9 +56,12 @@ def _signal(pids, number):
 def children_of(pid):
     """Set of the pids of the children of a process."""
     found = set()
-    for path in Path("/proc").glob("[0-9]*/stat"):
+    told = list(Path(f"/proc/{pid}/task").glob("*/children"))  # of each thread, where the kernel tells it
+    for path in told or Path("/proc").glob("[0-9]*/stat"):
         try:
-            if int(path.read_text().rpartition(")")[2].split()[1]) == pid:
+            if told:
+                found.update(map(int, path.read_text().split()))
+            elif int(path.read_text().rpartition(")")[2].split()[1]) == pid:
                 found.add(int(path.parent.name))
         except OSError:
             pass  # it has ended

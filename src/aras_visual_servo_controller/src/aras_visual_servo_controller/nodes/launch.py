@@ -23,7 +23,7 @@ from ..report.report import format_summary
 
 LAUNCH_FILE = ("aras_visual_servo_controller", "servo.launch")
 NAMESPACE = "aras_visual_servo"  # that of servo.launch
-NODES = ("sim", "camera_node", "controller", "experiment", "robot_state_publisher")  # which servo.launch starts
+NODES = ("sim", "camera_node", "controller", "experiment")  # which servo.launch starts
 EXIT_BROKEN = 3        # the run ended and the experiment node left no exit code
 TAIL_LINES = 40        # so many last lines of the log are shown when there is no result
 

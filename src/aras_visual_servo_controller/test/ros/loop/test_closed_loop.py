@@ -9,6 +9,7 @@ import rospy
 from aras_visual_servo_controller.run.loop import ServoLoop
 from aras_visual_servo_controller.scenario.scenario import load_scenario
 from aras_visual_servo_msgs.msg import ServoState
+from aras_visual_servo_msgs.srv import Step
 from wiring import Watcher, call, wait_until
 
 FEATURES = ("area", "xg", "yg", "alpha", "xn", "yn", "an", "orientation_condition", "asymmetry")
@@ -71,6 +72,13 @@ class ClosedLoop(unittest.TestCase):
             np.testing.assert_array_equal(state.e, record.e)
         loop.sim.step(self.sim.ticks - loop.sim.ticks)  # to where it was paused
         self.assertEqual(loop.sim.run_hash, self.sim.run_hash)
+
+    def test_a_long_step_gives_the_features_of_every_image_on_the_way(self):
+        images = 300  # more than wait in any queue
+        call("sim/step", Step, images * 100 // 3)
+        wait_until(lambda: self.watcher.sim.frames >= self.sim.frames + images, "the images")
+        answers = (self.watcher.features, self.watcher.states, self.watcher.commands)
+        wait_until(lambda: all(len(set(kept)) >= self.watcher.sim.frames for kept in answers), "the answers to them")
 
     def compare_more(self, loop, stamp_ns):
         """What else an image gave, against the loop that has just answered it."""

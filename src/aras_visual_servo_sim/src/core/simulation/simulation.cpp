@@ -8,6 +8,18 @@
 #include "aras_visual_servo_sim/robot/joint_limits_reader.hpp"
 
 namespace aras_visual_servo_sim {
+namespace {
+
+/** Gives visuals to which the URDF gave no material Gazebo's, White. */
+void whiten(RobotModel& robot) {
+  for (Link& link : robot.links) {
+    for (Visual& visual : link.visuals) {
+      if (!visual.has_color) visual.color = {1.0, 1.0, 1.0, 1.0};
+    }
+  }
+}
+
+}  // namespace
 
 Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::Node& controllers,
                        const PackagePaths& packages)
@@ -20,6 +32,7 @@ Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::No
   FaultList faults;
   faults.collect([&] { applyJointLimits(controllers, model_); });
   faults.collect([&] { config_.world.controllers = parseControllers(controllers, model_); });
+  if (config_.gazebo_cameras) whiten(model_);
   faults.collect([&] { models_ = Models(config_.scene, model_, packages); });
   if (faults.empty()) faults.collect([&] { contacts_.begin(models_.set(), config_.scene.solids); });
   faults.collect([&] { start_.check(model_, config_.world); });

@@ -77,8 +77,10 @@ NodeParameters loadParameters(const ros::NodeHandle& node, const ros::NodeHandle
   parameters.gazebo_names = own.get<bool>("gazebo_names");
   parameters.gazebo_camera_names = own.get<bool>("gazebo_camera_names");
   parameters.base_tf = own.get<bool>("base_tf");
+  parameters.link_tf = own.get<bool>("link_tf");
   YamlReader nodelets = own.section("nodelets");
   for (const std::string& name : nodelets.keys()) parameters.nodelets[name] = nodelets.get<std::string>(name);
+  parameters.nodelet_threads = own.get<bool>("nodelet_threads");
   faults.collect([&] { own.finish(); }, "~");
   faults.collect([&] { parameters.simulation = SimulationConfig::fromYaml(section(node, private_node, "sim")); });
   faults.collect([&] { parameters.time = TimeConfig::fromYaml(section(node, private_node, "time")); });

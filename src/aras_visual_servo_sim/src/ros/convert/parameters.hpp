@@ -26,12 +26,14 @@ struct NodeParameters {
   bool gazebo_names = false;                    ///< also answer /gazebo/pause_physics and the like
   bool gazebo_camera_names = false;             ///< the URDF's cameras have the topics that Gazebo gives them
   bool base_tf = true;                          ///< say where the base is on /tf and /tf_static
+  bool link_tf = false;                         ///< say where the links are there too
   std::map<std::string, std::string> nodelets;  ///< name -> type, to be loaded into this process
+  bool nodelet_threads = true;                  ///< they have their own; false: they run between two steps
 };
 
 /** Reads `robot_description` (searched upwards), the controllers of the namespace, and of the private namespace the
  *  sections `sim` and `time`, which may also stand under `scenario/` there or in the namespace, `gazebo_names`,
- *  `gazebo_camera_names` and `base_tf`.
+ *  `gazebo_camera_names`, `base_tf`, `link_tf`, `nodelets` and `nodelet_threads`.
  *  @throws ParameterError listing every fault of all of them */
 NodeParameters loadParameters(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
 

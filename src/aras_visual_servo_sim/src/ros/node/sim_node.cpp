@@ -17,9 +17,11 @@ constexpr std::int64_t kSliceNs = 1000000;  // simulated time between two looks 
 
 }  // namespace
 
-SimNode::SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, const NodeParameters& parameters)
+SimNode::SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, NodeletQueue& nodelets,
+                 const NodeParameters& parameters)
     : node_(node),
       queue_(queue),
+      nodelets_(nodelets),
       config_(parameters.time),
       simulation_(parameters.robot, parameters.simulation, parameters.controllers),
       time_(simulation_, parameters.time.monotonic_clock),
@@ -80,7 +82,10 @@ void SimNode::wait(double limit_s) {
   queue_.callOne(ros::WallDuration(std::clamp(std::min(limit_s, beat_s), 0.0, limit_s)));
 }
 
-void SimNode::sample() { hold(states_.publishDue()); }
+void SimNode::sample() {
+  hold(states_.publishDue());
+  nodelets_.work();
+}
 
 /** Lets the lockstep wait for the answers to the images of these cameras, which were just sent. */
 void SimNode::hold(const std::vector<int>& cameras) {

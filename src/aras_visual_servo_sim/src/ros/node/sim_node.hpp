@@ -22,6 +22,7 @@
 #include "listen/command_inputs.hpp"
 #include "listen/model_services.hpp"
 #include "listen/pid_servers.hpp"
+#include "nodelets.hpp"
 #include "pacer.hpp"
 #include "publish/camera_topics.hpp"
 #include "publish/scene_markers.hpp"
@@ -36,8 +37,9 @@ namespace aras_visual_servo_sim {
  *  pace) the thread sleeps on the callback queue and a message wakes it at once. */
 class SimNode {
  public:
-  /** @param queue  the callback queue `node` delivers to @throws ArasError */
-  SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, const NodeParameters& parameters);
+  /** @param queue  the callback queue `node` delivers to  @param nodelets  what those without threads have to do
+   *  @throws ArasError */
+  SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, NodeletQueue& nodelets, const NodeParameters& parameters);
 
   /** Returns when ROS shuts down. */
   void run();
@@ -74,6 +76,7 @@ class SimNode {
 
   ros::NodeHandle node_;
   ros::CallbackQueue& queue_;
+  NodeletQueue& nodelets_;
   TimeConfig config_;
   Simulation simulation_;
   WireTime time_;

@@ -39,10 +39,11 @@ StatePublisher::StatePublisher(const ros::NodeHandle& node, Simulation& simulati
       joint_schedule_(std::min(parameters.time.joint_state_rate_hz, 1e9 / simulation.periodNs()),
                       simulation.periodNs()),
       geometry_(node_, simulation, topics, recording),
-      base_frames_(node_, simulation, parameters.base_tf),
+      robot_frames_(node_, simulation, parameters.base_tf, parameters.link_tf),
       extra_joints_(parameters.joint_states.extra_joints) {
   clock_ = {node_, recording, "/clock", kSmallQueue};
   joints_ = {node_, recording, "joint_states", kSmallQueue};
+  image_joints_ = {node_, recording, "image_joint_states", kSmallQueue};
   target_pose_ = {node_, recording, "ground_truth/target_pose", kSmallQueue};
   target_twist_ = {node_, recording, "ground_truth/target_twist", kSmallQueue};
   path_ = node_.advertise<nav_msgs::Path>("camera_path", 1);
@@ -103,7 +104,7 @@ std::vector<int> StatePublisher::publishDue() {
   next_joints_ = joint_schedule_.firstIndexFrom(tick + 1);
   const ros::Time stamp = time_.now();
   if (clock_due || !exposed.empty() || !due.empty()) publishClock();
-  if (joints_due || !exposed.empty()) publishPresentJoints();
+  if (joints_due || !exposed.empty()) publishPresentJoints(!exposed.empty());
   if (joints_due) publishControllers(stamp);
   if (!exposed.empty()) publishTarget(stamp);
   for (std::size_t k = 0; k < cameras_.size(); ++k) {
@@ -137,14 +138,14 @@ void StatePublisher::reset() {
   path_message_.poses.clear();
 }
 
-void StatePublisher::publishPresentJoints() {
+void StatePublisher::publishPresentJoints(bool of_image) {
   const MultibodyWorld& world = simulation_.world();
-  publishJoints(time_.now(), world.jointPositions(), world.jointVelocities(), world.jointEfforts());
-  base_frames_.publish(time_.now());
+  publishJoints(time_.now(), world.jointPositions(), world.jointVelocities(), world.jointEfforts(), of_image);
+  robot_frames_.publish(time_.now(), of_image);
 }
 
 void StatePublisher::publishJoints(const ros::Time& stamp, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
-                                   const Eigen::VectorXd& efforts) {
+                                   const Eigen::VectorXd& efforts, bool of_image) {
   joint_message_.header.stamp = stamp;
   assign(joint_message_.position, q);
   assign(joint_message_.velocity, v);
@@ -155,6 +156,7 @@ void StatePublisher::publishJoints(const ros::Time& stamp, const Eigen::VectorXd
     joint_message_.effort.push_back(joint.effort);
   }
   joints_.publish(joint_message_);
+  if (of_image) image_joints_.publish(joint_message_);
 }
 
 void StatePublisher::publishControllers(const ros::Time& stamp) {

@@ -16,7 +16,6 @@
 
 #include "aras_visual_servo_sim/simulation/cameras/frame_schedule.hpp"
 #include "aras_visual_servo_sim/simulation/simulation.hpp"
-#include "base_frames.hpp"
 #include "camera_topics.hpp"
 #include "compressed_publisher.hpp"
 #include "convert/parameters.hpp"
@@ -24,6 +23,7 @@
 #include "geometry_publisher.hpp"
 #include "record/outlet.hpp"
 #include "record/recording.hpp"
+#include "robot_frames.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -76,9 +76,9 @@ class StatePublisher {
   };
 
   void advertiseCamera(int camera, const CameraTopics& topics);
-  void publishPresentJoints();
+  void publishPresentJoints(bool of_image);
   void publishJoints(const ros::Time& stamp, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
-                     const Eigen::VectorXd& efforts);
+                     const Eigen::VectorXd& efforts, bool of_image);
   void publishControllers(const ros::Time& stamp);
   void publishTarget(const ros::Time& stamp);
   void publishCamera(int camera, const ros::Time& stamp, const Pose& X_WC, const Twist& V_WC_C);
@@ -97,13 +97,13 @@ class StatePublisher {
   std::int64_t sampled_tick_ = -1;
   std::uint64_t frames_ = 0, dropped_frames_ = 0;
   Outlet<rosgraph_msgs::Clock> clock_;
-  Outlet<sensor_msgs::JointState> joints_;
+  Outlet<sensor_msgs::JointState> joints_, image_joints_;
   Outlet<geometry_msgs::PoseStamped> target_pose_;
   Outlet<geometry_msgs::TwistStamped> target_twist_;
   ros::Publisher path_;
   std::vector<CameraOutput> cameras_;
   GeometryPublisher geometry_;
-  BaseFrames base_frames_;
+  RobotFrames robot_frames_;
   std::vector<ExtraJoint> extra_joints_;
   std::vector<ControllerOutput> controllers_;
   sensor_msgs::JointState joint_message_;

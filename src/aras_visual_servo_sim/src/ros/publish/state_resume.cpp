@@ -14,7 +14,7 @@ std::vector<int> StatePublisher::resume() {
   path_message_.poses.clear();
   publishClock();
   publishLate();
-  publishPresentJoints();
+  publishPresentJoints(true);
   std::vector<int> taken;
   for (std::size_t k = 0; k < cameras_.size(); ++k) {
     if (simulation_.cameras()[static_cast<int>(k)].frameTaken(tick)) taken.push_back(static_cast<int>(k));
@@ -41,7 +41,7 @@ void StatePublisher::publishLate() {
   for (const auto& [tick, entry] : frames) {
     const auto& [camera, frame] = entry;
     const ros::Time stamp = time_.at(tick * simulation_.periodNs());
-    publishJoints(stamp, frame->q, frame->v, frame->efforts);
+    publishJoints(stamp, frame->q, frame->v, frame->efforts, true);
     publishCamera(camera, stamp, frame->present.X_WC, frame->V_WC_C);
   }
 }

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Where the base is, on /tf and /tf_static, against the true pose of the camera on it."""
+"""Where base and links are, on /tf and /tf_static, against the true pose of the camera."""
 import unittest
 
 import numpy as np
 import rospy
 import rostest
-from aras_visual_servo_msgs.srv import Step
+from aras_visual_servo_msgs.srv import SetJointPositions, Step
 from geometry_msgs.msg import PoseStamped
 from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
@@ -72,6 +72,29 @@ class BaseFrames(unittest.TestCase):
         service("placed/sim/step", Step)(steps=1)
         self.check_camera(transform.transform, poses.wait()[0].pose)
         self.assertNotIn("/placed/tf", {name for name, _ in rospy.get_published_topics()})
+
+    def test_the_links_are_told_with_every_image_and_lead_to_the_true_camera(self):
+        transforms, poses = Listener("links/tf", TFMessage), Listener("links/ground_truth/camera_pose", PoseStamped)
+        for listener in (transforms, poses):
+            until(listener.subscriber.get_num_connections, "the subscriptions")
+        place = service("links/sim/set_joint_positions", SetJointPositions)
+        self.assertTrue(place(name=["lift", "pan"], position=[0.07, 0.4]).success)
+        service("links/sim/step", Step)(steps=FALL_MS)
+        until(lambda: len(poses.messages) >= 7, "the images on the way")
+        last = poses.messages[6].header.stamp
+        until(lambda: transforms.messages and transforms.messages[-1].transforms[0].header.stamp >= last, "transforms")
+        (static,) = rospy.wait_for_message("links/tf_static", TFMessage, 30.0).transforms
+        self.assertEqual((static.header.frame_id, static.child_frame_id), ("head", "eye_optical_frame"))
+        by_stamp = {message.transforms[0].header.stamp: message.transforms for message in list(transforms.messages)}
+        self.assertEqual(len(by_stamp), len(transforms.messages), "one message for each stamp")
+        for pose in poses.messages[:7]:
+            self.assertEqual([t.child_frame_id for t in by_stamp[pose.header.stamp]], ["carriage", "head"])
+            R, p = np.eye(3), np.zeros(3)
+            for transform in (*by_stamp[pose.header.stamp], static):
+                p = p + R @ vector(transform.transform.translation)
+                R = R @ rotation(transform.transform.rotation)
+            np.testing.assert_allclose(p, vector(pose.pose.position), atol=ROUNDING)
+            np.testing.assert_allclose(R, rotation(pose.pose.orientation), atol=ROUNDING)
 
     def test_nothing_is_published_where_somebody_else_says_it(self):
         until(lambda: "/told_elsewhere/joint_states" in {name for name, _ in rospy.get_published_topics()}, "it is up")

@@ -31,9 +31,9 @@ class Wiring(unittest.TestCase):
     """A free-running simulator, a few times faster than real time."""
 
     def test_every_topic_of_the_interface_is_there(self):
-        expected = ["joint_states", "camera/image_raw", "camera/camera_info", "ground_truth/camera_pose",
-                    "ground_truth/camera_twist", "ground_truth/target_pose", "ground_truth/target_twist",
-                    "sim/status", "pan_controller/state",
+        expected = ["joint_states", "image_joint_states", "camera/image_raw", "camera/camera_info",
+                    "ground_truth/camera_pose", "ground_truth/camera_twist", "ground_truth/target_pose",
+                    "ground_truth/target_twist", "sim/status", "pan_controller/state",
                     "scene_markers", "camera_path"]
         expected = {rospy.resolve_name(name) for name in expected} | {"/clock"}
         until(lambda: expected <= {name for name, _ in rospy.get_published_topics()}, "topics " + str(expected))
@@ -50,6 +50,22 @@ class Wiring(unittest.TestCase):
         self.assertEqual(images.messages[0].header.frame_id, "eye_optical_frame")
         self.assertEqual(others[0].messages[0].header.frame_id, "eye_optical_frame")
         self.assertEqual(others[1].messages[0].name, ["lift", "pan"])
+
+    def test_image_joint_states_are_the_joint_states_of_the_images_and_no_others(self):
+        all_joints, of_images = Listener("joint_states", JointState), Listener("image_joint_states", JointState)
+        images = Listener("camera/image_raw", Image)
+        all_joints.wait()
+        images.wait(), of_images.wait()
+        first = max(images.stamps()[0], of_images.stamps()[0], all_joints.stamps()[0])
+        until(lambda: images.stamps()[-1] > first + 10**9 < of_images.stamps()[-1], "a second of both")
+        last = min(images.stamps()[-1], of_images.stamps()[-1])
+        expected = [stamp for stamp in images.stamps() if first <= stamp <= last]
+        self.assertEqual([stamp for stamp in of_images.stamps() if first <= stamp <= last], expected)
+        until(lambda: all_joints.stamps()[-1] >= last, "all joint states")
+        position = {message.header.stamp.to_nsec(): message.position for message in all_joints.messages}
+        for message in of_images.messages:
+            if first <= message.header.stamp.to_nsec() <= last:
+                self.assertEqual(message.position, position[message.header.stamp.to_nsec()])
 
     def test_images_come_at_their_rate_in_simulated_time(self):
         images = Listener("camera/image_raw", Image)

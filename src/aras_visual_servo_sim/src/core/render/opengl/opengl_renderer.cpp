@@ -160,6 +160,7 @@ class OpenGlRenderer::Implementation {
     gl.FrontFace(GL_CW);  // counter-clockwise in the world, and rows grow downwards
     gl.CullFace(GL_BACK);
     gl.Enable(GL_DEPTH_TEST);
+    gl.Enable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
     gl.Disable(GL_DITHER);
     parts_->store.clean();
   }

@@ -24,9 +24,26 @@ std::uint32_t addPoint(TriangleMesh& mesh, const Vector3f& point, const Vector3f
   return static_cast<std::uint32_t>(mesh.points.size() - 1);
 }
 
+void mendNormals(TriangleMesh& mesh) {
+  std::vector<Vector3f>& normals = mesh.normals;
+  normals.resize(mesh.points.size(), Vector3f::Zero());
+  const auto good = [](const Vector3f& n) { return n.allFinite() && n.squaredNorm() > 0.25f; };
+  if (std::all_of(normals.begin(), normals.end(), good)) return;
+  std::vector<Vector3f> sums(normals.size(), Vector3f::Zero());
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const Vector3f area = (mesh.points[j] - mesh.points[i]).cross(mesh.points[k] - mesh.points[i]);
+    for (const std::uint32_t corner : {i, j, k}) sums[corner] += area;
+  }
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    if (good(normals[i])) continue;
+    normals[i] = sums[i].norm() > 0.0f ? Vector3f(sums[i].normalized()) : Vector3f(Vector3f::UnitZ());
+  }
+}
+
 }  // namespace
 
 void TriangleMesh::finish() {
+  mendNormals(*this);
   struct Edge {
     std::uint32_t low, high, triangle, corner;
     bool operator<(const Edge& other) const {

@@ -4,48 +4,14 @@
 #include <cmath>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/robot/urdf_loader.hpp"
 #include "aras_visual_servo_sim/scene/scene_loader.hpp"
+#include "aras_visual_servo_sim/simulation/simulation.hpp"
 #include "aras_visual_servo_sim/simulation/simulation_config.hpp"
-#include "opengl_tools.hpp"
+#include "light_tools.hpp"
 
 namespace aras_visual_servo_sim::testing {
 namespace {
-
-constexpr double kRounding = 1.0;  // grey levels: of the formula and of the picture
-
-CameraConfig rgbConfig() {
-  CameraConfig config = cameraConfig();
-  config.encoding = "rgb8";
-  return config;
-}
-
-/** A white floor at z = 0, and lights of its own. */
-Scene floorUnder(const std::vector<Light>& lights) {
-  Scene scene;
-  scene.background = {0, 0, 0};
-  scene.bodies.push_back(solid("floor", makeBox({4.0, 4.0, 0.02}), {255, 255, 255}, {0.0, 0.0, -0.01}));
-  scene.bodies.back().casts_shadows = false;
-  scene.lighting.ambient.setConstant(0.1);
-  scene.lighting.lights = lights;
-  return scene;
-}
-
-Light lamp(Light::Type type, double grey) {
-  Light light;
-  light.type = type;
-  light.diffuse.setConstant(grey);
-  return light;
-}
-
-const Pose kAbove = lookingDown({0.0, 0.0, 1.0});
-
-/** Grey of the floor's point (x, y), seen from above. */
-int greyAt(const Scene& scene, double x, double y, const Pose& X_WC = kAbove) {
-  const CameraModel camera(rgbConfig());
-  const Image image = renderOpenGl(camera, X_WC, scene);
-  const Eigen::Vector2d px = *camera.project(X_WC.inverse() * Eigen::Vector3d(x, y, 0.0));
-  return image.pixel(int(std::lround(px.x())), int(std::lround(px.y())))[0];
-}
 
 TEST(OpenGlLight, DirectionalLightFollowsLambert) {
   Light sun = lamp(Light::Type::kDirectional, 0.8);
@@ -112,76 +78,6 @@ TEST(OpenGlLight, HighlightIsBlinnsAndEmissionAddsUp) {
   }
 }
 
-TEST(OpenGlLight, ShadowsLieWhereTheLightIsHidden) {
-  for (const Light::Type type : {Light::Type::kDirectional, Light::Type::kSpot}) {
-    Light light = lamp(type, 0.8);
-    light.direction_W = {1.0, 0.0, -1.0};
-    light.position_W = {-2.0, 0.0, 2.0};
-    light.inner_angle_rad = 1.0;
-    light.outer_angle_rad = 1.2;
-    Scene scene = floorUnder({light});
-    // Its shadow lies 0.3 to 0.4 m to the right of it.
-    scene.bodies.push_back(solid("box", makeBox({0.1, 0.1, 0.1}), {255, 0, 0}, {-0.2, 0.0, 0.35}));
-    const int shadow = greyAt(scene, 0.15, 0.0), lit = greyAt(scene, 0.5, 0.0);
-    EXPECT_NEAR(shadow, 25.5, kRounding);
-    EXPECT_GT(lit, 150);
-    scene.lighting.shadows = false;
-    EXPECT_GT(greyAt(scene, 0.15, 0.0), 150);
-  }
-}
-
-TEST(OpenGlLight, ShadowEdgeIsSoftAndInItsPlace) {
-  Light sun = lamp(Light::Type::kDirectional, 0.8);
-  sun.direction_W = {1.0, 0.0, -1.0};
-  Scene scene = floorUnder({sun});
-  scene.lighting.shadow_map_px = 128;
-  scene.bodies.push_back(solid("wall", makeBox({0.002, 1.0, 0.2}), {255, 0, 0}, {0.0, 0.0, 0.1}));
-  const CameraModel camera(rgbConfig());
-  const Image image = renderOpenGl(camera, kAbove, scene);
-  // The wall is 0.2 m high: its shadow ends 0.2 m to its right. A texel is 1.0 m / 128 / cos(45 deg) there.
-  const double texel_px = camera.fx() / 128.0 * std::sqrt(2.0);
-  double sum = 0.0;
-  for (int u = 180; u < 230; ++u) sum += (image.pixel(u, 120)[0] - 25.5) / (255.0 * 0.8 / std::sqrt(2.0));
-  const double edge_px = 229.5 - sum, expected_px = camera.cx() + camera.fx() * 0.201;
-  EXPECT_NEAR(edge_px, expected_px, 3.0 * texel_px + 1.0);
-  bool soft = false;
-  for (int u = 180; u < 230; ++u) soft = soft || (image.pixel(u, 120)[0] > 60 && image.pixel(u, 120)[0] < 140);
-  EXPECT_TRUE(soft);
-}
-
-TEST(OpenGlLight, LitSidesOfSolidsDoNotShadeThemselves) {
-  Scene scene = colourfulScene();
-  const Pose X_WC = lookingDown({0.01, 0.02, 0.35}, 0.2, -0.3, 0.5);
-  scene.bodies.erase(scene.bodies.begin());  // nothing to throw shadows on but themselves
-  const CameraModel camera(rgbConfig());
-  Scene alone = scene;
-  for (Body& body : alone.bodies) body.visible = &body == &alone.bodies[2];
-  const Image without = renderOpenGl(camera, X_WC, alone);
-  alone.lighting.shadows = true;
-  const Difference difference = differenceOf(without, renderOpenGl(camera, X_WC, alone));
-  EXPECT_LE(difference.inside, 6);  // of a ball: only where light grazes it
-}
-
-TEST(OpenGlLight, ShadowMapsAreDrawnAnewOnlyWhenSomethingMoved) {
-  Scene scene = colourfulScene();
-  scene.lighting.shadows = true;
-  const CameraModel camera(rgbConfig());
-  OpenGlRenderer renderer;
-  Image image;
-  const auto drawnAfter = [&](double camera_z) {
-    renderer.render(camera, lookingDown({0.0, 0.0, camera_z}), scene, image);
-    return renderer.statistics().shadow_maps;
-  };
-  EXPECT_EQ(drawnAfter(0.5), 1);
-  EXPECT_EQ(drawnAfter(0.6), 1);
-  scene.bodies[3].X_WB.p.x() += 0.01;
-  EXPECT_EQ(drawnAfter(0.6), 2);
-  scene.light_direction_W.x() += 0.1;
-  EXPECT_EQ(drawnAfter(0.6), 3);
-  const Image after = image;
-  EXPECT_EQ(renderOpenGl(camera, lookingDown({0.0, 0.0, 0.6}), scene).data, after.data);
-}
-
 TEST(OpenGlLight, TransparentThingsLetTheirShareThrough) {
   Scene scene = floorUnder({});
   scene.lighting.lights = {lamp(Light::Type::kDirectional, 0.0)};
@@ -231,12 +127,6 @@ scene:
   return loadScene(SimulationConfig::fromYaml(node).scene, PackagePaths());
 }
 
-/** Red of what a camera at p_W sees that looks at a point, in the middle of its image. */
-int greySeen(const Scene& scene, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
-  const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), to - from);
-  return renderOpenGl(CameraModel(rgbConfig()), {from, q}, scene).pixel(160, 120)[0];
-}
-
 TEST(OpenGlGazebo, GreysAreThoseOfGazebo) {
   constexpr double kLevels = 2.0;
   const Scene scene = gazeboScene();
@@ -247,6 +137,44 @@ TEST(OpenGlGazebo, GreysAreThoseOfGazebo) {
   EXPECT_NEAR(greySeen(scene, {0.35, 0.0, 0.2}, {0.1, 0.0, 0.15}), 185, kLevels) << "white, side to the sun";
   EXPECT_NEAR(greySeen(scene, {-0.9, 0.0, 0.2}, {-0.1, 0.0, 0.1}), 102, kLevels) << "white, away from the sun";
   EXPECT_LE(greySeen(scene, {0.7, 0.0, 1.0}, {0.6, 0.0, 0.2}), 3) << "black";
+}
+
+/** A robot of fixed boxes with Gazebo's materials and one without any, the first over a ground: loaded as a simulation.
+ */
+const char* const kPaintedRobot = R"(<robot name="r"><link name="world"/>
+  <link name="grey"><visual><geometry><box size="4 4 0.02"/></geometry></visual></link>
+  <link name="plain"><visual><geometry><box size="0.2 0.2 0.2"/></geometry></visual></link>
+  <link name="black"><visual><geometry><box size="0.2 0.2 0.2"/></geometry></visual></link>
+  <link name="roof"><visual><geometry><box size="0.3 0.3 0.02"/></geometry></visual></link>
+  <joint name="a" type="fixed"><parent link="world"/><child link="grey"/><origin xyz="0 0 -0.01"/></joint>
+  <joint name="b" type="fixed"><parent link="world"/><child link="plain"/><origin xyz="0 0 0.1"/></joint>
+  <joint name="c" type="fixed"><parent link="world"/><child link="black"/><origin xyz="0.6 0 0.1"/></joint>
+  <joint name="d" type="fixed"><parent link="world"/><child link="roof"/><origin xyz="0.5 -0.5 1.2"/></joint>
+  <gazebo reference="grey"><material>Gazebo/Grey</material></gazebo>
+  <gazebo reference="black"><material>Gazebo/Black</material></gazebo>
+</robot>)";
+
+TEST(OpenGlGazebo, MaterialsOfARobotHaveGazebosGreys) {
+  constexpr double kLevels = 2.0;
+  const auto greySeenBy = [](const std::string& urdf, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+    const YAML::Node node = YAML::Load("{compatibility: gazebo}");
+    Simulation sim(loadRobotModel(urdf, "test"), SimulationConfig::fromYaml(node), YAML::Node());
+    Scene scene = sim.scene();
+    for (Body& body : scene.bodies) {
+      body.X_WB = sim.world().linkPose(body.name);
+      body.casts_shadows = body.name != "grey";
+    }
+    return greySeen(scene, from, to);
+  };
+  EXPECT_NEAR(greySeenBy(kPaintedRobot, {0.3, -1.0, 1.0}, {0.3, -0.6, 0.0}), 147, kLevels) << "Grey, upward";
+  EXPECT_NEAR(greySeenBy(kPaintedRobot, {-0.2, 1.0, 1.0}, {-0.05, 0.15, 0.0}), 31, kLevels) << "Grey in shadow";
+  // The roof throws its shadow on the plain box's top, 1 m under it, 0.5 m to its side.
+  EXPECT_NEAR(greySeenBy(kPaintedRobot, {-0.4, 0.4, 0.6}, {0.0, 0.0, 0.2}), 102, kLevels) << "plain, in shadow";
+  std::string open = kPaintedRobot;
+  open.replace(open.find("0.5 -0.5 1.2"), 12, "9.5 -0.5 1.2");
+  EXPECT_NEAR(greySeenBy(open, {-0.4, 0.4, 0.6}, {0.0, 0.0, 0.2}), 255, kLevels) << "plain, upward";
+  EXPECT_NEAR(greySeenBy(open, {0.35, 0.0, 0.15}, {0.1, 0.0, 0.1}), 185, kLevels) << "plain, to the sun";
+  EXPECT_LE(greySeenBy(kPaintedRobot, {0.7, 0.0, 1.0}, {0.6, 0.0, 0.2}), 3) << "Black";
 }
 
 TEST(OpenGlGazebo, LightsOfTheSectionStayAsTheyAre) {

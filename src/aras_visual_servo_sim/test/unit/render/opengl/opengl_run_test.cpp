@@ -105,6 +105,43 @@ TEST(OpenGlRun, ShaderThatDoesNotCompileIsNamed) {
   EXPECT_NE(message.find("nonsense"), std::string::npos) << message;
 }
 
+/** One of OSMesa that can be lost. */
+class FrailContext : public GlContext {
+ public:
+  explicit FrailContext(const bool& lost) : lost_(lost), whole_(makeOsmesaContext()) { gl_ = whole_->gl(); }
+
+ private:
+  void bind() override {
+    if (lost_) throw RenderError("renderer 'opengl': the context was lost");
+    binding_ = std::make_unique<Binding>(*whole_);
+  }
+  void release() override { binding_.reset(); }
+
+  const bool& lost_;
+  std::unique_ptr<GlContext> whole_;
+  std::unique_ptr<Binding> binding_;
+};
+
+TEST(OpenGlRun, LostContextIsNamedAndTheNextImageIsDrawnInANewOne) {
+  bool lost = false;
+  int made = 0;
+  OpenGlRenderer renderer([&]() -> std::unique_ptr<GlContext> {
+    ++made;
+    return std::make_unique<FrailContext>(lost);
+  });
+  Image image;
+  renderer.render(rgbCamera(), kView, shadedScene(), image);
+  const Image expected = image;
+  lost = true;
+  const std::string message =
+      messageOf<RenderError>([&] { renderer.render(rgbCamera(), kView, shadedScene(), image); });
+  EXPECT_NE(message.find("context was lost"), std::string::npos) << message;
+  lost = false;
+  renderer.render(rgbCamera(), kView, shadedScene(), image);
+  EXPECT_EQ(image.data, expected.data);
+  EXPECT_EQ(made, 2);
+}
+
 TEST(OpenGlRun, PictureTooLargeIsNamedAndTheNextImageIsDrawn) {
   const int wide = 20000;
   const auto texture =
@@ -149,11 +186,22 @@ TEST(OpenGlRun, TooManyLightsAndLightsWithoutDirectionAreNamed) {
 TEST(OpenGlRun, NormalsThatAreNotNumbersAreMadeAnew) {
   auto mesh = std::make_shared<TriangleMesh>(*makeBox({0.1, 0.1, 0.1}));
   for (auto& normal : mesh->normals) normal.setConstant(std::numeric_limits<float>::quiet_NaN());
+  mesh->finish();
   Scene broken, whole;
   broken.bodies.push_back(solid("box", mesh, {200, 100, 50}, {0.0, 0.0, 0.0}));
   whole.bodies.push_back(solid("box", makeBox({0.1, 0.1, 0.1}), {200, 100, 50}, {0.0, 0.0, 0.0}));
   const CameraModel camera = rgbCamera();
   EXPECT_EQ(renderOpenGl(camera, kView, broken).data, renderOpenGl(camera, kView, whole).data);
+}
+
+TEST(OpenGlRun, NormalsThatAreMissingAreMade) {
+  auto mesh = std::make_shared<TriangleMesh>(*makeBox({0.1, 0.1, 0.1}));
+  mesh->normals.clear();
+  mesh->finish();
+  Scene without, whole;
+  without.bodies.push_back(solid("box", mesh, {200, 100, 50}, {0.0, 0.0, 0.0}));
+  whole.bodies.push_back(solid("box", makeBox({0.1, 0.1, 0.1}), {200, 100, 50}, {0.0, 0.0, 0.0}));
+  EXPECT_EQ(renderOpenGl(rgbCamera(), kView, without).data, renderOpenGl(rgbCamera(), kView, whole).data);
 }
 
 }  // namespace

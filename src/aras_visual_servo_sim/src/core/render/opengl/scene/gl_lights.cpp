@@ -5,15 +5,11 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-bool asksForShadow(const Light& light) { return light.casts_shadows && light.type != Light::Type::kPoint; }
+bool asksForShadow(const Light& light) { return light.casts_shadows && !light.at_camera; }
 
 }  // namespace
 
 LightSet::LightSet(const Scene& scene) : ambient(scene.lighting.ambient), lights(scene.lighting.lights) {
-  if (lights.size() > kMostLights) {
-    throw RenderError("renderer 'opengl': found " + std::to_string(lights.size()) + " lights, allowed up to " +
-                      std::to_string(kMostLights));
-  }
   if (lights.empty()) {  // render/view/shading.hpp's litShare()
     constexpr double kAmbient = 0.38, kLight = 0.50, kHeadlight = 0.22;
     ambient.setConstant(kAmbient);
@@ -26,6 +22,10 @@ LightSet::LightSet(const Scene& scene) : ambient(scene.lighting.ambient), lights
     head.at_camera = true;
     lights = {sun, head};
     clamps_light = true;
+  }
+  if (lights.size() > kMostLights) {
+    throw RenderError("renderer 'opengl': found " + std::to_string(lights.size()) + " lights, allowed up to " +
+                      std::to_string(kMostLights));
   }
   for (Light& light : lights) light.casts_shadows = light.casts_shadows && scene.lighting.shadows;
 }

@@ -2,8 +2,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
@@ -18,22 +20,20 @@ struct GlVertex {
   std::uint8_t color[4];
 };
 
-/** Normals of a mesh; one that is not finite becomes the mean of the triangles about its point. */
-std::vector<Eigen::Vector3f> finiteNormals(const TriangleMesh& mesh) {
-  std::vector<Eigen::Vector3f> normals = mesh.normals;
-  normals.resize(mesh.points.size(), Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
-  const bool good = std::all_of(normals.begin(), normals.end(), [](const auto& n) { return n.allFinite(); });
-  if (good) return normals;
-  std::vector<Eigen::Vector3f> sums(normals.size(), Eigen::Vector3f::Zero());
-  for (const auto& [i, j, k] : mesh.triangles) {
-    const Eigen::Vector3f area = (mesh.points[j] - mesh.points[i]).cross(mesh.points[k] - mesh.points[i]);
-    for (const std::uint32_t corner : {i, j, k}) sums[corner] += area;
+/** Of the triangles of a mesh those that are left when all points in one cell of a grid become one of them. */
+std::vector<std::uint32_t> clustered(const TriangleMesh& mesh, float cell) {
+  std::map<std::array<std::int32_t, 3>, std::uint32_t> first_in;
+  std::vector<std::uint32_t> stands_for(mesh.points.size());
+  for (std::uint32_t i = 0; i < stands_for.size(); ++i) {
+    const Eigen::Vector3i at = ((mesh.points[i] - mesh.box_min) / cell).array().floor().cast<int>();
+    stands_for[i] = first_in.emplace(std::array<std::int32_t, 3>{at.x(), at.y(), at.z()}, i).first->second;
   }
-  for (std::size_t i = 0; i < normals.size(); ++i) {
-    if (normals[i].allFinite()) continue;
-    normals[i] = sums[i].norm() > 0.0f ? Eigen::Vector3f(sums[i].normalized()) : Eigen::Vector3f::UnitZ();
+  std::vector<std::uint32_t> indices;
+  for (const auto& triangle : mesh.triangles) {
+    const std::uint32_t a = stands_for[triangle[0]], b = stands_for[triangle[1]], c = stands_for[triangle[2]];
+    if (a != b && b != c && c != a) indices.insert(indices.end(), {a, b, c});
   }
-  return normals;
+  return indices;
 }
 
 /** The round body that a mesh stands for, with another number of sides. */
@@ -60,14 +60,23 @@ void GlStore::remove(const GlMesh& mesh) {
   gl_.DeleteBuffers(1, &mesh.vertices);
   gl_.DeleteBuffers(1, &mesh.indices);
   gl_.DeleteVertexArrays(1, &mesh.array);
+  for (const auto& [level, coarse] : mesh.coarse) {
+    if (!coarse.indices) continue;
+    gl_.DeleteBuffers(1, &coarse.indices);
+    gl_.DeleteVertexArrays(1, &coarse.array);
+  }
 }
 
 void GlStore::clean() {
+  std::map<const TriangleMesh*, long> kept;  // how often a mesh is here, with each number of sides
+  for (const auto& [key, mesh] : meshes_) ++kept[mesh.mesh.get()];
   for (auto mesh = meshes_.begin(); mesh != meshes_.end();) {
-    if (mesh->second.mesh.use_count() > 1) {
+    const TriangleMesh* key = mesh->second.mesh.get();
+    if (mesh->second.mesh.use_count() > kept[key]) {
       ++mesh;
       continue;
     }
+    --kept[key];
     remove(mesh->second);
     mesh = meshes_.erase(mesh);
   }
@@ -91,7 +100,7 @@ const GlMesh& GlStore::roundMesh(const MeshPtr& mesh, double outline_px) {
   return meshWith(mesh, sides);
 }
 
-const GlMesh& GlStore::meshWith(const MeshPtr& mesh, int sides) {
+GlMesh& GlStore::meshWith(const MeshPtr& mesh, int sides) {
   GlMesh& stored = meshes_[{mesh.get(), sides}];
   if (!stored.mesh) {
     stored.mesh = mesh;
@@ -104,11 +113,10 @@ const GlMesh& GlStore::meshWith(const MeshPtr& mesh, int sides) {
 
 void GlStore::upload(GlMesh& stored) {
   const TriangleMesh& mesh = stored.drawn ? *stored.drawn : *stored.mesh;
-  const std::vector<Eigen::Vector3f> normals = finiteNormals(mesh);
   std::vector<GlVertex> vertices(mesh.points.size());
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const Rgb color = mesh.colors.empty() ? Rgb{255, 255, 255} : mesh.colors[i];
-    vertices[i] = {mesh.points[i], normals[i], Eigen::Vector2f::Zero(), {color.r, color.g, color.b, 255}};
+    vertices[i] = {mesh.points[i], mesh.normals[i], Eigen::Vector2f::Zero(), {color.r, color.g, color.b, 255}};
     if (!mesh.texture_coordinates.empty()) vertices[i].coordinates = mesh.texture_coordinates[i];
   }
   const auto pictureOf = [&](std::size_t t) { return mesh.picture_of.empty() ? -1 : mesh.picture_of[t]; };
@@ -122,14 +130,19 @@ void GlStore::upload(GlMesh& stored) {
     if (part.count > 0) stored.parts.push_back(part);
   }
   stored.index_count = static_cast<GLsizei>(indices.size());
-  gl_.GenVertexArrays(1, &stored.array);
   gl_.GenBuffers(1, &stored.vertices);
-  gl_.GenBuffers(1, &stored.indices);
-  gl_.BindVertexArray(stored.array);
   gl_.BindBuffer(GL_ARRAY_BUFFER, stored.vertices);
   gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(GlVertex)), vertices.data(),
                  GL_STATIC_DRAW);
-  gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, stored.indices);
+  makeArray(stored.vertices, indices, stored.array, stored.indices);
+}
+
+void GlStore::makeArray(GLuint vertices, const std::vector<std::uint32_t>& indices, GLuint& array, GLuint& buffer) {
+  gl_.GenVertexArrays(1, &array);
+  gl_.GenBuffers(1, &buffer);
+  gl_.BindVertexArray(array);
+  gl_.BindBuffer(GL_ARRAY_BUFFER, vertices);
+  gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffer);
   gl_.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * sizeof(std::uint32_t)),
                  indices.data(), GL_STATIC_DRAW);
   const auto attribute = [&](GLuint place, GLint size, GLenum type, GLboolean normalized, std::size_t offset) {
@@ -140,6 +153,25 @@ void GlStore::upload(GlMesh& stored) {
   attribute(1, 3, GL_FLOAT, GL_FALSE, offsetof(GlVertex, normal));
   attribute(2, 2, GL_FLOAT, GL_FALSE, offsetof(GlVertex, coordinates));
   attribute(3, 4, GL_UNSIGNED_BYTE, GL_TRUE, offsetof(GlVertex, color));
+}
+
+GlOutline GlStore::outline(const MeshPtr& mesh, double error_m) {
+  GlMesh& stored = meshWith(mesh, 0);
+  const GlOutline whole{stored.array, 0, stored.index_count};
+  constexpr int kMostLevels = 12;
+  constexpr GLsizei kFew = 3 * 64;  // indices: drawn as they are
+  const double diagonal = (mesh->box_max - mesh->box_min).cast<double>().norm();
+  // A point moves by a cell's diagonal at most.
+  const int level = static_cast<int>(std::ceil(std::log2(std::max(1.0, std::sqrt(3.0) * diagonal / error_m))));
+  if (level > kMostLevels || stored.index_count < kFew) return whole;
+  const auto [found, is_new] = stored.coarse.try_emplace(level);
+  GlOutline& coarse = found->second;
+  if (is_new) {
+    const auto indices = clustered(*mesh, static_cast<float>(diagonal / std::exp2(level)));
+    coarse.index_count = static_cast<GLsizei>(indices.size());
+    if (coarse.index_count < stored.index_count) makeArray(stored.vertices, indices, coarse.array, coarse.indices);
+  }
+  return coarse.indices ? coarse : whole;
 }
 
 void GlStore::bindPicture(const TexturePtr& texture, Wrap wrap_s, Wrap wrap_t) {

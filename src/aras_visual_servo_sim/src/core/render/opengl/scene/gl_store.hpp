@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <utility>
@@ -16,6 +17,12 @@ struct MeshPart {
   GLsizei first = 0, count = 0;  ///< indices
 };
 
+/** Triangles to draw without their pictures. */
+struct GlOutline {
+  GLuint array = 0, indices = 0;
+  GLsizei index_count = 0;
+};
+
 /** A mesh in the memory of OpenGL. */
 struct GlMesh {
   MeshPtr mesh;
@@ -24,6 +31,7 @@ struct GlMesh {
   GLsizei index_count = 0;
   long serial = 0;  ///< no other mesh of this store ever had it
   std::vector<MeshPart> parts;
+  std::map<int, GlOutline> coarse;  ///< by the logarithm of how often its cells fit into the mesh
 };
 
 /** Meshes and pictures in the memory of OpenGL: loaded at their first use, dropped when nobody else has them. */
@@ -40,6 +48,8 @@ class GlStore {
   /** The same of a mesh that stands for a round body, with so many sides that its outline is right to 0.05 px.
    *  @param outline_px  radius of the outline in the image */
   const GlMesh& roundMesh(const MeshPtr& mesh, double outline_px);
+  /** A mesh with fewer triangles, for its shadow. @param error_m  how far a point may be from where it is, > 0 */
+  GlOutline outline(const MeshPtr& mesh, double error_m);
   /** Binds a picture to texture unit 0. @throws RenderError naming a picture too large for OpenGL */
   void bindPicture(const TexturePtr& texture, Wrap wrap_s, Wrap wrap_t);
 
@@ -49,8 +59,9 @@ class GlStore {
     GLuint name = 0;
   };
   /** @param sides  of a round body, 0: as it is */
-  const GlMesh& meshWith(const MeshPtr& mesh, int sides);
+  GlMesh& meshWith(const MeshPtr& mesh, int sides);
   void upload(GlMesh& stored);
+  void makeArray(GLuint vertices, const std::vector<std::uint32_t>& indices, GLuint& array, GLuint& buffer);
   GLuint upload(const Texture& texture);
   void remove(const GlMesh& mesh);
 

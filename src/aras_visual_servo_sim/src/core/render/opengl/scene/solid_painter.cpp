@@ -99,7 +99,7 @@ void SolidPainter::draw(const Item& item, const PinholeView& view) {
   const Eigen::Matrix4f projection = view.projection(camera_->nearM()), placed = item.X_CS.cast<float>();
   const Eigen::Vector3f color = unit(shape.color);
   for (const MeshPart& part : mesh.parts) {
-    Program& program = programOf(shape, part.picture != nullptr);
+    Program& program = programOf(shape, part.picture);
     gl_.UniformMatrix4fv(program.projection, 1, GL_FALSE, projection.data());
     gl_.UniformMatrix4fv(program.placed, 1, GL_FALSE, placed.data());
     gl_.Uniform4f(program.shape_color, color.x(), color.y(), color.z(), 1.0f);
@@ -116,18 +116,20 @@ void SolidPainter::draw(const Item& item, const PinholeView& view) {
     gl_.Uniform1f(program.opacity, static_cast<float>(material.opacity));
     gl_.Uniform3f(program.highlight, highlight.x(), highlight.y(), highlight.z());
     gl_.Uniform1f(program.shininess, static_cast<float>(material.shininess));
-    if (part.picture) store_.bindPicture(part.picture->texture, part.picture->wrap_s, part.picture->wrap_t);
+    if (part.picture) {
+      store_.bindPicture(part.picture->texture, part.picture->wrap_s, part.picture->wrap_t);
+    }
     gl_.DrawElements(GL_TRIANGLES, part.count, GL_UNSIGNED_INT,
                      reinterpret_cast<const void*>(std::size_t(part.first) * sizeof(std::uint32_t)));
   }
   if (reaches_far) gl_.Disable(GL_CLIP_DISTANCE0);
 }
 
-SolidPainter::Program& SolidPainter::programOf(const Shape& shape, bool textured) {
+SolidPainter::Program& SolidPainter::programOf(const Shape& shape, const MeshPicture* picture) {
   ShaderTraits traits;
   traits.lights = letters_;
   traits.clamps_light = lights_->clamps_light;
-  traits.textured = textured;
+  traits.textured = picture != nullptr;
   traits.specular = !shape.material.specular.isZero();
   traits.fog = scene_->lighting.fog.has_value();
   Program& program = programs_[traits.name()];
@@ -155,7 +157,7 @@ void SolidPainter::setLights(Program& program) {
   program.frame = frame_;
   const ShaderProgram& at = *program.shader;
   gl_.Uniform1i(at["picture"], 0);
-  gl_.Uniform1f(at["texel_of_map"], 1.0f / static_cast<float>(std::max(1, shadows_.side())));
+  gl_.Uniform1f(at["texel_of_map"], 1.0f / static_cast<float>(scene_->lighting.shadow_map_px));
   if (const auto& fog = scene_->lighting.fog) {
     const Eigen::Vector3f color = unit(fog->color);
     gl_.Uniform4f(at["fog"], color.x(), color.y(), color.z(), static_cast<float>(fog->density_per_m));
@@ -183,10 +185,11 @@ void SolidPainter::setLights(Program& program) {
     const Eigen::Matrix4f shadow_of = (map.of_world * X_WC).cast<float>();
     gl_.UniformMatrix4fv(at[name("shadow_of").c_str()], 1, GL_FALSE, shadow_of.data());
     constexpr double kLift = 2.5;  // [texels]: as far as the taps of the shadow reach
-    gl_.Uniform1f(at[name("lift").c_str()], static_cast<float>(kLift * map.texel_m));
+    gl_.Uniform1f(at[name("lift").c_str()], static_cast<float>(kLift * map.texel));
+    gl_.Uniform2f(at[name("reach").c_str()], float(map.near), float(map.far));
     gl_.Uniform1i(at[("map" + std::to_string(k)).c_str()], unit_of_map);
     gl_.ActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit_of_map));
-    gl_.BindTexture(GL_TEXTURE_2D, map.texture);
+    gl_.BindTexture(map.target, map.texture);
     ++unit_of_map;
   }
 }

@@ -45,7 +45,7 @@ class SolidPainter {
     GLint projection, placed, shape_color, own_color, ambient, emissive, opacity, highlight, shininess, far_plane;
     long frame = -1;  ///< of which the lights are set
   };
-  Program& programOf(const Shape& shape, bool textured);
+  Program& programOf(const Shape& shape, const MeshPicture* picture);
   void setLights(Program& program);
   void draw(const Item& item, const PinholeView& view);
   bool isSeen(const Item& item, const PinholeView& view) const;

@@ -26,9 +26,11 @@ std::string lightText(char letter, std::size_t k) {
   }
   text += "    float slope = dot(n, toward);\n    if (slope > 0.0) {\n";
   if (letter != kind) {
-    text += "      vec3 lifted = p_C + n * (lift" + i + " * sqrt(max(0.0, 1.0 - slope * slope)));\n" +
-            "      vec4 at = shadow_of" + i + " * vec4(lifted, 1.0);\n" + "      left *= shadow(map" +
-            std::to_string(k) + ", at.xyz / at.w);\n";
+    const std::string map = "map" + std::to_string(k);
+    text += "      vec3 lifted = p_C + n * (lift" + i + (kind == 'd' ? "" : " * d") +
+            " * sqrt(max(0.0, 1.0 - slope * slope)));\n      vec4 at = shadow_of" + i + " * vec4(lifted, 1.0);\n";
+    text += kind == 'p' ? "      left *= shadow_around(" + map + ", at.xyz, reach" + i + ");\n"
+                        : "      left *= shadow(" + map + ", at.xyz / at.w);\n";
   }
   text += "      light += (left * slope) * diffuse" + i + ";\n";
   text += "#ifdef SPECULAR\n      float glint = max(0.0, dot(n, normalize(toward - normalize(p_C))));\n" +
@@ -61,7 +63,8 @@ void main() {
 }
 )";
 
-// Four taps of 2 x 2 comparisons each: an edge is as soft as three texels.
+// Four taps of 2 x 2 comparisons each: an edge is as soft as three texels. Maps of point lights are cubes with faces of
+// half the width; reach has the distances of their near and far planes.
 const char kShadow[] = R"(
 float shadow(sampler2DShadow map, vec3 at) {
   vec2 texel_size = vec2(0.75 * texel_of_map);
@@ -70,6 +73,23 @@ float shadow(sampler2DShadow map, vec3 at) {
   sum += texture(map, vec3(at.xy + texel_size * vec2(1.0, -0.5), at.z));
   sum += texture(map, vec3(at.xy + texel_size * vec2(0.5, 1.0), at.z));
   sum += texture(map, vec3(at.xy + texel_size * vec2(-1.0, 0.5), at.z));
+  return 0.25 * sum;
+}
+)";
+const char kShadowAround[] = R"(
+float shadow_around(samplerCubeShadow map, vec3 ray, vec2 reach) {
+  vec3 size = abs(ray);
+  float depth = max(size.x, max(size.y, size.z));
+  float nearness = min(1.0, reach.y / (reach.y - reach.x) * (1.0 - reach.x / depth));
+  vec3 side = normalize(cross(ray, size.z < depth ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0)));
+  vec3 up = normalize(cross(side, ray));
+  float texel_size = 0.75 * 4.0 * depth * texel_of_map;
+  side *= texel_size;
+  up *= texel_size;
+  float sum = texture(map, vec4(ray - 0.5 * side - up, nearness));
+  sum += texture(map, vec4(ray + side - 0.5 * up, nearness));
+  sum += texture(map, vec4(ray + 0.5 * side + up, nearness));
+  sum += texture(map, vec4(ray - side + 0.5 * up, nearness));
   return 0.25 * sum;
 }
 )";
@@ -106,20 +126,24 @@ std::string solidFragmentShader(const ShaderTraits& traits) {
   text += "in vec3 p_C;\nin vec3 n_C;\nin vec2 texel;\nin vec3 surface;\nin float headlight;\nout vec4 pixel;\n";
   text += "uniform vec3 ambient;\nuniform vec3 emissive;\nuniform float opacity;\nuniform vec3 highlight;\n";
   text += "uniform float shininess;\nuniform sampler2D picture;\nuniform vec4 fog;\nuniform float texel_of_map;\n";
-  bool shaded = false;
+  bool shaded = false, shaded_around = false;
   if (count > 0) {
     const std::string n = "[" + std::to_string(count) + "];\n";
     text += "uniform vec3 place" + n + "uniform vec3 axis" + n + "uniform vec3 cone" + n + "uniform vec4 fade" + n +
             "uniform vec3 diffuse" + n + "uniform vec3 bright" + n + "uniform mat4 shadow_of" + n +
-            "uniform float lift" + n;
+            "uniform float lift" + n + "uniform vec2 reach" + n;
     for (std::size_t k = 0; k < count; ++k) {
       if (!std::isupper(traits.lights[k])) continue;
-      text += "uniform sampler2DShadow map" + std::to_string(k) + ";\n";
-      shaded = true;
+      const bool around = traits.lights[k] == 'P';
+      text += std::string("uniform ") + (around ? "samplerCubeShadow" : "sampler2DShadow") + " map" +
+              std::to_string(k) + ";\n";
+      (around ? shaded_around : shaded) = true;
     }
   }
   if (shaded) text += kShadow;
-  text += "void main() {\n  vec3 n = normalize(n_C);\n  if (!gl_FrontFacing) n = -n;\n  vec3 light = ambient;\n";
+  if (shaded_around) text += kShadowAround;
+  text += "void main() {\n  vec3 n = normalize(n_C);\n  if (!gl_FrontFacing) n = -n;\n";
+  text += "  vec3 light = ambient;\n";
   if (traits.specular) text += "  vec3 shine = vec3(0.0);\n";
   for (std::size_t k = 0; k < count; ++k) text += lightText(traits.lights[k], k);
   if (traits.clamps_light) text += "  light = min(light, vec3(1.0));\n";
