@@ -34,8 +34,8 @@ struct Light {
   double constant = 1.0, linear_per_m = 0.0, quadratic_per_m2 = 0.0;  ///< 1 / (c + l d + q d^2) at the distance d
   double inner_angle_rad = 0.0, outer_angle_rad = 0.0;  ///< of a spot, whole angles: full light inside, none outside
   double falloff = 1.0;                                 ///< of a spot: exponent from 1 to 0 between these angles
-  bool casts_shadows = true;                            ///< not of point lights, which cast none
-  bool at_camera = false;                               ///< a point light that the camera carries at its origin
+  bool casts_shadows = true;
+  bool at_camera = false;  ///< a point light that the camera carries at its origin
 };
 
 /** Fog: of a thing at distance d exp(-(density d)^2) is left. */

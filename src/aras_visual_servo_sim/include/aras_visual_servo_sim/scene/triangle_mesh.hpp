@@ -53,7 +53,8 @@ struct TriangleMesh {
   Eigen::Vector3f box_min = Eigen::Vector3f::Zero();  ///< bounding box
   Eigen::Vector3f box_max = Eigen::Vector3f::Zero();
 
-  /** Sets neighbours and box, when all else is there. */
+  /** Sets neighbours and box, when all else is there; a normal that is missing or no direction becomes the mean of
+   *  those of the triangles about its point. */
   void finish();
 };
 
