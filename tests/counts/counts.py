@@ -122,12 +122,17 @@ def compare(figures, found, versions):
     grown = sorted(((now - before.get(name, 0), name) for name, now in found["functions"].items()), reverse=True)[:3]
     lines.append("grown most, instructions a frame: "
                  + "; ".join(f"{name} by {more:,} to {found['functions'][name]:,}" for more, name in grown if more > 0))
-    other = [f"{name} {was} -> {versions.get(name, 'none')}" for name, was in figures["made_with"].items()
-             if versions.get(name, "none") != was]
+    other = other_versions(figures, versions)
     if other:
         lines.append(f"other versions than those of the figures, which may be the cause: {', '.join(other)}; if so, "
                      "python3 tests/counts/counts.py --renew")
     return lines
+
+
+def other_versions(figures, versions):
+    """What the figures were counted with and this machine has not: a list of "NAME WAS -> IS"."""
+    return [f"{name} {was} -> {versions.get(name, 'none')}" for name, was in figures["made_with"].items()
+            if versions.get(name, "none") != was]
 
 
 def main():

@@ -20,7 +20,7 @@ def servo(loop, frames):
                             feature_names=loop.servo.feature_names)
     goal = scenario.experiment["goal"]["joints"]
     loop.place(goal)
-    loop.teach(scenario.experiment["z_star_m"])
+    list(loop.teach(scenario.experiment["z_star_m"]))
     loop.place({name: q + 0.01 for name, q in goal.items()})
     loop.start(servo_only=True)
     for _ in range(frames):

@@ -60,5 +60,9 @@ fn=(1)
 
 
 def test_no_piece_became_slower():
-    slower = counts.compare(FIGURES, counts.count(), counts.made_with())
+    versions = counts.made_with()
+    other = counts.other_versions(FIGURES, versions)
+    if other:
+        pytest.skip(f"counted with {', '.join(other)}: nothing to compare with here")
+    slower = counts.compare(FIGURES, counts.count(), versions)
     assert not slower, "\n" + "\n".join(slower)

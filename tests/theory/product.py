@@ -74,7 +74,7 @@ def plane_by_kinematics():
     bench = Bench(law="ibvs", features=list(SIX), interaction="current",
                   gains_per_s=dict.fromkeys(SIX, 1.0), thresholds=dict.fromkeys(SIX, 1e-6))
     X_CgC = np.linalg.inv(bench.X_WG) @ bench.arm.pose(bench.q)
-    return bench.servo.reference.plane_C, X_CgC, bench.servo._plane(bench.q)
+    return bench.servo.reference.plane_C, X_CgC, bench.servo._plane(bench.servo._kinematics.pose(bench.q))
 
 
 def goal_from_error(features, goal, here):
