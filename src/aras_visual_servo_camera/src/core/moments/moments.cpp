@@ -41,20 +41,33 @@ void MomentAccumulator::sumSeparable(const ObjectMask& mask) {
   for (const EdgePixel& e : mask.edge) addPixel(map_.at(e.u, e.v, e.du, e.dv), e.weight);
 }
 
-void MomentAccumulator::addPixel(const PixelMap::Pixel& p, double weight) {
-  if (p.area == 0.0) {
-    left_the_lens_ = true;
-    return;
-  }
-  double* m = m_.data();
-  double x_power =
-      weight * p.area;  // x^(n - j) y^j of order n from those of order n - 1: multiply all by x, last also by y
-  double terms[16] = {x_power};
-  m[0] += x_power;
-  for (int n = 1, k = 1; n <= order_; ++n) {
+namespace {
+
+// x^(n - j) y^j of order n from those of order n - 1: multiply all by x, the last also by y. The loops of a known order
+// are unrolled.
+template <int kOrder>
+void addPowers(const PixelMap::Pixel& p, double weight, int order, double* m) {
+  const int last = kOrder > 0 ? kOrder : order;
+  double terms[16] = {weight * p.area};
+  m[0] += terms[0];
+  for (int n = 1, k = 1; n <= last; ++n) {
     terms[n] = terms[n - 1] * p.y;
     for (int j = 0; j < n; ++j) terms[j] *= p.x;
     for (int j = 0; j <= n; ++j, ++k) m[k] += terms[j];
+  }
+}
+
+}  // namespace
+
+void MomentAccumulator::addPixel(const PixelMap::Pixel& p, double weight) {
+  if (p.area == 0.0) {
+    left_the_lens_ = true;
+  } else if (order_ == 4) {
+    addPowers<4>(p, weight, order_, m_.data());
+  } else if (order_ == 3) {
+    addPowers<3>(p, weight, order_, m_.data());
+  } else {
+    addPowers<0>(p, weight, order_, m_.data());
   }
 }
 
