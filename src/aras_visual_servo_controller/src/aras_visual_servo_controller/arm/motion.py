@@ -57,7 +57,8 @@ class ArmMotion:
                                        for name in kinematics.joint_names])
         self._accelerates = bool(config.limits.joint_acceleration)
         self._before = np.zeros(len(kinematics.joint_names))
-        self._chatter = Chatter(kinematics.joint_names, kinematics.velocity)
+        # A free camera has no singularity: what goes to and fro there is the law's own twist.
+        self._chatter = Chatter(kinematics.joint_names, kinematics.velocity) if kinematics.spare_motion else None
         lower, upper = kinematics.lower, kinematics.upper
         self._wish = Wish(lower, upper, spare.posture_gain_per_s, spare.joint_limit_gain_per_s, spare.max_speed)
         self.lower, self.upper = lower + config.joint_limit_margin, upper - config.joint_limit_margin
@@ -71,7 +72,8 @@ class ArmMotion:
     def rest(self):
         """Call this when the arm is told to stand still: its next motion begins at zero velocity."""
         self._before = np.zeros_like(self._before)
-        self._chatter.clear()
+        if self._chatter is not None:
+            self._chatter.clear()
 
     def at(self, q):
         """(jacobian, inverse) at joint positions q, (n,)."""
@@ -109,7 +111,7 @@ class ArmMotion:
     def joint_velocity(self, q, twist, jacobian, inverse, dt_s):
         """`Motion` of a twist V_C, (6,), held for dt_s at q, (n,); jacobian and inverse are those that `at` returns."""
         motion = self._joint_velocity(q, twist, jacobian, inverse, dt_s)
-        name = self._chatter.joint(motion.q_dot)
+        name = None if self._chatter is None else self._chatter.joint(motion.q_dot)
         if name is None or motion.status is not None:
             return motion
         return motion._replace(status=Status.NEAR_SINGULARITY,

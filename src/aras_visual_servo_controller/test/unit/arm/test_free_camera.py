@@ -188,3 +188,13 @@ def test_the_controllers_of_the_free_camera_are_none():
     scenario = load_scenario("free_camera")
     assert [value["type"] for value in load_yaml(scenario.controllers_path).values()] == \
         ["joint_state_controller/JointStateController"]
+
+
+def test_a_twist_that_goes_to_and_fro_is_no_singularity_of_a_free_camera():
+    camera = free()
+    config = ServoSettings.from_dict(load_scenario("free_camera").servo, camera.joint_names)
+    arm, q = ArmMotion(camera, config, sees_tilt=True), np.zeros(6)
+    for number in range(20):
+        jacobian, turned = arm.at(q)
+        twist = np.array([0.3, 0.0, 0.0, 0.0, 0.0, 2.0]) * (-1) ** number
+        assert arm.joint_velocity(q, twist, jacobian, turned, 1.0 / 30.0).status is None
