@@ -16,7 +16,8 @@ class Graph:
         self.port = free_port()
         self.uri = "http://localhost:%d" % self.port
         self._environment = dict(os.environ, ROS_MASTER_URI=self.uri, ROS_HOSTNAME="localhost",
-                                 ROS_LOG_DIR=str(folder / "ros_log"), ROSCONSOLE_STDOUT_LINE_BUFFERED="1")
+                                 ROS_LOG_DIR=str(folder / "ros_log"), ROSCONSOLE_STDOUT_LINE_BUFFERED="1",
+                                 PYTHONUNBUFFERED="1")  # a log that is read while it is written
         self._log_path = folder / "processes.log"
         self._log = open(self._log_path, "wb")
         self._processes = []
