@@ -1,5 +1,4 @@
 """Joints that follow trajectories: the topics command and state, the action follow_joint_trajectory."""
-import actionlib
 import rospy
 from control_msgs.msg import (FollowJointTrajectoryAction, FollowJointTrajectoryFeedback, FollowJointTrajectoryResult,
                               JointTrajectoryControllerState)
@@ -10,13 +9,13 @@ from aras_visual_servo_sim import ArasError
 
 from ..node.beat import NEVER_NS, Beat
 from ..node.convert import stamp
-from .adapter import Adapter, register
+from .actions import NOT_RUNNING, ActionAdapter
+from .adapter import register
 
 Result = FollowJointTrajectoryResult
 #: What the end of a goal is in the words of the action.
 ENDS = {"succeeded": Result.SUCCESSFUL, "path_tolerance_violated": Result.PATH_TOLERANCE_VIOLATED,
         "goal_tolerance_violated": Result.GOAL_TOLERANCE_VIOLATED}
-NOT_RUNNING = "Can't accept new action goals. Controller is not running."
 WRONG_JOINTS = "Joints on incoming goal don't match the controller joints."
 
 
@@ -38,27 +37,18 @@ def point_message(rows):
 
 @register("effort_controllers/JointTrajectoryController", "position_controllers/JointTrajectoryController",
           "velocity_controllers/JointTrajectoryController", "pos_vel_controllers/JointTrajectoryController")
-class TrajectoryFollower(Adapter):
+class TrajectoryFollower(ActionAdapter):
     def open(self):
         settings = self.simulation.trajectory_report(self.name)
         self._state_rate_hz, self._monitor_rate_hz = settings["state_rate_hz"], settings["monitor_rate_hz"]
         self._partial = settings["partial_joints"]
-        self._beat = self._feedback_beat = self._goal = None
+        self._beat = self._feedback_beat = None
         self.listen(self.topic("command"), JointTrajectory, self._command)
         self._states = self.advertise(self.topic("state"), JointTrajectoryControllerState)
         query = rospy.Service(self.topic("query_state"), QueryTrajectoryState,
                               lambda request: self.work.call(lambda: self._query(request)))
         self.ends_with(query.shutdown)
-        self._open_action()
-        self.ends_with(lambda: self._server.stop())
-
-    def _open_action(self):
-        # Its callbacks hold a lock that answering takes too: they leave the work to the world's thread.
-        self._server = actionlib.ActionServer(
-            self.topic("follow_joint_trajectory"), FollowJointTrajectoryAction,
-            lambda goal: self.work.post(lambda: self._accept(goal)),
-            lambda goal: self.work.post(lambda: self._cancel(goal)), auto_start=False)
-        self._server.start()
+        self.serve("follow_joint_trajectory", FollowJointTrajectoryAction)
 
     # --- what comes in
 
@@ -73,7 +63,7 @@ class TrajectoryFollower(Adapter):
             rospy.logwarn("%s: %s" % (self.place, note))
         self._watch()
 
-    def _accept(self, handle):
+    def accept(self, handle):
         goal = handle.get_goal()
         trajectory = goal.trajectory
         if not self.running:
@@ -91,22 +81,12 @@ class TrajectoryFollower(Adapter):
             return self._reject(handle, Result.INVALID_GOAL, str(error))
         if note:
             rospy.logwarn("%s: %s" % (self.place, note))
-        if self._goal is not None:
-            self._goal.set_canceled()
-        handle.set_accepted()
-        self._goal = handle
+        self.take(handle)
         self._feedback_beat = Beat(self._monitor_rate_hz, self.world.time_ns)
 
     def _reject(self, handle, code, text):
         rospy.logerr("%s: %s" % (self.place, text))
         handle.set_rejected(Result(error_code=code, error_string=text), text)
-
-    def _cancel(self, handle):
-        if self._goal is not None and handle == self._goal:
-            if self.running:
-                self.simulation.cancel_goal(self.name)
-            self._goal, goal = None, self._goal
-            goal.set_canceled()
 
     def _query(self, request):
         if not self.running:
@@ -131,15 +111,6 @@ class TrajectoryFollower(Adapter):
     def stopped(self):
         super().stopped()
         self._watch()
-
-    def time_reset(self, now_ns):
-        """An action server takes no goals that are older than those it has seen: a new one is needed."""
-        if self._goal is not None:
-            self._goal.set_canceled()
-            self._goal = None
-        self._server.stop()
-        self._open_action()
-        super().time_reset(now_ns)
 
     def _watch(self):
         """Ends the goal when the controller has."""

@@ -1,0 +1,53 @@
+"""What controllers that serve an action share: one goal at a time, and a server that survives a reset of the time."""
+import actionlib
+
+from .adapter import Adapter
+
+NOT_RUNNING = "Can't accept new action goals. Controller is not running."
+
+
+class ActionAdapter(Adapter):
+    """Adapter of a controller whose goals come through one action. A subclass takes them in `accept`."""
+
+    _goal = None
+
+    def serve(self, name, kind):
+        """Opens the action of this name and kind."""
+        self._action = name, kind
+        self._open_action()
+        self.ends_with(lambda: self._server.stop())
+
+    def accept(self, handle):
+        """Takes a goal by `take`, or rejects it."""
+        raise NotImplementedError
+
+    def take(self, handle):
+        """The goal goes on from now on, in the place of the one before."""
+        if self._goal is not None:
+            self._goal.set_canceled()
+        handle.set_accepted()
+        self._goal = handle
+
+    def time_reset(self, now_ns):
+        """An action server takes no goals that are older than those it has seen: a new one is needed."""
+        if self._goal is not None:
+            self._goal.set_canceled()
+            self._goal = None
+        self._server.stop()
+        self._open_action()
+        super().time_reset(now_ns)
+
+    def _open_action(self):
+        # Its callbacks hold a lock that answering takes too: they leave the work to the world's thread.
+        name, kind = self._action
+        self._server = actionlib.ActionServer(self.topic(name), kind,
+                                              lambda goal: self.work.post(lambda: self.accept(goal)),
+                                              lambda goal: self.work.post(lambda: self._cancel(goal)), auto_start=False)
+        self._server.start()
+
+    def _cancel(self, handle):
+        if self._goal is not None and handle == self._goal:
+            if self.running:
+                self.simulation.cancel_goal(self.name)
+            goal, self._goal = self._goal, None
+            goal.set_canceled()
