@@ -136,6 +136,9 @@ class RvizView:
             goal = VisualServoActionGoal()
             goal.goal_id.id = f"{rospy.get_name()}-{time.time_ns()}"
             goal.goal.reference = "experiment" if name == "run again" else "taught"
+            deadline_s = time.monotonic() + SERVICE_TIMEOUT_S
+            while not self._goals.get_num_connections() and time.monotonic() < deadline_s:
+                time.sleep(0.01)
             self._goals.publish(goal)
         if name != "stop":
             self._call("sim/unpause", Empty)  # the experiment leaves the simulator paused when it has ended
