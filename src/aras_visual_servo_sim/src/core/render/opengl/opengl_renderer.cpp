@@ -235,7 +235,7 @@ class OpenGlRenderer::Implementation {
   /** The pixels that have a mark, and their neighbours: a mark at a sample says nothing of the pixel's rim. */
   template <typename Pixel>
   void findHidden(const std::vector<Pixel>& pixels, int width, int height) {
-    constexpr Pixel kMarked = (Packed<Pixel>::kMost + 254) / 255;  // a grey level
+    constexpr Pixel kMarked = (Packed<Pixel>::kMost + 509) / 510;  // half a grey level
     hidden_.assign(pixels.size(), 0);
     bool any = false;
     for (int v = 0; v < height; ++v) {
