@@ -7,6 +7,7 @@ import yaml
 from aras_visual_servo_sim import ModelError, ParameterError, Simulation, UnknownNameError, light_entry
 
 FOLDER = pathlib.Path(__file__).resolve().parent.parent / "ros" / "robot"
+SUN = {"name": "sun", "type": "directional", "direction": [0, 0, -1], "color_rgb": [40, 40, 40]}
 LAMP = {"name": "lamp", "type": "point", "position_m": [0.0, 0.0, 0.4], "color_rgb": [255, 128, 0]}
 
 
@@ -14,6 +15,7 @@ def simulation():
     config = yaml.safe_load((FOLDER / "sim.yaml").read_text())["sim"]
     config["cameras"][0].update(renderer="opengl", encoding="rgb8")
     config["scene"]["solids"] = [{"name": "floor", "box_m": [2, 2, 0.01], "position_m": [0, 0, -0.1]}]
+    config["scene"]["lighting"] = {"lights": [SUN]}
     return Simulation((FOLDER / "pan_lift.urdf").read_text(), config)
 
 
@@ -28,7 +30,7 @@ def test_lights_are_set_seen_and_deleted():
     sim.set_light(dict(sim.lights["lamp"], intensity=0.0))
     assert (sim.render("camera") == before).all()
     sim.delete_light("lamp")
-    assert sim.lights == {}
+    assert list(sim.lights) == ["sun"]
 
 
 def test_sdf_is_read():
@@ -37,7 +39,7 @@ def test_sdf_is_read():
     assert entry["name"] == "1" and entry["casts_shadows"] is True and entry["outer_angle_rad"] == 1.0
     sim = simulation()
     sim.set_light("<light name='1' type='spot'><spot><outer_angle>1</outer_angle></spot></light>")
-    assert list(sim.lights) == ["1"]
+    assert list(sim.lights) == ["sun", "1"]
 
 
 @pytest.mark.parametrize("light, error, named", [
@@ -48,5 +50,5 @@ def test_what_cannot_be_is_named(light, error, named):
     sim = simulation()
     with pytest.raises(error, match=named):
         sim.set_light(light)
-    with pytest.raises(UnknownNameError, match="lights: none"):
+    with pytest.raises(UnknownNameError, match="lights: sun"):
         sim.delete_light("a")
