@@ -4,6 +4,7 @@
 #include <aras_visual_servo_common/files.hpp>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/robot/sdf_light.hpp"
 #include "scene/light/lighting_reader.hpp"
 
 namespace aras_visual_servo_sim {
@@ -55,6 +56,28 @@ YAML::Node lightYaml(const Light& light) {
   node["outer_angle_rad"] = light.outer_angle_rad;
   node["falloff"] = light.falloff;
   return node;
+}
+
+Light lightFromSdf(const std::string& xml, const std::string& source, std::vector<std::string>* warnings) {
+  const SdfLight read = readSdfLight(xml, source, warnings);
+  Light light;
+  light.name = read.name;
+  light.type = read.type == SdfLight::Type::kDirectional ? Light::Type::kDirectional
+               : read.type == SdfLight::Type::kPoint     ? Light::Type::kPoint
+                                                         : Light::Type::kSpot;
+  light.position_W = light.position_A = read.X_AL.p;
+  light.direction_W = light.direction_A = read.direction_A;
+  light.diffuse = read.diffuse;
+  light.specular = read.specular;
+  light.range_m = read.range_m;
+  light.constant = read.constant;
+  light.linear_per_m = read.linear_per_m;
+  light.quadratic_per_m2 = read.quadratic_per_m2;
+  light.inner_angle_rad = read.inner_angle_rad;
+  light.outer_angle_rad = read.outer_angle_rad;
+  light.falloff = read.falloff;
+  light.casts_shadows = read.casts_shadows;
+  return light;
 }
 
 Light lightFromText(const std::string& text) {

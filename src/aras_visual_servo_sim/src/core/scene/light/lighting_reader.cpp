@@ -1,6 +1,6 @@
 #include "lighting_reader.hpp"
 
-#include "scene/planar_shape.hpp"
+#include "scene/light/color_reader.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

@@ -1,4 +1,6 @@
 // Lights as SDF describes them, with the defaults of its specification (sdformat.org/spec, element light).
+#include "aras_visual_servo_sim/robot/sdf_light.hpp"
+
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -7,8 +9,7 @@
 #include <sstream>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
-#include "aras_visual_servo_sim/scene/light_entry.hpp"
-#include "robot/urdf_text.hpp"
+#include "urdf_text.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -54,12 +55,12 @@ double atLeast(double least, const UrdfSource& source, const XMLElement* parent,
   return value;
 }
 
-Light::Type typeOf(const UrdfSource& source, const XMLElement& element) {
+SdfLight::Type typeOf(const UrdfSource& source, const XMLElement& element) {
   const char* given = element.Attribute("type");
   const std::string type = given ? given : "";
-  if (type == "directional") return Light::Type::kDirectional;
-  if (type == "point") return Light::Type::kPoint;
-  if (type == "spot") return Light::Type::kSpot;
+  if (type == "directional") return SdfLight::Type::kDirectional;
+  if (type == "point") return SdfLight::Type::kPoint;
+  if (type == "spot") return SdfLight::Type::kSpot;
   source.fail(element, "type is '" + type + "', must be point, directional or spot");
 }
 
@@ -73,7 +74,7 @@ void warnOfOthers(const UrdfSource& source, const XMLElement* parent, std::initi
   }
 }
 
-void readSpot(const UrdfSource& source, const XMLElement* spot, Light& light) {
+void readSpot(const UrdfSource& source, const XMLElement* spot, SdfLight& light) {
   light.inner_angle_rad = atLeast(0.0, source, spot, "inner_angle", 0.0);
   light.outer_angle_rad = atLeast(0.0, source, spot, "outer_angle", 0.0);
   light.falloff = atLeast(0.0, source, spot, "falloff", 0.0);
@@ -87,19 +88,18 @@ void readSpot(const UrdfSource& source, const XMLElement* spot, Light& light) {
   warnOfOthers(source, spot, {"inner_angle", "outer_angle", "falloff"});
 }
 
-Light lightOf(const UrdfSource& source, const XMLElement& element) {
-  Light light;
+SdfLight lightOf(const UrdfSource& source, const XMLElement& element) {
+  SdfLight light;
   light.name = element.Attribute("name") ? element.Attribute("name") : "";
   if (light.name.empty()) source.fail(element, "has no name, must have one");
   light.type = typeOf(source, element);
   const XMLElement* pose = element.FirstChildElement("pose");
   if (pose && pose->Attribute("relative_to")) source.warn(*pose, "relative_to is ignored");
   const auto place = childNumbers<std::array<double, 6>>(source, element, "pose", {});
-  const Pose X_AL{{place[0], place[1], place[2]}, quaternionFromRpy({place[3], place[4], place[5]})};
-  light.position_W = light.position_A = X_AL.p;
+  light.X_AL = {{place[0], place[1], place[2]}, quaternionFromRpy({place[3], place[4], place[5]})};
   const auto direction = childNumbers<std::array<double, 3>>(source, element, "direction", {0.0, 0.0, -1.0});
-  light.direction_W = light.direction_A = X_AL.q * Eigen::Vector3d(direction[0], direction[1], direction[2]);
-  if (light.type != Light::Type::kPoint && light.direction_W.norm() == 0.0) {
+  light.direction_A = light.X_AL.q * Eigen::Vector3d(direction[0], direction[1], direction[2]);
+  if (light.type != SdfLight::Type::kPoint && light.direction_A.norm() == 0.0) {
     source.fail(*element.FirstChildElement("direction"), "is zero, must be any other direction");
   }
   const double intensity =
@@ -114,7 +114,7 @@ Light lightOf(const UrdfSource& source, const XMLElement& element) {
   light.quadratic_per_m2 = atLeast(0.0, source, fading, "quadratic", 0.0);
   if (light.constant + light.linear_per_m + light.quadratic_per_m2 <= kLeast) light.constant = 1.0;  // it fades never
   light.casts_shadows = childFlag(source, &element, "cast_shadows", false);
-  if (light.type == Light::Type::kSpot) readSpot(source, element.FirstChildElement("spot"), light);
+  if (light.type == SdfLight::Type::kSpot) readSpot(source, element.FirstChildElement("spot"), light);
   warnOfOthers(source, fading, {"range", "constant", "linear", "quadratic"});
   warnOfOthers(source, &element,
                {"pose", "direction", "light_on", "intensity", "diffuse", "specular", "attenuation", "cast_shadows",
@@ -124,7 +124,7 @@ Light lightOf(const UrdfSource& source, const XMLElement& element) {
 
 }  // namespace
 
-Light lightFromSdf(const std::string& xml, const std::string& source, std::vector<std::string>* warnings) {
+SdfLight readSdfLight(const std::string& xml, const std::string& source, std::vector<std::string>* warnings) {
   tinyxml2::XMLDocument document;
   if (document.Parse(xml.c_str()) != tinyxml2::XML_SUCCESS) {
     throw ModelError(source + ": " + document.ErrorStr());
