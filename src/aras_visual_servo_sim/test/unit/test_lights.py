@@ -43,8 +43,8 @@ def test_sdf_is_read():
 
 
 @pytest.mark.parametrize("light, error, named", [
-    (dict(LAMP, attached_to="nowhere"), ParameterError, "nowhere"), ({"name": "sun", "type": "directional"},
-                                                                    ParameterError, "direction"),
+    (dict(LAMP, attached_to="nowhere"), ParameterError, "nowhere"),
+    ({"name": "sun", "type": "directional"}, ParameterError, "direction"),
     ("<light name='a' type='laser'/>", ModelError, "laser"), ({"name": "a"}, ParameterError, "type")])
 def test_what_cannot_be_is_named(light, error, named):
     sim = simulation()

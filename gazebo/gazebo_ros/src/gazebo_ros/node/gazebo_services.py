@@ -144,7 +144,8 @@ class GazeboServices:
 
     def _spawn_sdf(self, request):
         if not is_light(request.model_xml):
-            raise GazeboError("spawn_sdf_model is not simulated: models are described by URDF; of SDF, allowed is <light>")
+            raise GazeboError("spawn_sdf_model is not simulated: models are described by URDF; of SDF, allowed is "
+                              "<light>")
         self._world.spawn_light(request.model_name, request.model_xml,
                                 pose_of(request.initial_pose, "SpawnModel: initial_pose"), request.reference_frame)
         return srv.SpawnModelResponse(True, "SpawnModel: Successfully spawned entity")

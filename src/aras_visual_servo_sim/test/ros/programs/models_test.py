@@ -6,7 +6,7 @@ import rospy
 import rostest
 import yaml
 from aras_visual_servo_msgs.srv import (DeleteLight, DeleteModel, GetLights, GetModelState, SetLight, SetModelMotion,
-                                         SetModelState, SpawnModel, Step)
+                                        SetModelState, SpawnModel, Step)
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, Twist, TwistStamped, Vector3
 from std_srvs.srv import Empty
 from visualization_msgs.msg import Marker, MarkerArray
