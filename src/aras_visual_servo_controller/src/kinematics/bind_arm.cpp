@@ -44,8 +44,7 @@ void bindInverse(py::module_& module) {
            "(n,) the part of joint velocities along the directions that count as free (`FREE`): the null space.")
       .def("free_of_norm", &TwistInverse::freeOfNorm, py::arg("wish"), py::arg("twist"),
            "(n,) the part of `wish` that does not change how fast the distance to the goal shrinks (T41).")
-      .def("size", &TwistInverse::size, py::arg("twist"),
-           "Norm of a twist, linear part divided by length_m [rad/s].");
+      .def("size", &TwistInverse::size, py::arg("twist"), "Norm of a twist, linear part divided by length_m [rad/s].");
   py::class_<TwistTranspose, TwistInverse>(
       module, "Transpose",
       "q_dot = alpha J^T V, with the alpha that fits this V best. It is never unbounded, but the camera moves along V\n"

@@ -18,7 +18,8 @@ using aras_visual_servo_common::ShapeError;
 
 constexpr int kRows = 6;
 
-/** Sum of the products, in the order of the terms: Eigen's own sums depend on the width of the processor's registers. */
+/** Sum of the products, in the order of the terms: Eigen's own sums depend on the width of the processor's registers.
+ */
 template <typename A, typename B>
 double inOrder(const A& a, const B& b) {
   double sum = 0.0;

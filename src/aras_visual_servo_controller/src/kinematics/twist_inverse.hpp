@@ -7,9 +7,9 @@ namespace aras_visual_servo_controller {
 
 /** Damped inverse of one Jacobian J_BC_C, (6, n), rows [v; w]: from camera twists to joint velocities.
  *
- *  The Jacobian is scaled, rows by `rows`, columns by `ease`, and taken apart into singular directions (LAPACK's dgesdd).
- *  Sums are taken in the order of their terms and nothing depends on the processor, so that equal inputs give equal
- *  bytes. */
+ *  The Jacobian is scaled, rows by `rows`, columns by `ease`, and taken apart into singular directions (LAPACK's
+ * dgesdd). Sums are taken in the order of their terms and nothing depends on the processor, so that equal inputs give
+ * equal bytes. */
 class TwistInverse {
  public:
   using Vector = Eigen::VectorXd;

@@ -124,7 +124,8 @@ void EdgeWeights::classify(int row) {
       const std::uint64_t* other = at(other_, row + off) + i;
       return *other | before<1>(other) | after<1>(other);
     };
-    edge_[i] &= ~(of(other_, 0) | ((touches(-1) | touches(0) | touches(1)) & ~own));  // of another, or of its edge alone
+    edge_[i] &=
+        ~(of(other_, 0) | ((touches(-1) | touches(0) | touches(1)) & ~own));  // of another, or of its edge alone
   }
 }
 

@@ -1,7 +1,7 @@
 """Limits of joint velocity and position. Pure arithmetic; most functions return the factor by which to slow the motion.
 
-The two that every image needs are C++. The loops of the others go over floats because, for the few joints of an arm, they
-take a fifth of the time of array expressions.
+The two that every image needs are C++. The loops of the others go over floats because, for the few joints of an arm,
+they take a fifth of the time of array expressions.
 """
 
 from math import inf, sqrt

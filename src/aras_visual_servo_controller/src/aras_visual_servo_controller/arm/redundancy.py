@@ -31,7 +31,7 @@ from math import exp
 import numpy as np
 
 from .._kinematics import Inverse, Transpose, Wish
-from .damping import ROUNDING, RULES
+from .damping import METHODS, ROUNDING, RULES
 
 __all__ = ["FREE", "METHODS", "Inverse", "Transpose", "TwistInverse", "Wish", "norm_part"]
 
@@ -39,10 +39,6 @@ __all__ = ["FREE", "METHODS", "Inverse", "Transpose", "TwistInverse", "Wish", "n
 #: free motion of u [rad/s] then moves the camera by less than FREE * threshold * u: below 1e-3 u with the default
 #: threshold.
 FREE = 0.05
-
-
-#: Values of servo/inverse/method.
-METHODS = (*RULES, "transpose")
 
 
 def norm_part(size, lower, upper):

@@ -5,7 +5,7 @@ from math import inf
 from typing import Dict, Tuple
 
 from ..config.settings import setting
-from .redundancy import METHODS
+from .damping import METHODS
 
 RISING = ("two numbers, 0 <= first < second", lambda ends: ends[0] < ends[1])
 
