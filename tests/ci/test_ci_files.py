@@ -69,7 +69,7 @@ def lines_of(job):
 def test_the_labs_job_passes_and_fails_with_its_node(tmp_path, index):
     job = blocks()[index]
     lines = lines_of(job)
-    assert sum(line.startswith(DONE) for line in lines) == (2 if index == 0 else 3), "a job brings packages and simulator"
+    assert sum(line.startswith(DONE) for line in lines) == (2 if index == 0 else 3), "it brings what it needs"
     if "jobs" in job:
         steps = job["jobs"]["simulator"]["steps"]
         paths = [step["with"]["path"] for step in steps if "checkout" in step.get("uses", "")]
