@@ -344,6 +344,15 @@ class Servo:
         X_CgC = self._displacement(X_BC)
         return (self.reference.plane_C @ X_CgC[:3, :3]) / (1.0 - self.reference.plane_C @ X_CgC[:3, 3])
 
+    def plane_at(self, q):
+        """(3,) plane (A, B, C) of the target, at rest, in the frame of the camera at joint positions q [1/m].
+
+        Raises ParameterError: nothing was taught, or the reference does not tell where the target is.
+        """
+        if self.reference is None:
+            raise ParameterError("servo: no reference, teach one first")
+        return self._plane(self._kinematics.pose(self._kinematics.vector(q)))
+
     def _displacement(self, X_BC):
         """X_CgC, (4, 4): a camera pose by the kinematics, relative to the goal's."""
         if self._X_CgB is None:
