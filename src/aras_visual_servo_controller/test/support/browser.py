@@ -147,5 +147,5 @@ class Browser:
         """Print the page to a PDF file, and give the text of each of its pages."""
         pdf = self.call("Page.printToPDF", preferCSSPageSize=True)
         Path(path).write_bytes(base64.b64decode(pdf["data"]))
-        text = subprocess.run(["pdftotext", "-layout", str(path), "-"], capture_output=True, text=True, check=True).stdout
-        return text.split("\f")[:-1]
+        command = ["pdftotext", "-layout", str(path), "-"]
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.split("\f")[:-1]

@@ -43,8 +43,8 @@ def sweeps_page(names, folders, sweeps, gates, command):
              for letter, name, folder, rows in list(zip(letters, names, folders, sweeps))[1:]]
     return render("sweeps.html.j2", sweeps=list(zip(letters, names, map(str, folders))),
                   table=table_cells(TABLE, numbers, letters),
-                  paired=table_cells(PAIRED, numbers, letters[1:]) if pairs else [], pairs=pairs, first=first, gates=gates,
-                  command=command, versions=installed_versions(), script=source("map.js"))
+                  paired=table_cells(PAIRED, numbers, letters[1:]) if pairs else [], pairs=pairs, first=first,
+                  gates=gates, command=command, versions=installed_versions(), script=source("map.js"))
 
 
 def paired_maps(rows_a, rows_b, letter, folders):

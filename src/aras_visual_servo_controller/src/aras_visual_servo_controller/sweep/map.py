@@ -1,4 +1,5 @@
-"""What the maps of a page need to know of a sweep: a dot for each start, with its result and the command that repeats it.
+"""What the maps of a page need to know of a sweep: a dot for each start, its result, and the command
+that repeats it.
 
 The script config/templates/map.js draws them.
 """
@@ -52,7 +53,7 @@ def fact(key, label, unit="", digits=None, short=False):
 
 def start_facts(rows):
     """Facts of where a run begins: its place against the goal, then the joints and whatever else was varied."""
-    found = [fact(axis, plain_label(axis).partition(" [")[0], unit, digits, short=axis in ("distance0_mm", "angle0_deg"))
+    found = [fact(axis, plain_label(axis).partition(" [")[0], unit, digits, axis in ("distance0_mm", "angle0_deg"))
              for axis, unit, digits in (("distance0_mm", "mm", 1), ("angle0_deg", "deg", 2), ("x0_mm", "mm", 2),
                                         ("y0_mm", "mm", 2), ("z0_mm", "mm", 2))]
     varied = [name for name in (rows[0] if rows else ()) if name.startswith(("start_", "offset_", "goal_", "p_"))]

@@ -22,7 +22,8 @@ def output(tmp_path_factory):
     output = tmp_path_factory.mktemp("output")
     for name, limit_s in LIMITS_S.items():
         assert sweep_main(["experiment_1", "--seed", "4", "--starts", "10", "--set", f"servo.time_limit_s={limit_s}",
-                           "--set", "sweep.perturb={servo.gains_per_s.xn: [1.0, 4.0]}", "--workers", "0", "--output", str(output), "--name", name]) == 0
+                           "--set", "sweep.perturb={servo.gains_per_s.xn: [1.0, 4.0]}",
+                           "--workers", "0", "--output", str(output), "--name", name]) == 0
     words = [str(output / "sweeps" / "experiment_1" / name) for name in LIMITS_S]
     assert compare_main([*words, "--fail-if", "success < 0.999", "--output", str(output), "--name", "page"]) == 1
     return output
@@ -60,7 +61,8 @@ def test_a_map_has_the_change_of_every_pair(sweeps):
     for row in data["rows"]:
         a, b = (rows[row[place["id"]]] for rows in by_id)
         kind = data["texts"]["pair"][row[place["pair"]]]
-        assert kind == {(1, 1): "both", (1, 0): "only_a", (0, 1): "only_b", (0, 0): "neither"}[a["success"], b["success"]]
+        kinds = {(1, 1): "both", (1, 0): "only_a", (0, 1): "only_b", (0, 0): "neither"}
+        assert kind == kinds[a["success"], b["success"]]
         change = row[place["error_change_mm"]]
         assert (change is None) == (kind != "both")
         assert change is None or change == pytest.approx(b["error_mm"] - a["error_mm"], rel=1e-6)

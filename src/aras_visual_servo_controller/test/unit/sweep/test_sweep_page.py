@@ -19,11 +19,12 @@ TEXT = "(one) => one.textContent"
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A sweep whose servo is cut off, with different gains and wide ranges, so that there are successes, failures and refused starts."""
+    """A sweep whose servo is cut off, with different gains and wide ranges: runs succeed, fail and are refused."""
     output = tmp_path_factory.mktemp("a folder")  # a command must quote it
     assert sweep_main(["experiment_1", "--seed", "4", "--starts", str(STARTS), "--set", "servo.time_limit_s=0.9",
                        "--set", "sweep.perturb={servo.gains_per_s.xn: [1.0, 4.0]}",
-                       "--set", "sweep.camera={x_m: [-0.2, 0.2], y_m: [-0.25, 0.25]}", "--workers", "0", "--output", str(output), "--name", "page"]) == 0
+                       "--set", "sweep.camera={x_m: [-0.2, 0.2], y_m: [-0.25, 0.25]}",
+                       "--workers", "0", "--output", str(output), "--name", "page"]) == 0
     return output / "sweeps" / "experiment_1" / "page"
 
 
@@ -50,8 +51,8 @@ def succeeding(rows):
 
 def test_every_start_is_a_dot_of_its_outcome(browser, rows):
     assert {row["outcome"] for row in rows} == {"success", "failure", "infeasible"}  # else this test sees too little
-    found = browser.value("[...document.querySelector('.maps figure').querySelectorAll('.dot')].map((dot) => "
-                          "[Number(dot.dataset.id), dot.tagName, dot.getAttribute('fill') || dot.getAttribute('stroke')])")
+    found = browser.value("[...document.querySelector('.maps figure').querySelectorAll('.dot')].map((dot) => [Number("
+                          "dot.dataset.id), dot.tagName, dot.getAttribute('fill') || dot.getAttribute('stroke')])")
     placed = [row for row in rows if row["x0_mm"] is not None]
     assert sorted(one[0] for one in found) == [row["id"] for row in placed]
     looks = {row["outcome"]: {(tag, colour) for number, tag, colour in found if number == row["id"]} for row in placed}
