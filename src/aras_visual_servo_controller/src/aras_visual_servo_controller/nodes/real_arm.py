@@ -1,8 +1,8 @@
-"""Node `controller` of a real arm (scripts/real_controller), which is no simulator in lockstep: any joint states, images
-and command topics.
+"""Node `controller` of a real arm (scripts/real_controller), which is no simulator in lockstep: any joint states,
+images and command topics.
 
-What the arm does is decided by `arm/real/arm_link.py`; this file is ROS wiring. One more thread than `ControllerNode` has
-sends the commands, every `real.command_period_s` of ROS time, and looks whether the arm must rest.
+What the arm does is decided by `arm/real/arm_link.py`; this file is ROS wiring. One more thread than those of
+`ControllerNode` sends the commands, every `real.command_period_s` of ROS time, and looks whether the arm must rest.
 """
 
 import threading
@@ -37,8 +37,8 @@ class RealControllerNode(ControllerNode):
         parameters.check()
         settings = self._settings = RealSettings.from_dict(section, self._kinematics.joint_names)
         if self._float_publishers:
-            raise ParameterError("command_interface: found float64, allowed with a real arm: joint_command (what the arm "
-                                 "takes says real.command)")
+            raise ParameterError("command_interface: found float64, allowed with a real arm: joint_command (what the "
+                                 "arm takes says real.command)")
         if settings.predict and self._servo.source.name != "moments":
             raise ParameterError(f"real/predict: found true with features of {self._servo.source.name}, allowed with "
                                  "features of moments and points")

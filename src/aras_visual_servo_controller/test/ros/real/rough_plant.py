@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Node of tests: the simulator plays a real arm. It stands between a simulator and the controller, jitters stamps,
-thins out joint states, delays and loses images under the names of a USB camera's driver, and plays the arm's driver, which
-takes position, velocity or trajectory set-points and passes one on every few milliseconds. Seeded.
+thins out joint states, delays and loses images under the names of a USB camera's driver, and plays the arm's driver,
+which takes position, velocity or trajectory set-points and passes one on every few milliseconds. Seeded.
 
 Parameters: ~joint_rate_hz, ~seed, ~command (trajectory, position, velocity), ~lost, ~image_late_s [least, most].
 Topic ~fault (std_msgs/String): "joints" or "images" stop coming, "" mends it.
