@@ -44,7 +44,7 @@ const make = (page) => {
     const old = world;
     world = new World(canvas, about, geometries, isDark());
     if (old) { world.second = old.second; world.eye.position.copy(old.eye.position); world.controls.target.copy(old.controls.target); old.controls.dispose(); world.controls.update(); }
-    if (!about.cannot.place_target) world.draggable(place);
+    world.draggable(place);
     page.world = world;
     world.size(canvas.clientWidth, canvas.clientHeight);
     if (model.state) world.show(model.state);
