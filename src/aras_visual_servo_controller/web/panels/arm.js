@@ -40,6 +40,7 @@ const make = (page) => {
     const same = JSON.stringify([about.robot, about.scene, about.camera, about.target]);
     if (same === robot) return;
     robot = same;
+    notice("drawn", about.notes.join(" · "));
     const geometries = await load(about);
     const old = world;
     world = new World(canvas, about, geometries, isDark());

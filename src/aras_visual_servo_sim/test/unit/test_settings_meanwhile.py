@@ -29,23 +29,19 @@ def images(sim, count):
 
 
 def same(some, others):
-    return all(a[0] == b[0] and np.array_equal(a[1], b[1]) for a, b in zip(some, others))
+    return len(some) == len(others) and all(a[0] == b[0] and np.array_equal(a[1], b[1]) for a, b in zip(some, others))
 
 
 @pytest.mark.parametrize("setting", [
-    {"noise_stddev": 5.0}, {"noise_mean": 9.0, "noise_stddev": 1.0}, {"sampling": "point"}, {"renderer": "opengl"},
-    {"drop_probability": 0.5}, {"sensor": {"dark_noise_e": 30.0}}])
+    {"noise_stddev": 5.0}, {"noise_mean": 9.0, "noise_stddev": 1.0}, {"sampling": "center"},
+    {"renderer": "opengl", "exact_targets": False}, {"drop_probability": 0.5}, {"sensor": {"dark_noise_e": 30.0}}])
 def test_from_the_next_image_on_it_is_as_if_it_had_always_been_so(setting):
     sim, always = simulation(), simulation(**setting)
     images(sim, 3)
     sim.set_cameras(config(**setting))
     now_ns = sim.time_ns
-    while always.step_to_image() < now_ns:
-        always.render()
-    always.render()
     after = images(sim, 4)
-    first = [frame for frame in images(always, 6) if frame[0] >= after[0][0]]
-    assert same(after, first)
+    assert same(after, [frame for frame in images(always, 14) if frame[0] > now_ns][:4])
     plain = simulation()
     images(plain, 3)
     assert not same(after, images(plain, 4))
@@ -84,7 +80,7 @@ def test_frames_on_their_way_come_as_the_new_latency_lets_them():
     images(sim, 2)  # two more are on their way
     sim.set_cameras(config(latency_s=0.12))
     frames = images(sim, 4)
-    assert [b[0] - a[0] < 34_000_000 for a, b in zip(frames, frames[1:])] == [True] * 3, "none is lost"
+    assert [b[0] - a[0] < 40_000_000 for a, b in zip(frames, frames[1:])] == [True] * 3, "none is lost"
     assert all(np.array_equal(truth[stamp_ns], image) for stamp_ns, image in frames)
 
 
@@ -127,7 +123,7 @@ def test_the_number_of_cameras_stays():
 
 @pytest.mark.parametrize("renderer", ["coverage", "opengl"])
 def test_background_and_lights_change_and_stay_after_a_reset(renderer):
-    lit = {"background_rgb": [10, 20, 30], "lighting": {"ambient": 0.5}}
+    lit = {"background_rgb": [10, 20, 30], "lighting": {"ambient_rgb": [90, 90, 90]}}
     sim, always = simulation(renderer=renderer), simulation(lit, renderer=renderer)
     images(sim, 2), images(always, 2)
     sim.set_lighting(config(lit, renderer=renderer))
@@ -141,7 +137,8 @@ def test_lights_that_were_set_otherwise_stay():
     sim = simulation({"lighting": {"lights": [{"name": "sun", "type": "directional", "direction": [0, 0, -1]}]}},
                      renderer="opengl")
     sim.set_light({"name": "lamp", "type": "point", "position_m": [0.0, 0.0, 0.4]})
-    sim.set_lighting(config({"lighting": {"lights": [{"name": "moon", "type": "directional", "direction": [0, 1, -1]}]}}))
+    moon = {"name": "moon", "type": "directional", "direction": [0, 1, -1]}
+    sim.set_lighting(config({"lighting": {"lights": [moon]}}))
     assert sorted(sim.lights) == ["lamp", "moon"]
     sim.reset()
     assert sorted(sim.lights) == ["moon"]
