@@ -26,9 +26,10 @@ py::array_t<float> meshTriangles(const std::string& path) {
 }  // namespace
 
 void bindMeshes(py::module_& module) {
-  module.def("mesh_triangles", &meshTriangles, py::arg("path"),
-             "Corners of the triangles of a mesh file (STL, DAE, OBJ and what else assimp reads), as the simulator reads\n"
-             "it: (n, 3, 3) [m].\n\nRaises:\n    ModelError naming the file and what is wrong with it.");
+  module.def(
+      "mesh_triangles", &meshTriangles, py::arg("path"),
+      "Corners of the triangles of a mesh file (STL, DAE, OBJ and what else assimp reads), as the simulator reads\n"
+      "it: (n, 3, 3) [m].\n\nRaises:\n    ModelError naming the file and what is wrong with it.");
 }
 
 }  // namespace aras_visual_servo_sim

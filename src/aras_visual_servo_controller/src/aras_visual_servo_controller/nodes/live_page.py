@@ -276,8 +276,8 @@ class RosRun:
         """Settings of the servo: the parameters are set, and the controller reads them again."""
         others = [path for path in (request.values or {}) if not acts_at_once(path, ROS_AT_ONCE)]
         if others:
-            raise ParameterError(f"{', '.join(others)}: over ROS this is read when the nodes start; allowed are settings "
-                                 "of servo, of how cameras see, and of light")
+            raise ParameterError(f"{', '.join(others)}: over ROS this is read when the nodes start; allowed are "
+                                 "settings of servo, of how cameras see, and of light")
         scenario = changed(self._scenario, request.values)
         for section, service in (("servo", "reconfigure"), ("sim", "sim/reconfigure")):
             if getattr(scenario, section) != getattr(self._scenario, section):
