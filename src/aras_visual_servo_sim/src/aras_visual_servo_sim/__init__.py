@@ -18,6 +18,8 @@ from ._sim import (
     Simulation,
     StateError,
     UnknownNameError,
+    light_entry,
+    mesh_triangles,
     opengl_description,
 )
 
@@ -34,5 +36,7 @@ __all__ = [
     "Simulation",
     "StateError",
     "UnknownNameError",
+    "light_entry",
+    "mesh_triangles",
     "opengl_description",
 ]

@@ -17,6 +17,7 @@
 #include "aras_visual_servo_sim/simulation/commands.hpp"
 #include "aras_visual_servo_sim/simulation/frame.hpp"
 #include "aras_visual_servo_sim/simulation/models/contacts.hpp"
+#include "aras_visual_servo_sim/simulation/models/lights.hpp"
 #include "aras_visual_servo_sim/simulation/models/models.hpp"
 #include "aras_visual_servo_sim/simulation/simulation_config.hpp"
 #include "aras_visual_servo_sim/simulation/start.hpp"
@@ -90,6 +91,15 @@ class Simulation {
   Pose cameraPose(int camera) const { return cameras_[camera].pose(*world_); }     ///< X_WC at the present
   Twist cameraTwist(int camera) const { return cameras_[camera].twist(*world_); }  ///< V_WC_C, [v; w]
 
+  /** Gives the cameras other settings while time goes on, also for the time after a reset: all but those that
+   * camera_info tells, and the rate. Frames on their way come as the new latency says; those that it lets come no more
+   * are lost.
+   *  @throws ParameterError naming what would have to be as at the start; nothing changes then */
+  void setCameras(const std::vector<CameraConfig>& cameras);
+  /** Changes background and lights to those of this scene, whose models do not count; lights that something else has
+   *  brought stay. @throws ParameterError; nothing changes then */
+  void setLighting(const SceneConfig& scene);
+
   // --- commands, see Commands
   void setCommand(const JointCommand& command, std::optional<std::int64_t> stamp_ns = std::nullopt) {
     commands_.apply(command, stamp_ns, timeNs(), *world_);
@@ -146,6 +156,13 @@ class Simulation {
   /** V_WM_W at the present tick, as in ModelPlacement; zero for a model without motion or mass.
    *  @throws UnknownNameError */
   Twist modelTwist(const std::string& model) const;
+
+  // --- lights, of the OpenGL renderer; saved states have them, a reset brings back those of the configuration
+  const std::vector<Light>& lights() const { return scene().lighting.lights; }
+  /** Adds a light, or changes the one of its name. What it is attached to carries it. @throws as checkLights */
+  void setLight(const Light& light) { change(withLight(models_.set(), light, model_)); }
+  /** @throws UnknownNameError naming the lights there are */
+  void deleteLight(const std::string& name) { change(withoutLight(models_.set(), name)); }
 
   // --- whole state
   /** Puts joints and models back to where they started, at rest, and begins their motions anew. Time, frames and

@@ -34,6 +34,7 @@ Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::No
   faults.collect([&] { config_.world.controllers = parseControllers(controllers, model_); });
   if (config_.gazebo_cameras) whiten(model_);
   faults.collect([&] { models_ = Models(config_.scene, model_, packages); });
+  if (faults.empty()) faults.collect([&] { checkLights(models_.set(), model_); });
   if (faults.empty()) faults.collect([&] { contacts_.begin(models_.set(), config_.scene.solids); });
   faults.collect([&] { start_.check(model_, config_.world); });
   if (config_.cameras.empty()) {
@@ -154,6 +155,19 @@ FrameState Simulation::frameState(int index) const {
   }
   return {timeNs(),          world_->jointPositions(), world_->jointVelocities(),
           cameraPose(index), cameraTwist(index),       models_.set().poses()};
+}
+
+void Simulation::setCameras(const std::vector<CameraConfig>& cameras) {
+  cameras_.become(cameras_.with(cameras, model_, config_.seed, periodNs()), ticks());
+  config_.cameras = cameras;
+  commands_.allowLatency(clock_.ns(cameras_.longestLatencyTicks()));
+}
+
+void Simulation::setLighting(const SceneConfig& scene) {
+  models_.setLighting(config_.scene, scene, model_);
+  config_.scene.background = scene.background;
+  config_.scene.light_direction_W = scene.light_direction_W;
+  config_.scene.lighting = scene.lighting;
 }
 
 void Simulation::setTwist(const Twist& V_WL_L, const std::string& link, std::optional<std::int64_t> stamp_ns) {

@@ -23,6 +23,7 @@ SimNode::SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, NodeletQueue&
       queue_(queue),
       nodelets_(nodelets),
       config_(parameters.time),
+      sim_section_(simSection(node, ros::NodeHandle("~"))),
       simulation_(parameters.robot, parameters.simulation, parameters.controllers),
       time_(simulation_, parameters.time.monotonic_clock),
       camera_topics_(cameraTopics(simulation_, parameters.gazebo_camera_names)),
@@ -35,6 +36,7 @@ SimNode::SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, NodeletQueue&
       pids_(node_, simulation_),
       markers_(node_, simulation_),
       models_(node_, simulation_, markers_, time_),
+      lights_(node_, simulation_),
       status_(node_.advertise<aras_visual_servo_msgs::SimStatus>("sim/status", 1000, true)),
       paused_(parameters.time.start_paused) {
   requireOwnClock(node_.resolveName("/clock"));

@@ -9,6 +9,7 @@
 #include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 #include <std_srvs/Empty.h>
+#include <std_srvs/Trigger.h>
 
 #include <string>
 #include <vector>
@@ -20,6 +21,7 @@
 #include "convert/wire_time.hpp"
 #include "listen/camera_triggers.hpp"
 #include "listen/command_inputs.hpp"
+#include "listen/light_services.hpp"
 #include "listen/model_services.hpp"
 #include "listen/pid_servers.hpp"
 #include "nodelets.hpp"
@@ -46,6 +48,7 @@ class SimNode {
 
  private:
   using Empty = std_srvs::Empty;
+  using Trigger = std_srvs::Trigger;
   using Step = aras_visual_servo_msgs::Step;
   using SetJointPositions = aras_visual_servo_msgs::SetJointPositions;
   using SetTargetPose = aras_visual_servo_msgs::SetTargetPose;
@@ -57,6 +60,8 @@ class SimNode {
   bool onUnpause(Empty::Request&, Empty::Response&);
   bool onReset(Empty::Request&, Empty::Response&);
   bool onResetWorld(Empty::Request&, Empty::Response&);
+  /** Takes over what the parameters say now of cameras, light and pace. */
+  bool onReconfigure(Trigger::Request&, Trigger::Response& response);
   bool onStep(Step::Request& request, Step::Response& response);
   bool onSetJointPositions(SetJointPositions::Request& request, SetJointPositions::Response& response);
   bool onSetTargetPose(SetTargetPose::Request& request, SetTargetPose::Response& response);
@@ -78,6 +83,7 @@ class SimNode {
   ros::CallbackQueue& queue_;
   NodeletQueue& nodelets_;
   TimeConfig config_;
+  YAML::Node sim_section_;  ///< as it was taken over last
   Simulation simulation_;
   WireTime time_;
   std::vector<CameraTopics> camera_topics_;
@@ -91,6 +97,7 @@ class SimNode {
   PidServers pids_;
   SceneMarkers markers_;
   ModelServices models_;
+  LightServices lights_;
   ros::Publisher status_;
   std::vector<ros::ServiceServer> services_;
   bool paused_;

@@ -49,7 +49,7 @@ class Models {
   void start(std::int64_t now_ns);
   /** Puts the models that move where they are now. */
   void move(std::int64_t now_ns);
-  /** Puts the robot's bodies where its links are. */
+  /** Puts the robot's bodies where its links are, and the lights where their carriers are. */
   void follow(const MultibodyWorld& world);
   /** Places a model. A motion that it has goes on. @throws UnknownNameError */
   void place(const std::string& model, const Pose& X_WM) { set_.place(model) = X_WM; }
@@ -69,6 +69,9 @@ class Models {
   void become(ModelSet next);
   /** The same, with these motions instead of those that are under way. */
   void become(ModelSet next, std::map<std::string, MotionRun> motions);
+  /** Changes background and lights, of the present set and of that as constructed: the lights that `before` names
+   * become those of `next`, all others stay. @throws as checkLights; nothing changes then */
+  void setLighting(const SceneConfig& before, const SceneConfig& next, const RobotModel& robot);
   /** The set as constructed. */
   const ModelSet& built() const { return built_ ? *built_ : set_; }
   /** Back to the set as constructed; start() puts each model where it began. */

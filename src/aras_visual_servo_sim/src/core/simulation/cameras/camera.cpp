@@ -32,7 +32,9 @@ Sensor sensorOf(const CameraModel& model, int index, std::uint64_t seed) {
   const double integration_s = config.exposure_s > 0.0 ? config.exposure_s : 1.0 / config.rate_hz;
   const auto pattern_seed =
       static_cast<std::uint64_t>(config.sensor->pattern_seed) + kSeedStride * std::uint64_t(index);
-  return {*config.sensor, model.width(), model.height(), model.encoding(), cosines, integration_s, seed, pattern_seed};
+  SensorConfig sensor = *config.sensor;
+  if (sensor.depth_of_field) sensor.depth_of_field->focal_px = model.fx();
+  return {sensor, model.width(), model.height(), model.encoding(), cosines, integration_s, seed, pattern_seed};
 }
 
 }  // namespace
@@ -132,6 +134,24 @@ void Camera::restore(State state) {
   exposure_.setPast(std::move(state.past));
   flight_.restore(std::move(state.taken), std::move(state.in_flight));
   if (sensor_) sensor_->restore(std::move(state.sensor));
+}
+
+void Camera::continueFrom(Camera& before, std::int64_t now) {
+  State state;
+  state.plan = before.plan();
+  state.unhashed_frame = before.unhashedFrame();
+  if (late() && before.late()) {
+    if (before.takenFrame()) state.taken = *before.takenFrame();
+    state.in_flight = before.flight().inFlight();
+  }
+  if (sensor_ && sensor_->setsItself() && before.sensor_ && before.sensor_->setsItself()) {
+    state.sensor = before.sensor_->state();
+  }
+  restore(std::move(state));
+  flight_.passTo(now);
+  image = std::move(before.image);  // who shows it goes on showing the same memory
+  geometry = std::move(before.geometry);
+  light = std::move(before.light);
 }
 
 }  // namespace aras_visual_servo_sim

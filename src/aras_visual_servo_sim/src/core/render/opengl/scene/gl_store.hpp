@@ -50,8 +50,8 @@ class GlStore {
   const GlMesh& roundMesh(const MeshPtr& mesh, double outline_px);
   /** A mesh with fewer triangles, for its shadow. @param error_m  how far a point may be from where it is, > 0 */
   GlOutline outline(const MeshPtr& mesh, double error_m);
-  /** Binds a picture to texture unit 0. @throws RenderError naming a picture too large for OpenGL */
-  void bindPicture(const TexturePtr& texture, Wrap wrap_s, Wrap wrap_t);
+  /** Binds a picture to a texture unit. @throws RenderError naming a picture too large for OpenGL */
+  void bindPicture(const TexturePtr& texture, Wrap wrap_s, Wrap wrap_t, int unit = 0);
 
  private:
   struct GlPicture {

@@ -13,6 +13,7 @@ Eigen::Vector3f unit(const Rgb& color) { return Eigen::Vector3f(color.r, color.g
 double radiusOf(const TriangleMesh& mesh) { return 0.5 * (mesh.box_max - mesh.box_min).cast<double>().norm(); }
 
 constexpr int kFirstMapUnit = 1;  // unit 0 has the picture
+constexpr int kBumpsUnit = kFirstMapUnit + LightSet::kMostShadows;
 
 }  // namespace
 
@@ -117,7 +118,9 @@ void SolidPainter::draw(const Item& item, const PinholeView& view) {
     gl_.Uniform3f(program.highlight, highlight.x(), highlight.y(), highlight.z());
     gl_.Uniform1f(program.shininess, static_cast<float>(material.shininess));
     if (part.picture) {
-      store_.bindPicture(part.picture->texture, part.picture->wrap_s, part.picture->wrap_t);
+      const MeshPicture& picture = *part.picture;
+      store_.bindPicture(picture.texture, picture.wrap_s, picture.wrap_t);
+      if (picture.normals) store_.bindPicture(picture.normals, picture.wrap_s, picture.wrap_t, kBumpsUnit);
     }
     gl_.DrawElements(GL_TRIANGLES, part.count, GL_UNSIGNED_INT,
                      reinterpret_cast<const void*>(std::size_t(part.first) * sizeof(std::uint32_t)));
@@ -130,6 +133,7 @@ SolidPainter::Program& SolidPainter::programOf(const Shape& shape, const MeshPic
   traits.lights = letters_;
   traits.clamps_light = lights_->clamps_light;
   traits.textured = picture != nullptr;
+  traits.bumpy = picture && picture->normals;
   traits.specular = !shape.material.specular.isZero();
   traits.fog = scene_->lighting.fog.has_value();
   Program& program = programs_[traits.name()];
@@ -157,6 +161,7 @@ void SolidPainter::setLights(Program& program) {
   program.frame = frame_;
   const ShaderProgram& at = *program.shader;
   gl_.Uniform1i(at["picture"], 0);
+  gl_.Uniform1i(at["bumps"], kBumpsUnit);
   gl_.Uniform1f(at["texel_of_map"], 1.0f / static_cast<float>(scene_->lighting.shadow_map_px));
   if (const auto& fog = scene_->lighting.fog) {
     const Eigen::Vector3f color = unit(fog->color);
@@ -175,7 +180,7 @@ void SolidPainter::setLights(Program& program) {
     set3("place", light.type == Light::Type::kDirectional ? toward : X_CW * light.position_W);
     set3("axis", toward);
     const double inner = std::cos(0.5 * light.inner_angle_rad), outer = std::cos(0.5 * light.outer_angle_rad);
-    set3("cone", {outer, 1.0 / std::max(1e-6, inner - outer), light.falloff});
+    set3("cone", {outer, 1.0 / std::max(1e-6, inner - outer), std::max(light.falloff, 1e-3)});  // no power 0 of 0
     gl_.Uniform4f(at[name("fade").c_str()], float(std::min(light.range_m, 1e30)), float(light.constant),
                   float(light.linear_per_m), float(light.quadratic_per_m2));
     set3("diffuse", light.diffuse);
