@@ -4,12 +4,53 @@
 #include <cmath>
 #include <limits>
 
+#include "aras_visual_servo_sim/config/wide.hpp"
 #include "aras_visual_servo_sim/image/pixel_color.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
 
 float dot(const float* a, const float* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+constexpr int kSide = TileBins::kTile, kSquare = kSide * kSide;
+constexpr float kFar = std::numeric_limits<float>::max();
+
+/** Over the pixels' squares, of the distances to a triangle's edges: the least, the most, and the least to its rim. */
+ARAS_WIDE void measureFlat(const TileTriangle& t, float* __restrict least, float* __restrict most,
+                           float* __restrict rim) {
+  float half[3], outer[3];
+  for (int k = 0; k < 3; ++k) {
+    half[k] = 0.5f * (std::abs(t.a[k]) + std::abs(t.b[k]));
+    outer[k] = t.seam[k] ? kFar : -half[k];
+  }
+  for (int p = 0; p < kSquare; ++p) {
+    const float x = p % kSide + 0.5f, y = p / kSide + 0.5f;  // NOLINT
+    const float e0 = t.a[0] * x + t.b[0] * y + t.c[0], e1 = t.a[1] * x + t.b[1] * y + t.c[1],
+                e2 = t.a[2] * x + t.b[2] * y + t.c[2];
+    least[p] = std::min(std::min(e0 - half[0], e1 - half[1]), e2 - half[2]);
+    most[p] = std::min(std::min(e0 + half[0], e1 + half[1]), e2 + half[2]);
+    rim[p] = std::min(std::min(e0 + outer[0], e1 + outer[1]), e2 + outer[2]);
+  }
+}
+
+/** The same through a lens. @param rays  middle, across and down of all pixels, x, y and z */
+ARAS_WIDE void measureBent(const TileTriangle& t, const float (*__restrict rays)[kSquare], float* __restrict least,
+                           float* __restrict most, float* __restrict rim) {
+  std::fill(least, least + kSquare, kFar);
+  std::fill(most, most + kSquare, kFar);
+  std::fill(rim, rim + kSquare, kFar);
+  for (int k = 0; k < 3; ++k) {
+    const float x = t.edge[k][0], y = t.edge[k][1], z = t.edge[k][2], beyond = t.seam[k] ? kFar : 0.0f;
+    for (int p = 0; p < kSquare; ++p) {
+      const float e = x * rays[0][p] + y * rays[1][p] + z * rays[2][p];
+      const float half = 0.5f * (std::abs(x * rays[3][p] + y * rays[4][p] + z * rays[5][p]) +
+                                 std::abs(x * rays[6][p] + y * rays[7][p] + z * rays[8][p]));
+      least[p] = std::min(least[p], e - half);
+      most[p] = std::min(most[p], e + half);
+      rim[p] = std::min(rim[p], std::max(e - half, beyond));
+    }
+  }
+}
 
 }  // namespace
 
@@ -176,38 +217,8 @@ void TilePainter::collect(std::uint32_t index) {
 
 /** Sets least_, most_ and rim_: over each pixel's square, of the distances to the edges, in any unit. */
 void TilePainter::measureEdges(const TileTriangle& t) {
-  constexpr float kFar = std::numeric_limits<float>::max();
-  if (list_->isFlat()) {
-    const std::array<float, 3> half{0.5f * (std::abs(t.a[0]) + std::abs(t.b[0])),
-                                    0.5f * (std::abs(t.a[1]) + std::abs(t.b[1])),
-                                    0.5f * (std::abs(t.a[2]) + std::abs(t.b[2]))};
-    std::array<float, 3> outer;
-    for (int k = 0; k < 3; ++k) outer[k] = t.seam[k] ? kFar : -half[k];
-    for (int p = 0; p < kPixels; ++p) {
-      const float x = p % kTile + 0.5f, y = p / kTile + 0.5f;  // NOLINT
-      const float e0 = t.a[0] * x + t.b[0] * y + t.c[0], e1 = t.a[1] * x + t.b[1] * y + t.c[1],
-                  e2 = t.a[2] * x + t.b[2] * y + t.c[2];
-      least_[p] = std::min(std::min(e0 - half[0], e1 - half[1]), e2 - half[2]);
-      most_[p] = std::min(std::min(e0 + half[0], e1 + half[1]), e2 + half[2]);
-      rim_[p] = std::min(std::min(e0 + outer[0], e1 + outer[1]), e2 + outer[2]);
-    }
-    return;
-  }
-  least_.fill(kFar);
-  most_.fill(kFar);
-  rim_.fill(kFar);
-  const auto& rays = across_tile_;
-  for (int k = 0; k < 3; ++k) {
-    const float x = t.edge[k][0], y = t.edge[k][1], z = t.edge[k][2], beyond = t.seam[k] ? kFar : 0.0f;
-    for (int p = 0; p < kPixels; ++p) {
-      const float e = x * rays[0][p] + y * rays[1][p] + z * rays[2][p];
-      const float half = 0.5f * (std::abs(x * rays[3][p] + y * rays[4][p] + z * rays[5][p]) +
-                                 std::abs(x * rays[6][p] + y * rays[7][p] + z * rays[8][p]));
-      least_[p] = std::min(least_[p], e - half);
-      most_[p] = std::min(most_[p], e + half);
-      rim_[p] = std::min(rim_[p], std::max(e - half, beyond));
-    }
-  }
+  list_->isFlat() ? measureFlat(t, least_.data(), most_.data(), rim_.data())
+                  : measureBent(t, across_tile_, least_.data(), most_.data(), rim_.data());
 }
 
 /** Whether the middle of a pixel lies inside a triangle. */
