@@ -36,6 +36,54 @@ std::vector<std::uint32_t> clustered(const TriangleMesh& mesh, float cell) {
   return indices;
 }
 
+/** Whether each triangle has one normal and one colour. */
+bool isFaceted(const TriangleMesh& mesh) {
+  constexpr float kSame = 1e-6f;  // of the normals: rounding
+  return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& t) {
+    const auto as_first = [&](std::uint32_t i) {
+      return (mesh.normals[i] - mesh.normals[t[0]]).cwiseAbs().maxCoeff() < kSame &&
+             (mesh.colors.empty() || mesh.colors[i] == mesh.colors[t[0]]);
+    };
+    return as_first(t[1]) && as_first(t[2]);
+  });
+}
+
+/** Sets normal and stretch of the triangles of a mesh that have one picture. */
+void findPlane(const TriangleMesh& mesh, const std::vector<std::uint32_t>& indices, MeshPart& part) {
+  constexpr float kSame = 1e-5f;  // rounding
+  const std::uint32_t* const first = indices.data() + part.first;
+  const Eigen::Vector3f a = mesh.points[first[1]] - mesh.points[first[0]];
+  const Eigen::Vector3f b = mesh.points[first[2]] - mesh.points[first[0]];
+  const Eigen::Vector3f normal = a.cross(b).normalized();
+  // Columns: how the picture's coordinates change along two directions of the plane, in the triangle's own terms.
+  Eigen::Matrix2d J;
+  const auto changeOf = [&](const std::uint32_t* t) {
+    Eigen::Matrix2d of_edges, edges;
+    const Eigen::Vector3f along = a.normalized(), across = normal.cross(along);
+    for (int k = 0; k < 2; ++k) {
+      const Eigen::Vector3f edge = mesh.points[t[k + 1]] - mesh.points[t[0]];
+      edges.col(k) = Eigen::Vector2f(edge.dot(along), edge.dot(across)).cast<double>();
+      of_edges.col(k) = (mesh.texture_coordinates[t[k + 1]] - mesh.texture_coordinates[t[0]]).cast<double>();
+    }
+    return Eigen::Matrix2d(of_edges * edges.inverse());
+  };
+  J = changeOf(first);
+  for (GLsizei k = 0; k < part.count; k += 3) {
+    const std::uint32_t* t = first + k;
+    const Eigen::Vector3f own = (mesh.points[t[1]] - mesh.points[t[0]]).cross(mesh.points[t[2]] - mesh.points[t[0]]);
+    if (!(own.normalized().dot(normal) > 1.0f - kSame)) return;
+    if (!((changeOf(t) - J).norm() <= 1e-3 * J.norm())) return;
+  }
+  const Texture& texture = *part.picture->texture;
+  J = Eigen::Vector2d(texture.width(), texture.height()).asDiagonal() * J;
+  // Largest over smallest singular value.
+  const double trace = J.squaredNorm(), determinant = J.determinant();
+  const double root = std::sqrt(std::max(0.0, trace * trace - 4.0 * determinant * determinant));
+  if (!(trace > root)) return;
+  part.normal = normal;
+  part.stretch = std::sqrt((trace + root) / (trace - root));
+}
+
 /** The round body that a mesh stands for, with another number of sides. */
 MeshPtr withSides(const TriangleMesh& mesh, int sides) {
   const RoundShape& shape = *mesh.round;
@@ -127,9 +175,11 @@ void GlStore::upload(GlMesh& stored) {
       if (pictureOf(t) == picture) indices.insert(indices.end(), mesh.triangles[t].begin(), mesh.triangles[t].end());
     }
     part.count = static_cast<GLsizei>(indices.size()) - part.first;
+    if (part.count > 0 && part.picture) findPlane(mesh, indices, part);
     if (part.count > 0) stored.parts.push_back(part);
   }
   stored.index_count = static_cast<GLsizei>(indices.size());
+  stored.faceted = isFaceted(mesh);
   gl_.GenBuffers(1, &stored.vertices);
   gl_.BindBuffer(GL_ARRAY_BUFFER, stored.vertices);
   gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(GlVertex)), vertices.data(),
@@ -174,7 +224,7 @@ GlOutline GlStore::outline(const MeshPtr& mesh, double error_m) {
   return coarse.indices ? coarse : whole;
 }
 
-void GlStore::bindPicture(const TexturePtr& texture, Wrap wrap_s, Wrap wrap_t) {
+void GlStore::bindPicture(const TexturePtr& texture, Wrap wrap_s, Wrap wrap_t, bool askew) {
   GlPicture& picture = pictures_[texture.get()];
   gl_.ActiveTexture(GL_TEXTURE0);
   if (!picture.name) {
@@ -183,8 +233,15 @@ void GlStore::bindPicture(const TexturePtr& texture, Wrap wrap_s, Wrap wrap_t) {
   } else {
     gl_.BindTexture(GL_TEXTURE_2D, picture.name);
   }
-  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrapOf(wrap_s));
-  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrapOf(wrap_t));
+  constexpr float kAnisotropy = 16.0f;
+  if (wrap_s != picture.wrap_s) gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrapOf(wrap_s));
+  if (wrap_t != picture.wrap_t) gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrapOf(wrap_t));
+  if (askew != picture.askew) {
+    gl_.TexParameterf(GL_TEXTURE_2D, GL_TEXTURE_MAX_ANISOTROPY_EXT, askew ? kAnisotropy : 1.0f);
+  }
+  picture.wrap_s = wrap_s;
+  picture.wrap_t = wrap_t;
+  picture.askew = askew;
 }
 
 GLuint GlStore::upload(const Texture& texture) {
@@ -196,7 +253,6 @@ GLuint GlStore::upload(const Texture& texture) {
                       " x " + std::to_string(texture.height()) + " px, allowed up to " + std::to_string(most) +
                       " px a side");
   }
-  constexpr float kAnisotropy = 16.0f;
   GLuint name = 0;
   gl_.GenTextures(1, &name);
   gl_.BindTexture(GL_TEXTURE_2D, name);
@@ -206,7 +262,6 @@ GLuint GlStore::upload(const Texture& texture) {
   gl_.GenerateMipmap(GL_TEXTURE_2D);
   gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
   gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  gl_.TexParameterf(GL_TEXTURE_2D, GL_TEXTURE_MAX_ANISOTROPY_EXT, kAnisotropy);
   return name;
 }
 

@@ -14,7 +14,9 @@ namespace aras_visual_servo_sim {
 /** Triangles of one mesh that have one picture, or none. */
 struct MeshPart {
   const MeshPicture* picture = nullptr;
-  GLsizei first = 0, count = 0;  ///< indices
+  GLsizei first = 0, count = 0;                      ///< indices
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< of all its triangles; 0: they have not all the same
+  double stretch = 1.0;  ///< how much finer its picture lies along one direction than across it, where it has a normal
 };
 
 /** Triangles to draw without their pictures. */
@@ -29,7 +31,8 @@ struct GlMesh {
   MeshPtr drawn;  ///< a finer one that is drawn in its place; null: there is none
   GLuint array = 0, vertices = 0, indices = 0;
   GLsizei index_count = 0;
-  long serial = 0;  ///< no other mesh of this store ever had it
+  bool faceted = false;  ///< each of its triangles has one normal and one colour
+  long serial = 0;       ///< no other mesh of this store ever had it
   std::vector<MeshPart> parts;
   std::map<int, GlOutline> coarse;  ///< by the logarithm of how often its cells fit into the mesh
 };
@@ -50,13 +53,16 @@ class GlStore {
   const GlMesh& roundMesh(const MeshPtr& mesh, double outline_px);
   /** A mesh with fewer triangles, for its shadow. @param error_m  how far a point may be from where it is, > 0 */
   GlOutline outline(const MeshPtr& mesh, double error_m);
-  /** Binds a picture to texture unit 0. @throws RenderError naming a picture too large for OpenGL */
-  void bindPicture(const TexturePtr& texture, Wrap wrap_s, Wrap wrap_t);
+  /** Binds a picture to texture unit 0. @param askew  seen so that a pixel covers a long strip of it
+   *  @throws RenderError naming a picture too large for OpenGL */
+  void bindPicture(const TexturePtr& texture, Wrap wrap_s, Wrap wrap_t, bool askew);
 
  private:
   struct GlPicture {
     TexturePtr texture;
     GLuint name = 0;
+    Wrap wrap_s = Wrap::kRepeat, wrap_t = Wrap::kRepeat;  // as it is bound, which OpenGL has for itself
+    bool askew = false;
   };
   /** @param sides  of a round body, 0: as it is */
   GlMesh& meshWith(const MeshPtr& mesh, int sides);
