@@ -6,7 +6,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <string>
+#include <tuple>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/scene/mesh_loader.hpp"
@@ -46,6 +48,31 @@ bool isFaceted(const TriangleMesh& mesh) {
     };
     return as_first(t[1]) && as_first(t[2]);
   });
+}
+
+/** Whether the triangles enclose a space: along each edge as many run one way as the other, points in one place being
+ *  the same. */
+bool isClosed(const TriangleMesh& mesh) {
+  std::vector<std::uint32_t> order(mesh.points.size()), place(order.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto at = [&](std::uint32_t i) {
+    const Eigen::Vector3f& p = mesh.points[i];
+    return std::make_tuple(p.x(), p.y(), p.z());
+  };
+  std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t k) { return at(i) < at(k); });
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    place[order[k]] = k > 0 && at(order[k]) == at(order[k - 1]) ? place[order[k - 1]] : order[k];
+  }
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> there, back;
+  for (const auto& t : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) {
+      there.emplace_back(place[t[k]], place[t[(k + 1) % 3]]);
+      back.emplace_back(there.back().second, there.back().first);
+    }
+  }
+  std::sort(there.begin(), there.end());
+  std::sort(back.begin(), back.end());
+  return there == back;
 }
 
 /** Sets normal and stretch of the triangles of a mesh that have one picture. */
@@ -180,6 +207,7 @@ void GlStore::upload(GlMesh& stored) {
   }
   stored.index_count = static_cast<GLsizei>(indices.size());
   stored.faceted = isFaceted(mesh);
+  stored.closed = isClosed(mesh);
   gl_.GenBuffers(1, &stored.vertices);
   gl_.BindBuffer(GL_ARRAY_BUFFER, stored.vertices);
   gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(GlVertex)), vertices.data(),
@@ -207,7 +235,7 @@ void GlStore::makeArray(GLuint vertices, const std::vector<std::uint32_t>& indic
 
 GlOutline GlStore::outline(const MeshPtr& mesh, double error_m) {
   GlMesh& stored = meshWith(mesh, 0);
-  const GlOutline whole{stored.array, 0, stored.index_count};
+  const GlOutline whole{stored.array, 0, stored.index_count, stored.closed};
   constexpr int kMostLevels = 12;
   constexpr GLsizei kFew = 3 * 64;  // indices: drawn as they are
   const double diagonal = (mesh->box_max - mesh->box_min).cast<double>().norm();
@@ -219,6 +247,7 @@ GlOutline GlStore::outline(const MeshPtr& mesh, double error_m) {
   if (is_new) {
     const auto indices = clustered(*mesh, static_cast<float>(diagonal / std::exp2(level)));
     coarse.index_count = static_cast<GLsizei>(indices.size());
+    coarse.closed = stored.closed;
     if (coarse.index_count < stored.index_count) makeArray(stored.vertices, indices, coarse.array, coarse.indices);
   }
   return coarse.indices ? coarse : whole;

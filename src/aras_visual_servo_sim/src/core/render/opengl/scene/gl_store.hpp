@@ -23,6 +23,7 @@ struct MeshPart {
 struct GlOutline {
   GLuint array = 0, indices = 0;
   GLsizei index_count = 0;
+  bool closed = false;  ///< without its back faces it looks the same from everywhere outside
 };
 
 /** A mesh in the memory of OpenGL. */
@@ -32,6 +33,7 @@ struct GlMesh {
   GLuint array = 0, vertices = 0, indices = 0;
   GLsizei index_count = 0;
   bool faceted = false;  ///< each of its triangles has one normal and one colour
+  bool closed = false;   ///< its triangles enclose a space
   long serial = 0;       ///< no other mesh of this store ever had it
   std::vector<MeshPart> parts;
   std::map<int, GlOutline> coarse;  ///< by the logarithm of how often its cells fit into the mesh

@@ -224,7 +224,6 @@ void ShadowMaps::draw(const Entry& entry, GlStore& store) {
   gl_.DepthMask(GL_TRUE);
   gl_.DepthFunc(GL_LESS);
   gl_.ClearDepth(1.0);
-  gl_.Disable(GL_CULL_FACE);
   program_->use();
   if (map.target == GL_TEXTURE_2D) return drawSquare(map, map.of_world, store);
   const std::vector<const Caster*> all = chosen_;
@@ -256,6 +255,12 @@ void ShadowMaps::drawSquare(const Map& map, const Eigen::Matrix4d& of_world, GlS
     double texel_m = map.texel;
     if (!map.directional) texel_m *= std::max(map.near, (caster->center_W - map.light_W).norm() - caster->radius_m);
     const GlOutline outline = store.outline(caster->shape->mesh, kCoarsest * texel_m);
+    // Of what is closed the near side hides the far one. The faces of a cube are mirrored: there both are drawn.
+    if (outline.closed && map.target == GL_TEXTURE_2D) {
+      gl_.Enable(GL_CULL_FACE);
+    } else {
+      gl_.Disable(GL_CULL_FACE);
+    }
     gl_.BindVertexArray(outline.array);
     gl_.DrawElements(GL_TRIANGLES, outline.index_count, GL_UNSIGNED_INT, nullptr);
   }

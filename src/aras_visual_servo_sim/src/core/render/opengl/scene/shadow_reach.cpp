@@ -81,6 +81,15 @@ PixelPart PixelPart::with(const PixelPart& other) const {
           std::max(bottom, other.bottom)};
 }
 
+PixelPart PixelPart::within(const PixelPart& other) const {
+  PixelPart both;
+  both.left = std::clamp(left, other.left, other.right);
+  both.right = std::clamp(right, both.left, other.right);
+  both.top = std::clamp(top, other.top, other.bottom);
+  both.bottom = std::clamp(bottom, both.top, other.bottom);
+  return both;
+}
+
 PixelPart coveredPart(const TriangleMesh& mesh, const Eigen::Matrix4d& X_CS, const PinholeView& view, double near_m) {
   Outline outline(view, near_m);
   for (int k = 0; k < kCorners; ++k) outline.see((X_CS * cornerOf(mesh, k).homogeneous()).head<3>());

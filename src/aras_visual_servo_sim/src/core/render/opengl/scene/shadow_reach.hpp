@@ -16,6 +16,8 @@ struct PixelPart {
   double area() const { return empty() ? 0.0 : double(right - left) * (bottom - top); }
   /** Both, and what lies between them. */
   PixelPart with(const PixelPart& other) const;
+  /** What both share; empty if they share nothing, and then still inside the other. */
+  PixelPart within(const PixelPart& other) const;
 };
 
 /** The part of a picture that a mesh can cover. @param X_CS  pose of the mesh in C  @param near_m  of the camera */

@@ -128,17 +128,26 @@ void SolidPainter::draw(const Item& item, const PinholeView& view) {
     if (here.empty()) shaded[k] = plain[k];
     part = part.with(here);
   }
-  constexpr GLsizei kFew = 3 * 1000;  // indices: drawing their points twice costs less than shadows all over
+  constexpr GLsizei kFew = 3 * 1000;  // indices: drawing their points five times costs less than shadows all over
   constexpr double kSmallPart = 0.7;  // of the pixels
-  const bool splits = shaded != plain && mesh.index_count <= kFew && shape.material.opacity >= 1.0 &&
-                      part.area() < kSmallPart * coveredPart(*shape.mesh, item.X_CS, view, camera_->nearM()).area();
-  if (splits) {
-    draw(item, view, mesh, plain);
+  const PixelPart all = coveredPart(*shape.mesh, item.X_CS, view, camera_->nearM());
+  part = part.within(all);
+  if (shaded != plain && mesh.index_count <= kFew && part.area() < kSmallPart * all.area()) {
     gl_.Enable(GL_SCISSOR_TEST);
-    gl_.Scissor(part.left, part.top, part.right - part.left, part.bottom - part.top);
+    const auto drawIn = [&](const PixelPart& here, const std::string& letters) {
+      if (here.empty()) return;
+      gl_.Scissor(here.left, here.top, here.right - here.left, here.bottom - here.top);
+      draw(item, view, mesh, letters);
+    };
+    drawIn({all.left, all.top, all.right, part.top}, plain);
+    drawIn({all.left, part.top, part.left, part.bottom}, plain);
+    drawIn(part, shaded);
+    drawIn({part.right, part.top, all.right, part.bottom}, plain);
+    drawIn({all.left, part.bottom, all.right, all.bottom}, plain);
+    gl_.Disable(GL_SCISSOR_TEST);
+  } else {
+    draw(item, view, mesh, shaded);
   }
-  draw(item, view, mesh, shaded);
-  if (splits) gl_.Disable(GL_SCISSOR_TEST);
   if (reaches_far) gl_.Disable(GL_CLIP_DISTANCE0);
 }
 
