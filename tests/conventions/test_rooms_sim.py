@@ -22,7 +22,7 @@ BELOW = {
 FLOORS = {
     "physics": ["control", "managed", "drive", "body", "contact", "world"],
     "render": ["view", "coverage", "picture", "planar", "triangles", "curved", "tiles", "opengl", ""],
-    "scene": ["motion", "mesh", ""],
+    "scene": ["motion", "mesh", "light", ""],
     "simulation": ["time", "models", "cameras", "state", ""],
 }
 # The node's rooms, lowest first.

@@ -64,7 +64,10 @@ def test_rviz_file_shows_robot_frames_images_markers_and_path():
     topics = {display["Class"]: display for display in displays}
     assert {"rviz/RobotModel", "rviz/TF", "rviz/Image", "rviz/MarkerArray", "rviz/Path"} <= set(topics)
     assert {display["Image Topic"] for display in displays if display["Class"] == "rviz/Image"} == {
-        NS + "/camera/image_raw", NS + "/camera/overlay", NS + "/null_space_bars"}
+        NS + "/camera/image_raw", NS + "/camera/overlay", NS + "/null_space_bars", NS + "/goal_view",
+        NS + "/error_plot"}
+    assert topics["rviz/Marker"]["Marker Topic"] == NS + "/camera_frustum"
+    assert topics["rviz/InteractiveMarkers"]["Update Topic"] == NS + "/buttons/update"
     assert topics["rviz/MarkerArray"]["Marker Topic"] == NS + "/scene_markers"
     assert topics["rviz/Path"]["Topic"] == NS + "/camera_path"
 

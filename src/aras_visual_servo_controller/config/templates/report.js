@@ -372,9 +372,8 @@
   layout();
   let waiting = 0;
   window.addEventListener("resize", () => { cancelAnimationFrame(waiting); waiting = requestAnimationFrame(() => layout()); });
-  // On paper: everything open, nothing zoomed, letters as large as those around them.
+  // On paper: nothing zoomed, letters as large as those around them.
   window.addEventListener("beforeprint", () => {
-    document.querySelectorAll("details").forEach((one) => { one.open = true; });
     plots.forEach((plot) => plot.all());
     layout(380);
   });

@@ -142,3 +142,10 @@ class Browser:
         """Write a PNG of what is seen, or of the whole page."""
         picture = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole)
         Path(path).write_bytes(base64.b64decode(picture["data"]))
+
+    def printed(self, path):
+        """Print the page to a PDF file, and give the text of each of its pages."""
+        pdf = self.call("Page.printToPDF", preferCSSPageSize=True)
+        Path(path).write_bytes(base64.b64decode(pdf["data"]))
+        command = ["pdftotext", "-layout", str(path), "-"]
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.split("\f")[:-1]

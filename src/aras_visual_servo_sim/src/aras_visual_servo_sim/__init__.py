@@ -18,6 +18,7 @@ from ._sim import (
     Simulation,
     StateError,
     UnknownNameError,
+    light_entry,
     opengl_description,
 )
 
@@ -34,5 +35,6 @@ __all__ = [
     "Simulation",
     "StateError",
     "UnknownNameError",
+    "light_entry",
     "opengl_description",
 ]

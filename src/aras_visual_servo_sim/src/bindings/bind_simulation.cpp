@@ -19,6 +19,7 @@
 #include "bind_controllers.hpp"
 #include "bind_frames.hpp"
 #include "bind_geometry.hpp"
+#include "bind_lights.hpp"
 
 namespace py = pybind11;
 
@@ -285,6 +286,7 @@ void bindSimulation(py::module_& module) {
   bindRobot(type);
   bindControllers(type);
   bindScene(type);
+  bindLights(module, type);
   bindState(type);
 }
 

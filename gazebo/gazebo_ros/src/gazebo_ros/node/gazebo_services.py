@@ -7,10 +7,12 @@ import rospy
 import std_srvs.srv
 from gazebo_msgs.msg import LinkState, ODEPhysics
 from geometry_msgs.msg import Vector3
+from std_msgs.msg import ColorRGBA
 
 from aras_visual_servo_sim import ArasError
 
 from ..world.errors import GazeboError, UnknownEntityError
+from ..world.lights import is_light, turned
 from ..world.poses import rotated
 from ..world.world import WORLD_FRAMES
 from .convert import pose_message, pose_of, stamp, twist_message, twist_of
@@ -19,14 +21,10 @@ from .convert import pose_message, pose_of, stamp, twist_message, twist_of
 REFUSED = {
     "apply_joint_effort": (srv.ApplyJointEffort, "efforts act through controllers"),
     "apply_body_wrench": (srv.ApplyBodyWrench, "there are no forces from outside"),
-    "get_light_properties": (srv.GetLightProperties, "the light is that of the default sun"),
-    "set_light_properties": (srv.SetLightProperties, "the light is that of the default sun"),
-    "delete_light": (srv.DeleteLight, "the light is that of the default sun"),
     "get_link_properties": (srv.GetLinkProperties, "masses stand in the URDF"),
     "set_link_properties": (srv.SetLinkProperties, "masses stand in the URDF"),
     "set_joint_properties": (srv.SetJointProperties, "joints are not those of ODE"),
     "set_link_state": (srv.SetLinkState, "models are placed as a whole, by set_model_state"),
-    "spawn_sdf_model": (srv.SpawnModel, "models are described by URDF"),
 }
 
 
@@ -39,6 +37,10 @@ class GazeboServices:
         self._server, self._world = server, server.world
         for name, (kind, answer) in {
                 "spawn_urdf_model": (srv.SpawnModel, self._spawn),
+                "spawn_sdf_model": (srv.SpawnModel, self._spawn_sdf),
+                "get_light_properties": (srv.GetLightProperties, self._light_properties),
+                "set_light_properties": (srv.SetLightProperties, self._set_light),
+                "delete_light": (srv.DeleteLight, self._delete_light),
                 "delete_model": (srv.DeleteModel, self._delete),
                 "get_model_state": (srv.GetModelState, self._model_state),
                 "set_model_state": (srv.SetModelState, self._place),
@@ -137,6 +139,51 @@ class GazeboServices:
         return srv.GetModelPropertiesResponse(
             canonical_body_name=model.root, body_names=model.links, joint_names=model.simulation.joint_names,
             is_static=model.description.fixed, success=True, status_message="GetModelProperties: got properties")
+
+    # --- lights
+
+    def _spawn_sdf(self, request):
+        if not is_light(request.model_xml):
+            raise GazeboError("spawn_sdf_model is not simulated: models are described by URDF; of SDF, allowed is "
+                              "<light>")
+        self._world.spawn_light(request.model_name, request.model_xml,
+                                pose_of(request.initial_pose, "SpawnModel: initial_pose"), request.reference_frame)
+        return srv.SpawnModelResponse(True, "SpawnModel: Successfully spawned entity")
+
+    def _light_properties(self, request):
+        light = self._world.lights.entry(request.light_name)
+        return srv.GetLightPropertiesResponse(
+            diffuse=ColorRGBA(*(light.get("intensity", 1.0) * part / 255.0 for part in light["color_rgb"]), 1.0),
+            attenuation_constant=light.get("attenuation_constant", 1.0),
+            attenuation_linear=light.get("attenuation_linear", 0.0),
+            attenuation_quadratic=light.get("attenuation_quadratic", 0.0),
+            success=True, status_message="GetLightProperties: got properties")
+
+    def _set_light(self, request):
+        """A direction of zeros, and an orientation of zeros, are none: then the light stays as it is."""
+        light = self._world.lights.entry(request.light_name)
+        brightest = max(1.0, *(getattr(color, part) for color in (request.diffuse, request.specular) for part in "rgb"))
+        light.update(intensity=brightest, casts_shadows=request.cast_shadows)
+        for key, color in (("color_rgb", request.diffuse), ("specular_rgb", request.specular)):
+            light[key] = [255.0 / brightest * getattr(color, part) for part in "rgb"]
+        if light["type"] != "directional":
+            light.update(attenuation_constant=max(1e-9, request.attenuation_constant),
+                         attenuation_linear=request.attenuation_linear,
+                         attenuation_quadratic=request.attenuation_quadratic)
+        pose = pose_of(request.pose, "SetLightProperties: pose")
+        orientation = request.pose.orientation
+        placed = any((orientation.x, orientation.y, orientation.z, orientation.w))
+        direction = (request.direction.x, request.direction.y, request.direction.z)
+        if placed and light["type"] != "directional":
+            light["position_m"] = [float(part) for part in pose[:3, 3]]
+        if any(direction) and light["type"] != "point":
+            light["direction"] = turned(direction, pose[:3, :3])
+        self._world.set_light(light)
+        return srv.SetLightPropertiesResponse(True, "SetLightProperties: light successfully modified")
+
+    def _delete_light(self, request):
+        self._world.delete_light(request.light_name)
+        return srv.DeleteLightResponse(True, "DeleteLight: light successfully deleted")
 
     # --- links and joints
 

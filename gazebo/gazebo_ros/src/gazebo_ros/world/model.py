@@ -101,7 +101,8 @@ class Model:
         alone = ElementTree.Element("robot", name=name)
         alone.extend(each for each in self._tree if each.tag == "material" or
                      each.tag == "link" and each.get("name") == name or
-                     each.tag == "gazebo" and each.get("reference") == name and each.find("material") is not None)
+                     each.tag == "gazebo" and each.get("reference") == name and
+                     any(each.find(tag) is not None for tag in ("material", "light")))
         return ElementTree.tostring(alone, encoding="unicode")
 
     @staticmethod

@@ -5,6 +5,7 @@ import numpy
 
 from .description import located
 from .errors import BadValueError, SpawnError, UnknownEntityError
+from .lights import Lights
 from .model import Model
 from .poses import IDENTITY
 
@@ -29,6 +30,7 @@ class World:
     Attributes:
         settings: WorldSettings.
         models: dict of name -> Model, in the order in which they were spawned.
+        lights: Lights.
     """
 
     def __init__(self, settings=None, find_folder=lambda name: None):
@@ -37,7 +39,7 @@ class World:
             find_folder: where a package:// or model:// of this name is, None if nowhere.
         """
         self.settings = settings or WorldSettings()
-        self.models = {}
+        self.models, self.lights = {}, Lights()
         self._find_folder = find_folder
         self._ticks = 0
 
@@ -93,6 +95,8 @@ class World:
                              "model name?") from error
         model = Model(name, located(xml, self._find_folder), namespace, X_WF @ pose, self.settings, self.time_ns)
         self._introduce(model)
+        if model.simulation.camera_names:
+            self.lights.apply(model.simulation)
         self.models[name] = model
         return model
 
@@ -141,6 +145,30 @@ class World:
                 return model
         raise UnknownEntityError("joint '%s' does not exist" % joint)
 
+    # --- lights
+
+    def _viewers(self):
+        return [model.simulation for model in self.models.values() if model.simulation.camera_names]
+
+    def spawn_light(self, name, xml, pose=IDENTITY, frame=""):
+        """Adds a light.
+
+        Args:
+            xml: a <light> of SDF.  pose: (4, 4), in the frame.  frame: as in spawn(); the light does not follow it.
+        Raises:
+            SpawnError, UnknownEntityError, BadValueError.
+        """
+        self.set_light(self.lights.spawned(name, xml, self.frame(frame)[0] @ pose))
+
+    def set_light(self, entry):
+        """Adds a light, or changes the one of its name; a dict as sim.scene.lighting.lights[]. Raises: BadValueError.
+        """
+        self.lights.set(entry, self._viewers())
+
+    def delete_light(self, name):
+        """Raises: UnknownEntityError."""
+        self.lights.delete(name, self._viewers())
+
     # --- what cameras see of other models
 
     def _introduce(self, newcomer):
@@ -172,6 +200,12 @@ class World:
         self._ticks = 0
         for model in self.models.values():
             model.reset(0, True)
+        known, self.models = self.models, {}
+        for name, model in known.items():  # a reset takes out what was spawned, other models and lights among it
+            self._introduce(model)
+            if model.simulation.camera_names:
+                self.lights.apply(model.simulation)
+            self.models[name] = model
 
 
 def guest_name(model, link):

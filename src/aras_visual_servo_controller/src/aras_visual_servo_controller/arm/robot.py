@@ -1,7 +1,15 @@
-"""The kinematics of whatever robot a URDF describes."""
+"""The kinematics of whatever robot a URDF describes, with the camera where the URDF or a calibration has it."""
 
+from xml.etree import ElementTree
+
+from ..config.reader import read
+from ..ground.errors import ModelError
 from .free_camera import FreeCamera, joints_above
 from .kinematics import Kinematics
+from .settings import HandEyeSettings
+
+#: Link that stands for the optical frame of a calibrated camera.
+CALIBRATED_LINK = "hand_eye_optical_frame"
 
 
 def robot_kinematics(urdf_xml: str, base_link: str, tip_link: str):
@@ -12,3 +20,31 @@ def robot_kinematics(urdf_xml: str, base_link: str, tip_link: str):
     if any(joint.get("type") == "floating" for joint in joints_above(urdf_xml, base_link, tip_link)):
         return FreeCamera(urdf_xml, base_link, tip_link)
     return Kinematics(urdf_xml, base_link, tip_link)
+
+
+def kinematics_of(urdf_xml, robot):
+    """`robot_kinematics` of a scenario's section `robot` (dict): to its tip_link, or to where hand_eye has the camera.
+
+    Raises ModelError, ParameterError.
+    """
+    if robot.get("hand_eye") is None:
+        return robot_kinematics(urdf_xml, robot["base_link"], robot["tip_link"])
+    hand_eye = read(HandEyeSettings, robot["hand_eye"], "robot/hand_eye")
+    return robot_kinematics(with_camera(urdf_xml, hand_eye), robot["base_link"], CALIBRATED_LINK)
+
+
+def with_camera(urdf_xml, hand_eye):
+    """The URDF with one more link, CALIBRATED_LINK, where `HandEyeSettings` have the camera. Raises ModelError."""
+    try:
+        robot = ElementTree.fromstring(urdf_xml)
+    except ElementTree.ParseError as error:
+        raise ModelError(f"the URDF is no XML: {error}") from error
+    if hand_eye.link not in (link.get("name") for link in robot.findall("link")):
+        raise ModelError(f"robot/hand_eye/link: found {hand_eye.link}, allowed a link of the URDF")
+    ElementTree.SubElement(robot, "link", name=CALIBRATED_LINK)
+    joint = ElementTree.SubElement(robot, "joint", name=CALIBRATED_LINK + "_joint", type="fixed")
+    ElementTree.SubElement(joint, "parent", link=hand_eye.link)
+    ElementTree.SubElement(joint, "child", link=CALIBRATED_LINK)
+    ElementTree.SubElement(joint, "origin", xyz=" ".join(map(repr, map(float, hand_eye.position_m))),
+                           rpy=" ".join(map(repr, map(float, hand_eye.rpy_rad))))
+    return ElementTree.tostring(robot, encoding="unicode")

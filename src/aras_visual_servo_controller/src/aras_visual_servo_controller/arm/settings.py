@@ -1,10 +1,14 @@
-"""Settings of the arm's motion: sections `inverse`, `null_space` and `limits` of the section `servo`."""
+"""Settings of the arm's motion: sections `inverse`, `null_space` and `limits` of the section `servo`; and where a
+calibration found the camera on the arm: section `robot.hand_eye`."""
 
 from dataclasses import dataclass
 from math import inf
 from typing import Dict, Tuple
 
+import numpy as np
+
 from ..config.settings import setting
+from ..ground.spatial import rotation_rpy
 from .redundancy import METHODS
 
 RISING = ("two numbers, 0 <= first < second", lambda ends: ends[0] < ends[1])
@@ -69,3 +73,20 @@ class LimitsSettings:
         {}, unit="m/s^2, rad/s^2", above=0, by="joint",
         help="By the name of the joint, e.g. `{J1: 5.0}`: all joints are slowed by one factor, so that the direction "
              "stays, and brake in time before a limit; stops are at once.")
+
+
+@dataclass(frozen=True)
+class HandEyeSettings:
+    """Section `robot.hand_eye`: where a calibration found the camera on the arm."""
+
+    link: str = setting(not_empty=True, help="The link that carries the camera, usually the arm's flange.")
+    position_m: Tuple[float, ...] = setting(size=3, unit="m", help="The optical centre in the frame of that link.")
+    rpy_rad: Tuple[float, ...] = setting(
+        size=3, unit="rad",
+        help="Roll, pitch and yaw of the optical frame in the frame of that link, as in a URDF.")
+
+    def pose(self):
+        """X_FC, (4, 4), F the frame of the link."""
+        X = np.eye(4)
+        X[:3, :3], X[:3, 3] = rotation_rpy(self.rpy_rad), self.position_m
+        return X

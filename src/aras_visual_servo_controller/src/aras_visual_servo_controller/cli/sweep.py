@@ -16,7 +16,7 @@ from .run import EXIT_FAILED, EXIT_PASSED, guarded, parse_overrides
 from ..ground.errors import ParameterError
 from ..ground.processes import Interrupted
 
-FOLDER = "sweeps"
+FOLDER, COMPARISONS = "sweeps", "comparisons"
 SWEEP_EXAMPLES = (("experiment_1 --starts 200", "200 starts, on every core"),
                   ("experiment_1 --starts 200 --set servo.law=paper --name paper", "another law, in a named folder"),
                   ("experiment_1 --resume", "go on where the newest one was interrupted"))
@@ -117,24 +117,31 @@ def rerun_main(argv=None):
 def compare_main(argv=None):
     """`compare A B [C]` compares sweeps and checks gates on their numbers. Returns the exit code."""
     parser = command_parser("compare", "Sweeps side by side, with paired statistics on the same starts: McNemar's test "
-                            "for success, Wilcoxon's for time and error.", COMPARE_EXAMPLES)
+                            "for success, Wilcoxon's for time and error. The page compare.html shows them with maps.",
+                            COMPARE_EXAMPLES)
     parser.add_argument("sweeps", nargs="+", metavar="FOLDER",
                         help="folders of sweeps, which are called A, B, C, ... in this order; each is compared with A")
     parser.add_argument("--fail-if", action="append", default=[], metavar="EXPRESSION",
                         help="exit with code 1 if this holds, e.g. \"success<0.98\" or "
                              "\"B.time_median_s>1.1*A.time_median_s\"; a name without a letter means the last sweep")
+    parser.add_argument("--output", default="results", metavar="DIR",
+                        help="folder under which result folders are made (default: results)")
+    parser.add_argument("--name", help="name of the folder DIR/comparisons/sweeps/NAME (default: the time)")
     arguments = parse(parser, argv)
 
     def work():
         from ..compare.sweeps import LETTERS, format_comparison, gate_fires, numbers_of
+        from ..compare.sweeps_report import save_sweeps_page
+        from ..report.report import create_result_folder
         from ..sweep.store import SweepStore
         if len(arguments.sweeps) > len(LETTERS):
             raise ParameterError(f"found {len(arguments.sweeps)} sweeps, allowed {len(LETTERS)}")
-        sweeps, names = [], []
+        sweeps, names, homes = [], [], []
         for folder in arguments.sweeps:
             with SweepStore.open(folder) as store:
                 sweeps.append(store.rows())
-                names.append(store.folder.resolve().name)
+                homes.append(store.folder.resolve())
+                names.append(homes[-1].name)
                 missing = len(store.starts()) - len(sweeps[-1])
             if missing:
                 print(f"note: {folder}: {missing} runs are still missing", file=sys.stderr)
@@ -143,6 +150,10 @@ def compare_main(argv=None):
         print(format_comparison(names, sweeps))
         for text, fires, why in gates:
             print(f"{'FAILED' if fires else 'passed'}: {text}   ({why})")
+        folder = create_result_folder(Path(os.path.expanduser(arguments.output)) / COMPARISONS, FOLDER, arguments.name)
+        words = [*arguments.sweeps, *(word for text in arguments.fail_if for word in ("--fail-if", text))]
+        command = "rosrun aras_visual_servo_controller compare " + " ".join(map(shlex.quote, words))
+        print(f"{'report':<20}{save_sweeps_page(names, homes, sweeps, gates, folder, command)}")
         return EXIT_FAILED if any(fires for _, fires, _ in gates) else EXIT_PASSED
 
     return guarded(work)

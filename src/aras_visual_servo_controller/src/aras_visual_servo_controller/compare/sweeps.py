@@ -143,41 +143,36 @@ def _lookup(name, numbers, used, expression):
     return used[name]
 
 
+#: Rows of the table of a comparison: label, number, format.
+TABLE = (("runs", "runs", "{:.0f}"), ("infeasible starts", "infeasible", "{:.0f}"), ("errors", "errors", "{:.0f}"),
+         ("success", "success", "{:.4f}"), ("  95 % from", "success_low", "{:.4f}"), ("  to", "success_high", "{:.4f}"),
+         *((metric.label, metric.name, "{:.4f}") for metric in known_metrics()[1:]),
+         ("converged", "converged", "{:.4f}"), ("time, median [s]", "time_median_s", "{:.3f}"),
+         ("time, 95 % [s]", "time_p95_s", "{:.3f}"), ("error, median [mm]", "error_median_mm", "{:.4f}"),
+         ("error, 95 % [mm]", "error_p95_mm", "{:.4f}"), ("angle, median [deg]", "angle_median_deg", "{:.5f}"))
+#: ... and of the statistics of pairs.
+PAIRED = (("  pairs", "pairs", "{:.0f}"), ("  only A succeeds", "only_a", "{:.0f}"),
+          ("  only this succeeds", "only_b", "{:.0f}"), ("  McNemar p", "mcnemar_p", "{:.3g}"),
+          ("  time change [s]", "time_change_s", "{:+.3f}"), ("  Wilcoxon p, time", "time_p", "{:.3g}"),
+          ("  error change [mm]", "error_change_mm", "{:+.4f}"), ("  Wilcoxon p, error", "error_p", "{:.3g}"))
+
+
+def table_cells(rows, numbers, letters):
+    """[(label, [text per sweep])] of TABLE or PAIRED: "" for a number that a sweep does not have, "-" for NaN."""
+    found = [[numbers.get(f"{letter}.{name}") for letter in letters] for _, name, _ in rows]
+    return [(label, ["" if value is None else "-" if math.isnan(value) else form.format(value) for value in values])
+            for (label, _, form), values in zip(rows, found)]
+
+
 def format_comparison(names, sweeps):
     """The comparison as a table for the terminal, str."""
-    numbers = numbers_of(sweeps)
-    letters = LETTERS[:len(sweeps)]
+    numbers, letters = numbers_of(sweeps), LETTERS[:len(sweeps)]
     width = max(12, *(len(name) + 4 for name in names))
     lines = ["".ljust(26) + "".join(f"{letter}: {name}".rjust(width) for letter, name in zip(letters, names))]
-
-    def line(label, name, form):
-        cells = []
-        for letter in letters:
-            value = numbers.get(f"{letter}.{name}")
-            cells.append(("" if value is None else "-" if math.isnan(value) else form.format(value)).rjust(width))
-        lines.append(label.ljust(26) + "".join(cells))
-
-    for label, name, form in (("runs", "runs", "{:.0f}"), ("infeasible starts", "infeasible", "{:.0f}"),
-                              ("errors", "errors", "{:.0f}"), ("success", "success", "{:.4f}"),
-                              ("  95 % from", "success_low", "{:.4f}"), ("  to", "success_high", "{:.4f}"),
-                              *((metric.label, metric.name, "{:.4f}") for metric in known_metrics()[1:]),
-                              ("converged", "converged", "{:.4f}"),
-                              ("time, median [s]", "time_median_s", "{:.3f}"),
-                              ("time, 95 % [s]", "time_p95_s", "{:.3f}"),
-                              ("error, median [mm]", "error_median_mm", "{:.4f}"),
-                              ("error, 95 % [mm]", "error_p95_mm", "{:.4f}"),
-                              ("angle, median [deg]", "angle_median_deg", "{:.5f}")):
-        line(label, name, form)
-    if len(sweeps) > 1:
-        lines.append("against A, same starts")
-        for label, name, form in (("  pairs", "pairs", "{:.0f}"), ("  only A succeeds", "only_a", "{:.0f}"),
-                                  ("  only this succeeds", "only_b", "{:.0f}"),
-                                  ("  McNemar p", "mcnemar_p", "{:.3g}"),
-                                  ("  time change [s]", "time_change_s", "{:+.3f}"),
-                                  ("  Wilcoxon p, time", "time_p", "{:.3g}"),
-                                  ("  error change [mm]", "error_change_mm", "{:+.4f}"),
-                                  ("  Wilcoxon p, error", "error_p", "{:.3g}")):
-            line(label, name, form)
+    for rows in (TABLE, PAIRED) if len(sweeps) > 1 else (TABLE,):
+        lines += ["against A, same starts"] if rows is PAIRED else []
+        lines += [label.ljust(26) + "".join(cell.rjust(width) for cell in cells)
+                  for label, cells in table_cells(rows, numbers, letters)]
     return "\n".join(lines)
 
 

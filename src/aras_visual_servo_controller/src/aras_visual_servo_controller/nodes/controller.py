@@ -25,7 +25,7 @@ from . import conversions as convert
 from .action_server import ActionServer
 from ..ground.errors import ArasError, ParameterError
 from ..ground.processes import check_signals
-from ..arm.float_commands import SetPointIntegrator
+from ..arm.real.float_commands import SetPointIntegrator
 from .null_space_topic import NullSpaceTopic
 from ..run.pairing import StampPairer
 from .parameters import ControllerSetup, Parameters

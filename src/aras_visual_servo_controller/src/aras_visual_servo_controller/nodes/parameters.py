@@ -3,14 +3,14 @@
 import rospy
 
 from ..ground.errors import ArasError, ParameterError
-from ..arm.robot import robot_kinematics
+from ..arm.robot import kinematics_of
 from ..config.reader import read
 from ..run.sequence import ExperimentSequence
 from ..scenario.schema import RobotSettings
 from ..servo.servo import Servo
 
 CONTROLLER_PARAMETERS = ("command_interface", "feedback_rate_hz", "taught_reference", "scenario", "servo", "experiment",
-                         "robot", "actionlib_status_frequency")
+                         "robot", "real", "actionlib_status_frequency")
 
 _TYPES = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}
 
@@ -43,6 +43,11 @@ class Parameters:
         self.faults.append(f"{name}: missing, allowed {rospy.resolve_name('~' + name)} or "
                            f"{rospy.resolve_name('scenario/' + name)}")
         return {}
+
+    def optional_section(self, name):
+        """As `section`, {} without a fault if it is missing."""
+        found = rospy.has_param("~" + name) or rospy.has_param("scenario/" + name)
+        return self.section(name) if found else {}
 
     def searched(self, name):
         """Text of a parameter in this node's namespace or one above; "" if it is missing, which is a fault."""
@@ -121,11 +126,12 @@ class ControllerSetup:
         interface = parameters.choice("~command_interface", "joint_command", ("joint_command", "float64"))
         self.feedback_rate_hz = parameters.value("~feedback_rate_hz", 10.0, minimum=0.1)
         parameters.known(CONTROLLER_PARAMETERS)
-        arm = read(RobotSettings, robot, "robot", faults=parameters.faults) if robot else None
+        if robot:
+            read(RobotSettings, robot, "robot", faults=parameters.faults)
         self.kinematics = self.servo = self.sequence = None
         self.controllers = {}
         if not parameters.faults:
-            self.kinematics = parameters.build(robot_kinematics, urdf, arm.base_link, arm.tip_link)
+            self.kinematics = parameters.build(kinematics_of, urdf, robot)
         if self.kinematics is not None:
             self.servo = parameters.build(Servo, self.kinematics, servo)
             self.sequence = parameters.build(ExperimentSequence, self.kinematics, self.servo, experiment, teach_camera)

@@ -8,7 +8,7 @@ import time
 import numpy as np
 
 from ..ground.errors import ParameterError
-from ..arm.robot import robot_kinematics
+from ..arm.robot import kinematics_of
 from .record import RecordBuilder
 from ..config.files import package_paths
 from ..features.sources import source_named
@@ -65,7 +65,7 @@ class ServoLoop:
         self.sim = sim
         self.camera_info = self.sim.camera_info(self.camera)
         believed = scenario.believed_camera_info(self.camera_info)
-        self.kinematics = robot_kinematics(urdf, scenario.robot["base_link"], scenario.robot["tip_link"])
+        self.kinematics = kinematics_of(urdf, scenario.robot)
         self.servo = Servo(self.kinematics, scenario.servo)
         shown, servoed_on = source_named(SHOWN), self.servo.source
         self.extractor = self.servo_extractor = shown.extractor(believed, scenario.vision)

@@ -10,7 +10,7 @@ alone, so that a run in process and one over ROS give the same bytes.
 """
 
 from dataclasses import dataclass, replace
-from math import isfinite, nan
+from math import inf, isfinite, nan
 from typing import Callable, Mapping, Optional, Tuple
 
 import numpy as np
@@ -147,8 +147,12 @@ class ExperimentSequence:
             self.phase = self.phase.replace("to_", "settle_")
             self._since_ns = stamp_ns
         settling = self.phase in ("settle_goal", "settle_start") and self._trajectory is not None
-        if settling and not self._settled(stamp_ns):
-            return self._follow(stamp_ns)
+        if settling:
+            if not self._settled(stamp_ns):
+                return self._follow(stamp_ns)
+            held = self._held_joint(q)
+            if held:
+                return self._end(stamp_ns, Status.FAULT, f"{self.phase}: {held}")
         if self.phase in ("settle_goal", "teach"):
             return self._teach(observation, q)
         if self.phase == "settle_start":
@@ -175,6 +179,16 @@ class ExperimentSequence:
     def _settled(self, stamp_ns):
         waited_s = 1e-9 * (stamp_ns - self._since_ns) - self.config.settle_s
         return waited_s >= 0.0 and (self._speed < self.config.settle_speed or waited_s >= self.config.settle_limit_s)
+
+    def _held_joint(self, q):
+        """Which joint has not come to where it was sent, in words; an empty text if all have."""
+        off = np.abs(self._kinematics.way(self._trajectory.position(inf), q))
+        joint = int(off.argmax())
+        if off[joint] <= self.config.arrived_within:
+            return ""
+        name, end = self._kinematics.joint_names[joint], self._trajectory.position(inf)[joint]
+        return f"joint '{name}' was sent to {end:.4g} and rests at {q[joint]:.4g}, allowed within " \
+               f"{self.config.arrived_within:g}: something holds it"
 
     def _teach(self, observation, q):
         stamp_ns = observation.stamp_ns

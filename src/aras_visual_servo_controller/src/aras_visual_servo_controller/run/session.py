@@ -41,19 +41,20 @@ class Session:
 
     # --- one image, one answer ----------------------------------------------------------------------------------
 
-    def answer(self, stamp_ns, features, q, now_ns, wall_s):
+    def answer(self, stamp_ns, features, q, now_ns, wall_s, refusal=""):
         """Answer one image.
 
         Args:
             features: of the image.  q: (n,) joint positions of the same stamp [m or rad], None if there is none.
+            refusal: why the image must not be used, where somebody else has found that; "" if nobody has.
         Returns:
             (Command, ServoRecord), in every case. While a goal is active, the command for a refused image stops the
             arm.
         """
-        refusal = self._refusal(stamp_ns, q, now_ns)
+        refusal = refusal or self._refusal(stamp_ns, q, now_ns)
         if refusal:
             if self.active:
-                return self._hold(stamp_ns, refusal)
+                return self.hold(stamp_ns, refusal)
             return Command(stamp_ns), ServoRecord(stamp_ns, Status.IDLE, f"refused: {refusal}")
         self.last_ns, self.stale = stamp_ns, False
         self.frame += 1
@@ -70,7 +71,7 @@ class Session:
             return f"features are {(now_ns - stamp_ns) * 1e-9:.3f} s old, allowed {self._input_timeout_s:g} s"
         return ""
 
-    def _hold(self, stamp_ns, reason):
+    def hold(self, stamp_ns, reason):
         """Answer with zero velocity and STALE_INPUT; the goal goes on with the next good image."""
         _, record = self._servo.stale(stamp_ns, reason)
         record.status, record.status_text, record.phase = Status.STALE_INPUT, reason, self._sequence.phase
@@ -172,11 +173,11 @@ class Session:
             if age_ns > self._goal_limit_ns:
                 return self.end(now_ns, reason + "; the time limit is over", Status.TIMED_OUT)
             self.stale = True
-            return self._hold(now_ns, reason)
+            return self.hold(now_ns, reason)
         if self.last_ns >= 0 and wall_s - self._fresh_wall_s > STANDSTILL_S:
             # The simulator is paused or waits, so nothing moves. A command now would pass for the answer to an image
             # that did not come, so none is sent.
             self._fresh_wall_s, self.stale = wall_s, True
             text = f"no features for {STANDSTILL_S:g} s of wall time, and ROS time stands still"
-            return None, self._hold(now_ns, text)[1]
+            return None, self.hold(now_ns, text)[1]
         return None

@@ -93,6 +93,10 @@ class ExperimentSettings:
         2.0, unit="s", above=0,
         help="It waits at most this much longer for its joints to rest.")
     settle_speed: float = setting(0.002, unit="m/s, rad/s", above=0, help="A joint slower than this is at rest.")
+    arrived_within: float = setting(
+        0.05, unit="m, rad", above=0,
+        help="A joint that rests farther than this from where it was sent, at goal or start, ends the run: something "
+             "holds it.")
     speed_part: float = setting(
         0.3, above=0, at_most=1,
         help="Part of the joints' velocity limits that the trajectories to goal and start use.")

@@ -10,7 +10,7 @@ from math import pi
 import numpy as np
 
 from ..ground.errors import ParameterError
-from ..arm.robot import robot_kinematics
+from ..arm.robot import kinematics_of
 from ..features.target.outline import Outline
 from ..arm.reach import outside_limits
 
@@ -24,7 +24,7 @@ OTHERS_TURN = 0.02
 
 def check_feasible(scenario):
     """Raises ParameterError, naming the reason, if the scenario's experiment cannot be done as it stands."""
-    kinematics = robot_kinematics(scenario.urdf_xml(), scenario.robot["base_link"], scenario.robot["tip_link"])
+    kinematics = kinematics_of(scenario.urdf_xml(), scenario.robot)
     refusal = Feasibility(scenario, kinematics).refusal(scenario.goal_posture(kinematics),
                                                         scenario.start_posture(kinematics))
     if refusal:

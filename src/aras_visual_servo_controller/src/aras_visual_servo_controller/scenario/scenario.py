@@ -20,7 +20,7 @@ from ..config.files import load_yaml, resolve_uri
 from ..run.settings import place_of
 
 SECTIONS = ("robot", "sim", "time", "vision", "servo", "experiment")
-OPTIONAL_SECTIONS = ("sweep",)
+OPTIONAL_SECTIONS = ("sweep", "real")
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,7 @@ class Scenario:
         sim: section of the simulator.  time: of its node only.  vision: of the moment extractor.
         servo: law, gains, stop rule, redundancy.  experiment: goal, start, reference depth, judge thresholds.
         sweep: what a sweep varies, see docs/sweeps.md; {} if the file has none.
+        real: how a real arm is driven; {} if the file has none.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Scenario:
     servo: dict
     experiment: dict
     sweep: dict = field(default_factory=dict)
+    real: dict = field(default_factory=dict)
     path: Path = None
     _base: Path = field(default=None, repr=False)
 

@@ -2,11 +2,14 @@
 
 import functools
 from dataclasses import dataclass
+from typing import Optional
 
+from ..arm.settings import HandEyeSettings
 from ..config.files import package_path
 from ..config.schema import schema_of, yaml_section
 from ..config.settings import setting
 from ..config.tables import part_of
+from ..arm.real.settings import RealSettings
 from ..run.settings import ExperimentSettings
 from ..servo.settings import own_sections, servo_schema
 from .sweep import Perturbations, SweepSection
@@ -26,6 +29,9 @@ class RobotSettings:
     controllers: str = setting(not_empty=True, help="File of its joint controllers, in ros_control's layout.")
     base_link: str = setting(not_empty=True, help="Link where the chain begins that carries the camera.")
     tip_link: str = setting(not_empty=True, help="Optical frame of the camera, where it ends.")
+    hand_eye: Optional[HandEyeSettings] = setting(
+        None,
+        help="Where a calibration found the camera on the arm; the controller then goes by this and not by tip_link.")
 
 
 def sources():
@@ -58,6 +64,7 @@ def _schema(made_of):
         "servo": servo_schema(dict(made_of[0])),
         "experiment": schema_of(ExperimentSettings),
         "sweep": schema_of(SweepSection),
+        "real": schema_of(RealSettings),
     }
     return {"$schema": "http://json-schema.org/draft-07/schema#", "title": "ARAS Visual Servo scenario",
             "type": "object", "additionalProperties": False, "required": list(REQUIRED), "properties": properties}

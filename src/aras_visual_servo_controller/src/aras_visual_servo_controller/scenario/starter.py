@@ -16,11 +16,12 @@ description: As {base}, so far.
 extends: {extends}
 """
 #: In this order: first what one changes first.
-SECTIONS = ("servo", "experiment", "vision", "sim", "robot", "time", "sweep")
+SECTIONS = ("servo", "experiment", "vision", "sim", "robot", "time", "sweep", "real")
 #: What the sections are that say it nowhere else.
 WHAT = {"servo": "The law, its features and gains, when it has arrived, and how the arm follows.",
         "experiment": "What is run: the goal that is taught, the start, and how the result is judged.",
-        "robot": "The arm.", "sweep": "What a sweep of many runs varies (docs/sweeps.md)."}
+        "robot": "The arm.", "sweep": "What a sweep of many runs varies (docs/sweeps.md).",
+        "real": "How a real arm is driven; a simulated run does not read it."}
 WIDTH = 120
 
 

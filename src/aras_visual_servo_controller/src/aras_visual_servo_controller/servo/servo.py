@@ -33,6 +33,7 @@ from .settings import ServoSettings
 from .stop_rule import GoalPose, StopRule
 from ..ground.types import FINAL, Command, Observation, Reference, ServoRecord, Status
 from .visibility import keep_in_view
+from .why import Hindrance, moved_target
 
 _MOVING_STATUSES = (Status.SERVOING, Status.JOINT_LIMIT, Status.NEAR_SINGULARITY)
 
@@ -59,6 +60,7 @@ class Servo:
         self._target_motion = None if forward is None else TargetMotion(forward, self._features)
         self.reference: Optional[Reference] = None
         self._law, self._stop, self._goal_pose = self._make_law(), self._make_stop_rule(), None
+        self._hindrance, self._moved = Hindrance(), ""
         self._creep = CreepCompensation(self.config.creep_rate_per_s)
         self._creeps = not (self.config.creep_rate_per_s == 0.0 or self.follows)
         self._no_velocity = dict.fromkeys(names, 0.0)
@@ -230,8 +232,9 @@ class Servo:
         if stamp_ns - self._start_ns >= 1e9 * self.config.time_limit_s:
             if self.config.track and self._below_ns is not None:
                 return self._rest(stamp_ns, Status.CONVERGED, "followed to the end, every error below its threshold")
+            reasons = [self._stop.why_not(), self._hindrance.words(stamp_ns), self._moved]
             return self._rest(stamp_ns, Status.TIMED_OUT,
-                              f"not converged after {self.config.time_limit_s} s: {self._stop.why_not()}")
+                              f"not converged after {self.config.time_limit_s} s: {'; '.join(filter(None, reasons))}")
         if gap_s > self.config.input_timeout_s or features is None:
             text = "no image" if features is None else f"no image for {gap_s:.3f} s"
             return self._rest(stamp_ns, Status.STALE_INPUT, text)
@@ -271,6 +274,8 @@ class Servo:
         if ended is not None:
             return ended
         self.status, self._text = Status.SERVOING, "servoing"
+        if self._moved:
+            self._text = f"servoing; {self._moved}"
         if self._creeps and not look_then_move:
             if self._stop.resting and answer.settled:
                 twist, target_C, self._text = np.zeros(6), None, "resting"
@@ -294,6 +299,7 @@ class Servo:
         q_dot, self._twist, status, text = self._arm.joint_velocity(q, twist, jacobian, inverse, dt_s)
         if status is not None:
             self.status, self._text = status, text
+            self._hindrance.seen(stamp_ns, text)
         self._applied = self._twist
         velocity = self._kinematics.by_name(q_dot)
         return Command(stamp_ns, {}, velocity), self._record(stamp_ns, self._text, q_dot, self._nans)
@@ -305,6 +311,7 @@ class Servo:
         of_law = answer.pose is not None
         arrived = self._stop.arrived(stamp_ns, self._e, tilt, pose, X_BC, of_law) and answer.settled
         published = self.config.stop.rule == "published"
+        self._moved = self._moved_target(X_BC, pose) if self._stop.close else ""
         if published:
             below = answer.settled and all([abs(e) < most for e, most in zip(self._e, self.config.thresholds)])
         else:
@@ -316,10 +323,19 @@ class Servo:
         if self.config.track or not below:
             return below, None
         if published and stamp_ns - self._below_ns >= 1e9 * self.config.hold_s:
-            return below, self._rest(stamp_ns, Status.STOPPED_BY_RULE, "stopped by the published rule")
+            return below, self._arrive(stamp_ns, Status.STOPPED_BY_RULE, "stopped by the published rule")
         if arrived and not published:
-            return below, self._rest(stamp_ns, Status.CONVERGED, "features, tilt and pose within their thresholds")
+            return below, self._arrive(stamp_ns, Status.CONVERGED, "features, tilt and pose within their thresholds")
         return below, None
+
+    def _arrive(self, stamp_ns, status, text):
+        return self._rest(stamp_ns, status, f"{text}; {self._moved}" if self._moved else text)
+
+    def _moved_target(self, X_BC, pose):
+        """How far the target has been moved, in words, where that can be told: see `moved_target`."""
+        if self.follows or self._X_CgB is None or self.config.symmetric_target:
+            return ""
+        return moved_target(self._displacement(X_BC), pose, self.config.stop)
 
     def _plane(self, X_BC):
         """(A, B, C) of the target, at rest, in the frame of a camera at X_BC: the taught one, moved there (T21)."""
@@ -327,6 +343,15 @@ class Servo:
             raise ParameterError("the reference holds no plane: teach it again")
         X_CgC = self._displacement(X_BC)
         return (self.reference.plane_C @ X_CgC[:3, :3]) / (1.0 - self.reference.plane_C @ X_CgC[:3, 3])
+
+    def plane_at(self, q):
+        """(3,) plane (A, B, C) of the target, at rest, in the frame of the camera at joint positions q [1/m].
+
+        Raises ParameterError: nothing was taught, or the reference does not tell where the target is.
+        """
+        if self.reference is None:
+            raise ParameterError("servo: no reference, teach one first")
+        return self._plane(self._kinematics.pose(self._kinematics.vector(q)))
 
     def _displacement(self, X_BC):
         """X_CgC, (4, 4): a camera pose by the kinematics, relative to the goal's."""
@@ -356,6 +381,7 @@ class Servo:
         self._twist, self._manipulability, joint = self._moves.plan(stamp_ns, q, X_BC, twist, target_C)
         if joint is not None:
             self.status, self._text = Status.JOINT_LIMIT, f"joint '{joint}' at its limit"
+            self._hindrance.seen(stamp_ns, self._text)
         return self._follow(stamp_ns, dt_s)
 
     def _follow(self, stamp_ns, dt_s):
@@ -375,7 +401,8 @@ class Servo:
     # --- common -------------------------------------------------------------------------------------------------
 
     def _clear(self, stamp_ns, set_point):
-        self._text = ""
+        self._text = self._moved = ""
+        self._hindrance.clear()
         self._start_ns, self._last_ns, self._below_ns = stamp_ns, None, None
         self._moves.clear(set_point)
         self._lost.clear()

@@ -59,17 +59,20 @@ def _save_figure(name, rows, folder, axes):
 
 
 def _map(rows, axes):
-    figure = Figure(figsize=(11.0, 3.7), constrained_layout=True)
+    figure = Figure(figsize=(11.0, 4.2), constrained_layout=True)
     placed = [row for row in rows if row[axes[0]] is not None and row[axes[1]] is not None]
     feasible = [row for row in placed if row["outcome"] != "infeasible"]
     refused = [row for row in placed if row["outcome"] == "infeasible"]
     cells = _cell_edges(feasible, axes)
     limits_of = [_limits(values) for values in _columns(placed, axes)] if placed else None
-    panels = (("success rate", "success", feasible, "RdYlBu", (0.0, 1.0)),
+    # Where every run succeeded, a map of the success would have one colour.
+    success = [] if feasible and all(row["success"] for row in feasible) else \
+        [("success rate", "success", feasible, "RdYlBu", (0.0, 1.0))]
+    panels = (*success,
               ("time to the end [s]", "duration_s", [r for r in feasible if r["success"]], "viridis", None),
               ("final error [mm]", "error_mm", [r for r in feasible if r["error_mm"] is not None], "viridis", None))
     for index, (title, column, chosen, colours, limits) in enumerate(panels):
-        panel = figure.add_subplot(1, 3, index + 1)
+        panel = figure.add_subplot(1, len(panels), index + 1)
         panel.set_title(f"{title}   (×: start refused)" if refused and index == 0 else title, loc="left")
         panel.set_xlabel(LABELS.get(axes[0], axes[0]))
         panel.set_ylabel(LABELS.get(axes[1], axes[1]))
@@ -144,7 +147,7 @@ def _curve(rows):
     panel.set_xlabel("initial distance [mm]")
     panel.set_ylabel("success rate, 95 % Wilson")
     if distances:
-        panel.legend(loc="lower left")
+        panel.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2)
     return figure
 
 

@@ -7,12 +7,13 @@ import base64
 import math
 
 from ..report.report import ResultFolderError
-from ..report.template import render
+from ..report.template import render, source
 from .figure import DEFAULT_AXES, save_figures
+from .map import every_run_succeeds, sweep_maps
 from .metrics import known_metrics
 from .statistics import aggregate, reasons
 
-CAPTIONS = {"map": "Success, time to the end and final error over two axes. A cell shows the mean of the runs in it.",
+CAPTIONS = {"map": "Result, time to the end and final error over two axes.",
             "curve": "Success against the initial distance, with 95 % Wilson intervals.",
             "reasons": "Why runs did not succeed."}
 
@@ -41,26 +42,29 @@ def save_report(store, axes=DEFAULT_AXES):
     except OSError as error:
         raise ResultFolderError(f"{store.folder}: a figure cannot be written: {error}") from error
     path = store.folder / "sweep.html"
-    _write(path, report_html(store, rows, pictures).encode())
+    _write(path, report_html(store, rows, pictures, axes).encode())
     return path
 
 
-def report_html(store, rows, pictures):
+def report_html(store, rows, pictures, axes=DEFAULT_AXES):
     """The report as one self-contained page, str."""
     numbers = aggregate(rows)
+    shown = {name for name in ("curve", "reasons") if name == "curve" or not every_run_succeeds(rows)}
     planned = len(store.starts())
     return render(
         "sweep.html.j2", name=store.meta["setup"]["scenario"]["name"], numbers=numbers, planned=planned,
         missing=planned - len(rows),
-        rates=[(label, f"{100 * numbers[key]:.2f} %", f"{100 * numbers[key + '_low']:.2f} to "
-                                                      f"{100 * numbers[key + '_high']:.2f} %", source)
+        rates=[(label, f"{100 * numbers[key]:.2f}\u00a0%", f"{100 * numbers[key + '_low']:.2f} to "
+                                                           f"{100 * numbers[key + '_high']:.2f}\u00a0%", source)
                for label, key, source in rate_labels() if not math.isnan(numbers[key])],
         spreads=[(label, *(_number(numbers[f"{name}_{part}_{unit}"], form) for part in ("median", "p95", "max")))
                  for label, name, unit, form in (("time [s]", "time", "s", "{:.2f}"),
                                                  ("position error [mm]", "error", "mm", "{:.4f}"),
                                                  ("angle [deg]", "angle", "deg", "{:.5f}"))],
         reasons=reasons(rows),
-        pictures=[(name, CAPTIONS[name], base64.b64encode(png).decode()) for name, png in pictures.items()],
+        maps=sweep_maps(rows, axes), script=source("map.js"), map=base64.b64encode(pictures["map"]).decode(),
+        map_caption=CAPTIONS["map"], one_colour=every_run_succeeds(rows),
+        pictures=[(CAPTIONS[name], base64.b64encode(png).decode()) for name, png in pictures.items() if name in shown],
         settings=setting_rows(store.meta), command=store.meta["command"],
         driven=store.meta["setup"]["drive_to_start"], versions=store.meta["versions"])
 

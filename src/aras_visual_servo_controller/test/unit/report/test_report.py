@@ -96,7 +96,7 @@ def test_the_report_is_one_self_contained_page_with_all_pictures_and_plots(saved
     text = (saved[1] / "report.html").read_text()
     page = _Page(text)
     assert page.tags.count("img") == 4  # desired, initial, the differences at the end and at the start
-    assert page.tags.count("figure") == 4 + 4 and page.tags.count("script") == 4 + 1
+    assert page.tags.count("figure") == 4 + 4 and page.tags.count("script") == 4 + 2
     assert all(re.match("data:(image/png|text/yaml);base64,", source) for source in page.sources)
     assert 'name="viewport"' in text and "@media print" in text
     assert not re.search(r"https?://", text)

@@ -223,6 +223,26 @@ def test_joints_that_do_not_rest_are_not_waited_for_forever():
     assert by_phase["teach"] - by_phase["settle_goal"] == pytest.approx(1.5e9, abs=2 * PERIOD_NS)
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("phase", ["settle_goal", "settle_start"])
+@pytest.mark.parametrize("off, held", [(0.0499, False), (0.0501, True)])
+def test_a_joint_that_is_held_on_its_way_ends_the_experiment_with_its_name(phase, sign, off, held):
+    stage = Stage()
+    stage.sequence.start()
+    for _ in range(600):
+        stage.step()
+        if stage.sequence.done:
+            break
+        if stage.sequence.phase == phase:
+            end = GOAL if phase == "settle_goal" else START
+            stage.set_point[stage.arm.joint_names.index("J3")] = end["J3"] + sign * off
+    result = stage.sequence.result
+    assert (result.status == Status.FAULT) is held
+    if held:
+        assert f"{phase}: joint 'J3'" in result.reason and "0.05" in result.reason
+        assert all(velocity == 0.0 for velocity in stage.sequence.stop(stage.stamp_ns)[0].velocity.values())
+
+
 def test_configuration_lists_every_fault():
     bad = {"goal": {"joints": {"gantry": 9.0, "J9": 0.0}}, "z_star_m": 0.0, "hurry": True}
     with pytest.raises(ParameterError) as caught:

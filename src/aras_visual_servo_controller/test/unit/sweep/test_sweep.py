@@ -184,9 +184,10 @@ def test_a_rerun_that_differs_says_so(undisturbed, tmp_path, capsys):
     assert "other values than in the sweep: run_hash" in capsys.readouterr().out
 
 
-def test_a_gate_decides_the_exit_code(undisturbed, capsys):
-    assert compare_main([str(undisturbed), str(undisturbed), "--fail-if", "mcnemar_p < 0.05"]) == 0
-    assert compare_main([str(undisturbed), "--fail-if", "success < 0.98"]) == 1
+def test_a_gate_decides_the_exit_code(undisturbed, tmp_path, capsys):
+    words = ["--output", str(tmp_path)]
+    assert compare_main([str(undisturbed), str(undisturbed), "--fail-if", "mcnemar_p < 0.05", *words]) == 0
+    assert compare_main([str(undisturbed), "--fail-if", "success < 0.98", *words]) == 1
     assert "FAILED: success < 0.98" in capsys.readouterr().out
     assert compare_main([str(undisturbed), "--fail-if", "sucess < 0.98"]) == 2
     assert "unknown name 'sucess', known are runs" in capsys.readouterr().err

@@ -102,6 +102,11 @@ struct CameraTag {
   double cutoff_angle_rad = 0.0;  ///< of that lens
 };
 
+/** A <gazebo reference="link"><light>: its text, as SDF. */
+struct LightTag {
+  std::string link, sdf;
+};
+
 /** The contents of a URDF after checking; constant after loading. Parents stand before their children in `links`. */
 struct RobotModel {
   std::string name;
@@ -111,6 +116,7 @@ struct RobotModel {
   std::vector<std::string> joint_names;  ///< moving joints sorted by name: the order of every joint vector
   std::vector<int> moving_joints;        ///< joint_names[i] is joints[moving_joints[i]].name
   std::vector<CameraTag> cameras;
+  std::vector<LightTag> lights;
   std::vector<std::string> warnings;  ///< what was ignored, one line each
 
   int dofs() const { return static_cast<int>(joint_names.size()); }

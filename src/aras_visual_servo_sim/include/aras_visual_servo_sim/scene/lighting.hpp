@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "aras_visual_servo_sim/config/types.hpp"
 #include "aras_visual_servo_sim/image/image.hpp"
 
 namespace aras_visual_servo_sim {
@@ -36,6 +37,18 @@ struct Light {
   double falloff = 1.0;                                 ///< of a spot: exponent from 1 to 0 between these angles
   bool casts_shadows = true;
   bool at_camera = false;  ///< a point light that the camera carries at its origin
+
+  /** What carries it, a link or a model with the frame A; empty: it stands in the world. */
+  std::string attached_to;
+  Eigen::Vector3d position_A = Eigen::Vector3d::Zero(), direction_A = -Eigen::Vector3d::UnitZ();  ///< if attached
+  Pose X_WA;                                                                                      ///< set by carry()
+
+  /** Puts an attached light where its carrier is. */
+  void carry(const Pose& carrier) {
+    X_WA = carrier;
+    position_W = carrier * position_A;
+    direction_W = carrier.q * direction_A;
+  }
 };
 
 /** Fog: of a thing at distance d exp(-(density d)^2) is left. */
@@ -46,12 +59,25 @@ struct Fog {
 
 /** What the things of a scene are lit by. The coverage renderer knows but one light, Scene::light_direction_W. */
 struct Lighting {
+  static constexpr int kMostLights = 8;  ///< as schema/scene.yaml says
+
   Eigen::Vector3d ambient = Eigen::Vector3d::Zero();  ///< light from everywhere, 0 .. 1
-  std::vector<Light> lights;                          ///< none: what the coverage renderer has, and shadows
+  std::vector<Light> lights;
+  /** Whether there is what the coverage renderer has, besides these lights and in place of `ambient`; nothing: if there
+   *  are no lights. */
+  std::optional<bool> as_coverage;
   bool shadows = true;
   int shadow_map_px = 1024;
   std::optional<Fog> fog;
   std::optional<Rgb> zenith;  ///< colour of the sky above; the background is that of the horizon
+
+  /** Index into lights, or nothing. */
+  std::optional<std::size_t> find(const std::string& light) const {
+    for (std::size_t k = 0; k < lights.size(); ++k) {
+      if (lights[k].name == light) return k;
+    }
+    return std::nullopt;
+  }
 };
 
 }  // namespace aras_visual_servo_sim

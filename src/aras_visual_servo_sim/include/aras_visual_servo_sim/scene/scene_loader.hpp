@@ -30,14 +30,18 @@ void loadSceneEntry(const SceneEntry& entry, const PackagePaths& packages, Scene
 std::vector<Collision> collisionsOf(const SolidEntry& solid, const PackagePaths& packages);
 
 /** All links of a URDF as one solid, its root link's frame that of the body.
- *  @param urdf  the document, or the name of a file @throws ModelError, also for joints that move */
-Body bodyFromUrdf(const std::string& name, const std::string& urdf, const PackagePaths& packages);
+ *  @param urdf    the document, or the name of a file
+ *  @param lights  given those of its links, attached to the body and named NAME::LIGHT; may be null
+ *  @throws ModelError, also for joints that move */
+Body bodyFromUrdf(const std::string& name, const std::string& urdf, const PackagePaths& packages,
+                  std::vector<Light>* lights = nullptr);
 
 /** The <collision> shapes of all its links, in the frame of the root link. @throws as bodyFromUrdf */
 std::vector<Collision> collisionsFromUrdf(const std::string& name, const std::string& urdf,
                                           const PackagePaths& packages);
 
-/** Adds one body for each link of the robot that has visuals, named as the link. @throws ModelError */
+/** Adds one body for each link of the robot that has visuals, named as the link, and the lights of its links.
+ *  @throws ModelError */
 void addRobotBodies(const RobotModel& robot, const PackagePaths& packages, Scene& scene);
 
 }  // namespace aras_visual_servo_sim

@@ -17,6 +17,7 @@
 #include "aras_visual_servo_sim/simulation/commands.hpp"
 #include "aras_visual_servo_sim/simulation/frame.hpp"
 #include "aras_visual_servo_sim/simulation/models/contacts.hpp"
+#include "aras_visual_servo_sim/simulation/models/lights.hpp"
 #include "aras_visual_servo_sim/simulation/models/models.hpp"
 #include "aras_visual_servo_sim/simulation/simulation_config.hpp"
 #include "aras_visual_servo_sim/simulation/start.hpp"
@@ -146,6 +147,13 @@ class Simulation {
   /** V_WM_W at the present tick, as in ModelPlacement; zero for a model without motion or mass.
    *  @throws UnknownNameError */
   Twist modelTwist(const std::string& model) const;
+
+  // --- lights, of the OpenGL renderer; saved states have them, a reset brings back those of the configuration
+  const std::vector<Light>& lights() const { return scene().lighting.lights; }
+  /** Adds a light, or changes the one of its name. What it is attached to carries it. @throws as checkLights */
+  void setLight(const Light& light) { change(withLight(models_.set(), light, model_)); }
+  /** @throws UnknownNameError naming the lights there are */
+  void deleteLight(const std::string& name) { change(withoutLight(models_.set(), name)); }
 
   // --- whole state
   /** Puts joints and models back to where they started, at rest, and begins their motions anew. Time, frames and

@@ -26,6 +26,14 @@ AutoWhiteBalanceConfig readAutoWhiteBalance(YamlReader reader) {
   return config;
 }
 
+ThinLens readThinLens(YamlReader reader) {
+  ThinLens lens;
+  lens.focus_distance_m = reader.get<double>("focus_distance_m");
+  lens.focal_length_m = reader.get<double>("focal_length_m");
+  lens.f_number = reader.get<double>("f_number");
+  return lens;
+}
+
 }  // namespace
 
 SensorConfig readSensorConfig(YamlReader reader) {
@@ -46,6 +54,7 @@ SensorConfig readSensorConfig(YamlReader reader) {
   config.gamma = reader.get<double>("gamma");
   config.vignetting_exponent = reader.get<double>("vignetting_exponent");
   config.defocus_px = reader.get<double>("defocus_px");
+  if (reader.has("depth_of_field")) config.depth_of_field = readThinLens(reader.section("depth_of_field"));
   config.white_balance = reader.get<std::vector<double>>("white_balance");
   if (reader.has("auto_exposure")) config.auto_exposure = readAutoExposure(reader.section("auto_exposure"));
   if (reader.has("auto_white_balance")) {
@@ -60,6 +69,15 @@ void checkSensor(const SensorConfig& sensor, bool color, FaultList& faults) {
   if (sensor.black_level_dn >= sensor.mostDn()) {
     faults.add("sensor/black_level_dn", numberText(sensor.black_level_dn),
                "< 2^adc_bits - 1, " + numberText(sensor.mostDn()));
+  }
+  if (const auto& lens = sensor.depth_of_field; lens) {
+    if (lens->focal_length_m >= lens->focus_distance_m) {
+      faults.add("sensor/depth_of_field/focal_length_m", numberText(lens->focal_length_m),
+                 "< focus_distance_m, " + numberText(lens->focus_distance_m));
+    }
+    if (sensor.defocus_px > 0.0) {
+      faults.add("sensor/defocus_px", numberText(sensor.defocus_px), "0 beside depth_of_field");
+    }
   }
   if (sensor.auto_white_balance && !color) {
     faults.add("sensor/auto_white_balance", "a section", "none with mono8, which has no colours");

@@ -39,6 +39,12 @@ std::string materialName(const XMLElement& child) {
   return childText(material ? material->FirstChildElement("script") : nullptr, "name");
 }
 
+std::string printed(const XMLElement& element) {
+  tinyxml2::XMLPrinter printer;
+  element.Accept(&printer);
+  return printer.CStr();
+}
+
 }  // namespace
 
 void readTransmissions(const UrdfSource& source, const XMLElement& robot, RobotModel& model) {
@@ -85,6 +91,13 @@ void readGazeboTags(const UrdfSource& source, const XMLElement& robot, RobotMode
         continue;
       }
       if (sensor == "wideanglecamera") continue;  // warned of
+      if (tag == "light") {
+        if (!hasLink(model, reference)) {
+          source.fail(*gazebo, "reference is '" + reference + "', must be a <link> of this file");
+        }
+        model.lights.push_back({reference, printed(*child)});
+        continue;
+      }
       const std::string material = materialName(*child);
       if (!material.empty() && paintLink(material, reference, model)) continue;
       const std::string why = material.empty() ? "" : "material '" + material + "' is not a plain colour of Gazebo's: ";

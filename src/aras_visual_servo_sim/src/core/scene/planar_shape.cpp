@@ -1,7 +1,6 @@
 #include "planar_shape.hpp"
 
 #include <array>
-#include <cmath>
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -11,13 +10,6 @@ using Corner = std::array<double, 2>;
 Eigen::Vector2d readSize(YamlReader& section) { return section.get<Eigen::Vector2d>("size_m"); }
 
 }  // namespace
-
-Rgb colorOf(const Eigen::Vector3d& rgb) {
-  const auto byte = [](double value) { return static_cast<std::uint8_t>(std::lround(value)); };
-  return {byte(rgb[0]), byte(rgb[1]), byte(rgb[2])};
-}
-
-Rgb readColor(YamlReader& reader, const std::string& key) { return colorOf(reader.get<Eigen::Vector3d>(key)); }
 
 PlanarShape readPlanarShape(YamlReader& reader) {
   PlanarShape shape;

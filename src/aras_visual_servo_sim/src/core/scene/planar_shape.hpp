@@ -5,13 +5,9 @@
 #include "aras_visual_servo_sim/config/package_paths.hpp"
 #include "aras_visual_servo_sim/config/section.hpp"
 #include "aras_visual_servo_sim/scene/scene_config.hpp"
+#include "scene/light/color_reader.hpp"
 
 namespace aras_visual_servo_sim {
-
-/** Of red, green and blue, 0 .. 255, rounded to bytes. */
-Rgb colorOf(const Eigen::Vector3d& rgb);
-/** A colour of three numbers, section `color`. */
-Rgb readColor(YamlReader& reader, const std::string& key);
 
 /** The keys that describe what a flat model looks like. Faults go to reader, whose owner calls finish(). */
 PlanarShape readPlanarShape(YamlReader& reader);

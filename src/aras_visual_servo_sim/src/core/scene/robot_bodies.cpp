@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/scene/light_entry.hpp"
 #include "aras_visual_servo_sim/scene/scene_loader.hpp"
 #include "scene/mesh/mesh_cache.hpp"
 
@@ -57,6 +58,11 @@ void addRobotBodies(const RobotModel& robot, const PackagePaths& packages, Scene
       }
     }
     scene.bodies.push_back(std::move(body));
+  }
+  for (const LightTag& tag : robot.lights) {
+    Light light = lightFromSdf(tag.sdf, robot.source_name + ": light of link '" + tag.link + "'");
+    light.attached_to = tag.link;
+    scene.lighting.lights.push_back(std::move(light));
   }
 }
 

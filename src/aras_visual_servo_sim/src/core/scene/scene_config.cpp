@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "aras_visual_servo_sim/config/section.hpp"
-#include "lighting_reader.hpp"
 #include "planar_shape.hpp"
+#include "scene/light/lighting_reader.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -113,6 +113,7 @@ SceneConfig SceneConfig::read(YamlReader reader) {
   for (YamlReader& entry : reader.list("models")) scene.models.push_back(readModel(entry));
   for (YamlReader& entry : reader.list("solids")) scene.solids.push_back(readSolid(entry));
   requireDistinct(scene.models, "models", reader);
+  requireDistinct(scene.lighting.lights, "lighting/lights", reader);
   requireDistinct(scene.solids, "solids", reader);
   for (const SolidEntry& solid : scene.solids) {
     const auto same = [&](const ModelEntry& model) { return model.name == solid.name; };

@@ -39,7 +39,7 @@ void add(const SolidEntry& entry, const PackagePaths& packages, MeshCache& meshe
     body.name = entry.name;
     body.shapes.push_back({Pose{}, meshes.of(entry.geometry), entry.color, entry.material});
   } else {
-    body = bodyFromUrdf(entry.name, entry.urdf, packages);
+    body = bodyFromUrdf(entry.name, entry.urdf, packages, &scene.lighting.lights);
   }
   body.X_WB = entry.X_WB;
   body.casts_shadows = entry.casts_shadows;

@@ -44,7 +44,8 @@ std::vector<Collision> collisionsFromUrdf(const std::string& name, const std::st
   return collisions;
 }
 
-Body bodyFromUrdf(const std::string& name, const std::string& urdf, const PackagePaths& packages) {
+Body bodyFromUrdf(const std::string& name, const std::string& urdf, const PackagePaths& packages,
+                  std::vector<Light>* lights) {
   const RobotModel robot = loadUrdf(name, urdf, packages);
   const std::vector<Pose> X_RL = linkPoses(robot, name);
   Scene parts;
@@ -57,6 +58,15 @@ Body bodyFromUrdf(const std::string& name, const std::string& urdf, const Packag
       shape.X_BS = X_BL * shape.X_BS;
       body.shapes.push_back(std::move(shape));
     }
+  }
+  for (Light light : parts.lighting.lights) {
+    if (!lights) break;
+    const Pose& X_BL = X_RL[static_cast<std::size_t>(robot.linkIndex(light.attached_to))];
+    light.name = name + "::" + light.name;
+    light.attached_to = name;
+    light.position_A = X_BL * light.position_A;
+    light.direction_A = X_BL.q * light.direction_A;
+    lights->push_back(std::move(light));
   }
   if (body.shapes.empty()) throw ModelError("model '" + name + "': no link of its URDF has a <visual>");
   return body;

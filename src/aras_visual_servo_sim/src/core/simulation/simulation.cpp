@@ -34,6 +34,7 @@ Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::No
   faults.collect([&] { config_.world.controllers = parseControllers(controllers, model_); });
   if (config_.gazebo_cameras) whiten(model_);
   faults.collect([&] { models_ = Models(config_.scene, model_, packages); });
+  if (faults.empty()) faults.collect([&] { checkLights(models_.set(), model_); });
   if (faults.empty()) faults.collect([&] { contacts_.begin(models_.set(), config_.scene.solids); });
   faults.collect([&] { start_.check(model_, config_.world); });
   if (config_.cameras.empty()) {

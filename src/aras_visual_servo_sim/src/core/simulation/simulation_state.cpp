@@ -8,7 +8,7 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr std::uint64_t kMagic = 0x32304d4953415241ULL;  // "ARASIM02"
+constexpr std::uint64_t kMagic = 0x33304d4953415241ULL;  // "ARASIM03"
 
 /** Of a camera, as it stands in the record. */
 struct FrameCounters {
@@ -31,6 +31,7 @@ std::string Simulation::saveState() const {
     out.put(FrameCounters{plan.next, camera.unhashedFrame(), plan.asked, plan.dropped});
   }
   out.putModels(models_.set().saved());
+  out.putLights(lights());
   out.putMotions(models_.motions());
   for (const Camera& camera : cameras_) {
     if (!camera.blurs()) continue;
@@ -80,7 +81,7 @@ void Simulation::restoreState(const std::string& state) {
     camera.unhashed_frame = counters.unhashed_frame;
   }
   const auto compose = [this](const std::vector<SavedModel>& saved) { return models_.composed(saved); };
-  ModelSet models = compose(in.getModels());
+  ModelSet models = in.getSet(compose);
   std::map<std::string, MotionRun> motions = in.getMotions(models);
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     if (!cameras_[static_cast<int>(k)].blurs()) continue;

@@ -35,6 +35,7 @@ SimNode::SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, NodeletQueue&
       pids_(node_, simulation_),
       markers_(node_, simulation_),
       models_(node_, simulation_, markers_, time_),
+      lights_(node_, simulation_),
       status_(node_.advertise<aras_visual_servo_msgs::SimStatus>("sim/status", 1000, true)),
       paused_(parameters.time.start_paused) {
   requireOwnClock(node_.resolveName("/clock"));

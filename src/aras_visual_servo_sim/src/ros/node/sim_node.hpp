@@ -20,6 +20,7 @@
 #include "convert/wire_time.hpp"
 #include "listen/camera_triggers.hpp"
 #include "listen/command_inputs.hpp"
+#include "listen/light_services.hpp"
 #include "listen/model_services.hpp"
 #include "listen/pid_servers.hpp"
 #include "nodelets.hpp"
@@ -91,6 +92,7 @@ class SimNode {
   PidServers pids_;
   SceneMarkers markers_;
   ModelServices models_;
+  LightServices lights_;
   ros::Publisher status_;
   std::vector<ros::ServiceServer> services_;
   bool paused_;

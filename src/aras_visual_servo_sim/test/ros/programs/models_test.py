@@ -4,7 +4,9 @@ import unittest
 
 import rospy
 import rostest
-from aras_visual_servo_msgs.srv import (DeleteModel, GetModelState, SetModelMotion, SetModelState, SpawnModel, Step)
+import yaml
+from aras_visual_servo_msgs.srv import (DeleteLight, DeleteModel, GetLights, GetModelState, SetLight, SetModelMotion,
+                                        SetModelState, SpawnModel, Step)
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, Twist, TwistStamped, Vector3
 from std_srvs.srv import Empty
 from visualization_msgs.msg import Marker, MarkerArray
@@ -56,6 +58,30 @@ class Models(unittest.TestCase):
         self.assertIn("moon", self.place(model_name="target", pose=pose(), reference_frame="moon").status_message)
         self.assertIn("dance", self.move(model_name="target", motion="{type: dance}").status_message)
         self.assertFalse(self.move(model_name="target", motion="{").success)
+
+    def test_lights_are_set_listed_and_deleted(self):
+        light, delete, lights = (service("sim/set_light", SetLight), service("sim/delete_light", DeleteLight),
+                                 service("sim/get_lights", GetLights))
+        self.assertEqual(lights().name, [])
+        sdf = "<light name='lamp' type='point'><pose>0 0 2 0 0 0</pose><diffuse>0.2 0.4 0.6 1</diffuse></light>"
+        for text in (sdf, "{name: torch, type: spot, attached_to: head, direction: [0, 0, -1]}"):
+            answer = light(light=text)
+            self.assertTrue(answer.success, answer.message)
+        listed = lights()
+        self.assertEqual(listed.name, ["lamp", "torch"])
+        self.assertEqual(yaml.safe_load(listed.light[0])["position_m"], [0, 0, 2])
+        self.assertEqual(yaml.safe_load(listed.light[1])["attached_to"], "head")
+        self.assertTrue(light(light=listed.light[0]).success)
+        self.assertEqual(lights().light, listed.light, "what is listed can be set")
+        for text, fault in (("{name: torch, type: spot, attached_to: nowhere, direction: [0, 0, -1]}", "nowhere"),
+                            ("{name: sun, type: directional}", "direction"), ("<light", "light"), ("", "empty")):
+            answer = light(light=text)
+            self.assertFalse(answer.success)
+            self.assertIn(fault, answer.message)
+        self.assertTrue(delete(name="lamp").success)
+        self.assertIn("lights: torch", delete(name="lamp").message)
+        service("sim/reset", Empty)()
+        self.assertEqual(lights().name, [])
 
     def test_what_would_stall_the_simulator_is_refused_at_once(self):
         chain = "<robot name='chain'><link name='l0'/>" + "".join(

@@ -34,7 +34,8 @@ const char* const kSim = R"(
 contacts: {ground_plane: {}, free_bodies: {box: 1.0}}
 base_pose: {}
 cameras: [{name: c, frame: f, width: 4, height: 3, horizontal_fov_rad: 1.0,
-           sensor: {auto_exposure: {}, auto_white_balance: {}}}]
+           sensor: {auto_exposure: {}, auto_white_balance: {},
+                    depth_of_field: {focus_distance_m: 1, focal_length_m: 0.01, f_number: 2}}}]
 scene:
   lighting: {lights: [{name: lamp, type: point}], fog: {density_per_m: 1}, zenith_rgb: [1, 2, 3]}
   models:

@@ -166,6 +166,56 @@ TEST(Solids, TilesThatSeeOneFacetAreShadedAsPixelByPixel) {
   }
 }
 
+/** A hill of triangles with a smooth colour. */
+MeshPtr hill() {
+  constexpr int kSide = 9;
+  auto mesh = std::make_shared<TriangleMesh>();
+  for (int k = 0; k < kSide * kSide; ++k) {
+    const float x = 0.05f * float(k % kSide) - 0.2f, y = 0.05f * float(k / kSide) - 0.2f;  // NOLINT
+    mesh->points.emplace_back(x, y, 0.03f - 0.5f * (x * x + y * y));
+    mesh->normals.push_back(Eigen::Vector3f(x, y, 1.0f).normalized());
+  }
+  for (std::uint32_t k = 0; k + kSide + 1 < kSide * kSide; ++k) {
+    if (k % kSide == kSide - 1) continue;
+    mesh->triangles.push_back({k, k + 1, k + kSide + 1});
+    mesh->triangles.push_back({k, k + kSide + 1, k + kSide});
+  }
+  mesh->finish();
+  return mesh;
+}
+
+TEST(Solids, TilesThatSeeSeveralFacetsOfASurfaceAreShadedAsPixelByPixel) {
+  CameraConfig config = cameraConfig(), bent = cameraConfig();
+  bent.distortion_model = "plumb_bob";
+  bent.distortion = {1e-14, 0.0, 0.0, 0.0, 0.0};
+  Scene scene;
+  Body body = boxAt("hill", {0.0, 0.0, 0.0}, {0.1, 0.1, 0.1}, {230, 120, 40});
+  body.shapes[0].mesh = hill();
+  scene.bodies.push_back(body);
+  scene.bodies.push_back(boxAt("table", {0.05, 0.0, -0.06}, {0.9, 0.9, 0.02}, {40, 120, 230}));
+  const Pose X_WC = lookingDown({0.05, -0.06, 0.4}, 0.3, -0.2, 0.4);
+  for (const char* sampling : {"coverage", "center"}) {
+    config.sampling = bent.sampling = sampling;
+    const Image whole = render(CameraModel(config), X_WC, scene), single = render(CameraModel(bent), X_WC, scene);
+    std::size_t differing = 0;
+    for (std::size_t i = 0; i < whole.data.size(); ++i) {
+      const int difference = std::abs(int(whole.data[i]) - int(single.data[i]));
+      differing += difference > 1;
+    }
+    EXPECT_LT(differing, 20U);  // where rays of other roundings take another side of an edge
+  }
+}
+
+TEST(Solids, EdgesWithinASurfaceAreNoneWhereTheImageCutsIt) {
+  Scene scene;
+  scene.bodies.push_back(boxAt("floor", {0, 0, -0.5}, {4, 4, 1}, {100, 100, 100}));
+  const CameraModel camera(cameraConfig());
+  CoverageRenderer renderer;
+  Image image;
+  renderer.render(camera, lookingDown({0.1, 0.2, 0.3}, 0.1, 0.2, 0.3), scene, image);
+  EXPECT_EQ(renderer.statistics().sampled_pixels, 0);  // the diagonal of its upper face is in view
+}
+
 TEST(Renderer, RejectsPosesThatAreNotFinite) {
   const CameraModel camera(cameraConfig());
   Scene scene = sceneWith(lShape());

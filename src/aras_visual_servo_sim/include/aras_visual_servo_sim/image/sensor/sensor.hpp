@@ -3,9 +3,11 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "aras_visual_servo_sim/image/image.hpp"
+#include "aras_visual_servo_sim/image/sensor/depth_blur.hpp"
 #include "aras_visual_servo_sim/image/sensor/sensor_config.hpp"
 
 namespace aras_visual_servo_sim {
@@ -28,6 +30,12 @@ class Sensor {
          double integration_s, std::uint64_t seed, std::uint64_t pattern_seed);
 
   const SensorConfig& config() const { return config_; }
+
+  /** Whether light has to go through focus() before it is read out. */
+  bool seesDepth() const { return depth_blur_.has_value(); }
+  /** Spreads light by how far away it comes from. @param depth_m  of each pixel; not a number: infinitely far
+   *  @pre seesDepth() */
+  void focus(const std::vector<float>& depth_m, FineImage& light) { depth_blur_->apply(depth_m, light); }
 
   /** @param light  rgb8 for a Bayer pattern, else of the image's encoding; changed  @param image  resized
    *  @param fresh  the frame is read out for the first time: what the camera sets by itself moves on */
@@ -52,6 +60,7 @@ class Sensor {
   void develop(Image& image) const;
 
   SensorConfig config_;
+  std::optional<DepthBlur> depth_blur_;
   int width_, height_;
   Encoding encoding_;
   double dark_e_;

@@ -3,6 +3,8 @@
 #include <optional>
 #include <vector>
 
+#include "aras_visual_servo_sim/image/sensor/thin_lens.hpp"
+
 namespace aras_visual_servo_sim {
 
 /** How a camera chooses its exposure by itself, see AutoExposure. */
@@ -33,6 +35,7 @@ struct SensorConfig {
   int adc_bits = 0;
   double gamma = 0.0;
   double vignetting_exponent = 0.0, defocus_px = 0.0;
+  std::optional<ThinLens> depth_of_field;
   std::vector<double> white_balance;  ///< gains of red, green and blue
   std::optional<AutoExposureConfig> auto_exposure;
   std::optional<AutoWhiteBalanceConfig> auto_white_balance;

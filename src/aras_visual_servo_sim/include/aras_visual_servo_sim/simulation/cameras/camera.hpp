@@ -88,6 +88,10 @@ class Camera {
   /** Of a camera with a sensor, noise or a Bayer pattern what falls on it, of which readOut() makes the image. */
   FineImage light{};
   bool readsOut() const;
+  /** Whether light has to go through focus() before it is read out. */
+  bool seesDepth() const { return sensor_ && sensor_->seesDepth(); }
+  /** Spreads the light of the frame that was drawn by its depth. @pre seesDepth() */
+  void focus(const GeometryImage& depth) { sensor_->focus(depth.depth_m, light); }
   /** Makes the image of the light of the frame that was drawn. @pre readsOut() */
   void readOut(std::int64_t now);
   /** Null without a section `sensor`. */

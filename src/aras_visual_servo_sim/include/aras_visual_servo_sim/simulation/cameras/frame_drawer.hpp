@@ -40,11 +40,13 @@ class FrameDrawer {
   template <typename Value>
   void drawLate(ImageOf<Value>& image, const Camera& camera, const ExposedFrame& frame, const Scene& now);
 
+  void drawGeometry(const Camera& camera, const Pose& X_WC, const Scene& now, Distance distance, GeometryImage& out);
   OpenGlRenderer& openGlFor(const CameraConfig& camera);
 
   std::unique_ptr<Renderer> coverage_;
   std::unique_ptr<OpenGlRenderer> osmesa_, egl_;  // made for the first camera that wants them
   GeometryRenderer geometry_renderer_;
+  GeometryImage depth_;  // of the frame that a lens with a depth of field blurs
 };
 
 }  // namespace aras_visual_servo_sim

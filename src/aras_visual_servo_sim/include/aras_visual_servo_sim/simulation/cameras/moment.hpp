@@ -17,6 +17,7 @@ struct Moment {
   Pose X_WC;
   std::vector<Pose> models;  ///< X_WM, in the order of the scene
   std::vector<Pose> bodies;  ///< X_WB, in the order of the scene
+  std::vector<Pose> lights;  ///< X_WA of what carries them, of the attached ones in the order of the scene
 };
 
 /** @param scene  as it is at this tick */

@@ -38,7 +38,7 @@ struct ModelSet {
   const Pose& place(const std::string& model) const;
   /** X_WM of every model by name. */
   std::map<std::string, Pose> poses() const;
-  /** Removes a model. */
+  /** Removes a model, and the lights that it carries. */
   void remove(const std::string& model);
   /** Everything that is needed to make this set again from the one that was constructed. */
   std::vector<SavedModel> saved() const;

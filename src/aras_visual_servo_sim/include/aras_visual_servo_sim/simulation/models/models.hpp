@@ -49,7 +49,7 @@ class Models {
   void start(std::int64_t now_ns);
   /** Puts the models that move where they are now. */
   void move(std::int64_t now_ns);
-  /** Puts the robot's bodies where its links are. */
+  /** Puts the robot's bodies where its links are, and the lights where their carriers are. */
   void follow(const MultibodyWorld& world);
   /** Places a model. A motion that it has goes on. @throws UnknownNameError */
   void place(const std::string& model, const Pose& X_WM) { set_.place(model) = X_WM; }

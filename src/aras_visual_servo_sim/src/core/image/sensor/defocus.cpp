@@ -9,10 +9,17 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-/** What of the disc lies in each pixel about its middle, (2 reach + 1)^2 shares that sum up to 1. */
-std::vector<float> discOf(double diameter_px, int reach) {
+ARAS_WIDE void addRow(const float* from, float share, int count, float* to) {
+  for (int i = 0; i < count; ++i) to[i] += share * from[i];
+}
+
+}  // namespace
+
+int reachOfDisc(double diameter_px) { return std::max(0, static_cast<int>(std::ceil(0.5 * diameter_px - 0.5))); }
+
+std::vector<float> discOf(double diameter_px) {
   constexpr int kFine = 32;  // samples along a side of a pixel
-  const int side = 2 * reach + 1;
+  const int reach = reachOfDisc(diameter_px), side = 2 * reach + 1;
   std::vector<float> disc(static_cast<std::size_t>(side) * side);
   const double square = 0.25 * diameter_px * diameter_px;
   double sum = 0.0;
@@ -31,16 +38,10 @@ std::vector<float> discOf(double diameter_px, int reach) {
   return disc;
 }
 
-ARAS_WIDE void addRow(const float* from, float share, int count, float* to) {
-  for (int i = 0; i < count; ++i) to[i] += share * from[i];
-}
-
-}  // namespace
-
 void defocus(double diameter_px, FineImage& image) {
-  const int reach = static_cast<int>(std::ceil(0.5 * diameter_px - 0.5));
-  if (reach <= 0) return;  // the disc stays in its pixel
-  const std::vector<float> disc = discOf(diameter_px, reach);
+  const int reach = reachOfDisc(diameter_px);
+  if (reach == 0) return;  // the disc stays in its pixel
+  const std::vector<float> disc = discOf(diameter_px);
   const int channels = image.channels(), side = 2 * reach + 1, count = image.width * channels;
   const std::size_t stride = static_cast<std::size_t>(image.width + 2 * reach) * channels;
   std::vector<float> padded(stride * (image.height + 2 * reach)), row(count);

@@ -47,6 +47,7 @@ Sensor::Sensor(const SensorConfig& config, int width, int height, Encoding encod
     if (!prnu.empty()) response *= std::max(0.0, 1.0 + prnu[i]);
     response_[i] = static_cast<float>(response);
   }
+  if (config.depth_of_field) depth_blur_.emplace(*config.depth_of_field);
   restore({});
 }
 

@@ -12,19 +12,25 @@ namespace aras_visual_servo_sim {
 /** The pictures that the image of one camera is made of, and the way from them to the image. */
 class CameraViews {
  public:
-  CameraViews(const GlFunctions& gl, const CameraModel& camera);
+  /** @param fine  16 bits a channel, else 8 */
+  CameraViews(const GlFunctions& gl, const CameraModel& camera, bool fine);
 
   const std::vector<PinholeView>& views() const { return views_; }
   const Canvas& canvas(std::size_t k) const { return *canvases_[k]; }
-  /** Reads what was drawn. @param image  as many pixels as the camera has: bytes r, g, b, a */
-  void read(std::vector<std::uint32_t>& image);
+  /** Reads what was drawn. @param image  as many pixels as the camera has, r, g, b, a: 8 bits each, or 16 if fine */
+  void read(std::vector<std::uint32_t>& image) { readWith(pictures_, image); }
+  void read(std::vector<std::uint64_t>& image) { readWith(fine_pictures_, image); }
 
  private:
+  template <typename Pixel>
+  void readWith(std::vector<std::vector<Pixel>>& pictures, std::vector<Pixel>& image);
+
   std::unique_ptr<LensMap> lens_;  // none: one picture, of as many pixels or of twice as many each way
   int factor_ = 1;
   std::vector<PinholeView> views_;
   std::vector<std::unique_ptr<Canvas>> canvases_;
   std::vector<std::vector<std::uint32_t>> pictures_;
+  std::vector<std::vector<std::uint64_t>> fine_pictures_;
 };
 
 }  // namespace aras_visual_servo_sim

@@ -13,6 +13,7 @@
 #include "render/coverage/image_circle.hpp"
 #include "render/opengl/camera_views.hpp"
 #include "render/opengl/gl/gl_context.hpp"
+#include "render/opengl/gl/packed_pixel.hpp"
 #include "render/opengl/scene/flat_painter.hpp"
 #include "render/opengl/scene/solid_painter.hpp"
 #include "render/planar/planar_layer.hpp"
@@ -22,8 +23,9 @@ namespace aras_visual_servo_sim {
 namespace {
 
 /** Whatever decides how a camera's image is made of pictures. */
-std::vector<double> keyOf(const CameraModel& camera) {
-  std::vector<double> key{double(camera.width()),
+std::vector<double> keyOf(const CameraModel& camera, bool fine) {
+  std::vector<double> key{fine ? 1.0 : 0.0,
+                          double(camera.width()),
                           double(camera.height()),
                           camera.fx(),
                           camera.fy(),
@@ -38,17 +40,17 @@ std::vector<double> keyOf(const CameraModel& camera) {
   return key;
 }
 
-template <typename Value>
-void write(std::uint32_t pixel, Encoding encoding, Value* out) {
-  const auto part = [pixel](int k) { return static_cast<std::uint8_t>(pixel >> (8 * k)); };
+template <typename Pixel, typename Value>
+void write(Pixel pixel, Encoding encoding, Value* out) {
+  static_assert(Packed<Pixel>::kBits == 8 * sizeof(Value));
+  const auto part = [pixel](int k) { return static_cast<Value>(Packed<Pixel>::channel(pixel, k)); };
   if (encoding == Encoding::kMono8) {
-    *out = valueOf<Value>(luma(part(0), part(1), part(2)));
+    *out = static_cast<Value>(luma(part(0), part(1), part(2)) + 0.5);
     return;
   }
-  constexpr int kUnits = kUnitsOf<Value>;
-  out[0] = static_cast<Value>(kUnits * part(encoding == Encoding::kRgb8 ? 0 : 2));
-  out[1] = static_cast<Value>(kUnits * part(1));
-  out[2] = static_cast<Value>(kUnits * part(encoding == Encoding::kRgb8 ? 2 : 0));
+  out[0] = part(encoding == Encoding::kRgb8 ? 0 : 2);
+  out[1] = part(1);
+  out[2] = part(encoding == Encoding::kRgb8 ? 2 : 0);
 }
 
 #if defined(__GNUC__) && !defined(__clang__)
@@ -82,7 +84,7 @@ ARAS_WIDE void toGrey(const std::uint32_t* pixels, std::size_t count, std::uint8
 }
 
 template <typename Value>
-void convert(const std::vector<std::uint32_t>& pixels, ImageOf<Value>& out) {
+void convert(const std::vector<typename PixelFor<Value>::Type>& pixels, ImageOf<Value>& out) {
   const int channels = out.channels();
   Value* to = out.data.data();
   std::size_t done = 0;
@@ -159,15 +161,15 @@ class OpenGlRenderer::Implementation {
     }
   }
 
-  CameraViews& viewsOf(const CameraModel& camera) {
+  CameraViews& viewsOf(const CameraModel& camera, bool fine) {
     auto& all = parts_->views;
-    const std::vector<double> key = keyOf(camera);
+    const std::vector<double> key = keyOf(camera, fine);
     const auto found = std::find_if(all.begin(), all.end(), [&](const auto& each) { return each.first == key; });
     if (found != all.end()) {
       all.splice(all.begin(), all, found);
     } else {
       all.emplace_front(std::piecewise_construct, std::forward_as_tuple(key),
-                        std::forward_as_tuple(context_->gl(), camera));
+                        std::forward_as_tuple(context_->gl(), camera, fine));
       if (all.size() > kMostCameras) all.pop_back();
     }
     return all.front().second;
@@ -202,7 +204,7 @@ class OpenGlRenderer::Implementation {
     solids.begin(camera, X_WC, scene);
     flats.begin(planar_, X_CW, camera.nearM());
     const bool exact = camera.config().exact_targets && !solids.anyTransparent() && !flats.empty();
-    CameraViews& views = viewsOf(camera);
+    CameraViews& views = viewsOf(camera, sizeof(Value) > 1);
     for (std::size_t k = 0; k < views.views().size(); ++k) {
       const PinholeView& view = views.views()[k];
       views.canvas(k).bind();
@@ -216,8 +218,9 @@ class OpenGlRenderer::Implementation {
         solids.drawTransparent(view);
       }
     }
-    views.read(pixels_);
-    convert(pixels_, out);
+    auto& pixels = pixelsOf<Value>();
+    views.read(pixels);
+    convert(pixels, out);
     statistics_ = {static_cast<int>(views.views().size()), false, solids.shadows().drawn()};
     if (exact) layTargetsOver(camera, views, out);
   }
@@ -229,7 +232,8 @@ class OpenGlRenderer::Implementation {
     planar_.samplePictures<Value>(camera, rasterizer_);
     planar_.paint(camera, rasterizer_, out);
     redrawn_.clear();
-    findHidden(out.width, out.height);
+    auto& pixels = pixelsOf<Value>();
+    findHidden(pixels, out.width, out.height);
     for (const PixelBox& box : planar_.conflicts()) {
       for (int v = box.v0; v < box.v1; ++v) {
         for (int u = box.u0; u < box.u1; ++u) redrawn_.push_back(std::size_t(v) * out.width + u);
@@ -241,20 +245,22 @@ class OpenGlRenderer::Implementation {
       views.canvas(k).bind();
       parts_->flats.draw(views.views()[k]);
     }
-    views.read(pixels_);
+    views.read(pixels);
     for (const std::size_t at : redrawn_) {
-      write(pixels_[at], out.encoding, out.data.data() + at * std::size_t(out.channels()));
+      write(pixels[at], out.encoding, out.data.data() + at * std::size_t(out.channels()));
     }
   }
 
   /** The pixels that have a mark, and their neighbours: a mark at a sample says nothing of the pixel's rim. */
-  void findHidden(int width, int height) {
-    hidden_.assign(pixels_.size(), 0);
+  template <typename Pixel>
+  void findHidden(const std::vector<Pixel>& pixels, int width, int height) {
+    constexpr Pixel kMarked = (Packed<Pixel>::kMost + 509) / 510;  // half a grey level
+    hidden_.assign(pixels.size(), 0);
     bool any = false;
     for (int v = 0; v < height; ++v) {
-      const std::uint32_t* row = pixels_.data() + std::size_t(v) * width;
+      const Pixel* row = pixels.data() + std::size_t(v) * width;
       for (int u = 0; u < width; ++u) {
-        if (row[u] < 0x01000000u) continue;
+        if (Packed<Pixel>::alpha(row[u]) < kMarked) continue;
         any = true;
         for (int y = std::max(0, v - 1); y <= std::min(height - 1, v + 1); ++y) {
           for (int x = std::max(0, u - 1); x <= std::min(width - 1, u + 1); ++x) {
@@ -268,12 +274,23 @@ class OpenGlRenderer::Implementation {
     }
   }
 
+  /** What was read, as values of this kind need it. */
+  template <typename Value>
+  std::vector<typename PixelFor<Value>::Type>& pixelsOf() {
+    if constexpr (sizeof(Value) > 1) {
+      return fine_pixels_;
+    } else {
+      return pixels_;
+    }
+  }
+
   MakeContext make_context_;
   std::unique_ptr<GlContext> context_;
   std::unique_ptr<Parts> parts_;
   PlanarLayer planar_;
   CoverageRasterizer rasterizer_;
   std::vector<std::uint32_t> pixels_;
+  std::vector<std::uint64_t> fine_pixels_;
   std::vector<char> hidden_;
   std::vector<std::size_t> redrawn_;
 };

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "picture_window.hpp"
 #include "render/view/held.hpp"
 
 namespace aras_visual_servo_sim {
@@ -18,15 +19,6 @@ double areaOf(const Points& polygon) {
     twice += a.x() * b.y() - b.x() * a.y();
   }
   return 0.5 * twice;
-}
-
-/** Texels along one axis: which one repeats as the index says. */
-int wrapped(Wrap wrap, double x, int size) {
-  if (wrap == Wrap::kClamp) return static_cast<int>(held(x, 0.0, size - 1.0));
-  const double turns = std::floor(x / size);
-  const int index = static_cast<int>(held(x - turns * size, 0.0, size - 1.0));
-  const bool turned = wrap == Wrap::kMirror && std::fmod(std::abs(turns), 2.0) == 1.0;
-  return turned ? size - 1 - index : index;
 }
 
 /** Integrals of the running sums along edges within one level; all points lie on the picture. */

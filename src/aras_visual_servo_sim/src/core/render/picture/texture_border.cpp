@@ -84,13 +84,13 @@ void integrateEdge(const Texture::Level& level, int width, const Eigen::Vector2d
 template <int channels, typename Value>
 void TextureSampler::integrateBorder(const Tile& tile, ImageOf<Value>& out) {
   double merged = 1.0;
-  const Texture::Level& level = levelOf(tile, channels, merged);
-  constexpr double kFarthest = 1e8;  // [texels] so that rows and columns are numbers
-  for (Eigen::Vector2d& corner : corners_) {
-    corner = {held(corner.x(), -kFarthest, kFarthest), held(corner.y() / merged, -kFarthest, kFarthest)};
-  }
+  const Texture::Level& level = levelOf(channels, merged);
   const int columns = tile.box.u1 - tile.box.u0, rows = tile.box.v1 - tile.box.v0;
-  const auto corner = [&](int i, int j) -> const Eigen::Vector2d& { return corners_[j * kStride + i]; };
+  constexpr double kFarthest = 1e8;  // [texels] so that rows and columns are numbers
+  const auto corner = [&](int i, int j) {
+    return Eigen::Vector2d(held(corners_.s(i, j), -kFarthest, kFarthest),
+                           held(corners_.t(i, j) / merged, -kFarthest, kFarthest));
+  };
   for (int j = 0; j <= rows; ++j) {
     for (int i = 0; i <= columns; ++i) {
       const Eigen::Vector2d here = corner(i, j);

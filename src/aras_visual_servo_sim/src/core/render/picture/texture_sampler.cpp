@@ -9,6 +9,28 @@
 #include "tile_integrals.hpp"
 
 namespace aras_visual_servo_sim {
+namespace {
+
+/** Rounds means to pixels. */
+template <typename Value>
+void writeRow(const float* means, int count, bool, Value* out) {
+  constexpr float kUnits = kUnitsOf<Value>, kMost = 255 * kUnitsOf<Value>;
+  for (int i = 0; i < count; ++i) out[i] = static_cast<Value>(std::clamp(means[i] * kUnits + 0.5f, 0.0f, kMost));
+}
+template <typename Value>
+void writeRow(const SumLanes<3>::Value* means, int count, bool bgr, Value* out) {
+  constexpr float kUnits = kUnitsOf<Value>, kMost = 255 * kUnitsOf<Value>;
+  const SumLanes<3>::Sums order = bgr ? SumLanes<3>::Sums{2, 1, 0, 3} : SumLanes<3>::Sums{0, 1, 2, 3};
+  for (int i = 0; i < count; ++i, out += 3) {
+    SumLanes<3>::Value mean = means[i] * kUnits + 0.5f;
+    mean = mean > 0.0f ? mean : SumLanes<3>::Value{};
+    mean = mean < kMost ? mean : SumLanes<3>::Value{} + kMost;
+    const SumLanes<3>::Sums rounded = __builtin_shuffle(__builtin_convertvector(mean, SumLanes<3>::Sums), order);
+    for (int c = 0; c < 3; ++c) out[c] = static_cast<Value>(rounded[c]);
+  }
+}
+
+}  // namespace
 
 template <typename Value>
 void TextureSampler::sample(const CameraModel& camera, const Pose& X_CM, const PlanarModel::Picture& picture,
@@ -28,10 +50,7 @@ void TextureSampler::sample(const CameraModel& camera, const Pose& X_CM, const P
   plane.computeInverseWithCheck(inverse, visible, 1e-9);  // else seen from its own plane: it covers nothing
   if (!visible) return;
   T_ = texels * inverse;
-  Eigen::Matrix3d rays;  // of pixel coordinates (u, v, 1), without a lens
-  rays << 1.0 / camera.fx(), 0.0, -camera.cx() / camera.fx(), 0.0, 1.0 / camera.fy(), -camera.cy() / camera.fy(), 0.0,
-      0.0, 1.0;
-  pixels_ = T_ * rays;
+  pixels_ = T_ * raysOfPixels(camera);
   if (camera.sampling() == CameraModel::Sampling::kCenter) {
     sampleCenters(box, out);
     return;
@@ -88,82 +107,62 @@ void TextureSampler::sampleCenter(int u, int v, ImageOf<Value>& out) const {
 
 template <typename Value>
 void TextureSampler::sampleTile(const PixelBox& box, ImageOf<Value>& out) {
-  const Tile tile = findCorners(box);
-  if (!tile.seen) return;
-  if (!tile.regular) {
+  if (!corners_.project(*camera_, T_, pixels_, box)) {
     sampleRays(box, out);
-  } else if (out.channels() == 3) {
-    tile.border ? integrateBorder<3>(tile, out) : integrateInside<3>(tile, out);
+    return;
+  }
+  constexpr double kSmall = 0.125;  // [texels] a whole tile: single precision would show
+  const Eigen::Array2d size(texture_->width(), texture_->height()), &low = corners_.low(), &high = corners_.high();
+  Tile tile;
+  tile.box = box;
+  tile.border = !((low >= 0.0).all() && (high <= size).all() && (high - low).maxCoeff() >= kSmall);
+  tile.seen = (high >= 0.0).all() && (low <= size).all();
+  if (!tile.seen) return;
+  if (out.channels() == 3) {
+    tile.border ? integrateBorder<3>(tile, out) : integrateInside(tile, color_means_, out);
   } else {
-    tile.border ? integrateBorder<1>(tile, out) : integrateInside<1>(tile, out);
+    tile.border ? integrateBorder<1>(tile, out) : integrateInside(tile, grey_means_, out);
   }
 }
 
-TextureSampler::Tile TextureSampler::findCorners(const PixelBox& box) {
-  Tile tile;
-  tile.box = box;
-  const bool pinhole = camera_->lens() == CameraModel::Lens::kNone;
-  const int columns = box.u1 - box.u0, rows = box.v1 - box.v0;
-  const Eigen::Vector3d step = pixels_.col(0);
-  for (int j = 0; j <= rows; ++j) {
-    const Eigen::Vector3d first = pixels_ * Eigen::Vector3d(box.u0 - 0.5, box.v0 + j - 0.5, 1.0);
-    Eigen::Vector2d* corner = corners_.data() + j * kStride;
-    for (int i = 0; i <= columns; ++i, ++corner) {
-      const Eigen::Vector3d m =
-          pinhole ? Eigen::Vector3d(first + double(i) * step) : onPicture(box.u0 + i - 0.5, box.v0 + j - 0.5);
-      if (!(m.z() > 0.0)) {
-        tile.regular = false;
-        return tile;
-      }
-      *corner = m.head<2>() * (1.0 / m.z());
-    }
+template <int channels, typename Value>
+void TextureSampler::integrateInside(const Tile& tile, PictureMeans<channels, kTile>& means, ImageOf<Value>& out) {
+  if (!means.integrate(corners_, *texture_, Wrap::kClamp, Wrap::kClamp)) {
+    integrateMany<channels>(tile, out);
+    return;
   }
-  // Without a lens squares become convex, and smaller from one side to the other: the first and last ones tell all.
-  const int step_u = pinhole ? columns : 1, step_v = pinhole ? rows : 1;
-  Eigen::Array2d low = corners_[0], high = low;
-  for (int j = 0; j <= rows; j += step_v) {
-    for (int i = 0; i <= columns; i += step_u) {
-      const Eigen::Vector2d* corner = corners_.data() + j * kStride + i;
-      low = low.min(corner->array());
-      high = high.max(corner->array());
-      tile.rows = std::max({tile.rows, std::abs(corner->y() - corner[i > 0 ? -1 : 1].y()),
-                            std::abs(corner->y() - corner[j > 0 ? -kStride : kStride].y())});
-    }
+  for (int j = 0; j < corners_.rows(); ++j) {
+    writeRow(means.means() + j * kTile, corners_.columns(), out.encoding == Encoding::kBgr8,
+             out.pixel(tile.box.u0, tile.box.v0 + j));
   }
-  constexpr double kSmall = 0.125;  // [texels] a whole tile: single precision would show
-  const Eigen::Array2d size(texture_->width(), texture_->height());
-  tile.border = !((low >= 0.0).all() && (high <= size).all() && (high - low).maxCoeff() >= kSmall);
-  tile.seen = (high >= 0.0).all() && (low <= size).all();
-  tile.low = low;
-  return tile;
 }
 
 /** The level of which the largest pixel covers kRows rows at least; `merged` rows of the picture are one of it. */
-const Texture::Level& TextureSampler::levelOf(const Tile& tile, int channels, double& merged) const {
+const Texture::Level& TextureSampler::levelOf(int channels, double& merged) const {
   const std::vector<Texture::Level>& levels = texture_->levels(channels);
   std::size_t k = 0;
-  while (k + 1 < levels.size() && tile.rows >= 2.0 * kRows * double(1 << k)) ++k;
+  while (k + 1 < levels.size() && corners_.longest()[1] >= 2.0 * kRows * double(1 << k)) ++k;
   merged = double(1 << k);
   return levels[k];
 }
 
-/** Edges of a row of pixels: their corners below those of the row before, the integrals of which are known. */
+/** Of pixels that see many texels. Edges of a row of pixels: their corners below those of the row before, the integrals
+ * of which are known. */
 template <int channels, typename Value>
-void TextureSampler::integrateInside(const Tile& tile, ImageOf<Value>& out) const {
+void TextureSampler::integrateMany(const Tile& tile, ImageOf<Value>& out) const {
   using Integrals = TileIntegrals<channels>;
   double merged = 1.0;
-  const Texture::Level& level = levelOf(tile, channels, merged);
+  const Texture::Level& level = levelOf(channels, merged);
   const int columns = tile.box.u1 - tile.box.u0, rows = tile.box.v1 - tile.box.v0;
-  const int column = static_cast<int>(tile.low.x()), row = static_cast<int>(tile.low.y() / merged);
+  const int column = static_cast<int>(corners_.low().x()), row = static_cast<int>(corners_.low().y() / merged);
   Integrals integrals(level, texture_->width(), column, row);
   std::array<float, Integrals::kMostEdges + 1> x[2]{}, y[2]{};
   typename Integrals::Values across[2], down;
   for (int j = 0; j <= rows; ++j) {
-    const Eigen::Vector2d* corner = corners_.data() + j * kStride;
     auto &x1 = x[j % 2], &y1 = y[j % 2], &x0 = x[1 - j % 2], &y0 = y[1 - j % 2];
     for (int i = 0; i <= columns; ++i) {
-      x1[i] = static_cast<float>(corner[i].x() - column);
-      y1[i] = static_cast<float>(corner[i].y() / merged - row);
+      x1[i] = static_cast<float>(corners_.s(i, j) - column);
+      y1[i] = static_cast<float>(corners_.t(i, j) / merged - row);
     }
     integrals.along(x1.data(), y1.data(), x1.data() + 1, y1.data() + 1, columns, across[j % 2]);
     if (j == 0) continue;

@@ -6,6 +6,7 @@
 
 #include "aras_visual_servo_sim/camera/camera_model.hpp"
 #include "aras_visual_servo_sim/scene/scene.hpp"
+#include "picture_means.hpp"
 #include "render/coverage/coverage_rasterizer.hpp"
 
 namespace aras_visual_servo_sim {
@@ -31,14 +32,11 @@ class TextureSampler {
   static constexpr int kRows =
       4;  ///< rows of texels that the largest pixel of a tile still covers, if there are as many
 
-  /** Texture coordinates of a ray (in C): (s, t) = m.head<2>() / m.z() with m = T * ray; m.z() > 0 in front. */
+  using Corners = PictureCorners<kTile>;
   struct Tile {
     PixelBox box;
     bool border = false;  ///< some corner lies outside the picture; or the tile sees next to nothing of it
     bool seen = true;     ///< some pixel may see the picture
-    bool regular = true;  ///< every corner sees the plane
-    double rows = 1.0;    ///< texel rows that the largest pixel covers
-    Eigen::Array2d low;   ///< least texture coordinates of its corners
   };
   Eigen::Vector3d ray(double u, double v) const;
   Eigen::Vector3d onPicture(double u, double v) const { return T_ * ray(u, v); }
@@ -48,10 +46,11 @@ class TextureSampler {
   void sampleCenter(int u, int v, ImageOf<Value>& out) const;
   template <typename Value>
   void sampleTile(const PixelBox& box, ImageOf<Value>& out);
-  Tile findCorners(const PixelBox& box);
-  const Texture::Level& levelOf(const Tile& tile, int channels, double& merged) const;
+  const Texture::Level& levelOf(int channels, double& merged) const;
   template <int channels, typename Value>
-  void integrateInside(const Tile& tile, ImageOf<Value>& out) const;
+  void integrateInside(const Tile& tile, PictureMeans<channels, kTile>& means, ImageOf<Value>& out);
+  template <int channels, typename Value>
+  void integrateMany(const Tile& tile, ImageOf<Value>& out) const;
   template <int channels, typename Value>
   void integrateBorder(const Tile& tile, ImageOf<Value>& out);
   template <typename Value>
@@ -61,8 +60,11 @@ class TextureSampler {
 
   const CameraModel* camera_ = nullptr;
   const Texture* texture_ = nullptr;
-  Eigen::Matrix3d T_, pixels_;  ///< rays, and without a lens pixel coordinates, to texture coordinates
-  std::array<Eigen::Vector2d, kStride * kStride> corners_;
+  Eigen::Matrix3d T_,
+      pixels_;  ///< see PictureCorners: rays, and without a lens pixel coordinates, to texture coordinates
+  Corners corners_;
+  PictureMeans<1, kTile> grey_means_;
+  PictureMeans<3, kTile> color_means_;
   std::array<double, 4 * kStride * kStride> across_, down_;  ///< integrals along edges to the right, downwards
 };
 

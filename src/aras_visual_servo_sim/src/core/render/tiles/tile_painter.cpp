@@ -5,12 +5,9 @@
 #include <limits>
 
 #include "aras_visual_servo_sim/image/pixel_color.hpp"
-#include "whole_tile.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
-
-constexpr float kCrease = 24.0f;  // [grey levels] between triangles of one surface that count as an edge
 
 float dot(const float* a, const float* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -43,7 +40,7 @@ void TilePainter::paintTile(int tile) {
   }
   curved_.clear();
   const bool curved = tile < curved_list_->tiles() && curved_list_->begin(tile) != curved_list_->end(tile);
-  if (!curved && paintWhole()) return;
+  if (!curved && paintFronts()) return;
   setUp();
   if (curved) addCurved(tile);
   const bool centers = camera_->sampling() == CameraModel::Sampling::kCenter;
@@ -57,15 +54,52 @@ void TilePainter::paintTile(int tile) {
   }
 }
 
-/** The short way for a tile that sees nothing but one facet. @return false if it is none, or has a picture */
-bool TilePainter::paintWhole() {
-  const TileTriangle* front = wholeFront(*camera_, *list_, candidates_, box_, cone_);
-  if (!front) return false;
-  const Facet& facet = list_->facet(front->triangle);
-  if (keep_ && facet.planar) return true;
-  if (facet.picture >= 0 || facet.texture) return false;
-  std::visit([&](const auto& canvas) { shadeTile(*camera_, facet, box_, *canvas.image); }, canvas_);
+/** The short way for a tile whose pixels see what their middles see. @return false if it is none */
+bool TilePainter::paintFronts() {
+  if (!fronts_.find(*camera_, *list_, candidates_, box_, cone_)) return false;
+  const std::vector<const Facet*>& facets = fronts_.facets();
+  const auto planar = [](const Facet* facet) { return facet->planar; };
+  if (keep_ && std::all_of(facets.begin(), facets.end(), planar)) return true;
+  if (keep_ && std::any_of(facets.begin(), facets.end(), planar)) return false;
+  return std::visit([&](const auto& canvas) { return paintFronts(canvas); }, canvas_);
+}
+
+template <typename Value>
+bool TilePainter::paintFronts(const Canvas<Value>& canvas) {
+  const std::vector<const Facet*>& facets = fronts_.facets();
+  const auto all = [&facets](const auto& holds) { return std::all_of(facets.begin(), facets.end(), holds); };
+  const int picture = facets[0]->picture;
+  if (!all([picture](const Facet* facet) { return facet->picture == picture; })) return false;
+  if (picture >= 0) {
+    copyPicture((*canvas.pictures)[picture], *canvas.image);
+    return true;
+  }
+  const Eigen::Vector3f& first = facets[0]->rgb[0];
+  if (all([&first](const Facet* facet) { return facet->one_color && !facet->texture && facet->rgb[0] == first; })) {
+    paintTileWith(first, box_, *canvas.image);
+    return true;
+  }
+  if (!shade(*facets[0], colors_)) return false;
+  for (std::size_t k = 1; k < facets.size(); ++k) {
+    if (!shade(*facets[k], facet_colors_)) return false;
+    colors_.take(facet_colors_, fronts_.facetOf(), static_cast<std::int32_t>(k));
+  }
+  colors_.write(box_, *canvas.image);
   return true;
+}
+
+/** @return false if the facet's texture has to be looked at pixel by pixel */
+bool TilePainter::shade(const Facet& facet, TileColors& colors) {
+  if (facet.texture && !texture_.look(*camera_, facet, box_)) return false;
+  colors.shade(*camera_, facet, box_);
+  if (facet.texture) colors.multiply(texture_.colors());
+  return true;
+}
+
+template <typename Value>
+void TilePainter::copyPicture(const ImageOf<Value>& picture, ImageOf<Value>& image) const {
+  const std::size_t count = std::size_t(box_.u1 - box_.u0) * image.channels();
+  for (int v = box_.v0; v < box_.v1; ++v) std::copy_n(picture.pixel(box_.u0, v), count, image.pixel(box_.u0, v));
 }
 
 void TilePainter::setUp() {

@@ -11,7 +11,10 @@
 #include "render/triangles/triangle_list.hpp"
 #include "render/view/pixel_rays.hpp"
 #include "tile_bins.hpp"
+#include "tile_colors.hpp"
 #include "tile_curved.hpp"
+#include "tile_fronts.hpp"
+#include "tile_texture.hpp"
 #include "tile_triangle.hpp"
 
 namespace aras_visual_servo_sim {
@@ -63,7 +66,12 @@ class TilePainter {
   };
 
   void paintTile(int tile);
-  bool paintWhole();
+  bool paintFronts();
+  template <typename Value>
+  bool paintFronts(const Canvas<Value>& canvas);
+  template <typename Value>
+  void copyPicture(const ImageOf<Value>& picture, ImageOf<Value>& image) const;
+  bool shade(const Facet& facet, TileColors& colors);
   void setUp();
   void collect(std::uint32_t candidate);
   void measureEdges(const TileTriangle& candidate);
@@ -102,6 +110,9 @@ class TilePainter {
   bool isCurved(std::uint32_t candidate) const { return candidate >= candidates_.size(); }
   const TileCurved& curvedOf(std::uint32_t candidate) const { return curved_[candidate - candidates_.size()]; }
   const CurvedPatch& patchOf(const TileCurved& curved) const { return curved_list_->entries()[curved.entry].patch; }
+  TileFronts fronts_;
+  TileColors colors_, facet_colors_;
+  TileTexture texture_;
   std::vector<Fragment> fragments_;
   std::vector<std::uint32_t> seen_;  // scratch: candidates of one pixel
   PixelSamples samples_;             // scratch

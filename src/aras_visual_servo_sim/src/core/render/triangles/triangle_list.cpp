@@ -164,7 +164,8 @@ void TriangleList::addTriangle(const Points& points_C, const Seams& seams, Facet
     if (!seen) continue;
     cell_ = cell;
     polygon_.assign(points_C.begin(), points_C.end());
-    if (!inside) cell->clip(polygon_);
+    polygon_seams_.assign(seams.begin(), seams.end());
+    if (!inside) cell->clip(polygon_, &polygon_seams_);
     if (polygon_.size() < 3) continue;
     corners_.clear();
     for (const Eigen::Vector3d& p : polygon_) corners_.push_back(corner(p));
@@ -173,9 +174,10 @@ void TriangleList::addTriangle(const Points& points_C, const Seams& seams, Facet
     } else if (inside) {
       addVertices({corners_[0], corners_[1], corners_[2]}, seams);
     } else {
+      const auto seam = [this](std::size_t k) { return polygon_seams_[k] != 0; };
       for (std::size_t i = 2; i < corners_.size(); ++i) {
-        // What became of the triangle's own edges is not known: none of them is a seam.
-        addVertices({corners_[0], corners_[i - 1], corners_[i]}, {i > 2, false, i + 1 < corners_.size()});
+        addVertices({corners_[0], corners_[i - 1], corners_[i]},
+                    {i > 2 || seam(0), seam(i - 1), i + 1 < corners_.size() || seam(i)});
       }
     }
   }

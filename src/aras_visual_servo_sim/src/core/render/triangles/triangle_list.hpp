@@ -69,6 +69,7 @@ class TriangleList {
   std::uint32_t surfaces_ = 0;
   std::vector<std::uint32_t> facet_of_;
   std::vector<Eigen::Vector3d> points_, polygon_;  // scratch
+  std::vector<char> polygon_seams_;                // scratch: of the edge from each corner of polygon_ to the next
   std::vector<Eigen::Vector3f> colors_;            // scratch
   std::vector<Corner> corners_;                    // scratch
   std::vector<Span> spans_;

@@ -97,27 +97,34 @@ bool ViewCell::excludes(const Eigen::Vector3d* points_C, std::size_t count) cons
   });
 }
 
-void ViewCell::clip(std::vector<Eigen::Vector3d>& polygon_C) const {
-  thread_local std::vector<Eigen::Vector3d> kept;  // its memory is used again
+void ViewCell::clip(std::vector<Eigen::Vector3d>& polygon_C, std::vector<char>* seams) const {
+  thread_local std::vector<Eigen::Vector3d> kept;  // their memory is used again
+  thread_local std::vector<char> seams_kept;
   for (const Plane& plane : *this) {
     if (polygon_C.empty()) return;
     kept.clear();
-    Eigen::Vector3d before = polygon_C.back();
-    double before_side = plane.normal.dot(before) - plane.offset;
-    for (const Eigen::Vector3d& point : polygon_C) {
+    seams_kept.clear();
+    const auto keep = [&](const Eigen::Vector3d& point, bool seam) {
+      kept.push_back(point);
+      seams_kept.push_back(seam ? 1 : 0);
+    };
+    const auto seam = [&](std::size_t i) { return seams && (*seams)[i] != 0; };
+    double before_side = plane.normal.dot(polygon_C.back()) - plane.offset;
+    for (std::size_t i = 0, j = polygon_C.size() - 1; i < polygon_C.size(); j = i++) {
+      const Eigen::Vector3d &point = polygon_C[i], &before = polygon_C[j];
       const double side = plane.normal.dot(point) - plane.offset;
       if ((side >= 0.0) != (before_side >= 0.0)) {
         // Always from the inner to the outer end, so that triangles sharing the edge get the same point.
         const double inner = std::max(side, before_side), outer = std::min(side, before_side);
         const Eigen::Vector3d& a = side >= 0.0 ? point : before;
         const Eigen::Vector3d& b = side >= 0.0 ? before : point;
-        kept.push_back(a + inner / (inner - outer) * (b - a));
+        keep(a + inner / (inner - outer) * (b - a), side >= 0.0 && seam(j));
       }
-      if (side >= 0.0) kept.push_back(point);
-      before = point;
+      if (side >= 0.0) keep(point, seam(i));
       before_side = side;
     }
     polygon_C.swap(kept);
+    if (seams) seams->swap(seams_kept);
   }
 }
 

@@ -27,8 +27,10 @@ class ViewCell {
   bool contains(const Eigen::Vector3d& center_C, double radius) const;
   /** Whether all points lie outside one and the same plane. */
   bool excludes(const Eigen::Vector3d* points_C, std::size_t count) const;
-  /** Cuts a polygon (Sutherland and Hodgman): what is left may be empty. Concave ones keep edges of no area. */
-  void clip(std::vector<Eigen::Vector3d>& polygon_C) const;
+  /** Cuts a polygon (Sutherland and Hodgman): what is left may be empty. Concave ones keep edges of no area.
+   *  @param seams  of the edge from each corner to the next, if they are of interest: parts of an edge keep what it
+   *                was, and edges along the cell's planes get 0 */
+  void clip(std::vector<Eigen::Vector3d>& polygon_C, std::vector<char>* seams = nullptr) const;
 
   /** Through the fisheye, edges longer than this in (x, y) are cut whatever their middle says: it may lie on an
    *  inflexion. */

@@ -39,6 +39,10 @@ std::string FrameDrawer::openGl() const {
 const Image& FrameDrawer::draw(Camera& camera, std::int64_t now, const Pose& X_WC, Scene& scene) {
   if (camera.readsOut()) {
     drawOn(camera.light, camera, now, X_WC, scene);
+    if (camera.seesDepth()) {
+      drawGeometry(camera, X_WC, scene, Distance::kDepth, depth_);
+      camera.focus(depth_);
+    }
     camera.readOut(now);
   } else {
     drawOn(camera.image, camera, now, X_WC, scene);
@@ -128,14 +132,19 @@ void FrameDrawer::drawLate(ImageOf<Value>& image, const Camera& camera, const Ex
 }
 
 const GeometryImage& FrameDrawer::drawGeometry(Camera& camera, const Pose& X_WC, const Scene& now, Distance distance) {
+  drawGeometry(camera, X_WC, now, distance, camera.geometry);
+  return camera.geometry;
+}
+
+void FrameDrawer::drawGeometry(const Camera& camera, const Pose& X_WC, const Scene& now, Distance distance,
+                               GeometryImage& out) {
   if (const ExposedFrame* late = camera.takenFrame()) {
     Scene scene = sceneOf(*late, now);
     show(late->present, scene);
-    geometry_renderer_.render(camera.model(), late->present.X_WC, scene, camera.geometry, distance);
+    geometry_renderer_.render(camera.model(), late->present.X_WC, scene, out, distance);
   } else {
-    geometry_renderer_.render(camera.model(), X_WC, now, camera.geometry, distance);
+    geometry_renderer_.render(camera.model(), X_WC, now, out, distance);
   }
-  return camera.geometry;
 }
 
 }  // namespace aras_visual_servo_sim

@@ -35,7 +35,8 @@ bool RollingShutter::still() const {
   const Moment& last = *moments_.back().moment;
   return std::all_of(moments_.begin(), moments_.end(), [&last](const Exposure::Sample& each) {
     const Moment& moment = *each.moment;
-    return same(moment.X_WC, last.X_WC) && same(moment.models, last.models) && same(moment.bodies, last.bodies);
+    return same(moment.X_WC, last.X_WC) && same(moment.models, last.models) && same(moment.bodies, last.bodies) &&
+           same(moment.lights, last.lights);
   });
 }
 
@@ -56,6 +57,7 @@ void RollingShutter::find(int v, int sample, Moment& moment) const {
   moment.X_WC = between(a.X_WC, b.X_WC, share);
   between(a.models, b.models, share, moment.models);
   between(a.bodies, b.bodies, share, moment.bodies);
+  between(a.lights, b.lights, share, moment.lights);
 }
 
 }  // namespace aras_visual_servo_sim

@@ -50,6 +50,9 @@ void ModelSet::remove(const std::string& model) {
     body_links.erase(body_links.begin() + static_cast<std::ptrdiff_t>(k));
     break;
   }
+  auto& lights = scene.lighting.lights;
+  lights.erase(std::remove_if(lights.begin(), lights.end(), [&](const Light& l) { return l.attached_to == model; }),
+               lights.end());
   scene.motions.erase(model);
   starts.erase(model);
   solids.erase(model);

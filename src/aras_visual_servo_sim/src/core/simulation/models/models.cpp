@@ -53,6 +53,11 @@ void Models::follow(const MultibodyWorld& world) {
   for (std::size_t k = 0; k < set_.body_links.size(); ++k) {
     if (set_.body_links[k] >= 0) set_.scene.bodies[k].X_WB = world.linkPose(set_.body_links[k]);
   }
+  for (Light& light : set_.scene.lighting.lights) {
+    if (light.attached_to.empty()) continue;
+    const bool on_model = set_.starts.count(light.attached_to) > 0;
+    light.carry(on_model ? set_.place(light.attached_to) : world.linkPose(light.attached_to));
+  }
 }
 
 void Models::setMotion(const std::string& model, const std::optional<ModelMotion>& motion, std::int64_t now_ns) {

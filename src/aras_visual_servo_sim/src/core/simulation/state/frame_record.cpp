@@ -30,6 +30,12 @@ std::vector<SavedModel> StateReader::getModels() {
   return models;
 }
 
+ModelSet StateReader::getSet(const Compose& compose) {
+  ModelSet set = compose(getModels());
+  set.scene.lighting.lights = getLights();
+  return set;
+}
+
 void StateWriter::putMotions(const std::map<std::string, MotionRun>& motions) {
   put<std::uint64_t>(motions.size());
   for (const auto& [name, run] : motions) {
@@ -74,7 +80,10 @@ void StateWriter::putFrame(const ExposedFrame& frame) {
   for (const Eigen::VectorXd* values : {&frame.q, &frame.v, &frame.efforts}) putVector(*values);
   putVector(frame.V_WC_C);
   put<std::uint64_t>(frame.models != nullptr);
-  if (frame.models) putModels(frame.models->saved());
+  if (frame.models) {
+    putModels(frame.models->saved());
+    putLights(frame.models->scene.lighting.lights);
+  }
   putMoment(frame.present);
   put<std::uint64_t>(frame.samples.size());
   for (const auto& [moment, count] : frame.samples) {
@@ -88,7 +97,7 @@ ExposedFrame StateReader::getFrame(int joints, const Scene& scene, const Compose
   frame.index = get<std::int64_t>();
   for (Eigen::VectorXd* values : {&frame.q, &frame.v, &frame.efforts}) *values = getVector(joints);
   frame.V_WC_C = getVector(6);
-  if (get<std::uint64_t>() != 0) frame.models = std::make_shared<ModelSet>(compose(getModels()));
+  if (get<std::uint64_t>() != 0) frame.models = std::make_shared<ModelSet>(getSet(compose));
   const Scene& seen = frame.models ? frame.models->scene : scene;
   frame.present = getMoment(seen);
   for (auto left = get<std::uint64_t>(); left > 0; --left) {

@@ -1,5 +1,7 @@
 #include "state_record.hpp"
 
+#include <algorithm>
+
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/simulation/state/run_hash.hpp"
 
@@ -33,7 +35,7 @@ void StateWriter::putPose(const Pose& pose) {
 void StateWriter::putMoment(const Moment& moment) {
   put(moment.tick);
   putPose(moment.X_WC);
-  for (const std::vector<Pose>* poses : {&moment.models, &moment.bodies}) {
+  for (const std::vector<Pose>* poses : {&moment.models, &moment.bodies, &moment.lights}) {
     put<std::uint64_t>(poses->size());
     for (const Pose& pose : *poses) putPose(pose);
   }
@@ -82,8 +84,8 @@ Pose StateReader::getPose() {
 
 std::vector<Pose> StateReader::getPoses(std::size_t count) {
   if (const auto found = get<std::uint64_t>(); found != count) {
-    throw StateError("saved state: found an exposure of " + std::to_string(found) + " models or bodies, allowed " +
-                     std::to_string(count) + " as in this scene");
+    throw StateError("saved state: found an exposure of " + std::to_string(found) +
+                     " models, bodies or lights, allowed " + std::to_string(count) + " as in this scene");
   }
   std::vector<Pose> poses;
   for (std::size_t k = 0; k < count; ++k) poses.push_back(getPose());
@@ -96,6 +98,9 @@ Moment StateReader::getMoment(const Scene& scene) {
   moment.X_WC = getPose();
   moment.models = getPoses(scene.models.size());
   moment.bodies = getPoses(scene.bodies.size());
+  const auto attached = [](const Light& light) { return !light.attached_to.empty(); };
+  const auto& lights = scene.lighting.lights;
+  moment.lights = getPoses(static_cast<std::size_t>(std::count_if(lights.begin(), lights.end(), attached)));
   return moment;
 }
 

@@ -29,6 +29,7 @@ class StateWriter {
   void putPose(const Pose& pose);
   void putMoment(const Moment& moment);
   void putModels(const std::vector<SavedModel>& models);
+  void putLights(const std::vector<Light>& lights);
   void putMotions(const std::map<std::string, MotionRun>& motions);
   void putFrame(const ExposedFrame& frame);
   void putFrames(const FramesInFlight& flight);
@@ -61,6 +62,9 @@ class StateReader {
   /** @throws StateError unless it is of a scene with as many models and bodies */
   Moment getMoment(const Scene& scene);
   std::vector<SavedModel> getModels();
+  std::vector<Light> getLights();
+  /** The models and lights of putModels and putLights, one after the other. */
+  ModelSet getSet(const Compose& compose);
   /** @throws StateError unless each is of a model of the set */
   std::map<std::string, MotionRun> getMotions(const ModelSet& set);
   /** @param scene  of frames without models of their own */

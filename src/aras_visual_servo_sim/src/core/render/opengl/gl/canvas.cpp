@@ -6,7 +6,7 @@
 
 namespace aras_visual_servo_sim {
 
-Canvas::Canvas(const GlFunctions& gl, int width, int height, bool multisampled)
+Canvas::Canvas(const GlFunctions& gl, int width, int height, bool multisampled, bool fine)
     : gl_(gl), width_(width), height_(height) {
   GLint most = 0;
   gl_.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &most);
@@ -14,21 +14,22 @@ Canvas::Canvas(const GlFunctions& gl, int width, int height, bool multisampled)
     throw RenderError("renderer 'opengl': found a picture of " + std::to_string(width) + " x " +
                       std::to_string(height) + " px, allowed up to " + std::to_string(most) + " px a side");
   }
-  const auto storage = [&](GLuint& buffer, GLenum format, int samples, GLenum attachment) {
+  const auto storage = [&](GLuint& buffer, GLenum stored, int samples, GLenum attachment) {
     gl_.GenRenderbuffers(1, &buffer);
     gl_.BindRenderbuffer(GL_RENDERBUFFER, buffer);
-    gl_.RenderbufferStorageMultisample(GL_RENDERBUFFER, samples, format, width_, height_);
+    gl_.RenderbufferStorageMultisample(GL_RENDERBUFFER, samples, stored, width_, height_);
     gl_.FramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, buffer);
   };
+  const GLenum format = fine ? GL_RGBA16 : GL_RGBA8;
   gl_.GenFramebuffers(1, &drawn_);
   gl_.BindFramebuffer(GL_FRAMEBUFFER, drawn_);
-  storage(color_, GL_RGBA8, multisampled ? kSamples : 0, GL_COLOR_ATTACHMENT0);
+  storage(color_, format, multisampled ? kSamples : 0, GL_COLOR_ATTACHMENT0);
   storage(depth_, GL_DEPTH_COMPONENT32F, multisampled ? kSamples : 0, GL_DEPTH_ATTACHMENT);
   GLenum status = gl_.CheckFramebufferStatus(GL_FRAMEBUFFER);
   if (multisampled && status == GL_FRAMEBUFFER_COMPLETE) {
     gl_.GenFramebuffers(1, &resolved_);
     gl_.BindFramebuffer(GL_FRAMEBUFFER, resolved_);
-    storage(resolved_color_, GL_RGBA8, 0, GL_COLOR_ATTACHMENT0);
+    storage(resolved_color_, format, 0, GL_COLOR_ATTACHMENT0);
     status = gl_.CheckFramebufferStatus(GL_FRAMEBUFFER);
   }
   if (status != GL_FRAMEBUFFER_COMPLETE) {
@@ -51,7 +52,8 @@ void Canvas::bind() const {
   gl_.Viewport(0, 0, width_, height_);
 }
 
-void Canvas::read(std::vector<std::uint32_t>& pixels) const {
+template <typename Pixel>
+void Canvas::readAs(GLenum type, std::vector<Pixel>& pixels) const {
   pixels.resize(std::size_t(width_) * height_);
   if (resolved_) {
     gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, drawn_);
@@ -60,8 +62,11 @@ void Canvas::read(std::vector<std::uint32_t>& pixels) const {
     gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, resolved_);
   }
   gl_.PixelStorei(GL_PACK_ALIGNMENT, 4);
-  gl_.ReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
+  gl_.ReadPixels(0, 0, width_, height_, GL_RGBA, type, pixels.data());
   gl_.BindFramebuffer(GL_FRAMEBUFFER, drawn_);
 }
+
+template void Canvas::readAs(GLenum, std::vector<std::uint32_t>&) const;
+template void Canvas::readAs(GLenum, std::vector<std::uint64_t>&) const;
 
 }  // namespace aras_visual_servo_sim

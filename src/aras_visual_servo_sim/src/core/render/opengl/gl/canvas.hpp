@@ -12,8 +12,8 @@ class Canvas {
  public:
   static constexpr int kSamples = 4;  ///< llvmpipe has no more
 
-  /** @throws RenderError naming the size if OpenGL has no such picture */
-  Canvas(const GlFunctions& gl, int width, int height, bool multisampled);
+  /** @param fine  16 bits a channel, else 8  @throws RenderError naming the size if OpenGL has no such picture */
+  Canvas(const GlFunctions& gl, int width, int height, bool multisampled, bool fine);
   ~Canvas();
   Canvas(const Canvas&) = delete;
   Canvas& operator=(const Canvas&) = delete;
@@ -23,11 +23,15 @@ class Canvas {
 
   /** What is drawn from here on goes into it. */
   void bind() const;
-  /** Means over the samples of what was drawn so far: bytes r, g, b, a for each pixel, in the order of OpenGL's rows.
-   */
-  void read(std::vector<std::uint32_t>& pixels) const;
+  /** Means over the samples of what was drawn so far: r, g, b, a for each pixel, in the order of OpenGL's rows. A
+   *  canvas of 16 bits is read into 64. */
+  void read(std::vector<std::uint32_t>& pixels) const { readAs(GL_UNSIGNED_BYTE, pixels); }
+  void read(std::vector<std::uint64_t>& pixels) const { readAs(GL_UNSIGNED_SHORT, pixels); }
 
  private:
+  template <typename Pixel>
+  void readAs(GLenum type, std::vector<Pixel>& pixels) const;
+
   const GlFunctions& gl_;
   int width_, height_;
   GLuint drawn_ = 0, color_ = 0, depth_ = 0;  // frame buffer and what it is made of

@@ -10,7 +10,11 @@ bool asksForShadow(const Light& light) { return light.casts_shadows && !light.at
 }  // namespace
 
 LightSet::LightSet(const Scene& scene) : ambient(scene.lighting.ambient), lights(scene.lighting.lights) {
-  if (lights.empty()) {  // render/view/shading.hpp's litShare()
+  if (lights.size() > Lighting::kMostLights) {
+    throw RenderError("renderer 'opengl': found " + std::to_string(lights.size()) + " lights, allowed up to " +
+                      std::to_string(Lighting::kMostLights));
+  }
+  if (scene.lighting.as_coverage.value_or(lights.empty())) {  // render/view/shading.hpp's litShare()
     constexpr double kAmbient = 0.38, kLight = 0.50, kHeadlight = 0.22;
     ambient.setConstant(kAmbient);
     Light sun;
@@ -20,12 +24,8 @@ LightSet::LightSet(const Scene& scene) : ambient(scene.lighting.ambient), lights
     head.type = Light::Type::kPoint;
     head.diffuse.setConstant(kHeadlight);
     head.at_camera = true;
-    lights = {sun, head};
+    lights.insert(lights.begin(), {sun, head});
     clamps_light = true;
-  }
-  if (lights.size() > kMostLights) {
-    throw RenderError("renderer 'opengl': found " + std::to_string(lights.size()) + " lights, allowed up to " +
-                      std::to_string(kMostLights));
   }
   for (Light& light : lights) light.casts_shadows = light.casts_shadows && scene.lighting.shadows;
 }

@@ -248,7 +248,7 @@ void SolidPainter::setLights(Program& program) {
     set3(at.place, light.type == Light::Type::kDirectional ? toward : X_CW * light.position_W);
     set3(at.axis, toward);
     const double inner = std::cos(0.5 * light.inner_angle_rad), outer = std::cos(0.5 * light.outer_angle_rad);
-    set3(at.cone, {outer, 1.0 / std::max(1e-6, inner - outer), light.falloff});
+    set3(at.cone, {outer, 1.0 / std::max(1e-6, inner - outer), std::max(light.falloff, 1e-3)});  // no power 0 of 0
     gl_.Uniform4f(at.fade, float(std::min(light.range_m, 1e30)), float(light.constant), float(light.linear_per_m),
                   float(light.quadratic_per_m2));
     set3(at.diffuse, light.diffuse);

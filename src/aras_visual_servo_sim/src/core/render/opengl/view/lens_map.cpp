@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "render/opengl/gl/packed_pixel.hpp"
+
 namespace aras_visual_servo_sim {
 namespace {
 
@@ -120,35 +122,29 @@ LensMap::LensMap(const CameraModel& camera, bool fine) : rays_(fine ? 4 : 1) {
   }
 }
 
-void LensMap::resample(const std::vector<std::vector<std::uint32_t>>& pictures,
-                       std::vector<std::uint32_t>& image) const {
-  // Two channels at a time, each in 16 bits of its own.
-  constexpr std::uint32_t kEven = 0x00ff00ff;
-  const auto mix = [](std::uint32_t a, std::uint32_t b, std::uint32_t weight) {
-    const std::uint32_t even = ((a & kEven) * (256 - weight) + (b & kEven) * weight + 0x00800080) >> 8;
-    const std::uint32_t odd = ((a >> 8) & kEven) * (256 - weight) + ((b >> 8) & kEven) * weight + 0x00800080;
-    return (even & kEven) | (odd & ~kEven);
-  };
+template <typename Pixel>
+void LensMap::resample(const std::vector<std::vector<Pixel>>& pictures, std::vector<Pixel>& image) const {
+  using Channels = Packed<Pixel>;
   image.resize(taps_.size() / rays_);
-  const auto see = [&](const Tap& tap) -> std::uint32_t {
+  const auto see = [&](const Tap& tap) -> Pixel {
     if (tap.view == kNone) return 0;
-    const std::uint32_t* at = pictures[tap.view].data() + tap.first;
-    const std::uint32_t* below = at + views_[tap.view].width;
-    return mix(mix(at[0], at[1], tap.right), mix(below[0], below[1], tap.right), tap.down);
+    const Pixel* at = pictures[tap.view].data() + tap.first;
+    const Pixel* below = at + views_[tap.view].width;
+    return Channels::mix(Channels::mix(at[0], at[1], tap.right), Channels::mix(below[0], below[1], tap.right),
+                         tap.down);
   };
   if (rays_ == 1) {
     for (std::size_t k = 0; k < image.size(); ++k) image[k] = see(taps_[k]);
     return;
   }
   for (std::size_t k = 0; k < image.size(); ++k) {
-    std::uint32_t even = 0x00020002, odd = 0x00020002;
-    for (int ray = 0; ray < rays_; ++ray) {
-      const std::uint32_t seen = see(taps_[rays_ * k + ray]);
-      even += seen & kEven;
-      odd += (seen >> 8) & kEven;
-    }
-    image[k] = ((even >> 2) & kEven) | (((odd >> 2) & kEven) << 8);
+    typename Channels::Mean mean;
+    for (int ray = 0; ray < rays_; ++ray) mean.add(see(taps_[rays_ * k + ray]));
+    image[k] = mean.of4();
   }
 }
+
+template void LensMap::resample(const std::vector<std::vector<std::uint32_t>>&, std::vector<std::uint32_t>&) const;
+template void LensMap::resample(const std::vector<std::vector<std::uint64_t>>&, std::vector<std::uint64_t>&) const;
 
 }  // namespace aras_visual_servo_sim

@@ -22,7 +22,8 @@ class LensMap {
 
   /** @param pictures  of views(), in their order, pixels as Canvas::read gives them
    *  @param image     width x height of the camera; where no picture has anything it becomes black */
-  void resample(const std::vector<std::vector<std::uint32_t>>& pictures, std::vector<std::uint32_t>& image) const;
+  template <typename Pixel>
+  void resample(const std::vector<std::vector<Pixel>>& pictures, std::vector<Pixel>& image) const;
 
  private:
   /** Where one ray meets a picture. */

@@ -5,6 +5,8 @@
 
 namespace aras_visual_servo_sim {
 
+/** Section `light`. Faults go to reader. */
+Light readLight(YamlReader& reader);
 /** Section `lighting`. Faults go to reader. */
 Lighting readLighting(YamlReader& reader);
 /** Section `material`, but for casts_shadows. */

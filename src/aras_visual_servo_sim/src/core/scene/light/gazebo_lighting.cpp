@@ -11,6 +11,7 @@ void SceneConfig::lightAsGazebo() {
     const auto grey = static_cast<std::uint8_t>(std::lround(255.0 * kBackground));
     background = {grey, grey, grey};
   }
+  lighting.as_coverage = false;
   if (has_lights) return;
   Light sun;
   sun.name = "sun";

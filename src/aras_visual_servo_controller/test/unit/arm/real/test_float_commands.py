@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.arm.float_commands import SetPointIntegrator
+from aras_visual_servo_controller.arm.real.float_commands import SetPointIntegrator
 from aras_visual_servo_controller.ground.types import Command
 
 SECOND_NS = 1_000_000_000

@@ -1,6 +1,6 @@
 #include "lighting_reader.hpp"
 
-#include "planar_shape.hpp"
+#include "scene/light/color_reader.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -11,6 +11,8 @@ constexpr double kGreyLevels = 255.0;
 Eigen::Vector3d readIntensity(YamlReader& reader, const char* key) {
   return reader.get<Eigen::Vector3d>(key) / kGreyLevels;
 }
+
+}  // namespace
 
 Light readLight(YamlReader& reader) {
   Light light;
@@ -29,8 +31,12 @@ Light readLight(YamlReader& reader) {
       light.direction_W = *direction;
     }
   }
-  light.diffuse = readIntensity(reader, "color_rgb");
-  light.specular = readIntensity(reader, "specular_rgb");
+  light.attached_to = reader.find<std::string>("attached_to").value_or("");
+  light.position_A = light.position_W;
+  light.direction_A = light.direction_W;
+  const auto intensity = reader.get<double>("intensity");
+  light.diffuse = intensity * readIntensity(reader, "color_rgb");
+  light.specular = intensity * readIntensity(reader, "specular_rgb");
   light.range_m = reader.get<double>("range_m");
   light.constant = reader.get<double>("attenuation_constant");
   light.linear_per_m = reader.get<double>("attenuation_linear");
@@ -46,12 +52,11 @@ Light readLight(YamlReader& reader) {
   return light;
 }
 
-}  // namespace
-
 Lighting readLighting(YamlReader& reader) {
   Lighting lighting;
   lighting.ambient = readIntensity(reader, "ambient_rgb");
   for (YamlReader& light : reader.list("lights")) lighting.lights.push_back(readLight(light));
+  lighting.as_coverage = lighting.lights.empty();
   lighting.shadows = reader.get<bool>("shadows");
   lighting.shadow_map_px = static_cast<int>(reader.get<std::int64_t>("shadow_map_px"));
   if (reader.has("fog")) {

@@ -1,0 +1,1 @@
+"""Forms of commands, one per file: what the driver of an arm takes."""

@@ -1,0 +1,158 @@
+#include "tile_colors.hpp"
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+
+#include "aras_visual_servo_sim/config/wide.hpp"
+#include "aras_visual_servo_sim/image/pixel_color.hpp"
+#include "render/view/pixel_rays.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+constexpr int kTile = TileColors::kTile, kPixels = TileColors::kPixels;
+
+/** Colours along a row of pixels: (over + slope x) / (under + under_x x). */
+ARAS_WIDE void shadeRow(const double* x, const double* slope, const double* over, double under_x, double under,
+                        double* red, double* green, double* blue) {
+  for (int i = 0; i < kTile; ++i) {
+    const double scale = 1.0 / (under + under_x * x[i]);
+    red[i] = (over[0] + slope[0] * x[i]) * scale;
+    green[i] = (over[1] + slope[1] * x[i]) * scale;
+    blue[i] = (over[2] + slope[2] * x[i]) * scale;
+  }
+}
+
+/** Colours along rays. @param over  3 x 3, column by column */
+ARAS_WIDE void shadeRays(const double* x, const double* y, const double* z, const double* over, const double* under,
+                         int count, double* red, double* green, double* blue) {
+  for (int i = 0; i < count; ++i) {
+    const double scale = 1.0 / (under[0] * x[i] + under[1] * y[i] + under[2] * z[i]);
+    red[i] = (over[0] * x[i] + over[3] * y[i] + over[6] * z[i]) * scale;
+    green[i] = (over[1] * x[i] + over[4] * y[i] + over[7] * z[i]) * scale;
+    blue[i] = (over[2] * x[i] + over[5] * y[i] + over[8] * z[i]) * scale;
+  }
+}
+
+ARAS_WIDE void takeChannel(const double* others, const std::int32_t* facet_of, std::int32_t index, double* mine) {
+  for (int p = 0; p < kPixels; ++p) mine[p] = facet_of[p] == index ? others[p] : mine[p];
+}
+
+/** Rounded values of all pixels of a channel. */
+template <typename Value>
+inline __attribute__((always_inline)) void roundAll(const double* parts, Value* values) {
+  constexpr double kUnits = kUnitsOf<Value>;
+  for (int p = 0; p < kPixels; ++p) {
+    values[p] = static_cast<Value>(static_cast<std::int32_t>(parts[p] * kUnits + 0.5));
+  }
+}
+ARAS_WIDE void round(const double* parts, std::uint8_t* values) { roundAll(parts, values); }
+ARAS_WIDE void round(const double* parts, std::uint16_t* values) { roundAll(parts, values); }
+
+/** With b = areal * ray, colour = rgb * b / sum(b): three linear functions of the ray, these, over a fourth. */
+Eigen::Matrix3d overOf(const Facet& facet) {
+  Eigen::Matrix3d rgb;
+  for (int k = 0; k < 3; ++k) rgb.col(k) = facet.rgb[k].cast<double>();
+  return rgb * facet.areal;
+}
+
+}  // namespace
+
+void TileColors::shade(const CameraModel& camera, const Facet& facet, const PixelBox& tile) {
+  if (facet.one_color) {
+    std::fill(std::begin(red_), std::end(red_), double(facet.rgb[0][0]));
+    std::fill(std::begin(green_), std::end(green_), double(facet.rgb[0][1]));
+    std::fill(std::begin(blue_), std::end(blue_), double(facet.rgb[0][2]));
+  } else if (camera.lens() == CameraModel::Lens::kNone) {
+    shadeFlat(camera, facet, tile);
+  } else {
+    shadeBent(camera, facet, tile);
+  }
+}
+
+void TileColors::shadeFlat(const CameraModel& camera, const Facet& facet, const PixelBox& tile) {
+  const Eigen::Matrix3d over = overOf(facet);
+  const Eigen::Vector3d& under = facet.plane;
+  double x[kTile];
+  for (int i = 0; i < kTile; ++i) x[i] = (tile.u0 + i - camera.cx()) / camera.fx();
+  for (int v = tile.v0; v < tile.v1; ++v) {
+    const double y = (v - camera.cy()) / camera.fy();
+    const Eigen::Vector3d over_row = over.col(1) * y + over.col(2);
+    const int first = (v - tile.v0) * kTile;
+    shadeRow(x, over.col(0).data(), over_row.data(), under[0], under[1] * y + under[2], red_ + first, green_ + first,
+             blue_ + first);
+  }
+}
+
+void TileColors::shadeBent(const CameraModel& camera, const Facet& facet, const PixelBox& tile) {
+  const Eigen::Matrix3d over = overOf(facet);
+  double x[kPixels] = {}, y[kPixels] = {}, z[kPixels];
+  std::fill(std::begin(z), std::end(z), 1.0);
+  for (int v = tile.v0; v < tile.v1; ++v) {
+    for (int u = tile.u0; u < tile.u1; ++u) {
+      const Eigen::Vector3d ray = PixelRays::of(camera, u, v).middle;
+      const int p = (v - tile.v0) * kTile + u - tile.u0;
+      x[p] = ray.x();
+      y[p] = ray.y();
+      z[p] = ray.z();
+    }
+  }
+  shadeRays(x, y, z, over.data(), facet.plane.data(), (tile.v1 - tile.v0) * kTile, red_, green_, blue_);
+}
+
+void TileColors::multiply(const SumLanes<3>::Value* picture) {
+  constexpr double kScale = 1.0 / 255.0;
+  for (int p = 0; p < kPixels; ++p) {
+    red_[p] *= kScale * double(picture[p][0]);
+    green_[p] *= kScale * double(picture[p][1]);
+    blue_[p] *= kScale * double(picture[p][2]);
+  }
+}
+
+void TileColors::take(const TileColors& others, const std::int32_t* facet_of, std::int32_t index) {
+  takeChannel(others.red_, facet_of, index, red_);
+  takeChannel(others.green_, facet_of, index, green_);
+  takeChannel(others.blue_, facet_of, index, blue_);
+}
+
+template <typename Value>
+void TileColors::write(const PixelBox& tile, ImageOf<Value>& image) const {
+  const int width = tile.u1 - tile.u0;
+  if (image.encoding == Encoding::kMono8) {
+    for (int v = tile.v0; v < tile.v1; ++v) {
+      Value* out = image.pixel(tile.u0, v);
+      const int row = (v - tile.v0) * kTile;
+      for (int p = row; p < row + width; ++p) *out++ = valueOf<Value>(luma(red_[p], green_[p], blue_[p]));
+    }
+    return;
+  }
+  const bool bgr = image.encoding == Encoding::kBgr8;
+  alignas(32) Value values[3][kPixels];
+  round(bgr ? blue_ : red_, values[0]);
+  round(green_, values[1]);
+  round(bgr ? red_ : blue_, values[2]);
+  for (int v = tile.v0; v < tile.v1; ++v) {
+    Value* out = image.pixel(tile.u0, v);
+    const int row = (v - tile.v0) * kTile;
+    for (int p = row; p < row + width; ++p, out += 3) {
+      for (int c = 0; c < 3; ++c) out[c] = values[c][p];
+    }
+  }
+}
+
+template <typename Value>
+void paintTileWith(const Eigen::Vector3f& rgb, const PixelBox& tile, ImageOf<Value>& image) {
+  const auto pixel = pixelOf<Value>(rgb[0], rgb[1], rgb[2], image.encoding);
+  const std::size_t channels = image.channels(), width = tile.u1 - tile.u0;
+  std::array<Value, 3 * kTile> row;
+  for (std::size_t k = 0; k < width * channels; ++k) row[k] = pixel[k % channels];
+  for (int v = tile.v0; v < tile.v1; ++v) std::copy_n(row.data(), width * channels, image.pixel(tile.u0, v));
+}
+
+template void TileColors::write(const PixelBox& tile, Image& image) const;
+template void TileColors::write(const PixelBox& tile, FineImage& image) const;
+template void paintTileWith(const Eigen::Vector3f& rgb, const PixelBox& tile, Image& image);
+template void paintTileWith(const Eigen::Vector3f& rgb, const PixelBox& tile, FineImage& image);
+
+}  // namespace aras_visual_servo_sim
