@@ -12,6 +12,7 @@
 #include "aras_visual_servo_sim/image/pixel_color.hpp"
 #include "render/coverage/image_circle.hpp"
 #include "render/opengl/camera_views.hpp"
+#include "render/opengl/gl/compiler_memory.hpp"
 #include "render/opengl/gl/gl_context.hpp"
 #include "render/opengl/gl/packed_pixel.hpp"
 #include "render/opengl/scene/flat_painter.hpp"
@@ -118,6 +119,8 @@ class OpenGlRenderer::Implementation {
     prepare();
     draw(camera, X_WC, scene, out);
     context_->gl().check("drawing");
+    if (ShaderProgram::made() != shaders_) giveBackCompilerMemory();
+    shaders_ = ShaderProgram::made();
     if (camera.showsLensCircle()) blackenBeyondLens(camera, rasterizer_, out);
   }
 
@@ -289,6 +292,7 @@ class OpenGlRenderer::Implementation {
   std::unique_ptr<Parts> parts_;
   PlanarLayer planar_;
   CoverageRasterizer rasterizer_;
+  long shaders_ = 0;  // made when the last image was done
   std::vector<std::uint32_t> pixels_;
   std::vector<std::uint64_t> fine_pixels_;
   std::vector<char> hidden_;
