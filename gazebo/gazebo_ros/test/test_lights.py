@@ -59,6 +59,14 @@ def test_the_world_has_the_sun_at_first_and_is_dark_without_it(world):
         world.delete_light("sun")
 
 
+def test_the_ground_plane_is_seen_and_takes_shadows(world):
+    world.delete("floor")
+    assert grey(world) == pytest.approx(147, abs=ROUNDING), "Gazebo's own"
+    roof = FLOOR.replace("4 4 0.02", "0.5 0.5 0.02") % ""
+    world.spawn("roof", roof, pose=matrix_of((0.5, -0.5, 1.0), (0, 0, 0, 1), "test"))  # towards the sun
+    assert grey(world) == pytest.approx(31, abs=ROUNDING)
+
+
 def test_lights_come_change_and_shine_for_cameras_that_come_later(world):
     world.delete_light("sun")
     world.spawn_light("lamp", ABOVE % 0)

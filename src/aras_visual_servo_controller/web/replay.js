@@ -29,7 +29,7 @@ const start = () => {
   });
   const nearest = (list, t) => list.reduce((best, one, i) => (Math.abs(one.t - t) < Math.abs(list[best].t - t) ? i : best), 0);
   slider.max = moments.length - 1;
-  let shown = null;
+  let shown = null, told = false;   // the plots show the start until somebody asks for a moment
   const show = (t) => {
     const index = nearest(moments, t), moment = moments[index];
     slider.value = index;
@@ -38,7 +38,11 @@ const start = () => {
     const { image } = images[nearest(images, moment.t)];
     if (image !== shown) {
       shown = image;
-      image.decode().then(() => { pen.drawImage(image, 0, 0); world?.image(image); }).catch(() => {});
+      image.decode().then(() => {
+        pen.drawImage(image, 0, 0);
+        world?.image(image);
+        if (told) document.dispatchEvent(new CustomEvent("picture", { detail: image }));
+      }).catch(() => {});
     }
     if (!world) return;
     world.show(moment);
@@ -57,6 +61,7 @@ const start = () => {
   };
   if (world) { world.setGoal(data.goal); world.second = false; }
   show(0);
+  told = true;
   window.replay = { world, show, moments };   // for tests
   const frame = () => {
     if (begun !== null) {

@@ -134,7 +134,7 @@
         if (near && y !== null) seen.push(this.value(y));
       }));
       const whole = to - from > 0.999 * this.end_s;
-      if (whole) seen.push(...(log ? this.data.levels.map((level) => Math.log10(level.y)) : [0]));
+      if (whole) seen.push(...(log ? this.data.levels.map((level) => Math.log10(level.y)) : this.data.ends || [0]));
       if (!seen.length) seen.push(0, 1);
       this.low = Math.min(...seen); this.high = Math.max(...seen);
       const pad = 0.06 * (this.high - this.low) || Math.max(Math.abs(this.high) * 1e-3, 1e-6);
@@ -157,6 +157,7 @@
       const clip = `clip-${this.figure.id}`;
       make("rect", { x: this.left, y: 12, width: this.w - this.left - 10, height: bottom - 12 }, make("clipPath", { id: clip }, make("defs", {}, svg)));
       const inside = make("g", { "clip-path": `url(#${clip})` }, svg);
+      for (const end of this.data.ends || []) make("path", { class: "end", d: `M${this.left} ${this.y(end)}H${this.w - 10}` }, inside);
       for (const level of log ? this.data.levels : [])
         make("path", { class: "level", stroke: level.color, "stroke-dasharray": level.dash, "stroke-dashoffset": level.offset, d: `M${this.left} ${this.y(Math.log10(level.y))}H${this.w - 10}` }, inside);
       series.forEach((one, index) => {
@@ -194,7 +195,7 @@
       this.readout.textContent = i === null ? "" : `t = ${this.data.t[i].toFixed(3)} s`;
       this.chips.forEach((chip, index) => {
         const one = this.data.series[index];
-        chip.querySelector("output").textContent = i === null ? "" : readable(one.y[i] === null ? null : one.y[i] * one.factor, one.unit);
+        chip.querySelector("output").textContent = i === null ? "" : readable(one.y[i] === null ? null : one.y[i] * one.factor + (one.offset || 0), one.unit);
       });
     }
     hover(at) { pointAt(this.t(at.x)); }
@@ -238,13 +239,14 @@
       const points = this.data.p.concat(this.data.goal ? [this.data.goal] : []);
       const low = [0, 1, 2].map((k) => Math.min(...points.map((p) => p[k]))), high = [0, 1, 2].map((k) => Math.max(...points.map((p) => p[k])));
       const edges = low.map((x, k) => Math.max(high[k] - x, 1e-3)), longest = Math.max(...edges);
-      this.half = edges.map((edge) => Math.max(edge, longest / 3) / 2 * 1.08);
-      this.whole = { azimuth: -57 * Math.PI / 180, elevation: 22 * Math.PI / 180, centre: low.map((x, k) => (x + high[k]) / 2), closer: 1 };
+      this.half = edges.map((edge) => Math.max(edge, longest / 2) / 2 * 1.08);
+      this.whole = { azimuth: -57 * Math.PI / 180, elevation: 30 * Math.PI / 180, centre: low.map((x, k) => (x + high[k]) / 2), closer: 1 };
       this.view = { ...this.whole };
     }
     scale() {
-      const round = Math.hypot(this.half[0], this.half[1]), { elevation } = this.whole;
-      return this.view.closer * Math.min((this.w - 110) / (2 * round), (this.h - 80) / (2 * (this.half[2] * Math.cos(elevation) + round * Math.sin(elevation))));
+      const { azimuth, closer } = this.view, { elevation } = this.whole, s = Math.abs(Math.sin(azimuth)), c = Math.abs(Math.cos(azimuth));
+      const wide = s * this.half[0] + c * this.half[1], deep = c * this.half[0] + s * this.half[1];
+      return closer * Math.min((this.w - 120) / (2 * wide), (this.h - 80) / (2 * (this.half[2] * Math.cos(elevation) + deep * Math.sin(elevation))));
     }
     project(p) {
       const { azimuth, elevation, centre } = this.view, scale = this.scale();
@@ -350,6 +352,88 @@
     all() { this.view = { ...this.whole, centre: [...this.whole.centre] }; this.draw(); }
   }
 
+  // What the features show in the image. The image behind is that of the replay, where there is one.
+  class ImagePlot extends Plot {
+    constructor(figure) {
+      super(figure);
+      this.over = this.svg.querySelector(".now");
+      this.back = this.svg.querySelector(".view");
+      this.start = this.back?.getAttribute("href");
+      this.desired = document.querySelector("img[data-panel=desired]");
+      const { width, height } = this.data;
+      this.whole = { x: -0.5, y: -0.5, w: width, h: height };
+      this.view = { ...this.whole };
+      document.addEventListener("picture", (event) => { if (this.back) this.picture(event.detail); });
+    }
+    picture(image) {
+      if (!this.data.difference || !this.desired) { this.back.setAttribute("href", image.src); return; }
+      const canvas = document.createElement("canvas"), { width, height, full, colours } = this.data;
+      canvas.width = width; canvas.height = height;
+      const pen = canvas.getContext("2d", { willReadFrequently: true });
+      const pixels = (one) => { pen.drawImage(one, 0, 0, width, height); return pen.getImageData(0, 0, width, height); };
+      this.goal ||= pixels(this.desired);
+      const now = pixels(image), grey = (data, i) => (data[i] + data[i + 1] + data[i + 2]) / 3;
+      const [darker, equal, brighter] = colours.map((colour) => [1, 3, 5].map((k) => parseInt(colour.slice(k, k + 2), 16)));
+      for (let i = 0; i < now.data.length; i += 4) {
+        const share = clamp((grey(now.data, i) - grey(this.goal.data, i)) / full, -1, 1), end = share < 0 ? darker : brighter;
+        for (let k = 0; k < 3; k++) now.data[i + k] = equal[k] + Math.abs(share) * (end[k] - equal[k]);
+      }
+      pen.putImageData(now, 0, 0);
+      this.back.setAttribute("href", canvas.toDataURL("image/jpeg", 0.9));
+    }
+    layout() { this.draw(); }
+    draw() {
+      const { x, y, w, h } = this.view;
+      this.svg.setAttribute("viewBox", `${x} ${y} ${w} ${h}`);
+      this.mark();
+    }
+    place(event) {
+      const box = this.svg.getBoundingClientRect(), { x, y, w, h } = this.view;
+      return { x: x + (event.clientX - box.left) / box.width * w, y: y + (event.clientY - box.top) / box.height * h };
+    }
+    mark() {
+      const i = this.cursor === null ? 0 : this.cursor, { ways, shapes, t } = this.data;
+      this.over.replaceChildren();
+      for (const { seen, goal, color, closed } of shapes) {
+        const points = seen[Math.min(i, seen.length - 1)].filter(Boolean);
+        if (points.length) make("path", { class: goal ? "shape" : "still", stroke: color, d: `M${points.map((p) => p.join(" ")).join("L")}${closed ? "Z" : ""}` }, this.over);
+      }
+      for (const { p, color } of ways)
+        if (p[i]) make("circle", { class: "dot", cx: p[i][0], cy: p[i][1], r: (this.view.w / 115).toFixed(2), stroke: color }, this.over);
+      if (this.cursor === null && this.back && this.back.getAttribute("href") !== this.start) this.back.setAttribute("href", this.start);
+      this.readout.textContent = this.cursor === null ? "" : `t = ${t[i].toFixed(3)} s` + (ways.length === 1 && ways[0].p[i] ? `:  u ${minus(ways[0].p[i][0].toFixed(1))},  v ${minus(ways[0].p[i][1].toFixed(1))} px` : "");
+    }
+    hover(at) {
+      let best = null, least = this.view.w / 12;
+      for (const { p } of this.data.ways) p.forEach((point, i) => {
+        const far = point ? Math.hypot(point[0] - at.x, point[1] - at.y) : Infinity;
+        if (far < least) { least = far; best = i; }
+      });
+      best === null ? point(null) : pointAt(this.data.t[best]);
+    }
+    begin() {}
+    drag(before, at, event) {
+      this.view.x -= at.x - before.x; this.view.y -= at.y - before.y;
+      this.draw();
+      this.touches.set(event.pointerId, before);   // the image moved under the pointer
+    }
+    move(event) {
+      const before = this.touches.get(event.pointerId);
+      super.move(event);
+      if (before && this.touches.size === 1) this.touches.set(event.pointerId, this.place(event));
+    }
+    pinch(before, at, other) { this.zoom(Math.hypot(before.x - other.x, before.y - other.y) / Math.max(Math.hypot(at.x - other.x, at.y - other.y), 1), other); }
+    end(at) { if (!this.moved) this.hover(at); }
+    zoom(factor, at) {
+      const { x, y, w, h } = this.view, k = clamp(factor, this.whole.w / 40 / w, this.whole.w / w), to = at || { x: x + w / 2, y: y + h / 2 };
+      this.view = { x: to.x + (x - to.x) * k, y: to.y + (y - to.y) * k, w: w * k, h: h * k };
+      this.draw();
+    }
+    shift(direction) { this.view.x += direction * 0.2 * this.view.w; this.draw(); }
+    step(direction) { pointAt(this.data.t[clamp((this.cursor === null ? -1 : this.cursor) + direction, 0, this.data.t.length - 1)]); }
+    all() { this.view = { ...this.whole }; this.draw(); }
+  }
+
   // One time range and one moment for all plots.
   const look = (from, to) => {
     const end = times.length ? times[0].end_s : 0, span = clamp(to - from, end * 1e-4, end);
@@ -367,7 +451,7 @@
   document.addEventListener("seek", (event) => { if (times.length) pointAt(event.detail); });
 
   for (const figure of document.querySelectorAll("figure.plot"))
-    figure.dataset.kind === "time" ? times.push(new TimePlot(figure)) : paths.push(new PathPlot(figure));
+    figure.dataset.kind === "time" ? times.push(new TimePlot(figure)) : paths.push(figure.dataset.kind === "image" ? new ImagePlot(figure) : new PathPlot(figure));
   const plots = [...times, ...paths], layout = (width) => plots.forEach((plot) => plot.layout(width));
   layout();
   let waiting = 0;

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "bind_arm.hpp"
 #include "chain_kinematics.hpp"
 
 namespace py = pybind11;
@@ -33,7 +34,7 @@ void refuseNumpy2() {
 
 PYBIND11_MODULE(_kinematics, module) {
   refuseNumpy2();
-  module.doc() = "Kinematics of a URDF chain through KDL.";
+  module.doc() = "Kinematics of a URDF chain through KDL, and from twists to joint velocities.";
   // Of this module only: the simulator and the camera raise errors of their own.
   py::register_local_exception_translator([](std::exception_ptr pointer) {
     try {
@@ -56,4 +57,5 @@ PYBIND11_MODULE(_kinematics, module) {
       .def("pose", &ChainKinematics::pose, py::arg("q"))
       .def("jacobian", &ChainKinematics::jacobian, py::arg("q"))
       .def("manipulability", &ChainKinematics::manipulability, py::arg("q"), py::arg("length_m"), py::arg("rows"));
+  bindArm(module);
 }

@@ -10,6 +10,13 @@ from .errors import BadValueError, SpawnError, UnknownEntityError
 from .poses import quaternion_of, rpy_of, rotated
 
 
+#: What cameras see of Gazebo's ground plane: 100 m wide, of its material Gazebo/Grey, which casts no shadow.
+GROUND_PLANE = {"name": "ground_plane", "box_m": [100.0, 100.0, 0.01], "position_m": [0.0, 0.0, -0.005],
+                "color_rgb": [178.5] * 3,
+                "material": {"ambient_share": 0.3 / 0.7, "specular_rgb": [2.55] * 3, "shininess": 1.5,
+                             "casts_shadows": False}}
+
+
 class Model:
     """A model and its simulation, whose time begins when it is spawned.
 
@@ -49,6 +56,8 @@ class Model:
                                 "rpy_rad": [float(each) for each in rpy_of(pose)]}}
         if settings.ground and self.description.collides and not self.description.fixed:
             config["contacts"] = {"ground_plane": {}}
+        if settings.ground and self.description.cameras:
+            config["scene"] = {"solids": [GROUND_PLANE]}
         try:
             return Simulation(self.description.urdf, config, {})
         except ArasError as error:

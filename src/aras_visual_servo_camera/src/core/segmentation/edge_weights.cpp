@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 
 #include "segmentation/covered_part.hpp"
 
@@ -16,6 +15,39 @@ constexpr int kReach = 2;  // edge pixels lie within this distance of the contou
 constexpr double kMedians = 3.0 / 0.67;
 constexpr double kMostFaint = 1.0 / 16;  // what is larger may be blur
 constexpr int kMargin = 2 * kReach;      // the box of edge pixels, and what their windows look at
+constexpr int kBits = 64;                // columns of a word
+
+/** Column c of a row of bits stands in word 1 + c / kBits. */
+bool hasBit(const std::uint64_t* row, int c) { return row[1 + c / kBits] >> (c % kBits) & 1; }
+
+void setBits(std::uint64_t* row, int begin, int end) {
+  for (int c = begin; c < end;) {
+    const int bit = c % kBits, count = std::min(kBits - bit, end - c);
+    const std::uint64_t ones = count == kBits ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1;
+    row[1 + c / kBits] |= ones << bit;
+    c += count;
+  }
+}
+
+/** First column from `begin` on whose bit is kSet; `limit` if there is none before that. */
+template <bool kSet>
+int findBit(const std::vector<std::uint64_t>& row, int begin, int limit) {
+  for (int c = begin; c < limit; c += kBits - c % kBits) {
+    const std::uint64_t word = (kSet ? row[1 + c / kBits] : ~row[1 + c / kBits]) >> (c % kBits);
+    if (word != 0) return std::min(c + __builtin_ctzll(word), limit);
+  }
+  return limit;
+}
+
+/** The bits that lie k columns before, or after, those of a word. */
+template <int k>
+std::uint64_t before(const std::uint64_t* word) {
+  return word[0] << k | word[-1] >> (kBits - k);
+}
+template <int k>
+std::uint64_t after(const std::uint64_t* word) {
+  return word[0] >> k | word[1] << (kBits - k);
+}
 
 // Where the covered part of pixel u lies: across the gradient of the weights around it, by Scharr's operator.
 PixelPoint coveredPart(const std::array<const std::uint8_t*, 3>& rows, int u, int width, const double* weight_of_grey,
@@ -31,17 +63,19 @@ PixelPoint coveredPart(const std::array<const std::uint8_t*, 3>& rows, int u, in
 }  // namespace
 
 void EdgeWeights::paint(const ComponentFinder& finder, int chosen) {
-  const std::size_t size = static_cast<std::size_t>(rows_) * stride_;
+  const std::size_t size = static_cast<std::size_t>(rows_) * words_;
   own_.assign(size, 0);
-  other_.assign(size, 0);
   others_in_box_ = false;
   for (const Run& run : finder.runs()) {
     const int row = run.v - v0_;
     const int begin = std::max(run.u_begin - u0_, 0), end = std::min(run.u_end - u0_, stride_);
     if (row < 0 || row >= rows_ || begin >= end) continue;
     const bool mine = run.component == chosen;
-    std::memset(at(mine ? own_ : other_, row) + begin, 1, end - begin);
-    others_in_box_ |= !mine;
+    if (!mine && !others_in_box_) {
+      other_.assign(size, 0);
+      others_in_box_ = true;
+    }
+    setBits(at(mine ? own_ : other_, row), begin, end);
   }
 }
 
@@ -50,106 +84,97 @@ void EdgeWeights::replicateAtImageBorder(int width, int height) {
   const int first = std::max(-u0_, 0), last = std::min(width - 1 - u0_, stride_ - 1);
   const int top = std::max(-v0_, 0), bottom = std::min(height - 1 - v0_, rows_ - 1);
   for (int row = top; row <= bottom; ++row) {
-    std::uint8_t* p = at(own_, row);
-    std::fill(p, p + first, p[first]);
-    std::fill(p + last + 1, p + stride_, p[last]);
+    std::uint64_t* p = at(own_, row);
+    if (hasBit(p, first)) setBits(p, 0, first);
+    if (hasBit(p, last)) setBits(p, last + 1, stride_);
   }
-  for (int row = 0; row < top; ++row) std::memcpy(at(own_, row), at(own_, top), stride_);
-  for (int row = bottom + 1; row < rows_; ++row) std::memcpy(at(own_, row), at(own_, bottom), stride_);
+  const auto copyRow = [this](int to, int from) { std::copy_n(at(own_, from), words_, at(own_, to)); };
+  for (int row = 0; row < top; ++row) copyRow(row, top);
+  for (int row = bottom + 1; row < rows_; ++row) copyRow(row, bottom);
 }
 
-// Windows of 5 x 5, first along rows, then along columns; plain loops over bytes that the compiler vectorises.
-void EdgeWeights::growAndShrink() {
-  const std::size_t size = static_cast<std::size_t>(rows_) * stride_;
-  row_or_.assign(size, 0);
-  row_and_.assign(size, 0);
-  inside_.assign(size, 0);
-  edge_.assign(size, 0);
-  static_assert(kReach == 2, "the windows below are written out");
+void EdgeWeights::widen() {
+  const std::size_t size = static_cast<std::size_t>(rows_) * words_;
+  for (Bits* bits : {&any3_, &all3_, &any5_, &all5_}) bits->resize(size);
   for (int row = 0; row < rows_; ++row) {
-    const std::uint8_t* p = at(own_, row) + kReach;
-    std::uint8_t* any = at(row_or_, row) + kReach;
-    std::uint8_t* all = at(row_and_, row) + kReach;
-    for (int k = 0; k < stride_ - 2 * kReach; ++k) {
-      any[k] = p[k - 2] | p[k - 1] | p[k] | p[k + 1] | p[k + 2];
-      all[k] = p[k - 2] & p[k - 1] & p[k] & p[k + 1] & p[k + 2];
-    }
-  }
-  for (int row = kReach; row < rows_ - kReach; ++row) {
-    const std::uint8_t *a = at(row_or_, row), *b = at(row_and_, row);
-    std::uint8_t *inside = at(inside_, row), *edge = at(edge_, row);
-    const int s = stride_;
-    for (int k = 0; k < s; ++k) {
-      inside[k] = b[k - 2 * s] & b[k - s] & b[k] & b[k + s] & b[k + 2 * s];
-      edge[k] = (a[k - 2 * s] | a[k - s] | a[k] | a[k + s] | a[k + 2 * s]) & ~inside[k] & 1;
+    const std::uint64_t* own = at(own_, row);
+    for (int i = 1; i < words_ - 1; ++i) {
+      const std::uint64_t here = own[i], left = before<1>(own + i), right = after<1>(own + i);
+      const std::uint64_t left2 = before<2>(own + i), right2 = after<2>(own + i);
+      at(any3_, row)[i] = here | left | right;
+      at(all3_, row)[i] = here & left & right;
+      at(any5_, row)[i] = here | left | right | left2 | right2;
+      at(all5_, row)[i] = here & left & right & left2 & right2;
     }
   }
 }
 
-// A pixel of another object, or of its edge alone.
-bool EdgeWeights::belongsToAnother(int row, int col) const {
-  if (!others_in_box_) return false;
-  if (at(other_, row)[col]) return true;
-  bool touches_own = false, touches_other = false;
-  for (int r = row - 1; r <= row + 1; ++r) {
-    for (int c = col - 1; c <= col + 1; ++c) {
-      touches_own |= at(own_, r)[c] != 0;
-      touches_other |= at(other_, r)[c] != 0;
-    }
+void EdgeWeights::classify(int row) {
+  static_assert(kReach == 2, "the windows below are written out");
+  for (Bits* bits : {&inside_, &edge_, &next_}) bits->assign(words_, 0);
+  for (int i = 1; i < words_ - 1; ++i) {
+    const auto of = [&](const Bits& bits, int off) { return at(bits, row + off)[i]; };
+    const std::uint64_t own = of(any3_, -1) | of(any3_, 0) | of(any3_, 1);
+    const std::uint64_t any = of(any5_, -2) | of(any5_, -1) | of(any5_, 0) | of(any5_, 1) | of(any5_, 2);
+    inside_[i] = of(all5_, -2) & of(all5_, -1) & of(all5_, 0) & of(all5_, 1) & of(all5_, 2);
+    edge_[i] = any & ~inside_[i];
+    next_[i] = own & ~(of(all3_, -1) & of(all3_, 0) & of(all3_, 1));
+    if (!others_in_box_) continue;
+    const auto touches = [&](int off) {
+      const std::uint64_t* other = at(other_, row + off) + i;
+      return *other | before<1>(other) | after<1>(other);
+    };
+    edge_[i] &=
+        ~(of(other_, 0) | ((touches(-1) | touches(0) | touches(1)) & ~own));  // of another, or of its edge alone
   }
-  return touches_other && !touches_own;
-}
-
-bool EdgeWeights::isNextToContour(int row, int col) const {
-  int own = 0;
-  for (int r = row - 1; r <= row + 1; ++r) {
-    const std::uint8_t* p = at(own_, r) + col;
-    own += p[-1] + p[0] + p[1];
-  }
-  return own != 0 && own != 9;
 }
 
 void EdgeWeights::emitRow(const std::array<const std::uint8_t*, 3>& rows, int v, const double* weight_of_grey,
                           ObjectMask* mask) {
-  const int row = v - v0_;
-  const auto find = [this](const std::uint8_t* p, int begin, int value) {
-    const void* found = begin < stride_ ? std::memchr(p + begin, value, stride_ - begin) : nullptr;
-    return found == nullptr ? stride_ : static_cast<int>(static_cast<const std::uint8_t*>(found) - p);
-  };
+  classify(v - v0_);
   // Columns outside the image carry replicated pixels: clip to the image through mask->width_px.
   const int first = std::max(-u0_, 0), limit = std::min(mask->width_px - u0_, stride_);
-  const std::uint8_t* inside = at(inside_, row);
-  for (int c = find(inside, first, 1); c < limit;) {
-    const int end = std::min(find(inside, c, 0), limit);
+  for (int c = findBit<true>(inside_, first, limit); c < limit;) {
+    const int end = findBit<false>(inside_, c, limit);
     mask->spans.push_back({v, c + u0_, end + u0_});
-    c = find(inside, end, 1);
+    c = findBit<true>(inside_, end, limit);
   }
-  const std::uint8_t* edge = at(edge_, row);
-  for (int c = find(edge, first, 1); c < limit; c = find(edge, c, 1)) {
-    for (; c < limit && edge[c]; ++c) {
-      const int u = c + u0_;
-      const double weight = weight_of_grey[rows[1][u]];
-      if (belongsToAnother(row, c)) continue;
-      if (!isNextToContour(row, c)) {
-        away_.push_back(mask->edge.size());
-        faint_.push_back(std::min(std::abs(weight), std::abs(1.0 - weight)));
-      }
-      const PixelPoint part = coveredPart(rows, u, mask->width_px, weight_of_grey, weight);
-      mask->edge.push_back({v, u, weight, part.u, part.v});
+  for (int c = findBit<true>(edge_, first, limit); c < limit; c = findBit<true>(edge_, c + 1, limit)) {
+    const int u = c + u0_;
+    const double weight = weight_of_grey[rows[1][u]];
+    const bool away = !hasBit(next_.data(), c);
+    if (away && (weight == 0.0 || weight == 1.0)) {
+      ++sure_;
+    } else if (away) {
+      away_.push_back(mask->edge.size());
+      faint_.push_back(std::min(std::abs(weight), std::abs(1.0 - weight)));
     }
+    if (weight == 0.0) continue;
+    const PixelPoint part = coveredPart(rows, u, mask->width_px, weight_of_grey, weight);
+    mask->edge.push_back({v, u, weight, part.u, part.v});
   }
 }
 
 void EdgeWeights::forgetNoiseAwayFromContour(ObjectMask* mask) {
   if (faint_.empty()) return;
-  const auto middle = faint_.begin() + static_cast<std::ptrdiff_t>(faint_.size() / 2);
-  std::nth_element(faint_.begin(), middle, faint_.end());
-  const double noise = std::min(kMedians * *middle, kMostFaint);
+  double median = 0.0;
+  const std::size_t middle = (sure_ + faint_.size()) / 2;
+  if (middle >= sure_) {
+    const auto found = faint_.begin() + static_cast<std::ptrdiff_t>(middle - sure_);
+    std::nth_element(faint_.begin(), found, faint_.end());
+    median = *found;
+  }
+  const double noise = std::min(kMedians * median, kMostFaint);
+  bool emptied = false;
   for (const std::size_t k : away_) {
     EdgePixel& pixel = mask->edge[k];
-    if (pixel.weight <= noise) pixel = {pixel.v, pixel.u, 0.0};
+    if (pixel.weight <= noise) {
+      pixel = {pixel.v, pixel.u, 0.0};
+      emptied = true;
+    }
     if (pixel.weight >= 1.0 - noise) pixel = {pixel.v, pixel.u, 1.0};
   }
+  if (!emptied) return;
   const auto empty = [](const EdgePixel& pixel) { return pixel.weight == 0.0; };
   mask->edge.erase(std::remove_if(mask->edge.begin(), mask->edge.end(), empty), mask->edge.end());
 }
@@ -161,14 +186,16 @@ void EdgeWeights::process(const std::uint8_t* grey, std::size_t step, int width,
   v0_ = box.v_min - kMargin;
   stride_ = box.u_max - box.u_min + 1 + 2 * kMargin;
   rows_ = box.v_max - box.v_min + 1 + 2 * kMargin;
+  words_ = (stride_ + kBits - 1) / kBits + 2;
   paint(finder, chosen);
   replicateAtImageBorder(width, height);
-  growAndShrink();
+  widen();
 
   double weight_of_grey[256];
   for (int g = 0; g < 256; ++g) weight_of_grey[g] = (levels.background - g) / (levels.background - levels.object);
   away_.clear();
   faint_.clear();
+  sure_ = 0;
   const int v_end = std::min(v0_ + rows_ - kReach, height);
   for (int v = std::max(v0_ + kReach, 0); v < v_end; ++v) {
     const auto row = [&](int of) { return grey + std::clamp(of, 0, height - 1) * step; };

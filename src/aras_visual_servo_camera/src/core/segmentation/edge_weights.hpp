@@ -24,26 +24,33 @@ class EdgeWeights {
                int chosen, const GreyLevels& levels, ObjectMask* mask);
 
  private:
+  /** Rows of bits, a column each; the first and the last word of a row are empty, so that windows may reach out. */
+  using Bits = std::vector<std::uint64_t>;
+
   void paint(const ComponentFinder& finder, int chosen);
   void replicateAtImageBorder(int width, int height);
-  void growAndShrink();
-  bool belongsToAnother(int row, int col) const;
-  bool isNextToContour(int row, int col) const;
+  /** Windows of three and five columns over every row of own_. */
+  void widen();
+  /** Windows of rows: sets inside_, edge_ and next_ for one row. */
+  void classify(int row);
   /** @param rows  the row and those above and below it, at the border of the image the row itself in their place */
   void emitRow(const std::array<const std::uint8_t*, 3>& rows, int v, const double* weight_of_grey, ObjectMask* mask);
   void forgetNoiseAwayFromContour(ObjectMask* mask);
 
-  std::uint8_t* at(std::vector<std::uint8_t>& buffer, int row) const { return buffer.data() + row * stride_; }
-  const std::uint8_t* at(const std::vector<std::uint8_t>& buffer, int row) const {
-    return buffer.data() + row * stride_;
+  std::uint64_t* at(Bits& bits, int row) const { return bits.data() + static_cast<std::ptrdiff_t>(row) * words_; }
+  const std::uint64_t* at(const Bits& bits, int row) const {
+    return bits.data() + static_cast<std::ptrdiff_t>(row) * words_;
   }
 
-  // Buffers cover the component's box, widened by two margins; rows_ x stride_ bytes of 0 or 1.
-  int u0_ = 0, v0_ = 0, rows_ = 0, stride_ = 0;
+  // The component's box, widened by two margins: rows_ rows of stride_ columns, words_ words each.
+  int u0_ = 0, v0_ = 0, rows_ = 0, stride_ = 0, words_ = 0;
   bool others_in_box_ = false;
   std::vector<std::size_t> away_;  // places in mask->edge of the pixels that are not next to the contour
-  std::vector<double> faint_;      // how far their weights are from 0 or 1
-  std::vector<std::uint8_t> own_, other_, row_or_, row_and_, inside_, edge_;
+  std::vector<double> faint_;      // how far the weights of such pixels are from 0 or 1, where they are
+  std::size_t sure_ = 0;           // number of such pixels whose weight is 0 or 1
+  Bits own_, other_;
+  Bits any3_, all3_, any5_, all5_;  // whether any, or all, of a window along the row are own
+  Bits inside_, edge_, next_;       // of one row: wholly inside; of the edge; next to the contour
 };
 
 }  // namespace aras_visual_servo_camera

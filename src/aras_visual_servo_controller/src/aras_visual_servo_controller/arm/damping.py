@@ -66,3 +66,5 @@ def chiaverini(sigmas, threshold, damping2):
 
 RULES = {rule.__name__: rule for rule in
          (damped, naive, plain, constant, nakamura_hanafusa, maciejewski_klein, chiaverini)}
+#: Values of servo/inverse/method: these rules, and the transpose of the Jacobian, which inverts nothing.
+METHODS = (*RULES, "transpose")

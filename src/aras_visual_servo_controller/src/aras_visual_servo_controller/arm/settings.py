@@ -9,7 +9,7 @@ import numpy as np
 
 from ..config.settings import setting
 from ..ground.spatial import rotation_rpy
-from .redundancy import METHODS
+from .damping import METHODS
 
 RISING = ("two numbers, 0 <= first < second", lambda ends: ends[0] < ends[1])
 

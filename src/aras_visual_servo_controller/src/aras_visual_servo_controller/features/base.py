@@ -205,6 +205,7 @@ class Feature:
         source: name of the `Source` that it comes from.
         settings_class, settings: its own settings, class and instance; None for a feature without.
         section: name of the section of these settings.
+        overlay: how it is drawn into the camera's image, a file of `report.overlays`; "" for not at all.
         unit: of its value: "m", "rad", "1/m", "grey" (grey levels), ..., "-" for none.
         symbol: plain text with the subscript after the first underscore ("x_n", "α"); "" stands for the name.
         label: what it is, in a few words; "" stands for the name.
@@ -215,6 +216,7 @@ class Feature:
 
     name, number, order, angle, directed, sees_tilt = "", 0, 2, False, False, False
     source, section, settings_class, settings = "moments", "", None, None
+    overlay = "moments"
     unit, symbol, label, colour = "-", "", "", ""
 
     def value(self, view):

@@ -44,7 +44,7 @@ def kernel_row(sums, exponent, origin, plane):
 
 
 class _Kernel(Feature):
-    letter = ""
+    letter, overlay = "", "kernel"
 
     def value(self, view):
         """The projection in this view [-]."""

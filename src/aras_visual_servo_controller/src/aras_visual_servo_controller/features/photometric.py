@@ -9,7 +9,7 @@ from .palette import BLUE
 class Photometric(Feature):
     """Root mean square of I - I* over the image [grey levels]; 0 at the goal. It comes from PhotometricFeatures."""
 
-    sees_tilt, source = True, "photometric"
+    sees_tilt, source, overlay = True, "photometric", "photometric"
     unit, symbol, label, colour = "grey", "ΔI", "rms difference of the luminance", BLUE
 
     def value(self, view):

@@ -10,7 +10,7 @@ from .palette import BLUE, BROWN, GREEN, NAVY, PURPLE, VERMILION
 
 
 class _OfPose(Feature):
-    sees_tilt, index = True, 0
+    sees_tilt, index, overlay = True, 0, "pose"
 
     def row(self, view):
         raise DegenerateFeature(f"{self.name}: this feature has no interaction row, allowed with the laws that measure "
@@ -23,6 +23,8 @@ class _Displacement(_OfPose):
 
 
 class _ReferencePoint(_OfPose):
+    overlay = "reference"
+
     def value(self, view):
         if view.reference_point is None:
             return (view.features.xg, view.features.yg, 0.0)[self.index]

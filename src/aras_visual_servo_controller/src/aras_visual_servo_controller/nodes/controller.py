@@ -87,11 +87,15 @@ class ControllerNode:
         """Keep the taught reference on the parameter server, for a controller node that is started after this one."""
         rospy.set_param("~taught_reference", self._servo.reference.to_dict())
 
-    def _advertise(self):
+    def _connect_arm(self):
+        """Topics between this node and the arm: those of the simulator."""
         with warnings.catch_warnings():
             # No queue: rospy then sends from the calling thread, and the answer does not wait for another to wake up.
             warnings.simplefilter("ignore", SyntaxWarning)
             self._command_publisher = rospy.Publisher("joint_command", JointState, queue_size=None, tcp_nodelay=True)
+        self._status_subscriber = rospy.Subscriber("sim/status", SimStatus, self._on_sim_status)
+
+    def _advertise(self):
         self._state_publisher = rospy.Publisher("servo_state", ServoState, queue_size=200, tcp_nodelay=True)
         self._bars = NullSpaceTopic(self._kinematics, self._servo)
         # The worker publishes the status. actionlib's timer runs on simulated time, too often when that goes fast.
@@ -100,6 +104,7 @@ class ControllerNode:
         self._server.register_goal_callback(lambda: self._work.put(self._accept_goal))
         self._server.register_preempt_callback(lambda: self._work.put(self._preempt))
         self._camera_reference = rospy.ServiceProxy("camera/set_reference", SetReference)
+        self._connect_arm()
         self._server.start()
         rospy.Service("teach", Teach, self._on_teach)
         rospy.Service("stop", Trigger, self._on_stop)
@@ -107,7 +112,6 @@ class ControllerNode:
         rospy.Subscriber("joint_states", convert.LazyJointState, self._on_joints, tcp_nodelay=True)
         source = self._servo.source
         rospy.Subscriber(source.topic, convert.message_class(source.message), self._on_features, tcp_nodelay=True)
-        self._status_subscriber = rospy.Subscriber("sim/status", SimStatus, self._on_sim_status)
 
     # --- one image, one answer ----------------------------------------------------------------------------------
 
@@ -138,8 +142,8 @@ class ControllerNode:
         self._frame_id = features.header.frame_id
         session = self._session
         try:
-            q = None if joints is None else self._joints.positions(joints.unpack())
-            command, record = session.answer(stamp_ns, features, q, convert.now_ns(), time.monotonic())
+            seen, q, refusal = self._seen(features, joints)
+            command, record = session.answer(stamp_ns, seen, q, convert.now_ns(), time.monotonic(), refusal)
             self._send(command)
             if record.status == Status.STALE_INPUT:
                 rospy.logwarn_throttle(1.0, record.status_text)
@@ -152,6 +156,10 @@ class ControllerNode:
         except Exception as error:  # after any error at all the arm has to stop and the node has to go on
             rospy.logerr("image %.3f s: %s\n%s", stamp_ns * 1e-9, error, traceback.format_exc())
             self._fault(stamp_ns, f"{type(error).__name__}: {error}")
+
+    def _seen(self, features, joints):
+        """(features, (n,) joint positions or None, why the image must not be used or "") of an image."""
+        return features, None if joints is None else self._joints.positions(joints.unpack()), ""
 
     def _fault(self, stamp_ns, reason):
         """Stop the arm and end the goal with status FAULT."""
@@ -225,6 +233,7 @@ class ControllerNode:
             self._send(self._session.end(convert.now_ns(), "another goal came")[0])
         self._preempted = False
         try:
+            self._check_ready()
             self._session.begin(goal.reference, goal.law, goal.gains_per_s, goal.thresholds, goal.time_limit_s,
                                 convert.now_ns(), time.monotonic())
         except ParameterError as error:
@@ -232,10 +241,16 @@ class ControllerNode:
             reason = "; ".join(error.faults)
             self._server.set_aborted(VisualServoResult(status=int(Status.FAULT), reason=reason), reason)
             return
-        # In lockstep the simulator waits for our answers from the first message on. This one carries the stamp of the
-        # image that was answered last, or 0, so that it does not count as an answer to any other image.
-        self._command_publisher.publish(convert.acknowledgement(self._session.last_ns))
+        self._begin_lockstep()
         rospy.loginfo("goal accepted: %s", goal.reference)
+
+    def _check_ready(self):
+        """Raises ParameterError when the arm cannot take a goal now; the simulator's always can."""
+
+    def _begin_lockstep(self):
+        """In lockstep the simulator waits for our answers from the first message on. This one carries the stamp of the
+        image that was answered last, or 0, so that it does not count as an answer to any other image."""
+        self._command_publisher.publish(convert.acknowledgement(self._session.last_ns))
 
     def _preempt(self):
         if self._session.active and self._server.is_preempt_requested() and not self._server.is_new_goal_available():
@@ -339,12 +354,12 @@ class ControllerNode:
             self._command_publisher.publish(convert.acknowledgement(stamp_ns))
 
 
-def main():
-    """Entry of scripts/controller. Returns the exit code: 0 after a shutdown, 2 for bad parameters."""
+def main(make=ControllerNode):
+    """Entry of scripts/controller. Args: make: class of the node. Returns 0 after a shutdown, 2 for bad parameters."""
     rospy.init_node("controller", disable_signals=True)  # its handler shuts down from within whatever holds a lock
     check_signals()
     try:
-        node = ControllerNode()
+        node = make()
     except ParameterError as error:
         rospy.logfatal("bad parameters:\n%s", error)
         return EXIT_PARAMETERS

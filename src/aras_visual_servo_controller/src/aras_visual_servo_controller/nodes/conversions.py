@@ -115,6 +115,24 @@ def acknowledgement(time_ns):
     return message
 
 
+def form_message(message):
+    """The ROS message of a `real.forms.base.Message`, whose fields are plain values."""
+    made = message_class(message.kind)()
+    for name, value in message.fields.items():
+        if name == "header":
+            made.header.stamp = to_time(value)
+        elif name == "points":
+            made.points = [_trajectory_point(**point) for point in value]
+        else:
+            setattr(made, name, value)
+    return made
+
+
+def _trajectory_point(time_from_start_s, **values):
+    from trajectory_msgs.msg import JointTrajectoryPoint  # here: only a real arm's driver may take trajectories
+    return JointTrajectoryPoint(time_from_start=rospy.Duration.from_sec(time_from_start_s), **values)
+
+
 def state_message(record, frame_id):
     """ServoState of a ServoRecord."""
     message = ServoState()

@@ -38,6 +38,9 @@ def save_figure(record, png_path=None, pdf_path=None, dpi=160):
                                    wspace=0.27, hspace=0.2)
         for index, panel in enumerate(PANELS):
             axes = figure.add_subplot(grid[divmod(index, 3)], projection=Axes3D.name if panel == "path" else None)
+            if panel == "path":  # the names of its axes stand right of it
+                left, bottom, width, height = axes.get_position().bounds
+                axes.set_position((left - 0.03, bottom - 0.01, width, height + 0.02))
             draw_panel(record, panel, axes, letter="abcdef"[index])
         # Without a creation date the same run gives the same bytes.
         if png_path is not None:
@@ -140,7 +143,7 @@ def _draw_path(record, axes):
         half = max((points.max(axis=0) - points.min(axis=0)).max() / 2 * 1.08, 1e-3)
         for set_limits, middle in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), centre):
             set_limits(middle - half, middle + half)
-    axes.set_box_aspect((1, 1, 1), zoom=0.92)
+    axes.set_box_aspect((1, 1, 1), zoom=1.06)
     axes.view_init(elev=22, azim=-57)
     for axis, name in zip((axes.xaxis, axes.yaxis, axes.zaxis), "xyz"):
         axis.set_major_locator(MaxNLocator(4))

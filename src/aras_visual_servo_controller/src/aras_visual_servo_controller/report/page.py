@@ -10,6 +10,8 @@ import numpy as np
 import yaml
 
 from . import pictures, plots
+from .image_plot import image_plot
+from .joint_plot import joint_plot
 from .replay import ReplayError, replay_of
 from .rows import comparison_rows, is_number, stop_rows
 from ..features.style import styles
@@ -27,6 +29,7 @@ def report_html(record, summary, command=None, film=None):
         film: `video.Film` of the run, or None.
     """
     drawn = plots.plots_of(record, pictures.panel_title(record, "velocity"))
+    drawn[3:3] = [plot for plot in (joint_plot(record), image_plot(record)) if plot] if drawn else []
     for plot in drawn:
         # A "<" in the numbers or names could end the script element that contains them.
         plot["json"] = json.dumps(plot.pop("data"), ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
@@ -74,7 +77,8 @@ def _images(record):
         if panel == "start" and image is None:
             continue
         title = (f"({letter}) " if letter else "") + pictures.panel_title(record, panel).replace("$-$", "−")
-        shown.append({"title": title, "src": None if image is None else data_uri(png_bytes(image), "image/png")})
+        shown.append({"panel": panel, "title": title,
+                      "src": None if image is None else data_uri(png_bytes(image), "image/png")})
     return shown
 
 

@@ -23,7 +23,7 @@ LEFT, RIGHT, TOP, BOTTOM = 62, 10, 12, 44
 SIGNIFICANT = 7          # digits of the numbers in the page: more than any zoom of a plot can show
 LOG_FLOOR = 1e-7         # smaller errors are drawn at this height, in the units of the features
 DASH, GAP = 4, 3         # of the dashed lines at the thresholds [px]
-AZIMUTH, ELEVATION = math.radians(-57.0), math.radians(22.0)   # direction from which the path is seen
+AZIMUTH, ELEVATION = math.radians(-57.0), math.radians(30.0)   # direction from which the path is seen
 
 
 def plots_of(record, title_of_velocity="camera velocity"):
@@ -41,15 +41,15 @@ def plots_of(record, title_of_velocity="camera velocity"):
         return []
     t_s = (record.stamp_ns[rows] - record.stamp_ns[rows[0]]) * 1e-9
     features = styles(record.feature_names)
-    series = [_series((one.letter, one.subscript, one.colour, "", one.factor, one.read_unit), record.e[rows, column])
+    series = [series_of((one.letter, one.subscript, one.colour, "", one.factor, one.read_unit), record.e[rows, column])
               for column, one in enumerate(features)]
     levels = _levels(features, spread(record.settings.get("servo", {}).get("thresholds", {})))
-    twist = [_series(style, record.twist[rows, column]) for column, style in enumerate(TWIST)]
+    twist = [series_of(style, record.twist[rows, column]) for column, style in enumerate(TWIST)]
     plots = [
-        _time_plot("errors", "feature errors, e = s − s*", t_s, series, f"e  {units(features)}"),
-        _time_plot("convergence", "size of the errors, and thresholds of the stop rule (dashed)", t_s, series,
-                   f"|e|  {units(features)}", log=True, levels=levels),
-        _time_plot("velocity", title_of_velocity, t_s, twist, "v [m/s], ω [rad/s]")]
+        time_plot("errors", "feature errors, e = s − s*", t_s, series, f"e  {units(features)}"),
+        time_plot("convergence", "size of the errors, and thresholds of the stop rule (dashed)", t_s, series,
+                  f"|e|  {units(features)}", log=True, levels=levels),
+        time_plot("velocity", title_of_velocity, t_s, twist, "v [m/s], ω [rad/s]")]
     path = _path_plot(record, rows, t_s)
     return plots + ([path] if path else [])
 
@@ -69,10 +69,11 @@ def tick_text(value, step):
     return (f"{value:.{digits}f}" if digits < 6 else f"{value:.1e}").replace("-", "−")
 
 
-def _series(style, values):
+def series_of(style, values):
+    """A curve: style is (symbol, subscript, colour, dash, factor to the unit that is read off, that unit)."""
     letter, subscript, color, dash, factor, unit = style
     return {"name": letter, "sub": subscript, "color": color, "dash": dash, "factor": factor, "unit": unit,
-            "y": [_number(value) for value in values]}
+            "y": [number(value) for value in values]}
 
 
 def _levels(features, thresholds):
@@ -86,13 +87,15 @@ def _levels(features, thresholds):
     return levels
 
 
-def _number(value):
+def number(value):
     """The number rounded for the page, None if it is not finite: JSON has no NaN."""
     return float(f"{value:.{SIGNIFICANT}g}") if math.isfinite(value) else None
 
 
-def _time_plot(name, title, t_s, series, label, log=False, levels=()):
-    data = {"t": [_number(t) for t in t_s], "series": series, "label": label, "log": log, "levels": list(levels)}
+def time_plot(name, title, t_s, series, label, log=False, levels=(), ends=None):
+    """A plot of kind "time". ends: heights that are always in view and have a line, for example those of limits."""
+    data = {"t": [number(t) for t in t_s], "series": series, "label": label, "log": log, "levels": list(levels),
+            "ends": ends}
     legend = [{key: one[key] for key in ("name", "sub", "color", "dash")} for one in series]
     return {"id": name, "kind": "time", "title": title, "legend": legend, "data": data, "svg": _time_svg(data)}
 
@@ -101,7 +104,7 @@ def _time_svg(data):
     t_end = max(data["t"][-1], 1e-3)
     drawn = [[_transformed(y, data["log"]) for y in one["y"]] for one in data["series"]]
     values = [y for one in drawn for y in one if y is not None] or [0.0, 1.0]
-    values += [math.log10(level["y"]) for level in data["levels"]] if data["log"] else [0.0]
+    values += [math.log10(level["y"]) for level in data["levels"]] if data["log"] else data["ends"] or [0.0]
     low, high = min(values), max(values)
     pad = 0.06 * (high - low) or 1e-6
     low, high = low - pad, high + pad
@@ -123,6 +126,8 @@ def _time_svg(data):
         parts.append(f'<path class="{"zero" if y == 0 and not data["log"] else "grid"}" '
                      f'd="M{LEFT} {v:.1f}H{WIDTH - RIGHT}"/>'
                      f'<text x="{LEFT - 6}" y="{v + 4:.1f}" text-anchor="end">{words}</text>')
+    for end in data["ends"] or ():
+        parts.append(f'<path class="end" d="M{LEFT} {at(0, end)[1]:.1f}H{WIDTH - RIGHT}"/>')
     for level in data["levels"] if data["log"] else ():
         v = at(0, math.log10(level["y"]))[1]
         parts.append(f'<path class="level" stroke="{level["color"]}" stroke-dasharray="{level["dash"]}" '
@@ -135,7 +140,7 @@ def _time_svg(data):
                  'time since the servo started [s]</text>')
     parts.append(f'<text transform="translate(13 {(TOP + HEIGHT - BOTTOM) / 2}) rotate(-90)" text-anchor="middle">'
                  f'{escape(data["label"])}</text>')
-    return _svg(parts)
+    return svg_of(parts)
 
 
 def _transformed(y, log):
@@ -167,8 +172,8 @@ def _path_plot(record, rows, t_s):
     goal = record.X_WC[taught[-1], :3, 3] if len(taught) else np.full(3, np.nan)
     if not known.any():
         return None
-    data = {"t": [_number(t) for t in t_s[known]], "p": [[_number(x) for x in point] for point in p[known]],
-            "goal": [_number(x) for x in goal] if np.all(np.isfinite(goal)) else None, "colors": PATH_COLORS}
+    data = {"t": [number(t) for t in t_s[known]], "p": [[number(x) for x in point] for point in p[known]],
+            "goal": [number(x) for x in goal] if np.all(np.isfinite(goal)) else None, "colors": PATH_COLORS}
     words = {"path": "path", "start": "○ start", "goal": "★ goal (taught)"}
     legend = [{"name": words[part], "sub": "", "color": color, "dash": ""} for part, color in PATH_COLORS.items()]
     return {"id": "path", "kind": "path", "title": "path of the camera in the world, to scale", "legend": legend,
@@ -176,18 +181,19 @@ def _path_plot(record, rows, t_s):
 
 
 def path_box(data):
-    """Centre and half edges of the box around path and goal, (3,) each [m]. No edge is under a third of the longest."""
+    """Centre and half edges of the box around path and goal, (3,) each [m]. No edge is under half of the longest."""
     points = np.array(data["p"] + ([data["goal"]] if data["goal"] else []))
     low, high = points.min(axis=0), points.max(axis=0)
     edges = np.maximum(high - low, 1e-3)
-    return (low + high) / 2, np.maximum(edges, edges.max() / 3) / 2 * 1.08
+    return (low + high) / 2, np.maximum(edges, edges.max() / 2) / 2 * 1.08
 
 
 def _path_svg(data):
     centre, half = path_box(data)
     sa, ca, se, ce = math.sin(AZIMUTH), math.cos(AZIMUTH), math.sin(ELEVATION), math.cos(ELEVATION)
-    round_half = math.hypot(half[0], half[1])   # with it the box fits into the picture however it is turned
-    scale = min((WIDTH - 110) / (2 * round_half), (HEIGHT - 80) / (2 * (half[2] * ce + round_half * se)))
+    # The box fills the picture.
+    wide, deep = abs(sa) * half[0] + abs(ca) * half[1], abs(ca) * half[0] + abs(sa) * half[1]
+    scale = min((WIDTH - 120) / (2 * wide), (HEIGHT - 80) / (2 * (half[2] * ce + deep * se)))
 
     def at(p):
         """Place in the picture of a point: orthographic view from AZIMUTH and ELEVATION, world z up."""
@@ -227,7 +233,7 @@ def _path_svg(data):
     parts.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="5" fill="none" stroke="{VERMILION}" stroke-width="2"/>')
     if data["goal"]:
         parts.append(f'<path d="{star(*at(data["goal"]))}" fill="{GREEN}"/>')
-    return _svg(parts)
+    return svg_of(parts)
 
 
 def star(x, y, radius=8.0):
@@ -250,5 +256,6 @@ def _axis_name(name, x, y, anchor):
             '<tspan dy="-3"> [m]</tspan></text>')
 
 
-def _svg(parts):
+def svg_of(parts):
+    """The picture with these elements."""
     return f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img">' + "".join(parts) + "</svg>"

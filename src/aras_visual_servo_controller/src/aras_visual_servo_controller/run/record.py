@@ -6,6 +6,7 @@ No ROS, and no wall clock except in `wall_s`.
 """
 
 from dataclasses import dataclass, field
+from operator import attrgetter
 
 import numpy as np
 
@@ -17,6 +18,9 @@ RAW_NAMES = ("area", "xg", "yg", "alpha")
 
 # What the stop rule judges beside the feature errors, and the condition of the interaction matrix.
 STOP_NAMES = ("tilt_rad", "position_m", "rotation_rad", "cond_l")
+
+_RAW, _STOP = attrgetter(*RAW_NAMES), attrgetter(*STOP_NAMES)
+_JOINED = ("s", "s_star", "e", "twist", "q", "set_point")  # columns that stand side by side, and are written at once
 
 FIRST_ROWS = 256  # for which a builder has room at first; it doubles when they are full
 
@@ -132,6 +136,8 @@ class RecordBuilder:
                            ("raw", len(RAW_NAMES)), ("X_WC", 16), ("X_WT", 16), ("stop", len(STOP_NAMES))):
             self._columns[name] = slice(width, width + size), size
             width += size
+        self._joined, self._sizes = slice(0, self._columns["raw"][0].start), (k, k, k, 6, m, m)
+        self._names = self._by_name = None  # joints of the answer added last, and where each of joint_names is in them
         self._rows, self._numbers = [], np.full((FIRST_ROWS, width), np.nan)
         self._moving = False
         self._images, self._last_servo_image = {}, None
@@ -157,15 +163,12 @@ class RecordBuilder:
         if len(self._rows) == len(self._numbers):
             self._numbers = np.concatenate([self._numbers, np.full_like(self._numbers, np.nan)])
         row, columns = self._numbers[len(self._rows)], self._columns
-        for name, value in (("s", s), ("s_star", s_star), ("e", e), ("twist", twist), ("q", q),
-                            ("set_point", set_point), ("raw", raw), ("stop", stop)):
-            if value is not None:
-                place, size = columns[name]
-                found = value.size if isinstance(value, np.ndarray) else len(value)
-                if found != size:
-                    row.fill(np.nan)
-                    raise ShapeError(f"{name}: expected {size} values, got {found}")
-                row[place] = value
+        joined = (s, s_star, e, twist, q, set_point)
+        if all([value is not None for value in joined]) and tuple(map(len, joined)) == self._sizes:
+            np.concatenate(joined, out=row[self._joined])
+        else:
+            self._put(row, zip(_JOINED, joined))
+        self._put(row, (("raw", raw), ("stop", stop)))
         for name, X in (("X_WC", X_WC), ("X_WT", X_WT)):
             if X is not None:
                 X = np.asarray(X)
@@ -178,6 +181,16 @@ class RecordBuilder:
         if image is not None:
             self.keep_image(phase, image)
 
+    def _put(self, row, values):
+        """Write values, pairs of column and numbers or None, into a row. Raises ShapeError."""
+        for name, value in values:
+            if value is not None:
+                place, size = self._columns[name]
+                if len(value) != size:
+                    row.fill(np.nan)
+                    raise ShapeError(f"{name}: expected {size} values, got {len(value)}")
+                row[place] = value
+
     def add_answer(self, answer, X_WC=None, features=None, image=None, X_WT=None):
         """Append the row of one answered image.
 
@@ -187,20 +200,26 @@ class RecordBuilder:
             image: uint8 (h, w) or (h, w, 3), or None.  X_WT: (4, 4) true pose of a target that moves, or None.
         """
         names = tuple(answer.joint_names)
-        by_name = None if names == self.joint_names else [names.index(name) if name in names else None
-                                                          for name in self.joint_names]
-
-        def joints(values):
-            if by_name is None and len(values) == len(names):
-                return values
-            return [np.nan if i is None or i >= len(values) else values[i] for i in by_name or range(len(names))]
-
-        raw = None if features is None else [getattr(features, name) for name in RAW_NAMES]
+        if names != self._names:
+            self._names = names
+            self._by_name = None if names == self.joint_names else [
+                names.index(name) if name in names else None for name in self.joint_names]
         same = tuple(getattr(answer, "feature_names", self.feature_names)) == self.feature_names
         s, s_star, e = (answer.s, answer.s_star, answer.e) if same else (None, None, None)
+        try:
+            stop = _STOP(answer)
+        except AttributeError:
+            stop = [getattr(answer, name, np.nan) for name in STOP_NAMES]
         self.add_row(answer.stamp_ns, answer.phase, answer.status, answer.status_text, s, s_star, e, answer.twist,
-                     joints(answer.q), joints(answer.set_point), X_WC, raw, image, X_WT,
-                     [getattr(answer, name, np.nan) for name in STOP_NAMES])
+                     self._in_order(answer.q), self._in_order(answer.set_point), X_WC,
+                     None if features is None else _RAW(features), image, X_WT, stop)
+
+    def _in_order(self, values):
+        """Values of the joints of an answer, in the order of joint_names; NaN for those it does not have."""
+        if self._by_name is None and len(values) == len(self.joint_names):
+            return values
+        return [np.nan if i is None or i >= len(values) else values[i]
+                for i in self._by_name or range(len(self.joint_names))]
 
     def keep_image(self, phase, image):
         """Keep the image of the row just added if it is the taught view, or the first or last one of the servo.

@@ -209,7 +209,7 @@ class ExperimentSequence:
 
     def _servo_step(self, observation):
         command, record = self._servo.step(observation, self._dt_s)
-        if np.isfinite(record.e).all():
+        if isfinite(float(record.e.sum())):
             self._e = record.e
         if not self._servo.finished:
             return command, record

@@ -11,7 +11,6 @@ from typing import NamedTuple, Optional
 
 import numpy as np
 
-from ..arm.limits import velocity_factor
 from ..config.settings import setting
 from ..ground.spatial import exponential, inverse, rotation_vector
 
@@ -197,6 +196,7 @@ class LostTarget:
             self._until_ns = stamp_ns + ceil(1e9 * (PATIENT * self._time_s(way) + WHILE_S))
         twist = way / max(self._time_s(way), EASE_PERIODS * dt_s)
         motion = self._arm.joint_velocity(q, twist, *self._arm.at(q), dt_s)
+        from ..arm.limits import velocity_factor  # C++: not needed to describe the settings of this file
         factor = velocity_factor(motion.q_dot, self._speed)
         return motion.q_dot * factor, motion.twist * factor, f"place {self._place + 1} of {len(self._places)}"
 

@@ -127,11 +127,14 @@ class StopRule:
         self._close = tuple([CLOSE * threshold for threshold in thresholds])
         self._hold_ns, self._follows = round(1e9 * hold_s), follows
         self._kept_ns = self._hold_ns if follows else max(self._hold_ns, round(1e9 * AVERAGED_S))
+        self._held, self._where = deque(), _Window()
         self.clear()
 
     def clear(self):
         """Forget the images seen."""
-        self._held, self._where, self._X_BC, self._since_ns = deque(), _Window(), None, 0
+        self._held.clear()
+        self._where.clear()
+        self._X_BC, self._since_ns = None, 0
         self.judged, self.lacking, self.close, self.resting = UNKNOWN, ("no image",), False, False
 
     def arrived(self, stamp_ns, e, tilt, pose, X_BC, pose_of_law=False):
@@ -186,14 +189,17 @@ class StopRule:
         self._where.add(stamp_ns, moved, pose - moved, self._kept_ns)
         offs, held = self._where.near(moved, settings.position_m, settings.rotation_rad), self._where.since(
             stamp_ns - self._hold_ns)
-        where = offs.mean(axis=0) + held
+        mean = np.add.reduce(offs, axis=0) / len(offs)
+        where = mean + held
         positions, rotations = _sizes(where)
         most = max(*parts.values(), float(positions.max()) / settings.position_m,
                    float(rotations.max()) / settings.rotation_rad)
         self.resting = most < (MOVE if self.resting else REST)
         ways, turns = _sizes(held - moved)
         parts["rest"] = max(float(ways.max()) / settings.position_m, float(turns.max()) / settings.rotation_rad) / MOVED
-        unsure = SURE**2 * (1.0 / len(offs) + 1.0 / self._taught_images) * offs.var(axis=0)
+        spread = offs - mean
+        variance = np.add.reduce(spread * spread, axis=0) / len(offs)
+        unsure = SURE**2 * (1.0 / len(offs) + 1.0 / self._taught_images) * variance
         positions, rotations = _sizes((where * where + unsure) ** 0.5)
         self.judged = (self.judged[0], float(positions[-1]), float(rotations[-1]))
         parts["position"] = float(positions.max()) / settings.position_m
@@ -224,7 +230,12 @@ class _Window:
     """What the images of the last seconds say: stamp, motion of the camera by the joints, pose less that motion."""
 
     def __init__(self):
-        self._table, self._first, self._last = np.empty((64, 13)), 0, 0
+        self._table = np.empty((64, 13))
+        self.clear()
+
+    def clear(self):
+        """Forget all images."""
+        self._first = self._last = 0
 
     def add(self, stamp_ns, moved, off, kept_ns):
         """One more image; those older than kept_ns are forgotten."""
@@ -254,7 +265,7 @@ class _Window:
 def _sizes(poses):
     """((n,), (n,)) lengths of the translations and of the rotations of poses, (n, 6)."""
     squares = poses * poses
-    return squares[:, :3].sum(axis=1) ** 0.5, squares[:, 3:].sum(axis=1) ** 0.5
+    return np.add.reduce(squares[:, :3], axis=1) ** 0.5, np.add.reduce(squares[:, 3:], axis=1) ** 0.5
 
 
 def _size(pose):

@@ -7,6 +7,7 @@ import pytest
 from toy_plant import GOAL, START, arm
 
 from aras_visual_servo_controller.arm.redundancy import FREE, TwistInverse, Wish
+from aras_visual_servo_controller.ground.errors import NotFiniteError, ShapeError
 
 ROUNDING = 1e-10  # eps times the largest 1 / sigma (14) and the largest scaled entry (20), with room for the SVD
 REST = np.zeros(6)
@@ -145,6 +146,22 @@ def test_achieved_part_is_what_the_joint_velocities_do(tilt):
     np.testing.assert_allclose(J @ result.q_dot, result.achieved, atol=ROUNDING)
     missed = (twist - result.achieved) / np.array([0.05] * 3 + [1.0] * 3)
     assert result.lost == pytest.approx(np.linalg.norm(missed), abs=ROUNDING)
+
+
+def test_a_jacobian_of_other_joints_or_with_nan_is_refused():
+    with pytest.raises(ShapeError, match="jacobian: 5 columns, expected 6"):
+        inverse().invert(np.eye(6)[:, :5])
+    with pytest.raises(ShapeError, match="joint velocities: 5 values, expected 6"):
+        inverse().invert(np.eye(6)).free(np.zeros(5))
+    with pytest.raises(NotFiniteError, match="jacobian"):
+        inverse().invert(np.full((6, 6), np.nan))
+
+
+def test_equal_jacobians_give_equal_bytes_whatever_their_layout():
+    J = arm().jacobian(np.linspace(-0.3, 0.4, 6))
+    twist, wish = np.linspace(0.1, 0.6, 6), np.linspace(-0.2, 0.1, 6)
+    one, other = (inverse().solve(like(J), twist, wish) for like in (np.ascontiguousarray, np.asfortranarray))
+    assert one.q_dot.tobytes() == other.q_dot.tobytes() and one.null.tobytes() == other.null.tobytes()
 
 
 LOWER, UPPER = np.array([-1.0, -np.inf]), np.array([3.0, np.inf])

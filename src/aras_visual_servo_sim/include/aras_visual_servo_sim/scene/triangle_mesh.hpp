@@ -23,6 +23,9 @@ enum class Wrap {
 struct MeshPicture {
   TexturePtr texture;  ///< never null
   Wrap wrap_s = Wrap::kRepeat, wrap_t = Wrap::kRepeat;
+  /** Null, or a picture, on the same coordinates, of where the surface's normal points: red along s, green up the
+   *  picture, blue off the surface, each from -1 (0) to 1 (255), as glTF has it. For the OpenGL renderer. */
+  TexturePtr normals{};
 };
 
 /** What a mesh of a round body stands for, centred at the origin and along z. */

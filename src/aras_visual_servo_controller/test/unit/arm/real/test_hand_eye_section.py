@@ -12,7 +12,7 @@ from aras_visual_servo_controller.scenario.scenario import load_scenario
 
 #: Products of a dozen rotations: some eps.
 ROUNDING = 1e-9
-HAND_EYE = {"link": "J6_link", "position_m": [0.01, -0.02, 0.03], "rpy_rad": [0.1, -0.2, 0.3]}
+HAND_EYE = {"link": "link6", "position_m": [0.01, -0.02, 0.03], "rpy_rad": [0.1, -0.2, 0.3]}
 
 
 def flange():
@@ -60,4 +60,4 @@ def test_a_link_that_the_urdf_does_not_have_is_named():
 
 def test_a_transform_that_is_not_whole_is_refused_with_the_scenario():
     with pytest.raises(ParameterError, match="robot.hand_eye"):
-        load_scenario("experiment_1", {"robot.hand_eye": {"link": "J6_link", "position_m": [0.0, 0.0]}})
+        load_scenario("experiment_1", {"robot.hand_eye": {"link": "link6", "position_m": [0.0, 0.0]}})

@@ -261,9 +261,9 @@ void MultibodyWorld::Impl::checkCommand(const std::map<std::string, double>& val
                                         const char* kind) const {
   for (const auto& item : values) {
     const JointDrive& drive = driveOfJoint(item.first);
+    if (std::isfinite(item.second) && (drive.*takes)()) continue;
     const std::string what = "joint '" + item.first + "': " + kind + " command is " + shown(item.second);
     if (!std::isfinite(item.second)) throw NotFiniteError(what + ", must be finite");
-    if ((drive.*takes)()) continue;
     throw ParameterError(what + ", must be one its controller takes (" +
                          (drive.hasController() ? controllerTypeName(drive.controller().type) : "it has none") + ")");
   }

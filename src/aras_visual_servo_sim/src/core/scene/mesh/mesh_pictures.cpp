@@ -33,6 +33,18 @@ TexturePtr textureOf(const std::string& name, const aiTexture& embedded) {
   return std::make_shared<Texture>(name, embedded.mWidth, embedded.mHeight, std::move(rgb));
 }
 
+TexturePtr white() {
+  static const TexturePtr texel = std::make_shared<Texture>("white", 1, 1, std::vector<std::uint8_t>(3, 255));
+  return texel;
+}
+
+/** Whether a picture is of normals, which point off the surface in the mean, and not of heights, which are grey. */
+bool showsNormals(const Texture& texture) {
+  constexpr int kBlue = 40;  // grey levels
+  const Rgb mean = texture.meanColor();
+  return mean.b > mean.r + kBlue && mean.b > mean.g + kBlue;
+}
+
 }  // namespace
 
 MeshPictures::Use MeshPictures::of(const aiMesh& mesh) {
@@ -41,20 +53,45 @@ MeshPictures::Use MeshPictures::of(const aiMesh& mesh) {
   const aiMaterial& material = *scene_.mMaterials[mesh.mMaterialIndex];
   aiString name;
   aiTextureMapMode modes[3] = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap, aiTextureMapMode_Wrap};
-  if (material.GetTexture(aiTextureType_DIFFUSE, 0, &name, nullptr, &use.set, nullptr, nullptr, modes) != AI_SUCCESS) {
-    return use;
+  const auto found_at = of_material_.find(mesh.mMaterialIndex);
+  TexturePtr normals = found_at == of_material_.end() ? normalsOf(material) : pictures_[found_at->second].normals;
+  const bool colored =
+      material.GetTexture(aiTextureType_DIFFUSE, 0, &name, nullptr, &use.set, nullptr, nullptr, modes) == AI_SUCCESS;
+  if (!colored) {
+    if (!normals) return use;
+    name = "";  // a white picture, for the colour to stay
+    normalsSet(material, use.set, modes);
   }
   if (use.set >= AI_MAX_NUMBER_OF_TEXTURECOORDS || !mesh.HasTextureCoords(use.set)) {
     throw ModelError("mesh '" + mesh_path_ + "': has the picture '" + name.C_Str() +
                      "' but no texture coordinates of set " + std::to_string(use.set));
   }
   const auto [found, is_new] = of_material_.emplace(mesh.mMaterialIndex, static_cast<std::int32_t>(pictures_.size()));
-  if (is_new) pictures_.push_back({load(name.C_Str()), wrapOf(modes[0]), wrapOf(modes[1])});
+  if (is_new) {
+    pictures_.push_back({colored ? load(name.C_Str()) : white(), wrapOf(modes[0]), wrapOf(modes[1]), normals});
+  }
   use.index = found->second;
+  if (!colored) return use;
   // COLLADA has a picture or a colour; assimp gives its own default for the colour then.
   const std::string extension = fs::path(mesh_path_).extension().string();
   use.replaces_color = extension == ".dae" || extension == ".DAE";
   return use;
+}
+
+/** The normals of a material; null if it has none. OBJ's map_Bump, which assimp calls heights, often holds normals. */
+TexturePtr MeshPictures::normalsOf(const aiMaterial& material) const {
+  aiString name;
+  if (material.GetTexture(aiTextureType_NORMALS, 0, &name) == AI_SUCCESS) return load(name.C_Str());
+  if (material.GetTexture(aiTextureType_HEIGHT, 0, &name) != AI_SUCCESS) return nullptr;
+  const TexturePtr picture = load(name.C_Str());
+  return showsNormals(*picture) ? picture : nullptr;
+}
+
+void MeshPictures::normalsSet(const aiMaterial& material, unsigned& set, aiTextureMapMode* modes) {
+  aiString name;
+  for (const aiTextureType type : {aiTextureType_NORMALS, aiTextureType_HEIGHT}) {
+    if (material.GetTexture(type, 0, &name, nullptr, &set, nullptr, nullptr, modes) == AI_SUCCESS) return;
+  }
 }
 
 TexturePtr MeshPictures::load(const std::string& name) const {

@@ -36,6 +36,9 @@ class MeshPictures {
   const std::vector<MeshPicture>& all() const { return pictures_; }
 
  private:
+  TexturePtr normalsOf(const aiMaterial& material) const;
+  /** Set of coordinates and continuation of the normals of a material without another picture. */
+  static void normalsSet(const aiMaterial& material, unsigned& set, aiTextureMapMode* modes);
   TexturePtr load(const std::string& name) const;
   std::string find(const std::string& name) const;
 

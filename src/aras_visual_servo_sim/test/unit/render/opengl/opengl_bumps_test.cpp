@@ -121,7 +121,7 @@ TEST_F(OpenGlBumps, HighlightsFollowThem) {
 }
 
 TEST_F(OpenGlBumps, OfBumpsThoseThatAreBluishAreNormalsAndGreyOnesAreNot) {
-  writePicture("n.png", {220, 128, 200});
+  writePicture("n.png", {150, 120, 240});
   writePicture("heights.png", {90, 90, 90});
   EXPECT_TRUE(plate("map_Bump n.png")->pictures.at(0).normals);
   EXPECT_TRUE(plate("map_Bump heights.png")->pictures.empty());

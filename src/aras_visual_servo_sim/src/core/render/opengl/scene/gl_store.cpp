@@ -253,9 +253,9 @@ GlOutline GlStore::outline(const MeshPtr& mesh, double error_m) {
   return coarse.indices ? coarse : whole;
 }
 
-void GlStore::bindPicture(const TexturePtr& texture, Wrap wrap_s, Wrap wrap_t, bool askew) {
+void GlStore::bindPicture(const TexturePtr& texture, Wrap wrap_s, Wrap wrap_t, bool askew, int unit) {
   GlPicture& picture = pictures_[texture.get()];
-  gl_.ActiveTexture(GL_TEXTURE0);
+  gl_.ActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));
   if (!picture.name) {
     picture.texture = texture;
     picture.name = upload(*texture);

@@ -55,9 +55,9 @@ class GlStore {
   const GlMesh& roundMesh(const MeshPtr& mesh, double outline_px);
   /** A mesh with fewer triangles, for its shadow. @param error_m  how far a point may be from where it is, > 0 */
   GlOutline outline(const MeshPtr& mesh, double error_m);
-  /** Binds a picture to texture unit 0. @param askew  seen so that a pixel covers a long strip of it
+  /** Binds a picture to a texture unit. @param askew  seen so that a pixel covers a long strip of it
    *  @throws RenderError naming a picture too large for OpenGL */
-  void bindPicture(const TexturePtr& texture, Wrap wrap_s, Wrap wrap_t, bool askew);
+  void bindPicture(const TexturePtr& texture, Wrap wrap_s, Wrap wrap_t, bool askew, int unit = 0);
 
  private:
   struct GlPicture {

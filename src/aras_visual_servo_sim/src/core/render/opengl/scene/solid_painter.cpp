@@ -14,7 +14,8 @@ Eigen::Vector3f unit(const Rgb& color) { return Eigen::Vector3f(color.r, color.g
 /** Radius of the ball about the middle of a mesh's box that holds it. */
 double radiusOf(const TriangleMesh& mesh) { return 0.5 * (mesh.box_max - mesh.box_min).cast<double>().norm(); }
 
-constexpr int kFirstMapUnit = 1;   // unit 0 has the picture
+constexpr int kFirstMapUnit = 1;  // unit 0 has the picture
+constexpr int kBumpsUnit = kFirstMapUnit + LightSet::kMostShadows;
 constexpr float kUnmarked = 0.0f;  // alpha of what no mark of FlatPainter lies on
 
 /** Whether pixels see so much more of a part's picture in one direction than across it that this must not blur it: by
@@ -175,8 +176,10 @@ void SolidPainter::draw(const Item& item, const PinholeView& view, const GlMesh&
     gl_.Uniform3f(program.highlight, highlight.x(), highlight.y(), highlight.z());
     gl_.Uniform1f(program.shininess, static_cast<float>(material.shininess));
     if (part.picture) {
-      store_.bindPicture(part.picture->texture, part.picture->wrap_s, part.picture->wrap_t,
-                         isSeenAskew(part, item.X_CS, view));
+      const MeshPicture& picture = *part.picture;
+      const bool askew = isSeenAskew(part, item.X_CS, view);
+      store_.bindPicture(picture.texture, picture.wrap_s, picture.wrap_t, askew);
+      if (picture.normals) store_.bindPicture(picture.normals, picture.wrap_s, picture.wrap_t, askew, kBumpsUnit);
     }
     gl_.DrawElements(GL_TRIANGLES, part.count, GL_UNSIGNED_INT,
                      reinterpret_cast<const void*>(std::size_t(part.first) * sizeof(std::uint32_t)));
@@ -190,10 +193,11 @@ SolidPainter::Program& SolidPainter::programOf(const Item& item, const GlMesh& m
   traits.lights = letters;
   traits.clamps_light = lights_->clamps_light;
   traits.textured = picture != nullptr;
+  traits.bumpy = picture && picture->normals;
   traits.specular = !shape.material.specular.isZero();
   traits.fog = scene_->lighting.fog.has_value();
   traits.two_sided = shape.material.two_sided;
-  traits.faceted = mesh.faceted && !traits.two_sided;
+  traits.faceted = mesh.faceted && !traits.two_sided && !traits.bumpy;
   traits.painted = !shape.mesh->colors.empty();
   Program& program = programs_[traits.name()];
   if (!program.shader) {
@@ -218,6 +222,7 @@ void SolidPainter::findUniforms(Program& program) const {
   program.shininess = at["shininess"];
   program.far_plane = at["far_plane"];
   program.picture = at["picture"];
+  program.bumps = at["bumps"];
   program.fog = at["fog"];
   for (std::size_t k = 0; k < letters_.size(); ++k) {
     const std::string number = std::to_string(k);
@@ -231,6 +236,7 @@ void SolidPainter::findUniforms(Program& program) const {
 void SolidPainter::setLights(Program& program) {
   program.frame = frame_;
   gl_.Uniform1i(program.picture, 0);
+  gl_.Uniform1i(program.bumps, kBumpsUnit);
   if (const auto& fog = scene_->lighting.fog) {
     const Eigen::Vector3f color = unit(fog->color);
     gl_.Uniform4f(program.fog, color.x(), color.y(), color.z(), static_cast<float>(fog->density_per_m));

@@ -96,6 +96,23 @@ float shadow(sampler2DShadow map, vec3 at, vec2 texel_of_map) {
   return 0.25 * sum;
 }
 )";
+// The normal that a picture gives, in the frame of the directions in which s grows and t falls. p_C and texel change by
+// the same steps from pixel to pixel, so that these directions follow from the differences without any approximation on
+// a flat triangle (C. Schueler, Normal Mapping without Precomputed Tangents, ShaderX 5, 2006).
+const char kBumps[] = R"(
+uniform sampler2D bumps;
+vec3 bent(vec3 n) {
+  vec3 right = dFdx(p_C), down = dFdy(p_C);
+  vec2 right_texel = dFdx(texel), down_texel = dFdy(texel);
+  float facing = dot(n, cross(right, down)) < 0.0 ? -1.0 : 1.0;
+  vec3 a = facing * cross(down, n), b = facing * cross(n, right);
+  vec3 along_s = a * right_texel.x + b * down_texel.x;
+  vec3 along_t = a * right_texel.y + b * down_texel.y;
+  float longest = max(dot(along_s, along_s), dot(along_t, along_t));
+  vec3 m = 2.0 * texture(bumps, texel).rgb - 1.0;
+  return longest > 0.0 ? normalize((m.x * along_s - m.y * along_t) * inversesqrt(longest) + m.z * n) : n;
+}
+)";
 const char kShadowAround[] = R"(
 float shadow_around(samplerCubeShadow map, vec3 ray, vec2 reach, vec2 texel_of_map) {
   vec3 size = abs(ray);
@@ -118,7 +135,7 @@ float shadow_around(samplerCubeShadow map, vec3 ray, vec2 reach, vec2 texel_of_m
 
 std::string ShaderTraits::name() const {
   return "solid " + lights + (clamps_light ? " clamped" : "") + (textured ? " textured" : "") +
-         (specular ? " specular" : "") + (fog ? " fog" : "") + (faceted ? " faceted" : "") +
+         (bumpy ? " bumpy" : "") + (specular ? " specular" : "") + (fog ? " fog" : "") + (faceted ? " faceted" : "") +
          (two_sided ? " two-sided" : "") + (painted ? " painted" : "");
 }
 
@@ -189,8 +206,10 @@ std::string solidFragmentShader(const ShaderTraits& traits) {
   }
   if (shaded) text += kShadow;
   if (shaded_around) text += kShadowAround;
+  if (traits.bumpy) text += kBumps;
   text += traits.faceted ? "void main() {\n  vec3 n = n_C;\n" : "void main() {\n  vec3 n = normalize(n_C);\n";
   if (traits.two_sided) text += "  if (!gl_FrontFacing) n = -n;\n";
+  if (traits.bumpy) text += "  n = bent(n);\n";
   text += traits.faceted ? "  vec3 light = whole;\n" : "  vec3 light = ambient;\n";
   if (traits.specular) text += "  vec3 shine = vec3(0.0);\n";
   for (std::size_t k = 0; k < count; ++k) {

@@ -10,7 +10,7 @@ namespace aras_visual_servo_sim {
 /** What of a shader is wanted: one is compiled for each set of these, so that simple scenes are drawn by short ones. */
 struct ShaderTraits {
   std::string lights;  ///< a letter each: 'd'irectional, 'p'oint, 's'pot, 'h'ead; capital: with a shadow
-  bool clamps_light = false, textured = false, specular = false, fog = false;
+  bool clamps_light = false, textured = false, bumpy = false, specular = false, fog = false;
   bool faceted = false;    ///< each triangle has one normal and one colour, and its back is not drawn
   bool two_sided = false;  ///< the back is drawn, lit as a front
   bool painted = false;    ///< the mesh has colours of its own
