@@ -49,7 +49,7 @@ TEST(OpenGlReach, AFloorDrawnInPartsLooksAsOneDrawnAsAWhole) {
         in_shadow += unshaded.data[k] > whole.data[k] + 30;
       }
       EXPECT_LE(apart, kRounding + 1.0);  // rounding of the places on the map, at the edge of a shadow
-      EXPECT_GT(in_shadow, 100);
+      EXPECT_GT(in_shadow, 30);
     }
   }
 }
