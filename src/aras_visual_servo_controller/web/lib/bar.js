@@ -45,11 +45,6 @@ export const bar = (page, place) => {
     name.textContent = about.scenario;
     name.title = about.description;
     document.title = `${about.scenario}, live`;
-    for (const [key, control] of Object.entries({ pause, step, speed, follow, reset: buttons.reset, teach: buttons.teach })) {
-      const why = about.cannot[key];
-      control.disabled = Boolean(why);
-      if (why) control.title = why;
-    }
   });
   model.on("state", (state) => {
     const quiet = state.phase === "idle" || state.phase === "done", driving = PHASES[state.phase];
@@ -59,7 +54,7 @@ export const bar = (page, place) => {
     text.textContent = state.text && state.text !== pill.textContent && state.text !== state.phase ? state.text : "";
     buttons.stop.disabled = quiet;
     buttons.servo.disabled = !state.taught;
-    buttons.teach.disabled = !quiet || Boolean(model.about.cannot.teach);
+    buttons.teach.disabled = !quiet;
     pause.textContent = state.paused ? "Go on" : "Pause";
     step.disabled = !state.paused;
     if (document.activeElement !== speed) speed.value = String(state.speed);

@@ -40,11 +40,12 @@ const make = (page) => {
     const same = JSON.stringify([about.robot, about.scene, about.camera, about.target]);
     if (same === robot) return;
     robot = same;
+    notice("drawn", about.notes.join(" · "));
     const geometries = await load(about);
     const old = world;
     world = new World(canvas, about, geometries, isDark());
     if (old) { world.second = old.second; world.eye.position.copy(old.eye.position); world.controls.target.copy(old.controls.target); old.controls.dispose(); world.controls.update(); }
-    if (!about.cannot.place_target) world.draggable(place);
+    world.draggable(place);
     page.world = world;
     world.size(canvas.clientWidth, canvas.clientHeight);
     if (model.state) world.show(model.state);

@@ -39,7 +39,6 @@ const make = (page) => {
       } catch (error) { notice("target", `motion: found no JSON: ${error.message}`); return; }
       ask({ do: "move_target", motion });
     }, { id: "give-motion" });
-    if (about.cannot.move_target) { give.disabled = true; give.title = about.cannot.move_target; }
     body.replaceChildren(where, pad, el("h3", {}, "motion"), el("div", { class: "line" }, choice, give), form);
     fill();
   };

@@ -19,6 +19,7 @@ from ._sim import (
     StateError,
     UnknownNameError,
     light_entry,
+    mesh_triangles,
     opengl_description,
 )
 
@@ -36,5 +37,6 @@ __all__ = [
     "StateError",
     "UnknownNameError",
     "light_entry",
+    "mesh_triangles",
     "opengl_description",
 ]

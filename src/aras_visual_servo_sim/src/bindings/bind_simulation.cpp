@@ -237,7 +237,27 @@ void bindScene(py::class_<Simulation>& type) {
            "Moves a model from now and from where it is.\n\nArgs:\n"
            "    motion: dict as sim.scene.models[].motion of a scenario, see the README; None: it stays where it "
            "is.\n"
-           "Raises:\n    UnknownNameError, ParameterError listing all faults.");
+           "Raises:\n    UnknownNameError, ParameterError listing all faults.")
+      .def(
+          "set_cameras",
+          [](Simulation& self, const py::object& config) {
+            self.setCameras(SimulationConfig::fromYaml(yamlFromPython(config, "config")).cameras);
+          },
+          py::arg("config"),
+          "Gives the cameras other settings while time goes on, also after a reset: noise, exposure, latency, sensor,\n"
+          "renderer, all but what camera_info tells, and the rate. Frames that the new latency lets come no more are\n"
+          "lost.\n\nArgs:\n    config: dict, the section sim of a scenario, of which only the cameras count.\n"
+          "Raises:\n    ParameterError naming what would have to be as at the start; nothing changes then.")
+      .def(
+          "set_lighting",
+          [](Simulation& self, const py::object& config) {
+            self.setLighting(SimulationConfig::fromYaml(yamlFromPython(config, "config")).scene);
+          },
+          py::arg("config"),
+          "Changes background and lights while time goes on, also for the time after a reset.\n\nArgs:\n"
+          "    config: dict, the section sim of a scenario, of which only background and lights of the scene count;\n"
+          "        lights that were set otherwise stay.\n"
+          "Raises:\n    ParameterError; nothing changes then.");
 }
 
 void bindState(py::class_<Simulation>& type) {

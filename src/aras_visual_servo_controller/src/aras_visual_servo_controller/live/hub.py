@@ -19,10 +19,11 @@ class Hub:
     """Makes the messages, each once for all viewers.
 
     Args: runner: `Runner`, or what has its attributes sample, rows, about, encoding and watched.
+        notes: what a page is told to begin with, beside what the runner has to say.
     """
 
-    def __init__(self, runner):
-        self._runner, self._viewers = runner, []
+    def __init__(self, runner, notes=()):
+        self._runner, self._notes, self._viewers = runner, list(notes), []
         self._number, self._about, self._goal = -1, None, None
         self._last_row, self._image_number, self._jpeg = -1, -1, b""
 
@@ -31,7 +32,7 @@ class Hub:
         viewer.behind, viewer.next_row, viewer.image_number = 0, 0, -1
         self._viewers.append(viewer)
         self._runner.watched = True
-        viewer.send(_text({"type": "about", **self._runner.about}))
+        viewer.send(_text(self._about_message()))
         if self._goal is not None:
             viewer.send(_goal_message(self._goal, self._runner.encoding))
 
@@ -45,6 +46,10 @@ class Hub:
     def viewers(self):
         """How many pages look."""
         return len(self._viewers)
+
+    def _about_message(self):
+        about = self._runner.about
+        return {"type": "about", **about, "notes": list(about.get("notes", ())) + self._notes}
 
     def tell(self, message):
         """Send a message, dict, to every page."""
@@ -62,7 +67,7 @@ class Hub:
         about = runner.about
         if self._about != about["version"]:
             if self._about is not None:
-                self.tell({"type": "about", **about})
+                self.tell(self._about_message())
                 for viewer in self._viewers:
                     viewer.next_row = 0 if not runner.rows else min(viewer.next_row, runner.rows[-1][0] + 1)
             self._about = about["version"]

@@ -8,18 +8,18 @@
 No threads and no wall time: live/runner.py lets it go on at the speed that somebody wants.
 """
 
+import copy
 import math
 
 import numpy as np
 
-from ..config.files import package_paths
 from ..ground.errors import ParameterError
 from ..ground.types import Status
 from ..run.loop import ServoLoop
 from ..run.sequence import ExperimentSequence
 from .about import about, marks_of, row, rounded, saved
 from .hand import Hand
-from .settings import acts_at_once, changed
+from .settings import acts_at_once, changed, put
 from .view.scene import pose_numbers
 
 #: A target that has moved this far since the servo ended is followed again [m], and turned this far [rad].
@@ -109,7 +109,7 @@ class LiveRun:
         loop = self.loop
         at_C = loop.sim.camera_pose(loop.camera)[:3, 3]
         return {**about(self.scenario, loop.kinematics, loop.camera_info, loop.servo, at_C, loop.target_pose(),
-                        loop._target), "version": self.version, "cannot": {}, **self.standing()}
+                        loop._target), "version": self.version, **self.standing()}
 
     def standing(self):
         """The part of `about` that changes with every setting: values of the scenario, and which wait for a reset."""
@@ -195,23 +195,18 @@ class LiveRun:
 
     def do_set(self, request):
         scenario = changed(self.scenario, request.values)
-        loop, servo, sim = self.loop, None, None
+        loop, servo = self.loop, None
         if scenario.servo != self.scenario.servo:
             servo = loop.servo.retuned(scenario.servo)
         at_once = {path for path in request.values if acts_at_once(path)}
-        if any(path.startswith("sim.") for path in at_once):
-            sim = self._simulator(scenario)
-            try:  # the new simulator is the old one but for these settings: it goes on from the same state
-                sim.restore_state(loop.sim.save_state())
-            except RuntimeError:  # images on their way, or a shutter that is open, are not the same in both
-                sim, at_once = None, {path for path in at_once if not path.startswith("sim.")}
         if any(path.startswith("experiment.") for path in at_once) and loop.sequence.phase in QUIET:
             self._sequence(servo or loop.servo, scenario)  # refuses what no arm can do
+        seen = {path for path in at_once if path.startswith("sim.")}
+        if seen:
+            self._see(seen, request.values)
         self.scenario = scenario
         if servo is not None:
             loop.use(servo)
-        if sim is not None:
-            loop.sim, self._built_sim = sim, scenario.sim
         self._waiting |= set(request.values) - at_once
         if {"servo.features", "servo.law"} & set(request.values):
             self.version += 1
@@ -220,10 +215,17 @@ class LiveRun:
     def _sequence(self, servo, scenario):
         return ExperimentSequence(self.loop.kinematics, servo, scenario.experiment, self.loop._teach_camera)
 
-    @staticmethod
-    def _simulator(scenario):
-        from aras_visual_servo_sim import Simulation  # C++: not needed to import this
-        return Simulation(scenario.urdf_xml(), scenario.sim, scenario.controllers(), package_paths())
+    def _see(self, paths, values):
+        """Give the simulator these settings of its cameras and lights; what waits for a reset goes on waiting."""
+        built = copy.deepcopy(self._built_sim)
+        document = {"sim": built}
+        for path in paths:
+            put(document, path, copy.deepcopy(values[path]))
+        if any(path.startswith("sim.cameras.") for path in paths):
+            self.loop.sim.set_cameras(built)
+        if any(path.startswith("sim.scene.") for path in paths):
+            self.loop.sim.set_lighting(built)
+        self._built_sim = built
 
     def do_place_target(self, request):
         if self.loop._target is None:

@@ -47,8 +47,9 @@ class Server:
     """
 
     def __init__(self, runner, urdf_xml, token=None):
-        self.runner, self.hub, self.token, self.address = runner, Hub(runner), token or secrets.token_urlsafe(16), ""
-        self.meshes, self.notes = mesh_blocks(robot_of(urdf_xml))
+        self.meshes, notes = mesh_blocks(robot_of(urdf_xml))
+        self.runner, self.hub, self.address = runner, Hub(runner, notes), ""
+        self.token = token or secrets.token_urlsafe(16)
         for name in THREE_FILES:
             three_file(name)  # a missing package is told before anybody opens a page
         self._http = self._hub_task = None

@@ -9,16 +9,17 @@ from ..ground.types import FEATURE_NAMES
 from ..scenario.scenario import scenario_from_dict
 
 #: Settings that act on the next image; the others wait for a reset.
-AT_ONCE = (r"servo\..*", r"sim\.cameras\.\d+\.(noise_mean|noise_stddev|drop_probability|sampling|renderer|quality)",
+AT_ONCE = (r"servo\..*", r"sim\.cameras\.\d+\.(noise_mean|noise_stddev|drop_probability|latency_s|exposure_s"
+           r"|exposure_samples|sensor|sampling|renderer|quality|gl|exact_targets|near_m|far_m)(\..*)?",
            r"sim\.scene\.(background_rgb|light_direction|lighting).*", r"experiment\..*", r"name", r"description")
 #: Where a feature that has just been chosen begins, until somebody says otherwise: its gain and its threshold by unit.
 GAIN_PER_S, THRESHOLDS = 1.0, {"m": 5e-4, "rad": 1e-3}
 THRESHOLD = 1e-3
 
 
-def acts_at_once(path):
+def acts_at_once(path, patterns=AT_ONCE):
     """Whether a change of this setting acts on the next image."""
-    return any(re.fullmatch(pattern, path) for pattern in AT_ONCE)
+    return any(re.fullmatch(pattern, path) for pattern in patterns)
 
 
 def changed(scenario, values):

@@ -1,6 +1,6 @@
 """Node `live_page`: serves the live page of a run over ROS. It listens to the run's topics and calls its services.
 
-What a page sees and asks for is the same as in process (live/messages.py); what ROS cannot do is named in `cannot`.
+What a page sees and asks for is the same as in process (live/messages.py).
 Images and features are subscribed to only while a page is ready for them, so that nobody sends them for nothing.
 """
 
@@ -29,7 +29,7 @@ from ..live.about import about, marks_of, row, saved
 from ..live.hand import Hand
 from ..live.runner import MOST_ROWS, Sample
 from ..live.server import Server
-from ..live.settings import changed
+from ..live.settings import AT_ONCE, acts_at_once, changed
 from ..live.view.scene import pose_numbers
 from ..scenario.scenario import scenario_from_dict
 from ..servo.servo import Servo
@@ -39,8 +39,12 @@ SERVICE_TIMEOUT_S = 5.0
 LOOK_S = 1.0 / 60.0
 #: Images are listened to for this long after the last page was ready for one [s].
 LINGER_S = 1.0
-ELSEWHERE = "over ROS the launch file says that"
-CANNOT = {"speed": f"{ELSEWHERE}: real_time_factor:=2", "follow": "over ROS press Servo when the target has moved"}
+#: Settings that nodes take over while they run.
+ROS_AT_ONCE = tuple(pattern for pattern in AT_ONCE if pattern.startswith(("servo", "sim")))
+#: A target that has moved this far since the servo ended is followed again [m], and turned this far [rad].
+MOVED_M, MOVED_RAD = 2e-4, 1e-3
+#: Ends of a servo after which a target that moves is followed.
+FOLLOWED = (Status.CONVERGED, Status.TIMED_OUT, Status.STOPPED_BY_RULE)
 MOVING = ("to_goal", "settle_goal", "teach", "to_start", "settle_start", "servo")
 
 
@@ -66,6 +70,7 @@ class RosRun:
         self._q = self._q_all = self._state = self._image = self._features = self._goal = None
         self._X_WC, self._X_WT, self._teach, self._status = None, None, None, SimStatus()
         self._image_number, self._shown, self._ready_s, self._taught = 0, -1.0, 0.0, False
+        self._speed, self._follow, self._ended_at = float(self._scenario.time.get("real_time_factor", 0.0)), True, None
         info = rospy.wait_for_message("camera/camera_info", CameraInfo, timeout=60.0)
         self._info = {"width": info.width, "height": info.height, "K": list(info.K), "D": list(info.D),
                       "distortion_model": info.distortion_model}
@@ -85,8 +90,8 @@ class RosRun:
         version = 1 if self.about is None else self.about["version"] + 1
         self.about = {**about(self._scenario, self._kinematics, self._info, self._servo, self._at_C, self._X_WT,
                               self._target),
-                      "version": version, "values": self._scenario.as_dict(), "waiting": [], "cannot": CANNOT,
-                      "at_once": [r"servo\..*"]}
+                      "version": version, "values": self._scenario.as_dict(), "waiting": [],
+                      "at_once": list(ROS_AT_ONCE)}
 
     # --- what comes -------------------------------------------------------------------------------------------------
 
@@ -142,6 +147,21 @@ class RosRun:
     def _on_target(self, message):
         p, q = message.pose.position, message.pose.orientation
         self._X_WT = pose_from_quaternion((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
+        self._follow_target()
+
+    def _follow_target(self):
+        """Begin to servo again when the target has moved since the servo ended."""
+        state = self._state
+        if state is None or state.phase != "done" or state.status not in FOLLOWED:
+            self._ended_at = None
+        elif self._ended_at is None:
+            self._ended_at = self._X_WT
+        elif self._follow and not self._hand.busy:
+            way = np.linalg.norm(self._X_WT[:3, 3] - self._ended_at[:3, 3])
+            turn = np.linalg.norm(self._X_WT[:3, :3] - self._ended_at[:3, :3]) / 2.0**0.5
+            if way > MOVED_M or turn > MOVED_RAD:
+                self._ended_at = self._X_WT
+                self._send_goal("taught")
 
     def _on_image(self, message):
         self.encoding = message.encoding
@@ -186,7 +206,7 @@ class RosRun:
                  "camera": pose_numbers(self._kinematics.pose(self._q)), "target": pose_numbers(self._X_WT),
                  "status": code.name, "text": state.status_text if state else "",
                  "phase": state.phase if state else "idle", "taught": self._taught,
-                 "frame": status.frames, "follow": False, "paused": status.paused, "speed": 1.0,
+                 "frame": status.frames, "follow": self._follow, "paused": status.paused, "speed": self._speed,
                  "factor": round(status.real_time_factor, 3)}
         number = 0 if self.sample is None else self.sample.number + 1
         self.sample = Sample(number, shown, self._image, self._image_number, self._marks(), self._goal,
@@ -199,8 +219,6 @@ class RosRun:
         return self._pool.submit(self._do, request)
 
     def _do(self, request):
-        if request.do in CANNOT:
-            raise ParameterError(f"{request.do}: {CANNOT[request.do]}")
         try:
             return getattr(self, "do_" + request.do)(request) or {}
         except (rospy.ROSException, rospy.ServiceException) as error:
@@ -256,17 +274,14 @@ class RosRun:
 
     def do_set(self, request):
         """Settings of the servo: the parameters are set, and the controller reads them again."""
-        others = [path for path in (request.values or {}) if not path.startswith("servo.")]
+        others = [path for path in (request.values or {}) if not acts_at_once(path, ROS_AT_ONCE)]
         if others:
-            raise ParameterError(f"{', '.join(others)}: over ROS a page changes settings of servo only; the others are "
-                                 "read when the nodes start")
-        scenario, before = changed(self._scenario, request.values), rospy.get_param("scenario/servo")
-        rospy.set_param("scenario/servo", scenario.servo)
-        try:
-            self._call("reconfigure", Trigger)
-        except Exception:
-            rospy.set_param("scenario/servo", before)
-            raise
+            raise ParameterError(f"{', '.join(others)}: over ROS this is read when the nodes start; allowed are "
+                                 "settings of servo, of how cameras see, and of light")
+        scenario = changed(self._scenario, request.values)
+        for section, service in (("servo", "reconfigure"), ("sim", "sim/reconfigure")):
+            if getattr(scenario, section) != getattr(self._scenario, section):
+                self._reread(section, getattr(scenario, section), service)
         self._scenario, names = scenario, self._servo.feature_names
         self._servo = Servo(self._kinematics, scenario.servo)
         if self._servo.feature_names != names or "servo.law" in request.values:
@@ -275,6 +290,25 @@ class RosRun:
         else:
             self.about = {**self.about, "values": scenario.as_dict()}
         return {"waiting": []}
+
+    def _reread(self, section, values, service):
+        """Set a section of the scenario and let its node read it again; as it was if the node refuses it."""
+        before = rospy.get_param("scenario/" + section)
+        rospy.set_param("scenario/" + section, values)
+        try:
+            self._call(service, Trigger)
+        except Exception:
+            rospy.set_param("scenario/" + section, before)
+            raise
+
+    def do_speed(self, request):
+        """The simulator reads its pace again."""
+        self._reread("time/real_time_factor", float(request.factor), "sim/reconfigure")
+        self._speed = request.factor
+
+    def do_follow(self, request):
+        """Servo again when the target has moved since the servo ended."""
+        self._follow = request.follow
 
     def do_place_target(self, request):
         """The simulator's set_target_pose."""

@@ -122,11 +122,26 @@ def test_noise_begins_without_disturbing_the_arm(run):
     assert servoing(run) and calm[:40, :40].std() == 0.0 and background.std() == pytest.approx(8.0, rel=0.2)
 
 
-def test_a_camera_is_late_after_a_reset(run):
-    assert run.do(ask.Set({"sim.cameras.0.latency_s": 0.05}))["waiting"] == ["sim.cameras.0.latency_s"]
+def test_a_camera_is_late_at_once_and_after_a_reset(run):
+    images(run, 3)
+    assert run.do(ask.Set({"sim.cameras.0.latency_s": 0.05}))["waiting"] == []
+    images(run, 3)
+    assert servoing(run) and run.time_ns - run.record.stamp_ns >= 50_000_000
     run.do(ask.Reset())
     images(run, 3)
     assert run.time_ns - run.record.stamp_ns >= 50_000_000
+
+
+def test_light_changes_at_once_and_what_waits_goes_on_waiting(run):
+    images(run, 3)
+    assert run.do(ask.Set({"sim.period_s": 0.002}))["waiting"] == ["sim.period_s"]
+    run.do(ask.Set({"sim.scene.background_rgb": [10, 20, 30]}))
+    images(run, 1)
+    assert tuple(run.image[0, 0]) == (10, 20, 30) and run.loop.sim.period_ns == 1_000_000
+    assert run.about()["waiting"] == ["sim.period_s"]
+    run.do(ask.Reset())
+    images(run, 1)
+    assert tuple(run.image[0, 0]) == (10, 20, 30) and run.loop.sim.period_ns == 2_000_000
 
 
 def test_what_waits_for_a_reset_is_told_and_acts_then(run):

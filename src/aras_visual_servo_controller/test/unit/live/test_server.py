@@ -243,3 +243,16 @@ def test_rows_that_a_page_has_missed_are_thinned_evenly():
     hub = Hub(FakeRunner([(i, [i]) for i in range(1000)]))
     rows = hub._rows(100)
     assert rows[-1] == (999, [999]) and len(rows) <= 400 and rows[0][0] >= 100
+
+
+def test_a_page_is_told_what_cannot_be_drawn():
+    class Viewer:
+        def __init__(self):
+            self.got = []
+
+        def send(self, message):
+            self.got.append(json.loads(message))
+
+    runner, viewer = FakeRunner([]), Viewer()
+    Hub(runner, ["not drawn: mesh 'a.dae': gone"]).add(viewer)
+    assert viewer.got[0]["type"] == "about" and viewer.got[0]["notes"] == ["not drawn: mesh 'a.dae': gone"]

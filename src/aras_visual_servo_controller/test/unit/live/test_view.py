@@ -45,11 +45,33 @@ def test_meshes_in_text_are_read_too(tmp_path):
     assert len(triangles_of(tmp_path / "a.obj")) == 2
 
 
+DAE = """<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit meter="0.01" name="centimeter"/><up_axis>Z_UP</up_axis></asset>
+<library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array id="a" count="9">0 0 0 100 0 0 0 100 0</float_array><technique_common>
+<accessor source="#a" count="3" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
+<param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles>
+</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node><translate>0 0 300</translate><instance_geometry url="#g"/></node>
+</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>"""
+
+
+def test_a_collada_file_is_read_with_its_unit_and_its_places(tmp_path):
+    (tmp_path / "a.dae").write_text(DAE)
+    np.testing.assert_allclose(triangles_of(tmp_path / "a.dae"), [[[0, 0, 3], [1, 0, 3], [0, 1, 3]]], atol=1e-6)
+    vertices, triangles = read(mesh_block(str(tmp_path / "a.dae")))
+    np.testing.assert_allclose(vertices[triangles].max(axis=(0, 1)), [1.0, 1.0, 3.0], atol=1e-4)
+
+
 @pytest.mark.parametrize("name, content, said", [
-    ("a.step", b"", "found a .step, allowed"), ("a.stl", b"solid\nvertex 1 2 x", "cannot be read"),
-    ("b.stl", b"", "found no triangle")])
+    ("a.txt", b"no mesh", "a.txt"), ("a.stl", b"solid\nvertex 1 2 x", "a.stl"), ("b.stl", b"", "b.stl"),
+    ("gone.dae", None, "gone.dae")])
 def test_a_mesh_that_cannot_be_drawn_is_named(tmp_path, name, content, said):
-    (tmp_path / name).write_bytes(content)
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
     with pytest.raises(ModelError, match=said):
         triangles_of(tmp_path / name)
 

@@ -91,6 +91,15 @@ class Simulation {
   Pose cameraPose(int camera) const { return cameras_[camera].pose(*world_); }     ///< X_WC at the present
   Twist cameraTwist(int camera) const { return cameras_[camera].twist(*world_); }  ///< V_WC_C, [v; w]
 
+  /** Gives the cameras other settings while time goes on, also for the time after a reset: all but those that
+   * camera_info tells, and the rate. Frames on their way come as the new latency says; those that it lets come no more
+   * are lost.
+   *  @throws ParameterError naming what would have to be as at the start; nothing changes then */
+  void setCameras(const std::vector<CameraConfig>& cameras);
+  /** Changes background and lights to those of this scene, whose models do not count; lights that something else has
+   *  brought stay. @throws ParameterError; nothing changes then */
+  void setLighting(const SceneConfig& scene);
+
   // --- commands, see Commands
   void setCommand(const JointCommand& command, std::optional<std::int64_t> stamp_ns = std::nullopt) {
     commands_.apply(command, stamp_ns, timeNs(), *world_);

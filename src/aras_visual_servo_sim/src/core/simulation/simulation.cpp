@@ -157,6 +157,19 @@ FrameState Simulation::frameState(int index) const {
           cameraPose(index), cameraTwist(index),       models_.set().poses()};
 }
 
+void Simulation::setCameras(const std::vector<CameraConfig>& cameras) {
+  cameras_.become(cameras_.with(cameras, model_, config_.seed, periodNs()), ticks());
+  config_.cameras = cameras;
+  commands_.allowLatency(clock_.ns(cameras_.longestLatencyTicks()));
+}
+
+void Simulation::setLighting(const SceneConfig& scene) {
+  models_.setLighting(config_.scene, scene, model_);
+  config_.scene.background = scene.background;
+  config_.scene.light_direction_W = scene.light_direction_W;
+  config_.scene.lighting = scene.lighting;
+}
+
 void Simulation::setTwist(const Twist& V_WL_L, const std::string& link, std::optional<std::int64_t> stamp_ns) {
   JointCommand command;
   try {

@@ -68,6 +68,28 @@ YAML::Node findControllers(const ros::NodeHandle& node) {
   return controllers;
 }
 
+/** The section `sim` in three parts, as text. */
+struct Split {
+  std::string cameras, lighting, rest;
+};
+
+Split split(const YAML::Node& sim) {
+  Split parts;
+  YAML::Node rest = sim.IsMap() ? YAML::Clone(sim) : YAML::Node(YAML::NodeType::Map), lighting;
+  if (rest["cameras"]) parts.cameras = YAML::Dump(rest["cameras"]);
+  rest.remove("cameras");
+  if (YAML::Node scene = rest["scene"]; scene.IsMap()) {
+    for (const char* key : {"background_rgb", "light_direction", "lighting"}) {
+      if (!scene[key]) continue;
+      lighting[key] = YAML::Clone(scene[key]);
+      scene.remove(key);
+    }
+  }
+  if (lighting.IsMap()) parts.lighting = YAML::Dump(lighting);
+  parts.rest = YAML::Dump(rest);
+  return parts;
+}
+
 }  // namespace
 
 NodeParameters loadParameters(const ros::NodeHandle& node, const ros::NodeHandle& private_node) {
@@ -101,6 +123,26 @@ NodeParameters loadParameters(const ros::NodeHandle& node, const ros::NodeHandle
     parameters.time.joint_state_rate_hz = *parameters.joint_states.publish_rate_hz;
   }
   faults.throwIfAny();
+  return parameters;
+}
+
+YAML::Node simSection(const ros::NodeHandle& node, const ros::NodeHandle& private_node) {
+  return section(node, private_node, "sim");
+}
+
+LiveParameters loadLiveParameters(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+                                  const YAML::Node& before) {
+  LiveParameters parameters;
+  const YAML::Node sim = simSection(node, private_node);
+  parameters.simulation = SimulationConfig::fromYaml(sim);
+  parameters.real_time_factor = TimeConfig::fromYaml(section(node, private_node, "time")).real_time_factor;
+  const Split now = split(sim), then = split(before);
+  if (now.rest != then.rest) {
+    throw ParameterError("sim: found other values than at the start beside those of cameras, background and lights, " +
+                         std::string("allowed after a new start only"));
+  }
+  parameters.cameras = now.cameras != then.cameras;
+  parameters.lighting = now.lighting != then.lighting;
   return parameters;
 }
 

@@ -37,4 +37,18 @@ struct NodeParameters {
  *  @throws ParameterError listing every fault of all of them */
 NodeParameters loadParameters(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
 
+/** What the node can take over while it runs, of the sections `sim` and `time` as they are on the parameter server now.
+ *  @param started  the section `sim` that the node started with, from `simSection`
+ *  @throws ParameterError: a fault of them, or `sim` differs from `started` in something that needs a new start */
+struct LiveParameters {
+  SimulationConfig simulation;
+  double real_time_factor = 0.0;
+  bool cameras = false, lighting = false;  ///< whether they differ from those of `before`
+};
+LiveParameters loadLiveParameters(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+                                  const YAML::Node& before);
+
+/** The section `sim` as it is on the parameter server. */
+YAML::Node simSection(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
+
 }  // namespace aras_visual_servo_sim

@@ -13,6 +13,12 @@ class Pacer {
   /** @param real_time_factor  simulated over wall time, >= 0; 0 = never wait */
   explicit Pacer(double real_time_factor) : factor_(real_time_factor) {}
 
+  /** Another factor, from now on. */
+  void setFactor(double real_time_factor, std::int64_t time_ns) {
+    factor_ = real_time_factor;
+    restart(time_ns);
+  }
+
   bool paced() const { return factor_ > 0.0; }
 
   /** Begins anew at this time; to be called after a start, a pause or a reset. */

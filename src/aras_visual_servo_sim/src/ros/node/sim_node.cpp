@@ -23,6 +23,7 @@ SimNode::SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, NodeletQueue&
       queue_(queue),
       nodelets_(nodelets),
       config_(parameters.time),
+      sim_section_(simSection(node, ros::NodeHandle("~"))),
       simulation_(parameters.robot, parameters.simulation, parameters.controllers),
       time_(simulation_, parameters.time.monotonic_clock),
       camera_topics_(cameraTopics(simulation_, parameters.gazebo_camera_names)),

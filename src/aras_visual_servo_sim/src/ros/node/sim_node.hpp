@@ -9,6 +9,7 @@
 #include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 #include <std_srvs/Empty.h>
+#include <std_srvs/Trigger.h>
 
 #include <string>
 #include <vector>
@@ -47,6 +48,7 @@ class SimNode {
 
  private:
   using Empty = std_srvs::Empty;
+  using Trigger = std_srvs::Trigger;
   using Step = aras_visual_servo_msgs::Step;
   using SetJointPositions = aras_visual_servo_msgs::SetJointPositions;
   using SetTargetPose = aras_visual_servo_msgs::SetTargetPose;
@@ -58,6 +60,8 @@ class SimNode {
   bool onUnpause(Empty::Request&, Empty::Response&);
   bool onReset(Empty::Request&, Empty::Response&);
   bool onResetWorld(Empty::Request&, Empty::Response&);
+  /** Takes over what the parameters say now of cameras, light and pace. */
+  bool onReconfigure(Trigger::Request&, Trigger::Response& response);
   bool onStep(Step::Request& request, Step::Response& response);
   bool onSetJointPositions(SetJointPositions::Request& request, SetJointPositions::Response& response);
   bool onSetTargetPose(SetTargetPose::Request& request, SetTargetPose::Response& response);
@@ -79,6 +83,7 @@ class SimNode {
   ros::CallbackQueue& queue_;
   NodeletQueue& nodelets_;
   TimeConfig config_;
+  YAML::Node sim_section_;  ///< as it was taken over last
   Simulation simulation_;
   WireTime time_;
   std::vector<CameraTopics> camera_topics_;

@@ -43,6 +43,7 @@ void SimNode::advertiseServices(bool gazebo_names) {
   services_ = {node_.advertiseService("sim/pause", &SimNode::onPause, this),
                node_.advertiseService("sim/unpause", &SimNode::onUnpause, this),
                node_.advertiseService("sim/reset", &SimNode::onReset, this),
+               node_.advertiseService("sim/reconfigure", &SimNode::onReconfigure, this),
                node_.advertiseService("sim/step", &SimNode::onStep, this),
                node_.advertiseService("sim/set_joint_positions", &SimNode::onSetJointPositions, this),
                node_.advertiseService("sim/save_state", &SimNode::onSaveState, this),
@@ -84,6 +85,21 @@ bool SimNode::onResetWorld(Empty::Request&, Empty::Response&) {
   simulation_.resetWorld();
   markers_.publish();
   return true;
+}
+
+bool SimNode::onReconfigure(Trigger::Request&, Trigger::Response& response) {
+  return answer(response, [&] {
+    const ros::NodeHandle private_node("~");
+    const LiveParameters next = loadLiveParameters(node_, private_node, sim_section_);
+    if (next.cameras) simulation_.setCameras(next.simulation.cameras);
+    if (next.lighting) simulation_.setLighting(next.simulation.scene);
+    sim_section_ = simSection(node_, private_node);
+    if (next.real_time_factor != config_.real_time_factor) {
+      config_.real_time_factor = next.real_time_factor;
+      pacer_.setFactor(next.real_time_factor, simulation_.timeNs());
+    }
+    response.message = "cameras, light and pace are as the parameters say now";
+  });
 }
 
 bool SimNode::onStep(Step::Request& request, Step::Response& response) {

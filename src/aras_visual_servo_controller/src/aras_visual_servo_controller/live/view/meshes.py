@@ -6,20 +6,18 @@ step along each axis (float32, 3 each), the vertices (uint16, 3 each), padding t
 """
 
 import functools
-from pathlib import Path
 
 import numpy as np
 
 from ...ground.errors import ModelError
 
 STEPS = 65535
-_STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
 @functools.lru_cache(maxsize=128)
 def mesh_block(path):
-    """The block, bytes, of a mesh file. Raises ModelError: it cannot be read, or it is of a kind that no page draws."""
-    return as_block(triangles_of(Path(path)))
+    """The block, bytes, of a mesh file. Raises ModelError: it cannot be read."""
+    return as_block(triangles_of(path))
 
 
 def as_block(corners):
@@ -40,37 +38,12 @@ def as_block(corners):
 
 
 def triangles_of(path):
-    """Corners, float (n, 3, 3), of a mesh file, in the file's unit. Raises ModelError."""
-    read = {".stl": _stl, ".obj": _obj}.get(path.suffix.lower())
-    if read is None:
-        raise ModelError(f"mesh '{path}': found a {path.suffix or 'file without ending'}, allowed .stl, .obj")
+    """Corners, float (n, 3, 3) [m], of a mesh file of any kind that the simulator reads. Raises ModelError."""
+    from aras_visual_servo_sim import mesh_triangles  # C++: not needed to import this
     try:
-        corners = read(path)
-    except (OSError, ValueError, IndexError) as error:
-        raise ModelError(f"mesh '{path}': cannot be read: {error}") from error
-    if not len(corners) or not np.isfinite(corners).all():
-        raise ModelError(f"mesh '{path}': found no triangle or numbers that are not finite")
+        corners = mesh_triangles(str(path))
+    except RuntimeError as error:
+        raise ModelError(str(error)) from error
+    if not np.isfinite(corners).all():
+        raise ModelError(f"mesh '{path}': found numbers that are not finite")
     return corners
-
-
-def _stl(path):
-    content = path.read_bytes()
-    count = int.from_bytes(content[80:84], "little")
-    if len(content) == 84 + 50 * count:
-        return np.frombuffer(content, _STL_TRIANGLE, count, 84)["corners"].astype(float)
-    words = content.decode("ascii").split()
-    numbers = [words[i + 1:i + 4] for i, word in enumerate(words) if word == "vertex"]
-    return np.array(numbers, dtype=float).reshape(-1, 3, 3)
-
-
-def _obj(path):
-    points, corners = [], []
-    for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
-        words = line.split()
-        if words[:1] == ["v"]:
-            points.append([float(word) for word in words[1:4]])
-        elif words[:1] == ["f"]:
-            face = [int(word.split("/")[0]) for word in words[1:]]
-            face = [points[i - 1 if i > 0 else i] for i in face]
-            corners += [[face[0], a, b] for a, b in zip(face[1:], face[2:])]
-    return np.array(corners, dtype=float).reshape(-1, 3, 3)

@@ -115,6 +115,10 @@ class Camera {
   const std::vector<Moment>& past() const { return exposure_.past(); }
   const FramesInFlight& flight() const { return flight_; }
   void restore(State state);
+  /** Goes on where another camera of the same schedule is, at the tick `now`: its counters and images, the frames that
+   *  are on their way as far as this latency lets them come, and what its sensor has set by itself. The exposure begins
+   *  anew. */
+  void continueFrom(Camera& before, std::int64_t now);
 
  private:
   CameraModel model_;

@@ -33,6 +33,12 @@ class Cameras {
   /** Number of frames dropped so far because of drop_probability. */
   std::uint64_t droppedFrames() const;
 
+  /** The same cameras with other settings, to take the place of these: see Simulation::setCameras. */
+  Cameras with(const std::vector<CameraConfig>& configs, const RobotModel& robot, std::uint64_t seed,
+               std::int64_t period_ns) const;
+  /** @param next  of `with` @param now  the present tick */
+  void become(Cameras next, std::int64_t now);
+
   /** To be called before a model is added or removed: frames in flight keep the models they were exposed with. */
   void keepModels(const ModelSet& models);
   /** To be called when a joint or model was placed elsewhere: exposures begin anew. */

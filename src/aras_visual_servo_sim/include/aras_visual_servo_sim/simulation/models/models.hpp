@@ -69,6 +69,9 @@ class Models {
   void become(ModelSet next);
   /** The same, with these motions instead of those that are under way. */
   void become(ModelSet next, std::map<std::string, MotionRun> motions);
+  /** Changes background and lights, of the present set and of that as constructed: the lights that `before` names
+   * become those of `next`, all others stay. @throws as checkLights; nothing changes then */
+  void setLighting(const SceneConfig& before, const SceneConfig& next, const RobotModel& robot);
   /** The set as constructed. */
   const ModelSet& built() const { return built_ ? *built_ : set_; }
   /** Back to the set as constructed; start() puts each model where it began. */

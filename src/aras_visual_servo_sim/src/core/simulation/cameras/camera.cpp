@@ -136,4 +136,22 @@ void Camera::restore(State state) {
   if (sensor_) sensor_->restore(std::move(state.sensor));
 }
 
+void Camera::continueFrom(Camera& before, std::int64_t now) {
+  State state;
+  state.plan = before.plan();
+  state.unhashed_frame = before.unhashedFrame();
+  if (late() && before.late()) {
+    if (before.takenFrame()) state.taken = *before.takenFrame();
+    state.in_flight = before.flight().inFlight();
+  }
+  if (sensor_ && sensor_->setsItself() && before.sensor_ && before.sensor_->setsItself()) {
+    state.sensor = before.sensor_->state();
+  }
+  restore(std::move(state));
+  flight_.passTo(now);
+  image = std::move(before.image);  // who shows it goes on showing the same memory
+  geometry = std::move(before.geometry);
+  light = std::move(before.light);
+}
+
 }  // namespace aras_visual_servo_sim

@@ -43,6 +43,51 @@ std::uint64_t Cameras::droppedFrames() const {
   return dropped;
 }
 
+namespace {
+
+/** Adds a fault for each setting that camera_info tells, or on which the schedule stands, and that is another one. */
+void requireSameView(const CameraConfig& now, const CameraConfig& next, FaultList& faults) {
+  const auto require = [&](bool same, const std::string& key) {
+    if (!same) faults.add("camera '" + now.name + "': " + key + ": found another one, allowed that of the start");
+  };
+  require(next.name == now.name, "name");
+  require(next.frame == now.frame && next.mount == now.mount, "frame");
+  require(next.X_MC.p == now.X_MC.p && next.X_MC.q.coeffs() == now.X_MC.q.coeffs(), "pose");
+  require(next.width == now.width && next.height == now.height, "size");
+  require(next.horizontal_fov_rad == now.horizontal_fov_rad && next.fx_px == now.fx_px && next.fy_px == now.fy_px &&
+              next.cx_px == now.cx_px && next.cy_px == now.cy_px,
+          "intrinsics");
+  require(next.distortion_model == now.distortion_model && next.distortion == now.distortion &&
+              next.cutoff_angle_rad == now.cutoff_angle_rad,
+          "distortion");
+  require(next.rate_hz == now.rate_hz && next.triggered == now.triggered, "rate_hz");
+  require(next.encoding == now.encoding, "encoding");
+  require(next.baseline_m == now.baseline_m, "baseline_m");
+}
+
+}  // namespace
+
+Cameras Cameras::with(const std::vector<CameraConfig>& configs, const RobotModel& robot, std::uint64_t seed,
+                      std::int64_t period_ns) const {
+  if (configs.size() != size()) {
+    throw ParameterError("cameras: found " + std::to_string(configs.size()) + ", allowed " + std::to_string(size()) +
+                         ", as at the start");
+  }
+  Cameras next;
+  FaultList faults;
+  for (std::size_t k = 0; k < size(); ++k) {
+    requireSameView(cameras_[k].model().config(), configs[k], faults);
+    faults.collect([&] { next.add(configs[k], robot, seed, period_ns); });
+  }
+  faults.throwIfAny();
+  return next;
+}
+
+void Cameras::become(Cameras next, std::int64_t now) {
+  for (std::size_t k = 0; k < size(); ++k) next.cameras_[k].continueFrom(cameras_[k], now);
+  *this = std::move(next);
+}
+
 void Cameras::keepModels(const ModelSet& models) {
   std::shared_ptr<ModelSet> kept;
   for (Camera& camera : cameras_) {

@@ -6,6 +6,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/config/section.hpp"
 #include "aras_visual_servo_sim/scene/scene_loader.hpp"
+#include "aras_visual_servo_sim/simulation/models/lights.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -47,6 +48,30 @@ ModelPlacement Models::at(const MotionRun& run, std::int64_t now_ns) {
 
 void Models::move(std::int64_t now_ns) {
   for (const auto& [name, run] : motions_) place(name, at(run, now_ns).X_WM);
+}
+
+namespace {
+
+/** The set with background and lights of `next` in the place of those of `before`. @throws as checkLights */
+ModelSet relit(ModelSet set, const SceneConfig& before, const SceneConfig& next, const RobotModel& robot) {
+  std::vector<Light> lights = next.lighting.lights;
+  for (const Light& light : set.scene.lighting.lights) {
+    if (!before.lighting.find(light.name) && !next.lighting.find(light.name)) lights.push_back(light);
+  }
+  set.scene.background = next.background;
+  set.scene.light_direction_W = next.light_direction_W;
+  set.scene.lighting = next.lighting;
+  set.scene.lighting.lights = std::move(lights);
+  checkLights(set, robot);
+  return set;
+}
+
+}  // namespace
+
+void Models::setLighting(const SceneConfig& before, const SceneConfig& next, const RobotModel& robot) {
+  ModelSet present = relit(set_, before, next, robot);
+  if (built_) built_ = std::make_shared<const ModelSet>(relit(*built_, before, next, robot));
+  set_ = std::move(present);
 }
 
 void Models::follow(const MultibodyWorld& world) {
