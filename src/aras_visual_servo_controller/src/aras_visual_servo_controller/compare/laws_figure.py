@@ -18,8 +18,8 @@ FLOOR_MM, FLOOR_DEG = 0.01, 0.001
 PANELS = ("distance from the goal [mm]", "angle left [deg]", "retreat along the axis [mm]", "target in the image [px]")
 
 
-#: Laws in one row of the legend of a figure 12 inches wide; height of such a row, and the room around all of them, above
-#: the panels [inch].
+#: Laws in one row of the legend of a figure 12 inches wide; height of such a row, and the room around all of them,
+#: above the panels [inch].
 LEGEND_COLUMNS, LEGEND_ROW_IN, LEGEND_IN = 8, 0.2, 0.15
 
 
