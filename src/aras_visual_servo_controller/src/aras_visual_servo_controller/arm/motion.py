@@ -63,11 +63,12 @@ class ArmMotion:
         self._wish = Wish(lower, upper, spare.posture_gain_per_s, spare.joint_limit_gain_per_s, spare.max_speed)
         self.lower, self.upper = lower + config.joint_limit_margin, upper - config.joint_limit_margin
         self.posture = self.optical_axis_B = None
+        self._seen_from = self._axis = None  # the last pose of the camera, and the taught axis in it
 
     def set_reference(self, reference):
         """Take over the posture and the optical axis of a `Reference`."""
         self.posture = None if reference.posture is None else self._kinematics.vector(reference.posture)
-        self.optical_axis_B = reference.optical_axis_B
+        self.optical_axis_B, self._seen_from = reference.optical_axis_B, None
 
     def rest(self):
         """Call this when the arm is told to stand still: its next motion begins at zero velocity."""
@@ -88,8 +89,7 @@ class ArmMotion:
         """
         if self.optical_axis_B is None:
             return np.zeros(6)
-        a, b, _ = (self.optical_axis_B @ X_BC[:3, :3]).tolist()  # the taught axis in C
-        sine = (a * a + b * b) ** 0.5
+        a, b, sine = self._taught_axis_in(X_BC)
         if sine > 0.0:
             gain *= asin(min(1.0, sine)) / sine
         _, _, _, wx, wy, _ = inverse.achieved(np.array([0.0, 0.0, 0.0, -gain * b, gain * a, 0.0])).tolist()
@@ -103,10 +103,16 @@ class ArmMotion:
         """
         if self.optical_axis_B is None:
             return None
-        a, b, _ = (self.optical_axis_B @ X_BC[:3, :3]).tolist()
-        sine = (a * a + b * b) ** 0.5
+        a, b, sine = self._taught_axis_in(X_BC)
         scale = asin(min(1.0, sine)) / sine if sine > 0.0 else 1.0
         return np.array([scale * b, -scale * a])
+
+    def _taught_axis_in(self, X_BC):
+        """(x, y, sine of the angle to z) of the taught axis in the frame of a camera at X_BC."""
+        if X_BC is not self._seen_from:
+            a, b, _ = (self.optical_axis_B @ X_BC[:3, :3]).tolist()
+            self._seen_from, self._axis = X_BC, (a, b, (a * a + b * b) ** 0.5)
+        return self._axis
 
     def joint_velocity(self, q, twist, jacobian, inverse, dt_s):
         """`Motion` of a twist V_C, (6,), held for dt_s at q, (n,); jacobian and inverse are those that `at` returns."""

@@ -51,10 +51,11 @@ def logarithm(X):
 
 
 def inverse(X):
-    """Inverse of a pose, (4, 4)."""
-    result = _EYE.copy()
-    result[:3, :3] = X[:3, :3].T
-    result[:3, 3] = -(X[:3, 3] @ X[:3, :3])
+    """Inverse of a pose, (4, 4), or of each of a stack of poses, (..., 4, 4)."""
+    result = np.empty_like(X, dtype=float)
+    result[...] = _EYE
+    result[..., :3, :3] = X[..., :3, :3].swapaxes(-1, -2)
+    result[..., :3, 3] = -(X[..., None, :3, 3] @ X[..., :3, :3])[..., 0, :]
     return result
 
 

@@ -198,15 +198,19 @@ class ServoLoop:
         record = self._row(builder, progress)
         while not self.sequence.done and record.stamp_ns < limit_s * 1e9:
             record = self._row(builder, progress)
+        last_ns = record.stamp_ns
         if self.sequence.done:
             end_ns = record.stamp_ns + round(closing_s * 1e9)
-            while self.sim.next_image_ns(self.camera) <= end_ns:
-                self._row(builder, progress)
+            while self.sim.next_image_ns(self.camera) <= end_ns:  # drawn for the run hash; nobody asks what they show
+                last_ns, _, _ = self._take()
+                self.frame += 1
+                self._tell(progress, last_ns, record.phase)
             self.sim.step(max(0, (end_ns - self.sim.time_ns) // self.sim.period_ns))
         else:
             builder.note(f"given up after {limit_s:g} s of simulated time in phase {record.phase}")
         wall_s = time.perf_counter() - started_s
         return builder.finish(run_hash=self.sim.run_hash, wall_s=wall_s, camera_info=self.camera_info,
+                              real_time_factor=1e-9 * (last_ns - builder.begin_ns) / wall_s,
                               X_WT=self.target_pose(), opengl=self.sim.opengl)
 
     def moving_target_pose(self):
@@ -220,6 +224,9 @@ class ServoLoop:
     def _row(self, builder, progress):
         record, features, image = self.step()
         builder.add_answer(record, self.camera_pose(), features, image, self.moving_target_pose())
-        if progress is not None and self.frame % PROGRESS_ROWS == 0:
-            progress(record.stamp_ns * 1e-9, record.phase)
+        self._tell(progress, record.stamp_ns, record.phase)
         return record
+
+    def _tell(self, progress, stamp_ns, phase):
+        if progress is not None and self.frame % PROGRESS_ROWS == 0:
+            progress(stamp_ns * 1e-9, phase)

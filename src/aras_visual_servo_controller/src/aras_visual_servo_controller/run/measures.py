@@ -34,7 +34,7 @@ def measures(record, lower, upper, outline=None):
         found["detour_mm"] = float(distance_from_segment(p, p[0], goal).max())
         found["farthest_mm"] = float(np.linalg.norm(p - goal, axis=1).max())
         if outline is not None:
-            border_px = min(outline.border_px(X) for X in X_WC)
+            border_px = outline.border_px(X_WC)
             found["border_px"] = border_px if border_px > -inf else None
     lower, upper = np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)
     limited, q = np.isfinite(lower) & np.isfinite(upper), record.q[rows]

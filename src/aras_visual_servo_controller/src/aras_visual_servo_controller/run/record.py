@@ -147,6 +147,11 @@ class RecordBuilder:
     def __len__(self):
         return len(self._rows)
 
+    @property
+    def begin_ns(self):
+        """Stamp of the first row."""
+        return self._rows[0][0]
+
     def add_row(self, stamp_ns, phase, status=0, status_text="", s=None, s_star=None, e=None, twist=None, q=None,
                 set_point=None, X_WC=None, raw=None, image=None, X_WT=None, stop=None):
         """Append the row of one image; values that are None become NaN.

@@ -120,10 +120,10 @@ class ExperimentSequence:
             self._dt_s = 1e-9 * (stamp_ns - self._last_ns)
         try:
             q = self._kinematics.vector(observation.q)
-            if q.shape != (self._n,) or not isfinite(float(q.sum())):
+            if q.shape != (self._n,) or not isfinite(sum(q.tolist())):
                 raise ParameterError(f"joint positions {q} are not {self._n} finite numbers")
             if self._last_q is not None:
-                self._speed = float(np.abs(self._kinematics.way(self._last_q, q)).max()) / self._dt_s
+                self._speed = max(map(abs, self._kinematics.way(self._last_q, q).tolist())) / self._dt_s
             self._last_ns, self._last_q = stamp_ns, q
             return self._advance(observation, q)
         except ArasError as error:
@@ -209,7 +209,7 @@ class ExperimentSequence:
 
     def _servo_step(self, observation):
         command, record = self._servo.step(observation, self._dt_s)
-        if isfinite(float(record.e.sum())):
+        if isfinite(sum(record.e.tolist())):
             self._e = record.e
         if not self._servo.finished:
             return command, record

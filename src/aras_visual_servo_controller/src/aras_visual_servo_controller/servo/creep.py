@@ -27,12 +27,12 @@ class CreepCompensation:
     def __init__(self, rate_per_s):
         """Args: rate_per_s: of working the difference off, 0: never."""
         self._rate_per_s = rate_per_s
-        self.clear()
+        self._X_BC, self._off, self.twist = None, np.zeros(6), np.zeros(6)
 
     def clear(self):
         """Begin anew with the next image."""
-        self._X_BC = None
-        self._off, self.twist = np.zeros(6), np.zeros(6)
+        if self._X_BC is not None:
+            self._X_BC, self._off, self.twist = None, np.zeros(6), np.zeros(6)
 
     def correction(self, twist, X_BC, dt_s):
         """`twist` of this image.

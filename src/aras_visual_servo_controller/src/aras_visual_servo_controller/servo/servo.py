@@ -222,7 +222,7 @@ class Servo:
         if self.finished:
             return self._rest(stamp_ns, self.status, self._text)
         q, self._q = self._kinematics.vector(observation.q), self._nans
-        if q.shape != self._zeros.shape or not isfinite(float(q.sum())):
+        if q.shape != self._zeros.shape or not isfinite(sum(q.tolist())):
             return self._rest(stamp_ns, Status.FAULT, f"joint positions {q} are not {len(self._zeros)} finite numbers")
         self._q = q
         gap_s = nan if self._last_ns is None else 1e-9 * (stamp_ns - self._last_ns)
@@ -261,7 +261,7 @@ class Servo:
             return self._without_target(stamp_ns, q, dt_s, str(error))
         except Exception as error:  # a law or feature of somebody else: the arm must stand still, whatever it raises
             return self._rest(stamp_ns, Status.FAULT, f"law '{law.name}': {type(error).__name__}: {error}")
-        if np.shape(twist) != (6,) or not isfinite(float(twist.sum())):
+        if getattr(twist, "shape", None) != (6,) or not isfinite(sum(twist.tolist())):
             return self._rest(stamp_ns, Status.FAULT, f"law '{law.name}' gave a twist that is not six finite numbers")
         self._applied, self._s, self._e, self._cond_l = twist, answer.s, answer.e, answer.condition
         self._lost.servoed(q, features)
@@ -279,7 +279,8 @@ class Servo:
         if self._creeps and not look_then_move:
             if self._stop.resting and answer.settled:
                 twist, target_C, self._text = np.zeros(6), None, "resting"
-            twist = twist * self._stop.calm(min(self._law.gains_per_s))
+            if (calm := self._stop.calm(min(self._law.gains_per_s))) != 1.0:
+                twist = twist * calm
             gain *= self._stop.calm(gain) if gain > 0.0 else 1.0
         if self._target_motion is not None:
             twist = twist + self._target_motion.twist(stamp_ns, X_BC, self._s, self._e)

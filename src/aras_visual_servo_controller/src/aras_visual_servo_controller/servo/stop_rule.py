@@ -271,4 +271,5 @@ def _sizes(poses):
 def _size(pose):
     if pose is None:
         return nan, nan
-    return float(pose[:3] @ pose[:3]) ** 0.5, float(pose[3:] @ pose[3:]) ** 0.5
+    x, y, z, a, b, c = pose.tolist()
+    return (x * x + y * y + z * z) ** 0.5, (a * a + b * b + c * c) ** 0.5

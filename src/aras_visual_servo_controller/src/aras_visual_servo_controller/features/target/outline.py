@@ -48,29 +48,33 @@ class Outline:
         return cls(outlines, X_WT, camera)
 
     def pixels(self, X_WC, X_WT=None):
-        """(n, 2) u, v of the outline's corners seen from X_WC [px]; None if a corner is not before the camera."""
+        """(n, 2) u, v of the outline's corners seen from X_WC [px]; None if a corner is not before the camera.
+
+        X_WC may be a stack of m poses, (m, 4, 4): (m, n, 2), None if a corner is not before one of them.
+        """
         points = inverse(X_WC) @ (self.X_WT if X_WT is None else X_WT)
-        points = self.points_T @ points[:3, :3].T + points[:3, 3]
-        if not points[:, 2].min() > 0.0:
+        points = self.points_T @ points[..., :3, :3].swapaxes(-1, -2) + points[..., None, :3, 3]
+        if not points[..., 2].min() > 0.0:
             return None
-        x, y = points[:, 0] / points[:, 2], points[:, 1] / points[:, 2]
+        x, y = points[..., 0] / points[..., 2], points[..., 1] / points[..., 2]
         k1, k2, p1, p2, k3 = self._lens
         if any(self._lens):
             r2 = x * x + y * y
             radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
             x, y = (x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
                     y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y)
-        return np.column_stack([self._f[0] * x + self._c[0], self._f[1] * y + self._c[1]])
+        return np.stack([self._f[0] * x + self._c[0], self._f[1] * y + self._c[1]], axis=-1)
 
     def border_px(self, X_WC, X_WT=None):
         """Distance of the outline from the image border [px]: negative where it is cut, -inf behind the camera.
 
+        Args: X_WC: (4, 4); or (m, 4, 4), of which the least distance is returned.
         The image reaches from -1/2 to w - 1/2 (docs/conventions.md).
         """
         pixels = self.pixels(X_WC, X_WT)
         if pixels is None:
             return -inf
-        low, high = pixels.min(axis=0), pixels.max(axis=0)
+        low, high = pixels.reshape(-1, 2).min(axis=0), pixels.reshape(-1, 2).max(axis=0)
         return float(min(low.min() + 0.5, self._width - 0.5 - high[0], self._height - 0.5 - high[1]))
 
 

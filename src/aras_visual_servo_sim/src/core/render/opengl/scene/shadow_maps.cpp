@@ -249,6 +249,9 @@ void ShadowMaps::drawSquare(const Map& map, const Eigen::Matrix4d& of_world, GlS
   Eigen::Matrix4d to_clip = Eigen::Matrix4d::Identity();
   to_clip(0, 0) = to_clip(1, 1) = 2.0;
   to_clip(0, 3) = to_clip(1, 3) = -1.0;
+  // Behind where things are by more than single precision errs by, so that what light meets straight on is lit.
+  constexpr double kRounding = 1e-6, kRounding_m = 1e-5;
+  to_clip(2, 3) = kRounding + (map.directional ? kRounding_m * map.of_world.row(2).head<3>().norm() : 0.0);
   for (const Caster* caster : chosen_) {
     const Eigen::Matrix4f P = (to_clip * of_world * caster->X_WS).cast<float>();
     gl_.UniformMatrix4fv(projection, 1, GL_FALSE, P.data());
