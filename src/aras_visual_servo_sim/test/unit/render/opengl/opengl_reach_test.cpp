@@ -30,7 +30,8 @@ MeshPtr tiles(int n) {
 TEST(OpenGlReach, AFloorDrawnInPartsLooksAsOneDrawnAsAWhole) {
   for (const Eigen::Vector3d& direction : {Eigen::Vector3d(0, 0, -1), Eigen::Vector3d(1, 0.3, -1),
                                            Eigen::Vector3d(-0.5, 1.2, -0.7), Eigen::Vector3d(2, -2, -1)}) {
-    for (const Pose& X_WC : {kAbove, lookingDown({0.1, 0.0, 0.9}, 0.2, -0.2, 0.4), lookingDown({0.0, 0.0, 0.9}, -0.3)}) {
+    for (const Pose& X_WC :
+         {kAbove, lookingDown({0.1, 0.0, 0.9}, 0.2, -0.2, 0.4), lookingDown({0.0, 0.0, 0.9}, -0.3)}) {
       Light sun = lamp(Light::Type::kDirectional, 0.8);
       sun.direction_W = direction;
       Scene scene = floorUnder({sun});
