@@ -60,6 +60,23 @@ TEST(OpenGlShadow, LitSidesOfSolidsDoNotShadeThemselves) {
   EXPECT_LE(difference.inside, 6);  // of a ball: only where light grazes it
 }
 
+TEST(OpenGlShadow, WhatIsLitFromStraightAboveDoesNotShadeItself) {
+  // Along the normal nothing but rounding would tell a surface from its own place in the map.
+  for (const auto type : {Light::Type::kDirectional, Light::Type::kSpot, Light::Type::kPoint}) {
+    Light light = lamp(type, 0.5);
+    light.position_W = {0.0, 0.0, 3.0};
+    light.inner_angle_rad = 1.0;
+    light.outer_angle_rad = 1.2;
+    Scene scene = floorUnder({light});
+    scene.bodies[0].casts_shadows = true;
+    for (int k = 0; k < 20; ++k) {
+      const double height_m = 0.4 + 0.0137 * k;
+      EXPECT_NEAR(greyAt(scene, 0.0, 0.0, lookingDown({0.001 * k, 0.002, height_m}, 0.01 * k)), 255 * 0.6, kRounding)
+          << static_cast<int>(type) << ' ' << height_m;
+    }
+  }
+}
+
 TEST(OpenGlShadow, ShadowMapsAreDrawnAnewOnlyWhenSomethingMoved) {
   Scene scene = colourfulScene();
   scene.lighting.shadows = true;

@@ -145,7 +145,7 @@ TEST(Lights, OfALinkInMotionAreBlurredWithIt) {
     each->stepToImage("camera");
   }
   // The camera moves with the lamp: without its past the lamp would be as near in all samples.
-  EXPECT_GT(std::abs(middle(blurred) - middle(sharp)), 3);
+  EXPECT_GT(middle(blurred), middle(sharp) + 3);  // the lamp rises: it was nearer before
 }
 
 TEST(Lights, WhatCannotBeIsNamedAndChangesNothing) {
