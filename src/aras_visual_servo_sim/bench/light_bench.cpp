@@ -190,6 +190,53 @@ Draw armDrawing(const ArmKind& kind) {
   return drawing<OpenGlRenderer>(CameraModel(config), X_WC, scene, kind.moving);
 }
 
+// --- worst cases of the coverage renderer ---------------------------------------------------------------------------
+
+/** The lens of the published camera. */
+CameraModel lensCamera() {
+  CameraConfig config;
+  config.width = 320;
+  config.height = 240;
+  config.horizontal_fov_rad = 1.41;
+  config.distortion_model = "plumb_bob";
+  config.distortion = {-0.33, 0.117, 0.0, 0.0, 0.0};
+  return CameraModel(config);
+}
+
+/** A box of three by four metres that fills the view, and no picture, through the lens. */
+Draw tableThroughLens() {
+  Scene scene = sceneOf(kKinds[0]);
+  scene.bodies[0].shapes[0].mesh = makeBox({3.0, 4.0, 0.02});
+  const Pose X_WC{{0.1, 0.2, 0.6}, Eigen::Quaterniond(Eigen::AngleAxisd(M_PI - 0.1, Eigen::Vector3d::UnitX()))};
+  return drawing<CoverageRenderer>(lensCamera(), X_WC, scene, false);
+}
+
+/** The arm's meshes through the lens, seen from beside the arm. */
+Draw armThroughLens() {
+  Pose X_WC;
+  const Scene scene = armScene({"", 0, false, true, false}, X_WC);
+  return drawing<CoverageRenderer>(lensCamera(), X_WC, scene, false);
+}
+
+/** A picture of 1600 x 1200 texels on a mesh that fills 640 x 480, exact. */
+Draw posterDrawing() {
+  CameraConfig config;
+  config.width = 640;
+  config.height = 480;
+  config.horizontal_fov_rad = 65.0 * M_PI / 180.0;
+  std::vector<std::uint8_t> rgb;
+  for (int k = 0; k < 1600 * 1200 * 3; ++k) rgb.push_back(static_cast<std::uint8_t>(std::int64_t(k) * k * 7 % 251));
+  auto mesh = std::make_shared<TriangleMesh>(*plane(true));
+  mesh->points = {{-0.4f, -0.3f, 0}, {0.4f, -0.3f, 0}, {0.4f, 0.3f, 0}, {-0.4f, 0.3f, 0}};
+  mesh->texture_coordinates = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+  mesh->pictures = {{std::make_shared<Texture>("poster", 1600, 1200, rgb)}};
+  mesh->finish();
+  Scene scene = sceneOf(kKinds[0]);
+  scene.bodies[0].shapes[0] = Shape{Pose{}, mesh, {255, 255, 255}, Material{}};
+  const Pose X_WC{{0.01, 0.02, 0.45}, Eigen::Quaterniond(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()))};
+  return drawing<CoverageRenderer>(CameraModel(config), X_WC, scene, false);
+}
+
 // --- all of them ----------------------------------------------------------------------------------------------------
 
 struct Case {
@@ -207,6 +254,9 @@ std::vector<Case> cases() {
   for (const ArmKind& kind : kArmKinds) {
     all.push_back({std::string("opengl/") + kind.name, [&kind] { return armDrawing(kind); }});
   }
+  all.push_back({"coverage/table_lens", tableThroughLens});
+  all.push_back({"coverage/arm_lens", armThroughLens});
+  all.push_back({"coverage/poster_640", posterDrawing});
   return all;
 }
 

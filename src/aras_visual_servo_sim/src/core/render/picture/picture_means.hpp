@@ -23,8 +23,6 @@ class PictureMeans {
 
   /** Mean colour of each pixel, 0 .. 255, row by row of `size`. */
   const Value* means() const { return means_.data(); }
-  /** Whether all means are the same. */
-  bool isPlain() const { return window_.isPlain(); }
 
  private:
   static constexpr int kStride = PictureCorners<size>::kStride, kCount = PictureCorners<size>::kCount;

@@ -8,19 +8,24 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-/** Whether a triangle touches a square, known to lie in its bounding box: not if one edge has all of the square
- * outside. Errs by at most a thousandth of a pixel, on the side of touching. */
-bool touches(const Vertex* t, float x0, float y0, float size) {
-  const float area = (t[1].x - t[0].x) * (t[2].y - t[0].y) - (t[1].y - t[0].y) * (t[2].x - t[0].x);
-  const float side = area < 0.0f ? -1.0f : 1.0f;
-  for (int i = 0, j = 2; i < 3; j = i++) {
-    const float dx = side * (t[i].x - t[j].x), dy = side * (t[i].y - t[j].y);
-    // Corner of the square that lies farthest to the inner side of the edge from j to i.
-    const float x = dy > 0.0f ? x0 : x0 + size, y = dx > 0.0f ? y0 + size : y0;
-    constexpr float kMargin = 1e-3f;
-    if (dx * (y - t[j].y) - dy * (x - t[j].x) < -kMargin * (std::abs(dx) + std::abs(dy))) return false;
+constexpr float kMargin = 1e-3f;  // [px] by which squares are taken to be larger: more than rounding
+
+/** Narrows the squares first <= u < last of a row, from `top` to `bottom`, to those that are not wholly outside an
+ * edge: its inner side is where dx (y - from.y) - dy (x - from.x) > 0. */
+void narrow(const Vertex& from, float dx, float dy, float top, float bottom, int& first, int& last) {
+  constexpr float kSize = TileBins::kTile;
+  // Of the corners on the inner side of the edge, the least of what dy (x - from.x) may be and still touch it.
+  const float most = dx * ((dx > 0.0f ? bottom : top) - from.y) + kMargin * (std::abs(dx) + std::abs(dy));
+  if (dy == 0.0f) {
+    if (most < 0.0f) last = first;
+    return;
   }
-  return true;
+  const float border = held(from.x + most / dy, -1e6f, 1e6f) / kSize;  // in squares
+  if (dy > 0.0f) {
+    last = std::min(last, static_cast<int>(std::floor(border)) + 1);  // the left side of a square must not be beyond
+  } else {
+    first = std::max(first, static_cast<int>(std::ceil(border)) - 1);  // nor its right side before
+  }
 }
 
 }  // namespace
@@ -31,6 +36,8 @@ void TileBins::begin(int width, int height) {
   tiles_u_ = (width + kTile - 1) / kTile;
   tiles_v_ = (height + kTile - 1) / kTile;
   marked_.assign(std::size_t(tiles_u_) * tiles_v_, Mark::kNone);
+  spans_.clear();
+  added_ = 0;
 }
 
 void TileBins::markEverything() { std::fill(marked_.begin(), marked_.end(), Mark::kEverything); }
@@ -44,16 +51,18 @@ void TileBins::markEverything(const PixelBox& box) {
 }
 
 void TileBins::markBodies(const TriangleList& triangles) {
-  forEachTile(triangles, [this](int tile, std::uint32_t) { markBody(tile); });
+  addSpans(triangles);
+  forEachTile([this](int tile, std::uint32_t) { markBody(tile); });
 }
 
 /** Counts, running sums, entries. A facet that several cells see comes to a tile once. */
 void TileBins::sort(const TriangleList& triangles) {
   constexpr std::uint32_t kNone = 0xffffffff;
+  addSpans(triangles);
   starts_.assign(marked_.size() + 1, 0);
   const auto forEach = [&](auto&& visit) {
     newest_.assign(marked_.size(), kNone);
-    forEachTile(triangles, [&](int tile, std::uint32_t triangle) {
+    forEachTile([&](int tile, std::uint32_t triangle) {
       if (marked_[tile] == Mark::kNone || newest_[tile] == triangle) return;
       newest_[tile] = triangle;
       visit(tile, triangle);
@@ -72,24 +81,39 @@ PixelBox TileBins::pixels(int tile) const {
 }
 
 template <typename Visit>
-void TileBins::forEachTile(const TriangleList& triangles, const Visit& visit) const {
-  for (const TriangleList::Span& span : triangles.spans()) {
+void TileBins::forEachTile(const Visit& visit) const {
+  for (const TriangleList::Span& span : spans_) {
     for (int u = span.first; u < span.last; ++u) visit(span.row * tiles_u_ + u, span.triangle);
-  }
-  const std::vector<Vertex>& vertices = triangles.vertices();
-  for (std::size_t i = 0; i < vertices.size(); i += 3) {
-    forEachTile(&vertices[i], [&](int tile) { visit(tile, static_cast<std::uint32_t>(i / 3)); });
   }
 }
 
-template <typename Visit>
-void TileBins::forEachTile(const Vertex* triangle, const Visit& visit) const {
-  const PixelBox box = tilesOf(triangle);
-  const bool small = box.u1 - box.u0 <= 1 && box.v1 - box.v0 <= 1;
+/** Of triangles that were added to the list since the last time. */
+void TileBins::addSpans(const TriangleList& triangles) {
+  if (!triangles.isFlat()) {
+    spans_.insert(spans_.end(), triangles.spans().begin() + added_, triangles.spans().end());
+    added_ = triangles.spans().size();
+    return;
+  }
+  for (; added_ < triangles.size(); ++added_) {
+    addSpans(&triangles.vertices()[3 * added_], static_cast<std::uint32_t>(added_));
+  }
+}
+
+void TileBins::addSpans(const Vertex* t, std::uint32_t index) {
+  const PixelBox box = tilesOf(t);
+  if (box.u1 - box.u0 <= 1 && box.v1 - box.v0 <= 1) {
+    if (!box.empty()) spans_.push_back({index, box.v0, box.u0, box.u1});
+    return;
+  }
+  const float area = (t[1].x - t[0].x) * (t[2].y - t[0].y) - (t[1].y - t[0].y) * (t[2].x - t[0].x);
+  const float side = area < 0.0f ? -1.0f : 1.0f;
   for (int v = box.v0; v < box.v1; ++v) {
-    for (int u = box.u0; u < box.u1; ++u) {
-      if (small || touches(triangle, float(u * kTile), float(v * kTile), kTile)) visit(v * tiles_u_ + u);
+    int first = box.u0, last = box.u1;
+    for (int i = 0, j = 2; i < 3; j = i++) {
+      const float dx = side * (t[i].x - t[j].x), dy = side * (t[i].y - t[j].y);
+      narrow(t[j], dx, dy, float(v * kTile), float((v + 1) * kTile), first, last);
     }
+    if (first < last) spans_.push_back({index, v, first, last});
   }
 }
 

@@ -43,14 +43,16 @@ class TileBins {
   const std::uint32_t* end(int tile) const { return triangles_.data() + starts_[tile + 1]; }
 
  private:
+  void addSpans(const TriangleList& triangles);
+  void addSpans(const Vertex* triangle, std::uint32_t index);
   template <typename Visit>
-  void forEachTile(const TriangleList& triangles, const Visit& visit) const;
-  template <typename Visit>
-  void forEachTile(const Vertex* triangle, const Visit& visit) const;
+  void forEachTile(const Visit& visit) const;
   PixelBox tilesOf(const Vertex* triangle) const;
 
   int width_ = 0, height_ = 0, tiles_u_ = 0, tiles_v_ = 0;
   std::vector<Mark> marked_;
+  std::vector<TriangleList::Span> spans_;  // of triangles 0 .. added_ - 1
+  std::size_t added_ = 0;                  // through a lens: spans of the list
   std::vector<std::uint32_t> starts_, next_, triangles_, newest_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <iterator>
 
 #include "aras_visual_servo_sim/config/wide.hpp"
@@ -13,14 +14,20 @@ namespace {
 
 constexpr int kTile = TileColors::kTile, kPixels = TileColors::kPixels;
 
-/** Colours along a row of pixels: (over + slope x) / (under + under_x x). */
-ARAS_WIDE void shadeRow(const double* x, const double* slope, const double* over, double under_x, double under,
-                        double* red, double* green, double* blue) {
-  for (int i = 0; i < kTile; ++i) {
-    const double scale = 1.0 / (under + under_x * x[i]);
-    red[i] = (over[0] + slope[0] * x[i]) * scale;
-    green[i] = (over[1] + slope[1] * x[i]) * scale;
-    blue[i] = (over[2] + slope[2] * x[i]) * scale;
+/** Colours of rows of pixels: (over_x x + over_y y + over) / (under_x x + under_y y + under), each of over_x, over_y
+ * and over being three. */
+ARAS_WIDE void shadeRows(const double* x, const double* y, const double* over, const double* under, int rows,
+                         double* red, double* green, double* blue) {
+  for (int v = 0; v < rows; ++v) {
+    const double r = over[3] * y[v] + over[6], g = over[4] * y[v] + over[7], b = over[5] * y[v] + over[8];
+    const double z = under[1] * y[v] + under[2];
+    for (int i = 0; i < kTile; ++i) {
+      const int p = v * kTile + i;
+      const double scale = 1.0 / (z + under[0] * x[i]);
+      red[p] = (r + over[0] * x[i]) * scale;
+      green[p] = (g + over[1] * x[i]) * scale;
+      blue[p] = (b + over[2] * x[i]) * scale;
+    }
   }
 }
 
@@ -47,8 +54,44 @@ inline __attribute__((always_inline)) void roundAll(const double* parts, Value* 
     values[p] = static_cast<Value>(static_cast<std::int32_t>(parts[p] * kUnits + 0.5));
   }
 }
-ARAS_WIDE void round(const double* parts, std::uint8_t* values) { roundAll(parts, values); }
 ARAS_WIDE void round(const double* parts, std::uint16_t* values) { roundAll(parts, values); }
+
+/** Three rounded values of each pixel in one word, the first in the lowest byte. */
+ARAS_WIDE void roundAndPack(const double* first, const double* second, const double* third, std::uint32_t* words) {
+  for (int p = 0; p < kPixels; ++p) {
+    const auto value = [p](const double* parts) { return static_cast<std::uint32_t>(std::int32_t(parts[p] + 0.5)); };
+    words[p] = (value(first) & 255U) | (value(second) & 255U) << 8 | (value(third) & 255U) << 16;
+  }
+}
+
+/** Pixels of three values each. */
+void writePixels(const double* first, const double* second, const double* third, const PixelBox& tile, Image& image) {
+  static_assert(kUnitsOf<std::uint8_t> == 1 && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
+  alignas(32) std::uint32_t words[kPixels];
+  roundAndPack(first, second, third, words);
+  const int width = tile.u1 - tile.u0;
+  for (int v = tile.v0; v < tile.v1; ++v) {
+    std::uint8_t* out = image.pixel(tile.u0, v);
+    const std::uint32_t* row = words + (v - tile.v0) * kTile;
+    // Four bytes at a time, of which the next pixel takes the last; but not beyond the tile.
+    for (int i = 0; i < width - 1; ++i, out += 3) std::memcpy(out, row + i, 4);
+    std::memcpy(out, row + width - 1, 3);
+  }
+}
+void writePixels(const double* first, const double* second, const double* third, const PixelBox& tile,
+                 FineImage& image) {
+  alignas(32) std::uint16_t values[3][kPixels];
+  round(first, values[0]);
+  round(second, values[1]);
+  round(third, values[2]);
+  for (int v = tile.v0; v < tile.v1; ++v) {
+    std::uint16_t* out = image.pixel(tile.u0, v);
+    const int row = (v - tile.v0) * kTile;
+    for (int p = row; p < row + tile.u1 - tile.u0; ++p, out += 3) {
+      for (int c = 0; c < 3; ++c) out[c] = values[c][p];
+    }
+  }
+}
 
 /** With b = areal * ray, colour = rgb * b / sum(b): three linear functions of the ray, these, over a fourth. */
 Eigen::Matrix3d overOf(const Facet& facet) {
@@ -73,16 +116,12 @@ void TileColors::shade(const CameraModel& camera, const Facet& facet, const Pixe
 
 void TileColors::shadeFlat(const CameraModel& camera, const Facet& facet, const PixelBox& tile) {
   const Eigen::Matrix3d over = overOf(facet);
-  const Eigen::Vector3d& under = facet.plane;
-  double x[kTile];
-  for (int i = 0; i < kTile; ++i) x[i] = (tile.u0 + i - camera.cx()) / camera.fx();
-  for (int v = tile.v0; v < tile.v1; ++v) {
-    const double y = (v - camera.cy()) / camera.fy();
-    const Eigen::Vector3d over_row = over.col(1) * y + over.col(2);
-    const int first = (v - tile.v0) * kTile;
-    shadeRow(x, over.col(0).data(), over_row.data(), under[0], under[1] * y + under[2], red_ + first, green_ + first,
-             blue_ + first);
+  double x[kTile], y[kTile];
+  for (int i = 0; i < kTile; ++i) {
+    x[i] = (tile.u0 + i - camera.cx()) / camera.fx();
+    y[i] = (tile.v0 + i - camera.cy()) / camera.fy();
   }
+  shadeRows(x, y, over.data(), facet.plane.data(), tile.v1 - tile.v0, red_, green_, blue_);
 }
 
 void TileColors::shadeBent(const CameraModel& camera, const Facet& facet, const PixelBox& tile) {
@@ -128,17 +167,7 @@ void TileColors::write(const PixelBox& tile, ImageOf<Value>& image) const {
     return;
   }
   const bool bgr = image.encoding == Encoding::kBgr8;
-  alignas(32) Value values[3][kPixels];
-  round(bgr ? blue_ : red_, values[0]);
-  round(green_, values[1]);
-  round(bgr ? red_ : blue_, values[2]);
-  for (int v = tile.v0; v < tile.v1; ++v) {
-    Value* out = image.pixel(tile.u0, v);
-    const int row = (v - tile.v0) * kTile;
-    for (int p = row; p < row + width; ++p, out += 3) {
-      for (int c = 0; c < 3; ++c) out[c] = values[c][p];
-    }
-  }
+  writePixels(bgr ? blue_ : red_, green_, bgr ? red_ : blue_, tile, image);
 }
 
 template <typename Value>

@@ -30,7 +30,7 @@ class TileColors {
   void shadeFlat(const CameraModel& camera, const Facet& facet, const PixelBox& tile);
   void shadeBent(const CameraModel& camera, const Facet& facet, const PixelBox& tile);
 
-  alignas(32) double red_[kPixels], green_[kPixels], blue_[kPixels];
+  alignas(32) double red_[kPixels]{}, green_[kPixels]{}, blue_[kPixels]{};
 };
 
 /** Paints a tile with one colour. */

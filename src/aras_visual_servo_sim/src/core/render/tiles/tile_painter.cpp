@@ -108,6 +108,31 @@ void TilePainter::setUp() {
   front_.fill(-1);
   floor_.fill(0.0f);
   front_nearest_.fill(0.0f);
+  list_->isFlat() ? setUpFlat() : setUpBent();
+}
+
+void TilePainter::setUpFlat() {
+  ahead_.fill(std::numeric_limits<float>::max());
+  PixelRays rays = PixelRays::of(*camera_, box_.u0, box_.v0);
+  Pixel pixel{{}, {float(rays.across[0]), 0.0f, 0.0f}, {0.0f, float(rays.down[1]), 0.0f}};
+  pixel.middle[2] = 1.0f;
+  double x[kTile];
+  for (int u = box_.u0; u < box_.u1; ++u) x[u - box_.u0] = (u - camera_->cx()) / camera_->fx();
+  for (int v = box_.v0; v < box_.v1; ++v) {
+    rays.middle.y() = (v - camera_->cy()) / camera_->fy();
+    pixel.middle[1] = static_cast<float>(rays.middle.y());
+    int p = (v - box_.v0) * kTile;
+    for (int u = box_.u0; u < box_.u1; ++u, ++p) {
+      rays.middle.x() = x[u - box_.u0];
+      pixel.middle[0] = static_cast<float>(rays.middle.x());
+      rays_[p] = rays;
+      pixels_[p] = pixel;
+    }
+  }
+}
+
+void TilePainter::setUpBent() {
+  const bool fisheye = camera_->lens() == CameraModel::Lens::kEquidistant;
   for (int v = box_.v0; v < box_.v1; ++v) {
     for (int u = box_.u0; u < box_.u1; ++u) {
       const int p = (v - box_.v0) * kTile + u - box_.u0;
@@ -121,10 +146,7 @@ void TilePainter::setUp() {
         across_tile_[3 + k][p] = pixel.across[k];
         across_tile_[6 + k][p] = pixel.down[k];
       }
-      const bool fisheye = camera_->lens() == CameraModel::Lens::kEquidistant;
-      ahead_[p] = list_->isFlat() ? std::numeric_limits<float>::max()
-                  : fisheye       ? static_cast<float>(rays_[p].middle.cwiseAbs().maxCoeff())
-                                  : 1.0f;
+      ahead_[p] = fisheye ? static_cast<float>(rays_[p].middle.cwiseAbs().maxCoeff()) : 1.0f;
     }
   }
 }

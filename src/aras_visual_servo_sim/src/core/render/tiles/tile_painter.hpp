@@ -73,6 +73,8 @@ class TilePainter {
   void copyPicture(const ImageOf<Value>& picture, ImageOf<Value>& image) const;
   bool shade(const Facet& facet, TileColors& colors);
   void setUp();
+  void setUpFlat();
+  void setUpBent();
   void collect(std::uint32_t candidate);
   void measureEdges(const TileTriangle& candidate);
   bool isInside(const TileTriangle& candidate, int pixel) const;

@@ -22,8 +22,6 @@ class TileTexture {
   /** Colour of each pixel, row by row of kTile: means over their squares, or for a camera that samples centres, texels.
    */
   const Color* colors() const { return colors_; }
-  /** Whether all are the same. */
-  bool isPlain() const { return plain_; }
 
  private:
   bool lookAtCenters(const CameraModel& camera, const MeshPicture& picture, const PixelBox& tile);
@@ -34,7 +32,6 @@ class TileTexture {
   PictureMeans<3, kTile> means_;
   std::array<Color, kPixels> texels_;
   const Color* colors_ = nullptr;
-  bool plain_ = false;
 };
 
 }  // namespace aras_visual_servo_sim
