@@ -15,10 +15,14 @@ import tutorial
 
 from aras_visual_servo_controller.run.judge import run_in_process
 from aras_visual_servo_controller.compare.laws import load_comparison, run_comparison
-from aras_visual_servo_controller.compare.laws_figure import save_figure
+from aras_visual_servo_controller.compare.laws_figure import make_figure, part_of, save_figure
 from aras_visual_servo_controller.report.observer import Observer
 from aras_visual_servo_controller.report.report import save_results
 from aras_visual_servo_controller.scenario.scenario import load_scenario
+
+#: Laws and tasks of the README's figure, which is read at a glance; docs/comparison.md shows all.
+LAWS = ("points", "points_goal", "points_mean", "pbvs", "hybrid")
+TASKS = ("turn_90", "turn_180", "general")
 
 
 def main(folder):
@@ -41,7 +45,9 @@ def main(folder):
         page.write_text(tables.write(page.read_text(), table, results))
     with tempfile.TemporaryDirectory() as pictures:
         save_figure(comparison, results, pathlib.Path(pictures))
-        shutil.copy(pathlib.Path(pictures) / "comparison.png", folder / "comparison.png")
+        shutil.copy(pathlib.Path(pictures) / "comparison.png", folder / "comparison_all.png")
+    glance = make_figure(*part_of(comparison, results, LAWS, TASKS), width_in=8.8, row_in=2.0)
+    glance.savefig(folder / "comparison.png", dpi=150, metadata={"Software": None})
     print("\n".join(sorted(str(path) for path in folder.iterdir())))
 
 

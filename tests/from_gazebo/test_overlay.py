@@ -133,9 +133,25 @@ def test_the_world_answers_as_gazebo_does(arm):
             ("set_model_state", "{model_state: {model_name: nobody}}", "SetModelState: model does not exist"),
             ("spawn_urdf_model", "{model_name: demo_arm, model_xml: <robot/>}", "entity already exists"),
             ("spawn_urdf_model", "{model_name: other, model_xml: <robo}", "entity format is invalid"),
+            ("get_light_properties", "{light_name: moon}", "Requested light moon not found!"),
+            ("set_light_properties", "{light_name: sun, diffuse: {r: -1.0}}", "color_rgb"),
+            ("spawn_sdf_model", "{model_name: other, model_xml: <sdf/>}", "allowed is <light>"),
             ("apply_body_wrench", "{body_name: x}", "is not simulated")):
         told = answer(arm, "/gazebo/" + service, request)
         assert not told["success"] and text in told["status_message"], told
+
+
+def test_lights_are_asked_for_changed_spawned_and_deleted(arm):
+    sun = answer(arm, "/gazebo/get_light_properties", "{light_name: sun}")
+    assert sun["success"] and abs(sun["diffuse"]["r"] - 0.8) < 1e-6
+    assert answer(arm, "/gazebo/set_light_properties", "{light_name: sun, diffuse: {r: 0.5, g: 0.5, b: 0.5, a: 1.0}, "
+                  "cast_shadows: true, direction: {z: -1.0}}")["success"]
+    assert abs(answer(arm, "/gazebo/get_light_properties", "{light_name: sun}")["diffuse"]["r"] - 0.5) < 1e-6
+    lamp = "<light name='any' type='point'><diffuse>0.2 0.2 0.2 1</diffuse></light>"
+    assert answer(arm, "/gazebo/spawn_sdf_model", '{model_name: lamp, model_xml: "%s"}' % lamp)["success"]
+    assert abs(answer(arm, "/gazebo/get_light_properties", "{light_name: lamp}")["attenuation_linear"] - 1.0) < 1e-9
+    assert answer(arm, "/gazebo/delete_light", "{light_name: lamp}")["success"]
+    assert not answer(arm, "/gazebo/delete_light", "{light_name: lamp}")["success"]
 
 
 def test_time_stands_still_while_it_is_paused_and_begins_again_after_a_reset(arm):

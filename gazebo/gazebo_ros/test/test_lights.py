@@ -112,8 +112,11 @@ def test_what_cannot_be_is_refused_and_changes_nothing(world):
                             ("lamp", "<light", "format is invalid")):
         with pytest.raises(SpawnError, match=text):
             world.spawn_light(name, xml)
-    with pytest.raises(BadValueError, match="color_rgb"):
-        world.set_light(dict(world.lights.entry("sun"), color_rgb=[-1.0, 0.0, 0.0]))
+    for place in (world, World()):
+        with pytest.raises(BadValueError, match="color_rgb"):
+            place.set_light(dict(place.lights.entry("sun"), color_rgb=[-1.0, 0.0, 0.0]))
+        with pytest.raises(BadValueError, match="zero of light 'sun'"):
+            place.set_light(dict(place.lights.entry("sun"), direction=[0.0, 0.0, 0.0]))
     assert world.lights.names() == ["sun"] and grey(world) == before
     for k in range(MOST - 1):
         world.spawn_light("lamp%d" % k, ABOVE % 0)

@@ -43,14 +43,21 @@ TwistInverse::TwistInverse(const Twist& rows, const Vector& ease, const Jacobian
   sigmas_.resize(least);
   Vt_.resize(n, n);
   std::vector<int> whole(8 * least);
-  int info = 0, size = -1;
-  double wanted = 0.0;
-  dgesdd_("A", &kRows, &n, scaled.data(), &kRows, sigmas_.data(), U_.data(), &kRows, Vt_.data(), &n, &wanted, &size,
-          whole.data(), &info);
-  size = static_cast<int>(wanted);
-  std::vector<double> work(size);
-  dgesdd_("A", &kRows, &n, scaled.data(), &kRows, sigmas_.data(), U_.data(), &kRows, Vt_.data(), &n, work.data(), &size,
-          whole.data(), &info);
+  int info = 0;
+  const auto decompose = [&](double* work, int size) {
+    dgesdd_("A", &kRows, &n, scaled.data(), &kRows, sigmas_.data(), U_.data(), &kRows, Vt_.data(), &n, work, &size,
+            whole.data(), &info);
+  };
+  // How much room it wants depends on n alone: it is asked once.
+  thread_local int asked_for = 0;
+  thread_local std::vector<double> work;
+  if (asked_for != n) {
+    double wanted = 0.0;
+    decompose(&wanted, -1);
+    work.resize(static_cast<std::size_t>(wanted));
+    asked_for = n;
+  }
+  decompose(work.data(), static_cast<int>(work.size()));
   if (info != 0) throw NotFiniteError("jacobian: its singular values were not found");
 }
 

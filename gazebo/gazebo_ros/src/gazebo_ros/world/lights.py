@@ -1,4 +1,5 @@
 """The lights of the world, which shine in the scene of every model that has cameras."""
+import json
 import xml.etree.ElementTree as ElementTree
 
 import numpy
@@ -63,6 +64,10 @@ class Lights:
 
     def set(self, entry, simulations):
         """Adds a light, or changes the one of its name. Raises: BadValueError; nothing changes then."""
+        try:
+            light_entry(json.dumps(entry))  # also where there is no camera whose simulation would refuse it
+        except ArasError as error:
+            raise BadValueError(str(error)) from error
         before, after = self._entries, {**self._entries, entry["name"]: entry}
         if len(after) > MOST:
             raise BadValueError("lights: found %d, allowed up to %d" % (len(after), MOST))

@@ -1,6 +1,7 @@
 """Figure of a comparison of laws with a row per task and a line per law. The same runs give the same picture."""
 
 import io
+from dataclasses import replace
 
 import matplotlib.lines
 import numpy as np
@@ -17,7 +18,8 @@ FLOOR_MM, FLOOR_DEG = 0.01, 0.001
 PANELS = ("distance from the goal [mm]", "angle left [deg]", "retreat along the axis [mm]", "target in the image [px]")
 
 
-#: Laws in one row of the legend; height of such a row, and the room around all of them, above the panels [inch].
+#: Laws in one row of the legend of a figure 12 inches wide; height of such a row, and the room around all of them,
+#: above the panels [inch].
 LEGEND_COLUMNS, LEGEND_ROW_IN, LEGEND_IN = 8, 0.2, 0.15
 
 
@@ -26,13 +28,16 @@ def line_of(index):
     return {"color": COLOURS[index % len(COLOURS)], "linestyle": STYLES[index // len(COLOURS) % len(STYLES)]}
 
 
-def make_figure(comparison, results):
-    """Figure of `run_comparison`'s results."""
+def make_figure(comparison, results, width_in=12.0, row_in=2.05):
+    """Figure of `run_comparison`'s results.
+
+    Args: width_in: of the figure.  row_in: height of the row of a task. In a small figure lines and letters look large.
+    """
     laws, tasks = list(comparison.scenarios), comparison.tasks
     tracks = {(task, law): track for task, law, _, track in results}
     camera = next(iter(comparison.scenarios.values())).sim["cameras"][0]
     with matplotlib.rc_context(dict(STYLE, **{"lines.linewidth": 1.2})):
-        figure = Figure(figsize=(12.0, 0.6 + 2.05 * len(tasks)), constrained_layout=True)
+        figure = Figure(figsize=(width_in, 0.6 + row_in * len(tasks)), constrained_layout=True)
         panels = figure.subplots(len(tasks), len(PANELS), squeeze=False)
         for row, task in zip(panels, tasks):
             for i, law in enumerate(laws):
@@ -44,10 +49,18 @@ def make_figure(comparison, results):
             panel.set_title(title, loc="left")
         # The legend has a line for every law, also for one whose runs were all refused.
         handles = [matplotlib.lines.Line2D([], [], label=law, **line_of(i)) for i, law in enumerate(laws)]
-        legend_in = LEGEND_IN + LEGEND_ROW_IN * -(-len(laws) // LEGEND_COLUMNS)
+        columns = min(len(laws), max(1, int(LEGEND_COLUMNS * width_in / 12.0)))
+        legend_in = LEGEND_IN + LEGEND_ROW_IN * -(-len(laws) // columns)
         figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - legend_in / figure.get_figheight()))
-        figure.legend(handles=handles, loc="upper center", ncol=min(len(laws), LEGEND_COLUMNS))
+        figure.legend(handles=handles, loc="upper center", ncol=columns)
     return figure
+
+
+def part_of(comparison, results, laws, tasks):
+    """(comparison, results) of these laws on these tasks alone, for a figure that is read at a glance."""
+    chosen = replace(comparison, scenarios={law: comparison.scenarios[law] for law in laws},
+                     tasks=tuple(task for task in comparison.tasks if task.name in tasks))
+    return chosen, [one for one in results if one[0] in tasks and one[1] in laws]
 
 
 def save_figure(comparison, results, folder):

@@ -30,7 +30,7 @@ class RoughPlant:
         self._lost, self._late_s = rospy.get_param("~lost", 0.1), rospy.get_param("~image_late_s", [0.02, 0.15])
         self._command = rospy.get_param("~command", "trajectory")
         self._mail, self._number, self._last_s = [], 0, {}
-        self._joints_s = self._tick_s = 0.0
+        self._joints_s = self._tick_s = self._now_s = 0.0
         self._names, self._at, self._goal, self._infos, self._fault = [], {}, None, {}, ""
         self._joints = rospy.Publisher("/joint_states", JointState, queue_size=100)
         self._image = rospy.Publisher("/usb_cam/image_raw", Image, queue_size=10)
@@ -54,7 +54,7 @@ class RoughPlant:
         heapq.heappush(self._mail, (at_s, self._number, what))
 
     def _jittered(self, stamp, stddev_s):
-        return stamp + rospy.Duration.from_sec(self._random.normal(0.0, stddev_s))
+        return rospy.Time.from_sec(max(0.0, stamp.to_sec() + self._random.normal(0.0, stddev_s)))
 
     def _on_joints(self, message):
         with self._lock:
@@ -95,6 +95,10 @@ class RoughPlant:
     def _on_clock(self, message):
         with self._lock:
             now_s = message.clock.to_sec()
+            if now_s < self._now_s:  # the simulator was reset: the arm stands at its start again
+                self._mail, self._last_s, self._at, self._goal = [], {}, {}, None
+                self._joints_s = self._tick_s = 0.0
+            self._now_s = now_s
             while self._mail and self._mail[0][0] <= now_s:
                 heapq.heappop(self._mail)[2]()
             if now_s - self._tick_s >= PERIOD_S - 1e-6:

@@ -13,7 +13,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from aras_visual_servo_controller.ground.types import Status
 from aras_visual_servo_msgs.msg import InputTiming
-from wiring import Watcher, wait_until
+from wiring import Watcher, call, wait_until
 
 DISTANCE_M = 0.001
 PERIOD_S = 0.008
@@ -125,6 +125,16 @@ class RealArm(unittest.TestCase):
             self.assertIsNone(self.watcher.result)
             type(self).held = False
             self.watcher.wait_result(goal, LIMIT_S)
+
+    def test_5_a_clock_that_jumps_ends_the_goal_and_the_next_one_works(self):
+        goal = self.begin()
+        call("/plant/sim/reset")
+        reason = self.watcher.wait_result(goal, LIMIT_S).result.reason
+        self.assertIn("the clock jumped by -", reason)
+        wait_until(lambda: rospy.get_time() > 0.5, "time", LIMIT_S)
+        goal = self.begin()
+        type(self).held = False
+        self.assertIn("dead-man", self.watcher.wait_result(goal, LIMIT_S).result.reason)
 
 
 if __name__ == "__main__":

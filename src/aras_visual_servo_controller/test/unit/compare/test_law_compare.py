@@ -12,6 +12,7 @@ from aras_visual_servo_controller.cli.run import EXIT_PARAMETERS, EXIT_PASSED
 from aras_visual_servo_controller.cli.compare import compare_laws_main, compare_runs_main
 from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.compare.laws import load_comparison, run_comparison
+from aras_visual_servo_controller.compare.laws_figure import make_figure, part_of
 from aras_visual_servo_controller.compare.laws_report import ARRIVED_DEG, ARRIVED_MM, arrived, csv_text, verdict
 from aras_visual_servo_controller.ground.spatial import rotation_vector
 from aras_visual_servo_controller.config.files import share_dir
@@ -169,3 +170,13 @@ def test_what_two_runs_differ_in():
     assert found["servo.law"] == ["decoupled", "paper"] and "robot.urdf" not in found
     rows = [rows_of(run) for run in runs]
     assert all(row["success"] == 1 and 0.0 < row["joint_room"] < 1.0 and row["border_px"] > 0.0 for row in rows)
+
+
+def test_a_figure_that_is_read_at_a_glance_has_only_the_laws_and_tasks_asked_for():
+    comparison = load_comparison("canonical", ("pbvs", "hybrid", "points"), ("turn_45", "retreat"))
+    results = [(task.name, law, {}, None) for task in comparison.tasks for law in comparison.scenarios]
+    chosen, found = part_of(comparison, results, ("hybrid", "pbvs"), ("retreat",))
+    assert [(task, law) for task, law, _, _ in found] == [("retreat", "pbvs"), ("retreat", "hybrid")]
+    figure = make_figure(chosen, found, width_in=8.8, row_in=2.0)
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["hybrid", "pbvs"] and len(figure.axes) == 4
+    assert figure.get_figwidth() == 8.8

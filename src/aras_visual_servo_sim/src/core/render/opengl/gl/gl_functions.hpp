@@ -24,8 +24,8 @@ namespace aras_visual_servo_sim {
   visit(GenVertexArrays) visit(GenerateMipmap) visit(GetError) visit(GetIntegerv) visit(GetProgramInfoLog) \
   visit(GetProgramiv) visit(GetShaderInfoLog) visit(GetShaderiv) visit(GetString) visit(GetUniformLocation) \
   visit(LinkProgram) visit(PixelStorei) visit(ReadBuffer) visit(ReadPixels) \
-  visit(RenderbufferStorageMultisample) visit(ShaderSource) visit(TexImage2D) visit(TexParameterf) \
-  visit(TexParameterfv) visit(TexParameteri) visit(Uniform1f) visit(Uniform1i) visit(Uniform2f) \
+  visit(RenderbufferStorageMultisample) visit(Scissor) visit(ShaderSource) visit(TexImage2D) visit(TexParameterf) \
+  visit(TexParameteri) visit(Uniform1f) visit(Uniform1i) visit(Uniform2f) \
   visit(Uniform3f) visit(Uniform4f) visit(UniformMatrix3fv) visit(UniformMatrix4fv) visit(UseProgram) \
   visit(VertexAttribPointer) visit(Viewport)
 // clang-format on

@@ -27,7 +27,10 @@ ShaderProgram::ShaderProgram(const GlFunctions& gl, const std::string& name, con
   gl_.LinkProgram(program_);
   GLint linked = 0, length = 0;
   gl_.GetProgramiv(program_, GL_LINK_STATUS, &linked);
-  if (linked) return;
+  if (linked) {
+    ++made_;
+    return;
+  }
   gl_.GetProgramiv(program_, GL_INFO_LOG_LENGTH, &length);
   std::vector<char> log(static_cast<std::size_t>(length) + 1);
   gl_.GetProgramInfoLog(program_, length, nullptr, log.data());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <string>
 
 #include "gl_functions.hpp"
@@ -18,12 +19,17 @@ class ShaderProgram {
   ShaderProgram(const ShaderProgram&) = delete;
   ShaderProgram& operator=(const ShaderProgram&) = delete;
 
+  /** How many were made so far, in the whole process. */
+  static long made() { return made_; }
+
   void use() const { gl_.UseProgram(program_); }
   /** Location of a uniform; -1, which OpenGL ignores, if the shader does not use it. */
   GLint operator[](const char* uniform) const { return gl_.GetUniformLocation(program_, uniform); }
 
  private:
   GLuint compile(GLenum type, const std::string& name, const std::string& source) const;
+
+  static inline std::atomic<long> made_ = 0;
 
   const GlFunctions& gl_;
   GLuint program_ = 0;

@@ -83,7 +83,7 @@ void FlatPainter::drawFaces(const PinholeView& view) {
     gl_.Uniform1f(shader["bias"], kBias * static_cast<float>(++index));
     if (picture) {
       gl_.Uniform1i(shader["picture"], 0);
-      store_.bindPicture(each.face.model->picture()->texture, Wrap::kClamp, Wrap::kClamp);
+      store_.bindPicture(each.face.model->picture()->texture, Wrap::kClamp, Wrap::kClamp, /*askew=*/true);
     } else {
       const Rgb& color = each.face.color;
       gl_.Uniform4f(shader["flat_color"], color.r / 255.0f, color.g / 255.0f, color.b / 255.0f, 1.0f);

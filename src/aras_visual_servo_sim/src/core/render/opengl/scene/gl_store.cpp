@@ -6,7 +6,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <string>
+#include <tuple>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/scene/mesh_loader.hpp"
@@ -34,6 +36,79 @@ std::vector<std::uint32_t> clustered(const TriangleMesh& mesh, float cell) {
     if (a != b && b != c && c != a) indices.insert(indices.end(), {a, b, c});
   }
   return indices;
+}
+
+/** Whether each triangle has one normal and one colour. */
+bool isFaceted(const TriangleMesh& mesh) {
+  constexpr float kSame = 1e-6f;  // of the normals: rounding
+  return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& t) {
+    const auto as_first = [&](std::uint32_t i) {
+      return (mesh.normals[i] - mesh.normals[t[0]]).cwiseAbs().maxCoeff() < kSame &&
+             (mesh.colors.empty() || mesh.colors[i] == mesh.colors[t[0]]);
+    };
+    return as_first(t[1]) && as_first(t[2]);
+  });
+}
+
+/** Whether the triangles enclose a space: along each edge as many run one way as the other, points in one place being
+ *  the same. */
+bool isClosed(const TriangleMesh& mesh) {
+  std::vector<std::uint32_t> order(mesh.points.size()), place(order.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto at = [&](std::uint32_t i) {
+    const Eigen::Vector3f& p = mesh.points[i];
+    return std::make_tuple(p.x(), p.y(), p.z());
+  };
+  std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t k) { return at(i) < at(k); });
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    place[order[k]] = k > 0 && at(order[k]) == at(order[k - 1]) ? place[order[k - 1]] : order[k];
+  }
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> there, back;
+  for (const auto& t : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) {
+      there.emplace_back(place[t[k]], place[t[(k + 1) % 3]]);
+      back.emplace_back(there.back().second, there.back().first);
+    }
+  }
+  std::sort(there.begin(), there.end());
+  std::sort(back.begin(), back.end());
+  return there == back;
+}
+
+/** Sets normal and stretch of the triangles of a mesh that have one picture. */
+void findPlane(const TriangleMesh& mesh, const std::vector<std::uint32_t>& indices, MeshPart& part) {
+  constexpr float kSame = 1e-5f;  // rounding
+  const std::uint32_t* const first = indices.data() + part.first;
+  const Eigen::Vector3f a = mesh.points[first[1]] - mesh.points[first[0]];
+  const Eigen::Vector3f b = mesh.points[first[2]] - mesh.points[first[0]];
+  const Eigen::Vector3f normal = a.cross(b).normalized();
+  // Columns: how the picture's coordinates change along two directions of the plane, in the triangle's own terms.
+  Eigen::Matrix2d J;
+  const auto changeOf = [&](const std::uint32_t* t) {
+    Eigen::Matrix2d of_edges, edges;
+    const Eigen::Vector3f along = a.normalized(), across = normal.cross(along);
+    for (int k = 0; k < 2; ++k) {
+      const Eigen::Vector3f edge = mesh.points[t[k + 1]] - mesh.points[t[0]];
+      edges.col(k) = Eigen::Vector2f(edge.dot(along), edge.dot(across)).cast<double>();
+      of_edges.col(k) = (mesh.texture_coordinates[t[k + 1]] - mesh.texture_coordinates[t[0]]).cast<double>();
+    }
+    return Eigen::Matrix2d(of_edges * edges.inverse());
+  };
+  J = changeOf(first);
+  for (GLsizei k = 0; k < part.count; k += 3) {
+    const std::uint32_t* t = first + k;
+    const Eigen::Vector3f own = (mesh.points[t[1]] - mesh.points[t[0]]).cross(mesh.points[t[2]] - mesh.points[t[0]]);
+    if (!(own.normalized().dot(normal) > 1.0f - kSame)) return;
+    if (!((changeOf(t) - J).norm() <= 1e-3 * J.norm())) return;
+  }
+  const Texture& texture = *part.picture->texture;
+  J = Eigen::Vector2d(texture.width(), texture.height()).asDiagonal() * J;
+  // Largest over smallest singular value.
+  const double trace = J.squaredNorm(), determinant = J.determinant();
+  const double root = std::sqrt(std::max(0.0, trace * trace - 4.0 * determinant * determinant));
+  if (!(trace > root)) return;
+  part.normal = normal;
+  part.stretch = std::sqrt((trace + root) / (trace - root));
 }
 
 /** The round body that a mesh stands for, with another number of sides. */
@@ -127,9 +202,12 @@ void GlStore::upload(GlMesh& stored) {
       if (pictureOf(t) == picture) indices.insert(indices.end(), mesh.triangles[t].begin(), mesh.triangles[t].end());
     }
     part.count = static_cast<GLsizei>(indices.size()) - part.first;
+    if (part.count > 0 && part.picture) findPlane(mesh, indices, part);
     if (part.count > 0) stored.parts.push_back(part);
   }
   stored.index_count = static_cast<GLsizei>(indices.size());
+  stored.faceted = isFaceted(mesh);
+  stored.closed = isClosed(mesh);
   gl_.GenBuffers(1, &stored.vertices);
   gl_.BindBuffer(GL_ARRAY_BUFFER, stored.vertices);
   gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(GlVertex)), vertices.data(),
@@ -157,7 +235,7 @@ void GlStore::makeArray(GLuint vertices, const std::vector<std::uint32_t>& indic
 
 GlOutline GlStore::outline(const MeshPtr& mesh, double error_m) {
   GlMesh& stored = meshWith(mesh, 0);
-  const GlOutline whole{stored.array, 0, stored.index_count};
+  const GlOutline whole{stored.array, 0, stored.index_count, stored.closed};
   constexpr int kMostLevels = 12;
   constexpr GLsizei kFew = 3 * 64;  // indices: drawn as they are
   const double diagonal = (mesh->box_max - mesh->box_min).cast<double>().norm();
@@ -169,12 +247,13 @@ GlOutline GlStore::outline(const MeshPtr& mesh, double error_m) {
   if (is_new) {
     const auto indices = clustered(*mesh, static_cast<float>(diagonal / std::exp2(level)));
     coarse.index_count = static_cast<GLsizei>(indices.size());
+    coarse.closed = stored.closed;
     if (coarse.index_count < stored.index_count) makeArray(stored.vertices, indices, coarse.array, coarse.indices);
   }
   return coarse.indices ? coarse : whole;
 }
 
-void GlStore::bindPicture(const TexturePtr& texture, Wrap wrap_s, Wrap wrap_t, int unit) {
+void GlStore::bindPicture(const TexturePtr& texture, Wrap wrap_s, Wrap wrap_t, bool askew, int unit) {
   GlPicture& picture = pictures_[texture.get()];
   gl_.ActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));
   if (!picture.name) {
@@ -183,8 +262,15 @@ void GlStore::bindPicture(const TexturePtr& texture, Wrap wrap_s, Wrap wrap_t, i
   } else {
     gl_.BindTexture(GL_TEXTURE_2D, picture.name);
   }
-  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrapOf(wrap_s));
-  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrapOf(wrap_t));
+  constexpr float kAnisotropy = 16.0f;
+  if (wrap_s != picture.wrap_s) gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrapOf(wrap_s));
+  if (wrap_t != picture.wrap_t) gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrapOf(wrap_t));
+  if (askew != picture.askew) {
+    gl_.TexParameterf(GL_TEXTURE_2D, GL_TEXTURE_MAX_ANISOTROPY_EXT, askew ? kAnisotropy : 1.0f);
+  }
+  picture.wrap_s = wrap_s;
+  picture.wrap_t = wrap_t;
+  picture.askew = askew;
 }
 
 GLuint GlStore::upload(const Texture& texture) {
@@ -196,7 +282,6 @@ GLuint GlStore::upload(const Texture& texture) {
                       " x " + std::to_string(texture.height()) + " px, allowed up to " + std::to_string(most) +
                       " px a side");
   }
-  constexpr float kAnisotropy = 16.0f;
   GLuint name = 0;
   gl_.GenTextures(1, &name);
   gl_.BindTexture(GL_TEXTURE_2D, name);
@@ -206,7 +291,6 @@ GLuint GlStore::upload(const Texture& texture) {
   gl_.GenerateMipmap(GL_TEXTURE_2D);
   gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
   gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  gl_.TexParameterf(GL_TEXTURE_2D, GL_TEXTURE_MAX_ANISOTROPY_EXT, kAnisotropy);
   return name;
 }
 

@@ -14,13 +14,16 @@ namespace aras_visual_servo_sim {
 /** Triangles of one mesh that have one picture, or none. */
 struct MeshPart {
   const MeshPicture* picture = nullptr;
-  GLsizei first = 0, count = 0;  ///< indices
+  GLsizei first = 0, count = 0;                      ///< indices
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< of all its triangles; 0: they have not all the same
+  double stretch = 1.0;  ///< how much finer its picture lies along one direction than across it, where it has a normal
 };
 
 /** Triangles to draw without their pictures. */
 struct GlOutline {
   GLuint array = 0, indices = 0;
   GLsizei index_count = 0;
+  bool closed = false;  ///< without its back faces it looks the same from everywhere outside
 };
 
 /** A mesh in the memory of OpenGL. */
@@ -29,7 +32,9 @@ struct GlMesh {
   MeshPtr drawn;  ///< a finer one that is drawn in its place; null: there is none
   GLuint array = 0, vertices = 0, indices = 0;
   GLsizei index_count = 0;
-  long serial = 0;  ///< no other mesh of this store ever had it
+  bool faceted = false;  ///< each of its triangles has one normal and one colour
+  bool closed = false;   ///< its triangles enclose a space
+  long serial = 0;       ///< no other mesh of this store ever had it
   std::vector<MeshPart> parts;
   std::map<int, GlOutline> coarse;  ///< by the logarithm of how often its cells fit into the mesh
 };
@@ -50,13 +55,16 @@ class GlStore {
   const GlMesh& roundMesh(const MeshPtr& mesh, double outline_px);
   /** A mesh with fewer triangles, for its shadow. @param error_m  how far a point may be from where it is, > 0 */
   GlOutline outline(const MeshPtr& mesh, double error_m);
-  /** Binds a picture to a texture unit. @throws RenderError naming a picture too large for OpenGL */
-  void bindPicture(const TexturePtr& texture, Wrap wrap_s, Wrap wrap_t, int unit = 0);
+  /** Binds a picture to a texture unit. @param askew  seen so that a pixel covers a long strip of it
+   *  @throws RenderError naming a picture too large for OpenGL */
+  void bindPicture(const TexturePtr& texture, Wrap wrap_s, Wrap wrap_t, bool askew, int unit = 0);
 
  private:
   struct GlPicture {
     TexturePtr texture;
     GLuint name = 0;
+    Wrap wrap_s = Wrap::kRepeat, wrap_t = Wrap::kRepeat;  // as it is bound, which OpenGL has for itself
+    bool askew = false;
   };
   /** @param sides  of a round body, 0: as it is */
   GlMesh& meshWith(const MeshPtr& mesh, int sides);

@@ -87,11 +87,14 @@ void ShadowMaps::update(const Scene& scene, const LightSet& lights, int side, Gl
     if (!lights.shades(k)) continue;
     const Light& light = lights.lights[k];
     Entry& entry = maps_[k];
-    const bool cube = light.type == Light::Type::kPoint;
-    if (entry.frame && (entry.map.target == GL_TEXTURE_CUBE_MAP) != cube) free(entry);
-    if (!entry.frame) allocate(light, entry);
     choose(light);
-    place(light, entry.map);
+    Map map;
+    map.target = light.type == Light::Type::kPoint ? GL_TEXTURE_CUBE_MAP : GL_TEXTURE_2D;
+    place(light, map);
+    if (map.target != entry.map.target || map.width != entry.map.width || map.height != entry.map.height) free(entry);
+    map.texture = entry.map.texture;
+    entry.map = map;
+    if (!entry.frame) allocate(entry);
     std::vector<double> key(entry.map.of_world.data(), entry.map.of_world.data() + 16);
     key.insert(key.end(), {entry.map.near, entry.map.far});
     for (const Caster* caster : chosen_) {
@@ -125,6 +128,7 @@ void ShadowMaps::choose(const Light& light) {
 /** The part of the world that the map shows: all that casts a shadow, or all around a point light. */
 void ShadowMaps::place(const Light& light, Map& map) const {
   const bool point = light.type == Light::Type::kPoint;
+  map.width = map.height = point ? std::max(1, side_ / 2) : side_;
   map.directional = light.type == Light::Type::kDirectional;
   map.light_W = light.position_W;
   Eigen::Matrix3d R_LW = Eigen::Matrix3d::Identity();
@@ -143,7 +147,7 @@ void ShadowMaps::place(const Light& light, Map& map) const {
     const double wide = point ? 1.0 : widthOf(light);
     const Eigen::Matrix4d X_LW = toFrame(R_LW, light.position_W);
     map.of_world = point ? X_LW : Eigen::Matrix4d(perspective(wide, map.near, map.far) * X_LW);
-    map.texel = 2.0 * wide / map.side;
+    map.texel = 2.0 * wide / map.width;
     return;
   }
   const double infinity = std::numeric_limits<double>::infinity();
@@ -164,35 +168,38 @@ void ShadowMaps::place(const Light& light, Map& map) const {
   Eigen::Matrix4d S = Eigen::Matrix4d::Zero();
   const double widest = std::max({high.x() - low.x(), high.y() - low.y(), 1e-6});
   const double depth = std::max(high.z() - low.z(), 1e-6);
-  const double size = widest * map.side / (map.side - 2.0 * kRim);
+  map.texel = widest / (side_ - 2.0 * kRim);
+  const auto texelsOf = [&](double length) {
+    constexpr int kStep = 128;  // [px] so that things which turn seldom ask for another size
+    const double texels = length / map.texel + 2.0 * kRim;
+    return std::min(side_, kStep * static_cast<int>(std::ceil(texels / kStep)));
+  };
+  map.width = texelsOf(high.x() - low.x());
+  map.height = texelsOf(high.y() - low.y());
+  const double size_x = map.texel * map.width, size_y = map.texel * map.height;
   const Eigen::Vector3d middle = 0.5 * (low + high);
-  S.block<1, 3>(0, 0) = R_LW.row(0) / size;
-  S.block<1, 3>(1, 0) = R_LW.row(1) / size;
+  S.block<1, 3>(0, 0) = R_LW.row(0) / size_x;
+  S.block<1, 3>(1, 0) = R_LW.row(1) / size_y;
   S.block<1, 3>(2, 0) = R_LW.row(2) / (1.02 * depth);
-  S.col(3) << 0.5 - middle.x() / size, 0.5 - middle.y() / size, 0.5 - middle.z() / (1.02 * depth), 1.0;
-  map.texel = size / map.side;
+  S.col(3) << 0.5 - middle.x() / size_x, 0.5 - middle.y() / size_y, 0.5 - middle.z() / (1.02 * depth), 1.0;
   map.of_world = S;
 }
 
-void ShadowMaps::allocate(const Light& light, Entry& entry) {
+void ShadowMaps::allocate(Entry& entry) {
   Map& map = entry.map;
-  const bool cube = light.type == Light::Type::kPoint;
-  map.target = cube ? GL_TEXTURE_CUBE_MAP : GL_TEXTURE_2D;
-  map.side = cube ? std::max(1, side_ / 2) : side_;
+  const bool cube = map.target == GL_TEXTURE_CUBE_MAP;
   gl_.ActiveTexture(GL_TEXTURE0);
   gl_.GenTextures(1, &map.texture);
   gl_.BindTexture(map.target, map.texture);
   for (int k = 0; k < (cube ? kFaces : 1); ++k) {
-    gl_.TexImage2D(cube ? GL_TEXTURE_CUBE_MAP_POSITIVE_X + k : GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, map.side,
-                   map.side, 0, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
+    gl_.TexImage2D(cube ? GL_TEXTURE_CUBE_MAP_POSITIVE_X + k : GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, map.width,
+                   map.height, 0, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
   }
   gl_.TexParameteri(map.target, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   gl_.TexParameteri(map.target, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  const GLint beyond = cube ? GL_CLAMP_TO_EDGE : GL_CLAMP_TO_BORDER;
-  gl_.TexParameteri(map.target, GL_TEXTURE_WRAP_S, beyond);
-  gl_.TexParameteri(map.target, GL_TEXTURE_WRAP_T, beyond);
-  const float lit[] = {1.0f, 1.0f, 1.0f, 1.0f};
-  gl_.TexParameterfv(map.target, GL_TEXTURE_BORDER_COLOR, lit);
+  // Beyond a map of parallel light there is nothing, as at its rim; beyond that of a spot there is no light.
+  gl_.TexParameteri(map.target, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  gl_.TexParameteri(map.target, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   gl_.TexParameteri(map.target, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
   gl_.TexParameteri(map.target, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
   gl_.GenFramebuffers(1, &entry.frame);
@@ -203,7 +210,8 @@ void ShadowMaps::allocate(const Light& light, Entry& entry) {
   gl_.ReadBuffer(GL_NONE);
   const GLenum status = gl_.CheckFramebufferStatus(GL_FRAMEBUFFER);
   if (status != GL_FRAMEBUFFER_COMPLETE) {
-    throw RenderError("renderer 'opengl': no shadow map of " + std::to_string(map.side) + " px a side");
+    throw RenderError("renderer 'opengl': no shadow map of " + std::to_string(map.width) + " x " +
+                      std::to_string(map.height) + " px");
   }
 }
 
@@ -212,11 +220,10 @@ void ShadowMaps::draw(const Entry& entry, GlStore& store) {
   if (!program_) program_ = std::make_unique<ShaderProgram>(gl_, "depth", depthVertexShader(), depthFragmentShader());
   const Map& map = entry.map;
   gl_.BindFramebuffer(GL_FRAMEBUFFER, entry.frame);
-  gl_.Viewport(0, 0, map.side, map.side);
+  gl_.Viewport(0, 0, map.width, map.height);
   gl_.DepthMask(GL_TRUE);
   gl_.DepthFunc(GL_LESS);
   gl_.ClearDepth(1.0);
-  gl_.Disable(GL_CULL_FACE);
   program_->use();
   if (map.target == GL_TEXTURE_2D) return drawSquare(map, map.of_world, store);
   const std::vector<const Caster*> all = chosen_;
@@ -251,6 +258,12 @@ void ShadowMaps::drawSquare(const Map& map, const Eigen::Matrix4d& of_world, GlS
     double texel_m = map.texel;
     if (!map.directional) texel_m *= std::max(map.near, (caster->center_W - map.light_W).norm() - caster->radius_m);
     const GlOutline outline = store.outline(caster->shape->mesh, kCoarsest * texel_m);
+    // Of what is closed the near side hides the far one. The faces of a cube are mirrored: there both are drawn.
+    if (outline.closed && map.target == GL_TEXTURE_2D) {
+      gl_.Enable(GL_CULL_FACE);
+    } else {
+      gl_.Disable(GL_CULL_FACE);
+    }
     gl_.BindVertexArray(outline.array);
     gl_.DrawElements(GL_TRIANGLES, outline.index_count, GL_UNSIGNED_INT, nullptr);
   }

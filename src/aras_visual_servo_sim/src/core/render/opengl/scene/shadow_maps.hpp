@@ -20,7 +20,7 @@ class ShadowMaps {
   ShadowMaps& operator=(const ShadowMaps&) = delete;
 
   /** Brings the maps up to date with the scene. Leaves another frame buffer and viewport bound.
-   *  @param side  of a map [px] */
+   *  @param side  of a map, the longer one of a rectangle [px] */
   void update(const Scene& scene, const LightSet& lights, int side, GlStore& store);
 
   /** The map of one light. */
@@ -33,7 +33,7 @@ class ShadowMaps {
     Eigen::Vector3d light_W = Eigen::Vector3d::Zero();  ///< where the light is, unless directional
     GLenum target = 0;                                  ///< GL_TEXTURE_2D or, of a point light, GL_TEXTURE_CUBE_MAP
     GLuint texture = 0;
-    int side = 0;  ///< of the square, or of a face [px]
+    int width = 0, height = 0;  ///< of the map, or of a face [px]
   };
   /** Of light k. @pre LightSet::shades(k) at the last update */
   const Map& map(std::size_t k) const { return maps_[k].map; }
@@ -56,7 +56,7 @@ class ShadowMaps {
   void place(const Light& light, Map& map) const;
   void draw(const Entry& entry, GlStore& store);
   void drawSquare(const Map& map, const Eigen::Matrix4d& of_world, GlStore& store);
-  void allocate(const Light& light, Entry& entry);
+  void allocate(Entry& entry);
   void free();
   void free(Entry& entry);
 

@@ -4,6 +4,8 @@
 #include <cctype>
 #include <cmath>
 
+#include "shadow_reach.hpp"
+
 namespace aras_visual_servo_sim {
 namespace {
 
@@ -14,6 +16,24 @@ double radiusOf(const TriangleMesh& mesh) { return 0.5 * (mesh.box_max - mesh.bo
 
 constexpr int kFirstMapUnit = 1;  // unit 0 has the picture
 constexpr int kBumpsUnit = kFirstMapUnit + LightSet::kMostShadows;
+constexpr float kUnmarked = 0.0f;  // alpha of what no mark of FlatPainter lies on
+
+/** Whether pixels see so much more of a part's picture in one direction than across it that this must not blur it: by
+ *  its plane and the rays through the picture's corners. */
+bool isSeenAskew(const MeshPart& part, const Eigen::Matrix4d& X_CS, const PinholeView& view) {
+  constexpr double kMuch = 1.5;
+  if (part.normal.isZero()) return true;
+  const Eigen::Vector3d normal = view.R_FC * (X_CS.topLeftCorner<3, 3>() * part.normal.cast<double>());
+  double least = 1.0, most = -1.0;
+  for (int k = 0; k < 4; ++k) {
+    const Eigen::Vector3d ray(((k & 1 ? view.width : 0) - 0.5 - view.cx) / view.fx,
+                              ((k & 2 ? view.height : 0) - 0.5 - view.cy) / view.fy, 1.0);
+    const double slope = normal.dot(ray) / ray.norm();
+    least = std::min(least, slope);
+    most = std::max(most, slope);
+  }
+  return part.stretch > kMuch * std::max(least, -most);
+}
 
 }  // namespace
 
@@ -64,7 +84,7 @@ bool SolidPainter::isSeen(const Item& item, const PinholeView& view) const {
 void SolidPainter::drawOpaque(const PinholeView& view) {
   gl_.DepthMask(GL_TRUE);
   gl_.DepthFunc(GL_GEQUAL);
-  gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
+  gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   for (const Item& item : opaque_) draw(item, view);
 }
 
@@ -83,28 +103,66 @@ void SolidPainter::drawTransparent(const PinholeView& view) {
 void SolidPainter::draw(const Item& item, const PinholeView& view) {
   if (!isSeen(item, view)) return;
   const Shape& shape = *item.shape;
-  const Material& material = shape.material;
   const Eigen::RowVector3d axis = view.R_FC.row(2);
   // A body beside the axis is drawn larger, by as much as it is farther away than its depth.
   const double depth = std::max(axis.dot(item.center_C) - item.radius, camera_->nearM());
   const double scale = std::max(view.fx, view.fy) / depth * std::max(1.0, item.center_C.norm() / depth);
   const GlMesh& mesh = store_.roundMesh(shape.mesh, scale * item.radius);
   gl_.BindVertexArray(mesh.array);
-  if (material.two_sided) {
+  if (shape.material.two_sided) {
     gl_.Disable(GL_CULL_FACE);
   } else {
     gl_.Enable(GL_CULL_FACE);
   }
   const bool reaches_far = axis.dot(item.center_C) + item.radius > camera_->farM();
   if (reaches_far) gl_.Enable(GL_CLIP_DISTANCE0);
+  std::string shaded = letters_, plain = letters_;
+  PixelPart part;
+  for (std::size_t k = 0; k < letters_.size(); ++k) {
+    if (!std::isupper(letters_[k])) continue;
+    plain[k] = static_cast<char>(std::tolower(letters_[k]));
+    PixelPart here{0, 0, view.width, view.height};
+    if (letters_[k] == 'D') {
+      const ShadowMaps::Map& map = shadows_.map(k);
+      here = shadowedPart(*shape.mesh, item.X_CS, map, map.of_world * X_WC_.matrix(), view, camera_->nearM());
+    }
+    if (here.empty()) shaded[k] = plain[k];
+    part = part.with(here);
+  }
+  constexpr GLsizei kFew = 3 * 1000;  // indices: drawing their points five times costs less than shadows all over
+  constexpr double kSmallPart = 0.7;  // of the pixels
+  const PixelPart all = coveredPart(*shape.mesh, item.X_CS, view, camera_->nearM());
+  part = part.within(all);
+  if (shaded != plain && mesh.index_count <= kFew && part.area() < kSmallPart * all.area()) {
+    gl_.Enable(GL_SCISSOR_TEST);
+    const auto drawIn = [&](const PixelPart& here, const std::string& letters) {
+      if (here.empty()) return;
+      gl_.Scissor(here.left, here.top, here.right - here.left, here.bottom - here.top);
+      draw(item, view, mesh, letters);
+    };
+    drawIn({all.left, all.top, all.right, part.top}, plain);
+    drawIn({all.left, part.top, part.left, part.bottom}, plain);
+    drawIn(part, shaded);
+    drawIn({part.right, part.top, all.right, part.bottom}, plain);
+    drawIn({all.left, part.bottom, all.right, all.bottom}, plain);
+    gl_.Disable(GL_SCISSOR_TEST);
+  } else {
+    draw(item, view, mesh, shaded);
+  }
+  if (reaches_far) gl_.Disable(GL_CLIP_DISTANCE0);
+}
+
+void SolidPainter::draw(const Item& item, const PinholeView& view, const GlMesh& mesh, const std::string& letters) {
+  const Shape& shape = *item.shape;
+  const Material& material = shape.material;
+  const Eigen::RowVector3d axis = view.R_FC.row(2);
   const Eigen::Matrix4f projection = view.projection(camera_->nearM()), placed = item.X_CS.cast<float>();
   const Eigen::Vector3f color = unit(shape.color);
   for (const MeshPart& part : mesh.parts) {
-    Program& program = programOf(shape, part.picture);
+    const Program& program = programOf(item, mesh, part.picture, letters);
     gl_.UniformMatrix4fv(program.projection, 1, GL_FALSE, projection.data());
     gl_.UniformMatrix4fv(program.placed, 1, GL_FALSE, placed.data());
     gl_.Uniform4f(program.shape_color, color.x(), color.y(), color.z(), 1.0f);
-    gl_.Uniform1f(program.own_color, shape.mesh->colors.empty() ? 0.0f : 1.0f);
     gl_.Uniform4f(program.far_plane, float(-axis.x()), float(-axis.y()), float(-axis.z()), float(camera_->farM()));
     // A colour of its own that ambient light meets adds to the light it gives.
     const bool own = material.ambient && !part.picture;
@@ -114,85 +172,102 @@ void SolidPainter::draw(const Item& item, const PinholeView& view) {
     const Eigen::Vector3f highlight = material.specular.cast<float>();
     gl_.Uniform3f(program.ambient, ambient.x(), ambient.y(), ambient.z());
     gl_.Uniform3f(program.emissive, glow.x(), glow.y(), glow.z());
-    gl_.Uniform1f(program.opacity, static_cast<float>(material.opacity));
+    gl_.Uniform1f(program.opacity, material.opacity < 1.0 ? static_cast<float>(material.opacity) : kUnmarked);
     gl_.Uniform3f(program.highlight, highlight.x(), highlight.y(), highlight.z());
     gl_.Uniform1f(program.shininess, static_cast<float>(material.shininess));
     if (part.picture) {
       const MeshPicture& picture = *part.picture;
-      store_.bindPicture(picture.texture, picture.wrap_s, picture.wrap_t);
-      if (picture.normals) store_.bindPicture(picture.normals, picture.wrap_s, picture.wrap_t, kBumpsUnit);
+      const bool askew = isSeenAskew(part, item.X_CS, view);
+      store_.bindPicture(picture.texture, picture.wrap_s, picture.wrap_t, askew);
+      if (picture.normals) store_.bindPicture(picture.normals, picture.wrap_s, picture.wrap_t, askew, kBumpsUnit);
     }
     gl_.DrawElements(GL_TRIANGLES, part.count, GL_UNSIGNED_INT,
                      reinterpret_cast<const void*>(std::size_t(part.first) * sizeof(std::uint32_t)));
   }
-  if (reaches_far) gl_.Disable(GL_CLIP_DISTANCE0);
 }
 
-SolidPainter::Program& SolidPainter::programOf(const Shape& shape, const MeshPicture* picture) {
+SolidPainter::Program& SolidPainter::programOf(const Item& item, const GlMesh& mesh, const MeshPicture* picture,
+                                               const std::string& letters) {
+  const Shape& shape = *item.shape;
   ShaderTraits traits;
-  traits.lights = letters_;
+  traits.lights = letters;
   traits.clamps_light = lights_->clamps_light;
   traits.textured = picture != nullptr;
   traits.bumpy = picture && picture->normals;
   traits.specular = !shape.material.specular.isZero();
   traits.fog = scene_->lighting.fog.has_value();
+  traits.two_sided = shape.material.two_sided;
+  traits.faceted = mesh.faceted && !traits.two_sided && !traits.bumpy;
+  traits.painted = !shape.mesh->colors.empty();
   Program& program = programs_[traits.name()];
   if (!program.shader) {
     program.shader =
-        std::make_unique<ShaderProgram>(gl_, traits.name(), solidVertexShader(), solidFragmentShader(traits));
-    const ShaderProgram& at = *program.shader;
-    program.projection = at["projection"];
-    program.placed = at["placed"];
-    program.shape_color = at["shape_color"];
-    program.own_color = at["own_color"];
-    program.ambient = at["ambient"];
-    program.emissive = at["emissive"];
-    program.opacity = at["opacity"];
-    program.highlight = at["highlight"];
-    program.shininess = at["shininess"];
-    program.far_plane = at["far_plane"];
+        std::make_unique<ShaderProgram>(gl_, traits.name(), solidVertexShader(traits), solidFragmentShader(traits));
+    findUniforms(program);
   }
   program.shader->use();
   if (program.frame != frame_) setLights(program);
   return program;
 }
 
+void SolidPainter::findUniforms(Program& program) const {
+  const ShaderProgram& at = *program.shader;
+  program.projection = at["projection"];
+  program.placed = at["placed"];
+  program.shape_color = at["shape_color"];
+  program.ambient = at["ambient"];
+  program.emissive = at["emissive"];
+  program.opacity = at["opacity"];
+  program.highlight = at["highlight"];
+  program.shininess = at["shininess"];
+  program.far_plane = at["far_plane"];
+  program.picture = at["picture"];
+  program.bumps = at["bumps"];
+  program.fog = at["fog"];
+  for (std::size_t k = 0; k < letters_.size(); ++k) {
+    const std::string number = std::to_string(k);
+    const auto place = [&](const char* array) { return at[(array + ("[" + number + "]")).c_str()]; };
+    program.lights.push_back({place("place"), place("axis"), place("cone"), place("fade"), place("diffuse"),
+                              place("bright"), place("shadow_of"), place("lift"), place("reach"), place("texel_of_map"),
+                              at[("map" + number).c_str()]});
+  }
+}
+
 void SolidPainter::setLights(Program& program) {
   program.frame = frame_;
-  const ShaderProgram& at = *program.shader;
-  gl_.Uniform1i(at["picture"], 0);
-  gl_.Uniform1i(at["bumps"], kBumpsUnit);
-  gl_.Uniform1f(at["texel_of_map"], 1.0f / static_cast<float>(scene_->lighting.shadow_map_px));
+  gl_.Uniform1i(program.picture, 0);
+  gl_.Uniform1i(program.bumps, kBumpsUnit);
   if (const auto& fog = scene_->lighting.fog) {
     const Eigen::Vector3f color = unit(fog->color);
-    gl_.Uniform4f(at["fog"], color.x(), color.y(), color.z(), static_cast<float>(fog->density_per_m));
+    gl_.Uniform4f(program.fog, color.x(), color.y(), color.z(), static_cast<float>(fog->density_per_m));
   }
   const Pose X_CW = X_WC_.inverse();
   const Eigen::Matrix4d X_WC = X_WC_.matrix();
   int unit_of_map = kFirstMapUnit;
   for (std::size_t k = 0; k < lights_->lights.size(); ++k) {
     const Light& light = lights_->lights[k];
-    const auto name = [k](const char* array) { return std::string(array) + "[" + std::to_string(k) + "]"; };
-    const auto set3 = [&](const char* array, const Eigen::Vector3d& value) {
-      gl_.Uniform3f(at[name(array).c_str()], float(value.x()), float(value.y()), float(value.z()));
+    const Program::OfLight& at = program.lights[k];
+    const auto set3 = [&](GLint place, const Eigen::Vector3d& value) {
+      gl_.Uniform3f(place, float(value.x()), float(value.y()), float(value.z()));
     };
     const Eigen::Vector3d toward = -(X_CW.q * light.direction_W.normalized());
-    set3("place", light.type == Light::Type::kDirectional ? toward : X_CW * light.position_W);
-    set3("axis", toward);
+    set3(at.place, light.type == Light::Type::kDirectional ? toward : X_CW * light.position_W);
+    set3(at.axis, toward);
     const double inner = std::cos(0.5 * light.inner_angle_rad), outer = std::cos(0.5 * light.outer_angle_rad);
-    set3("cone", {outer, 1.0 / std::max(1e-6, inner - outer), std::max(light.falloff, 1e-3)});  // no power 0 of 0
-    gl_.Uniform4f(at[name("fade").c_str()], float(std::min(light.range_m, 1e30)), float(light.constant),
-                  float(light.linear_per_m), float(light.quadratic_per_m2));
-    set3("diffuse", light.diffuse);
-    set3("bright", light.specular);
+    set3(at.cone, {outer, 1.0 / std::max(1e-6, inner - outer), std::max(light.falloff, 1e-3)});  // no power 0 of 0
+    gl_.Uniform4f(at.fade, float(std::min(light.range_m, 1e30)), float(light.constant), float(light.linear_per_m),
+                  float(light.quadratic_per_m2));
+    set3(at.diffuse, light.diffuse);
+    set3(at.bright, light.specular);
     if (!std::isupper(letters_[k])) continue;
     const ShadowMaps::Map& map = shadows_.map(k);
     const Eigen::Matrix4f shadow_of = (map.of_world * X_WC).cast<float>();
-    gl_.UniformMatrix4fv(at[name("shadow_of").c_str()], 1, GL_FALSE, shadow_of.data());
+    gl_.UniformMatrix4fv(at.shadow_of, 1, GL_FALSE, shadow_of.data());
     constexpr double kLift = 2.5;  // [texels]: as far as the taps of the shadow reach
-    gl_.Uniform1f(at[name("lift").c_str()], static_cast<float>(kLift * map.texel));
-    gl_.Uniform2f(at[name("reach").c_str()], float(map.near), float(map.far));
-    gl_.Uniform1i(at[("map" + std::to_string(k)).c_str()], unit_of_map);
+    gl_.Uniform1f(at.lift, static_cast<float>(kLift * map.texel));
+    gl_.Uniform2f(at.reach, float(map.near), float(map.far));
+    gl_.Uniform2f(at.texel_of_map, float(1.0 / map.width), float(1.0 / map.height));
+    gl_.Uniform1i(at.map, unit_of_map);
     gl_.ActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit_of_map));
     gl_.BindTexture(map.target, map.texture);
     ++unit_of_map;
@@ -226,7 +301,7 @@ void SolidPainter::drawSky(const PinholeView& view) {
   gl_.Disable(GL_CULL_FACE);
   gl_.DepthFunc(GL_GEQUAL);
   gl_.DepthMask(GL_FALSE);
-  gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
+  gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
   gl_.DepthMask(GL_TRUE);
 }

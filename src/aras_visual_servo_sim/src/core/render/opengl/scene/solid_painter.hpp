@@ -42,12 +42,20 @@ class SolidPainter {
   /** A program and where its uniforms are. */
   struct Program {
     std::unique_ptr<ShaderProgram> shader;
-    GLint projection, placed, shape_color, own_color, ambient, emissive, opacity, highlight, shininess, far_plane;
+    GLint projection, placed, shape_color, ambient, emissive, opacity, highlight, shininess, far_plane, picture, bumps,
+        fog;
+    struct OfLight {
+      GLint place, axis, cone, fade, diffuse, bright, shadow_of, lift, reach, texel_of_map, map;
+    };
+    std::vector<OfLight> lights;
     long frame = -1;  ///< of which the lights are set
   };
-  Program& programOf(const Shape& shape, const MeshPicture* picture);
-  void setLights(Program& program);
+  /** Draws without shadows where there can be none, for they cost most of it. */
   void draw(const Item& item, const PinholeView& view);
+  void draw(const Item& item, const PinholeView& view, const GlMesh& mesh, const std::string& letters);
+  Program& programOf(const Item& item, const GlMesh& mesh, const MeshPicture* picture, const std::string& letters);
+  void findUniforms(Program& program) const;
+  void setLights(Program& program);
   bool isSeen(const Item& item, const PinholeView& view) const;
 
   const GlFunctions& gl_;

@@ -7,7 +7,26 @@ namespace {
 
 const char kVersion[] = "#version 330 core\n";
 
-/** Light k: the direction to it, what is left of it at the point, and its part of the sum. */
+/** Whether light k's part is worked out for a triangle as a whole, but for the shadow on it. */
+bool isWholeLight(const ShaderTraits& traits, std::size_t k) {
+  return traits.faceted && std::tolower(traits.lights[k]) == 'd';
+}
+
+/** Of the fragment shader: light k's part of the sum, less the shadow, is there; what is left of it, and its highlight.
+ */
+std::string wholeLightText(char letter, const std::string& k) {
+  std::string text = "  {\n    float left = 1.0;\n";
+  if (letter == 'D') {
+    text += "    left = shadow(map" + k + ", on_map" + k + ", texel_of_map[" + k + "]);\n    light += left * whole" +
+            k + ";\n";
+  }
+  return text + "#ifdef SPECULAR\n    if (dot(n, place[" + k +
+         "]) > 0.0) {\n      float glint = max(0.0, dot(n, normalize(place[" + k +
+         "] - normalize(p_C))));\n      shine += (left * pow(glint, shininess)) * bright[" + k +
+         "];\n    }\n#endif\n  }\n";
+}
+
+/** Of the fragment shader: the direction to light k, what is left of it at the point, and its part of the sum. */
 std::string lightText(char letter, std::size_t k) {
   const std::string i = "[" + std::to_string(k) + "]";
   const char kind = static_cast<char>(std::tolower(letter));
@@ -26,11 +45,12 @@ std::string lightText(char letter, std::size_t k) {
   }
   text += "    float slope = dot(n, toward);\n    if (slope > 0.0) {\n";
   if (letter != kind) {
-    const std::string map = "map" + std::to_string(k);
+    const std::string map = "map" + std::to_string(k), texel = ", texel_of_map" + i;
     text += "      vec3 lifted = p_C + n * (lift" + i + (kind == 'd' ? "" : " * d") +
             " * sqrt(max(0.0, 1.0 - slope * slope)));\n      vec4 at = shadow_of" + i + " * vec4(lifted, 1.0);\n";
-    text += kind == 'p' ? "      left *= shadow_around(" + map + ", at.xyz, reach" + i + ");\n"
-                        : "      left *= shadow(" + map + ", at.xyz / at.w);\n";
+    text += kind == 'p'   ? "      left *= shadow_around(" + map + ", at.xyz, reach" + i + texel + ");\n"
+            : kind == 'd' ? "      left *= shadow(" + map + ", at.xyz" + texel + ");\n"
+                          : "      left *= shadow(" + map + ", at.xyz / at.w" + texel + ");\n";
   }
   text += "      light += (left * slope) * diffuse" + i + ";\n";
   text += "#ifdef SPECULAR\n      float glint = max(0.0, dot(n, normalize(toward - normalize(p_C))));\n" +
@@ -38,36 +58,36 @@ std::string lightText(char letter, std::size_t k) {
   return text;
 }
 
-const char kSolidVertex[] = R"(
-in vec3 position;
-in vec3 normal;
-in vec2 coordinates;
-in vec4 color;
-uniform mat4 projection;
-uniform mat4 placed;  // pose of the shape in the camera's frame
-uniform vec4 shape_color;
-uniform float own_color;
-out vec3 p_C;
-out vec3 n_C;
-out vec2 texel;
-out vec3 surface;
-out float headlight;  // as the coverage renderer has it: of the corners, and between them
-void main() {
-  p_C = (placed * vec4(position, 1.0)).xyz;
-  n_C = mat3(placed) * normal;
-  texel = coordinates;
-  headlight = max(0.0, -dot(normalize(n_C), normalize(p_C)));
-  surface = mix(shape_color.rgb, color.rgb, own_color);
-  gl_Position = projection * vec4(p_C, 1.0);
-  gl_ClipDistance[0] = far_limit(p_C);
+/** What both shaders take of the lights. */
+std::string lightUniforms(std::size_t count) {
+  std::string text = "uniform vec3 ambient;\nuniform vec4 shape_color;\n";
+  if (count == 0) return text;
+  const std::string n = "[" + std::to_string(count) + "];\n";
+  return text + "uniform vec3 place" + n + "uniform vec3 diffuse" + n + "uniform mat4 shadow_of" + n +
+         "uniform float lift" + n;
 }
-)";
+
+/** What the vertex shader hands to the fragment shader. @param way  "in" or "out" */
+std::string handedOver(const ShaderTraits& traits, const std::string& way) {
+  const std::string of_triangle = traits.faceted ? "flat " + way : way;
+  std::string text = way + " vec3 p_C;\n" + of_triangle + " vec3 n_C;\n" + way + " vec2 texel;\n";
+  if (traits.painted) text += of_triangle + " vec3 surface;\n";
+  if (traits.lights.find('h') != std::string::npos) text += way + " float headlight;\n";
+  if (!traits.faceted) return text;
+  text += "flat " + way + " vec3 whole;\n";
+  for (std::size_t k = 0; k < traits.lights.size(); ++k) {
+    if (traits.lights[k] != 'D') continue;
+    const std::string i = std::to_string(k);
+    text += "flat " + way + " vec3 whole" + i + ";\n" + way + " vec3 on_map" + i + ";\n";
+  }
+  return text;
+}
 
 // Four taps of 2 x 2 comparisons each: an edge is as soft as three texels. Maps of point lights are cubes with faces of
 // half the width; reach has the distances of their near and far planes.
 const char kShadow[] = R"(
-float shadow(sampler2DShadow map, vec3 at) {
-  vec2 texel_size = vec2(0.75 * texel_of_map);
+float shadow(sampler2DShadow map, vec3 at, vec2 texel_of_map) {
+  vec2 texel_size = 0.75 * texel_of_map;
   at.z = min(at.z, 1.0);
   float sum = texture(map, vec3(at.xy + texel_size * vec2(-0.5, -1.0), at.z));
   sum += texture(map, vec3(at.xy + texel_size * vec2(1.0, -0.5), at.z));
@@ -94,13 +114,13 @@ vec3 bent(vec3 n) {
 }
 )";
 const char kShadowAround[] = R"(
-float shadow_around(samplerCubeShadow map, vec3 ray, vec2 reach) {
+float shadow_around(samplerCubeShadow map, vec3 ray, vec2 reach, vec2 texel_of_map) {
   vec3 size = abs(ray);
   float depth = max(size.x, max(size.y, size.z));
   float nearness = min(1.0, reach.y / (reach.y - reach.x) * (1.0 - reach.x / depth));
   vec3 side = normalize(cross(ray, size.z < depth ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0)));
   vec3 up = normalize(cross(side, ray));
-  float texel_size = 0.75 * 4.0 * depth * texel_of_map;
+  float texel_size = 0.75 * 2.0 * depth * texel_of_map.x;
   side *= texel_size;
   up *= texel_size;
   float sum = texture(map, vec4(ray - 0.5 * side - up, nearness));
@@ -115,7 +135,8 @@ float shadow_around(samplerCubeShadow map, vec3 ray, vec2 reach) {
 
 std::string ShaderTraits::name() const {
   return "solid " + lights + (clamps_light ? " clamped" : "") + (textured ? " textured" : "") +
-         (bumpy ? " bumpy" : "") + (specular ? " specular" : "") + (fog ? " fog" : "");
+         (bumpy ? " bumpy" : "") + (specular ? " specular" : "") + (fog ? " fog" : "") + (faceted ? " faceted" : "") +
+         (two_sided ? " two-sided" : "") + (painted ? " painted" : "");
 }
 
 std::string lightLetters(const LightSet& lights) {
@@ -131,24 +152,50 @@ std::string lightLetters(const LightSet& lights) {
   return letters;
 }
 
-std::string solidVertexShader() {
-  return std::string(kVersion) +
-         "uniform vec4 far_plane;\nfloat far_limit(vec3 p) { return dot(far_plane, vec4(p, 1.0)); }" + kSolidVertex;
+std::string solidVertexShader(const ShaderTraits& traits) {
+  const bool headlight = traits.lights.find('h') != std::string::npos;
+  std::string text = kVersion;
+  text += "in vec3 position;\nin vec3 normal;\nin vec2 coordinates;\nin vec4 color;\n";
+  text += "uniform mat4 projection;\nuniform mat4 placed;  // pose of the shape in the camera's frame\n";
+  text += "uniform vec4 far_plane;\ninvariant gl_Position;\n";
+  text += lightUniforms(traits.lights.size()) + handedOver(traits, "out") + R"(void main() {
+  p_C = (placed * vec4(position, 1.0)).xyz;
+  n_C = mat3(placed) * normal;
+  texel = coordinates;
+  gl_Position = projection * vec4(p_C, 1.0);
+  gl_ClipDistance[0] = dot(far_plane, vec4(p_C, 1.0));
+)";
+  if (traits.painted) text += "  surface = color.rgb;\n";
+  // As the coverage renderer has it: of the corners, and between them.
+  if (headlight) text += "  headlight = max(0.0, -dot(normalize(n_C), normalize(p_C)));\n";
+  if (!traits.faceted) return text + "}\n";
+  text += "  n_C = normalize(n_C);\n  whole = ambient;\n";
+  for (std::size_t k = 0; k < traits.lights.size(); ++k) {
+    if (!isWholeLight(traits, k)) continue;
+    const std::string i = std::to_string(k);
+    const std::string slope = "dot(n_C, place[" + i + "])", light = "max(0.0, " + slope + ") * diffuse[" + i + "];\n";
+    if (traits.lights[k] == 'd') {
+      text += "  whole += " + light;
+      continue;
+    }
+    text += "  whole" + i + " = " + light + "  on_map" + i + " = (shadow_of[" + i + "] * vec4(p_C + n_C * (lift[" + i +
+            "] * sqrt(max(0.0, 1.0 - " + slope + " * " + slope + "))), 1.0)).xyz;\n";
+  }
+  return text + "}\n";
 }
 
 std::string solidFragmentShader(const ShaderTraits& traits) {
   const std::size_t count = traits.lights.size();
   std::string text = kVersion;
   if (traits.specular) text += "#define SPECULAR\n";
-  text += "in vec3 p_C;\nin vec3 n_C;\nin vec2 texel;\nin vec3 surface;\nin float headlight;\nout vec4 pixel;\n";
-  text += "uniform vec3 ambient;\nuniform vec3 emissive;\nuniform float opacity;\nuniform vec3 highlight;\n";
-  text += "uniform float shininess;\nuniform sampler2D picture;\nuniform vec4 fog;\nuniform float texel_of_map;\n";
+  text += handedOver(traits, "in") + "out vec4 pixel;\n" + lightUniforms(count);
+  text += "uniform vec3 emissive;\nuniform float opacity;\nuniform vec3 highlight;\n";
+  text += "uniform float shininess;\nuniform sampler2D picture;\nuniform vec4 fog;\n";
   bool shaded = false, shaded_around = false;
   if (count > 0) {
     const std::string n = "[" + std::to_string(count) + "];\n";
-    text += "uniform vec3 place" + n + "uniform vec3 axis" + n + "uniform vec3 cone" + n + "uniform vec4 fade" + n +
-            "uniform vec3 diffuse" + n + "uniform vec3 bright" + n + "uniform mat4 shadow_of" + n +
-            "uniform float lift" + n + "uniform vec2 reach" + n;
+    text += "uniform vec3 axis" + n + "uniform vec3 cone" + n + "uniform vec4 fade" + n + "uniform vec3 bright" + n +
+            "uniform vec2 reach" + n + "uniform vec2 texel_of_map" + n;
     for (std::size_t k = 0; k < count; ++k) {
       if (!std::isupper(traits.lights[k])) continue;
       const bool around = traits.lights[k] == 'P';
@@ -160,13 +207,21 @@ std::string solidFragmentShader(const ShaderTraits& traits) {
   if (shaded) text += kShadow;
   if (shaded_around) text += kShadowAround;
   if (traits.bumpy) text += kBumps;
-  text += "void main() {\n  vec3 n = normalize(n_C);\n  if (!gl_FrontFacing) n = -n;\n";
+  text += traits.faceted ? "void main() {\n  vec3 n = n_C;\n" : "void main() {\n  vec3 n = normalize(n_C);\n";
+  if (traits.two_sided) text += "  if (!gl_FrontFacing) n = -n;\n";
   if (traits.bumpy) text += "  n = bent(n);\n";
-  text += "  vec3 light = ambient;\n";
+  text += traits.faceted ? "  vec3 light = whole;\n" : "  vec3 light = ambient;\n";
   if (traits.specular) text += "  vec3 shine = vec3(0.0);\n";
-  for (std::size_t k = 0; k < count; ++k) text += lightText(traits.lights[k], k);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!isWholeLight(traits, k)) {
+      text += lightText(traits.lights[k], k);
+    } else if (traits.lights[k] == 'D' || traits.specular) {
+      text += wholeLightText(traits.lights[k], std::to_string(k));
+    }
+  }
   if (traits.clamps_light) text += "  light = min(light, vec3(1.0));\n";
-  text += traits.textured ? "  vec3 color = surface * texture(picture, texel).rgb;\n" : "  vec3 color = surface;\n";
+  text += traits.painted ? "  vec3 color = surface;\n" : "  vec3 color = shape_color.rgb;\n";
+  if (traits.textured) text += "  color *= texture(picture, texel).rgb;\n";
   text += "  vec3 sum = emissive + color * light;\n";
   if (traits.specular) text += "  sum += highlight * shine;\n";
   if (traits.fog) {

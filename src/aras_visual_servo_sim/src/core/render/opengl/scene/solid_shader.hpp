@@ -11,6 +11,9 @@ namespace aras_visual_servo_sim {
 struct ShaderTraits {
   std::string lights;  ///< a letter each: 'd'irectional, 'p'oint, 's'pot, 'h'ead; capital: with a shadow
   bool clamps_light = false, textured = false, bumpy = false, specular = false, fog = false;
+  bool faceted = false;    ///< each triangle has one normal and one colour, and its back is not drawn
+  bool two_sided = false;  ///< the back is drawn, lit as a front
+  bool painted = false;    ///< the mesh has colours of its own
 
   std::string name() const;
 };
@@ -18,8 +21,9 @@ struct ShaderTraits {
 /** Letters of ShaderTraits::lights. */
 std::string lightLetters(const LightSet& lights);
 
-/** Of solids: lit for each pixel, in the frame of the camera. */
-std::string solidVertexShader();
+/** Of solids: lit for each pixel, in the frame of the camera; what is the same all over a triangle, for it as a whole.
+ */
+std::string solidVertexShader(const ShaderTraits& traits);
 std::string solidFragmentShader(const ShaderTraits& traits);
 /** Of what has one colour or a picture, unlit: flat targets. */
 std::string flatVertexShader();
