@@ -21,10 +21,7 @@ using namespace aras_visual_servo_sim;
 constexpr double kEdge = 0.1;  // of the boxes [m]
 
 /** An arm of one joint, out of the way. */
-RobotModel slider() {
-  const std::string here = __FILE__;
-  return loadRobotModelFile(here.substr(0, here.rfind('/')) + "/../test/urdf/slider.urdf");
-}
+RobotModel slider() { return loadRobotModelFile(ARAS_SIM_TEST_DIR "/urdf/slider.urdf"); }
 
 Obstacle boxAt(const std::string& name, const Eigen::Vector3d& p) {
   Obstacle box;
