@@ -39,6 +39,8 @@ IN_TURN = {
     "light_boxes": ("OpenGL, the lit plane and ten boxes", light_bench("opengl/boxes"), True),
     "light_boxes_shadow": ("OpenGL, and a shadow map drawn anew", light_bench("opengl/boxes_shadow"), True),
     "light_everything": ("OpenGL, picture, boxes, shadow map, 4 samples", light_bench("opengl/everything"), True),
+    "light_hybrid": ("OpenGL, and a flat target by its exact areas", light_bench("opengl/hybrid"), True),
+    "light_sampled": ("OpenGL, the same target by samples", light_bench("opengl/hybrid_sampled"), True),
     "light_arm": ("OpenGL, the arm over a table, all of that", light_bench("opengl/arm_everything"), True),
     "light_arm_640": ("OpenGL, the same in 640 x 480", light_bench("opengl/arm_everything_640"), True),
     "light_coverage_flat": ("coverage, a lit solid fills the view", light_bench("coverage/flat"), True),

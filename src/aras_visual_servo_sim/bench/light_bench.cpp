@@ -4,10 +4,12 @@
 // word. The scenes without the arm are those that MuJoCo's camera is measured with.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <string>
 
@@ -237,6 +239,21 @@ Draw posterDrawing() {
   return drawing<CoverageRenderer>(CameraModel(config), X_WC, scene, false);
 }
 
+/** The scene with everything, and a flat target before the boxes. @param exact  it is laid over by its exact areas */
+Draw hybridDrawing(bool exact) {
+  const Kind& kind = *std::find_if(std::begin(kKinds), std::end(kKinds),
+                                   [](const Kind& each) { return std::string(each.name) == "everything"; });
+  Scene scene = sceneOf(kind);
+  scene.models.emplace_back("target", std::vector<Polygon>{{{-0.1, -0.05}, {0.1, -0.05}, {0.08, 0.05}, {-0.1, 0.06}}},
+                            Rgb{20, 20, 20});
+  scene.models.back().X_WM = {{0.0, 0.22, 0.001},
+                              Eigen::Quaterniond(Eigen::AngleAxisd(0.35, Eigen::Vector3d::UnitZ()))};
+  CameraConfig config = cameraOf(kind).config();
+  config.exact_targets = exact;
+  const Pose X_WC{{0, 0, 0.6}, Eigen::Quaterniond(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()))};
+  return drawing<OpenGlRenderer>(CameraModel(config), X_WC, scene, kind.moving);
+}
+
 // --- all of them ----------------------------------------------------------------------------------------------------
 
 struct Case {
@@ -254,6 +271,8 @@ std::vector<Case> cases() {
   for (const ArmKind& kind : kArmKinds) {
     all.push_back({std::string("opengl/") + kind.name, [&kind] { return armDrawing(kind); }});
   }
+  all.push_back({"opengl/hybrid", [] { return hybridDrawing(true); }});
+  all.push_back({"opengl/hybrid_sampled", [] { return hybridDrawing(false); }});
   all.push_back({"coverage/table_lens", tableThroughLens});
   all.push_back({"coverage/arm_lens", armThroughLens});
   all.push_back({"coverage/poster_640", posterDrawing});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <list>
 #include <type_traits>
 #include <utility>
@@ -248,10 +249,20 @@ class OpenGlRenderer::Implementation {
       views.canvas(k).bind();
       parts_->flats.draw(views.views()[k]);
     }
-    views.read(pixels);
+    views.read(boxOf(redrawn_, out.width), pixels);
     for (const std::size_t at : redrawn_) {
       write(pixels[at], out.encoding, out.data.data() + at * std::size_t(out.channels()));
     }
+  }
+
+  /** The smallest box about these pixels, of which there are some. */
+  static PixelBox boxOf(const std::vector<std::size_t>& pixels, int width) {
+    PixelBox box{width, std::numeric_limits<int>::max(), 0, 0};
+    for (const std::size_t at : pixels) {
+      const int u = static_cast<int>(at % std::size_t(width)), v = static_cast<int>(at / std::size_t(width));
+      box = {std::min(box.u0, u), std::min(box.v0, v), std::max(box.u1, u + 1), std::max(box.v1, v + 1)};
+    }
+    return box;
   }
 
   /** The pixels that have a mark, and their neighbours: a mark at a sample says nothing of the pixel's rim. */

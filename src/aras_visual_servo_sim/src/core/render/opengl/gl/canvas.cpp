@@ -53,20 +53,24 @@ void Canvas::bind() const {
 }
 
 template <typename Pixel>
-void Canvas::readAs(GLenum type, std::vector<Pixel>& pixels) const {
+void Canvas::readAs(GLenum type, const PixelBox& box, std::vector<Pixel>& pixels) const {
   pixels.resize(std::size_t(width_) * height_);
+  if (box.empty()) return;
   if (resolved_) {
     gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, drawn_);
     gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved_);
-    gl_.BlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    gl_.BlitFramebuffer(box.u0, box.v0, box.u1, box.v1, box.u0, box.v0, box.u1, box.v1, GL_COLOR_BUFFER_BIT,
+                        GL_NEAREST);
     gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, resolved_);
   }
   gl_.PixelStorei(GL_PACK_ALIGNMENT, 4);
-  gl_.ReadPixels(0, 0, width_, height_, GL_RGBA, type, pixels.data());
+  gl_.PixelStorei(GL_PACK_ROW_LENGTH, width_);
+  Pixel* first = pixels.data() + std::size_t(box.v0) * width_ + box.u0;
+  gl_.ReadPixels(box.u0, box.v0, box.u1 - box.u0, box.v1 - box.v0, GL_RGBA, type, first);
   gl_.BindFramebuffer(GL_FRAMEBUFFER, drawn_);
 }
 
-template void Canvas::readAs(GLenum, std::vector<std::uint32_t>&) const;
-template void Canvas::readAs(GLenum, std::vector<std::uint64_t>&) const;
+template void Canvas::readAs(GLenum, const PixelBox&, std::vector<std::uint32_t>&) const;
+template void Canvas::readAs(GLenum, const PixelBox&, std::vector<std::uint64_t>&) const;
 
 }  // namespace aras_visual_servo_sim

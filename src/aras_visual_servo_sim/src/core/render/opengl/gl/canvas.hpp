@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "gl_functions.hpp"
+#include "render/coverage/coverage_rasterizer.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -25,12 +26,16 @@ class Canvas {
   void bind() const;
   /** Means over the samples of what was drawn so far: r, g, b, a for each pixel, in the order of OpenGL's rows. A
    *  canvas of 16 bits is read into 64. */
-  void read(std::vector<std::uint32_t>& pixels) const { readAs(GL_UNSIGNED_BYTE, pixels); }
-  void read(std::vector<std::uint64_t>& pixels) const { readAs(GL_UNSIGNED_SHORT, pixels); }
+  void read(std::vector<std::uint32_t>& pixels) const { read(all(), pixels); }
+  void read(std::vector<std::uint64_t>& pixels) const { read(all(), pixels); }
+  /** Only the pixels in a box, into their places; the others stay as they are. */
+  void read(const PixelBox& box, std::vector<std::uint32_t>& pixels) const { readAs(GL_UNSIGNED_BYTE, box, pixels); }
+  void read(const PixelBox& box, std::vector<std::uint64_t>& pixels) const { readAs(GL_UNSIGNED_SHORT, box, pixels); }
 
  private:
+  PixelBox all() const { return {0, 0, width_, height_}; }
   template <typename Pixel>
-  void readAs(GLenum type, std::vector<Pixel>& pixels) const;
+  void readAs(GLenum type, const PixelBox& box, std::vector<Pixel>& pixels) const;
 
   const GlFunctions& gl_;
   int width_, height_;

@@ -195,6 +195,7 @@ SolidPainter::Program& SolidPainter::programOf(const Item& item, const GlMesh& m
   traits.textured = picture != nullptr;
   traits.bumpy = picture && picture->normals;
   traits.specular = !shape.material.specular.isZero();
+  traits.sharp = traits.specular && shape.material.shininess != 1.0;
   traits.fog = scene_->lighting.fog.has_value();
   traits.two_sided = shape.material.two_sided;
   traits.faceted = mesh.faceted && !traits.two_sided && !traits.bumpy;

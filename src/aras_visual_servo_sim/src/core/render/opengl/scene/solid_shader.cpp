@@ -12,6 +12,16 @@ bool isWholeLight(const ShaderTraits& traits, std::size_t k) {
   return traits.faceted && std::tolower(traits.lights[k]) == 'd';
 }
 
+/** Whether one triangle has one colour, which its vertices know: no light of its own at a pixel, no picture, no fog. */
+bool isOneColor(const ShaderTraits& traits) {
+  if (!traits.faceted || traits.textured || traits.bumpy || traits.specular || traits.fog || traits.two_sided)
+    return false;
+  for (std::size_t k = 0; k < traits.lights.size(); ++k) {
+    if (traits.lights[k] != 'd') return false;
+  }
+  return true;
+}
+
 /** Of the fragment shader: light k's part of the sum, less the shadow, is there; what is left of it, and its highlight.
  */
 std::string wholeLightText(char letter, const std::string& k) {
@@ -21,9 +31,8 @@ std::string wholeLightText(char letter, const std::string& k) {
             k + ";\n";
   }
   return text + "#ifdef SPECULAR\n    if (dot(n, place[" + k +
-         "]) > 0.0) {\n      float glint = max(0.0, dot(n, normalize(place[" + k +
-         "] - normalize(p_C))));\n      shine += (left * pow(glint, shininess)) * bright[" + k +
-         "];\n    }\n#endif\n  }\n";
+         "]) > 0.0) {\n      float glint = halfway(dot(n, place[" + k + "]), n_v, dot(place[" + k +
+         "], v));\n      shine += (left * SHARP(glint)) * bright[" + k + "];\n    }\n#endif\n  }\n";
 }
 
 /** Of the fragment shader: the direction to light k, what is left of it at the point, and its part of the sum. */
@@ -53,8 +62,8 @@ std::string lightText(char letter, std::size_t k) {
                           : "      left *= shadow(" + map + ", at.xyz / at.w" + texel + ");\n";
   }
   text += "      light += (left * slope) * diffuse" + i + ";\n";
-  text += "#ifdef SPECULAR\n      float glint = max(0.0, dot(n, normalize(toward - normalize(p_C))));\n" +
-          std::string("      shine += (left * pow(glint, shininess)) * bright") + i + ";\n#endif\n    }\n  }\n";
+  text += "#ifdef SPECULAR\n      float glint = halfway(slope, n_v, dot(toward, v));\n" +
+          std::string("      shine += (left * SHARP(glint)) * bright") + i + ";\n#endif\n    }\n  }\n";
   return text;
 }
 
@@ -113,6 +122,10 @@ vec3 bent(vec3 n) {
   return longest > 0.0 ? normalize((m.x * along_s - m.y * along_t) * inversesqrt(longest) + m.z * n) : n;
 }
 )";
+// Cosine between the normal and the direction half-way between light and viewer, from the cosines between all three.
+const char kHalfway[] = R"(
+float halfway(float n_l, float n_v, float l_v) { return max(0.0, (n_l + n_v) * inversesqrt(max(1e-6, 2.0 + 2.0 * l_v))); }
+)";
 const char kShadowAround[] = R"(
 float shadow_around(samplerCubeShadow map, vec3 ray, vec2 reach, vec2 texel_of_map) {
   vec3 size = abs(ray);
@@ -158,6 +171,7 @@ std::string solidVertexShader(const ShaderTraits& traits) {
   text += "in vec3 position;\nin vec3 normal;\nin vec2 coordinates;\nin vec4 color;\n";
   text += "uniform mat4 projection;\nuniform mat4 placed;  // pose of the shape in the camera's frame\n";
   text += "uniform vec4 far_plane;\ninvariant gl_Position;\n";
+  if (isOneColor(traits)) text += "uniform vec3 emissive;\n";
   text += lightUniforms(traits.lights.size()) + handedOver(traits, "out") + R"(void main() {
   p_C = (placed * vec4(position, 1.0)).xyz;
   n_C = mat3(placed) * normal;
@@ -181,13 +195,20 @@ std::string solidVertexShader(const ShaderTraits& traits) {
     text += "  whole" + i + " = " + light + "  on_map" + i + " = (shadow_of[" + i + "] * vec4(p_C + n_C * (lift[" + i +
             "] * sqrt(max(0.0, 1.0 - " + slope + " * " + slope + "))), 1.0)).xyz;\n";
   }
-  return text + "}\n";
+  if (!isOneColor(traits)) return text + "}\n";
+  if (traits.clamps_light) text += "  whole = min(whole, vec3(1.0));\n";
+  return text + "  whole = emissive + " + (traits.painted ? "surface" : "shape_color.rgb") + " * whole;\n}\n";
 }
 
 std::string solidFragmentShader(const ShaderTraits& traits) {
   const std::size_t count = traits.lights.size();
   std::string text = kVersion;
+  if (isOneColor(traits)) {
+    return text + handedOver(traits, "in") +
+           "out vec4 pixel;\nuniform float opacity;\nvoid main() { pixel = vec4(whole, opacity); }\n";
+  }
   if (traits.specular) text += "#define SPECULAR\n";
+  if (traits.specular) text += traits.sharp ? "#define SHARP(x) pow(x, shininess)\n" : "#define SHARP(x) (x)\n";
   text += handedOver(traits, "in") + "out vec4 pixel;\n" + lightUniforms(count);
   text += "uniform vec3 emissive;\nuniform float opacity;\nuniform vec3 highlight;\n";
   text += "uniform float shininess;\nuniform sampler2D picture;\nuniform vec4 fog;\n";
@@ -207,11 +228,14 @@ std::string solidFragmentShader(const ShaderTraits& traits) {
   if (shaded) text += kShadow;
   if (shaded_around) text += kShadowAround;
   if (traits.bumpy) text += kBumps;
+  if (traits.specular) text += kHalfway;
   text += traits.faceted ? "void main() {\n  vec3 n = n_C;\n" : "void main() {\n  vec3 n = normalize(n_C);\n";
   if (traits.two_sided) text += "  if (!gl_FrontFacing) n = -n;\n";
   if (traits.bumpy) text += "  n = bent(n);\n";
   text += traits.faceted ? "  vec3 light = whole;\n" : "  vec3 light = ambient;\n";
-  if (traits.specular) text += "  vec3 shine = vec3(0.0);\n";
+  if (traits.specular) {
+    text += "  vec3 shine = vec3(0.0);\n  vec3 v = -normalize(p_C);\n  float n_v = dot(n, v);\n";
+  }
   for (std::size_t k = 0; k < count; ++k) {
     if (!isWholeLight(traits, k)) {
       text += lightText(traits.lights[k], k);
