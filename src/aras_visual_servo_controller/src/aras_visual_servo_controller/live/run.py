@@ -17,13 +17,11 @@ from ..ground.errors import ParameterError
 from ..ground.types import Status
 from ..run.loop import ServoLoop
 from ..run.sequence import ExperimentSequence
-from .about import about, marks_of, row, rounded, saved
+from .about import FOLLOWED, about, has_moved, marks_of, row, rounded, saved
 from .hand import Hand
 from .settings import acts_at_once, changed, put
 from .view.scene import pose_numbers
 
-#: A target that has moved this far since the servo ended is followed again [m], and turned this far [rad].
-MOVED_M, MOVED_RAD = 2e-4, 1e-3
 QUIET = ("idle", "done")
 
 
@@ -83,11 +81,9 @@ class LiveRun:
         loop = self.loop
         if not (self._follow and loop.sequence.done and self.goal is not None and self._ended_at is not None):
             return
-        if loop.sequence.result.status not in (Status.CONVERGED, Status.TIMED_OUT, Status.STOPPED_BY_RULE):
+        if loop.sequence.result.status not in FOLLOWED:
             return
-        before, now = self._ended_at, self._target_pose()
-        turn = np.linalg.norm(before[:3, :3] - now[:3, :3]) / math.sqrt(2.0)
-        if np.linalg.norm(before[:3, 3] - now[:3, 3]) > MOVED_M or turn > MOVED_RAD:
+        if has_moved(self._ended_at, self._target_pose()):
             self._begin(True)
 
     def _target_pose(self):

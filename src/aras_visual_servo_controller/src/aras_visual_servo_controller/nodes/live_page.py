@@ -25,7 +25,7 @@ from ..arm.robot import robot_kinematics
 from ..ground.errors import ArasError, ParameterError
 from ..ground.spatial import pose_from_quaternion
 from ..ground.types import Status
-from ..live.about import about, marks_of, row, saved
+from ..live.about import FOLLOWED, about, has_moved, marks_of, row, saved
 from ..live.hand import Hand
 from ..live.runner import MOST_ROWS, Sample
 from ..live.server import Server
@@ -41,10 +41,6 @@ LOOK_S = 1.0 / 60.0
 LINGER_S = 1.0
 #: Settings that nodes take over while they run.
 ROS_AT_ONCE = tuple(pattern for pattern in AT_ONCE if pattern.startswith(("servo", "sim")))
-#: A target that has moved this far since the servo ended is followed again [m], and turned this far [rad].
-MOVED_M, MOVED_RAD = 2e-4, 1e-3
-#: Ends of a servo after which a target that moves is followed.
-FOLLOWED = (Status.CONVERGED, Status.TIMED_OUT, Status.STOPPED_BY_RULE)
 MOVING = ("to_goal", "settle_goal", "teach", "to_start", "settle_start", "servo")
 
 
@@ -156,12 +152,9 @@ class RosRun:
             self._ended_at = None
         elif self._ended_at is None:
             self._ended_at = self._X_WT
-        elif self._follow and not self._hand.busy:
-            way = np.linalg.norm(self._X_WT[:3, 3] - self._ended_at[:3, 3])
-            turn = np.linalg.norm(self._X_WT[:3, :3] - self._ended_at[:3, :3]) / 2.0**0.5
-            if way > MOVED_M or turn > MOVED_RAD:
-                self._ended_at = self._X_WT
-                self._send_goal("taught")
+        elif self._follow and not self._hand.busy and has_moved(self._ended_at, self._X_WT):
+            self._ended_at = self._X_WT
+            self._send_goal("taught")
 
     def _on_image(self, message):
         self.encoding = message.encoding

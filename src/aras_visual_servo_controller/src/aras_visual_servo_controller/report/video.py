@@ -1,4 +1,4 @@
-"""Video of a run: the camera's image with the features drawn in, an observer's view of the arm, and the feature errors.
+"""Video of a run: the camera's image with what its features see in it, an observer's view of the arm, and the errors.
 
     film = save_video(record, folder / "video.mp4")      # a record made with keep_images=True
 
@@ -13,16 +13,17 @@ from pathlib import Path
 
 import numpy as np
 
-from ..features.palette import BLUE, GREEN, VERMILION, rgb
+from ..features.palette import GREEN, rgb
 from ..features.style import styles
 from ..ground.errors import ArasError, ParameterError
-from ..live.view.projection import project
+from .image_plot import coloured_difference
+from .overlays.base import Overlay, overlay_of
 
 WIDTH, VIEW_HEIGHT, CURVES_HEIGHT = 1280, 480, 240
 HALF = WIDTH // 2
 LEGEND_COLUMNS = 8
 HOLD_S = 0.8                  # the last frame is shown for this long
-SEEN_RGB, WANTED_RGB, TRAIL_RGB = rgb(VERMILION), rgb(GREEN), rgb(BLUE)
+WANTED_RGB = rgb(GREEN)
 SUBPIXEL_BITS = 4             # cv2 draws at fractions of a pixel
 ENCODER = ("-c:v", "libx264", "-preset", "veryfast", "-crf", "21", "-pix_fmt", "yuv420p", "-movflags", "+faststart",
            "-fflags", "+bitexact", "-flags:v", "+bitexact", "-map_metadata", "-1")
@@ -114,13 +115,11 @@ class Composer:
         except ObserverError as error:
             raise VideoError(str(error)) from error
         self._t_s = (record.stamp_ns[rows] - record.stamp_ns[rows[0]]) * 1e-9
-        taught = record.rows("teach")
         try:
-            self._features = project(record.raw[rows, 1:3], record.camera_info)
-            self._wanted = project(record.raw[taught[-1:], 1:3], record.camera_info)
+            self._overlay = overlay_of(record) or Overlay()
         except ParameterError as error:
             raise VideoError(str(error)) from error
-        self._wanted_alpha = record.raw[taught[-1], 3] if len(taught) else np.nan
+        self._at = np.searchsorted(record.servo_rows, rows)  # places of these rows in what the overlay says
         self._faint, self._full, self._left, self._right = self._curves()
 
     def frame(self, index):
@@ -141,6 +140,8 @@ class Composer:
         """The camera's image, as large as fits, with the features that are seen and those that are wanted drawn in."""
         import cv2
         image = self._record.images[self._rows[index]]
+        if self._overlay.difference and self._record.desired_image is not None:
+            image = coloured_difference(image, self._record.desired_image)
         image = np.repeat(image[..., None], 3, axis=2) if image.ndim == 2 else image
         scale = min(HALF / image.shape[1], VIEW_HEIGHT / image.shape[0])
         size = (round(image.shape[1] * scale), round(image.shape[0] * scale))
@@ -148,35 +149,43 @@ class Composer:
         x0, y0 = (HALF - size[0]) // 2, (VIEW_HEIGHT - size[1]) // 2
         picture = np.ascontiguousarray(cv2.resize(image, size, interpolation=cv2.INTER_NEAREST))
 
-        def at(p):
-            """(u, v) of the camera's image as cv2 takes points: fixed-point numbers, here of the enlarged picture."""
-            return tuple(int(round(((x + 0.5) * scale - 0.5) * (1 << SUBPIXEL_BITS))) for x in p)
-
-        def line(a, b, color, width):
-            cv2.line(picture, at(a), at(b), color, width, cv2.LINE_AA, SUBPIXEL_BITS)
-
-        trail = self._features[:index + 1]
-        for a, b in zip(trail[:-1], trail[1:]):
-            if np.all(np.isfinite([a, b])):
-                line(a, b, TRAIL_RGB, 2)
-        length = 0.11 * image.shape[1]
-        for p, alpha, color, seen in [(w, self._wanted_alpha, WANTED_RGB, False) for w in self._wanted] + [
-                (self._features[index], self._record.raw[self._rows[index], 3], SEEN_RGB, True)]:
-            if not np.all(np.isfinite(p)):
-                continue
-            if np.isfinite(alpha):
-                d = length * np.array([np.cos(alpha), np.sin(alpha)])
-                line(p - (d if seen else 0.6 * d), p + d, color, 2)
-            if seen:
-                arm = 0.02 * image.shape[1]
-                for d in ([arm, 0], [0, arm]):
-                    line(p - np.array(d), p + np.array(d), color, 3)
-            else:
-                cv2.circle(picture, at(p), int(round(9 * (1 << SUBPIXEL_BITS))), color, 2, cv2.LINE_AA, SUBPIXEL_BITS)
+        self._draw_overlay(picture, scale, index)
         cv2.putText(picture, f"t = {self._t_s[index]:.2f} s", (12, size[1] - 14), cv2.FONT_HERSHEY_SIMPLEX, 0.75,
                     (60, 60, 60), 1, cv2.LINE_AA)
         view[y0:y0 + size[1], x0:x0 + size[0]] = picture
         return view
+
+    def _draw_overlay(self, picture, scale, index):
+        """Draw what the features see into the enlarged image: shapes and ways now, thin where they are wanted."""
+        import cv2
+        now = self._at[index]
+
+        def at(p):
+            """(u, v) of the camera's image as cv2 takes points: fixed-point numbers, here of the enlarged picture."""
+            return tuple(int(round(((x + 0.5) * scale - 0.5) * (1 << SUBPIXEL_BITS))) for x in p)
+
+        def lines(points, colour, width, closed=False):
+            for a, b in zip(points, [*points[1:], *points[:1]] if closed else points[1:]):
+                if np.isfinite(a).all() and np.isfinite(b).all():
+                    cv2.line(picture, at(a), at(b), colour, width, cv2.LINE_AA, SUBPIXEL_BITS)
+
+        def ring(p, colour, radius_px, width):
+            if np.isfinite(p).all():
+                cv2.circle(picture, at(p), round(radius_px * (1 << SUBPIXEL_BITS)), colour, width, cv2.LINE_AA,
+                           SUBPIXEL_BITS)
+
+        for shape in self._overlay.shapes:
+            if shape.wanted is not None:
+                lines(list(shape.wanted), rgb(shape.colour), 1, shape.closed)
+            lines(list(shape.seen[now]), rgb(shape.colour), 2, shape.closed)
+        named = {shape.name: shape.colour for shape in self._overlay.shapes}
+        named.update({f"{way.name} {way.subscript}".strip(): way.colour for way in self._overlay.ways})
+        for row, (name, colour) in enumerate(named.items()):
+            cv2.putText(picture, name, (12, 24 + 20 * row), cv2.FONT_HERSHEY_SIMPLEX, 0.5, rgb(colour), 1, cv2.LINE_AA)
+        for way in self._overlay.ways:
+            lines(list(way.seen[:now + 1]), rgb(way.colour), 1)
+            ring(way.wanted, WANTED_RGB, 8, 2)
+            ring(way.seen[now], rgb(way.colour), 4, cv2.FILLED)
 
     def _curves(self):
         """The plot of the feature errors in faint and in full colours, (CURVES_HEIGHT, WIDTH, 3) each, and the columns

@@ -13,6 +13,7 @@ pytest.importorskip("aras_visual_servo_sim")
 from aras_visual_servo_controller.features import expand, styles  # noqa: E402
 from aras_visual_servo_controller.features.palette import rgb  # noqa: E402
 from aras_visual_servo_controller.ground.errors import ParameterError  # noqa: E402
+from aras_visual_servo_controller.live.view.projection import project  # noqa: E402
 from aras_visual_servo_controller.report import video  # noqa: E402
 from aras_visual_servo_controller.run.judge import run_in_process  # noqa: E402
 from aras_visual_servo_controller.report.observer import Observer, ObserverError, standpoint, with_stand  # noqa: E402
@@ -44,17 +45,34 @@ def test_every_servo_image_is_kept_only_when_asked_for(record):
 def test_features_are_drawn_where_the_object_is(record):
     row = record.servo_rows[0]
     v, u = np.nonzero(record.images[row][..., 0] < 125)
-    [[x, y]] = video.project(record.raw[row:row + 1, 1:3], record.camera_info)
+    [[x, y]] = project(record.raw[row:row + 1, 1:3], record.camera_info)
     assert abs(x - u.mean()) < CENTRE_PX and abs(y - v.mean()) < CENTRE_PX
+
+
+@pytest.mark.parametrize("scenario", ["six_dof_points", "six_dof_pbvs", "six_dof_photometric"])
+def test_each_kind_of_feature_is_drawn_in_its_own_way(scenario):
+    run = run_in_process(load_scenario(scenario), keep_images=True)
+    overlay = video.overlay_of(run)
+    composer = video.Composer(run, list(run.servo_rows))
+    plain = np.array(composer._camera_view(3)).astype(int)
+    composer._overlay = video.Overlay(difference=overlay.difference)
+    drawn = np.abs(plain - composer._camera_view(3)).max(axis=2) > 40
+    scale = min(video.HALF / 320, video.VIEW_HEIGHT / 240)
+    for way in overlay.ways:
+        u, v = np.rint((way.seen[3] + 0.5) * scale - 0.5).astype(int)
+        if 4 < u < video.HALF - 4 and 4 < v < video.VIEW_HEIGHT - 4:
+            assert drawn[v - 3:v + 4, u - 3:u + 4].any(), way
+    assert drawn.any() and (overlay.ways or overlay.shapes)
+    assert overlay.difference == (scenario == "six_dof_photometric")
 
 
 def test_a_lens_bends_where_features_are_drawn_and_nothing_stays_nothing():
     info = {"K": [100.0, 0, 50.0, 0, 100.0, 40.0, 0, 0, 1], "D": [-0.3, 0.1, 0, 0, 0], "distortion_model": "plumb_bob"}
-    pixels = video.project(np.array([[0.0, 0.0], [0.5, 0.0], [np.nan, 0.0]]), info)
+    pixels = project(np.array([[0.0, 0.0], [0.5, 0.0], [np.nan, 0.0]]), info)
     assert np.allclose(pixels[0], [50.0, 40.0]) and np.isnan(pixels[2]).all()
     assert pixels[1, 0] == pytest.approx(50 + 100 * 0.5 * (1 - 0.3 * 0.25 + 0.1 * 0.0625))
     with pytest.raises(ParameterError, match="no camera_info"):
-        video.project(pixels, {})
+        project(pixels, {})
 
 
 def test_the_observer_sees_the_arm_move(record):
@@ -121,7 +139,8 @@ def test_the_curves_have_the_colours_of_the_features(short, names):
     wanted = {rgb(style.colour) for style in styles(names)}
     for e, columns in ((level, slice(0, video.WIDTH // 6)), (np.full_like(level, np.nan), slice(None))):
         # The curves, left of the legend; then the legend alone, since there are no errors to draw.
-        composer = video.Composer(dataclasses.replace(short, feature_names=names, e=e), sorted(short.images))
+        renamed = dataclasses.replace(short, feature_names=names, e=e, s=level, s_star=0.0 * level)
+        composer = video.Composer(renamed, sorted(short.images))
         strip = composer.frame(7)[video.VIEW_HEIGHT:, columns]
         assert wanted <= {tuple(pixel) for pixel in strip.reshape(-1, 3).tolist()}
 

@@ -2,25 +2,10 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/scene/light_entry.hpp"
+#include "convert/answer.hpp"
 
 namespace aras_visual_servo_sim {
-namespace {
-
-template <typename Response, typename Action>
-bool answer(Response& response, const Action& action) {
-  try {
-    action();
-    response.success = true;
-  } catch (const ArasError& error) {
-    response.success = false;
-    response.message = error.what();
-  }
-  return true;
-}
-
-}  // namespace
 
 LightServices::LightServices(ros::NodeHandle& node, Simulation& simulation) : simulation_(simulation) {
   services_ = {node.advertiseService("sim/set_light", &LightServices::onSet, this),

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "convert/answer.hpp"
 #include "convert/conversions.hpp"
 #include "sim_node.hpp"
 
@@ -23,18 +24,6 @@ std::map<std::string, double> positionsFrom(const aras_visual_servo_msgs::SetJoi
   std::map<std::string, double> positions;
   for (std::size_t k = 0; k < request.name.size(); ++k) positions[request.name[k]] = request.position[k];
   return positions;
-}
-
-template <typename Response, typename Action>
-bool answer(Response& response, const Action& action) {
-  try {
-    action();
-    response.success = true;
-  } catch (const ArasError& error) {
-    response.success = false;
-    response.message = error.what();
-  }
-  return true;
 }
 
 }  // namespace
@@ -91,8 +80,14 @@ bool SimNode::onReconfigure(Trigger::Request&, Trigger::Response& response) {
   return answer(response, [&] {
     const ros::NodeHandle private_node("~");
     const LiveParameters next = loadLiveParameters(node_, private_node, sim_section_);
-    if (next.cameras) simulation_.setCameras(next.simulation.cameras);
+    const SceneConfig scene = simulation_.config().scene;
     if (next.lighting) simulation_.setLighting(next.simulation.scene);
+    try {
+      if (next.cameras) simulation_.setCameras(next.simulation.cameras);
+    } catch (const ArasError&) {
+      if (next.lighting) simulation_.setLighting(scene);  // all of it, or nothing
+      throw;
+    }
     sim_section_ = simSection(node_, private_node);
     if (next.real_time_factor != config_.real_time_factor) {
       config_.real_time_factor = next.real_time_factor;
