@@ -99,9 +99,12 @@ def test_processes_are_found_by_their_mark_also_when_their_parent_is_gone():
     environment = marked(os.environ)
     mark = environment[processes.MARK]
     subprocess.run(["sh", "-c", "sleep 600 & exit 0"], env=environment, check=True)
+    end_s = time.monotonic() + PATIENCE_S
+    while "sleep" not in processes_of(mark).values():  # while it becomes that program it has no environment
+        assert time.monotonic() < end_s
+        time.sleep(0.01)
     [pid] = processes_of(mark)
     os.kill(pid, signal.SIGKILL)
-    end_s = time.monotonic() + PATIENCE_S
     while processes_of(mark):
         assert time.monotonic() < end_s
         time.sleep(0.01)
