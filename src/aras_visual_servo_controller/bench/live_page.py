@@ -7,6 +7,7 @@ A viewer is a client of the page's socket that reads all and says so; a silent o
 """
 import asyncio
 import json
+import pathlib
 import statistics
 import struct
 import subprocess
@@ -48,7 +49,6 @@ def cpu_s(pid):
 
 
 def _tasks(pid):
-    import pathlib
     return [str(task / "schedstat") for task in pathlib.Path(f"/proc/{pid}/task").iterdir()]
 
 
@@ -57,8 +57,8 @@ class Page:
 
     def __init__(self, *words):
         self.started_s = time.perf_counter()
-        self.process = subprocess.Popen(["rosrun", "aras_visual_servo_controller", "live", "experiment_1", "--port", "0",
-                                         *words], stdout=subprocess.PIPE, text=True)
+        command = ["rosrun", "aras_visual_servo_controller", "live", "experiment_1", "--port", "0", *words]
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         self.address = next(line.split()[-1] for line in self.process.stdout if "http" in line)
         self.ready_s = time.perf_counter() - self.started_s
 
