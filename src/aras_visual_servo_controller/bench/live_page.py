@@ -19,6 +19,17 @@ from tornado.websocket import websocket_connect
 RUNS = 3
 
 
+async def now(socket):
+    """(head, whether there is an image) of the next message that says how the run stands."""
+    while True:
+        message = await socket.read_message()
+        if isinstance(message, bytes):
+            size, = struct.unpack_from("<I", message)
+            head = json.loads(message[4:4 + size])
+            if head["type"] == "now":
+                return head, len(message) > 4 + size
+
+
 async def view(address, seconds, silent):
     """(images, states) that came in the time."""
     socket = await websocket_connect(address.replace("http", "ws") + "socket")
@@ -28,28 +39,16 @@ async def view(address, seconds, silent):
         if silent:
             await asyncio.sleep(0.1)
             continue
-        message = await socket.read_message()
-        if not isinstance(message, bytes):
-            continue
-        size, = struct.unpack_from("<I", message)
-        head = json.loads(message[4:4 + size])
-        if head["type"] == "now":
-            socket.write_message(str(head["number"]))
-            states, images = states + 1, images + (len(message) > 4 + size)
+        head, image = await now(socket)
+        socket.write_message(str(head["number"]))
+        states, images = states + 1, images + image
     socket.close()
     return images, states
 
 
 def cpu_s(pid):
-    """CPU seconds that a process has used."""
-    with open(f"/proc/{pid}/schedstat") as file:
-        own = int(file.read().split()[0])
-    threads = subprocess.run(["cat", *_tasks(pid)], capture_output=True, text=True).stdout.split()
-    return 1e-9 * max(own, sum(int(x) for x in threads[::3]))
-
-
-def _tasks(pid):
-    return [str(task / "schedstat") for task in pathlib.Path(f"/proc/{pid}/task").iterdir()]
+    """CPU seconds that the threads of a process have used."""
+    return 1e-9 * sum(int(each.read_text().split()[0]) for each in pathlib.Path(f"/proc/{pid}/task").glob("*/schedstat"))
 
 
 class Page:
@@ -73,14 +72,9 @@ class Page:
 async def simulated_s(address):
     """Simulated time of the run that a page shows."""
     socket = await websocket_connect(address.replace("http", "ws") + "socket")
-    while True:
-        message = await socket.read_message()
-        if isinstance(message, bytes):
-            size, = struct.unpack_from("<I", message)
-            head = json.loads(message[4:4 + size])
-            if head["type"] == "now":
-                socket.close()
-                return head["state"]["t"]
+    head, _ = await now(socket)
+    socket.close()
+    return head["state"]["t"]
 
 
 def share_of_a_core(seconds):

@@ -16,7 +16,7 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 
 from ..ground.errors import ModelError, NotFiniteError, ShapeError
-from ..ground.spatial import exponential, inverse, logarithm, rotation, rotation_rpy, rotation_vector
+from ..ground.spatial import exponential, inverse, logarithm, pose_from_rpy, rotation, rotation_vector
 from .joint_vectors import JointVectors
 
 NAMES = ("px", "py", "pz", "rx", "ry", "rz")
@@ -102,11 +102,11 @@ def joints_above(urdf_xml, base_link, tip_link):
 
 
 def _origin(joint):
-    X, origin = np.eye(4), joint.find("origin")
-    if origin is not None:
-        X[:3, :3] = rotation_rpy([float(a) for a in origin.get("rpy", "0 0 0").split()])
-        X[:3, 3] = [float(a) for a in origin.get("xyz", "0 0 0").split()]
-    return X
+    origin = joint.find("origin")
+    if origin is None:
+        return np.eye(4)
+    xyz, rpy = ([float(a) for a in origin.get(key, "0 0 0").split()] for key in ("xyz", "rpy"))
+    return pose_from_rpy(xyz, rpy)
 
 
 def _pose(q):

@@ -5,10 +5,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import Dict, Tuple
 
-import numpy as np
-
 from ..config.settings import setting
-from ..ground.spatial import rotation_rpy
 from .damping import METHODS
 
 RISING = ("two numbers, 0 <= first < second", lambda ends: ends[0] < ends[1])
@@ -84,9 +81,3 @@ class HandEyeSettings:
     rpy_rad: Tuple[float, ...] = setting(
         size=3, unit="rad",
         help="Roll, pitch and yaw of the optical frame in the frame of that link, as in a URDF.")
-
-    def pose(self):
-        """X_FC, (4, 4), F the frame of the link."""
-        X = np.eye(4)
-        X[:3, :3], X[:3, 3] = rotation_rpy(self.rpy_rad), self.position_m
-        return X

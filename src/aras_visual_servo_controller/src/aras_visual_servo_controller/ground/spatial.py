@@ -5,7 +5,7 @@ that a servo calls at every image are written out for speed, and those that ever
 of a second to import; the others are scipy's.
 """
 
-from math import atan2, cos, sin, sqrt
+from math import asin, atan2, cos, sin, sqrt
 
 import numpy as np
 
@@ -107,6 +107,22 @@ def rotation_rpy(rpy_rad):
     return np.array([[xx - yy - zz + ww, 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
                      [2.0 * (x * y + z * w), -xx + yy - zz + ww, 2.0 * (y * z - x * w)],
                      [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), -xx - yy + zz + ww]])
+
+
+def rpy_of(R):
+    """Roll, pitch and yaw of a rotation matrix, floats [rad]: the inverse of `rotation_rpy`."""
+    pitch = asin(max(-1.0, min(1.0, -R[2, 0])))
+    roll, yaw = atan2(R[2, 1], R[2, 2]), atan2(R[1, 0], R[0, 0])
+    if not np.allclose(rotation_rpy([roll, pitch, yaw]), R, atol=1e-6):  # straight up or down: only their sum counts
+        roll, yaw = 0.0, atan2(-R[0, 1], R[1, 1])
+    return roll, pitch, yaw
+
+
+def pose_from_rpy(position, rpy_rad):
+    """Pose, (4, 4), of a position (3,) and of fixed-axis roll, pitch, yaw, as in URDF."""
+    X = np.eye(4)
+    X[:3, :3], X[:3, 3] = rotation_rpy(rpy_rad), position
+    return X
 
 
 def _quaternion_product(p, q):

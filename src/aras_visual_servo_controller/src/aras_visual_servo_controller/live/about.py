@@ -7,7 +7,7 @@ import yaml
 
 from ..features.base import known_features
 from ..features.style import styles
-from ..ground.spatial import rotation_rpy
+from ..ground.spatial import rpy_of
 from ..ground.types import Status
 from ..laws.base import known_laws
 from ..run.record import TWIST_NAMES
@@ -104,15 +104,6 @@ def has_moved(before, now):
     """Whether a target that was followed has moved between two poses, (4, 4) each, so far that it is followed again."""
     turn = np.linalg.norm(before[:3, :3] - now[:3, :3]) / math.sqrt(2.0)
     return np.linalg.norm(before[:3, 3] - now[:3, 3]) > MOVED_M or turn > MOVED_RAD
-
-
-def rpy_of(R):
-    """Roll, pitch and yaw of a rotation matrix, floats [rad]: the inverse of `rotation_rpy`."""
-    pitch = math.asin(max(-1.0, min(1.0, -R[2, 0])))
-    roll, yaw = math.atan2(R[2, 1], R[2, 2]), math.atan2(R[1, 0], R[0, 0])
-    if not np.allclose(rotation_rpy([roll, pitch, yaw]), R, atol=1e-6):  # straight up or down: only their sum counts
-        roll, yaw = 0.0, math.atan2(-R[0, 1], R[1, 1])
-    return roll, pitch, yaw
 
 
 def rounded(value):

@@ -9,6 +9,7 @@ from math import floor, isfinite, log10
 import cv2
 import numpy as np
 
+from ..features.palette import rgb
 from ..features.style import styles
 
 #: The seconds that the picture shows.
@@ -28,7 +29,7 @@ class ErrorPlot:
 
     def __init__(self, names, thresholds):
         self._styles, self._thresholds = styles(names), np.array(thresholds, dtype=float)
-        self._colours = [tuple(int(style.colour[i:i + 2], 16) for i in (1, 3, 5)) for style in self._styles]
+        self._colours = [rgb(style.colour) for style in self._styles]
         self._t, self._parts = deque(), deque()
 
     def add(self, t_s, e):

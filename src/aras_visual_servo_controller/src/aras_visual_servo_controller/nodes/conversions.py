@@ -2,13 +2,14 @@
 
 import math
 import struct
+import time
 
 import numpy as np
 import roslib.message
 import rospy
-from sensor_msgs.msg import JointState
+from sensor_msgs.msg import Image, JointState
 
-from aras_visual_servo_msgs.msg import ServoState
+from aras_visual_servo_msgs.msg import ServoState, VisualServoActionGoal
 
 from ..ground.errors import NotFiniteError, ParameterError, ShapeError
 
@@ -112,6 +113,22 @@ def acknowledgement(time_ns):
     """JointState without joints: it answers the image of this stamp [ns] and commands nothing."""
     message = JointState()
     message.header.stamp = to_time(time_ns)
+    return message
+
+
+def goal_message(reference):
+    """VisualServoActionGoal with an id of its own. Args: reference: "experiment" or "taught"."""
+    goal = VisualServoActionGoal()
+    goal.goal_id.id = f"{rospy.get_name()}-{time.time_ns()}"
+    goal.goal.reference = reference
+    return goal
+
+
+def picture_message(picture, stamp_ns, frame_id):
+    """Image of a picture, (h, w, 3) uint8 RGB."""
+    height, width, channels = picture.shape
+    message = Image(height=height, width=width, encoding="rgb8", step=width * channels, data=picture.tobytes())
+    message.header.stamp, message.header.frame_id = to_time(stamp_ns), frame_id
     return message
 
 

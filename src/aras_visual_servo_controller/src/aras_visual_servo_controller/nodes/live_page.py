@@ -228,10 +228,7 @@ class RosRun:
         return self._state is not None and self._state.phase in MOVING
 
     def _send_goal(self, reference):
-        goal = VisualServoActionGoal()
-        goal.goal_id.id = f"{rospy.get_name()}-{time.time_ns()}"
-        goal.goal.reference = reference
-        self._goals.publish(goal)
+        self._goals.publish(convert.goal_message(reference))
 
     def do_start(self, request):
         """A goal of the action `servo`."""

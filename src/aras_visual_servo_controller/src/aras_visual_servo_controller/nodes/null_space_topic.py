@@ -7,7 +7,7 @@ import rospy
 from sensor_msgs.msg import Image
 
 from ..arm.null_space_bars import draw, shares
-from .conversions import to_time
+from .conversions import picture_message
 
 PERIOD_S = 0.1  # wall time between two images
 
@@ -34,7 +34,4 @@ class NullSpaceTopic:
         self._wall_s = time.monotonic()
         bars = shares(self._servo.split, record.q, record.q_dot, self._kinematics.velocity)
         picture = draw(self._kinematics.joint_names, *bars)
-        height, width, channels = picture.shape
-        message = Image(height=height, width=width, encoding="rgb8", step=width * channels, data=picture.tobytes())
-        message.header.stamp, message.header.frame_id = to_time(record.stamp_ns), frame_id
-        self._publisher.publish(message)
+        self._publisher.publish(picture_message(picture, record.stamp_ns, frame_id))

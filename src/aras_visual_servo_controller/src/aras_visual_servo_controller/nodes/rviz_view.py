@@ -104,16 +104,13 @@ class RvizView:
             self._goal_view.publish(self._images[stamp_ns])
 
     def _on_state(self, state):
-        self._plot.add(convert.stamp_ns(state.header) * 1e-9, state.e)
+        stamp_ns = convert.stamp_ns(state.header)
+        self._plot.add(stamp_ns * 1e-9, state.e)
         now_s = time.monotonic()
         if not self._plots.get_num_connections() or now_s - self._plotted_s < PLOT_S:
             return
         self._plotted_s = now_s
-        picture = self._plot.draw()
-        height, width, channels = picture.shape
-        message = Image(height=height, width=width, encoding="rgb8", step=width * channels, data=picture.tobytes())
-        message.header = state.header
-        self._plots.publish(message)
+        self._plots.publish(convert.picture_message(self._plot.draw(), stamp_ns, state.header.frame_id))
 
     # --- what is pressed ----------------------------------------------------------------------------------------
 
@@ -133,13 +130,10 @@ class RvizView:
         elif name == "reset":
             self._call("sim/reset", Empty)
         else:
-            goal = VisualServoActionGoal()
-            goal.goal_id.id = f"{rospy.get_name()}-{time.time_ns()}"
-            goal.goal.reference = "experiment" if name == "run again" else "taught"
             deadline_s = time.monotonic() + SERVICE_TIMEOUT_S
             while not self._goals.get_num_connections() and time.monotonic() < deadline_s:
                 time.sleep(0.01)
-            self._goals.publish(goal)
+            self._goals.publish(convert.goal_message("experiment" if name == "run again" else "taught"))
         if name != "stop":
             self._call("sim/unpause", Empty)  # the experiment leaves the simulator paused when it has ended
 

@@ -10,7 +10,7 @@ from ..arm.reach import outside_limits, reach
 from ..config.reader import Names, read
 from ..config.settings import setting
 from ..ground.errors import ParameterError
-from ..ground.spatial import rotation_rpy
+from ..ground.spatial import pose_from_rpy
 
 
 @dataclass(frozen=True)
@@ -24,9 +24,7 @@ class CameraPlace:
 
     def pose(self):
         """X_BC, (4, 4)."""
-        X = np.eye(4)
-        X[:3, :3], X[:3, 3] = rotation_rpy(self.rpy_rad), self.position_m
-        return X
+        return pose_from_rpy(self.position_m, self.rpy_rad)
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,9 @@ import yaml
 from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.ground.types import Status
 from aras_visual_servo_controller.live import messages as ask
-from aras_visual_servo_controller.live.about import rpy_of
 from aras_visual_servo_controller.live.run import LiveRun
 from aras_visual_servo_controller.live.settings import acts_at_once
-from aras_visual_servo_controller.ground.spatial import rotation_rpy
+from aras_visual_servo_controller.ground.spatial import rotation_rpy, rpy_of
 from aras_visual_servo_controller.scenario.scenario import load_scenario
 
 WHOLE_NS = 10**12       # to the next image, however far

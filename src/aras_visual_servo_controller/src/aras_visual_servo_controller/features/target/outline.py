@@ -8,7 +8,7 @@ from math import inf, tan
 import numpy as np
 
 from ...ground.errors import ParameterError
-from ...ground.spatial import inverse, rotation_rpy
+from ...ground.spatial import inverse, pose_from_rpy
 from ...config.files import load_yaml, resolve_uri
 
 
@@ -42,9 +42,8 @@ class Outline:
             return None
         if camera.get("distortion_model", "none") not in ("none", "plumb_bob"):
             return None
-        X_WT = np.eye(4)
-        X_WT[:3, :3] = rotation_rpy(models[0].get("rpy_rad", (0.0, 0.0, 0.0)))
-        X_WT[:3, 3] = models[0].get("position_m", (0.0, 0.0, 0.0))
+        position_m, rpy_rad = (models[0].get(key, (0.0, 0.0, 0.0)) for key in ("position_m", "rpy_rad"))
+        X_WT = pose_from_rpy(position_m, rpy_rad)
         return cls(outlines, X_WT, camera)
 
     def pixels(self, X_WC, X_WT=None):

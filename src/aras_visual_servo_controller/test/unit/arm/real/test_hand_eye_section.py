@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from aras_visual_servo_controller.arm.robot import kinematics_of
-from aras_visual_servo_controller.arm.settings import HandEyeSettings
 from aras_visual_servo_controller.ground.errors import ModelError, ParameterError
-from aras_visual_servo_controller.ground.spatial import inverse
+from aras_visual_servo_controller.ground.spatial import inverse, pose_from_rpy
 from aras_visual_servo_controller.run.loop import ServoLoop
 from aras_visual_servo_controller.scenario.scenario import load_scenario
 
@@ -29,7 +28,7 @@ def test_the_camera_is_where_the_calibration_has_it_at_every_posture():
     hand_eye = {**HAND_EYE, "link": flange()}
     arm = kinematics_of(scenario.urdf_xml(), {**scenario.robot, "hand_eye": hand_eye})
     to_link = kinematics_of(scenario.urdf_xml(), {**scenario.robot, "tip_link": flange()})
-    X_FC = HandEyeSettings(**hand_eye).pose()
+    X_FC = pose_from_rpy(hand_eye["position_m"], hand_eye["rpy_rad"])
     for seed in range(3):
         q = np.random.default_rng(seed).uniform(-0.5, 0.5, len(arm.joint_names))
         assert arm.pose(q) == pytest.approx(to_link.pose(q) @ X_FC, abs=ROUNDING)

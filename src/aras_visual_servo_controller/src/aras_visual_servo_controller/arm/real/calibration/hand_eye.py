@@ -7,13 +7,13 @@ looks like a camera that sits elsewhere. The fit also tells how well X_FC is kno
 """
 
 from dataclasses import dataclass
-from math import atan2, hypot
+from math import hypot
 from typing import Tuple
 
 import numpy as np
 
 from ....ground.errors import ParameterError
-from ....ground.spatial import exponential, inverse, rotation_vector
+from ....ground.spatial import exponential, inverse, rotation_vector, rpy_of
 
 LEAST_VIEWS = 4
 #: The arm must turn about axes that differ, or the translation along the one axis stays unknown [rad].
@@ -38,8 +38,7 @@ class HandEye:
     @property
     def rpy_rad(self):
         """Roll, pitch and yaw of X_FC, as `robot.hand_eye` has them."""
-        R = self.X_FC[:3, :3]
-        return (atan2(R[2, 1], R[2, 2]), atan2(-R[2, 0], hypot(R[2, 1], R[2, 2])), atan2(R[1, 0], R[0, 0]))
+        return rpy_of(self.X_FC[:3, :3])
 
     def cost(self, z_star_m):
         """What the error costs at the goal, dict of texts -> mm (one standard deviation).
