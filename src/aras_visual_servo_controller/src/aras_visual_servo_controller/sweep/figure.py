@@ -11,7 +11,7 @@ from ..features.palette import BLUE, GREY, VERMILION
 from ..report.drawing import drawn_side_by_side
 from ..report.figure import STYLE
 from .metrics import metric
-from .statistics import reasons, success_curve
+from .statistics import every_run_succeeds, reasons, success_curve
 
 FIGURES = ("map", "curve", "reasons")
 DEFAULT_AXES = ("x0_mm", "y0_mm")
@@ -65,9 +65,7 @@ def _map(rows, axes):
     refused = [row for row in placed if row["outcome"] == "infeasible"]
     cells = _cell_edges(feasible, axes)
     limits_of = [_limits(values) for values in _columns(placed, axes)] if placed else None
-    # Where every run succeeded, a map of the success would have one colour.
-    success = [] if feasible and all(row["success"] for row in feasible) else \
-        [("success rate", "success", feasible, "RdYlBu", (0.0, 1.0))]
+    success = [] if every_run_succeeds(placed) else [("success rate", "success", feasible, "RdYlBu", (0.0, 1.0))]
     panels = (*success,
               ("time to the end [s]", "duration_s", [r for r in feasible if r["success"]], "viridis", None),
               ("final error [mm]", "error_mm", [r for r in feasible if r["error_mm"] is not None], "viridis", None))

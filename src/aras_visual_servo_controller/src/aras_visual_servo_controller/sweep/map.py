@@ -8,6 +8,7 @@ import json
 
 from ..features.palette import BLUE, GREY, VERMILION
 from .figure import LABELS, known_axes
+from .statistics import every_run_succeeds
 
 #: Looks of the outcomes of a run.
 OUTCOMES = {"success": {"label": "success", "color": BLUE}, "failure": {"label": "failure", "color": VERMILION},
@@ -39,11 +40,6 @@ def sweep_maps(rows, axes, folder=None):
                "text": "rosrun aras_visual_servo_controller rerun {id} --sweep {folder}"}
     maps = [time, error] if every_run_succeeds(rows) else [success, time, error]
     return page_data(rows, axes, maps, facts, [command], {"key": "outcome", "value": "infeasible"})
-
-
-def every_run_succeeds(rows):
-    """Whether all runs that were not refused succeeded: a map of the result would have one colour."""
-    return all(row["success"] for row in rows if row["outcome"] != "infeasible")
 
 
 def fact(key, label, unit="", digits=None, short=False):

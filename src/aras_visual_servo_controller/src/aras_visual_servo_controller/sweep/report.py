@@ -9,9 +9,9 @@ import math
 from ..report.report import ResultFolderError
 from ..report.template import render, source
 from .figure import DEFAULT_AXES, save_figures
-from .map import every_run_succeeds, sweep_maps
+from .map import sweep_maps
 from .metrics import known_metrics
-from .statistics import aggregate, reasons
+from .statistics import aggregate, every_run_succeeds, reasons
 
 CAPTIONS = {"map": "Result, time to the end and final error over two axes.",
             "curve": "Success against the initial distance, with 95 % Wilson intervals.",

@@ -10,6 +10,13 @@ from .metrics import known_metrics
 Z_95 = 1.959963984540054
 
 
+def every_run_succeeds(rows):
+    """Whether there are runs whose start was not refused, and all of them succeeded: a map of the result would have one
+    colour."""
+    tried = [row["success"] for row in rows if row["outcome"] != "infeasible"]
+    return bool(tried) and all(tried)
+
+
 def wilson(successes, count, z=Z_95):
     """Wilson's score interval of a proportion.
 

@@ -10,6 +10,7 @@ from browser import CHROMIUM, Browser
 from aras_visual_servo_controller.cli.sweep import rerun_main, sweep_main
 from aras_visual_servo_controller.sweep.figure import DEFAULT_AXES, make_figure
 from aras_visual_servo_controller.sweep.map import sweep_maps
+from aras_visual_servo_controller.sweep.statistics import every_run_succeeds
 from aras_visual_servo_controller.sweep.store import SweepStore
 
 needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
@@ -133,6 +134,13 @@ def test_where_every_run_succeeds_the_maps_show_time_and_error(rows):
 
     assert titles(rows) == ["result", "time", "final"] and panels(rows) == ["success", "time", "final"]
     assert titles(succeeding(rows)) == panels(succeeding(rows)) == ["time", "final"]
+
+
+def test_where_every_start_was_refused_no_run_has_succeeded(rows):
+    refused = [dict(row, outcome="infeasible", success=0) for row in rows]
+    maps = [one["title"] for one in json.loads(sweep_maps(refused, DEFAULT_AXES))["maps"]]
+    assert maps[0] == "result" and not every_run_succeeds(refused)
+    assert every_run_succeeds(succeeding(rows)) and not every_run_succeeds(rows) and not every_run_succeeds([])
 
 
 def test_no_text_of_a_run_ends_the_script(rows):
