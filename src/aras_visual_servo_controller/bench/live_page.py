@@ -48,7 +48,8 @@ async def view(address, seconds, silent):
 
 def cpu_s(pid):
     """CPU seconds that the threads of a process have used."""
-    return 1e-9 * sum(int(each.read_text().split()[0]) for each in pathlib.Path(f"/proc/{pid}/task").glob("*/schedstat"))
+    threads = pathlib.Path(f"/proc/{pid}/task").glob("*/schedstat")
+    return 1e-9 * sum(int(each.read_text().split()[0]) for each in threads)
 
 
 class Page:
