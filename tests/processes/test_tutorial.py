@@ -86,8 +86,8 @@ def test_the_explained_numbers_are_those_of_the_run():
 
 
 def test_every_picture_of_the_page_is_there_and_made_by_the_gallery():
-    gallery = "".join((WORKSPACE / "script" / name).read_text()
-                      for name in ("gallery.py", "docs/animation.py"))
+    gallery = "".join((WORKSPACE / "script" / "docs" / name).read_text()
+                      for name in ("gallery.py", "animation.py"))
     pictures = re.findall(r"\]\((images/\S+)\)", PAGE)
     assert len(pictures) == 2
     for name in pictures:

@@ -8,7 +8,6 @@ import tempfile
 
 import cv2
 
-sys.path.insert(0, str(pathlib.Path(__file__).with_name("docs")))
 import animation
 import comparison as tables
 import tutorial
