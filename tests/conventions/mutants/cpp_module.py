@@ -1,4 +1,4 @@
-"""Runs the unit tests of a C++ core against mutants that are written by hand: tests/mutants/MODULE.yaml.
+"""Runs the unit tests of a C++ core against mutants that are written by hand: tests/conventions/mutants/MODULE.yaml.
 
     package: aras_visual_servo_sim        # whose sources are copied and built
     tests: "Pid*:Joint*"                  # a filter of GoogleTest, the module's own tests
@@ -14,7 +14,7 @@ import subprocess
 
 import yaml
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+ROOT = pathlib.Path(__file__).resolve().parents[3]
 BUILD = ROOT / "build" / "mutants"
 LIMIT_S = 3600.0  # wall time of a build or a test
 FLAGS = "-O1 -DNDEBUG"

@@ -9,7 +9,7 @@ import python_module
 EXAMPLES = """examples:
   script/mutate laws                      forty mutants of the room laws
   script/mutate servo/stop_rule --seed 3  of one file, others
-  script/mutate rasteriser                those of tests/mutants/rasteriser.yaml
+  script/mutate rasteriser                those of tests/conventions/mutants/rasteriser.yaml
 """
 
 

@@ -16,7 +16,7 @@ import time
 
 import operators
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+ROOT = pathlib.Path(__file__).resolve().parents[3]
 PACKAGE = ROOT / "src" / "aras_visual_servo_controller" / "src" / "aras_visual_servo_controller"
 TESTS = ROOT / "src" / "aras_visual_servo_controller" / "test" / "unit"
 TOO_LONG = 10.0        # times the processor time of the tests without a mutant
@@ -120,7 +120,7 @@ class Copy:
             for name in [name for name in sys.modules if name.split(".")[0] == PACKAGE.name]:
                 del sys.modules[name]
             import pytest
-            code = int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", *map(str, tests)]))
+            code = int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", *map(str, tests)]))
         finally:
             os._exit(code)
 
