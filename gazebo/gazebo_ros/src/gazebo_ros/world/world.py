@@ -1,5 +1,6 @@
 """The world that is empty at first."""
 import dataclasses
+import xml.etree.ElementTree as ElementTree
 
 import numpy
 
@@ -8,17 +9,13 @@ from .errors import BadValueError, SpawnError, UnknownEntityError
 from .lights import Lights
 from .model import Model
 from .poses import IDENTITY
+from .sdf_document import NoFolders, expanded
+from .sdf_model import model_of
+from .sdf_world import GROUND, height_of
+from .settings import WorldSettings
 
 #: Names of a frame that is none of a model.
 WORLD_FRAMES = ("", "world", "map")
-
-
-@dataclasses.dataclass
-class WorldSettings:
-    """Physics of the world, as a .world file and set_physics_properties have it."""
-    period_s: float = 0.001
-    gravity_m_s2: tuple = (0.0, 0.0, -9.81)
-    ground: bool = True  #: a horizontal plane at z = 0 on which free models come to rest
 
 
 class World:
@@ -33,14 +30,14 @@ class World:
         lights: Lights.
     """
 
-    def __init__(self, settings=None, find_folder=lambda name: None):
+    def __init__(self, settings=None, folders=NoFolders()):
         """
         Args:
-            find_folder: where a package:// or model:// of this name is, None if nowhere.
+            folders: where packages, models and resources are, as NoFolders has it.
         """
         self.settings = settings or WorldSettings()
         self.models, self.lights = {}, Lights()
-        self._find_folder = find_folder
+        self._folders = folders
         self._ticks = 0
 
     @property
@@ -84,30 +81,79 @@ class World:
         Raises:
             SpawnError: the name is empty or taken, what is wrong with the URDF.  UnknownEntityError: no such frame.
         """
+        X_WM = self._free_place(name, frame) @ pose
+        return self._add(Model(name, located(xml, self._folders), namespace, X_WM, self.settings, self.time_ns))
+
+    def spawn_sdf(self, name, xml, namespace="", pose=IDENTITY, frame="", transmissions=""):
+        """Adds what an SDF document describes, a model or a light.
+
+        Args:
+            name: in place of the document's own.  pose: (4, 4), of the frame that the document's pose is given in.
+            transmissions: a URDF whose <transmission>s tell which joints controllers may have.
+        Returns:
+            Model, None for a light.
+        Raises:
+            as spawn().
+        """
+        X_WF = self._free_place(name, frame)
+        bare = xml.lstrip().startswith(("<model", "<light"))
+        root, warnings = expanded("<sdf version='1.6'>%s</sdf>" % xml if bare else xml, False, self._folders)
+        root = root.find("world") if root.find("world") is not None else root  # a world's first model, as Gazebo has it
+        light, element = root.find("light"), root.find("model")
+        if element is None and light is not None:
+            self.spawn_light(name, ElementTree.tostring(light, encoding="unicode"), pose, frame)
+            return None
+        if element is None:
+            raise SpawnError("SpawnModel: Failure - entity format is invalid: %s" %
+                             ("; ".join(warnings) or "found neither <model> nor <light>"))
+        model = model_of(element, self._folders)
+        return self.place_sdf(name, model, X_WF @ pose @ model.pose, namespace, transmissions, warnings)
+
+    def place_sdf(self, name, model, X_WM, namespace="", transmissions="", warnings=()):
+        """Adds a model as it was read.
+
+        Args:
+            model: SdfModel.  X_WM: (4, 4).
+        Returns:
+            Model
+        Raises:
+            SpawnError: the name is taken, what cannot be simulated.
+        """
+        self._free_place(name, "")
+        urdf = with_transmissions(model.urdf, transmissions)
+        for height_m in filter(lambda each: each is not None, (height_of(X_WM @ plane) for plane in model.planes)):
+            self.settings = dataclasses.replace(self.settings, floor_m=height_m)
+        if any(height_of(X_WM @ plane) is None for plane in model.planes):
+            warnings = (*warnings, "planes that are not horizontal cannot be touched")
+        return self._add(Model(name, located(urdf, self._folders), namespace, X_WM, self.settings, self.time_ns,
+                               model.X_MR, (*warnings, *model.warnings)))
+
+    def _free_place(self, name, frame):
+        """X_WF of a new model. Raises: SpawnError: the name cannot be, no such frame."""
         if not name or "::" in name:
             raise SpawnError("SpawnModel: Failure - found the name '%s', allowed is a name without ::" % name)
-        if name in self.models or name == "ground_plane":
+        if name in self.models or name == GROUND and self.settings.ground:
             raise SpawnError("SpawnModel: Failure - entity already exists.")
         try:
-            X_WF = self.frame(frame)[0]
+            return self.frame(frame)[0]
         except UnknownEntityError as error:
             raise SpawnError("SpawnModel: reference reference_frame not found, did you forget to scope the link by "
                              "model name?") from error
-        model = Model(name, located(xml, self._find_folder), namespace, X_WF @ pose, self.settings, self.time_ns)
+
+    def _add(self, model):
         self._introduce(model)
         if model.simulation.camera_names:
             self.lights.apply(model.simulation)
-        self.models[name] = model
+        self.models[model.name] = model
         return model
 
     def delete(self, name):
         """Removes a model. Raises: UnknownEntityError."""
-        gone = self.model(name)
+        self.model(name)
         del self.models[name]
         for other in self.models.values():
-            if other.simulation.camera_names:
-                for link in gone.drawn_links:
-                    other.simulation.delete_model(guest_name(name, link))
+            for link in other.guests.pop(name, {}):
+                other.simulation.delete_model(guest_name(name, link))
 
     def model(self, name):
         """Raises: UnknownEntityError."""
@@ -132,7 +178,7 @@ class World:
     def scoped(self, name):
         """Model and link of MODEL::LINK, or of the name of a link that one model alone has. Raises: UnknownEntityError.
         """
-        model, _, link = name.rpartition("::")
+        model, _, link = name.partition("::") if name.partition("::")[0] in self.models else name.rpartition("::")
         owners = [self.model(model)] if model else [each for each in self.models.values() if link in each.links]
         if not link or not owners or link not in owners[0].links:
             raise UnknownEntityError("link '%s' does not exist" % name)
@@ -160,6 +206,10 @@ class World:
         """
         self.set_light(self.lights.spawned(name, xml, self.frame(frame)[0] @ pose))
 
+    def take_lights(self, lights):
+        """These in place of those there are; text of <light> by name. Returns a line for each that is left out."""
+        return self.lights.take(lights, self._viewers())
+
     def set_light(self, entry):
         """Adds a light, or changes the one of its name; a dict as sim.scene.lighting.lights[]. Raises: BadValueError.
         """
@@ -169,24 +219,44 @@ class World:
         """Raises: UnknownEntityError."""
         self.lights.delete(name, self._viewers())
 
-    # --- what cameras see of other models
+    # --- what models have of each other
 
     def _introduce(self, newcomer):
-        """Lets the cameras of each model see the others: their links are solids of its scene."""
+        """Gives each model those links of the others that its cameras see or its own links touch."""
+        newcomer.placed = lambda: self._follow(newcomer)
         for other in self.models.values():
-            for viewer, guest in ((other, newcomer), (newcomer, other)):
-                if viewer.simulation.camera_names:
-                    for link in guest.drawn_links:
-                        viewer.simulation.spawn_model({"name": guest_name(guest.name, link),
-                                                       "urdf": guest.one_link(link)})
+            self._receive(other, newcomer)
+            self._receive(newcomer, other)
+
+    @staticmethod
+    def _receive(host, guest):
+        seen, touched = bool(host.simulation.camera_names), host.touches(guest)
+        links = host.guests.setdefault(guest.name, {})
+        for link in guest.links if seen or touched else ():
+            solid = guest.solid(link, seen, touched)
+            if solid is None:
+                continue
+            host.simulation.spawn_model(solid)
+            links[link] = "touches" in solid
+            World._put(host, guest, link)
+
+    def _follow(self, guest):
+        """Puts what others touch of a model to where it is now."""
+        for host in self.models.values():
+            for link, touched in host.guests.get(guest.name, {}).items():
+                if touched:  # what is only seen is put there before it is drawn
+                    self._put(host, guest, link)
+
+    @staticmethod
+    def _put(host, guest, link):
+        pose = guest.simulation.link_pose(link)
+        host.simulation.set_model_pose(guest_name(guest.name, link), pose[:3, 3], guest.quaternion(pose))
 
     def look(self, viewer):
         """Puts what the cameras of a model see of the others to where it is now; to be called before drawing."""
-        for guest in self.models.values():
-            if guest is not viewer:
-                for link in guest.drawn_links:
-                    pose = guest.simulation.link_pose(link)
-                    viewer.simulation.set_model_pose(guest_name(guest.name, link), pose[:3, 3], guest.quaternion(pose))
+        for name, links in viewer.guests.items():
+            for link in links:
+                self._put(viewer, self.models[name], link)
 
     # --- starting again
 
@@ -201,6 +271,8 @@ class World:
         for model in self.models.values():
             model.reset(0, True)
         known, self.models = self.models, {}
+        for model in known.values():
+            model.guests.clear()
         for name, model in known.items():  # a reset takes out what was spawned, other models and lights among it
             self._introduce(model)
             if model.simulation.camera_names:
@@ -211,3 +283,17 @@ class World:
 def guest_name(model, link):
     """Name of a link in the scene of another model."""
     return "%s::%s" % (model, link)
+
+
+def with_transmissions(urdf, described):
+    """A URDF with the <transmission>s that another one has of its joints."""
+    if not described:
+        return urdf
+    robot = ElementTree.fromstring(urdf)
+    joints = {joint.get("name") for joint in robot.findall("joint")}
+    try:
+        robot.extend(each for each in ElementTree.fromstring(described).findall("transmission")
+                     if joints.issuperset(end.get("name") for end in each.findall("joint")))
+    except ElementTree.ParseError:
+        return urdf  # no URDF: then it has none
+    return ElementTree.tostring(robot, encoding="unicode")
