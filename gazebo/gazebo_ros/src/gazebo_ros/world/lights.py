@@ -22,6 +22,13 @@ class Lights:
     def names(self):
         return list(self._entries)
 
+    def entries(self):
+        return list(self._entries.values())
+
+    def become(self, entries):
+        """Makes these the lights; simulations have them already."""
+        self._entries = {entry["name"]: entry for entry in entries}
+
     def entry(self, name):
         """A copy, to be changed and given to set(). Raises: UnknownEntityError."""
         try:

@@ -12,6 +12,7 @@ from .poses import IDENTITY, quaternion_of, rotated, rpy_of
 from .sdf_model import JOINT_FRAME
 from .settings import WorldSettings
 from .solids import solid_of
+from .things import described
 
 
 #: What cameras see of Gazebo's ground plane: 100 m wide, of its material Gazebo/Grey, which casts no shadow.
@@ -49,7 +50,12 @@ class Model:
         self.links = [link.get("name") for link in robot.findall("link")
                       if link.get("name") != "world" and not link.get("name").endswith(JOINT_FRAME)]
         self.guests = {}            #: models of which this one has links -> {link: whether it is touched}
-        self.placed = lambda: None  #: called when the model was put somewhere else
+        free = not (self.description.fixed or self.description.jointed or self.description.cameras)
+        self.thing = described(robot, name) if free else None  #: what it is as a solid of its host
+        self.alone = False          #: it has none, and is to have none
+        self.host = None            #: name of the model that simulates this one
+        self._places = {}           #: of links: bytes of a pose, and what place_of makes of it
+        self.placed = lambda thrown: None  #: called when the model was put somewhere else, at rest or not
         self.warnings = list(dict.fromkeys((*warnings, *self.description.warnings, *self.simulation.warnings)))
 
     def _made(self, settings, pose):
@@ -106,7 +112,7 @@ class Model:
             self.simulation.set_base(pose @ self._X_MR, twist)
         except ArasError as error:
             raise BadValueError("model '%s': %s" % (self.name, error)) from error
-        self.placed()
+        self.placed(bool(numpy.any(twist)))
 
     def set_joints(self, positions):
         """Places joints, dict of name -> [m or rad], at rest. Raises: BadValueError, UnknownEntityError."""
@@ -131,9 +137,13 @@ class Model:
         """
         return solid_of(self._tree, link, "%s::%s" % (self.name, link), seen, touched)
 
-    @staticmethod
-    def quaternion(pose):
-        return quaternion_of(pose)
+    def place_of(self, link):
+        """Position (3,) and quaternion (4,) of a link. Many cameras ask for it at the same time."""
+        pose = self.simulation.link_pose(link)
+        known = self._places.get(link)
+        if known is None or known[0] != pose.tobytes():
+            known = self._places[link] = pose.tobytes(), pose[:3, 3], quaternion_of(pose)
+        return known[1:]
 
     # --- time
 

@@ -4,6 +4,7 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 
+from . import things
 from .description import located
 from .errors import BadValueError, SpawnError, UnknownEntityError
 from .lights import Lights
@@ -54,7 +55,11 @@ class World:
         if ticks < 0:
             raise BadValueError("step: found %d periods, allowed >= 0" % ticks)
         for model in self.models.values():
-            model.step(ticks)
+            if model.host is None:
+                model.step(ticks)
+        for model in self.models.values():
+            if model.host is not None:
+                things.follow(model, self.models[model.host])
         self._ticks += ticks
 
     def set_physics(self, period_s, gravity_m_s2):
@@ -145,15 +150,36 @@ class World:
         if model.simulation.camera_names:
             self.lights.apply(model.simulation)
         self.models[model.name] = model
+        self._find_hosts()
         return model
+
+    def _find_hosts(self):
+        """Gives a host to each thing that has none, or has had another thing where there is a robot now."""
+        for thing in [model for model in self.models.values() if model.thing is not None and not model.alone]:
+            host = things.host_for(thing, self.models.values())
+            kept = thing.host is not None and (host is None or host.thing is not None or
+                                               self.models[thing.host].thing is None)
+            if host is None or kept:
+                continue
+            if thing.host is not None:
+                things.leave(thing, self.models[thing.host])
+            for guest in [each for each in self.models.values() if each.host == thing.name]:
+                things.leave(guest, thing)
+            things.enter(thing, host)
 
     def delete(self, name):
         """Removes a model. Raises: UnknownEntityError."""
-        self.model(name)
+        gone = self.model(name)
+        if gone.host is not None:
+            things.leave(gone, self.models[gone.host])
+        for thing in self.models.values():
+            if thing.host == name:
+                things.leave(thing, gone)
         del self.models[name]
         for other in self.models.values():
             for link in other.guests.pop(name, {}):
                 other.simulation.delete_model(guest_name(name, link))
+        self._find_hosts()
 
     def model(self, name):
         """Raises: UnknownEntityError."""
@@ -223,7 +249,7 @@ class World:
 
     def _introduce(self, newcomer):
         """Gives each model those links of the others that its cameras see or its own links touch."""
-        newcomer.placed = lambda: self._follow(newcomer)
+        newcomer.placed = lambda thrown: self._follow(newcomer, thrown)
         for other in self.models.values():
             self._receive(other, newcomer)
             self._receive(newcomer, other)
@@ -240,8 +266,15 @@ class World:
             links[link] = "touches" in solid
             World._put(host, guest, link)
 
-    def _follow(self, guest):
-        """Puts what others touch of a model to where it is now."""
+    def _follow(self, guest, thrown):
+        """Puts what others touch of a model to where it is now. A thing that is thrown leaves its host for good."""
+        if guest.host is not None:
+            host = self.models[guest.host]
+            if thrown:
+                guest.alone = True
+                things.leave(guest, host)
+            else:
+                things.put(guest, host)
         for host in self.models.values():
             for link, touched in host.guests.get(guest.name, {}).items():
                 if touched:  # what is only seen is put there before it is drawn
@@ -249,8 +282,7 @@ class World:
 
     @staticmethod
     def _put(host, guest, link):
-        pose = guest.simulation.link_pose(link)
-        host.simulation.set_model_pose(guest_name(guest.name, link), pose[:3, 3], guest.quaternion(pose))
+        host.simulation.set_model_pose(guest_name(guest.name, link), *guest.place_of(link))
 
     def look(self, viewer):
         """Puts what the cameras of a model see of the others to where it is now; to be called before drawing."""
@@ -258,12 +290,32 @@ class World:
             for link in links:
                 self._put(viewer, self.models[name], link)
 
+    # --- the whole state
+
+    @property
+    def ticks(self):
+        """Periods since the start or the last reset."""
+        return self._ticks
+
+    def take(self, ticks, settings, models, lights):
+        """Makes this the world of another time; for snapshots."""
+        self._ticks, self.settings, self.models = ticks, settings, models
+        self.lights.become(lights)
+        for model in models.values():
+            model.placed = lambda thrown, model=model: self._follow(model, thrown)
+
     # --- starting again
 
     def reset_world(self):
         """Models back to where they were spawned, at rest; time goes on."""
         for model in self.models.values():
             model.reset(self.time_ns, False)
+        for model in self.models.values():  # what they have of each other began elsewhere
+            for guest, links in model.guests.items():
+                for link in links:
+                    self._put(model, self.models[guest], link)
+            if model.host is not None:
+                things.put(model, self.models[model.host])
 
     def reset_simulation(self):
         """Time back to 0, models back to where they were spawned. Controllers that run begin anew."""
@@ -273,11 +325,13 @@ class World:
         known, self.models = self.models, {}
         for model in known.values():
             model.guests.clear()
+            model.host, model.alone = None, False
         for name, model in known.items():  # a reset takes out what was spawned, other models and lights among it
             self._introduce(model)
             if model.simulation.camera_names:
                 self.lights.apply(model.simulation)
             self.models[name] = model
+        self._find_hosts()
 
 
 def guest_name(model, link):
