@@ -5,7 +5,8 @@ import numpy
 
 from aras_visual_servo_sim import ArasError, Simulation
 
-from .description import read_description
+from .description import mass_of, read_description
+from .devices import DiffDrive
 from .errors import BadValueError, SpawnError, UnknownEntityError
 from .lights import SUN
 from .poses import IDENTITY, quaternion_of, rotated, rpy_of
@@ -20,6 +21,15 @@ GROUND_PLANE = {"name": "ground_plane", "box_m": [100.0, 100.0, 0.01], "position
                 "color_rgb": [178.5] * 3,
                 "material": {"ambient_share": 0.3 / 0.7, "specular_rgb": [2.55] * 3, "shininess": 1.5,
                              "casts_shadows": False}}
+
+
+#: Coulomb's coefficient of a link that states none, as in Gazebo; of two that touch, the smaller one counts.
+GROUND_FRICTION = 1.0
+
+
+def wheel_motor(joint):
+    """Name of the controller that turns a wheel; no controller of ros_control can have it."""
+    return "wheel motor of " + joint
 
 
 class Model:
@@ -50,27 +60,34 @@ class Model:
         self.links = [link.get("name") for link in robot.findall("link")
                       if link.get("name") != "world" and not link.get("name").endswith(JOINT_FRAME)]
         self.guests = {}            #: models of which this one has links -> {link: whether it is touched}
-        free = not (self.description.fixed or self.description.jointed or self.description.cameras)
+        free = not (self.description.fixed or self.description.jointed or self.description.cameras or
+                    self.description.devices)
         self.thing = described(robot, name) if free else None  #: what it is as a solid of its host
         self.alone = False          #: it has none, and is to have none
         self.host = None            #: name of the model that simulates this one
         self._places = {}           #: of links: bytes of a pose, and what place_of makes of it
         self.placed = lambda thrown: None  #: called when the model was put somewhere else, at rest or not
         self.warnings = list(dict.fromkeys((*warnings, *self.description.warnings, *self.simulation.warnings)))
+        for device in self.description.devices:
+            if isinstance(device, DiffDrive):
+                self._start_wheels(device)
 
     def _made(self, settings, pose):
         base = "floating"
         if self.description.fixed:
             base = "fixed" if self.description.jointed else "driven"  # one without joints can be placed anew
         gravity = (0.0, 0.0, 0.0) if self.description.weightless else settings.gravity_m_s2
+        self._gravity = numpy.array(gravity)
         config = {"base": base, "idle_joints": "hold",
                   "compatibility": "gazebo", "period_s": settings.period_s, "command_timeout_s": 0.0,
                   "gravity_m_s2": list(gravity),
                   "base_pose": {"position_m": [float(each) for each in pose[:3, 3]],
                                 "rpy_rad": [float(each) for each in rpy_of(pose)]}}
         floor_m = 0.0 if settings.ground else settings.floor_m
-        if floor_m is not None and self.description.collides and self.moves:
-            config["contacts"] = {"ground_plane": {"z_m": floor_m}}
+        if self.description.collides and self.moves:
+            config["contacts"] = {"friction": GROUND_FRICTION, "frictions": self.description.frictions}
+            if floor_m is not None:
+                config["contacts"]["ground_plane"] = {"z_m": floor_m, "friction": GROUND_FRICTION}
         if self.description.cameras:
             config["scene"] = scene_of(settings)
         try:
@@ -78,7 +95,26 @@ class Model:
         except ArasError as error:
             raise SpawnError("SpawnModel: model '%s' cannot be simulated: %s" % (self.name, error)) from error
 
+    def _start_wheels(self, drive):
+        """Lets motors turn the wheels of a drive from now on, with no speed at first."""
+        names = []
+        for joint in drive.joints():
+            names.append(wheel_motor(joint))
+            self.simulation.load_controller(names[-1], {"type": "velocity_controllers/JointVelocityController",
+                                                        "joint": joint})
+        self.simulation.switch_controllers(names, [], True)
+
+    def turn_wheels(self, drive, speeds_rad_s):
+        """Speeds of the left and the right wheel from now on."""
+        for joint, speed in zip(drive.joints(), speeds_rad_s):
+            self.simulation.set_controller_command(wheel_motor(joint), float(speed))
+
     # --- state
+
+    @property
+    def gravity_m_s2(self):
+        """(3,), as it acts on the model."""
+        return self._gravity
 
     @property
     def root(self):
@@ -144,6 +180,22 @@ class Model:
         if known is None or known[0] != pose.tobytes():
             known = self._places[link] = pose.tobytes(), pose[:3, 3], quaternion_of(pose)
         return known[1:]
+
+    # --- what stands in the description
+
+    def mass_of(self, link):
+        """Mass of a link. Raises: UnknownEntityError."""
+        self.link_pose(link)
+        return mass_of(next(each for each in self._tree.findall("link") if each.get("name") == link))
+
+    def centre_of_mass(self, link):
+        """(3,), in the world."""
+        return (self.link_pose(link) @ (*self.mass_of(link).com_m, 1.0))[:3]
+
+    def damping_of(self, joint):
+        """[N s/m or N m s/rad]."""
+        dynamics = self._tree.find("joint[@name='%s']/dynamics" % joint)
+        return 0.0 if dynamics is None else float(dynamics.get("damping", 0.0))
 
     # --- time
 

@@ -225,6 +225,9 @@ class Writer:
         shown = ElementTree.SubElement(made, element.tag, name=name)
         ElementTree.SubElement(shown, "origin", **origin(pose))
         ElementTree.SubElement(shown, "geometry").append(tag)
+        friction = element.find("surface/friction/ode/mu")
+        if friction is not None:
+            ElementTree.SubElement(self._gazebo(part.name), "mu1").text = friction.text
         if element.tag == "visual":
             look = ElementTree.SubElement(self._gazebo(part.name), "visual", name=name)
             look.extend(copy.deepcopy(child) for child in element

@@ -24,6 +24,7 @@ def saved(world):
     """bytes; the same of two worlds to which the same was done."""
     return json.dumps({
         "format": FORMAT, "ticks": world.ticks, "settings": vars(world.settings), "lights": world.lights.entries(),
+        "pushes": world.pushes.entries(),
         "models": [{"spawned": listed(model.spawned), "begun_ns": model.begun_ns, "guests": model.guests,
                     "host": model.host, "alone": model.alone,
                     "state": base64.b64encode(model.simulation.save_state()).decode()}
@@ -68,4 +69,4 @@ def restore(world, state):
     for entry, model in zip(record["models"], models.values()):
         for key in ("begun_ns", "guests", "host", "alone"):
             setattr(model, key, entry[key])
-    world.take(record["ticks"], settings, models, record["lights"])
+    world.take(record["ticks"], settings, models, record["lights"], record["pushes"])

@@ -1,4 +1,4 @@
-"""The world that is empty at first."""
+"""The world and its models."""
 import dataclasses
 import xml.etree.ElementTree as ElementTree
 
@@ -10,6 +10,7 @@ from .errors import BadValueError, SpawnError, UnknownEntityError
 from .lights import Lights
 from .model import Model
 from .poses import IDENTITY
+from .pushes import Pushes
 from .sdf_document import NoFolders, expanded
 from .sdf_model import model_of
 from .sdf_world import GROUND, height_of
@@ -22,13 +23,14 @@ WORLD_FRAMES = ("", "world", "map")
 class World:
     """Models under one clock of integer nanoseconds. Not thread-safe.
 
-    Each model is simulated by itself: its joints, its contacts with the ground and its cameras; models do not touch
-    each other, but their cameras see each other.
+    Each model is a simulation of its own. In it are the links of others that its cameras see, those of fixed models
+    that it touches, and things (things.py).
 
     Attributes:
         settings: WorldSettings.
         models: dict of name -> Model, in the order in which they were spawned.
         lights: Lights.
+        pushes: Pushes, wrenches and efforts from outside.
     """
 
     def __init__(self, settings=None, folders=NoFolders()):
@@ -38,6 +40,7 @@ class World:
         """
         self.settings = settings or WorldSettings()
         self.models, self.lights = {}, Lights()
+        self.pushes = Pushes(self.models)
         self._folders = folders
         self._ticks = 0
 
@@ -54,6 +57,9 @@ class World:
         """Advances time by periods. Raises: BadValueError."""
         if ticks < 0:
             raise BadValueError("step: found %d periods, allowed >= 0" % ticks)
+        for name in self.pushes.pushed:
+            if self.models[name].host is not None:
+                self._let_go(self.models[name])
         for model in self.models.values():
             if model.host is None:
                 model.step(ticks)
@@ -176,6 +182,7 @@ class World:
             if thing.host == name:
                 things.leave(thing, gone)
         del self.models[name]
+        self.pushes.forget(name)
         for other in self.models.values():
             for link in other.guests.pop(name, {}):
                 other.simulation.delete_model(guest_name(name, link))
@@ -266,15 +273,17 @@ class World:
             links[link] = "touches" in solid
             World._put(host, guest, link)
 
+    def _let_go(self, thing):
+        """Lets a thing leave its host for good."""
+        thing.alone = True
+        things.leave(thing, self.models[thing.host])
+
     def _follow(self, guest, thrown):
-        """Puts what others touch of a model to where it is now. A thing that is thrown leaves its host for good."""
-        if guest.host is not None:
-            host = self.models[guest.host]
-            if thrown:
-                guest.alone = True
-                things.leave(guest, host)
-            else:
-                things.put(guest, host)
+        """Puts what others touch of a model to where it is now."""
+        if guest.host is not None and thrown:
+            self._let_go(guest)
+        elif guest.host is not None:
+            things.put(guest, self.models[guest.host])
         for host in self.models.values():
             for link, touched in host.guests.get(guest.name, {}).items():
                 if touched:  # what is only seen is put there before it is drawn
@@ -297,10 +306,13 @@ class World:
         """Periods since the start or the last reset."""
         return self._ticks
 
-    def take(self, ticks, settings, models, lights):
+    def take(self, ticks, settings, models, lights, pushes):
         """Makes this the world of another time; for snapshots."""
-        self._ticks, self.settings, self.models = ticks, settings, models
+        self._ticks, self.settings = ticks, settings
+        self.models.clear()
+        self.models.update(models)
         self.lights.become(lights)
+        self.pushes.become(pushes, self.time_ns)
         for model in models.values():
             model.placed = lambda thrown, model=model: self._follow(model, thrown)
 
@@ -308,6 +320,7 @@ class World:
 
     def reset_world(self):
         """Models back to where they were spawned, at rest; time goes on."""
+        self.pushes.forget()
         for model in self.models.values():
             model.reset(self.time_ns, False)
         for model in self.models.values():  # what they have of each other began elsewhere
@@ -320,9 +333,11 @@ class World:
     def reset_simulation(self):
         """Time back to 0, models back to where they were spawned. Controllers that run begin anew."""
         self._ticks = 0
+        self.pushes.forget()
         for model in self.models.values():
             model.reset(0, True)
-        known, self.models = self.models, {}
+        known = dict(self.models)
+        self.models.clear()
         for model in known.values():
             model.guests.clear()
             model.host, model.alone = None, False
