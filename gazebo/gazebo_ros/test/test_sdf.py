@@ -6,9 +6,9 @@ import pytest
 
 from gazebo_ros.world.errors import SpawnError
 from gazebo_ros.world.poses import matrix_of
-from gazebo_ros.world.sdf_document import NoFolders, expanded
-from gazebo_ros.world.sdf_model import model_of
-from gazebo_ros.world.sdf_world import EMPTY_WORLD, read_world
+from gazebo_ros.sdf.document import NoFolders, expanded
+from gazebo_ros.sdf.model import model_of
+from gazebo_ros.sdf.world import EMPTY_WORLD, read_world
 from gazebo_ros.world.world import World
 
 OWN_MODELS = os.path.join(os.path.dirname(__file__), os.pardir, "models")

@@ -5,7 +5,7 @@ import sys
 import rospy
 
 from ..world.errors import GazeboError
-from ..world.sdf_world import EMPTY_WORLD, read_world
+from ..sdf.world import EMPTY_WORLD, read_world
 from .folders import Folders
 from .server import CLOCK_RATE_HZ, Server
 

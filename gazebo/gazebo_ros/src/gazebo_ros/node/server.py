@@ -5,7 +5,7 @@ import rospy
 from rosgraph_msgs.msg import Clock
 
 from ..world.errors import GazeboError
-from ..world.sdf_world import GROUND
+from ..sdf.world import GROUND
 from ..world.world import World
 from .beat import NEVER_NS
 from .cameras import Cameras

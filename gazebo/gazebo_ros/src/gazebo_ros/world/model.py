@@ -10,7 +10,7 @@ from .devices import DiffDrive
 from .errors import BadValueError, SpawnError, UnknownEntityError
 from .lights import SUN
 from .poses import IDENTITY, quaternion_of, rotated, rpy_of
-from .sdf_model import JOINT_FRAME
+from ..sdf.model import JOINT_FRAME
 from .settings import WorldSettings
 from .solids import solid_of
 from .things import described

@@ -8,8 +8,8 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 
+from ..sdf.document import numbers, rotation_of
 from .poses import quaternion_of
-from .sdf_document import numbers, rotation_of
 
 SOLID = "thing"  #: ends the name of the solid in the host
 

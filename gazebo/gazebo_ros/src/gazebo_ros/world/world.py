@@ -11,9 +11,9 @@ from .lights import Lights
 from .model import Model
 from .poses import IDENTITY
 from .pushes import Pushes
-from .sdf_document import NoFolders, expanded
-from .sdf_model import model_of
-from .sdf_world import GROUND, height_of
+from ..sdf.document import NoFolders, expanded
+from ..sdf.model import model_of
+from ..sdf.world import GROUND, height_of
 from .settings import WorldSettings
 
 #: Names of a frame that is none of a model.

@@ -5,8 +5,8 @@ import xml.etree.ElementTree as ElementTree
 import numpy
 
 from .. import _sdf
-from .errors import SpawnError
-from .poses import matrix_of
+from ..world.errors import SpawnError
+from ..world.poses import matrix_of
 
 
 def expanded(source, is_path, folders):

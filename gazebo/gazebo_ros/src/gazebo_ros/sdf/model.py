@@ -5,9 +5,9 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 
-from .poses import rpy_of
-from .sdf_document import found, number, numbers, pose_of
-from .sdf_frames import Frames
+from ..world.poses import rpy_of
+from .document import found, number, numbers, pose_of
+from .frames import Frames
 
 #: Ends the name of a link without mass that a joint moves, which stands where the joint is, when its child does not.
 JOINT_FRAME = "::joint_frame"

@@ -4,7 +4,7 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 
-from .sdf_document import pose_of
+from .document import pose_of
 
 MODEL = "__model__"
 

@@ -4,10 +4,10 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 
-from .errors import SpawnError
-from .sdf_document import expanded, number, numbers, pose_of
-from .sdf_model import model_of
-from .settings import WorldSettings
+from ..world.errors import SpawnError
+from ..world.settings import WorldSettings
+from .document import expanded, number, numbers, pose_of
+from .model import model_of
 
 #: What a world may have that changes nothing here.
 QUIET = {"name", "include", "model", "light", "physics", "gravity", "scene", "gui", "state", "magnetic_field",
