@@ -165,7 +165,7 @@ def test_what_refers_to_nothing_is_ignored_by_name():
                              "<joint name='none'/></transmission><gazebo><plugin filename='libdrive.so'/></gazebo>"
                              "</robot>")
     warnings = "\n".join(World().spawn("one", stray).warnings)
-    assert "plugin libdrive.so of model 'one' is not simulated" in warnings and "<plugin>" not in warnings, warnings
+    assert "plugin libdrive.so is not simulated" in warnings and "<plugin>" not in warnings, warnings
     assert "<gazebo reference='ghost'>" in warnings and "<transmission name='u'>: there is no joint 'none'" in warnings
 
 

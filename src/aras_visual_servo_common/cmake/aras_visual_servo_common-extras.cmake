@@ -55,3 +55,19 @@ ${entries}  });
   target_sources(${target} PRIVATE ${generated}/schema_sections.cpp)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${generated}>)
 endfunction()
+
+# aras_fuzz_targets(LIBRARY FOLDER): each FOLDER/NAME.cpp becomes a program fuzz_NAME, which feeds a reader of LIBRARY with
+# what clang's libFuzzer makes up. script/fuzz compiles with the sanitizers that such programs need.
+function(aras_fuzz_targets library folder)
+  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    message(FATAL_ERROR "ARAS_FUZZ: found the compiler ${CMAKE_CXX_COMPILER_ID}, allowed Clang, which has libFuzzer")
+  endif()
+  file(GLOB sources CONFIGURE_DEPENDS ${folder}/*.cpp)
+  foreach(source IN LISTS sources)
+    get_filename_component(name ${source} NAME_WE)
+    add_executable(fuzz_${name} ${source})
+    target_link_libraries(fuzz_${name} PRIVATE ${library} ${ARGN})
+    target_link_options(fuzz_${name} PRIVATE -fsanitize=fuzzer)
+    set_target_properties(fuzz_${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/fuzz)
+  endforeach()
+endfunction()

@@ -38,6 +38,13 @@ void bindInverse(py::module_& module) {
            "(6,) the part of the twist that `joint_velocity` achieves.")
       .def("lost", &TwistInverse::lost, py::arg("twist"),
            "Norm of the part of the twist that is not achieved, its linear part divided by length_m [rad/s].")
+      .def("turn_about", &TwistInverse::turnAbout, py::arg("turn"), py::arg("p_C"),
+           "(6,) the part that is achieved of a turn (w_x, w_y) [rad/s], with the translation that keeps the point\n"
+           "p_C, (3,) in the camera frame [m], where it is.")
+      .def("turning", &TwistInverse::turning, py::arg("jacobian"), py::arg("half_way"), py::arg("q_dot"),
+           py::arg("most_part"),
+           "(n,) correction of q_dot, (n,), which was found with one Jacobian, for the Jacobian half-way, (6, n)\n"
+           "each; at most `most_part` of q_dot.")
       .def("free", &TwistInverse::free, py::arg("wish"),
            "(n,) the part of the joint velocities `wish` that does not move the camera.")
       .def("null_part", &TwistInverse::nullPart, py::arg("q_dot"),

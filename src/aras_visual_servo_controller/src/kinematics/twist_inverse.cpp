@@ -136,6 +136,32 @@ double TwistInverse::lost(const Twist& twist) const {
   return std::sqrt(inOrder(missed, missed));
 }
 
+TwistInverse::Twist TwistInverse::turnAbout(const Eigen::Vector2d& turn, const Eigen::Vector3d& p_C) const {
+  Twist twist = Twist::Zero();
+  twist.segment<2>(3) = turn;
+  const Twist done = achieved(twist);
+  const double wx = done[3], wy = done[4];
+  twist << -wy * p_C.z(), wx * p_C.z(), wy * p_C.x() - wx * p_C.y(), wx, wy, 0.0;  // v = -w x p
+  return twist;
+}
+
+TwistInverse::Vector TwistInverse::turning(const JacobianRef& jacobian, const JacobianRef& half_way,
+                                           const VectorRef& q_dot, double most_part) const {
+  check(q_dot);
+  if (jacobian.cols() != q_dot.size() || half_way.cols() != q_dot.size())
+    throw ShapeError("jacobian: " + std::to_string(jacobian.cols()) + " and " + std::to_string(half_way.cols()) +
+                     " columns, expected " + std::to_string(q_dot.size()));
+  Twist change;
+  for (int row = 0; row < kRows; ++row) {
+    change[row] = 0.0;
+    for (Eigen::Index j = 0; j < q_dot.size(); ++j) change[row] += (jacobian(row, j) - half_way(row, j)) * q_dot[j];
+  }
+  Vector correction = jointVelocity(change);
+  const double most = most_part * std::sqrt(inOrder(q_dot, q_dot)), size = std::sqrt(inOrder(correction, correction));
+  if (size > most) correction *= most / size;
+  return correction;
+}
+
 TwistInverse::Vector TwistInverse::free(const VectorRef& wish) const {
   return toJoints(free_.cwiseProduct(ofJoints(wish)));
 }

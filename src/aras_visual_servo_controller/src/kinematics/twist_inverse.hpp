@@ -43,6 +43,13 @@ class TwistInverse {
   virtual Twist achieved(const Twist& twist) const;
   /** Norm of the part of a twist that is not achieved, in scaled rows. */
   virtual double lost(const Twist& twist) const;
+  /** The achieved part of a turn about the camera's x and y, with the translation that keeps a point where it is.
+   *  @param turn  w_x, w_y [rad/s].  @param p_C  the point in the camera frame [m] */
+  Twist turnAbout(const Eigen::Vector2d& turn, const Eigen::Vector3d& p_C) const;
+  /** What has to be added to q_dot, which was found with `jacobian`, so that the twist is right with the Jacobian
+   *  `half_way`. Its norm is at most `most_part` of that of q_dot. */
+  Vector turning(const JacobianRef& jacobian, const JacobianRef& half_way, const VectorRef& q_dot,
+                 double most_part) const;
   /** The part of joint velocities that does not move the camera. */
   Vector free(const VectorRef& wish) const;
   /** The part of joint velocities along the directions that count as free: the null space. */

@@ -201,6 +201,22 @@ void bindRobot(py::class_<Simulation>& type) {
           "link_twist",
           [](const Simulation& self, const std::string& link) -> Twist { return self.world().linkTwist(link); },
           py::arg("link"), "V_WL_L, (6,): twist of a link in W in its own axes, [v; w] [m/s; rad/s].")
+      .def(
+          "link_acceleration",
+          [](const Simulation& self, const std::string& link) -> Twist { return self.world().linkAcceleration(link); },
+          py::arg("link"),
+          "(6,): acceleration of a link in W in its own axes in the last period, [m/s^2; rad/s^2], without gravity.")
+      .def(
+          "joint_wrench",
+          [](const Simulation& self, const std::string& joint) -> Twist { return self.world().jointWrench(joint); },
+          py::arg("joint"),
+          "(6,): what the child link of a joint, fixed ones too, exerted on its parent in the last period, in the\n"
+          "child's axes about its origin, [f; tau] [N; N m].")
+      .def("push", &Simulation::push, py::arg("links") = std::map<std::string, Twist>(), py::arg("joints") = Values(),
+           "Forces from outside from now on, in the place of all there were; a reset ends them.\n\nArgs:\n"
+           "    links: dict name -> (6,), at its centre of mass, [f; tau] in world axes [N; N m].\n"
+           "    joints: dict name -> effort besides that of its actuator [N or N m].\n"
+           "Raises:\n    UnknownNameError, NotFiniteError; nothing changes then.")
       .def("set_base", &setBase, py::arg("pose"), py::arg("twist") = Twist(Twist::Zero()),
            "Places a base that is not fixed: X_WB (4, 4); twist (6,), [v; w] in world axes, not of a driven one.\n\n"
            "Raises:\n    ParameterError: it is fixed; NotFiniteError. Nothing changes then.")

@@ -39,6 +39,10 @@ class ControllerManager:
     def _simulation(self):
         return self._model.simulation
 
+    def _loaded(self):
+        """Those of ros_control: wheels that a plugin drives are not among them."""
+        return [each for each in self._simulation.loaded_controllers() if each["name"] in self._adapters]
+
     def _tell(self, text):
         rospy.logerr("%s: %s" % (joined(self._space, "controller_manager"), text))
 
@@ -83,7 +87,7 @@ class ControllerManager:
 
     def _follow(self):
         """Tells the adapters what runs now."""
-        for each in self._simulation.loaded_controllers():
+        for each in self._loaded():
             adapter = self._adapters[each["name"]]
             runs = each["state"] == "running"
             if runs and not adapter.running:
@@ -93,7 +97,7 @@ class ControllerManager:
 
     def _list(self, _request):
         states = []
-        for each in self._simulation.loaded_controllers():
+        for each in self._loaded():
             claimed = HardwareInterfaceResources(each["hardware_interface"], each["joints"])
             states.append(ControllerState(each["name"], each["state"], each["type"], [claimed]))
         return ListControllersResponse(states)
@@ -105,7 +109,7 @@ class ControllerManager:
 
     def _reload(self, request):
         """There are no libraries: what can be done is to kill all controllers."""
-        loaded = self._simulation.loaded_controllers()
+        loaded = self._loaded()
         if loaded and not request.force_kill:
             self._tell("Cannot reload controller libraries because there are still %d controllers running" %
                        len(loaded))

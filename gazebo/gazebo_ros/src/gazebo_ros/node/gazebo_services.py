@@ -5,7 +5,7 @@ import gazebo_msgs.srv as srv
 import numpy
 import rospy
 import std_srvs.srv
-from gazebo_msgs.msg import LinkState, ODEPhysics
+from gazebo_msgs.msg import ODEPhysics
 from geometry_msgs.msg import Vector3
 from std_msgs.msg import ColorRGBA
 
@@ -14,17 +14,15 @@ from aras_visual_servo_sim import ArasError
 from ..world.errors import GazeboError, UnknownEntityError
 from ..world.lights import is_light, turned
 from ..world.poses import rotated
-from ..world.world import WORLD_FRAMES
 from .convert import pose_message, pose_of, stamp, twist_message, twist_of
+from .force_services import ForceServices
+from .link_services import LinkServices
 
 #: Services that are there so that callers get an answer, and why they do nothing.
 REFUSED = {
-    "apply_joint_effort": (srv.ApplyJointEffort, "efforts act through controllers"),
-    "apply_body_wrench": (srv.ApplyBodyWrench, "there are no forces from outside"),
-    "get_link_properties": (srv.GetLinkProperties, "masses stand in the URDF"),
-    "set_link_properties": (srv.SetLinkProperties, "masses stand in the URDF"),
-    "set_joint_properties": (srv.SetJointProperties, "joints are not those of ODE"),
-    "set_link_state": (srv.SetLinkState, "models are placed as a whole, by set_model_state"),
+    "set_link_properties": (srv.SetLinkProperties, "masses are those of the description"),
+    "set_joint_properties": (srv.SetJointProperties, "damping and limits are those of the description, and there is no "
+                                                     "ODE whose other numbers could be set"),
 }
 
 
@@ -47,7 +45,6 @@ class GazeboServices:
                 "set_model_configuration": (srv.SetModelConfiguration, self._configure),
                 "get_model_properties": (srv.GetModelProperties, self._model_properties),
                 "get_world_properties": (srv.GetWorldProperties, self._world_properties),
-                "get_link_state": (srv.GetLinkState, self._link_state),
                 "get_joint_properties": (srv.GetJointProperties, self._joint_properties),
                 "get_physics_properties": (srv.GetPhysicsProperties, self._physics),
                 "set_physics_properties": (srv.SetPhysicsProperties, self._set_physics)}.items():
@@ -62,8 +59,8 @@ class GazeboServices:
                              ("reset_simulation", lambda: server.reset(True))):
             rospy.Service("/gazebo/" + name, std_srvs.srv.Empty, self._in_turn(
                 lambda _, action=action: action() or std_srvs.srv.EmptyResponse()))
-        for name, kind in (("clear_joint_forces", srv.JointRequest), ("clear_body_wrenches", srv.BodyRequest)):
-            rospy.Service("/gazebo/" + name, kind, lambda _, kind=kind: kind._response_class())
+        ForceServices(self._world, self._serve, self._in_turn)
+        LinkServices(self._world, self._serve)
 
     def _in_turn(self, answer):
         return lambda request: self._server.work.call(lambda: answer(request))
@@ -185,21 +182,7 @@ class GazeboServices:
         self._world.delete_light(request.light_name)
         return srv.DeleteLightResponse(True, "DeleteLight: light successfully deleted")
 
-    # --- links and joints
-
-    def _link_state(self, request):
-        try:
-            model, link = self._world.scoped(request.link_name)
-        except UnknownEntityError as error:
-            raise UnknownEntityError("GetLinkState: link not found, did you forget to scope the link by model name?"
-                                     ) from error
-        X_WF, _ = self._frame(request.reference_frame, "GetLinkState: reference reference_frame not found, did you "
-                              "forget to scope the link by model name?")
-        X_FW = numpy.linalg.inv(X_WF)
-        frame = "world" if request.reference_frame in WORLD_FRAMES else request.reference_frame
-        state = LinkState(request.link_name, pose_message(X_FW @ model.link_pose(link)),
-                          twist_message(rotated(X_FW, model.link_twist(link))), frame)
-        return srv.GetLinkStateResponse(state, True, "GetLinkState: got state")
+    # --- joints
 
     def _joint_properties(self, request):
         try:
@@ -210,6 +193,7 @@ class GazeboServices:
         k = simulation.joint_names.index(request.joint_name.rpartition("::")[2])
         return srv.GetJointPropertiesResponse(
             type=model.description.joint_types.get(simulation.joint_names[k], 0),
+            damping=[model.damping_of(simulation.joint_names[k])],
             position=[simulation.joint_positions[k]], rate=[simulation.joint_velocities[k]], success=True,
             status_message="GetJointProperties: got properties")
 

@@ -9,8 +9,10 @@ from .beat import NEVER_NS
 from .cameras import Cameras
 from .controller_manager import ControllerManager
 from .convert import stamp
+from .devices import outlet_of
 from .folders import Folders
 from .gazebo_services import GazeboServices
+from .notes import summed_up
 from .state_topics import StateTopics
 from .work import Work
 
@@ -39,6 +41,7 @@ class Server:
         self._clock = rospy.Publisher("/clock", Clock, queue_size=10)
         self._slice_ns = round(1e9 / clock_rate_hz)
         self._states = StateTopics(self, GazeboServices(self))
+        self._pushes = PushesOutlet(self.world)
         self._restart_pace()
 
     # --- what the services ask for, in the world's thread
@@ -46,11 +49,12 @@ class Server:
     def spawn(self, name, xml, namespace, pose, frame):
         """Raises: SpawnError."""
         model = self.world.spawn(name, xml, namespace, pose, frame)
-        for warning in model.warnings:
-            rospy.logwarn("model '%s': %s" % (name, warning))
+        if model.warnings:
+            rospy.logwarn("model '%s':\n  %s" % (name, "\n  ".join(summed_up(model.warnings))))
         interfaces = [Cameras(self.world, model, self.work)] if model.description.cameras else []
         if model.description.control_namespace:
             interfaces.append(ControllerManager(self.world, model, self.work))
+        interfaces += [outlet_of(device)(self.world, model, device, self.work) for device in model.description.devices]
         self._interfaces[name] = interfaces
 
     def delete(self, name):
@@ -75,7 +79,7 @@ class Server:
             self.world.reset_world()
         for interfaces in self._interfaces.values():
             for interface in interfaces:
-                if time_too and isinstance(interface, ControllerManager):
+                if time_too and hasattr(interface, "time_reset"):
                     interface.time_reset(0)
         self._restart_pace()
 
@@ -99,6 +103,7 @@ class Server:
 
     def _outlets(self):
         yield self._states
+        yield self._pushes
         for interfaces in self._interfaces.values():
             yield from interfaces
 
@@ -134,3 +139,18 @@ class Server:
         self._clock.publish(Clock(stamp(self.world.time_ns)))
         for outlet in list(self._outlets()):
             outlet.publish(self.world.time_ns)
+
+
+class PushesOutlet:
+    """Lets forces from outside begin and end when they are due."""
+
+    def __init__(self, world):
+        self._world = world
+
+    @property
+    def next_ns(self):
+        return self._world.pushes.next_ns
+
+    def publish(self, now_ns):
+        if self.next_ns <= now_ns:
+            self._world.pushes.act(now_ns)

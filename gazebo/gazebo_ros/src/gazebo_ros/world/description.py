@@ -3,7 +3,9 @@ import dataclasses
 import re
 import xml.etree.ElementTree as ElementTree
 
+from .devices import DiffDrive, motorize, read_device
 from .errors import SpawnError
+from .looks import paint_as_gazebo
 
 #: Plugins that are part of the simulator, by a piece of their file name.
 CONTROL, CAMERA = "gazebo_ros_control", "camera"
@@ -33,6 +35,10 @@ class Description:
     joint_types: dict       #: of the joints that move, as gazebo_msgs/GetJointProperties numbers them
     weightless: bool        #: every link that has a mass says that gravity does not act on it
     jointed: bool           #: some joint moves
+    parents: dict           #: joint -> parent link
+    children: dict          #: joint -> child link
+    devices: tuple          #: of world/devices.py: what plugins besides cameras and ros_control do
+    frictions: dict         #: link -> coefficient of friction, mu1 of its <gazebo>
     warnings: tuple         #: what is ignored, a line each
 
 
@@ -76,14 +82,24 @@ def read_description(xml, namespace, model):
     if robot.tag != "robot":
         raise SpawnError("SpawnModel: Failure - entity format is invalid: found <%s>, allowed is <robot>" % robot.tag)
     warnings = drop_strangers(robot)
-    control = ""
+    free_followers(robot, warnings)
+    paint_as_gazebo(robot)
+    control, devices = "", []
     for gazebo, plugin in [(each, plugin) for each in robot.findall("gazebo") for plugin in each.findall("plugin")]:
         gazebo.remove(plugin)  # the simulator would warn of what is used here
         file = plugin.get("filename", "")
+        device = read_device(robot, plugin, None, "", joined(text_of(plugin, "robotNamespace", namespace)), warnings)
         if CONTROL in file:
             control = joined(text_of(plugin, "robotNamespace", namespace or model))
+        elif device is not None:
+            devices.append(device)
         elif not any(piece in file for piece in NEEDLESS):
-            warnings.append("plugin %s of model '%s' is not simulated: ignored" % (file, model))
+            warnings.append("plugin %s is not simulated: ignored" % file)
+    devices += sensors_of(robot, namespace, warnings)
+    actuated = tuple(sorted({end.get("name") for end in robot.findall("transmission/joint")}))
+    for device in devices:
+        if isinstance(device, DiffDrive):
+            motorize(robot, device)
     links = {link.get("name") for link in robot.findall("link")}
     children = {joint.find("child").get("link") for joint in robot.findall("joint") if joint.find("child") is not None}
     return Description(
@@ -94,8 +110,79 @@ def read_description(xml, namespace, model):
         collides=robot.find("link/collision") is not None, weightless=weightless(robot),
         joint_types={joint.get("name"): MOVING[joint.get("type")] for joint in robot.findall("joint")
                      if joint.get("type") in MOVING},
-        actuated=tuple(sorted({end.get("name") for end in robot.findall("transmission/joint")})),
-        jointed=any(joint.get("type") in MOVING for joint in robot.findall("joint")), warnings=tuple(warnings))
+        actuated=actuated, jointed=any(joint.get("type") in MOVING for joint in robot.findall("joint")),
+        parents=ends_of(robot, "parent"), children=ends_of(robot, "child"),
+        devices=tuple(devices), frictions=frictions_of(robot), warnings=tuple(warnings))
+
+
+@dataclasses.dataclass(frozen=True)
+class Mass:
+    """Mass, centre of mass, and ixx ixy ixz iyy iyz izz about it, in the axes of the <inertial>."""
+    mass_kg: float = 0.0
+    com_m: tuple = (0.0, 0.0, 0.0)
+    inertia_kg_m2: tuple = (0.0,) * 6
+
+
+def mass_of(link):
+    """Mass of the element of a link."""
+    inertial = link.find("inertial")
+    if inertial is None:
+        return Mass()
+    origin, inertia = inertial.find("origin"), inertial.find("inertia")
+    com = (0.0, 0.0, 0.0) if origin is None else tuple(map(float, origin.get("xyz", "0 0 0").split()))
+    return Mass(float(inertial.find("mass").get("value")), com,
+                tuple(float(inertia.get(key, 0.0)) for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")))
+
+
+def ends_of(robot, end):
+    """dict of joint -> link at one of its ends, "parent" or "child"."""
+    return {joint.get("name"): joint.find(end).get("link") for joint in robot.findall("joint")
+            if joint.find(end) is not None}
+
+
+def free_followers(robot, warnings):
+    """Takes <mimic> out of joints that have a <transmission>: Gazebo drives them like others."""
+    driven = {end.get("name") for end in robot.findall("transmission/joint")}
+    for joint in robot.findall("joint"):
+        mimic = joint.find("mimic")
+        if mimic is not None and joint.get("name") in driven:
+            joint.remove(mimic)
+            warnings.append("<mimic> of joint '%s': it has a <transmission> and moves by itself, as in Gazebo: ignored"
+                            % joint.get("name"))
+
+
+def frictions_of(robot):
+    """Takes mu1 and mu2 of the links and returns the first that is a number for each."""
+    links = {link.get("name") for link in robot.findall("link")}
+    frictions = {}
+    for gazebo in robot.findall("gazebo"):
+        for tag in ("mu1", "mu2"):
+            for element in gazebo.findall(tag):
+                gazebo.remove(element)
+                link = gazebo.get("reference")
+                try:
+                    value = float(element.text if element.text and element.text.strip() else element.get("value"))
+                except (TypeError, ValueError):
+                    continue
+                if link in links and value >= 0.0:
+                    frictions.setdefault(link, value)
+    return frictions
+
+
+def sensors_of(robot, namespace, warnings):
+    """Devices of the <sensor> tags that are no cameras; these tags are taken out."""
+    devices = []
+    for gazebo in robot.findall("gazebo"):
+        for sensor in [each for each in gazebo.findall("sensor") if "camera" not in each.get("type", "")]:
+            gazebo.remove(sensor)
+            found = [read_device(robot, plugin, sensor, gazebo.get("reference", ""),
+                                 joined(text_of(plugin, "robotNamespace", namespace)), warnings)
+                     for plugin in sensor.findall("plugin")]
+            devices += [device for device in found if device is not None]
+            if sensor.find("plugin") is not None and not any(found):
+                warnings.append("sensor '%s' of type %s is not simulated: ignored" %
+                                (sensor.get("name"), sensor.get("type")))
+    return devices
 
 
 def weightless(robot):

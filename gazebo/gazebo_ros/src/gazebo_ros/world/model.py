@@ -5,7 +5,8 @@ import numpy
 
 from aras_visual_servo_sim import ArasError, Simulation
 
-from .description import read_description
+from .description import mass_of, read_description
+from .devices import DiffDrive
 from .errors import BadValueError, SpawnError, UnknownEntityError
 from .poses import quaternion_of, rpy_of, rotated
 
@@ -15,6 +16,15 @@ GROUND_PLANE = {"name": "ground_plane", "box_m": [100.0, 100.0, 0.01], "position
                 "color_rgb": [178.5] * 3,
                 "material": {"ambient_share": 0.3 / 0.7, "specular_rgb": [2.55] * 3, "shininess": 1.5,
                              "casts_shadows": False}}
+
+
+#: Coulomb's coefficient of a link that states none, as in Gazebo; of two that touch, the smaller one counts.
+GROUND_FRICTION = 1.0
+
+
+def wheel_motor(joint):
+    """Name of the controller that turns a wheel; no controller of ros_control can have it."""
+    return "wheel motor of " + joint
 
 
 class Model:
@@ -43,19 +53,24 @@ class Model:
         self.links = [link.get("name") for link in robot.findall("link") if link.get("name") != "world"]
         self.drawn_links = [link.get("name") for link in robot.findall("link") if link.find("visual") is not None]
         self.warnings = list(self.description.warnings) + list(self.simulation.warnings)
+        for device in self.description.devices:
+            if isinstance(device, DiffDrive):
+                self._start_wheels(device)
 
     def _made(self, settings, pose):
         base = "floating"
         if self.description.fixed:
             base = "fixed" if self.description.jointed else "driven"  # one without joints can be placed anew
         gravity = (0.0, 0.0, 0.0) if self.description.weightless else settings.gravity_m_s2
+        self._gravity = numpy.array(gravity)
         config = {"base": base, "idle_joints": "hold",
                   "compatibility": "gazebo", "period_s": settings.period_s, "command_timeout_s": 0.0,
                   "gravity_m_s2": list(gravity),
                   "base_pose": {"position_m": [float(each) for each in pose[:3, 3]],
                                 "rpy_rad": [float(each) for each in rpy_of(pose)]}}
         if settings.ground and self.description.collides and not self.description.fixed:
-            config["contacts"] = {"ground_plane": {}}
+            config["contacts"] = {"ground_plane": {"friction": GROUND_FRICTION},
+                                  "frictions": self.description.frictions}
         if settings.ground and self.description.cameras:
             config["scene"] = {"solids": [GROUND_PLANE]}
         try:
@@ -63,7 +78,26 @@ class Model:
         except ArasError as error:
             raise SpawnError("SpawnModel: model '%s' cannot be simulated: %s" % (self.name, error)) from error
 
+    def _start_wheels(self, drive):
+        """Lets motors turn the wheels of a drive from now on, with no speed at first."""
+        names = []
+        for joint in drive.joints():
+            names.append(wheel_motor(joint))
+            self.simulation.load_controller(names[-1], {"type": "velocity_controllers/JointVelocityController",
+                                                        "joint": joint})
+        self.simulation.switch_controllers(names, [], True)
+
+    def turn_wheels(self, drive, speeds_rad_s):
+        """Speeds of the left and the right wheel from now on."""
+        for joint, speed in zip(drive.joints(), speeds_rad_s):
+            self.simulation.set_controller_command(wheel_motor(joint), float(speed))
+
     # --- state
+
+    @property
+    def gravity_m_s2(self):
+        """(3,), as it acts on the model."""
+        return self._gravity
 
     @property
     def root(self):
@@ -117,6 +151,22 @@ class Model:
     @staticmethod
     def quaternion(pose):
         return quaternion_of(pose)
+
+    # --- what stands in the description
+
+    def mass_of(self, link):
+        """Mass of a link. Raises: UnknownEntityError."""
+        self.link_pose(link)
+        return mass_of(next(each for each in self._tree.findall("link") if each.get("name") == link))
+
+    def centre_of_mass(self, link):
+        """(3,), in the world."""
+        return (self.link_pose(link) @ (*self.mass_of(link).com_m, 1.0))[:3]
+
+    def damping_of(self, joint):
+        """[N s/m or N m s/rad]."""
+        dynamics = self._tree.find("joint[@name='%s']/dynamics" % joint)
+        return 0.0 if dynamics is None else float(dynamics.get("damping", 0.0))
 
     # --- time
 

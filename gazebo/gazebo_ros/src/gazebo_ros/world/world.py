@@ -8,6 +8,7 @@ from .errors import BadValueError, SpawnError, UnknownEntityError
 from .lights import Lights
 from .model import Model
 from .poses import IDENTITY
+from .pushes import Pushes
 
 #: Names of a frame that is none of a model.
 WORLD_FRAMES = ("", "world", "map")
@@ -31,6 +32,7 @@ class World:
         settings: WorldSettings.
         models: dict of name -> Model, in the order in which they were spawned.
         lights: Lights.
+        pushes: Pushes, wrenches and efforts from outside.
     """
 
     def __init__(self, settings=None, find_folder=lambda name: None):
@@ -40,6 +42,7 @@ class World:
         """
         self.settings = settings or WorldSettings()
         self.models, self.lights = {}, Lights()
+        self.pushes = Pushes(self.models)
         self._find_folder = find_folder
         self._ticks = 0
 
@@ -104,6 +107,7 @@ class World:
         """Removes a model. Raises: UnknownEntityError."""
         gone = self.model(name)
         del self.models[name]
+        self.pushes.forget(name)
         for other in self.models.values():
             if other.simulation.camera_names:
                 for link in gone.drawn_links:
@@ -192,15 +196,18 @@ class World:
 
     def reset_world(self):
         """Models back to where they were spawned, at rest; time goes on."""
+        self.pushes.forget()
         for model in self.models.values():
             model.reset(self.time_ns, False)
 
     def reset_simulation(self):
         """Time back to 0, models back to where they were spawned. Controllers that run begin anew."""
         self._ticks = 0
+        self.pushes.forget()
         for model in self.models.values():
             model.reset(0, True)
-        known, self.models = self.models, {}
+        known = dict(self.models)
+        self.models.clear()
         for name, model in known.items():  # a reset takes out what was spawned, other models and lights among it
             self._introduce(model)
             if model.simulation.camera_names:

@@ -100,7 +100,6 @@ class FeatureBuilder {
 
   struct VispMoments;
   std::unique_ptr<VispMoments> visp_;
-  int order_;
   double asymmetry_threshold_, orientation_threshold_;
   std::vector<std::string> names_;
   std::optional<Reference> reference_;

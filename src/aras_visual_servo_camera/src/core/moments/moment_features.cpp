@@ -60,7 +60,6 @@ struct FeatureBuilder::VispMoments : VispMomentChain {
 
 FeatureBuilder::FeatureBuilder(int order, double asymmetry_threshold, double orientation_threshold)
     : visp_(std::make_unique<VispMoments>(order)),
-      order_(order),
       asymmetry_threshold_(asymmetry_threshold),
       orientation_threshold_(orientation_threshold),
       names_(momentNames(order)) {}

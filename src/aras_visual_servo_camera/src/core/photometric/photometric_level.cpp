@@ -54,10 +54,7 @@ GaussNewton solve(const NormalEquations& equations, int pixels, double smallest)
 }
 
 PhotometricLevel::PhotometricLevel(const CameraIntrinsics& intrinsics, int level, const PhotometricConfig& config)
-    : config_(config),
-      level_(level),
-      width_(extent(intrinsics.width(), level)),
-      height_(extent(intrinsics.height(), level)) {
+    : config_(config), width_(extent(intrinsics.width(), level)), height_(extent(intrinsics.height(), level)) {
   const double pitch = std::ldexp(1.0, level);  // pixels of the image to one of this level
   const int reach = static_cast<int>(std::ceil(kReach * config.smoothing_px));
   border_ = std::max(reach, static_cast<int>(std::ceil(config.border_px / pitch)));

@@ -67,7 +67,7 @@ class PhotometricLevel {
   NormalEquations sum(const Gradient& gradient, const cv::Mat* image);
 
   PhotometricConfig config_;
-  int level_, width_, height_, border_, pixels_ = 0;
+  int width_, height_, border_, pixels_ = 0;
   double scale_;          ///< focal length, geometric mean, in pixels of this level
   cv::Mat x_, y_, mask_;  ///< ray of each pixel, CV_32F; mask: 1 where there is one and inside the border, else 0
   cv::Mat zeta_;          ///< 1/Z of each pixel

@@ -92,12 +92,10 @@ class ArmMotion:
         a, b, sine = self._taught_axis_in(X_BC)
         if sine > 0.0:
             gain *= asin(min(1.0, sine)) / sine
-        _, _, _, wx, wy, _ = inverse.achieved(np.array([0.0, 0.0, 0.0, -gain * b, gain * a, 0.0])).tolist()
-        x, y, z = target_C  # v = -w x P keeps the point P where it is
-        return np.array([-wy * z, wx * z, wy * x - wx * y, wx, wy, 0.0])
+        return inverse.turn_about((-gain * b, gain * a), target_C)
 
     def tilt_of(self, X_BC):
-        """(2,) turn of the camera about its x and y from where the optical axis is as taught; None if none was taught.
+        """Turn (x, y) of the camera from where the optical axis is as taught [rad]; None if none was taught.
 
         Args: X_BC: (4, 4) pose of the camera.
         """
@@ -105,7 +103,7 @@ class ArmMotion:
             return None
         a, b, sine = self._taught_axis_in(X_BC)
         scale = asin(min(1.0, sine)) / sine if sine > 0.0 else 1.0
-        return np.array([scale * b, -scale * a])
+        return scale * b, -scale * a
 
     def _taught_axis_in(self, X_BC):
         """(x, y, sine of the angle to z) of the taught axis in the frame of a camera at X_BC."""
@@ -205,6 +203,4 @@ class ArmMotion:
         Near the stretched elbow the Jacobian changes fast. The correction is at most TURNING_PART of q_dot.
         """
         half_way = self._kinematics.jacobian(self._kinematics.moved(q, q_dot, 0.5 * dt_s))
-        correction = inverse.joint_velocity((jacobian - half_way) @ q_dot)
-        most, size = TURNING_PART * float(q_dot @ q_dot) ** 0.5, float(correction @ correction) ** 0.5
-        return correction if size <= most else correction * (most / size)
+        return inverse.turning(jacobian, half_way, q_dot, TURNING_PART)

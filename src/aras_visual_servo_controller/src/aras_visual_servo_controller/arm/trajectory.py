@@ -33,4 +33,9 @@ class JointTrajectory:
 
     def velocity(self, t_s, hold_s):
         """(n,) velocity that, held for hold_s > 0 from t_s on, ends where the trajectory then is."""
-        return self._space.way(self.position(t_s), self.position(t_s + hold_s)) / hold_s
+        return self.step(t_s, hold_s)[1]
+
+    def step(self, t_s, hold_s):
+        """((n,), (n,)): `position` and `velocity` together."""
+        here = self.position(t_s)
+        return here, self._space.way(here, self.position(t_s + hold_s)) / hold_s

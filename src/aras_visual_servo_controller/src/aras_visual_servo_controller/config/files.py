@@ -2,6 +2,7 @@
 
 import functools
 import os
+from collections.abc import Hashable
 from pathlib import Path
 
 import yaml
@@ -137,12 +138,22 @@ def share_dir():
 
 class _UniqueKeyLoader(yaml.CSafeLoader):
     """CSafeLoader, ten times as fast as SafeLoader, that refuses a key given twice: YAML would silently take the
-    last."""
+    last. What Python has no value for (the 99th day of a month) it refuses with the line."""
+
+    def construct_object(self, node, deep=False):
+        try:
+            return super().construct_object(node, deep=deep)
+        except (ValueError, TypeError, ArithmeticError, AttributeError, LookupError) as error:
+            raise yaml.constructor.ConstructorError(None, None, f"a value that does not exist: {error}",
+                                                    node.start_mark) from error
 
     def construct_mapping(self, node, deep=False):
         seen = set()
         for key_node, _ in node.value:
             key = self.construct_object(key_node, deep=True)
+            if not isinstance(key, Hashable):
+                raise yaml.constructor.ConstructorError(None, None, "a key must be a text, found a section or a list",
+                                                        key_node.start_mark)
             if key in seen:
                 raise yaml.constructor.ConstructorError(None, None, f"key '{key}' is given twice", key_node.start_mark)
             seen.add(key)

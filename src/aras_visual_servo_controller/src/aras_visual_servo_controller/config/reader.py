@@ -11,6 +11,7 @@ from .settings import entry_type, is_table, keys_of
 
 _TABLE = "a table of keys"
 _WORDS = {float: "a finite number", int: "a whole number", bool: "true, false", str: "text", object: "a value"}
+MOST_SHOWN = 200  # characters of what was found, in a fault
 _COMPARE = {">": operator.gt, ">=": operator.ge, "<": operator.lt, "<=": operator.le}
 
 
@@ -55,7 +56,9 @@ class _Reader:
         self._names, self._separator, self._faults = names, separator, faults
 
     def _fault(self, where, found, allowed):
-        self._faults.append(f"{where}: found {found}, allowed {allowed}")
+        shown = str(found)
+        shown = shown if len(shown) <= MOST_SHOWN else shown[:MOST_SHOWN] + "..."
+        self._faults.append(f"{where}: found {shown}, allowed {allowed}")
 
     def section(self, cls, source, where, also=()):
         """An instance of a settings class, None after a fault."""
@@ -139,7 +142,12 @@ class _Reader:
 
 
 def _number(value):
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and isfinite(value)
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return False
+    try:
+        return isfinite(value)
+    except OverflowError:  # a whole number of some hundred digits
+        return False
 
 
 def _within(value, bounds):

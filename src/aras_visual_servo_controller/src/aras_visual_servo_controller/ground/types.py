@@ -97,7 +97,7 @@ class Features:
         return dict(zip(self.moment_names, self.mu))
 
 
-@dataclass
+@dataclass(slots=True)
 class Observation:
     """What is known at one image.
 
@@ -115,7 +115,7 @@ class Observation:
     frame: int = -1
 
 
-@dataclass
+@dataclass(slots=True)
 class Command:
     """Answer to one observation, for any subset of the joints, by name.
 
@@ -128,7 +128,7 @@ class Command:
     velocity: Dict[str, float] = field(default_factory=dict)
 
 
-@dataclass
+@dataclass(slots=True)
 class ServoRecord:
     """What the servo saw and did at one image: the fields of aras_visual_servo_msgs/ServoState."""
 

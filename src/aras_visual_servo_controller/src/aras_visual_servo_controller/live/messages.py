@@ -153,7 +153,7 @@ def parse(text):
             raise ParameterError(f"message: found {len(text)} bytes, allowed <= {MOST_BYTES}")
         try:
             content = json.loads(text)
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise ParameterError(f"message: found {_short(text)}, allowed JSON: {error}") from error
         if not isinstance(content, dict):
             raise ParameterError(f"message: found {_short(content)}, allowed an object with the key do")

@@ -22,7 +22,7 @@ from aras_visual_servo_msgs.msg import ServoState, SimStatus, VisualServoAction,
 from aras_visual_servo_msgs.srv import SetReference, SetReferenceRequest, Teach, TeachResponse
 
 from . import conversions as convert
-from .action_server import ActionServer
+from .calls.action_server import ActionServer
 from ..ground.errors import ArasError, ParameterError
 from ..ground.processes import check_signals
 from ..arm.real.float_commands import SetPointIntegrator

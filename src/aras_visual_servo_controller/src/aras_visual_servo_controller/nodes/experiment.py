@@ -27,7 +27,7 @@ from aras_visual_servo_msgs.srv import Step
 from ..bags.bag import read_bag
 from ..ground.errors import ArasError, ParameterError
 from ..ground.processes import Interrupted, check_signals, signals_held, signals_raise
-from .goal_sender import GoalSender
+from .calls.goal_sender import GoalSender
 from ..ground.types import Status
 from .graph import Graph
 from ..run.loop import CLOSING_S

@@ -21,6 +21,7 @@ from aras_visual_servo_msgs.msg import MomentFeatures, ServoState, SimStatus, Vi
 from aras_visual_servo_msgs.srv import SetModelMotion, SetTargetPose, Step, Teach
 
 from . import conversions as convert
+from .calls.services import call_service
 from ..arm.robot import robot_kinematics
 from ..ground.errors import ArasError, ParameterError
 from ..ground.spatial import pose_from_quaternion
@@ -35,7 +36,6 @@ from ..scenario.scenario import scenario_from_dict
 from ..servo.servo import Servo
 
 EXIT_STOPPED, EXIT_PARAMETERS = 0, 2
-SERVICE_TIMEOUT_S = 5.0
 LOOK_S = 1.0 / 60.0
 #: Images are listened to for this long after the last page was ready for one [s].
 LINGER_S = 1.0
@@ -217,13 +217,6 @@ class RosRun:
         except (rospy.ROSException, rospy.ServiceException) as error:
             raise ArasError(f"{request.do}: {error}") from error
 
-    def _call(self, name, kind, *arguments):
-        rospy.wait_for_service(name, SERVICE_TIMEOUT_S)
-        answer = rospy.ServiceProxy(name, kind)(*arguments)
-        if getattr(answer, "success", True) is False:
-            raise ParameterError(f"{name}: {getattr(answer, 'message', '') or getattr(answer, 'status_message', '')}")
-        return answer
-
     def _moving(self):
         return self._state is not None and self._state.phase in MOVING
 
@@ -238,29 +231,29 @@ class RosRun:
     def do_stop(self, _request):
         """The service `stop`."""
         self._hand.let_go()
-        self._call("stop", Trigger)
+        call_service("stop", Trigger)
 
     def do_teach(self, request):
         """The service `teach`."""
         if self._moving():
             raise ParameterError(f"teach: found the run in phase {self._state.phase}, allowed when it is stopped")
-        self._call("teach", Teach, request.z_star_m or 0.0)
+        call_service("teach", Teach, request.z_star_m or 0.0)
         self._keep_goal(self._q)
 
     def do_reset(self, _request):
         """The simulator's reset; the controller sees time go back."""
         self._hand.let_go()
-        self._call("sim/reset", Empty)
+        call_service("sim/reset", Empty)
 
     def do_pause(self, request):
         """The simulator's pause and unpause."""
-        self._call("sim/pause" if request.paused else "sim/unpause", Empty)
+        call_service("sim/pause" if request.paused else "sim/unpause", Empty)
 
     def do_step(self, request):
         """Steps of the simulator, as many as lie between images."""
         sim = self._scenario.sim
         rate_hz = (sim.get("cameras") or [{}])[0].get("rate_hz", 30.0)
-        self._call("sim/step", Step, max(1, round(request.images / rate_hz / sim.get("period_s", 0.001))))
+        call_service("sim/step", Step, max(1, round(request.images / rate_hz / sim.get("period_s", 0.001))))
 
     def do_set(self, request):
         """Settings of the servo: the parameters are set, and the controller reads them again."""
@@ -286,7 +279,7 @@ class RosRun:
         before = rospy.get_param("scenario/" + section)
         rospy.set_param("scenario/" + section, values)
         try:
-            self._call(service, Trigger)
+            call_service(service, Trigger)
         except Exception:
             rospy.set_param("scenario/" + section, before)
             raise
@@ -306,12 +299,12 @@ class RosRun:
         message.position.x, message.position.y, message.position.z = request.position_m
         turn = message.orientation
         turn.x, turn.y, turn.z, turn.w = request.q_xyzw
-        self._call("sim/set_target_pose", SetTargetPose, self._target or "", message)
+        call_service("sim/set_target_pose", SetTargetPose, self._target or "", message)
 
     def do_move_target(self, request):
         """The simulator's set_model_motion."""
         text = "" if request.motion is None else str(request.motion)
-        self._call("sim/set_model_motion", SetModelMotion, self._target or "target", text)
+        call_service("sim/set_model_motion", SetModelMotion, self._target or "target", text)
 
     def do_joint(self, request):
         """Commands on joint_command, a little farther with every joint state."""

@@ -19,6 +19,7 @@ from visualization_msgs.msg import InteractiveMarker, InteractiveMarkerControl, 
 from aras_visual_servo_msgs.msg import ServoState, VisualServoActionGoal
 
 from . import conversions as convert
+from .calls.services import SERVICE_TIMEOUT_S, call_service
 from ..ground.errors import ParameterError
 from ..live.error_plot import ErrorPlot
 from .parameters import ControllerSetup
@@ -28,7 +29,6 @@ EXIT_STOPPED, EXIT_PARAMETERS = 0, 2
 PLOT_S = 0.2
 #: The image that was taught is looked for among so many.
 KEPT_IMAGES = 64
-SERVICE_TIMEOUT_S = 5.0
 #: Place of the first button in the world, and the way to the next [m].
 FIRST_BUTTON_M, BUTTON_WAY_M, BUTTON_M = (0.75, 0.55, 1.35), -0.19, 0.08
 #: Button: what stands on it, its colour.
@@ -120,27 +120,25 @@ class RvizView:
         try:
             rospy.loginfo("rviz: %s", feedback.marker_name)
             self.press(feedback.marker_name)
-        except (rospy.ROSException, rospy.ServiceException) as error:
+        except (ParameterError, rospy.ROSException, rospy.ServiceException) as error:
             rospy.logerr("rviz: %s: %s", feedback.marker_name, error)
 
     def press(self, name):
-        """Do what the button of this name is for. Raises: ROSException, ServiceException."""
+        """Do what the button of this name is for.
+
+        Raises: ParameterError: the service refuses.  ROSException, ServiceException: it cannot be called.
+        """
         if name == "stop":
-            self._call("stop", Trigger)
+            call_service("stop", Trigger)
         elif name == "reset":
-            self._call("sim/reset", Empty)
+            call_service("sim/reset", Empty)
         else:
             deadline_s = time.monotonic() + SERVICE_TIMEOUT_S
             while not self._goals.get_num_connections() and time.monotonic() < deadline_s:
                 time.sleep(0.01)
             self._goals.publish(convert.goal_message("experiment" if name == "run again" else "taught"))
         if name != "stop":
-            self._call("sim/unpause", Empty)  # the experiment leaves the simulator paused when it has ended
-
-    @staticmethod
-    def _call(name, kind):
-        rospy.wait_for_service(name, SERVICE_TIMEOUT_S)
-        rospy.ServiceProxy(name, kind)()
+            call_service("sim/unpause", Empty)  # the experiment leaves the simulator paused when it has ended
 
 
 def _button(name, colour, row):

@@ -1,5 +1,5 @@
-"""Draws the figure of a run in processes of its own. They import matplotlib, which takes as long as a run, while the
-run is computed, and then one makes the PNG and the other the PDF.
+"""Draws the figure of a run in a process of its own. It imports matplotlib, which takes as long as a run, while the run
+is computed. Then it is forked: one of both makes the PNG, the other the PDF.
 
     with Drawing() as drawing:
         record = run_in_process(scenario)
@@ -13,17 +13,16 @@ from multiprocessing import get_context
 
 from ..ground.processes import end_as_child, signals_blocked
 
-WORKERS = 2  # one for each file
+WORKERS = 2  # of `drawn_side_by_side`
 
 
 class Drawing:
-    """Processes that wait for a record."""
+    """A process that waits for a record."""
 
     def __init__(self):
-        self._pool = ProcessPoolExecutor(WORKERS, get_context("fork"), end_as_child)
+        self._pool = ProcessPoolExecutor(1, get_context("fork"), end_as_child)
         with signals_blocked():
-            for _ in range(WORKERS):
-                self._pool.submit(_prepare)
+            self._pool.submit(_prepare)
 
     def __enter__(self):
         return self
@@ -37,12 +36,7 @@ class Drawing:
     def save(self, record, png_path, pdf_path):
         """Begin to draw both files. Returns a function that waits for them; it raises the OSError of one that fails."""
         record = replace(record, images={})  # the figure shows none of them
-        futures = [self._pool.submit(_draw, record, *paths) for paths in ((png_path, None), (None, pdf_path))]
-
-        def wait():
-            for future in futures:
-                future.result()
-        return wait
+        return self._pool.submit(_draw_both, record, png_path, pdf_path).result
 
 
 def _prepare():
@@ -51,9 +45,14 @@ def _prepare():
         importlib.import_module(name)
 
 
-def _draw(record, png_path, pdf_path):
+def _draw_both(record, png_path, pdf_path):
     from .figure import save_figure
-    save_figure(record, png_path, pdf_path)
+    with signals_blocked():
+        pool = ProcessPoolExecutor(1, get_context("fork"), end_as_child)
+        other = pool.submit(save_figure, record, None, pdf_path)
+    with pool:
+        save_figure(record, png_path, None)
+        other.result()
 
 
 def drawn_side_by_side(draw, jobs):

@@ -4,8 +4,12 @@
 (f) path of the camera in the world, circle at the start, star at the goal.
 """
 
+import io
+
 import matplotlib
 import numpy as np
+from fontTools import subset
+from matplotlib.backends import _backend_pdf_ps
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import Axes3D
@@ -24,6 +28,27 @@ STYLE = {
     "axes.grid": True, "grid.color": "#e4e4e4", "grid.linewidth": 0.7, "axes.axisbelow": True,
     "lines.linewidth": 1.5, "legend.frameon": False, "pdf.fonttype": 42, "svg.hashsalt": "aras_visual_servo",
 }
+
+
+def _letters_of(fontfile, characters):
+    """A font with these characters alone, for the PDF: a stream. It is what matplotlib makes, but without the tables by
+    which a text is set (ligatures, kerning): no reader of a PDF looks at them, and to reduce them takes longer than to
+    draw the figure."""
+    options = subset.Options(glyph_names=True, recommended_glyphs=True)
+    options.drop_tables += ["FFTM", "PfEd", "BDF", "GDEF", "GPOS", "GSUB"]
+    if fontfile.endswith(".ttc"):
+        options.font_number = 0
+    with subset.load_font(fontfile, options) as font:
+        subsetter = subset.Subsetter(options=options)
+        subsetter.populate(text=characters)
+        subsetter.subset(font)
+        stream = io.BytesIO()
+        font.save(stream, reorderTables=False)
+        return stream
+
+
+# Not part of what matplotlib promises: where it has no such function, it goes on with its own.
+_backend_pdf_ps.get_glyphs_subset = _letters_of
 
 
 def save_figure(record, png_path=None, pdf_path=None, dpi=160):

@@ -1,5 +1,6 @@
 """Pages from the templates of config/templates, all made by one Jinja environment."""
 
+import contextlib
 import functools
 
 from ..config.files import share_dir
@@ -19,5 +20,18 @@ def source(name):
 @functools.lru_cache(maxsize=None)
 def _environment():
     import jinja2  # slow to import
+
+    class Compiled(jinja2.FileSystemBytecodeCache):
+        """Templates are compiled once, as Python's modules are: in a folder of this user, by a hash of their text."""
+
+        def dump_bytecode(self, bucket):
+            with contextlib.suppress(OSError):  # a full disk: the next process compiles again
+                super().dump_bytecode(bucket)
+
+    try:
+        compiled = Compiled(pattern=f"aras_visual_servo_{jinja2.__version__}_%s")
+    except (RuntimeError, OSError):  # there is no folder that only this user can write
+        compiled = None
     return jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined,
+                              bytecode_cache=compiled,
                               loader=jinja2.FileSystemLoader(str(share_dir() / "config" / "templates")))

@@ -1,5 +1,6 @@
 """Versions of the programs and libraries that a result depends on, read from the installed files without ROS."""
 
+import fnmatch
 import functools
 import glob
 import os
@@ -19,8 +20,9 @@ _FOLDERS = ("/usr/lib/*-linux-gnu", "/usr/lib", "/usr/local/lib")
 @functools.lru_cache(maxsize=None)
 def _installed():
     versions = {"aras_visual_servo": package_version(share_dir() / "package.xml")}
+    files = [file for folder in _FOLDERS for path in glob.glob(folder) for file in os.listdir(path) if ".so." in file]
     for name, pattern in _LIBRARIES.items():
-        found = [os.path.basename(path) for folder in _FOLDERS for path in glob.glob(os.path.join(folder, pattern))]
+        found = fnmatch.filter(files, pattern)
         numbers = [match.group(1) for match in (re.search(r"\.so\.([0-9.]+)$", file) for file in found) if match]
         if numbers:
             versions[name] = max(numbers, key=lambda number: (number.count("."), number))

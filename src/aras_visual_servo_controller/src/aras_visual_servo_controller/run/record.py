@@ -20,9 +20,8 @@ RAW_NAMES = ("area", "xg", "yg", "alpha")
 STOP_NAMES = ("tilt_rad", "position_m", "rotation_rad", "cond_l")
 
 _RAW, _STOP = attrgetter(*RAW_NAMES), attrgetter(*STOP_NAMES)
-_JOINED = ("s", "s_star", "e", "twist", "q", "set_point")  # columns that stand side by side, and are written at once
 
-FIRST_ROWS = 256  # for which a builder has room at first; it doubles when they are full
+BLOCK_ROWS = 64  # of which the numbers are written into tables together
 
 
 @dataclass(frozen=True)
@@ -131,14 +130,13 @@ class RecordBuilder:
         self.joint_names = tuple(joint_names)
         self.feature_names = tuple(feature_names)
         k, m = len(self.feature_names), len(self.joint_names)
-        self._columns, width = {}, 0
-        for name, size in (("s", k), ("s_star", k), ("e", k), ("twist", 6), ("q", m), ("set_point", m),
-                           ("raw", len(RAW_NAMES)), ("X_WC", 16), ("X_WT", 16), ("stop", len(STOP_NAMES))):
-            self._columns[name] = slice(width, width + size), size
-            width += size
-        self._joined, self._sizes = slice(0, self._columns["raw"][0].start), (k, k, k, 6, m, m)
+        self._shapes = {"s": (k,), "s_star": (k,), "e": (k,), "twist": (6,), "q": (m,), "set_point": (m,),
+                        "raw": (len(RAW_NAMES),), "stop": (len(STOP_NAMES),), "X_WC": (4, 4), "X_WT": (4, 4)}
+        self._sizes = tuple(shape[0] for shape in self._shapes.values())
         self._names = self._by_name = None  # joints of the answer added last, and where each of joint_names is in them
-        self._rows, self._numbers = [], np.full((FIRST_ROWS, width), np.nan)
+        self._rows = []                                       # (stamp_ns, phase, status, status_text)
+        self._last_values = []                                # of the last rows, in the order of _shapes, None for NaN
+        self._tables = {name: [] for name in self._shapes}    # of the rows before them, (BLOCK_ROWS, ...) each
         self._moving = False
         self._images, self._last_servo_image = {}, None
         self._keep_images, self._all_images = keep_images, {}
@@ -162,39 +160,42 @@ class RecordBuilder:
             raw: (area, xg, yg, alpha).  X_WT: (4, 4) of a target that moves.  stop: values of STOP_NAMES.
             image: uint8 (h, w) or (h, w, 3), unchanged until the next row or `finish`; copied only where the record
                 keeps it (see `keep_image`).
+        The other arrays are copied later: nobody may change their content any more.
         Raises:
             ShapeError: an array has not the length its names have.
         """
-        if len(self._rows) == len(self._numbers):
-            self._numbers = np.concatenate([self._numbers, np.full_like(self._numbers, np.nan)])
-        row, columns = self._numbers[len(self._rows)], self._columns
-        joined = (s, s_star, e, twist, q, set_point)
-        if all([value is not None for value in joined]) and tuple(map(len, joined)) == self._sizes:
-            np.concatenate(joined, out=row[self._joined])
-        else:
-            self._put(row, zip(_JOINED, joined))
-        self._put(row, (("raw", raw), ("stop", stop)))
-        for name, X in (("X_WC", X_WC), ("X_WT", X_WT)):
-            if X is not None:
-                X = np.asarray(X)
-                if X.shape != (4, 4):
-                    row.fill(np.nan)
-                    raise ShapeError(f"{name}: expected shape (4, 4), got {X.shape}")
-                row[columns[name][0]] = X.reshape(16)
+        values = (s, s_star, e, twist, q, set_point, raw, stop, X_WC, X_WT)
+        for value, size in zip(values, self._sizes):
+            if value is not None and len(value) != size:
+                self._refuse(values)
+        if X_WC is not None and getattr(X_WC, "shape", None) != (4, 4) or X_WT is not None:
+            self._refuse(values)
+        self._last_values.append(values)
+        if len(self._last_values) == BLOCK_ROWS:
+            self._write()
         self._rows.append((int(stamp_ns), str(phase), int(status), str(status_text)))
         self._moving |= X_WT is not None
         if image is not None:
             self.keep_image(phase, image)
 
-    def _put(self, row, values):
-        """Write values, pairs of column and numbers or None, into a row. Raises ShapeError."""
-        for name, value in values:
-            if value is not None:
-                place, size = self._columns[name]
-                if len(value) != size:
-                    row.fill(np.nan)
-                    raise ShapeError(f"{name}: expected {size} values, got {len(value)}")
-                row[place] = value
+    def _refuse(self, values):
+        """Raise ShapeError if one of these values of a row has not the shape of its column."""
+        for (name, shape), value in zip(self._shapes.items(), values):
+            found = shape if value is None else np.shape(value)
+            if found != shape:
+                expected = f"shape {shape}, got {found}" if len(shape) > 1 else f"{shape[0]} values, got {len(value)}"
+                raise ShapeError(f"{name}: expected {expected}")
+
+    def _write(self):
+        """Move the values of the last rows into the tables."""
+        for (name, shape), values in zip(self._shapes.items(), zip(*self._last_values)):
+            if any([value is None for value in values]):
+                missing = np.full(shape, np.nan)
+                values = [missing if value is None else value for value in values]
+            arrays = isinstance(values[0], np.ndarray)  # which are joined faster than they are made an array of
+            joined = np.concatenate(values, dtype=float) if arrays else np.array(values, dtype=float)
+            self._tables[name].append(joined.reshape(-1, *shape))
+        self._last_values.clear()
 
     def add_answer(self, answer, X_WC=None, features=None, image=None, X_WT=None):
         """Append the row of one answered image.
@@ -204,20 +205,23 @@ class RecordBuilder:
             X_WC: (4, 4) true camera pose at the image.  features: `Features` of the image, or None.
             image: uint8 (h, w) or (h, w, 3), or None.  X_WT: (4, 4) true pose of a target that moves, or None.
         """
-        names = tuple(answer.joint_names)
-        if names != self._names:
-            self._names = names
-            self._by_name = None if names == self.joint_names else [
-                names.index(name) if name in names else None for name in self.joint_names]
-        same = tuple(getattr(answer, "feature_names", self.feature_names)) == self.feature_names
+        names = answer.joint_names
+        if names is not self._names:
+            self._names, own = names, self.joint_names
+            self._by_name = None if tuple(names) == own else [
+                names.index(name) if name in names else None for name in own]
+        q, set_point, m = answer.q, answer.set_point, len(self.joint_names)
+        if self._by_name is not None or len(q) != m or len(set_point) != m:
+            q, set_point = self._in_order(q), self._in_order(set_point)
+        named = getattr(answer, "feature_names", self.feature_names)
+        same = named is self.feature_names or tuple(named) == self.feature_names
         s, s_star, e = (answer.s, answer.s_star, answer.e) if same else (None, None, None)
         try:
             stop = _STOP(answer)
         except AttributeError:
             stop = [getattr(answer, name, np.nan) for name in STOP_NAMES]
         self.add_row(answer.stamp_ns, answer.phase, answer.status, answer.status_text, s, s_star, e, answer.twist,
-                     self._in_order(answer.q), self._in_order(answer.set_point), X_WC,
-                     None if features is None else _RAW(features), image, X_WT, stop)
+                     q, set_point, X_WC, None if features is None else _RAW(features), image, X_WT, stop)
 
     def _in_order(self, values):
         """Values of the joints of an answer, in the order of joint_names; NaN for those it does not have."""
@@ -272,18 +276,19 @@ class RecordBuilder:
         if self._last_servo_image is not None:
             self._images["final"], self._last_servo_image = np.array(self._last_servo_image, dtype=np.uint8), None
 
-        def table(name, *shape):
-            found = self._numbers[:len(rows), self._columns[name][0]].copy()
-            return found.reshape((len(rows), *shape)) if shape else found
+        self._write()
+
+        def table(name):
+            return np.concatenate([np.empty((0, *self._shapes[name])), *self._tables[name]])[:len(rows)].copy()
 
         return RunRecord(
             scenario=self.scenario, settings=self.settings, joint_names=self.joint_names,
             feature_names=self.feature_names, stamp_ns=stamp_ns, phase=np.array(columns[1], dtype=str),
             status=np.array(columns[2], dtype=int), status_text=np.array(columns[3], dtype=str),
             s=table("s"), s_star=table("s_star"), e=table("e"), twist=table("twist"), q=table("q"),
-            set_point=table("set_point"), raw=table("raw"), X_WC=table("X_WC", 4, 4), stop=table("stop"),
+            set_point=table("set_point"), raw=table("raw"), X_WC=table("X_WC"), stop=table("stop"),
             X_WT=None if X_WT is None else np.array(X_WT, dtype=float),
-            target_poses=table("X_WT", 4, 4) if self._moving else None,
+            target_poses=table("X_WT") if self._moving else None,
             desired_image=self._images.get("desired"), initial_image=self._images.get("initial"),
             final_image=self._images.get("final"), images=dict(self._all_images),
             camera_info=dict(camera_info or {}), run_hash=str(run_hash),

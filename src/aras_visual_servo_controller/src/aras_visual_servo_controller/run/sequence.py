@@ -62,9 +62,9 @@ class ExperimentSequence:
         self.phase = phase
         self.result: Optional[SequenceResult] = None
         self.teach_stamp_ns = self.servo_stamp_ns = None
-        self._last_ns = self._since_ns = self._trajectory = self._set_point = self._last_q = None
+        self._last_ns = self._since_ns = self._trajectory = self._set_point = self._before_q = self._last_q = None
         self._teaching = None
-        self._e, self._speed = self._no_features, np.inf
+        self._e = self._no_features
         self._dt_s = self.config.image_period_s
 
     def use(self, servo) -> None:
@@ -122,9 +122,7 @@ class ExperimentSequence:
             q = self._kinematics.vector(observation.q)
             if q.shape != (self._n,) or not isfinite(sum(q.tolist())):
                 raise ParameterError(f"joint positions {q} are not {self._n} finite numbers")
-            if self._last_q is not None:
-                self._speed = max(map(abs, self._kinematics.way(self._last_q, q).tolist())) / self._dt_s
-            self._last_ns, self._last_q = stamp_ns, q
+            self._last_ns, self._before_q, self._last_q = stamp_ns, self._last_q, q
             return self._advance(observation, q)
         except ArasError as error:
             return self._end(stamp_ns, Status.FAULT, f"{self.phase}: {error}")
@@ -172,13 +170,19 @@ class ExperimentSequence:
 
     def _follow(self, stamp_ns):
         t_s = 1e-9 * (stamp_ns - self._begin_ns)
-        self._set_point, q_dot = self._trajectory.position(t_s), self._trajectory.velocity(t_s, self._dt_s)
+        self._set_point, q_dot = self._trajectory.step(t_s, self._dt_s)
         by_name = self._kinematics.by_name
         return Command(stamp_ns, by_name(self._set_point), by_name(q_dot)), self._record(stamp_ns, q_dot, self.phase)
 
     def _settled(self, stamp_ns):
         waited_s = 1e-9 * (stamp_ns - self._since_ns) - self.config.settle_s
-        return waited_s >= 0.0 and (self._speed < self.config.settle_speed or waited_s >= self.config.settle_limit_s)
+        return waited_s >= 0.0 and (waited_s >= self.config.settle_limit_s or self._speed() < self.config.settle_speed)
+
+    def _speed(self):
+        """Of the fastest joint between the last two images [m/s or rad/s], inf before there were two."""
+        if self._before_q is None:
+            return inf
+        return float(np.abs(self._kinematics.way(self._before_q, self._last_q)).max()) / self._dt_s
 
     def _held_joint(self, q):
         """Which joint has not come to where it was sent, in words; an empty text if all have."""

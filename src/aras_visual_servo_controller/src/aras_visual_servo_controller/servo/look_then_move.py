@@ -91,8 +91,8 @@ class LookThenMove:
         """(set-points, velocities), (n,) each, of the move under way, for the next dt_s."""
         t_s = 1e-9 * (stamp_ns - self._begin_ns)
         self._followed_s = t_s + dt_s
-        self.set_point = self._move.position(t_s)
-        return self.set_point, self._move.velocity(t_s, dt_s)
+        self.set_point, q_dot = self._move.step(t_s, dt_s)
+        return self.set_point, q_dot
 
     def break_off(self, stamp_ns):
         """End the move where the integrated set-point now is, (n,); the next look starts from there."""

@@ -264,6 +264,7 @@ class Servo:
         if getattr(twist, "shape", None) != (6,) or not isfinite(sum(twist.tolist())):
             return self._rest(stamp_ns, Status.FAULT, f"law '{law.name}' gave a twist that is not six finite numbers")
         self._applied, self._s, self._e, self._cond_l = twist, answer.s, answer.e, answer.condition
+        self._e_shown = np.array(answer.e)
         self._lost.servoed(q, features)
         if self._lost.recoveries:
             twist = twist * self._lost.factor
@@ -308,7 +309,7 @@ class Servo:
     def _judge(self, stamp_ns, X_BC, answer, holds_tilt):
         """Judge this image: (whether all errors are below their thresholds, the answer that ends the servo or None)."""
         tilt = self._arm.tilt_of(X_BC) if holds_tilt else None
-        pose = answer.pose if answer.pose is not None else self._goal_pose.of(self._e, tilt)
+        pose = answer.pose if answer.pose is not None else self._goal_pose.of(self._e_shown, tilt)
         of_law = answer.pose is not None
         arrived = self._stop.arrived(stamp_ns, self._e, tilt, pose, X_BC, of_law) and answer.settled
         published = self.config.stop.rule == "published"
@@ -417,6 +418,7 @@ class Servo:
         self._stop.clear()
         self._creep.clear()
         self._s = self._e = (nan,) * len(self._features)
+        self._e_shown = np.array(self._e)
         self._twist, self._manipulability, self._cond_l = np.zeros(6), nan, nan
 
     def _rest(self, stamp_ns, status, text):
@@ -436,6 +438,6 @@ class Servo:
     def _record(self, stamp_ns, text, q_dot, set_point):
         return ServoRecord(
             stamp_ns, self.status, text, "servo", self.status == Status.CONVERGED, self._features.names,
-            np.array(self._s), self._s_star, np.array(self._e), self._twist, self._kinematics.joint_names, self._q,
+            np.array(self._s), self._s_star, self._e_shown, self._twist, self._kinematics.joint_names, self._q,
             q_dot, set_point, self._manipulability, self._cond_l, *self._stop.judged,
         )  # fmt: skip

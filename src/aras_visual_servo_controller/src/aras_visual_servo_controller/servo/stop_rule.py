@@ -102,7 +102,7 @@ class GoalPose:
             return None
         if self._of_tilt is None or tilt is None:
             return self._inverse @ e
-        return self._inverse @ e + self._of_tilt @ tilt
+        return self._inverse @ e + self._of_tilt @ np.array(tilt)
 
 
 class StopRule:
@@ -146,7 +146,7 @@ class StopRule:
             X_BC: (4, 4) pose of the camera by the joints.
             pose_of_law: the pose is the law's own and not that of e, so that a small e does not say that it holds.
         """
-        tilt_rad = nan if tilt is None else float(tilt @ tilt) ** 0.5
+        tilt_rad = nan if tilt is None else (tilt[0] * tilt[0] + tilt[1] * tilt[1]) ** 0.5
         self.close = self._is_close(e, tilt_rad, pose if pose_of_law else None)
         if not self.close:
             self.clear()

@@ -177,3 +177,26 @@ def test_wish_returns_to_the_posture_within_its_speed():
     wish = Wish(LOWER, UPPER, 2.0, 0.0, 0.5)
     np.testing.assert_allclose(wish(np.array([1.1, 9.0]), np.array([1.0, 9.1])), [-0.2, 0.2], atol=ROUNDING)
     np.testing.assert_allclose(wish(np.array([3.0, 9.0]), np.array([1.0, 9.1])), [-0.5, 0.025], atol=ROUNDING)
+
+
+def test_a_turn_about_a_point_is_what_the_arm_achieves_of_it_and_keeps_the_point():
+    kinematics, turn, point = arm(), (0.03, -0.05), np.array([0.1, -0.2, 0.6])
+    found = TwistInverse((1.0,) * 6)(kinematics.jacobian(kinematics.vector(GOAL)))
+    twist = found.turn_about(turn, point)
+    achieved = found.achieved(np.array([0.0, 0.0, 0.0, *turn, 0.0]))
+    assert twist[3:].tolist() == [achieved[3], achieved[4], 0.0] and not np.allclose(twist[3:5], turn)
+    np.testing.assert_allclose(twist[:3] + np.cross(twist[3:], point), 0.0, atol=ROUNDING)
+
+
+@pytest.mark.parametrize("most_part", [1e-3, 10.0])
+def test_the_correction_for_another_jacobian_is_the_inverse_of_the_difference_and_bounded(most_part):
+    kinematics = arm()
+    q, q_dot = kinematics.vector(START), np.array([0.3, -0.1, 0.2, 0.4, -0.3, 0.1])
+    J, half_way = kinematics.jacobian(q), kinematics.jacobian(q + 0.01 * q_dot)
+    found = TwistInverse((1.0,) * 6)(J)
+    wanted = found.joint_velocity((J - half_way) @ q_dot)
+    assert 1e-3 < np.linalg.norm(wanted) / np.linalg.norm(q_dot) < 10.0  # so that one bound acts, the other does not
+    wanted *= min(1.0, most_part * np.linalg.norm(q_dot) / np.linalg.norm(wanted))
+    np.testing.assert_allclose(found.turning(J, half_way, q_dot, most_part), wanted, atol=ROUNDING)
+    with pytest.raises(ShapeError, match="jacobian: 6 and 5 columns"):
+        found.turning(J, half_way[:, :5], q_dot, most_part)

@@ -1,11 +1,15 @@
 """What a browser draws: the URDF's tree and meshes, and the scene."""
 
+import io
+
 import numpy as np
+import PIL.Image
 import pytest
 from scipy.spatial.transform import Rotation
 
 from aras_visual_servo_controller.config.files import resolve_uri
 from aras_visual_servo_controller.ground.errors import ModelError
+from aras_visual_servo_controller.live.hub import jpeg
 from aras_visual_servo_controller.live.view.meshes import STEPS, as_block, mesh_block, triangles_of
 from aras_visual_servo_controller.live.view.robot import mesh_blocks, robot_of
 from aras_visual_servo_controller.live.view.scene import pose_numbers, scene_of
@@ -111,3 +115,14 @@ def test_pose_numbers_are_those_of_the_library():
         numbers = pose_numbers(X)
         assert Rotation.from_quat(numbers[3:]).as_matrix() == pytest.approx(rotation, abs=5e-6)
         assert numbers[:3] == pytest.approx(X[:3, 3], abs=1e-6)
+
+
+@pytest.mark.parametrize("encoding", ("rgb8", "bgr8", "mono8"))
+def test_a_jpeg_has_the_colours_of_the_image(encoding):
+    colours = np.array([[[250, 20, 20], [20, 250, 20]], [[20, 20, 250], [128, 128, 128]]], dtype=np.uint8)
+    image = np.kron(colours, np.ones((16, 16, 1), np.uint8))
+    sent = {"rgb8": image, "bgr8": image[:, :, ::-1], "mono8": image[:, :, 0]}[encoding]
+    shown = np.asarray(PIL.Image.open(io.BytesIO(jpeg(sent, encoding))))
+    error = np.abs(shown.astype(int) - (image[:, :, 0] if encoding == "mono8" else image))
+    # Loss of the compression. Colours are kept for 2 x 2 pixels each and blurred over the next.
+    assert max(error[i:i + 8, j:j + 8].max() for i in (4, 20) for j in (4, 20)) <= 6

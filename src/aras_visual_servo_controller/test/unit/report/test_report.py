@@ -7,6 +7,7 @@ import hashlib
 import io
 import json
 import math
+import os
 import re
 import subprocess
 import sys
@@ -17,7 +18,8 @@ import pytest
 import yaml
 from synthetic import SETTINGS, make_record
 
-from aras_visual_servo_controller.report import report
+from aras_visual_servo_controller.report import report, template
+from aras_visual_servo_controller.report.drawing import Drawing
 from aras_visual_servo_controller.report.pictures import PANELS, image_of
 from aras_visual_servo_controller.report.plots import plots_of
 from aras_visual_servo_controller.report.report import (ResultFolderError, create_result_folder, format_summary,
@@ -197,3 +199,33 @@ def test_numbers_survive_when_there_is_nothing_to_judge(tmp_path):
 def test_settings_of_the_run_are_in_the_report(saved):
     text = (saved[1] / "report.html").read_text()
     assert SETTINGS["servo"]["law"] in text and "experiment.judge" in text
+
+
+def test_a_process_beside_draws_the_same_figure_and_tells_of_a_file_that_it_cannot_write(saved, tmp_path):
+    with Drawing() as drawing:
+        summary = save_results(saved[0], tmp_path, drawing=drawing)
+        with pytest.raises(FileNotFoundError):
+            drawing.save(saved[0], tmp_path / "figure.png", tmp_path / "missing" / "figure.pdf")()
+    assert summary["passed"] == saved[2]["passed"]
+    for name in ("figure.png", "figure.pdf"):
+        assert (tmp_path / name).read_bytes() == (saved[1] / name).read_bytes()
+
+
+def test_a_run_without_a_lens_does_not_wait_for_opencv(tmp_path):
+    program = ("import sys; from aras_visual_servo_controller.cli.run import run_main; "
+               "code = run_main(['experiment_1', '--in-process', '--output', sys.argv[1]]); "
+               "sys.exit('imported' if 'cv2' in sys.modules else code)")
+    run = subprocess.run([sys.executable, "-c", program, str(tmp_path)], capture_output=True, text=True,
+                         env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)})
+    assert run.returncode == 0, run.stderr
+    assert "<svg" in next(tmp_path.rglob("report.html")).read_text()
+
+
+def test_the_page_is_the_same_where_templates_cannot_be_kept_compiled(saved, tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.gettempdir", lambda: str(tmp_path / "missing"))
+    template._environment.cache_clear()
+    try:
+        save_results(saved[0], tmp_path)
+    finally:
+        template._environment.cache_clear()
+    assert (tmp_path / "report.html").read_bytes() == (saved[1] / "report.html").read_bytes()

@@ -38,6 +38,7 @@ struct ContactConfig {
   std::vector<std::pair<std::string, std::string>> pairs;
   std::optional<GroundPlane> ground;
   double friction;                            ///< Coulomb's coefficient of the pairs
+  std::map<std::string, double> frictions;    ///< of links and solids by name; the smallest of a contact counts
   double stiffness_n_per_m;                   ///< normal force per depth at each point of contact
   double damping_n_s_per_m;                   ///< normal force per speed of approach
   std::map<std::string, double> free_bodies;  ///< solid: mass [kg]

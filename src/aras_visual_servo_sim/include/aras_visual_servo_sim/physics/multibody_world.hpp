@@ -152,6 +152,17 @@ class MultibodyWorld {
   Twist linkTwist(int link) const;
   Twist linkTwist(const std::string& link) const;
 
+  // --- forces from outside, and what sensors measure, world_forces.cpp
+  /** Forces at the centres of mass of links from now on, in world axes [f; tau], and on joints, besides those of their
+   *  actuators [N or N m]; by name, in the place of all there were. A reset ends them.
+   *  @throws UnknownNameError, NotFiniteError; nothing changes then */
+  void push(const std::map<std::string, Twist>& links, const std::map<std::string, double>& joints);
+  /** [a; dw/dt] of a link's origin and axes in the last step, in the axes of the link; gravity is no part of it. */
+  Twist linkAcceleration(const std::string& link) const;
+  /** What the child link of a joint, fixed ones too, exerted on its parent in the last step: [f; tau about the child's
+   *  origin] in the child's axes. @throws UnknownNameError */
+  Twist jointWrench(const std::string& joint) const;
+
   /** Inertia matrix the joints see before mimic joints are taken out, a free base following, (n, n). */
   Eigen::MatrixXd massMatrix() const;
   /** Kinetic plus potential energy (zero where every centre of mass is at the world origin) [J]. */

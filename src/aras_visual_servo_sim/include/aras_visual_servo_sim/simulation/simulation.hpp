@@ -123,6 +123,10 @@ class Simulation {
   void switchControllers(const std::vector<std::string>& start, const std::vector<std::string>& stop, bool strict) {
     world_->switchControllers(start, stop, strict);
   }
+  /** As MultibodyWorld::push. */
+  void push(const std::map<std::string, Twist>& links, const std::map<std::string, double>& joints) {
+    world_->push(links, joints);
+  }
   Controller& runningController(const std::string& name) { return world_->runningController(name); }
   void setGroupCommand(const std::string& controller, const std::vector<double>& values) {
     world_->setGroupCommand(controller, values);

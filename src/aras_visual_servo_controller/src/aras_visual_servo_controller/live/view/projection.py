@@ -30,7 +30,6 @@ def project(xy, camera_info):
     Raises:
         ParameterError: there is no camera_info.
     """
-    import cv2
     if not camera_info:
         raise ParameterError("the record has no camera_info (record the group features)")
     K = np.array(camera_info["K"], dtype=float).reshape(3, 3)
@@ -42,6 +41,7 @@ def project(xy, camera_info):
     if not D.any() and camera_info.get("distortion_model") != "equidistant":
         pixels[seen] = xy[seen] * K[[0, 1], [0, 1]] + K[:2, 2]
         return pixels
+    import cv2  # only for a lens: it is slow to import
     points = np.column_stack([xy[seen], np.ones(seen.sum())])
     zero = np.zeros(3)
     if camera_info.get("distortion_model") == "equidistant":

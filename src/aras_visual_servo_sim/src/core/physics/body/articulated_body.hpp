@@ -3,6 +3,7 @@
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 
 #include <Eigen/Core>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -33,6 +34,10 @@ class ArticulatedBody {
   /** Velocities dt_s later under gravity and the velocity-dependent forces alone, from velocities v. */
   void freeVelocities(const Eigen::VectorXd& v, double dt_s, Eigen::VectorXd& v_free);
 
+  /** Forces from outside in the steps to come: on links in world axes [f; tau about the link's origin], and on joints.
+   *  To be called again whenever the body has moved. */
+  void push(const std::map<int, Twist>& links, const std::map<int, double>& joints);
+
   /** Inertia matrix the joints see, a free base following: row-major (n, n), both triangles. */
   void massMatrix(std::vector<double>& M) const;
 
@@ -45,6 +50,9 @@ class ArticulatedBody {
 
   Pose linkPose(int link) const;
   Twist linkTwist(int link, const Eigen::VectorXd& v) const;
+  /** Acceleration of a link's origin and of its axes, [a; dw/dt] in world axes.
+   *  @param v, a  velocities and accelerations of the joints  @param base_a  of a free base, as its velocity() */
+  Twist linkAcceleration(int link, const Eigen::VectorXd& v, const Eigen::VectorXd& a, const Twist& base_a) const;
   /** Whether a link can move at all. */
   bool moves(int link) const { return link_body_[link] >= 0 || (base_ && link_body_[link] != kOnWorld); }
   /** Whether two links are carried by one body, or by two with one joint between them. */

@@ -30,6 +30,8 @@ ContactConfig readContacts(YamlReader reader) {
   config.friction = reader.get<double>("friction");
   config.stiffness_n_per_m = reader.get<double>("stiffness_n_per_m");
   config.damping_n_s_per_m = reader.get<double>("damping_n_s_per_m");
+  YamlReader frictions = reader.section("frictions");
+  for (const std::string& name : frictions.keys()) config.frictions[name] = frictions.get<double>(name);
   YamlReader bodies = reader.section("free_bodies");
   for (const std::string& name : bodies.keys()) config.free_bodies[name] = bodies.get<double>(name);
   return config;

@@ -145,9 +145,9 @@ void ContactShapes::watchPair(int a, int b, double friction) {
   }
 }
 
-void ContactShapes::watchGround(int body) {
+void ContactShapes::watchGround(int body, double friction) {
   for (std::size_t i = 0; i < shapes_.size(); ++i) {
-    if (shapes_[i]->body == body) grounded_.push_back(i);
+    if (shapes_[i]->body == body) grounded_.emplace_back(i, friction);
   }
 }
 
@@ -161,24 +161,24 @@ void ContactShapes::place(int body, const Pose& X_WB) {
 
 const std::vector<ContactPoint>& ContactShapes::find() {
   points_.clear();
-  for (const std::size_t i : grounded_) findOnGround(*shapes_[i]);
+  for (const auto& [i, friction] : grounded_) findOnGround(*shapes_[i], friction);
   for (const Pair& pair : pairs_) findBetween(pair);
   return points_;
 }
 
-void ContactShapes::addGroundPoint(const Shape& shape, const Vector3d& p_W) {
+void ContactShapes::addGroundPoint(const Shape& shape, double friction, const Vector3d& p_W) {
   const double depth = config_.ground->z_m - p_W.z();
   if (!(depth > 0.0)) return;
   // The force acts half way between the two surfaces, as Bullet has it between any two shapes.
-  points_.push_back({shape.body, ContactPoint::kGround, p_W + Vector3d(0.0, 0.0, 0.5 * depth), Vector3d::UnitZ(), depth,
-                     config_.ground->friction});
+  points_.push_back(
+      {shape.body, ContactPoint::kGround, p_W + Vector3d(0.0, 0.0, 0.5 * depth), Vector3d::UnitZ(), depth, friction});
 }
 
-void ContactShapes::findOnGround(const Shape& shape) {
+void ContactShapes::findOnGround(const Shape& shape, double friction) {
   const std::size_t first = points_.size();
   const Pose& X = shape.X_WS;
   if (shape.geometry.type == Geometry::Type::kSphere) {
-    addGroundPoint(shape, X.p - Vector3d(0.0, 0.0, shape.geometry.radius_m));
+    addGroundPoint(shape, friction, X.p - Vector3d(0.0, 0.0, shape.geometry.radius_m));
   } else if (shape.geometry.type == Geometry::Type::kCylinder) {
     // On each rim the lowest point and those a quarter of a turn from it.
     const Vector3d axis = X.q * Vector3d::UnitZ();
@@ -187,11 +187,11 @@ void ContactShapes::findOnGround(const Shape& shape) {
     const Vector3d side = axis.cross(down);
     for (const double end : {-0.5, 0.5}) {
       for (const Vector3d& out : {down, side, Vector3d(-down), Vector3d(-side)}) {
-        addGroundPoint(shape, X.p + end * shape.geometry.length_m * axis + shape.geometry.radius_m * out);
+        addGroundPoint(shape, friction, X.p + end * shape.geometry.length_m * axis + shape.geometry.radius_m * out);
       }
     }
   } else {
-    for (const Vector3d& corner : shape.corners) addGroundPoint(shape, X * corner);
+    for (const Vector3d& corner : shape.corners) addGroundPoint(shape, friction, X * corner);
   }
   thinOut(points_, first);
 }

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "aras_visual_servo_sim/physics/contact_config.hpp"
@@ -27,7 +28,7 @@ class ContactShapes {
 
   /** The pairs and bodies to look at from now on. */
   void watchPair(int a, int b, double friction);
-  void watchGround(int body);
+  void watchGround(int body, double friction);
 
   /** Places all shapes of a body. */
   void place(int body, const Pose& X_WB);
@@ -49,14 +50,14 @@ class ContactShapes {
     double friction;
   };
 
-  void findOnGround(const Shape& shape);
-  void addGroundPoint(const Shape& shape, const Eigen::Vector3d& p_W);
+  void findOnGround(const Shape& shape, double friction);
+  void addGroundPoint(const Shape& shape, double friction, const Eigen::Vector3d& p_W);
   void findBetween(const Pair& pair);
 
   ContactConfig config_;
   std::vector<std::unique_ptr<Shape>> shapes_;
   std::vector<Pair> pairs_;
-  std::vector<std::size_t> grounded_;
+  std::vector<std::pair<std::size_t, double>> grounded_;  // of shapes_, friction
   std::vector<ContactPoint> points_;
   btDefaultCollisionConfiguration bullet_config_;
   btCollisionDispatcher dispatcher_;

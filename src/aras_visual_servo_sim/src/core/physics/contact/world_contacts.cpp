@@ -1,6 +1,7 @@
 #include "world_contacts.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 
@@ -111,6 +112,12 @@ std::vector<int> WorldContacts::idsOf(const std::string& name) const {
   throw ParameterError("sim/contacts/pairs: found " + name + ", allowed names with a shape: " + known);
 }
 
+/** As configured by name; without, no bound. */
+double WorldContacts::frictionOf(int id) const {
+  const auto found = config_.frictions.find(nameOf(id));
+  return found == config_.frictions.end() ? std::numeric_limits<double>::infinity() : found->second;
+}
+
 bool WorldContacts::moves(int id, const ArticulatedBody& body) const {
   const int links = static_cast<int>(model_.links.size());
   return id < links ? body.moves(id) : freeBodyOf(id) >= 0;
@@ -139,13 +146,13 @@ void WorldContacts::watchPairs(const ArticulatedBody& body) {
                                "], must be two with a shape each, "
                                "one of them moving, and not links with only a joint between them");
         }
-        if (mayTouch(a, b, body)) shapes_.watchPair(a, b, config_.friction);
+        if (mayTouch(a, b, body)) shapes_.watchPair(a, b, std::min({config_.friction, frictionOf(a), frictionOf(b)}));
       }
     }
   }
   if (!config_.ground) return;
   for (const int id : idsOf(kAll)) {
-    if (moves(id, body)) shapes_.watchGround(id);
+    if (moves(id, body)) shapes_.watchGround(id, std::min(config_.ground->friction, frictionOf(id)));
   }
 }
 

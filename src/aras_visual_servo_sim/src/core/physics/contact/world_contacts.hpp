@@ -59,6 +59,7 @@ class WorldContacts {
   void watchPairs(const ArticulatedBody& body);
   bool mayTouch(int a, int b, const ArticulatedBody& body) const;
   std::vector<int> idsOf(const std::string& name) const;
+  double frictionOf(int id) const;
   bool moves(int id, const ArticulatedBody& body) const;
   int freeBodyOf(int id) const;
   void layOut(const ArticulatedBody& body, const JointCoupling& coupling);

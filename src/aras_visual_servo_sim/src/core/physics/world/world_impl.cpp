@@ -53,7 +53,7 @@ MultibodyWorld::Impl::Impl(const RobotModel& the_model, const WorldConfig& the_c
   }
   const int n = driven ? static_cast<int>(DrivenBase::coordinates().size()) : model.dofs();
   const int coordinates = coupling.coordinates();
-  q = v = v_free = effort = Eigen::VectorXd::Zero(n);
+  q = v = v_before = v_free = effort = Eigen::VectorXd::Zero(n);
   v_next = v_free_c = total = Eigen::VectorXd::Zero(coordinates);
   M.resize(static_cast<std::size_t>(n) * n);
   M_c.resize(static_cast<std::size_t>(coordinates) * coordinates);
@@ -107,6 +107,9 @@ void MultibodyWorld::Impl::start() {
   ticks = 0;
   unsettled_steps = 0;
   v.setZero();
+  v_before.setZero();
+  base_before.setZero();
+  endPushes();
   effort.setZero();
   if (!driven) coupling.complete(q, v);
   for (std::size_t c = 0; c < drives.size(); ++c) drives[c].start(q[coupling.joint(static_cast<int>(c))]);
@@ -149,6 +152,9 @@ void MultibodyWorld::Impl::step() {
     return;
   }
   if (!acting_.empty()) letControllersAct();
+  if (!link_pushes.empty() || !joint_pushes.empty()) letOutsidePush();
+  v_before = v;
+  if (body.base()) base_before = body.base()->velocity();
   const int coordinates = coupling.coordinates();
   for (int c = 0; c < coordinates; ++c) {
     const int i = coupling.joint(c);

@@ -55,6 +55,17 @@ class MultibodyWorld::Impl {
   std::vector<JointNow> jointsOf(const Controller& controller) const;
   double timeS() const { return static_cast<double>(ticks) * config.period_s; }
 
+  // --- world_forces.cpp
+  Eigen::VectorXd acceleration() const { return (v - v_before) / config.period_s; }
+  Twist baseAcceleration() const;
+  /** Lets what pushes from outside act in the step to come, where the body is now. */
+  void letOutsidePush();
+  /** Centre of mass of a link in the world. */
+  Eigen::Vector3d pushedPoint(int link) const;
+  /** Nothing pushes. */
+  void endPushes();
+  void savePushes(MemoryWriter& out) const;
+
   /** Index of an obstacle of the contacts. @throws UnknownNameError */
   std::size_t obstacle(const std::string& name) const;
   void setContacts(const ContactConfig& config);
@@ -82,6 +93,10 @@ class MultibodyWorld::Impl {
   std::vector<JointGraph> graphs;
   std::vector<double> M, M_c;               // of the joints, of the coordinates
   Eigen::VectorXd q, v, v_free, effort;     // of the joints
+  Eigen::VectorXd v_before;                 // v of the step before
+  Twist base_before = Twist::Zero();        // of a free base, likewise
+  std::map<int, Twist> link_pushes;         // from outside, on links by index
+  std::map<int, double> joint_pushes;       // on joints
   Eigen::VectorXd v_next, v_free_c, total;  // of the coordinates
   std::int64_t ticks = 0;
   std::uint64_t unsettled_steps = 0;

@@ -47,7 +47,33 @@ void visitMemory(Stream& stream, DriveMemory& memory) {
   stream.value(memory.pid.last_error_valid);
 }
 
+void readPushes(MemoryReader& in, std::map<int, Twist>& links, std::map<int, double>& joints) {
+  for (auto left = in.count(); left > 0; --left) {
+    int link = 0;
+    in.get(link);
+    for (int k = 0; k < 6; ++k) in.get(links[link][k]);
+  }
+  for (auto left = in.count(); left > 0; --left) {
+    int joint = 0;
+    in.get(joint);
+    in.get(joints[joint]);
+  }
+}
+
 }  // namespace
+
+void MultibodyWorld::Impl::savePushes(MemoryWriter& out) const {
+  out.put<std::uint64_t>(link_pushes.size());
+  for (const auto& [link, wrench] : link_pushes) {
+    out.put(link);
+    for (int k = 0; k < 6; ++k) out.put(wrench[k]);
+  }
+  out.put<std::uint64_t>(joint_pushes.size());
+  for (const auto& [joint, effort] : joint_pushes) {
+    out.put(joint);
+    out.put(effort);
+  }
+}
 
 template <typename Stream>
 void MultibodyWorld::Impl::visitState(Stream& stream) {
@@ -62,6 +88,8 @@ void MultibodyWorld::Impl::visitState(Stream& stream) {
     stream.value(v[i]);
     stream.value(effort[i]);
   }
+  for (int i = 0; i < model.dofs(); ++i) stream.value(v_before[i]);
+  for (int k = 0; k < 6; ++k) stream.value(base_before[k]);
   for (auto& drive : drives) visitMemory(stream, drive.memory());
   if (body.base()) visitBase(stream, *body.base());
   if (contacts) visitContacts(stream, *contacts);
@@ -88,6 +116,7 @@ std::string MultibodyWorld::saveState() const {
   impl_->visitState(writer);
   MemoryWriter controllers;
   impl_->controllers.save(controllers);
+  impl_->savePushes(controllers);
   return writer.bytes() + controllers.bytes();
 }
 
@@ -102,8 +131,14 @@ void MultibodyWorld::restoreState(const std::string& state) {
   }
   MemoryReader loaded(state, whole.bytes().size());
   ControllerSet controllers = ControllerSet::restored(loaded, impl_->model);
+  std::map<int, Twist> link_pushes;
+  std::map<int, double> joint_pushes;
+  readPushes(loaded, link_pushes, joint_pushes);
   if (!loaded.atEnd()) throw StateError("state: found bytes after its end, must be of a world like this");
   impl_->adopt(std::move(controllers));
+  impl_->endPushes();
+  impl_->link_pushes = std::move(link_pushes);
+  impl_->joint_pushes = std::move(joint_pushes);
   StateReader reader(state, mine.bytes().size());
   impl_->visitState(reader);
   impl_->body.setPositions(impl_->q);

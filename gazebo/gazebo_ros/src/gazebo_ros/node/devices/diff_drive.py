@@ -1,0 +1,123 @@
+"""A base on two wheels that are driven by a twist: cmd_vel in; odometry, transforms and joint states out."""
+import math
+
+import numpy
+from geometry_msgs.msg import TransformStamped, Twist, Vector3
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import JointState
+from tf2_msgs.msg import TFMessage
+
+from ...world.devices import DiffDrive, named
+from ...world.poses import matrix_of
+from ..convert import pose_message, stamp
+from .outlet import Outlet, serves
+
+NEAR_M_S = 0.01  #: a wheel that is this near to its wanted speed gets it at once
+#: Variances of x, y, z, roll, pitch, yaw, as Gazebo's plugin states them.
+VARIANCES = (1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3)
+
+
+@serves(DiffDrive)
+class DiffDriveOutlet(Outlet):
+    def open(self):
+        device = self.device
+        self._wanted = (0.0, 0.0)          # of the base [m/s, rad/s]
+        self._issued = numpy.zeros(2)      # speed of the rims, left and right [m/s]
+        self._counted = numpy.zeros(3)     # x, y [m], yaw [rad] by the wheels
+        self._turned = self._wheels("joint_positions")
+        self.listen(named(device.namespace, device.command_topic), Twist, self._command)
+        self._transforms = self.advertise("/tf", TFMessage)
+        self._odometry = self._states = None
+        if device.publishes_odometry:
+            self._odometry = self.advertise(named(device.namespace, device.odometry_topic), Odometry)
+        if device.publishes_joint_states:
+            self._states = self.advertise(named(device.namespace, "joint_states"), JointState)
+
+    def _command(self, message):
+        self._wanted = (message.linear.x, message.angular.z)
+        if not all(map(math.isfinite, self._wanted)):
+            self._wanted = (0.0, 0.0)
+
+    def _wheels(self, what):
+        names, values = self.simulation.joint_names, getattr(self.simulation, what)
+        return numpy.array([values[names.index(joint)] for joint in self.device.joints()])
+
+    def time_reset(self, now_ns):
+        super().time_reset(now_ns)
+        self._wanted = (0.0, 0.0)
+        self._issued, self._counted = numpy.zeros(2), numpy.zeros(3)
+        self._turned = self._wheels("joint_positions")
+
+    def send(self, now_ns):
+        if self.device.from_wheels:
+            self._count()
+        if self._odometry is not None:
+            self._send_odometry(now_ns)
+        if self.device.publishes_wheel_tf:
+            self._send_wheels(now_ns)
+        if self._states is not None:
+            message = JointState(name=list(self.device.joints()), position=list(map(float, self._turned_now())))
+            message.header.stamp = stamp(now_ns)
+            self._states.publish(message)
+        self._drive()
+
+    def _turned_now(self):
+        return self._wheels("joint_positions")
+
+    def _drive(self):
+        """Sets the wheels' speeds, both at once, no faster than the acceleration allows."""
+        device, radius = self.device, 0.5 * self.device.diameter_m
+        forward, turn = self._wanted
+        wanted = forward + numpy.array([-0.5, 0.5]) * turn * device.separation_m
+        rims = radius * self._wheels("joint_velocities")
+        if device.acceleration_m_s2 <= 0.0 or numpy.any(abs(wanted - rims) < NEAR_M_S):
+            self._issued = wanted
+        else:
+            most = device.acceleration_m_s2 / (device.rate_hz if device.rate_hz > 0.0 else 1000.0)
+            self._issued = self._issued + numpy.clip(wanted - rims, -most, most)
+        self.model.turn_wheels(device, self._issued / radius)
+
+    def _count(self):
+        turned = self._turned_now()
+        left, right = 0.5 * self.device.diameter_m * (turned - self._turned)
+        self._turned = turned
+        turn = (right - left) / self.device.separation_m
+        middle = self._counted[2] + 0.5 * turn
+        self._counted += (0.5 * (left + right) * math.cos(middle), 0.5 * (left + right) * math.sin(middle), turn)
+
+    def _send_odometry(self, now_ns):
+        device, message = self.device, Odometry()
+        if device.from_wheels:
+            x, y, yaw = self._counted
+            pose = matrix_of((x, y, 0.0), (0.0, 0.0, math.sin(0.5 * yaw), math.cos(0.5 * yaw)), "odometry")
+            left, right = 0.5 * device.diameter_m * self._wheels("joint_velocities")
+            velocity = (0.5 * (left + right), 0.0, (right - left) / device.separation_m)
+        else:
+            pose, twist = self.model.pose(), self.model.twist()
+            yaw = math.atan2(pose[1, 0], pose[0, 0])
+            velocity = (math.cos(yaw) * twist[0] + math.sin(yaw) * twist[1],
+                        math.cos(yaw) * twist[1] - math.sin(yaw) * twist[0], twist[5])
+        message.header.stamp, message.header.frame_id = stamp(now_ns), device.odometry_frame
+        message.child_frame_id = device.base_frame
+        message.pose.pose = pose_message(pose)
+        for k, variance in enumerate(VARIANCES):
+            message.pose.covariance[7 * k] = variance
+        message.twist.twist.linear = Vector3(float(velocity[0]), float(velocity[1]), 0.0)
+        message.twist.twist.angular.z = float(velocity[2])
+        self._odometry.publish(message)
+        if device.publishes_tf:
+            self._send_transform(message.header, device.base_frame, message.pose.pose)
+
+    def _send_transform(self, header, child, pose):
+        transform = TransformStamped(header=header, child_frame_id=child)
+        transform.transform.translation = Vector3(pose.position.x, pose.position.y, pose.position.z)
+        transform.transform.rotation = pose.orientation
+        self._transforms.publish([transform])
+
+    def _send_wheels(self, now_ns):
+        for joint in self.device.joints():
+            parent, child = self.model.description.parents[joint], self.model.description.children[joint]
+            message = Odometry()
+            message.header.stamp, message.header.frame_id = stamp(now_ns), parent
+            self._send_transform(message.header, child, pose_message(
+                numpy.linalg.inv(self.model.link_pose(parent)) @ self.model.link_pose(child)))

@@ -1,0 +1,183 @@
+"""What plugins of a URDF besides cameras and ros_control do, read with Gazebo's keys and defaults: one class a kind."""
+import dataclasses
+import xml.etree.ElementTree as ElementTree
+
+from .errors import SpawnError
+
+_READERS = {}
+
+
+def reads(*files):
+    """Decorator: this function reads plugins of these file names: f(plugin, sensor, link, namespace)."""
+    def note(reader):
+        _READERS.update((file, reader) for file in files)
+        return reader
+    return note
+
+
+def read_device(robot, plugin, sensor, link, namespace, warnings):
+    """
+    Args:
+        robot: element of the URDF.  plugin: its element.  sensor: element that it stands in, None for none.
+        link: that the element refers to.  namespace: full name, of the device's topics.
+        warnings: gets a line when a device is not made.
+    Returns:
+        A device, or None: no plugin of this kind, or one that names joints or links that are not there.
+    """
+    reader = _READERS.get(plugin.get("filename", "").rpartition("/")[2])
+    if reader is None:
+        return None
+    try:
+        device = reader(plugin, sensor, link, namespace)
+    except ValueError as error:
+        raise SpawnError("SpawnModel: plugin %s: %s" % (plugin.get("filename"), error)) from error
+    for tag, names in (("joint", device.joints()), ("link", device.links())):
+        known = {each.get("name") for each in robot.findall(tag)}
+        strangers = [name for name in names if name not in known]
+        if strangers:
+            warnings.append("plugin %s: there is no %s '%s'" % (plugin.get("filename"), tag, "', '".join(strangers)))
+            return None
+    return device
+
+
+class Device:
+    def joints(self):
+        """Names of the joints that must be there."""
+        return ()
+
+    def links(self):
+        return ()
+
+
+@dataclasses.dataclass(frozen=True)
+class DiffDrive(Device):
+    """Two wheels, driven by a twist. Lengths in m, torque in N m."""
+    namespace: str
+    left: str
+    right: str
+    separation_m: float
+    diameter_m: float
+    torque_n_m: float
+    acceleration_m_s2: float  #: 0: none is too high
+    rate_hz: float
+    command_topic: str
+    odometry_topic: str
+    odometry_frame: str
+    base_frame: str
+    from_wheels: bool         #: odometry adds up the wheels' turns, else it is the true pose
+    publishes_odometry: bool
+    publishes_tf: bool
+    publishes_wheel_tf: bool
+    publishes_joint_states: bool
+
+    def joints(self):
+        return self.left, self.right
+
+
+@dataclasses.dataclass(frozen=True)
+class Imu(Device):
+    """Orientation, angular velocity and specific force of a link."""
+    link: str
+    topic: str
+    frame: str
+    rate_hz: float
+    noise: float        #: standard deviation of what is measured [rad/s, m/s^2]
+    service: str = ""   #: which says that it is calibrated, "" for none
+
+    def links(self):
+        return (self.link,)
+
+
+@dataclasses.dataclass(frozen=True)
+class ForceTorque(Device):
+    """Wrench that the child link of a joint exerts on its parent."""
+    joint: str
+    topic: str
+    rate_hz: float
+    noise: float
+
+    def joints(self):
+        return (self.joint,)
+
+
+def text(element, key, otherwise=""):
+    child = None if element is None else element.find(key)
+    return child.text.strip() if child is not None and child.text and child.text.strip() else otherwise
+
+
+def number(element, key, otherwise):
+    found = text(element, key, str(otherwise))
+    try:
+        return float(found.split()[0])
+    except ValueError:
+        raise ValueError("<%s>: found %s, allowed is a number" % (key, found)) from None
+
+
+def flag(element, key, otherwise):
+    return text(element, key, str(otherwise)).lower() in ("true", "1")
+
+
+def named(namespace, topic):
+    """Full name of a topic: those that begin with / stay."""
+    return topic if topic.startswith("/") else namespace.rstrip("/") + "/" + topic
+
+
+@reads("libgazebo_ros_diff_drive.so")
+def diff_drive(plugin, _sensor, _link, namespace):
+    return DiffDrive(
+        namespace=namespace, left=text(plugin, "leftJoint", "left_joint"),
+        right=text(plugin, "rightJoint", "right_joint"), separation_m=number(plugin, "wheelSeparation", 0.34),
+        diameter_m=number(plugin, "wheelDiameter", 0.15), torque_n_m=number(plugin, "wheelTorque", 5.0),
+        acceleration_m_s2=number(plugin, "wheelAcceleration", 0.0), rate_hz=number(plugin, "updateRate", 100.0),
+        command_topic=text(plugin, "commandTopic", "cmd_vel"), odometry_topic=text(plugin, "odometryTopic", "odom"),
+        odometry_frame=text(plugin, "odometryFrame", "odom"),
+        base_frame=text(plugin, "robotBaseFrame", "base_footprint"),
+        from_wheels=text(plugin, "odometrySource", "world") in ("encoder", "0"),
+        publishes_odometry=flag(plugin, "publishTf", True), publishes_tf=flag(plugin, "publishOdomTF", True),
+        publishes_wheel_tf=flag(plugin, "publishWheelTF", False),
+        publishes_joint_states=flag(plugin, "publishWheelJointState", False))
+
+
+@reads("libgazebo_ros_imu.so", "libhector_gazebo_ros_imu.so")
+def imu(plugin, _sensor, _link, namespace):
+    link = text(plugin, "bodyName")
+    return Imu(link=link, topic=named(namespace, text(plugin, "topicName", "/default_imu")),
+               frame=text(plugin, "frameName", text(plugin, "frameId", link)),
+               rate_hz=number(plugin, "updateRate", 0.0), noise=number(plugin, "gaussianNoise", 0.0),
+               service=named(namespace, text(plugin, "serviceName", "/default_imu")))
+
+
+@reads("libgazebo_ros_imu_sensor.so")
+def imu_sensor(plugin, sensor, link, namespace):
+    return Imu(link=link, topic=named(namespace, text(plugin, "topicName", "imu_data")),
+               frame=text(plugin, "frameName", link),
+               rate_hz=number(plugin, "updateRateHZ", number(sensor, "update_rate", 1.0)),
+               noise=number(plugin, "gaussianNoise", 0.0))
+
+
+@reads("libgazebo_ros_ft_sensor.so")
+def force_torque(plugin, _sensor, _link, namespace):
+    return ForceTorque(joint=text(plugin, "jointName"), topic=named(namespace, text(plugin, "topicName", "ft_sensor")),
+                       rate_hz=number(plugin, "updateRate", 0.0), noise=number(plugin, "gaussianNoise", 0.0))
+
+
+def motorize(robot, drive):
+    """Gives the two wheels velocity motors of the drive's torque: a transmission and a limit in the URDF."""
+    for name in drive.joints():
+        for transmission in robot.findall("transmission"):
+            if name in [end.get("name") for end in transmission.findall("joint")]:
+                robot.remove(transmission)
+        transmission = ElementTree.SubElement(robot, "transmission", name="%s_motor" % name)
+        ElementTree.SubElement(transmission, "type").text = "transmission_interface/SimpleTransmission"
+        end = ElementTree.SubElement(transmission, "joint", name=name)
+        ElementTree.SubElement(end, "hardwareInterface").text = "hardware_interface/VelocityJointInterface"
+        ElementTree.SubElement(transmission, "actuator", name="%s_motor" % name)
+        joint = next(each for each in robot.findall("joint") if each.get("name") == name)
+        limit = joint.find("limit")
+        if limit is None:
+            limit = ElementTree.SubElement(joint, "limit")
+        limit.set("effort", str(drive.torque_n_m))
+        limit.set("velocity", str(FASTEST_RAD_S))
+
+
+FASTEST_RAD_S = 1000.0  #: of a wheel: no limit

@@ -1,0 +1,73 @@
+"""Wrenches on links and efforts on joints that somebody asked for, each from its beginning to its end."""
+import collections
+import dataclasses
+
+import numpy
+
+NEVER_NS = 2 ** 62
+
+
+@dataclasses.dataclass(frozen=True)
+class Push:
+    """One of them. `what` is a link or a joint of the model; `value` is (6,) [f; tau] in world axes at the centre of
+    mass of the link [N; N m], or the effort of a joint [N or N m]."""
+    model: str
+    what: str
+    is_joint: bool
+    value: object
+    begin_ns: int
+    end_ns: int
+
+
+class Pushes:
+    """All of a world. Those that act at the same time on one link or joint add up."""
+
+    def __init__(self, models):
+        """
+        Args:
+            models: dict of name -> Model, of the world.
+        """
+        self._models, self._pushes = models, []
+        self._pushed = set()
+
+    def add(self, model, what, is_joint, value, begin_ns, duration_ns, period_ns, now_ns):
+        """Lets a push act from begin_ns, or from now if that is over, for a duration; a negative one never ends, and
+        one of 0 acts for a period."""
+        begin_ns = max(begin_ns, now_ns)
+        end_ns = NEVER_NS if duration_ns < 0 else begin_ns + max(duration_ns, period_ns)
+        self._pushes.append(Push(model, what, is_joint, value, begin_ns, end_ns))
+        self.act(now_ns)
+
+    def clear(self, model, what, is_joint, now_ns):
+        """Ends all that act on a link or joint."""
+        self._pushes = [push for push in self._pushes
+                        if (push.model, push.what, push.is_joint) != (model, what, is_joint)]
+        self.act(now_ns)
+
+    def forget(self, model=None):
+        """Those of a model that is gone, or all."""
+        self._pushes = [push for push in self._pushes if model is not None and push.model != model]
+        self.act(0)
+
+    @property
+    def next_ns(self):
+        """When one of them begins or ends."""
+        return min((time for push in self._pushes for time in (push.begin_ns, push.end_ns) if time > self._acted_ns),
+                   default=NEVER_NS)
+
+    _acted_ns = -1
+
+    def act(self, now_ns):
+        """To be called at every stop of the world: what pushes now pushes until the next."""
+        self._acted_ns = now_ns
+        self._pushes = [push for push in self._pushes if push.end_ns > now_ns]
+        links, joints = collections.defaultdict(dict), collections.defaultdict(dict)
+        for push in self._pushes:
+            if push.begin_ns <= now_ns and push.model in self._models:
+                values = (joints if push.is_joint else links)[push.model]
+                values[push.what] = values.get(push.what, 0.0) + numpy.asarray(push.value, float)
+        for name in self._pushed | set(links) | set(joints):
+            if name in self._models:
+                self._models[name].simulation.push(
+                    links[name], {joint: float(effort) for joint, effort in joints[name].items()})
+        self._pushed = {name for name in self._models if links.get(name) or joints.get(name)}

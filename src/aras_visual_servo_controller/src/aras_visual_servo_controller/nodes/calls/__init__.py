@@ -1,0 +1,1 @@
+"""How nodes call one another: goals of the action `servo`, and services."""
