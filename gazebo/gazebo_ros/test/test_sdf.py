@@ -124,9 +124,9 @@ def test_the_empty_world_has_the_ground_and_the_sun():
 
 def test_physics_gravity_and_light_are_the_worlds():
     world, _ = filled("""<physics type='ode'><max_step_size>0.002</max_step_size></physics><gravity>0 0 -1.6</gravity>
-        <scene><ambient>1 1 1 1</ambient><background>0 0 1 1</background></scene>
+        <scene><ambient>1 1 1 1</ambient><background>0 0 1 1</background><shadows>0</shadows></scene>
         <light name='lamp' type='point'><pose>0 0 3 0 0 0</pose></light>""" + BOX + CAMERA)
-    assert world.settings.period_s == 0.002 and not world.settings.ground
+    assert world.settings.period_s == 0.002 and not world.settings.ground and not world.settings.shadows
     assert world.lights.names() == ["lamp"]
     world.step(500)
     fallen_m = 1.0 - world.models["box"].pose()[2, 3]
