@@ -1,8 +1,8 @@
 """How much of each joint's motion moves the camera, and how much is null-space motion: shares and a picture. No ROS."""
 
-import importlib
 from math import copysign
 
+import cv2  # imported when the node starts: loading it at the first picture would make an answer wait for it
 import numpy as np
 
 #: Colours of the picture, RGB.
@@ -32,11 +32,6 @@ def shares(split, q, q_dot, velocity_limits):
     return camera / limits, null / limits
 
 
-def prepare():
-    """Import what `draw` needs."""
-    importlib.import_module("cv2")
-
-
 def draw(names, camera, null):
     """Picture of both shares: two bars per joint from the middle, to the right for positive velocities.
 
@@ -47,7 +42,6 @@ def draw(names, camera, null):
     Returns:
         (h, w, 3) uint8 RGB.
     """
-    import cv2  # slow to import: whoever is in a hurry calls `prepare` before
     picture = np.full((_TOP + _ROW * len(names) + _BOTTOM, _WIDTH, 3), _PAPER, np.uint8)
     bottom, middle, half = len(picture) - _BOTTOM, (_LEFT + _RIGHT) // 2, (_RIGHT - _LEFT) // 2
 

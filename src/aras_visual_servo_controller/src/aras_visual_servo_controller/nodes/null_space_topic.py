@@ -6,22 +6,10 @@ import time
 import rospy
 from sensor_msgs.msg import Image
 
-from ..arm.null_space_bars import draw, prepare, shares
+from ..arm.null_space_bars import draw, shares
 from .conversions import picture_message
 
 PERIOD_S = 0.1  # wall time between two images
-
-
-class _Prepared(rospy.SubscribeListener):
-    """Imports what drawing needs when the first one subscribes, in the thread that connects: no answer waits for it."""
-
-    def __init__(self):
-        super().__init__()
-        self.done = False
-
-    def peer_subscribe(self, *_):
-        prepare()
-        self.done = True
 
 
 class NullSpaceTopic:
@@ -33,8 +21,7 @@ class NullSpaceTopic:
     def __init__(self, kinematics, servo):
         self._kinematics, self._servo = kinematics, servo
         self._wall_s = -PERIOD_S
-        self._prepared = _Prepared()
-        self._publisher = rospy.Publisher("null_space_bars", Image, self._prepared, queue_size=1)
+        self._publisher = rospy.Publisher("null_space_bars", Image, queue_size=1)
 
     def use(self, servo):
         """Go on with another servo."""
@@ -42,9 +29,7 @@ class NullSpaceTopic:
 
     def show(self, record, frame_id):
         """Show a `ServoRecord`, at most once every PERIOD_S of wall time."""
-        if not self._prepared.done or not self._publisher.get_num_connections():
-            return
-        if time.monotonic() - self._wall_s < PERIOD_S:
+        if not self._publisher.get_num_connections() or time.monotonic() - self._wall_s < PERIOD_S:
             return
         self._wall_s = time.monotonic()
         bars = shares(self._servo.split, record.q, record.q_dot, self._kinematics.velocity)
