@@ -5,6 +5,7 @@ import xml.etree.ElementTree as ElementTree
 
 from .devices import DiffDrive, motorize, read_device
 from .errors import SpawnError
+from .looks import paint_as_gazebo
 
 #: Plugins that are part of the simulator, by a piece of their file name.
 CONTROL, CAMERA = "gazebo_ros_control", "camera"
@@ -82,6 +83,7 @@ def read_description(xml, namespace, model):
         raise SpawnError("SpawnModel: Failure - entity format is invalid: found <%s>, allowed is <robot>" % robot.tag)
     warnings = drop_strangers(robot)
     free_followers(robot, warnings)
+    paint_as_gazebo(robot)
     control, devices = "", []
     for gazebo, plugin in [(each, plugin) for each in robot.findall("gazebo") for plugin in each.findall("plugin")]:
         gazebo.remove(plugin)  # the simulator would warn of what is used here

@@ -321,7 +321,7 @@ class ExperimentNode:
 
 
 def main():
-    """Entry of scripts/experiment. Returns the exit code, and writes it into the file ~exit_code_file if that is given.
+    """Entry of node experiment. Returns the exit code, and writes it into the file ~exit_code_file if that is given.
 
     roslaunch ends with 0 whatever its nodes ended with; a program that starts roslaunch reads the code from the file.
     """

@@ -1,0 +1,32 @@
+"""Colours of a model, as Gazebo has them."""
+from gazebo_ros.world.poses import matrix_of
+from gazebo_ros.world.world import World
+
+PLATE = """<robot name='plate'><link name='world'/>
+  <joint name='j' type='fixed'><parent link='world'/><child link='plate'/></joint>
+  <material name='grey'><color rgba='0.3 0.3 0.3 1'/></material>
+  <link name='plate'><visual><geometry><box size='2 2 0.01'/></geometry><material name='grey'/></visual></link>
+  <joint name='k' type='fixed'><parent link='world'/><child link='eye'/>
+    <origin xyz='0 0 1' rpy='0 1.5707963 0'/></joint>
+  <link name='eye'/>%s
+  <gazebo reference='eye'><sensor type='camera' name='eye'><update_rate>10</update_rate>
+    <camera><horizontal_fov>0.5</horizontal_fov><image><width>8</width><height>8</height></image>
+      <clip><near>0.1</near><far>20</far></clip></camera>
+    <plugin name='p' filename='libgazebo_ros_camera.so'><cameraName>eye</cameraName></plugin></sensor></gazebo>
+</robot>"""
+
+
+def seen(extra=""):
+    world = World()
+    model = world.spawn("plate", PLATE % extra, pose=matrix_of((0, 0, 1.0), (0, 0, 0, 1), "test"))
+    world.look(model)
+    return model.simulation.render("eye")
+
+
+def test_a_plate_under_the_sun_is_white_whatever_colour_the_urdf_gives_it():
+    """Ambient light and that of the sun add up to more than white: nodes that look for what is darker rely on it."""
+    assert seen().min() == 255
+
+
+def test_gazebos_material_has_the_last_word():
+    assert seen("<gazebo reference='plate'><material>Gazebo/Black</material></gazebo>").max() < 10
