@@ -3,7 +3,7 @@ import numpy
 import pytest
 
 from gazebo_ros.world.errors import BadValueError, SpawnError, UnknownEntityError
-from gazebo_ros.world.lights import MOST, is_light
+from gazebo_ros.world.lights import MOST
 from gazebo_ros.world.poses import matrix_of
 from gazebo_ros.world.world import World
 
@@ -122,8 +122,3 @@ def test_what_cannot_be_is_refused_and_changes_nothing(world):
         world.spawn_light("lamp%d" % k, ABOVE % 0)
     with pytest.raises(BadValueError, match="found 9, allowed up to 8"):
         world.spawn_light("one_more", ABOVE % 0)
-
-
-def test_a_document_is_told_to_be_a_light():
-    assert is_light(ABOVE % 0) and is_light("<sdf version='1.6'>%s</sdf>" % (ABOVE % 0))
-    assert not is_light("<sdf version='1.6'><model name='m'/></sdf>") and not is_light("<robot/>") and not is_light("<")
