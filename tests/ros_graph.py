@@ -10,14 +10,18 @@ LIMIT_S = 60.0  # wall time after which something that should happen has not
 
 
 class Graph:
-    """Context manager. `folder`: for logs."""
+    """Context manager. `folder`: for logs. `variables`: more of the environment of its processes.
 
-    def __init__(self, folder):
+    Attributes:
+        environment: of the processes.
+    """
+
+    def __init__(self, folder, **variables):
         self.port = free_port()
         self.uri = "http://localhost:%d" % self.port
-        self._environment = dict(os.environ, ROS_MASTER_URI=self.uri, ROS_HOSTNAME="localhost",
-                                 ROS_LOG_DIR=str(folder / "ros_log"), ROSCONSOLE_STDOUT_LINE_BUFFERED="1",
-                                 PYTHONUNBUFFERED="1")  # a log that is read while it is written
+        self.environment = dict(os.environ, ROS_MASTER_URI=self.uri, ROS_HOSTNAME="localhost",
+                                ROS_LOG_DIR=str(folder / "ros_log"), ROSCONSOLE_STDOUT_LINE_BUFFERED="1",
+                                PYTHONUNBUFFERED="1", **variables)  # a log that is read while it is written
         self._log_path = folder / "processes.log"
         self._log = open(self._log_path, "wb")
         self._processes = []
@@ -38,14 +42,14 @@ class Graph:
 
     def start(self, *command):
         """A process of this graph, which ends with it."""
-        process = subprocess.Popen(command, env=self._environment, stdout=self._log, stderr=subprocess.STDOUT,
+        process = subprocess.Popen(command, env=self.environment, stdout=self._log, stderr=subprocess.STDOUT,
                                    start_new_session=True)
         self._processes.append(process)
         return process
 
     def output(self, *command):
         """What a program of this graph prints until it ends."""
-        return subprocess.run(command, env=self._environment, stdout=subprocess.PIPE, stderr=self._log, check=True,
+        return subprocess.run(command, env=self.environment, stdout=subprocess.PIPE, stderr=self._log, check=True,
                               timeout=LIMIT_S).stdout.decode()
 
     def log(self):

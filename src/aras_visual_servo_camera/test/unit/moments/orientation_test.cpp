@@ -123,6 +123,27 @@ TEST(Orientation, SymmetricObjectIsContinuedFromTheLastView) {
   EXPECT_LT(angleBetween(look(170 * kDeg).alpha, -10 * kDeg), kCoverageTolerance);
 }
 
+TEST(Orientation, ASecondTeachOfASymmetricObjectForgetsTheLastView) {
+  const CameraIntrinsics camera = testing::testCamera();
+  MomentExtractor extractor(camera, testing::usualVision());
+  const auto look = [&](double degrees) {
+    const Polygon p = turned(testing::rectangle(0.14, 0.09), degrees * kDeg, 0.6);
+    return extractor.process(testing::coverageImage(p, camera).view());
+  };
+  for (const double sign : {1.0, -1.0}) {
+    const MomentFeatures first = look(0.0);
+    extractor.setReference(0.6, first);
+    for (int degrees = 0; degrees <= 170; degrees += 10) look(sign * degrees);
+    EXPECT_LT(angleBetween(look(sign * 170.0).alpha, sign * 170.0 * kDeg), kCoverageTolerance);
+    extractor.setReference(0.6, first);
+    EXPECT_LT(angleBetween(look(sign * 170.0).alpha, sign * -10.0 * kDeg), kCoverageTolerance);
+    extractor.clearReference();
+    EXPECT_FALSE(look(sign * 170.0).has_reference);
+    extractor.setReference(0.6, look(sign * 60.0));
+    EXPECT_LT(angleBetween(look(sign * 60.0).alpha, extractor.reference()->alpha_star), kCoverageTolerance);
+  }
+}
+
 TEST(Orientation, WithoutReferenceAlphaLiesInAHalfTurn) {
   const CameraIntrinsics camera = testing::testCamera();
   MomentExtractor extractor(camera, testing::usualVision());

@@ -35,6 +35,7 @@ from ..ground.types import Reference, ServoRecord, Status
 SERVICE_TIMEOUT_S = 5.0   # wall time; camera/set_reference
 WORKER_PERIOD_S = 0.05    # wall time; watchdog
 STATUS_PERIOD_S = 0.2     # wall time; actionlib's status topic
+CLOCK_LAG_NS = 500000000  # simulated time by which the clock may come later than images; more is a clock set back
 HELD_S = 0.5              # wall time; a simulator that holds for longer when this node starts waits for a lost answer
 EXIT_STOPPED, EXIT_PARAMETERS = 0, 2
 
@@ -121,16 +122,21 @@ class ControllerNode:
             pairs = self._pairer.add_joints(stamp_ns, message)
             if self._pairer.restarts != self._time_restarts:
                 self._time_restarts = self._pairer.restarts
-                rospy.logwarn("time went back: starting anew")
-                self._integrator.reset()
-                self._stop("time went back")
-                self._session.restart_time()
-                self._server.look_at_time()
+                self._restart_time()
             for pair in pairs:
                 self._answer(*pair)
             if self._float_publishers:
                 for joint, set_point in self._integrator.advance(stamp_ns).items():
                     self._float_publishers[joint].publish(set_point)
+
+    def _restart_time(self):
+        """Start anew, since time went back. A goal that has seen no image yet belongs to the new time and goes on."""
+        rospy.loginfo("time went back: starting anew")  # somebody asked for it
+        self._integrator.reset()
+        if not self._session.unseen:
+            self._stop("time went back")
+        self._session.restart_time()
+        self._server.look_at_time()
 
     def _on_features(self, message):
         with self._lock:
@@ -231,6 +237,10 @@ class ControllerNode:
             return
         if self._session.active:  # the action server has told the client of the old goal
             self._send(self._session.end(convert.now_ns(), "another goal came")[0])
+        if self._session.last_ns - convert.now_ns() > CLOCK_LAG_NS:
+            # Without this the first image of the new time could be paired with joints of the old one.
+            self._pairer.clear()
+            self._restart_time()
         self._preempted = False
         try:
             self._check_ready()
@@ -249,8 +259,9 @@ class ControllerNode:
 
     def _begin_lockstep(self):
         """In lockstep the simulator waits for our answers from the first message on. This one carries the stamp of the
-        image that was answered last, or 0, so that it does not count as an answer to any other image."""
-        self._command_publisher.publish(convert.acknowledgement(self._session.last_ns))
+        image that was answered last, or 0, so that it does not count as an answer to any other image. After a reset
+        that stamp would lie in the future, and the simulator would refuse it with a warning."""
+        self._command_publisher.publish(convert.acknowledgement(min(self._session.last_ns, convert.now_ns())))
 
     def _preempt(self):
         if self._session.active and self._server.is_preempt_requested() and not self._server.is_new_goal_available():
@@ -355,7 +366,7 @@ class ControllerNode:
 
 
 def main(make=ControllerNode):
-    """Entry of scripts/controller. Args: make: class of the node. Returns 0 after a shutdown, 2 for bad parameters."""
+    """Entry of node controller. Args: make: class of the node. Returns 0 after a shutdown, 2 for bad parameters."""
     rospy.init_node("controller", disable_signals=True)  # its handler shuts down from within whatever holds a lock
     check_signals()
     try:

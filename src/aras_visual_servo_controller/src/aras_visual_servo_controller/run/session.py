@@ -26,6 +26,7 @@ class Session:
         last_ns: stamp of the last answered image, -1 before the first.
         seen: the last answered `Observation`, or None.
         stale: input is missing, and that was reported.
+        unseen: a goal is active, and no image was answered since it began.
     """
 
     def __init__(self, kinematics, servo, sequence, input_timeout_s, time_limit_s):
@@ -33,11 +34,16 @@ class Session:
         self._input_timeout_s, self._input_timeout_ns = input_timeout_s, round(input_timeout_s * 1e9)
         self._time_limit_ns = self._goal_limit_ns = round(time_limit_s * 1e9)
         self._fresh_ns, self._fresh_wall_s = 0, 0.0
-        self.active = self.stale = False
+        self.active = self.stale = self._begun = False
         self._forget()
 
     def _forget(self):
         self.last_ns, self.frame, self.seen = -1, -1, None
+
+    @property
+    def unseen(self):
+        """See the class."""
+        return self.active and self._begun
 
     # --- one image, one answer ----------------------------------------------------------------------------------
 
@@ -56,7 +62,7 @@ class Session:
             if self.active:
                 return self.hold(stamp_ns, refusal)
             return Command(stamp_ns), ServoRecord(stamp_ns, Status.IDLE, f"refused: {refusal}")
-        self.last_ns, self.stale = stamp_ns, False
+        self.last_ns, self.stale, self._begun = stamp_ns, False, False
         self.frame += 1
         self._fresh_ns, self._fresh_wall_s = stamp_ns, wall_s
         self.seen = Observation(stamp_ns, features, q, self.frame)
@@ -111,7 +117,7 @@ class Session:
         self._sequence.start(servo_only=reference == "taught")
         self._goal_limit_ns = round(time_limit_s * 1e9) or self._time_limit_ns
         self._fresh_ns, self._fresh_wall_s = now_ns, wall_s
-        self.active, self.stale = True, False
+        self.active, self.stale, self._begun = True, False, True
 
     def teach(self, z_star_m=None):
         """Make the view of the last answered image the goal.

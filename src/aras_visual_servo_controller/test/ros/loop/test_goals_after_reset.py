@@ -59,6 +59,16 @@ class GoalsAfterReset(unittest.TestCase):
         self.reset()
         self.begin()
 
+    def test_a_goal_that_is_given_between_a_reset_and_the_first_image_goes_on(self):
+        self.begin()
+        self.run_until(4.0)
+        self.client.cancel_goal()
+        wait_until(lambda: self.client.get_state() == GoalStatus.PREEMPTED, "the goal to end")
+        self.reset()
+        self.begin()
+        self.run_until(0.5)
+        self.assertEqual(self.client.get_state(), GoalStatus.ACTIVE)
+
     def test_a_goal_is_taken_after_a_reset_in_its_middle(self):
         self.begin()
         self.reset()

@@ -184,3 +184,37 @@ def test_a_joint_with_little_room_uses_it_and_the_others_make_up_for_the_rest():
     assert found.status == Status.JOINT_LIMIT and "gantry" in found.text
     assert found.q_dot[gantry] == pytest.approx(0.1, rel=1e-9)
     np.testing.assert_allclose(found.twist, twist, atol=1e-9)
+
+
+def moving(**changes):
+    """(`ArmMotion`, joint positions in the middle of their ranges, looking down) of an arm that only this limits."""
+    kinematics = arm()
+    setup = ServoSettings.from_dict(config(null_space=STILL, **changes), kinematics.joint_names)
+    return ArmMotion(kinematics, setup, sees_tilt=False), kinematics.vector({**GOAL, "J2": -0.4, "J3": 0.5})
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("limit, twist, rows", [
+    ("camera_speed_m_s", (0.03, 0.04, 0.0, 0.0, 0.0, 0.02), slice(0, 3)),
+    ("camera_turn_rad_s", (0.03, 0.04, 0.0, 0.0, 0.0, 0.2), slice(3, 6))])
+def test_either_speed_limit_of_the_camera_binds_alone(limit, twist, rows, sign):
+    twist = sign * np.array(twist)
+    motion, q = moving(limits={limit: 0.01})
+    found = motion.joint_velocity(q, twist, *motion.at(q), DT_S)
+    np.testing.assert_allclose(found.twist, twist * (0.01 / np.linalg.norm(twist[rows])), atol=1e-12)
+    done = motion._kinematics.jacobian(q) @ found.q_dot
+    assert np.linalg.norm(done[rows]) == pytest.approx(0.01, rel=0.02)  # the Jacobian turns on the way
+
+
+@pytest.mark.parametrize("side", ["upper", "lower"])
+@pytest.mark.parametrize("room", [0.0, 0.004])
+def test_a_joint_at_either_limit_moves_no_further_than_its_room(side, room):
+    motion, q = moving(inverse={"at_limits": "saturate"})
+    sign, gantry = (1.0 if side == "upper" else -1.0), motion._kinematics.joint_names.index("gantry")
+    q[gantry] = getattr(motion, side)[gantry] - sign * room
+    twist = motion._kinematics.jacobian(q) @ motion._kinematics.vector(
+        {"gantry": sign * 0.3, "J1": 0.05, "J2": 0.0, "J3": 0.0, "J5": 0.0, "J6": 0.1})
+    found = motion.joint_velocity(q, twist, *motion.at(q), DT_S)
+    assert found.status == Status.JOINT_LIMIT and "gantry" in found.text
+    assert found.q_dot[gantry] == pytest.approx(sign * room / (2.0 * DT_S), abs=1e-12)  # two periods are looked ahead
+    assert np.abs(np.delete(found.q_dot, gantry)).max() > 0.01

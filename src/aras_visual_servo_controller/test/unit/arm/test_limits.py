@@ -74,3 +74,34 @@ def test_no_joint_ever_changes_by_more_than_it_may():
         new = accelerated(velocity, random.normal(size=6), change)
         assert (np.abs(new - velocity) <= change * (1.0 + 1e-12)).all()
         velocity = new
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_each_limit_of_a_joint_holds_on_its_own_side(sign):
+    """The other limit is far: only this one binds."""
+    lower, upper = (np.array([-1.0]), np.array([50.0])) if sign < 0.0 else (np.array([-50.0]), np.array([1.0]))
+    beyond, towards, dt_s = sign * np.array([1.2]), sign * np.array([2.0]), 0.1
+    assert position_factor(beyond, towards, lower, upper, dt_s) == (0.0, 0)
+    assert position_factor(beyond, -towards, lower, upper, dt_s) == (1.0, None)
+    factor, joint = position_factor(sign * np.array([0.9]), towards, lower, upper, dt_s)
+    assert joint == 0 and factor == pytest.approx(0.5, abs=1e-14)
+    assert position_factor(sign * np.array([0.9]), -towards, lower, upper, dt_s) == (1.0, None)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_joint_brakes_before_either_limit(sign):
+    lower, upper = (np.array([-1.0]), np.array([50.0])) if sign < 0.0 else (np.array([-50.0]), np.array([1.0]))
+    q, q_dot, most, dt_s = sign * np.array([0.9]), sign * np.array([3.0]), np.array([2.0]), 0.1
+    speed = 3.0 * braking_factor(q, q_dot, lower, upper, most, dt_s)
+    assert speed * dt_s + speed**2 / (2.0 * 2.0) == pytest.approx(0.1, rel=1e-12)
+    assert braking_factor(q, -q_dot, lower, upper, most, dt_s) == 1.0
+    assert braking_factor(sign * np.array([1.2]), q_dot, lower, upper, most, dt_s) == 0.0
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_slowing_down_is_limited_as_speeding_up_is(sign):
+    change = np.array([0.25])
+    np.testing.assert_allclose(accelerated(sign * np.array([1.0]), sign * np.array([0.2]), change), [sign * 0.75],
+                               atol=ROUNDING)
+    np.testing.assert_allclose(accelerated(sign * np.array([0.2]), sign * np.array([1.0]), change), [sign * 0.45],
+                               atol=ROUNDING)

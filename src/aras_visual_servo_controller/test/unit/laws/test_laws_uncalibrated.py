@@ -176,6 +176,23 @@ def test_test_moves_find_the_matrix_without_knowing_anything():
     np.testing.assert_allclose(law.L, true, atol=0.05 * np.abs(true).max())  # curvature over moves of 0.01
 
 
+@pytest.mark.parametrize("names, columns", [(FOUR, (0, 1, 2, 3, 4, 5)), (("xn", "yn", "an", "alpha"), (0, 1, 2, 5))])
+@pytest.mark.parametrize("move", [0.01, 0.03])
+def test_test_moves_go_along_one_axis_after_the_other_by_their_size(names, columns, move):
+    law, X, twist, path = start_law("broyden", names, settings=BroydenSettings("moves", 0.95, move)), START, None, []
+    while law.L is None:
+        twist = law.step(look_at(view(X, SQUARE).features, DT_S, applied=twist)).twist
+        if law.L is None:
+            path.append(twist * DT_S)
+            X = X @ exponential(twist, DT_S)
+    depth_m = view(GOAL, SQUARE).features.z_star_m
+    moves = np.array(path).reshape(len(columns), -1, 6).sum(axis=1)
+    wanted = np.zeros((len(columns), 6))
+    for row, column in enumerate(columns):
+        wanted[row, column] = move * (depth_m if column < 3 else 1.0)
+    np.testing.assert_allclose(moves, wanted, atol=ROUNDING)
+
+
 def test_joints_that_lag_spoil_neither_test_moves_nor_the_way_home():
     for initial in ("desired", "moves"):
         law = start_law("broyden", settings=BroydenSettings(initial, 0.95, 0.01))

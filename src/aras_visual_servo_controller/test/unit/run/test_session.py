@@ -145,3 +145,18 @@ def test_after_a_restart_of_time_stamps_start_anew(session):
     session.restart_time()
     _, record = session.answer(0, SEEN, Q, 0, 0.0)
     assert "came after" not in record.status_text and session.frame == 0
+
+
+def test_a_goal_is_unseen_until_its_first_image(session):
+    assert not session.unseen
+    session.begin("taught", "", (), (), 0.0, 0, 0.0)
+    assert session.unseen
+    session.answer(0, SEEN, None, 0, 0.0)  # refused: there is no joint state
+    assert session.unseen
+    session.answer(33 * MS, SEEN, Q, 33 * MS, 0.0)
+    assert not session.unseen
+    session.end(50 * MS, "enough")
+    session.begin("taught", "", (), (), 0.0, 50 * MS, 0.0)
+    assert session.unseen
+    session.end(60 * MS, "enough")
+    assert not session.unseen

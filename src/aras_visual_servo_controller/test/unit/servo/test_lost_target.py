@@ -195,3 +195,36 @@ def test_start_is_far_from_the_goal():  # so that the path above is one
     kinematics = arm()
     way = kinematics.vector(GOAL) - kinematics.vector(START)
     assert velocity_factor(way / DT_S, np.full(6, SPEED)) < 0.1
+
+
+@pytest.mark.parametrize("limit_s", [1.0, 3.0])
+def test_a_lost_target_is_given_up_at_its_limit_and_not_before(limit_s):
+    bench = Blinded(between(0.5, 1e9), on_lost="back_off", lost_target={"time_limit_s": limit_s})
+    assert bench.run().status == Status.STOPPED
+    lost = [record.stamp_ns * 1e-9 for record in bench.records if record.status == Status.TARGET_LOST]
+    ended_s = bench.records[-1].stamp_ns * 1e-9
+    assert lost[-1] - lost[0] < limit_s <= ended_s - lost[0] < limit_s + 1.5 * DT_S
+
+
+@pytest.mark.parametrize("attempts", [1, 3])
+def test_a_target_may_be_lost_as_often_as_attempts_say(attempts):
+    bench = Blinded(lambda bench: bench.set_point[5] > -0.05, on_lost="back_off", lost_target={"attempts": attempts})
+    last = bench.run()
+    assert last.status_text == f"target lost once more after {attempts} recoveries"
+    found = statuses(bench)
+    assert sum(found[k - 1] == Status.TARGET_LOST != found[k] for k in range(1, len(found) - 1)) == attempts
+
+
+@pytest.mark.parametrize("pattern, rows, speed", [("translate", slice(0, 3), "speed_m_s"),
+                                                  ("tilt", slice(3, 6), "turn_rad_s")])
+@pytest.mark.parametrize("value", [0.02, 0.05])
+def test_a_search_goes_at_the_speed_it_was_given(pattern, rows, speed, value):
+    """Twice as fast where it may be; the other speed, and those of the joints, do not bind."""
+    other = {"speed_m_s", "turn_rad_s"} - {speed}
+    section = {"pattern": pattern, speed: value, other.pop(): 1e3, "speed": 1e3, "step_m": 0.2, "step_rad": 0.2}
+    bench = Blinded(between(0.5, 1e9), on_lost="search", lost_target=section, start={**GOAL, "gantry": 0.02})
+    bench.run(40)
+    twists = [record.twist for record in bench.records if "searching: place 1 of" in record.status_text]
+    assert len(twists) > 5
+    for twist in twists[1:]:
+        assert np.linalg.norm(twist[rows]) == pytest.approx(value, rel=1e-6)

@@ -8,7 +8,7 @@ from aras_visual_servo_controller.arm.kinematics import Kinematics
 from aras_visual_servo_controller.arm.reach import REACHED_M, REACHED_RAD, reach
 from aras_visual_servo_controller.ground.spatial import rotation, rotation_vector
 from aras_visual_servo_controller.scenario.scenario import load_scenario, scenario_from_dict
-from aras_visual_servo_controller.sweep.perturb import perturbed
+from aras_visual_servo_controller.sweep.perturb import Perturbation, perturbed
 from aras_visual_servo_controller.scenario.sweep import METHODS
 from aras_visual_servo_controller.sweep.plan import SweepSettings, make_starts, sample
 from aras_visual_servo_controller.sweep.space import pose_of
@@ -137,3 +137,21 @@ def test_perturbations_reach_robot_controllers_camera_and_target(scenario):
     [model] = other.sim["scene"]["models"]
     assert "file" not in model and len(model["outlines_m"][0]) == 6
     assert scenario.sim["cameras"][0]["noise_stddev"] == 0.0
+
+
+def test_values_are_taken_in_their_order_each_as_often():
+    values = ("blob", "l_shape", "rectangle")
+    perturbation = Perturbation("target", values=values)
+    found = [perturbation.at(k / 300.0) for k in range(300)]
+    assert found == [value for value in values for _ in range(100)]
+
+
+def test_a_range_is_gone_through_evenly_from_its_low_end():
+    perturbation = Perturbation("z_star_error", -0.2, 0.3)
+    assert [perturbation.at(u) for u in (0.0, 0.25, 0.5)] == pytest.approx([-0.2, -0.075, 0.05], abs=ROUNDING)
+
+
+def test_the_runs_of_a_sweep_get_every_value(scenario, kinematics):
+    values = ["blob", "l_shape", "rectangle"]
+    starts = plan(scenario, kinematics, {"perturb": {"target": {"values": values}}}, starts=9, seed=3)
+    assert sorted(start.parameters["target"] for start in starts) == sorted(values * 3)

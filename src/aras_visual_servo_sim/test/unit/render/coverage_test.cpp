@@ -95,6 +95,34 @@ TEST(Coverage, PartBeyondTheBorderIsCutOff) {
   }
 }
 
+TEST(Coverage, TheLastPixelsOfEveryBorderAreWeighedLikeAnyOther) {
+  const CameraModel camera(cameraConfig());
+  const double pixel_m = 0.4 / camera.fx();
+  for (const Eigen::Vector2i& side :
+       {Eigen::Vector2i(1, 0), Eigen::Vector2i(-1, 0), Eigen::Vector2i(0, 1), Eigen::Vector2i(0, -1)}) {
+    // From `inner` pixels before the border to far beyond it, 100 px to either side of the middle of that border.
+    for (const double inner : {0.25, 1.5}) {
+      const double half_px = side.x() != 0 ? 160.0 : 120.0;
+      const double begin = (half_px - inner) * pixel_m, end = 2.0 * half_px * pixel_m, across = 100.0 * pixel_m;
+      const auto corner = [&](double along, double beside) {  // in the image x goes right, y down; the world's y up
+        return Eigen::Vector2d(side.x() * along + side.y() * beside, -(side.y() * along + side.x() * beside));
+      };
+      const Scene scene =
+          sceneWith({corner(begin, -across), corner(end, -across), corner(end, across), corner(begin, across)});
+      const Image image = render(camera, lookingDown({0.0, 0.0, 0.4}), scene);
+      const auto weight = [&](int from_border) {  // 0: the last pixel
+        const int u = side.x() > 0 ? 319 - from_border : side.x() < 0 ? from_border : 160;
+        const int v = side.y() > 0 ? 239 - from_border : side.y() < 0 ? from_border : 120;
+        return (230.0 - *image.pixel(u, v)) / 210.0;
+      };
+      constexpr double kLevel = 0.51 / 210.0;
+      EXPECT_NEAR(weight(0), std::min(1.0, inner), kLevel) << side.transpose() << " " << inner;
+      EXPECT_NEAR(weight(1), std::max(0.0, inner - 1.0), kLevel) << side.transpose() << " " << inner;
+      EXPECT_EQ(weight(2), 0.0) << side.transpose() << " " << inner;
+    }
+  }
+}
+
 TEST(Coverage, TargetBehindTheCameraOrTooNearIsNotSeen) {
   const CameraModel camera(cameraConfig());
   const Scene scene = sceneWith(lShape());

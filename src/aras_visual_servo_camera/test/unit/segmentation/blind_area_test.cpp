@@ -1,0 +1,69 @@
+// Pixels of a fisheye to which no ray belongs: black in the image, and no object.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "aras_visual_servo_camera/extraction/moment_extractor.hpp"
+#include "coverage_image.hpp"
+#include "usual_vision.hpp"
+
+namespace aras_visual_servo_camera {
+namespace {
+
+constexpr int kSize_px = 200;
+constexpr double kFocal_px = 60.0, kCentre_px = 99.5;
+constexpr double kWidest_rad = 80.0 * 3.14159265358979323846 / 180.0;  // beyond it nothing has coordinates
+constexpr double kSeen_px = kFocal_px * kWidest_rad;
+
+CameraIntrinsics fisheye() {
+  return {
+      kSize_px, kSize_px, {kFocal_px, 0, kCentre_px, 0, kFocal_px, kCentre_px, 0, 0, 1}, "equidistant", {0, 0, 0, 0}};
+}
+
+/** A dark disc of 12 px on a bright ground, all that is blind black. */
+testing::GreyImage discAt(double u, double v) {
+  testing::GreyImage image(kSize_px, kSize_px, testing::kBackgroundGrey);
+  for (int row = 0; row < kSize_px; ++row) {
+    for (int column = 0; column < kSize_px; ++column) {
+      if (std::hypot(column - u, row - v) < 12.0) image.at(column, row) = testing::kObjectGrey;
+      if (std::hypot(column - kCentre_px, row - kCentre_px) > kSeen_px) image.at(column, row) = 0;
+    }
+  }
+  return image;
+}
+
+VisionConfig config(SegmentationMethod method) {
+  VisionConfig config = testing::usualVision();
+  config.segmentation = method;
+  return config;
+}
+
+class Method : public ::testing::TestWithParam<SegmentationMethod> {};
+INSTANTIATE_TEST_SUITE_P(BlindArea, Method,
+                         ::testing::Values(SegmentationMethod::kCoverage, SegmentationMethod::kFixed,
+                                           SegmentationMethod::kOtsu));
+
+TEST_P(Method, BlackBeyondTheLensIsNoObject) {
+  MomentExtractor extractor(fisheye(), config(GetParam()));
+  const MomentFeatures f = extractor.process(discAt(kCentre_px + 10.0, kCentre_px - 5.0).view());
+  ASSERT_TRUE(f.target_visible);
+  EXPECT_EQ(f.components, 1);
+  EXPECT_FALSE(f.touches_border);
+  const double theta = std::hypot(10.0, 5.0) / kFocal_px;  // of the middle of the disc
+  EXPECT_NEAR(std::hypot(f.xg, f.yg), std::tan(theta), 0.05 * std::tan(theta));
+}
+
+TEST_P(Method, AnObjectThatReachesIntoTheBlindAreaIsCutOnEverySide) {
+  for (const auto& [x, y] : {std::pair(1, 0), std::pair(-1, 0), std::pair(0, 1), std::pair(0, -1)}) {
+    MomentExtractor extractor(fisheye(), config(GetParam()));
+    const auto at = [&](double radius_px) {
+      return extractor.process(discAt(kCentre_px + x * radius_px, kCentre_px + y * radius_px).view());
+    };
+    const MomentFeatures inside = at(kSeen_px - 20.0), cut = at(kSeen_px - 8.0);
+    EXPECT_TRUE(inside.target_visible && !inside.touches_border) << x << y;
+    EXPECT_TRUE(cut.target_visible && cut.touches_border && !cut.valid) << x << y;
+  }
+}
+
+}  // namespace
+}  // namespace aras_visual_servo_camera

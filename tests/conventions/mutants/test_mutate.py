@@ -1,0 +1,93 @@
+"""script/mutate: faults are where the operators say, and tests that look kill what others let live."""
+import ast
+import pathlib
+import sys
+
+import pytest
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parent))
+
+import cpp_module  # noqa: E402
+import operators  # noqa: E402
+import python_module  # noqa: E402
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+
+EXAMPLES = {
+    "compare": ("x = a < b\n", "x = a <= b\n"),
+    "negate": ("if a:\n    f()\n", "if not a:\n    f()\n"),
+    "logic": ("x = a and b\n", "x = a or b\n"),
+    "arithmetic": ("x = a @ b\n", "x = b @ a\n"),
+    "sign": ("x = -a\n", "x = a\n"),
+    "number": ("x = 0.1\n", "x = 0.2\n"),
+    "function": ("x = np.minimum(a, b)\n", "x = np.maximum(a, b)\n"),
+    "delete": ("self.x = a\n", "pass\n"),
+    "return": ("def f():\n    return a\n", "def f():\n    return\n"),
+}
+
+
+@pytest.mark.parametrize("operator", EXAMPLES)
+def test_every_operator_makes_the_fault_that_its_line_says(operator):
+    source, wanted = EXAMPLES[operator]
+    [index] = [k for k, (name, _) in enumerate(operators.mutants(source)) if name == operator]
+    found, before, after = operators.mutated(source, index)
+    assert found == wanted and before != after
+    assert f"\n    {operator} " in operators.__doc__
+
+
+def test_the_operators_that_are_listed_are_those_there_are():
+    listed = {line.split()[0] for line in operators.__doc__.splitlines() if line.startswith("    ")}
+    assert listed == set(EXAMPLES)
+
+
+def test_what_a_reader_sees_is_left_alone():
+    source = '"""Two words."""\nx: int = setting(help="at 1", unit="m")\nraise E(f"found {1 + 1}, allowed {-2}")\n'
+    assert [operator for operator, _ in operators.mutants(source)] == ["delete"]
+
+
+def test_mutants_of_every_room_compile_and_differ():
+    for module in ("laws", "servo"):
+        drawn, total = python_module.chosen(module, 40, 0)
+        assert len(drawn) == 40 < total and drawn == python_module.chosen(module, 40, 0)[0]
+        assert drawn != python_module.chosen(module, 40, 1)[0]
+        for file, index, _, line in drawn:
+            source, before, after = operators.mutated(file.read_text(), index)
+            assert ast.dump(ast.parse(source)) != ast.dump(ast.parse(file.read_text())) and before != after and line > 0
+
+
+def test_tests_of_a_module_are_those_of_its_room_its_own_first():
+    [file] = python_module.sources("servo/stop_rule")
+    tests = python_module.tests_of(file)
+    assert tests[0].name == "test_stop_rule.py" or "stop_rule import" in tests[0].read_text()
+    assert {test.parent.name for test in tests} == {"servo"}
+    with pytest.raises(ValueError, match="found 'lows', allowed .*laws"):
+        python_module.sources("lows")
+
+
+def test_a_test_that_looks_kills_what_one_that_does_not_lets_live(tmp_path, monkeypatch):
+    package, tests = tmp_path / "src" / "aras_visual_servo_controller", tmp_path / "test"
+    (package / "room").mkdir(parents=True)
+    (tests / "room").mkdir(parents=True)
+    for folder in (package, package / "room"):
+        (folder / "__init__.py").write_text("")
+    (package / "room" / "sums.py").write_text("def total(a, b):\n    return a + b\n\n\n"
+                                              "def gap(a, b):\n    return a - b\n")
+    (tests / "room" / "test_sums.py").write_text(
+        "from aras_visual_servo_controller.room.sums import gap, total\n\n\n"
+        "def test_total():\n    assert total(1, 2) == 3\n\n\ndef test_gap():\n    gap(1, 2)\n")
+    monkeypatch.setattr(python_module, "PACKAGE", package)
+    monkeypatch.setattr(python_module, "TESTS", tests)
+    said = []
+    killed, survivors = python_module.run("room", 100, 0, said.append)
+    assert killed == 2 and len(survivors) == 2 and all("sums.py:6" in text for text in survivors), said
+    assert (package / "room" / "sums.py").read_text().count("+") == 1, "the source is as it was"
+
+
+@pytest.mark.parametrize("name", cpp_module.modules())
+def test_every_mutant_of_a_list_has_one_place(name):
+    listed = cpp_module.load(name)
+    assert set(listed) == {"package", "tests", "mutants"}
+    for mutant in listed["mutants"]:
+        assert set(mutant) == {"file", "old", "new", "why"}, mutant
+        text = (ROOT / "src" / listed["package"] / mutant["file"]).read_text()
+        assert text.count(mutant["old"]) == 1 and mutant["new"] != mutant["old"], mutant
