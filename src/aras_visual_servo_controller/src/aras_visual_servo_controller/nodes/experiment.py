@@ -304,6 +304,8 @@ class ExperimentNode:
         rospy.loginfo("%s after %.2f s of servoing: %s", "converged" if result.converged else "not converged",
                       result.duration_s, result.reason)
         if self._recording is None:
+            if self._done_ns is not None:
+                rospy.loginfo("real-time factor %.1f", self._done_ns * 1e-9 / wall_s)
             rospy.logwarn("nothing was recorded (record:=false): not judged by the true pose")
             return EXIT_PASSED if result.converged or result.status == Status.STOPPED_BY_RULE else EXIT_FAILED
         record = read_bag(self._recording.bags(), rospy.get_namespace(), keep_images=self._video)
