@@ -1,9 +1,11 @@
 // Image to features at 320 x 240, f = 195 px, target at 0.5 m: rgb8 unless said. One thread.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "aras_visual_servo_camera/extraction/moment_extractor.hpp"
+#include "aras_visual_servo_camera/matching/match_extractor.hpp"
 #include "aras_visual_servo_camera/photometric/photometric_extractor.hpp"
 #include "coverage_image.hpp"
 #include "usual_vision.hpp"
@@ -123,6 +125,36 @@ void photometricMean(benchmark::State& s) { runPhotometric(s, GradientOf::kMean,
 void photometricMeanDistorted(benchmark::State& s) { runPhotometric(s, GradientOf::kMean, 1, true); }
 void photometricMeanFourLevels(benchmark::State& s) { runPhotometric(s, GradientOf::kMean, 4, false); }
 
+// A board of many rectangles fills 640 x 480, moved by some pixels: keypoints of one image, matched to the goal's.
+void runMatches(benchmark::State& state, KeypointDetector detector) {
+  MatchingConfig config = readMatchingConfig(YAML::Node());
+  config.detector = detector;
+  constexpr int kWidth = 640, kHeight = 480;
+  MatchExtractor extractor(
+      CameraIntrinsics(kWidth, kHeight, {502.3, 0, 319.5, 0, 502.3, 239.5, 0, 0, 1}, "plumb_bob", {}), config);
+  GreyImage image(kWidth, kHeight, 0);
+  for (int shift_px : {0, 7}) {
+    std::mt19937 random(1);
+    for (int k = 0; k < 1500; ++k) {
+      const int u0 = static_cast<int>(random() % kWidth) + shift_px, v0 = static_cast<int>(random() % kHeight);
+      const int w = static_cast<int>(random() % 60), h = static_cast<int>(random() % 60);
+      const auto grey = static_cast<std::uint8_t>(random() % 256);
+      for (int v = v0; v < std::min(v0 + h, kHeight); ++v)
+        for (int u = u0; u < std::min(u0 + w, kWidth); ++u) image.at(u, v) = grey;
+    }
+    if (shift_px == 0) extractor.setReference(image.view(), 0.6);
+  }
+  for (auto _ : state) benchmark::DoNotOptimize(extractor.process(image.view()).inliers);
+  if (!extractor.features().valid) state.SkipWithError("no valid features");
+}
+
+void matchesOrb(benchmark::State& s) { runMatches(s, KeypointDetector::kOrb); }
+void matchesAkaze(benchmark::State& s) { runMatches(s, KeypointDetector::kAkaze); }
+void matchesSift(benchmark::State& s) { runMatches(s, KeypointDetector::kSift); }
+
+BENCHMARK(matchesOrb)->Unit(benchmark::kMillisecond);
+BENCHMARK(matchesAkaze)->Unit(benchmark::kMillisecond);
+BENCHMARK(matchesSift)->Unit(benchmark::kMillisecond);
 BENCHMARK(photometricDesired)->Unit(benchmark::kMicrosecond);
 BENCHMARK(photometricMean)->Unit(benchmark::kMicrosecond);
 BENCHMARK(photometricMeanDistorted)->Unit(benchmark::kMicrosecond);

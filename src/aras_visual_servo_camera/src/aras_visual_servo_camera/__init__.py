@@ -10,6 +10,8 @@ The attributes of `MomentFeatures` are the fields of aras_visual_servo_msgs/Mome
 from ._camera import (
     ArasError,
     DegenerateFeature,
+    MatchExtractor,
+    MatchFeatures,
     MomentExtractor,
     MomentFeatures,
     NotFiniteError,
@@ -22,6 +24,8 @@ from ._camera import (
 __all__ = [
     "ArasError",
     "DegenerateFeature",
+    "MatchExtractor",
+    "MatchFeatures",
     "MomentExtractor",
     "MomentFeatures",
     "NotFiniteError",

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "aras_visual_servo_camera/extraction/moment_extractor.hpp"
+#include "bind_matches.hpp"
 #include "bind_photometric.hpp"
 #include "conversions.hpp"
 
@@ -138,4 +139,5 @@ PYBIND11_MODULE(_camera, module) {
   bindFeatures(module);
   bindExtractor(module);
   bindPhotometric(module);
+  bindMatches(module);
 }

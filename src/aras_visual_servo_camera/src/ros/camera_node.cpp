@@ -42,6 +42,7 @@ CameraNode::CameraNode(ros::NodeHandle node, const ros::NodeHandle& private_node
   features_pub_ = node.advertise<aras_visual_servo_msgs::MomentFeatures>("camera/features", kQueue);
   if (config_.photometric)
     photometric_pub_ = node.advertise<aras_visual_servo_msgs::PhotometricFeatures>("camera/photometric", kQueue);
+  if (config_.matches) matches_pub_ = node.advertise<aras_visual_servo_msgs::MatchFeatures>("camera/matches", kQueue);
   converted_pub_ = node.advertise<Image>("camera/converted_image", kQueue);
   overlay_pub_ = node.advertise<Image>("camera/overlay", kQueue);
   reference_service_ = node.advertiseService("camera/set_reference", &CameraNode::onSetReference, this);
@@ -72,9 +73,11 @@ void CameraNode::useIntrinsics(const CameraInfo& info) {
   } else if (!(extractor_->intrinsics() == intrinsics)) {
     extractor_->setIntrinsics(intrinsics);
     photometric_.reset();
+    matches_.reset();
   }
   if (config_.photometric && !photometric_)
     photometric_ = std::make_unique<PhotometricExtractor>(intrinsics, *config_.photometric);
+  if (config_.matches && !matches_) matches_ = std::make_unique<MatchExtractor>(intrinsics, *config_.matches);
 }
 
 void CameraNode::onPair(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info) {
@@ -85,6 +88,7 @@ void CameraNode::onPair(const sensor_msgs::ImageConstPtr& image, const sensor_ms
     const ImageView view = toView(*image);
     extractor_->process(view, nanoseconds(image->header.stamp));
     if (photometric_) photometric_->process(view, nanoseconds(image->header.stamp));
+    if (matches_) matches_->process(view, nanoseconds(image->header.stamp));
     last_stamp_ = image->header.stamp;
     publish(*image, view);
   } catch (const ArasError& error) {
@@ -102,6 +106,12 @@ void CameraNode::publish(const Image& image, const ImageView& view) {
     photometric.header = image.header;
     photometric.age_s = features.age_s;
     photometric_pub_.publish(photometric);
+  }
+  if (matches_) {
+    aras_visual_servo_msgs::MatchFeatures matches = toMessage(matches_->features());
+    matches.header = image.header;
+    matches.age_s = features.age_s;
+    matches_pub_.publish(matches);
   }
   if (converted_pub_.getNumSubscribers() > 0) {
     Image converted = emptyImage(image.header, view, sensor_msgs::image_encodings::MONO8, 1);
@@ -129,11 +139,12 @@ void CameraNode::setReference(const aras_visual_servo_msgs::SetReference::Reques
   const ros::Time stamp = by_stamp ? request.stamp : last_stamp_;
   const std::int64_t stamp_ns = nanoseconds(stamp);
   if (photometric_) photometric_->teach(stamp_ns, request.z_star_m);
+  if (matches_) matches_->teach(stamp_ns, request.z_star_m);
   try {
     extractor_->teach(stamp_ns, request.z_star_m);
   } catch (const DegenerateFeature& error) {
-    if (!photometric_) throw;
-    response->message = std::string("photometric only: ") + error.what();
+    if (!photometric_ && !matches_) throw;
+    response->message = std::string("without moments: ") + error.what();
   }
   response->stamp = stamp;
 }

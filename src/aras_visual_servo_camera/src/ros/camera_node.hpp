@@ -12,6 +12,7 @@
 #include <string>
 
 #include "aras_visual_servo_camera/extraction/moment_extractor.hpp"
+#include "aras_visual_servo_camera/matching/match_extractor.hpp"
 #include "aras_visual_servo_camera/photometric/photometric_extractor.hpp"
 
 namespace aras_visual_servo_camera {
@@ -51,12 +52,13 @@ class CameraNode {
 
   VisionConfig config_;
   std::unique_ptr<MomentExtractor> extractor_;
-  std::unique_ptr<PhotometricExtractor> photometric_;  // only where the configuration has it
+  std::unique_ptr<PhotometricExtractor> photometric_;  // only where the configuration has it, as
+  std::unique_ptr<MatchExtractor> matches_;            // this
   ros::Time last_stamp_;
   unsigned images_since_report_ = 0, infos_since_report_ = 0, pairs_since_report_ = 0;
   Throttle throttle_;
 
-  ros::Publisher features_pub_, photometric_pub_, converted_pub_, overlay_pub_;
+  ros::Publisher features_pub_, photometric_pub_, matches_pub_, converted_pub_, overlay_pub_;
   ros::ServiceServer reference_service_;
   message_filters::Subscriber<Image> image_sub_;
   message_filters::Subscriber<CameraInfo> info_sub_;

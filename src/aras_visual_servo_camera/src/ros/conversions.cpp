@@ -101,4 +101,32 @@ aras_visual_servo_msgs::PhotometricFeatures toMessage(const PhotometricFeatures&
   return msg;
 }
 
+aras_visual_servo_msgs::MatchFeatures toMessage(const MatchFeatures& f) {
+  aras_visual_servo_msgs::MatchFeatures msg;
+  msg.target_visible = f.target_visible;
+  msg.has_reference = f.has_reference;
+  msg.valid = f.valid;
+  msg.fault = f.fault;
+  msg.detector = f.detector;
+  msg.keypoints = f.keypoints;
+  msg.goal_keypoints = f.goal_keypoints;
+  msg.matches = f.matches;
+  msg.inliers = f.inliers;
+  msg.rms_px = f.rms_px;
+  msg.xg = f.xg;
+  msg.yg = f.yg;
+  msg.point_x = f.point_x;
+  msg.point_y = f.point_y;
+  msg.as_goal_x = f.as_goal_x;
+  msg.as_goal_y = f.as_goal_y;
+  msg.homography = f.homography;
+  msg.match_x = f.match_x;
+  msg.match_y = f.match_y;
+  msg.match_goal_x = f.match_goal_x;
+  msg.match_goal_y = f.match_goal_y;
+  msg.z_star_m = f.z_star_m;
+  msg.reference_stamp_ns = f.reference_stamp_ns;
+  return msg;
+}
+
 }  // namespace aras_visual_servo_camera

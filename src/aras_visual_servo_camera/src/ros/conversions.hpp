@@ -1,5 +1,6 @@
 #pragma once
 
+#include <aras_visual_servo_msgs/MatchFeatures.h>
 #include <aras_visual_servo_msgs/MomentFeatures.h>
 #include <aras_visual_servo_msgs/PhotometricFeatures.h>
 #include <sensor_msgs/CameraInfo.h>
@@ -7,6 +8,7 @@
 
 #include "aras_visual_servo_camera/image/camera_intrinsics.hpp"
 #include "aras_visual_servo_camera/image/image_view.hpp"
+#include "aras_visual_servo_camera/matching/match_features.hpp"
 #include "aras_visual_servo_camera/moments/moment_features.hpp"
 #include "aras_visual_servo_camera/photometric/photometric_features.hpp"
 
@@ -21,5 +23,6 @@ ImageView toView(const sensor_msgs::Image& image);
 /** Everything but header and age_s. */
 aras_visual_servo_msgs::MomentFeatures toMessage(const MomentFeatures& features);
 aras_visual_servo_msgs::PhotometricFeatures toMessage(const PhotometricFeatures& features);
+aras_visual_servo_msgs::MatchFeatures toMessage(const MatchFeatures& features);
 
 }  // namespace aras_visual_servo_camera

@@ -35,63 +35,6 @@ def run(program, **environment):
     return json.loads(done.stdout)
 
 
-def test_without_osmesa_coverage_draws_and_opengl_names_the_package():
-    first, words, second = run("""
-sim = make(exact={}, shown={"renderer": "opengl"})
-first = digest(sim.render("exact"))
-try:
-    words = "drawn: " + digest(sim.render("shown"))
-except RenderError as error:
-    words = str(error)
-print(json.dumps([first, words, digest(sim.render("exact"))]))
-""", ARAS_VISUAL_SERVO_OSMESA="libNoSuchThing.so")
-    assert first == second
-    assert words.startswith("camera 'shown': renderer 'opengl': libNoSuchThing.so cannot be opened"), words
-    assert "Debian's package libosmesa6" in words and "renderer 'coverage' needs no library" in words, words
-
-
-FAULTS = {
-    "a picture too large": ('config["scene"]["models"].append(dict(name="banner", image=dict(file=sys.argv[1] + '
-                            '"/wide.png", size_m=[0.2, 0.1]), position_m=[0, 0, 0.05])); keys["exact_targets"] = False',
-                            "picture", "20000 x 4 px, allowed up to"),
-    "a canvas too large": ('keys.update(width=16384, height=9, quality="high")', "picture of", "allowed up to"),
-}
-
-
-@pytest.mark.parametrize("fault", FAULTS)
-def test_a_camera_that_cannot_be_drawn_is_named_and_the_others_go_on(fault, tmp_path):
-    import cv2
-    import numpy
-    change, *named = FAULTS[fault]
-    cv2.imwrite(str(tmp_path / "wide.png"), numpy.full((4, 20000, 3), 100, numpy.uint8))
-    for name in ("sim.yaml", "pan_lift.urdf"):
-        (tmp_path / name).write_text((FOLDER / name).read_text())
-    program = """
-config, keys = yaml.safe_load(open(FOLDER + "/sim.yaml"))["sim"], {"renderer": "opengl"}
-config["gravity_m_s2"] = [0.0, 0.0, 0.0]
-%s
-camera = config["cameras"][0]
-config["cameras"] = [dict(camera, name="exact"), dict(camera, name="shown", **keys)]
-sim = Simulation(open(FOLDER + "/pan_lift.urdf").read(), config)
-words, before = [], digest(sim.render("exact"))
-for _ in range(2):
-    sim.step_to_image("exact")
-    try:
-        sim.render("shown")
-    except RenderError as error:
-        words.append(str(error))
-    sim.render("exact")
-print(json.dumps([words, before, digest(sim.render("exact")), sim.time_ns]))
-""" % change
-    done = subprocess.run([sys.executable, "-c", BEGIN + program, str(tmp_path)], capture_output=True, text=True,
-                          check=False)
-    assert done.returncode == 0, done.stderr
-    words, before, after, time_ns = json.loads(done.stdout)
-    assert len(words) == 2 and time_ns > 0 and before == after
-    for word in ("camera 'shown': renderer 'opengl'", *named):
-        assert word in words[0], words[0]
-
-
 def test_nothing_is_opened_before_a_camera_of_opengl_draws():
     before, after = run("""
 sim = make(exact={}, shown={"renderer": "opengl"})

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "aras_visual_servo_camera/config/matching_config.hpp"
 #include "aras_visual_servo_camera/config/photometric_config.hpp"
 
 namespace YAML {
@@ -41,6 +42,7 @@ struct VisionConfig {
   };
   std::optional<Kernel> kernel;
   std::optional<PhotometricConfig> photometric;
+  std::optional<MatchingConfig> matches;
 };
 
 /** @param node  a map as schema/vision.yaml describes it

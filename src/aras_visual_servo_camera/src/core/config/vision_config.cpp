@@ -3,6 +3,7 @@
 #include <aras_visual_servo_common/yaml_reader.hpp>
 #include <string>
 
+#include "config/read_matching.hpp"
 #include "config/read_photometric.hpp"
 #include "schema_sections.hpp"
 
@@ -77,6 +78,7 @@ VisionConfig readVisionConfig(const YAML::Node& node) {
   readSelection(reader, config);
   readFeatures(reader, config);
   if (reader.has("photometric")) config.photometric = readPhotometric(reader.section("photometric"));
+  if (reader.has("matches")) config.matches = readMatching(reader.section("matches"));
   reader.finish();
   return config;
 }

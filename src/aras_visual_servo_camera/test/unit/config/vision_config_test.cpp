@@ -27,7 +27,8 @@ const char kEveryKey[] =
     "asymmetry_threshold: 0.1, orientation_threshold: 0.2, points: blobs, point_count: 5, "
     "kernel: {p: 2, q: 3}, lost_area_px: 4, border_margin_px: 3, switch_ratio: 1.5, switch_images: 7, "
     "photometric: {interaction: current, illumination: offset, levels: 2, switch_px: 0.6, smoothing_px: 1.5, "
-    "border_px: 11, min_contrast: 4, target_normal_C: [0.1, 0.2, 0.9]}}";
+    "border_px: 11, min_contrast: 4, target_normal_C: [0.1, 0.2, 0.9]}, "
+    "matches: {detector: akaze, keypoints: 500, ratio: 0.7, inlier_px: 2, min_matches: 9, iterations: 300, seed: 7}}";
 
 std::vector<std::string> keysOf(const YAML::Node& map) {
   std::vector<std::string> keys;
@@ -46,7 +47,7 @@ TEST(VisionConfig, EveryKeyOfTheSectionsIsRead) {  // by the next test, which ha
   const YAML::Node document = YAML::Load(kEveryKey);
   const auto& vision = schemaSections().section("vision");
   EXPECT_EQ(keysOf(document), keysOf(vision));
-  for (const char* part : {"kernel", "photometric"})
+  for (const char* part : {"kernel", "photometric", "matches"})
     EXPECT_EQ(keysOf(document[part]), keysOf(*vision.property(document, part)));
 }
 
@@ -82,6 +83,14 @@ TEST(VisionConfig, ReadsEveryKey) {
   EXPECT_EQ(p.border_px, 11);
   EXPECT_EQ(p.min_contrast, 4.0);
   EXPECT_EQ(p.target_normal_C, (std::array<double, 3>{0.1, 0.2, 0.9}));
+  const MatchingConfig& m = c.matches.value();
+  EXPECT_EQ(m.detector, KeypointDetector::kAkaze);
+  EXPECT_EQ(m.keypoints, 500);
+  EXPECT_EQ(m.ratio, 0.7);
+  EXPECT_EQ(m.inlier_px, 2.0);
+  EXPECT_EQ(m.min_matches, 9);
+  EXPECT_EQ(m.iterations, 300);
+  EXPECT_EQ(m.seed, 7);
 }
 
 TEST(VisionConfig, FaultsOfTheKernelAreListedWithTheOthers) {

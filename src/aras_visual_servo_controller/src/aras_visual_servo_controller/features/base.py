@@ -203,6 +203,7 @@ class Feature:
         sees_tilt: True if it changes differently with a tilt of the camera than with a translation, so that a law can
             control the tilt by it.
         source: name of the `Source` that it comes from.
+        also_from: names of other sources that make what it needs; `servo.source` chooses one of them.
         settings_class, settings: its own settings, class and instance; None for a feature without.
         section: name of the section of these settings.
         overlay: how it is drawn into the camera's image, a file of `report.overlays`; "" for not at all.
@@ -215,7 +216,7 @@ class Feature:
     """
 
     name, number, order, angle, directed, sees_tilt = "", 0, 2, False, False, False
-    source, section, settings_class, settings = "moments", "", None, None
+    source, also_from, section, settings_class, settings = "moments", (), "", None, None
     overlay = "moments"
     unit, symbol, label, colour = "-", "", "", ""
 
@@ -236,9 +237,9 @@ class FeatureSet:
         sees_tilt: whether any of them does.  source: name of the source that all of them come from.
     """
 
-    def __init__(self, names=FEATURE_NAMES, settings=None):
+    def __init__(self, names=FEATURE_NAMES, settings=None, source=""):
         """Args: names: of features, "pointsN" allowed.  settings: dict of section -> settings of the features that have
-        their own; None takes the defaults.
+        their own; None takes the defaults.  source: name of the source that makes them; "" takes the features' own.
 
         Raises ParameterError: a name is unknown (the error lists the known ones) or given twice, there is no name, the
             features come from different sources, or a setting without a default is missing.
@@ -251,7 +252,12 @@ class FeatureSet:
             faults.append(f"features: found {list(self.names)}, allowed different names, at least one")
         if faults:
             raise ParameterError(faults)
-        sources = {found.source for found in classes}
+        others = [name for name, found in zip(self.names, classes)
+                  if source not in ("", found.source, *found.also_from)]
+        if others:
+            raise ParameterError(f"source: found '{source}', which does not make {', '.join(others)}, allowed a source "
+                                 "that makes every feature")
+        sources = {source or found.source for found in classes}
         if len(sources) > 1:
             raise ParameterError(f"features: found {', '.join(self.names)}, which come from the sources "
                                  f"{' and '.join(sorted(sources))}, allowed features of one source")

@@ -40,7 +40,7 @@ def point_rows(view):
 
 
 class _OfPoints(Feature):
-    sees_tilt, overlay = True, "points"
+    sees_tilt, overlay, also_from = True, "points", ("matches",)
 
     def _ends(self, view):
         """Indices of this point and of the next one. Raises DegenerateFeature: the view shows fewer points."""

@@ -118,7 +118,7 @@ class Law:
 
     def __init__(self, gains_per_s, setup=LawSetup()):
         """Args and errors: those of `make_law`."""
-        self.features, self._setup = FeatureSet(setup.features, setup.settings), setup
+        self.features, self._setup = FeatureSet(setup.features, setup.settings, setup.source), setup
         names = self.features.names
         self.gains_per_s = tuple(float(gain) for gain in gains_per_s)
         faults = []

@@ -366,7 +366,7 @@ class ControllerNode:
 
 
 def main(make=ControllerNode):
-    """Entry of scripts/controller. Args: make: class of the node. Returns 0 after a shutdown, 2 for bad parameters."""
+    """Entry of node controller. Args: make: class of the node. Returns 0 after a shutdown, 2 for bad parameters."""
     rospy.init_node("controller", disable_signals=True)  # its handler shuts down from within whatever holds a lock
     check_signals()
     try:

@@ -1,4 +1,4 @@
-"""Node `controller` of a real arm (scripts/real_controller), which is no simulator in lockstep: any joint states,
+"""Node `controller` of a real arm (scripts/nodes/real_controller), which is no simulator in lockstep: any joint states,
 images and command topics.
 
 What the arm does is decided by `arm/real/arm_link.py`; this file is ROS wiring. One more thread than those of
@@ -182,5 +182,5 @@ class RealControllerNode(ControllerNode):
 
 
 def main():
-    """Entry of scripts/real_controller. Returns the exit code: 0 after a shutdown, 2 for bad parameters."""
+    """Entry of node real_controller. Returns the exit code: 0 after a shutdown, 2 for bad parameters."""
     return run_node(RealControllerNode)

@@ -163,7 +163,7 @@ def _button(name, colour, row):
 
 
 def main():
-    """Entry of scripts/rviz_view. Returns the exit code: 0 after a shutdown, 2 for bad parameters."""
+    """Entry of node rviz_view. Returns the exit code: 0 after a shutdown, 2 for bad parameters."""
     rospy.init_node("rviz_view")
     try:
         RvizView()

@@ -6,7 +6,7 @@ import re
 
 from ..config.plugins import load_plugins
 from ..features.base import expand, source_of
-from ..features.sources import source_named
+from ..features.sources import known_sources, source_named
 from ..ground.errors import ParameterError
 from ..ground.types import FEATURE_NAMES
 from ..servo.settings import ServoSettings
@@ -44,8 +44,11 @@ def _feature_faults(document):
         faults += [f"servo.{section}.{name}: missing" for name in names if name not in given]
         faults += [f"servo.{section}.{key}: unknown key, known are {', '.join(names)}"
                    for key in given if key not in names]
+    chosen = servo.get("source", "")
+    if chosen and chosen not in [source.name for source in known_sources()]:
+        return faults + [f"servo.source: found '{chosen}', allowed {', '.join(one.name for one in known_sources())}"]
     for name in names:
-        source = source_of(name)
+        source = chosen or source_of(name)
         section = "" if source is None else source_named(source).section
         if section and section not in document["vision"]:
             faults.append(f"vision.{section}: missing, the feature '{name}' is made there; {{}} for its defaults")

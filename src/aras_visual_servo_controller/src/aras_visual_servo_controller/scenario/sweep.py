@@ -88,6 +88,10 @@ class SweepSection:
     space: str = setting("camera", choices=SPACES, help="What is drawn: see the table of spaces.")
     seed: int = setting(0, at_least=0, help="Seed of all that is drawn.")
     drive_to_start: bool = setting(False, help="The arm is driven to goal and start as `run` does, not placed there.")
+    abort_factor: Optional[float] = setting(
+        None, above=1,
+        help="A run has failed once the camera is farther from the goal than this many times its distance at the "
+             "start. Without: no distance is too far.")
     camera: CameraRanges = setting(
         CameraRanges((-0.15, 0.15), (-0.2, 0.2), (-0.2, -0.03), rz_rad=(-0.7, 0.7)), not_empty=True,
         help="Ranges of space `camera`; an axis that is left out stays at the goal.")
@@ -127,6 +131,8 @@ class Perturbations:
         None, at_least=0,
         help="Images by which every image is delivered late, rounded down: added to the cameras' latency_s.")
     target: object = setting(None, help="Shape: name of a file of aras_description/targets, or its URI.")
+    picture: object = setting(
+        None, help="File of a picture that takes the place of the target's when the goal has been taught.")
     target_scale: object = setting(
         None, at_least=0.01,
         help="Factor on the size of every model of the scene that has outlines or an image.")

@@ -51,7 +51,7 @@ class Servo:
         names = kinematics.joint_names
         self._kinematics = kinematics
         self._scenario_config = self.config = ServoSettings.from_dict(config, names)
-        self._features = FeatureSet(self.config.features, self.config.settings)
+        self._features = FeatureSet(self.config.features, self.config.settings, self.config.source)
         self._source = source_named(self._features.source)
         self._arm = ArmMotion(kinematics, self.config, self._features.sees_tilt)
         self._moves = LookThenMove(kinematics, self._arm, self.config)

@@ -101,6 +101,19 @@ def perturbed(scenario, parameters):
     return _PerturbedScenario(**values, beside=beside)
 
 
+def swap_picture(sim, scenario, file):
+    """Give the first model of the scene that has a picture another one, until the next reset of the Simulation.
+
+    Raises ParameterError: no model has a picture.
+    """
+    for model in scenario.sim["scene"].get("models", []):
+        if "image" in model:
+            sim.delete_model(model["name"])
+            sim.spawn_model({**model, "image": {**model["image"], "file": str(resolve_uri(file, scenario._base))}})
+            return
+    raise ParameterError("picture: the scene has no model with a picture")
+
+
 def simulator_key(scenario, parameters):
     """A text that is equal for two runs if one Simulation can serve both."""
     scales = {name: value for name, value in parameters.items() if name.endswith("_scale")}
@@ -160,6 +173,10 @@ def _check_value(name, value):
         if not isinstance(value, str):
             raise ParameterError(f"found {value}, allowed is the name of a target file")
         resolve_uri(_target_uri(value), key="target")
+    elif name == "picture":
+        if not isinstance(value, str):
+            raise ParameterError(f"found {value}, allowed is the file of a picture")
+        resolve_uri(value, key="picture")
     elif name in KNOWN and (not _is_number(value) or value < KNOWN[name]):
         raise ParameterError(f"found {value}, allowed >= {KNOWN[name]:g}")
 

@@ -20,7 +20,7 @@ from ..run.measures import measures
 from ..run.settings import ExperimentSettings
 from .judge import COLUMNS, initial_columns, judge_row
 from .metrics import judge_by
-from .perturb import perturbed, simulator_key
+from .perturb import perturbed, simulator_key, swap_picture
 from ..scenario.sweep import CAMERA_AXES
 from ..ground.types import Status
 
@@ -70,7 +70,7 @@ class Bench:
                 builder.note(f"sweep: {name} {value}")
             drive = self._drive if self.drive_to_start else self._place
             drive(loop, builder, start)
-            self._servo(loop, builder)
+            self._servo(loop, builder, start)
             record = builder.finish(run_hash=loop.sim.run_hash, camera_info=loop.camera_info,
                                     X_WT=loop.target_pose(), opengl=loop.sim.opengl)
             lower, upper = loop.kinematics.lower, loop.kinematics.upper
@@ -105,19 +105,31 @@ class Bench:
                 builder.add_answer(record, loop.camera_pose(), features, image, loop.moving_target_pose())
         except ParameterError as error:
             raise Infeasible(str(error)) from error
+        if "picture" in start.parameters:
+            swap_picture(loop.sim, loop.scenario, start.parameters["picture"])
         loop.place(start.joints, config.settle_s)
         loop.start(servo_only=True)
 
     @staticmethod
     def _drive(loop, builder, start):
+        if "picture" in start.parameters:
+            raise Infeasible("picture: allowed without drive_to_start, where the bench teaches the goal")
         loop.start()
 
-    @staticmethod
-    def _servo(loop, builder):
-        lost_since_ns = None
+    def _servo(self, loop, builder, start):
+        lost_since_ns, farthest_mm, factor = None, np.inf, self.scenario.sweep.get("abort_factor")
+        if factor is not None:
+            X_WCg = self._goal_pose(start)
+            farthest_mm = factor * initial_columns(self._planned_error(start))["distance0_mm"]
         while not loop.sequence.done:
             record, features, image = loop.step()
-            builder.add_answer(record, loop.camera_pose(), features, image, loop.moving_target_pose())
+            X_WC = loop.camera_pose()
+            too_far = factor is not None and 1e3 * np.linalg.norm(X_WC[:3, 3] - X_WCg[:3, 3]) > farthest_mm
+            if too_far:
+                record.status, record.status_text = Status.STOPPED, f"farther than {factor:g} times the start"
+            builder.add_answer(record, X_WC, features, image, loop.moving_target_pose())
+            if too_far:
+                return
             if record.status != Status.TARGET_LOST:
                 lost_since_ns = None
             elif lost_since_ns is None:
@@ -148,12 +160,16 @@ class Bench:
         return row
 
     def _planned_error(self, start):
-        """`pose_error` of the start by kinematics, for a run that was never begun."""
+        """`pose_error` of the start by kinematics."""
+        goal = self._goal_pose(start)
+        return pose_error(goal, self._kinematics.pose(self._kinematics.vector(start.joints)))
+
+    def _goal_pose(self, start):
+        """X_WCg, (4, 4), by kinematics."""
         if self._kinematics is None:
             robot = self.scenario.robot
             self._kinematics = robot_kinematics(self.scenario.urdf_xml(), robot["base_link"], robot["tip_link"])
-        goal, pose = placed(self.scenario, start).goal_posture(self._kinematics), self._kinematics.pose
-        return pose_error(pose(goal), pose(self._kinematics.vector(start.joints)))
+        return self._kinematics.pose(placed(self.scenario, start).goal_posture(self._kinematics))
 
 
 def placed(scenario, start):

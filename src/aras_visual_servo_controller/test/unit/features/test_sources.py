@@ -20,20 +20,22 @@ from aras_visual_servo_controller.servo.servo import Servo
 
 INFO = {"width": 160, "height": 120, "K": [100.0, 0, 79.5, 0, 100.0, 59.5, 0, 0, 1], "D": [0.0] * 5,
         "distortion_model": "plumb_bob"}
-VISION = {"object": "dark", "segmentation": "coverage", "photometric": {"levels": 2}}
+VISION = {"object": "dark", "segmentation": "coverage", "photometric": {"levels": 2}, "matches": {}}
 
 
 def textured_wedge():
     u, v = np.meshgrid(np.arange(160), np.arange(120))
-    image = np.rint(215 + 15 * np.sin(0.2 * u + 0.1 * v)).astype(np.uint8)
+    image = np.rint(215 + 15 * np.sin(0.2 * u + 0.1 * v))
+    image += 25 * (np.random.default_rng(1).random((15, 20)).repeat(8, axis=0).repeat(8, axis=1) - 0.5)  # corners
+    image = np.rint(image).astype(np.uint8)
     for row in range(30):
         image[40 + row, 50:50 + 2 * (row + 1)] = 20
     return image
 
 
 def test_an_unknown_source_lists_the_known_ones():
-    assert [source.name for source in known_sources()] == ["moments", "photometric"]
-    with pytest.raises(ParameterError, match="found 'sonar', allowed moments, photometric"):
+    assert [source.name for source in known_sources()] == ["matches", "moments", "photometric"]
+    with pytest.raises(ParameterError, match="found 'sonar', allowed matches, moments, photometric"):
         source_named("sonar")
 
 
@@ -56,8 +58,9 @@ def test_a_taught_view_has_the_values_that_the_camera_gives_it_once_it_is_the_re
     extractor.teach(5, 0.59)
     again = extractor.process(textured_wedge(), 6)
     taught = source.taught(seen, 0.59, (0.0, 0.0, 1.0))
-    names = {"moments": ("xn", "yn", "an", "alpha"), "photometric": ("photometric",)}[source.name]
-    values = [FeatureSet(names).values(features.View(each)) for each in (taught.features, again)]
+    names = {"moments": ("xn", "yn", "an", "alpha"), "photometric": ("photometric",),
+             "matches": ("points4", "xm1", "l2", "xr", "tz")}[source.name]
+    values = [FeatureSet(names, source=source.name).values(features.View(each)) for each in (taught.features, again)]
     assert values[0] == values[1] and np.isfinite(values[0]).all()
 
 

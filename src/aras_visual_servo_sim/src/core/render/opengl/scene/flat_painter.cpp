@@ -59,23 +59,23 @@ void FlatPainter::draw(const PinholeView& view) {
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
   gl_.DepthMask(GL_TRUE);
   gl_.DepthFunc(GL_GEQUAL);
-  drawFaces(view);
+  drawFaces(view, /*pictures=*/true);
 }
 
 void FlatPainter::mark(const PinholeView& view) {
   gl_.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_TRUE);
   gl_.DepthMask(GL_FALSE);
   gl_.DepthFunc(GL_LESS);
-  drawFaces(view);
+  drawFaces(view, /*pictures=*/false);
   gl_.DepthMask(GL_TRUE);
 }
 
-void FlatPainter::drawFaces(const PinholeView& view) {
+void FlatPainter::drawFaces(const PinholeView& view, bool pictures) {
   gl_.Disable(GL_CULL_FACE);
   const Eigen::Matrix4f projection = view.projection(near_m_);
   int index = 0;
   for (const Face& each : faces_) {
-    const bool picture = each.face.kind == PlanarLayer::Face::Kind::kPicture;
+    const bool picture = pictures && each.face.kind == PlanarLayer::Face::Kind::kPicture;
     const ShaderProgram& shader = program(picture);
     shader.use();
     gl_.UniformMatrix4fv(shader["projection"], 1, GL_FALSE, projection.data());

@@ -30,7 +30,8 @@ class FlatPainter {
     GLint first = 0;
     GLsizei count = 0;
   };
-  void drawFaces(const PinholeView& view);
+  /** @param pictures  whether they are shown; marks need none */
+  void drawFaces(const PinholeView& view, bool pictures);
   ShaderProgram& program(bool textured);
 
   const GlFunctions& gl_;

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "picture_taps.hpp"
 #include "shadow_reach.hpp"
 
 namespace aras_visual_servo_sim {
@@ -17,23 +18,6 @@ double radiusOf(const TriangleMesh& mesh) { return 0.5 * (mesh.box_max - mesh.bo
 constexpr int kFirstMapUnit = 1;  // unit 0 has the picture
 constexpr int kBumpsUnit = kFirstMapUnit + LightSet::kMostShadows;
 constexpr float kUnmarked = 0.0f;  // alpha of what no mark of FlatPainter lies on
-
-/** Whether pixels see so much more of a part's picture in one direction than across it that this must not blur it: by
- *  its plane and the rays through the picture's corners. */
-bool isSeenAskew(const MeshPart& part, const Eigen::Matrix4d& X_CS, const PinholeView& view) {
-  constexpr double kMuch = 1.5;
-  if (part.normal.isZero()) return true;
-  const Eigen::Vector3d normal = view.R_FC * (X_CS.topLeftCorner<3, 3>() * part.normal.cast<double>());
-  double least = 1.0, most = -1.0;
-  for (int k = 0; k < 4; ++k) {
-    const Eigen::Vector3d ray(((k & 1 ? view.width : 0) - 0.5 - view.cx) / view.fx,
-                              ((k & 2 ? view.height : 0) - 0.5 - view.cy) / view.fy, 1.0);
-    const double slope = normal.dot(ray) / ray.norm();
-    least = std::min(least, slope);
-    most = std::max(most, slope);
-  }
-  return part.stretch > kMuch * std::max(least, -most);
-}
 
 }  // namespace
 
@@ -131,68 +115,79 @@ void SolidPainter::draw(const Item& item, const PinholeView& view) {
   }
   constexpr GLsizei kFew = 3 * 1000;  // indices: drawing their points five times costs less than shadows all over
   constexpr double kSmallPart = 0.7;  // of the pixels
+  const bool few = mesh.index_count <= kFew;
   const PixelPart all = coveredPart(*shape.mesh, item.X_CS, view, camera_->nearM());
   part = part.within(all);
-  if (shaded != plain && mesh.index_count <= kFew && part.area() < kSmallPart * all.area()) {
+  const auto drawIn = [&](const PixelPart& where, const std::string& letters) {
+    if (!where.empty()) draw(item, view, mesh, letters, where, few);
+  };
+  if (shaded != plain && few && part.area() < kSmallPart * all.area()) {
     gl_.Enable(GL_SCISSOR_TEST);
-    const auto drawIn = [&](const PixelPart& here, const std::string& letters) {
-      if (here.empty()) return;
-      gl_.Scissor(here.left, here.top, here.right - here.left, here.bottom - here.top);
-      draw(item, view, mesh, letters);
-    };
     drawIn({all.left, all.top, all.right, part.top}, plain);
     drawIn({all.left, part.top, part.left, part.bottom}, plain);
     drawIn(part, shaded);
     drawIn({part.right, part.top, all.right, part.bottom}, plain);
     drawIn({all.left, part.bottom, all.right, all.bottom}, plain);
-    gl_.Disable(GL_SCISSOR_TEST);
   } else {
-    draw(item, view, mesh, shaded);
+    drawIn(all, shaded);
   }
+  gl_.Disable(GL_SCISSOR_TEST);
   if (reaches_far) gl_.Disable(GL_CLIP_DISTANCE0);
 }
 
-void SolidPainter::draw(const Item& item, const PinholeView& view, const GlMesh& mesh, const std::string& letters) {
+void SolidPainter::draw(const Item& item, const PinholeView& view, const GlMesh& mesh, const std::string& letters,
+                        const PixelPart& where, bool split) {
+  for (const MeshPart& part : mesh.parts) {
+    const std::vector<TapRows> all = tapRowsOf(part, item.X_CS, view, where, split);
+    if (all.size() > 1) gl_.Enable(GL_SCISSOR_TEST);
+    for (const TapRows& rows : all) {
+      const PixelPart& box = rows.where;
+      if (split) gl_.Scissor(box.left, box.top, box.right - box.left, box.bottom - box.top);
+      draw(item, view, mesh, part, letters, rows.taps);
+    }
+  }
+}
+
+void SolidPainter::draw(const Item& item, const PinholeView& view, const GlMesh& mesh, const MeshPart& part,
+                        const std::string& letters, int taps) {
   const Shape& shape = *item.shape;
   const Material& material = shape.material;
   const Eigen::RowVector3d axis = view.R_FC.row(2);
   const Eigen::Matrix4f projection = view.projection(camera_->nearM()), placed = item.X_CS.cast<float>();
   const Eigen::Vector3f color = unit(shape.color);
-  for (const MeshPart& part : mesh.parts) {
-    const Program& program = programOf(item, mesh, part.picture, letters);
-    gl_.UniformMatrix4fv(program.projection, 1, GL_FALSE, projection.data());
-    gl_.UniformMatrix4fv(program.placed, 1, GL_FALSE, placed.data());
-    gl_.Uniform4f(program.shape_color, color.x(), color.y(), color.z(), 1.0f);
-    gl_.Uniform4f(program.far_plane, float(-axis.x()), float(-axis.y()), float(-axis.z()), float(camera_->farM()));
-    // A colour of its own that ambient light meets adds to the light it gives.
-    const bool own = material.ambient && !part.picture;
-    const Eigen::Vector3f ambient = float(own ? 0.0 : material.ambient_share) * lights_->ambient.cast<float>();
-    Eigen::Vector3f glow = material.emissive.cast<float>();
-    if (own) glow += material.ambient->cwiseProduct(lights_->ambient).cast<float>();
-    const Eigen::Vector3f highlight = material.specular.cast<float>();
-    gl_.Uniform3f(program.ambient, ambient.x(), ambient.y(), ambient.z());
-    gl_.Uniform3f(program.emissive, glow.x(), glow.y(), glow.z());
-    gl_.Uniform1f(program.opacity, material.opacity < 1.0 ? static_cast<float>(material.opacity) : kUnmarked);
-    gl_.Uniform3f(program.highlight, highlight.x(), highlight.y(), highlight.z());
-    gl_.Uniform1f(program.shininess, static_cast<float>(material.shininess));
-    if (part.picture) {
-      const MeshPicture& picture = *part.picture;
-      const bool askew = isSeenAskew(part, item.X_CS, view);
-      store_.bindPicture(picture.texture, picture.wrap_s, picture.wrap_t, askew);
-      if (picture.normals) store_.bindPicture(picture.normals, picture.wrap_s, picture.wrap_t, askew, kBumpsUnit);
-    }
-    gl_.DrawElements(GL_TRIANGLES, part.count, GL_UNSIGNED_INT,
-                     reinterpret_cast<const void*>(std::size_t(part.first) * sizeof(std::uint32_t)));
+  const Program& program = programOf(item, mesh, part.picture, taps, letters);
+  gl_.UniformMatrix4fv(program.projection, 1, GL_FALSE, projection.data());
+  gl_.UniformMatrix4fv(program.placed, 1, GL_FALSE, placed.data());
+  gl_.Uniform4f(program.shape_color, color.x(), color.y(), color.z(), 1.0f);
+  gl_.Uniform4f(program.far_plane, float(-axis.x()), float(-axis.y()), float(-axis.z()), float(camera_->farM()));
+  // A colour of its own that ambient light meets adds to the light it gives.
+  const bool own = material.ambient && !part.picture;
+  const Eigen::Vector3f ambient = float(own ? 0.0 : material.ambient_share) * lights_->ambient.cast<float>();
+  Eigen::Vector3f glow = material.emissive.cast<float>();
+  if (own) glow += material.ambient->cwiseProduct(lights_->ambient).cast<float>();
+  const Eigen::Vector3f highlight = material.specular.cast<float>();
+  gl_.Uniform3f(program.ambient, ambient.x(), ambient.y(), ambient.z());
+  gl_.Uniform3f(program.emissive, glow.x(), glow.y(), glow.z());
+  gl_.Uniform1f(program.opacity, material.opacity < 1.0 ? static_cast<float>(material.opacity) : kUnmarked);
+  gl_.Uniform3f(program.highlight, highlight.x(), highlight.y(), highlight.z());
+  gl_.Uniform1f(program.shininess, static_cast<float>(material.shininess));
+  if (part.picture) {
+    const MeshPicture& picture = *part.picture;
+    store_.bindPicture(picture.texture, picture.wrap_s, picture.wrap_t, false);
+    if (picture.normals) store_.bindPicture(picture.normals, picture.wrap_s, picture.wrap_t, false, kBumpsUnit);
   }
+  gl_.DrawElements(GL_TRIANGLES, part.count, GL_UNSIGNED_INT,
+                   reinterpret_cast<const void*>(std::size_t(part.first) * sizeof(std::uint32_t)));
 }
 
 SolidPainter::Program& SolidPainter::programOf(const Item& item, const GlMesh& mesh, const MeshPicture* picture,
-                                               const std::string& letters) {
+                                               int taps, const std::string& letters) {
   const Shape& shape = *item.shape;
   ShaderTraits traits;
   traits.lights = letters;
   traits.clamps_light = lights_->clamps_light;
   traits.textured = picture != nullptr;
+  if (picture) traits.taps = taps;
   traits.bumpy = picture && picture->normals;
   traits.specular = !shape.material.specular.isZero();
   traits.sharp = traits.specular && shape.material.shininess != 1.0;

@@ -11,6 +11,7 @@
 #include "render/opengl/gl/shader_program.hpp"
 #include "render/opengl/view/pinhole_view.hpp"
 #include "shadow_maps.hpp"
+#include "shadow_reach.hpp"
 #include "solid_shader.hpp"
 
 namespace aras_visual_servo_sim {
@@ -52,8 +53,14 @@ class SolidPainter {
   };
   /** Draws without shadows where there can be none, for they cost most of it. */
   void draw(const Item& item, const PinholeView& view);
-  void draw(const Item& item, const PinholeView& view, const GlMesh& mesh, const std::string& letters);
-  Program& programOf(const Item& item, const GlMesh& mesh, const MeshPicture* picture, const std::string& letters);
+  /** Draws within these pixels, if the scissor is on. @param split  whether in rows, each with a scissor, which is on
+   *  afterwards if there were several */
+  void draw(const Item& item, const PinholeView& view, const GlMesh& mesh, const std::string& letters,
+            const PixelPart& where, bool split);
+  void draw(const Item& item, const PinholeView& view, const GlMesh& mesh, const MeshPart& part,
+            const std::string& letters, int taps);
+  Program& programOf(const Item& item, const GlMesh& mesh, const MeshPicture* picture, int taps,
+                     const std::string& letters);
   void findUniforms(Program& program) const;
   void setLights(Program& program);
   bool isSeen(const Item& item, const PinholeView& view) const;

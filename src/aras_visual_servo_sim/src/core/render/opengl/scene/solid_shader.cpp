@@ -105,6 +105,32 @@ float shadow(sampler2DShadow map, vec3 at, vec2 texel_of_map) {
   return 0.25 * sum;
 }
 )";
+// The mean of a picture over the strip that a pixel sees of it: taps side by side along it, each as wide as the strip,
+// or wider where there are too few. The strip is the ellipse that a round pixel covers: P. Heckbert, Fundamentals of
+// Texture Mapping and Image Warping, 1989, appendix.
+const char kStrip[] = R"(
+vec3 strip(sampler2D map, vec2 at) {
+  vec2 size = vec2(textureSize(map, 0)), right = dFdx(at) * size, down = dFdy(at) * size;
+  float a = right.x * right.x + down.x * down.x, c = right.y * right.y + down.y * down.y;
+  float b = right.x * right.y + down.x * down.y, excess = 0.5 * (a - c);
+  float longest = max(1e-20, 0.5 * (a + c) + sqrt(excess * excess + b * b)), length = sqrt(longest);
+  float width = max(1.0, abs(right.x * down.y - right.y * down.x) / length);
+  vec2 axis = excess > 0.0 ? vec2(longest - c, b) : vec2(b, longest - a);
+  vec2 way = axis * (length * inversesqrt(max(dot(axis, axis), 1e-30))) / size;
+  float level = log2(max(width, length / (TAPS * TAP_LENGTH)));
+)";
+
+/** Of the fragment shader: strip(), without a loop. */
+std::string stripText(int taps) {
+  std::string text = "#define TAPS " + std::to_string(double(taps)) + "\n#define TAP_LENGTH " +
+                     std::to_string(ShaderTraits::kTapLength) + kStrip + "  return (";
+  for (int k = 0; k < taps; ++k) {
+    text += std::string(k > 0 ? " +\n    " : "") + "textureLod(map, at + " + std::to_string((k + 0.5) / taps - 0.5) +
+            " * way, level).rgb";
+  }
+  return text + ") / TAPS;\n}\n";
+}
+
 // The normal that a picture gives, in the frame of the directions in which s grows and t falls. p_C and texel change by
 // the same steps from pixel to pixel, so that these directions follow from the differences without any approximation on
 // a flat triangle (C. Schueler, Normal Mapping without Precomputed Tangents, ShaderX 5, 2006).
@@ -118,7 +144,7 @@ vec3 bent(vec3 n) {
   vec3 along_s = a * right_texel.x + b * down_texel.x;
   vec3 along_t = a * right_texel.y + b * down_texel.y;
   float longest = max(dot(along_s, along_s), dot(along_t, along_t));
-  vec3 m = 2.0 * texture(bumps, texel).rgb - 1.0;
+  vec3 m = 2.0 * TEXEL(bumps) - 1.0;
   return longest > 0.0 ? normalize((m.x * along_s - m.y * along_t) * inversesqrt(longest) + m.z * n) : n;
 }
 )";
@@ -148,8 +174,9 @@ float shadow_around(samplerCubeShadow map, vec3 ray, vec2 reach, vec2 texel_of_m
 
 std::string ShaderTraits::name() const {
   return "solid " + lights + (clamps_light ? " clamped" : "") + (textured ? " textured" : "") +
-         (bumpy ? " bumpy" : "") + (specular ? " specular" : "") + (fog ? " fog" : "") + (faceted ? " faceted" : "") +
-         (two_sided ? " two-sided" : "") + (painted ? " painted" : "");
+         (taps > 1 ? " taps " + std::to_string(taps) : "") + (bumpy ? " bumpy" : "") + (specular ? " specular" : "") +
+         (fog ? " fog" : "") + (faceted ? " faceted" : "") + (two_sided ? " two-sided" : "") +
+         (painted ? " painted" : "");
 }
 
 std::string lightLetters(const LightSet& lights) {
@@ -227,6 +254,11 @@ std::string solidFragmentShader(const ShaderTraits& traits) {
   }
   if (shaded) text += kShadow;
   if (shaded_around) text += kShadowAround;
+  if (traits.taps > 1) text += stripText(traits.taps);
+  if (traits.textured) {
+    text +=
+        std::string("#define TEXEL(map) ") + (traits.taps > 1 ? "strip(map, texel)\n" : "texture(map, texel).rgb\n");
+  }
   if (traits.bumpy) text += kBumps;
   if (traits.specular) text += kHalfway;
   text += traits.faceted ? "void main() {\n  vec3 n = n_C;\n" : "void main() {\n  vec3 n = normalize(n_C);\n";
@@ -245,7 +277,7 @@ std::string solidFragmentShader(const ShaderTraits& traits) {
   }
   if (traits.clamps_light) text += "  light = min(light, vec3(1.0));\n";
   text += traits.painted ? "  vec3 color = surface;\n" : "  vec3 color = shape_color.rgb;\n";
-  if (traits.textured) text += "  color *= texture(picture, texel).rgb;\n";
+  if (traits.textured) text += "  color *= TEXEL(picture);\n";
   text += "  vec3 sum = emissive + color * light;\n";
   if (traits.specular) text += "  sum += highlight * shine;\n";
   if (traits.fog) {

@@ -11,10 +11,12 @@ namespace aras_visual_servo_sim {
 struct ShaderTraits {
   std::string lights;  ///< a letter each: 'd'irectional, 'p'oint, 's'pot, 'h'ead; capital: with a shadow
   bool clamps_light = false, textured = false, bumpy = false, specular = false, fog = false;
-  bool sharp = false;      ///< of specular ones: the highlight has an exponent other than 1
-  bool faceted = false;    ///< each triangle has one normal and one colour, and its back is not drawn
-  bool two_sided = false;  ///< the back is drawn, lit as a front
-  bool painted = false;    ///< the mesh has colours of its own
+  int taps = 1;                              ///< of textured ones: how many of the picture each pixel takes
+  static constexpr double kTapLength = 2.0;  ///< how long the piece of a strip is for one tap, over the strip's width
+  bool sharp = false;                        ///< of specular ones: the highlight has an exponent other than 1
+  bool faceted = false;                      ///< each triangle has one normal and one colour, and its back is not drawn
+  bool two_sided = false;                    ///< the back is drawn, lit as a front
+  bool painted = false;                      ///< the mesh has colours of its own
 
   std::string name() const;
 };

@@ -1,0 +1,103 @@
+#include "matching/keypoints.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+
+namespace aras_visual_servo_camera {
+namespace {
+
+// FAST asks for this contrast; OpenCV's default of 20 leaves few keypoints on a poster that is printed pale.
+constexpr int kFastContrast = 10;
+// Between two levels of ORB's pyramid; the value is OpenCV's default.
+constexpr float kOrbScale = 1.2f;
+// SIFT begins with the image enlarged twice. OpenCV divides the place in that image by two, but pixel 0 of it lies a
+// quarter of a pixel before pixel 0 of the image. (ORB's levels are shifted likewise.)
+constexpr double kSiftShift_px = -0.25;
+
+cv::Ptr<cv::Feature2D> makeDetector(const MatchingConfig& config) {
+  if (config.detector == KeypointDetector::kAkaze) return cv::AKAZE::create();
+  if (config.detector == KeypointDetector::kSift) return cv::SIFT::create(config.keypoints);
+  cv::Ptr<cv::ORB> orb = cv::ORB::create(config.keypoints, kOrbScale);
+  orb->setFastThreshold(kFastContrast);
+  return orb;
+}
+
+}  // namespace
+
+bool Keypoints::operator==(const Keypoints& other) const {
+  return xy == other.xy && descriptors.size() == other.descriptors.size() &&
+         descriptors.type() == other.descriptors.type() &&
+         std::memcmp(descriptors.data, other.descriptors.data, descriptors.total() * descriptors.elemSize()) == 0;
+}
+
+std::array<cv::Point2d, 4> Keypoints::box() const {
+  const cv::Point2d middle = std::accumulate(xy.begin(), xy.end(), cv::Point2d()) / static_cast<double>(count());
+  cv::Point2d squares;
+  for (const cv::Point2d& p : xy) squares += {(p.x - middle.x) * (p.x - middle.x), (p.y - middle.y) * (p.y - middle.y)};
+  const double dx = std::sqrt(squares.x / count()), dy = std::sqrt(squares.y / count());
+  return {{{middle.x - dx, middle.y - dy},
+           {middle.x + dx, middle.y - dy},
+           {middle.x + dx, middle.y + dy},
+           {middle.x - dx, middle.y + dy}}};
+}
+
+KeypointFinder::KeypointFinder(const MatchingConfig& config)
+    : name_(config.detector),
+      detector_(makeDetector(config)),
+      norm_(config.detector == KeypointDetector::kSift ? cv::NORM_L2 : cv::NORM_HAMMING),
+      most_(config.keypoints),
+      ratio_(config.ratio) {
+  cv::setNumThreads(1);
+}
+
+double KeypointFinder::shiftOf(const cv::KeyPoint& keypoint) const {
+  if (name_ == KeypointDetector::kSift) return kSiftShift_px;
+  if (name_ == KeypointDetector::kOrb) return 0.5 * (std::pow(kOrbScale, keypoint.octave) - 1.0);
+  return 0.0;
+}
+
+void KeypointFinder::find(const cv::Mat& grey, const CameraIntrinsics& intrinsics, Keypoints* found) const {
+  std::vector<cv::KeyPoint> keypoints;
+  cv::Mat descriptors;
+  detector_->detectAndCompute(grey, cv::noArray(), keypoints, descriptors);
+  std::vector<int> chosen(keypoints.size());
+  std::iota(chosen.begin(), chosen.end(), 0);
+  if (static_cast<int>(chosen.size()) > most_) {
+    std::stable_sort(chosen.begin(), chosen.end(),
+                     [&](int a, int b) { return keypoints[a].response > keypoints[b].response; });
+    chosen.resize(static_cast<std::size_t>(most_));
+    std::sort(chosen.begin(), chosen.end());
+  }
+  found->xy.clear();
+  std::vector<int> rows;
+  for (int k : chosen) {
+    const double shift_px = shiftOf(keypoints[k]);
+    const auto ray = intrinsics.undistort(keypoints[k].pt.x + shift_px, keypoints[k].pt.y + shift_px);
+    if (!ray.valid) continue;
+    found->xy.emplace_back(ray.x, ray.y);
+    rows.push_back(k);
+  }
+  found->descriptors.create(static_cast<int>(rows.size()), descriptors.cols, descriptors.type());
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    descriptors.row(rows[i]).copyTo(found->descriptors.row(static_cast<int>(i)));
+}
+
+std::vector<std::array<int, 2>> KeypointFinder::match(const Keypoints& image, const Keypoints& goal) const {
+  std::vector<std::array<int, 2>> pairs;
+  if (image.count() == 0 || goal.count() == 0) return pairs;
+  std::vector<std::vector<cv::DMatch>> nearest;
+  cv::BFMatcher(norm_).knnMatch(image.descriptors, goal.descriptors, nearest, 2);
+  std::vector<const cv::DMatch*> best(goal.xy.size(), nullptr);  // of each keypoint of the goal
+  for (const auto& two : nearest) {
+    if (two.empty() || (two.size() == 2 && !(two[0].distance < ratio_ * two[1].distance))) continue;
+    const cv::DMatch*& so_far = best[two[0].trainIdx];
+    if (so_far == nullptr || two[0].distance < so_far->distance) so_far = &two[0];
+  }
+  for (const cv::DMatch* match : best)
+    if (match != nullptr) pairs.push_back({match->queryIdx, match->trainIdx});
+  return pairs;
+}
+
+}  // namespace aras_visual_servo_camera

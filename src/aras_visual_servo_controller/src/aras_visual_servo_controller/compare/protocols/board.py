@@ -1,0 +1,70 @@
+"""Textured boards, drawn by a seeded program: pictures with corners and edges at all scales, and perturbed copies."""
+
+import numpy as np
+
+#: Size of a board's picture [px]: a pixel is 0.53 mm of a board of 0.8 m.
+WIDTH, HEIGHT = 1500, 1125
+SHAPES = 900
+
+
+def draw(seed):
+    """A board, (HEIGHT, WIDTH, 3) uint8: rectangles, discs and triangles of many sizes and colours over each other."""
+    rng = np.random.default_rng(seed)
+    image = np.full((HEIGHT, WIDTH, 3), rng.integers(60, 200, 3), np.uint8)
+    v, u = np.mgrid[0:HEIGHT, 0:WIDTH].astype(np.float32)
+    for size in np.sort(np.exp(rng.uniform(np.log(6.0), np.log(180.0), SHAPES)))[::-1]:
+        middle, colour = rng.uniform((0, 0), (WIDTH, HEIGHT)), rng.integers(0, 256, 3)
+        kind, turn, narrow = rng.integers(3), rng.uniform(0.0, 2.0 * np.pi), rng.uniform(0.3, 1.0)
+        window = tuple(slice(max(int(m - 1.5 * size), 0), int(m + 1.5 * size) + 1) for m in middle[::-1])
+        du, dv = u[window] - middle[0], v[window] - middle[1]
+        a, b = np.cos(turn) * du + np.sin(turn) * dv, (np.cos(turn) * dv - np.sin(turn) * du) / narrow
+        inside = (np.maximum(np.abs(a), np.abs(b)) < size, np.hypot(a, b) < size,
+                  (a > -0.5 * size) & (a + 1.7 * np.abs(b) < size))[kind]
+        image[window][inside] = colour
+    return image
+
+
+def perturbed(picture, seed):
+    """A copy with the perturbations of the ViT-VS protocol, drawn here with numpy.
+
+    With a chance of 1/2 a rectangle of 2 to 33 % of the area is black, its sides' ratio between 0.3 and 3.3. Then, in
+    an order of chance, brightness is multiplied by 0.4 to 1.6 and contrast by 0.6 to 1.4 about the mean grey. Last,
+    noise with a standard deviation of 5 % of the range is added. Grey levels stay within their range.
+
+    Args: picture: (h, w, 3) uint8.
+    """
+    rng = np.random.default_rng(seed)
+    image = picture.astype(np.float32) / 255.0
+    height, width = image.shape[:2]
+    if rng.random() < 0.5:
+        for _ in range(10):  # as often as it takes to fit, at most so
+            area, ratio = height * width * rng.uniform(0.02, 0.33), np.exp(rng.uniform(np.log(0.3), np.log(3.3)))
+            h, w = int(round(np.sqrt(area * ratio))), int(round(np.sqrt(area / ratio)))
+            if h < height and w < width:
+                top, left = rng.integers(0, height - h + 1), rng.integers(0, width - w + 1)
+                image[top:top + h, left:left + w] = 0.0
+                break
+    brightness, contrast = rng.uniform(0.4, 1.6), rng.uniform(0.6, 1.4)
+    for kind in rng.permutation(2):
+        if kind == 0:
+            image = np.clip(brightness * image, 0.0, 1.0)
+        else:
+            grey = float((image @ np.array([0.2989, 0.587, 0.114], np.float32)).mean())
+            image = np.clip(contrast * image + (1.0 - contrast) * grey, 0.0, 1.0)
+    image += 0.05 * rng.standard_normal(image.shape, dtype=np.float32)
+    return np.rint(255.0 * np.clip(image, 0.0, 1.0)).astype(np.uint8)
+
+
+def save(path, picture):
+    """Write a picture, (h, w, 3) uint8, to a PNG file. The same picture gives the same bytes."""
+    import matplotlib.image  # slow to import
+    matplotlib.image.imsave(str(path), picture, metadata={"Software": None})
+
+
+def load(path):
+    """(h, w, 3) uint8 of a picture's file, transparency left out. Raises OSError, ValueError."""
+    import matplotlib.image
+    picture = matplotlib.image.imread(str(path))
+    if picture.dtype != np.uint8:
+        picture = np.rint(255.0 * picture).astype(np.uint8)
+    return np.ascontiguousarray(picture[..., :3] if picture.ndim == 3 else np.repeat(picture[..., None], 3, axis=2))

@@ -1,0 +1,49 @@
+"""Source `matches`: keypoints of a textured plane, matched to those of the goal image (MatchFeatures)."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...ground.types import Features
+from ..interaction import plane_from_pose
+from .base import Source, Taught, register_source
+
+
+@register_source("matches")
+class Matches(Source):
+    """Four points of the goal's plane, which the homography between both images moves; the pose follows from them."""
+
+    topic, message, section = "camera/matches", "aras_visual_servo_msgs/MatchFeatures", "matches"
+
+    def extractor(self, camera_info, vision):
+        from aras_visual_servo_camera import MatchExtractor  # here: this module can be imported without C++
+        return MatchExtractor(camera_info, vision[self.section])
+
+    def why_lost(self, features):
+        if features.target_visible and features.valid:
+            return ""
+        return features.fault or super().why_lost(features)
+
+    def taught(self, features, z_star_m, normal_C):
+        """As of `Source`. The points are those that the camera package says it will follow."""
+        view = _points(features, features.as_goal_x, features.as_goal_y, float(z_star_m))
+        return Taught(view, view, plane_from_pose(normal_C, [0.0, 0.0, view.z_star_m]))
+
+    def kept(self, features):
+        return _points(features, features.point_x, features.point_y, features.z_star_m)
+
+    def mean(self, views):
+        """The points one by one, and their middle."""
+        x, y = (np.mean([getattr(view, name) for view in views], axis=0).tolist() for name in ("point_x", "point_y"))
+        middle = {name: float(np.mean([getattr(view, name) for view in views])) for name in ("xg", "yg", "xn", "yn")}
+        return replace(views[0], point_x=tuple(x), point_y=tuple(y), **middle)
+
+
+def _points(features, x, y, z_star_m):
+    """`Features` with these points and the place of their middle: what laws on points and teaching read."""
+    view = Features(target_visible=True, valid=True, has_reference=True, z_star_m=z_star_m,
+                    reference_stamp_ns=features.reference_stamp_ns)
+    view.point_x, view.point_y = tuple(x), tuple(y)
+    view.xg, view.yg = sum(0.25 * value for value in x), sum(0.25 * value for value in y)
+    view.xn, view.yn, view.an = z_star_m * view.xg, z_star_m * view.yg, z_star_m  # where the plane's middle is [m]
+    return view

@@ -1,0 +1,114 @@
+"""A cart whose plugins drive its wheels and publish its sensors, and what pushes it from outside."""
+import os
+import pathlib
+
+import pytest
+import yaml
+
+from ros_graph import Graph
+
+HERE = pathlib.Path(__file__).resolve().parent
+
+
+@pytest.fixture(autouse=True, scope="module")
+def package_path():
+    """The package is found as one of a workspace is."""
+    before = os.environ.get("ROS_PACKAGE_PATH", "")
+    os.environ["ROS_PACKAGE_PATH"] = "%s:%s" % (HERE, before)
+    yield
+    os.environ["ROS_PACKAGE_PATH"] = before
+
+
+@pytest.fixture(scope="module")
+def cart(tmp_path_factory):
+    with Graph(tmp_path_factory.mktemp("ros")) as graph:
+        graph.start("roslaunch", "-p", str(graph.port), "demo_cart", "world.launch")
+        graph.until(lambda: "/odom" in graph.topics(), "the cart is there")
+        yield graph
+
+
+def answer(graph, service, request=""):
+    return yaml.safe_load(graph.output("rosservice", "call", service, *([request] if request else [])))
+
+
+def message(graph, topic):
+    return yaml.safe_load(graph.output("rostopic", "echo", "-n", "1", topic).split("---")[0])
+
+
+def place(graph):
+    return message(graph, "/odom")["pose"]["pose"]["position"]
+
+
+def test_a_cart_drives_by_cmd_vel_and_its_odometry_is_where_it_is(cart):
+    cart.start("rostopic", "pub", "-1", "/cmd_vel", "geometry_msgs/Twist", "{linear: {x: 0.2}}")
+    cart.until(lambda: place(cart)["x"] > 1.1, "it drives")
+    odometry = message(cart, "/odom")
+    assert (odometry["header"]["frame_id"], odometry["child_frame_id"]) == ("odom", "base_footprint")
+    assert abs(odometry["twist"]["twist"]["linear"]["x"] - 0.2) < 0.02
+    assert message(cart, "/joint_states")["name"] == ["left_wheel_joint", "right_wheel_joint"]
+    cart.output("rosservice", "call", "/gazebo/pause_physics")
+    turned = answer(cart, "/gazebo/get_joint_properties", "{joint_name: left_wheel_joint}")["position"][0]
+    gone = answer(cart, "/gazebo/get_model_state", "{model_name: cart}")["pose"]["position"]["x"] - 1.0
+    cart.output("rosservice", "call", "/gazebo/unpause_physics")
+    assert gone == pytest.approx(0.05 * turned, rel=0.05), "the wheels roll"
+    transform = message(cart, "/tf")["transforms"][0]
+    assert (transform["header"]["frame_id"], transform["child_frame_id"]) == ("odom", "base_footprint")
+
+
+def test_a_cart_stops_when_it_is_told_to(cart):
+    cart.start("rostopic", "pub", "-1", "/cmd_vel", "geometry_msgs/Twist", "{}")
+    cart.until(lambda: abs(message(cart, "/odom")["twist"]["twist"]["linear"]["x"]) < 1e-3, "it stands")
+
+
+def test_sensors_feel_gravity(cart):
+    imu = message(cart, "/imu")
+    assert imu["header"]["frame_id"] == "imu_link" and abs(imu["linear_acceleration"]["z"] - 9.81) < 0.05
+    wrench = message(cart, "/load_ft")
+    assert wrench["header"]["frame_id"] == "load" and abs(wrench["wrench"]["force"]["z"] + 0.5 * 9.81) < 0.05
+
+
+def test_a_wrench_from_outside_lifts_the_cart_and_ends(cart):
+    lift = "{body_name: 'cart::base_link', wrench: {force: {z: 60.0}}, duration: {secs: -1, nsecs: 0}}"
+    assert answer(cart, "/gazebo/apply_body_wrench", lift)["success"]
+    cart.until(lambda: place(cart)["z"] > 0.2, "it rises")
+    cart.output("rosservice", "call", "/gazebo/clear_body_wrenches", "cart::base_link")
+    cart.until(lambda: abs(place(cart)["z"]) < 0.01, "it fell down again")
+
+
+def test_a_root_link_is_placed_and_its_mass_is_told(cart):
+    assert answer(cart, "/gazebo/get_link_properties", "{link_name: load}")["mass"] == 0.5
+    assert answer(cart, "/gazebo/set_link_state",
+                  "{link_state: {link_name: base_footprint, pose: {position: {y: 3.0}}}}")["success"]
+    load = answer(cart, "/gazebo/get_link_state", "{link_name: 'cart::load'}")["link_state"]
+    assert abs(load["pose"]["position"]["y"] - 3.0) < 0.05
+
+
+@pytest.mark.parametrize("service, request_, text", [
+    ("apply_body_wrench", "{body_name: base_link, wrench: {force: {x: .nan}}}", "not finite"),
+    ("apply_joint_effort", "{joint_name: left_wheel_joint, effort: .inf}", "found effort inf"),
+    ("apply_body_wrench", "{body_name: base_link, reference_frame: moon}", "reference_frame not found"),
+    ("set_link_state", "{link_state: {link_name: moon}}", "SetLinkState: link does not exist")])
+def test_what_cannot_be_is_refused_and_the_world_goes_on(cart, service, request_, text):
+    told = answer(cart, "/gazebo/" + service, request_)
+    assert not told["success"] and text in told["status_message"], told
+    before = answer(cart, "/gazebo/get_world_properties")["sim_time"]
+    cart.until(lambda: answer(cart, "/gazebo/get_world_properties")["sim_time"] > before, "time goes on")
+
+
+def test_a_base_drives_by_its_controller(tmp_path_factory):
+    with Graph(tmp_path_factory.mktemp("ros")) as graph:
+        graph.start("roslaunch", "-p", str(graph.port), "demo_cart", "controlled.launch")
+        graph.until(lambda: "Started controllers" in graph.log(), "the controllers run")
+        listed = answer(graph, "/cart/controller_manager/list_controllers")["controller"]
+        assert {each["name"]: each["type"] for each in listed}["base_controller"] == \
+            "diff_drive_controller/DiffDriveController"
+        graph.start("rostopic", "pub", "-1", "/cart/base_controller/cmd_vel", "geometry_msgs/Twist",
+                    "{linear: {x: 5.0}, angular: {z: 0.3}}")
+        graph.until(lambda: message(graph, "/cart/base_controller/odom")["twist"]["twist"]["linear"]["x"] > 0.29,
+                    "it drives as fast as it may")
+        odometry = message(graph, "/cart/base_controller/odom")
+        assert odometry["child_frame_id"] == "base_footprint" and odometry["pose"]["covariance"][35] == 0.03
+        assert odometry["twist"]["twist"]["linear"]["x"] == pytest.approx(0.3, abs=0.01)
+        assert odometry["twist"]["twist"]["angular"]["z"] == pytest.approx(0.3, abs=0.02)
+        assert not answer(graph, "/cart/controller_manager/load_controller", "{name: without_wheels}")["ok"]
+        assert "right_wheel: found None" in graph.log()
