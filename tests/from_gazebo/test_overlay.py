@@ -135,7 +135,7 @@ def test_the_world_answers_as_gazebo_does(arm):
             ("spawn_urdf_model", "{model_name: other, model_xml: <robo}", "entity format is invalid"),
             ("get_light_properties", "{light_name: moon}", "Requested light moon not found!"),
             ("set_light_properties", "{light_name: sun, diffuse: {r: -1.0}}", "color_rgb"),
-            ("spawn_sdf_model", "{model_name: other, model_xml: <sdf/>}", "allowed is <light>"),
+            ("spawn_sdf_model", "{model_name: other, model_xml: <sdf/>}", "entity format is invalid"),
             ("apply_body_wrench", "{body_name: x}", "ApplyBodyWrench: body does not exist"),
             ("apply_joint_effort", "{joint_name: x}", "ApplyJointEffort: joint not found"),
             ("set_link_properties", "{link_name: x}", "is not simulated"),

@@ -152,7 +152,7 @@ def test_a_joint_feels_the_momentum_of_what_it_carries():
     for _ in range(3):
         model.step(100)
         acceleration = model.simulation.link_acceleration("tool")
-        gravity = model.link_pose("tool")[:3, :3].T @ (0.0, 0.0, -9.81)
+        gravity = model.link_pose("tool")[:3, :3].T @ (0.0, 0.0, -9.8)
         wrench = model.simulation.joint_wrench("flange")
         assert wrench[:3] == pytest.approx(-0.7 * (acceleration[:3] - gravity), abs=1e-9)
         turning = model.simulation.link_twist("tool")[3:]

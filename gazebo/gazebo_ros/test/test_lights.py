@@ -3,8 +3,9 @@ import numpy
 import pytest
 
 from gazebo_ros.world.errors import BadValueError, SpawnError, UnknownEntityError
-from gazebo_ros.world.lights import MOST, is_light
+from gazebo_ros.world.lights import MOST
 from gazebo_ros.world.poses import matrix_of
+from gazebo_ros.world.settings import WorldSettings
 from gazebo_ros.world.world import World
 
 FLOOR = """<robot name='floor'><link name='slab'><inertial><mass value='1'/>
@@ -67,6 +68,18 @@ def test_the_ground_plane_is_seen_and_takes_shadows(world):
     assert grey(world) == pytest.approx(31, abs=ROUNDING)
 
 
+def test_nothing_casts_shadows_in_a_world_without_them():
+    world = World(WorldSettings(shadows=False))
+    world.spawn("camera", CAMERA, pose=matrix_of((0, 0, 1), (0, 0, 0, 1), "test"))
+    bright = grey(world)
+    world.spawn("roof", FLOOR.replace("4 4 0.02", "0.5 0.5 0.02") % "",
+                pose=matrix_of((0.5, -0.5, 1.0), (0, 0, 0, 1), "test"))
+    assert grey(world) == bright
+    world.reset_simulation()
+    world.set_light({**world.lights.entry("sun"), "casts_shadows": True})
+    assert grey(world) == bright
+
+
 def test_lights_come_change_and_shine_for_cameras_that_come_later(world):
     world.delete_light("sun")
     world.spawn_light("lamp", ABOVE % 0)
@@ -122,8 +135,3 @@ def test_what_cannot_be_is_refused_and_changes_nothing(world):
         world.spawn_light("lamp%d" % k, ABOVE % 0)
     with pytest.raises(BadValueError, match="found 9, allowed up to 8"):
         world.spawn_light("one_more", ABOVE % 0)
-
-
-def test_a_document_is_told_to_be_a_light():
-    assert is_light(ABOVE % 0) and is_light("<sdf version='1.6'>%s</sdf>" % (ABOVE % 0))
-    assert not is_light("<sdf version='1.6'><model name='m'/></sdf>") and not is_light("<robot/>") and not is_light("<")

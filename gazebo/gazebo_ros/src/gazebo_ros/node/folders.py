@@ -1,9 +1,11 @@
-"""Where packages and models are, as ROS and Gazebo look for them."""
+"""Where packages, models and resources are, as ROS and Gazebo look for them."""
 import os
+import re
 
 import rospkg
 
-MODEL_PATH = "GAZEBO_MODEL_PATH"
+MODEL_PATH, RESOURCE_PATH = "GAZEBO_MODEL_PATH", "GAZEBO_RESOURCE_PATH"
+DOWNLOADED = "~/.gazebo/models"  #: where Gazebo puts models of its database
 
 
 class Folders:
@@ -11,12 +13,50 @@ class Folders:
 
     def __init__(self):
         self._packages = rospkg.RosPack()
+        self._exported = {}
 
     def __call__(self, name):
-        for place in os.environ.get(MODEL_PATH, "").split(":"):
-            if place and os.path.isdir(os.path.join(place, name)):
-                return os.path.join(place, name)
+        own = [DOWNLOADED, os.path.join(self._package("gazebo_ros") or "", "models")]
+        for places in (lambda: paths(MODEL_PATH), lambda: self._exports("gazebo_model_path"), lambda: own):
+            for place in places():
+                folder = os.path.join(os.path.expanduser(place), name)
+                if os.path.isdir(folder):
+                    return folder
+        return self._package(name)
+
+    def resource(self, path):
+        """Whole path of a file, from the working folder, GAZEBO_RESOURCE_PATH or a package's gazebo_media_path."""
+        for places in (lambda: ["."], lambda: paths(RESOURCE_PATH), lambda: self._exports("gazebo_media_path")):
+            for place in places():
+                if os.path.isfile(os.path.join(place, path)):
+                    return os.path.abspath(os.path.join(place, path))
+        return None
+
+    def _package(self, name):
         try:
             return self._packages.get_path(name)
         except rospkg.ResourceNotFound:
             return None
+
+    def _exports(self, key):
+        """Folders that packages name in <export><gazebo_ros KEY="..."/></export>."""
+        if key not in self._exported:
+            named = re.compile("<gazebo_ros[^>]*%s\\s*=\\s*['\"]([^'\"]*)['\"]" % key)
+            self._exported[key] = [
+                place.replace("${prefix}", folder) for folder in map(self._package, self._packages.list())
+                for value in named.findall(manifest(folder)) for place in value.split(":") if place]
+        return self._exported[key]
+
+
+def paths(variable):
+    """The folders of a variable of the environment."""
+    return [place for place in os.environ.get(variable, "").split(":") if place]
+
+
+def manifest(folder):
+    """Text of a package's package.xml."""
+    try:
+        with open(os.path.join(folder, "package.xml"), encoding="utf-8", errors="replace") as file:
+            return file.read()
+    except OSError:
+        return ""

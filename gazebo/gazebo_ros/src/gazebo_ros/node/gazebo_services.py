@@ -12,7 +12,7 @@ from std_msgs.msg import ColorRGBA
 from aras_visual_servo_sim import ArasError
 
 from ..world.errors import GazeboError, UnknownEntityError
-from ..world.lights import is_light, turned
+from ..world.lights import turned
 from ..world.poses import rotated
 from .convert import pose_message, pose_of, stamp, twist_message, twist_of
 from .force_services import ForceServices
@@ -140,11 +140,8 @@ class GazeboServices:
     # --- lights
 
     def _spawn_sdf(self, request):
-        if not is_light(request.model_xml):
-            raise GazeboError("spawn_sdf_model is not simulated: models are described by URDF; of SDF, allowed is "
-                              "<light>")
-        self._world.spawn_light(request.model_name, request.model_xml,
-                                pose_of(request.initial_pose, "SpawnModel: initial_pose"), request.reference_frame)
+        self._server.spawn_sdf(request.model_name, request.model_xml, request.robot_namespace,
+                               pose_of(request.initial_pose, "SpawnModel: initial_pose"), request.reference_frame)
         return srv.SpawnModelResponse(True, "SpawnModel: Successfully spawned entity")
 
     def _light_properties(self, request):

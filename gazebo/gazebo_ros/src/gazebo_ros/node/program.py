@@ -4,8 +4,14 @@ import sys
 
 import rospy
 
-from ..world.world import WorldSettings
+from ..world.errors import GazeboError
+from ..sdf.world import EMPTY_WORLD, read_world
+from .folders import Folders
 from .server import CLOCK_RATE_HZ, Server
+
+#: Of the world that has nothing but the ground and the sun, which Gazebo has under these names.
+EMPTY = ("", "worlds/empty.world", "empty.world")
+NOT_THERE = 255  #: what Gazebo's server returns when it cannot read the world
 
 #: Options that Gazebo's server takes, and that change nothing here.
 WITHOUT_EFFECT = ("-e", "--physics", "-r", "--record", "--verbose", "--lockstep", "-q", "--quiet", "-s",
@@ -41,22 +47,27 @@ def main():
     rospy.init_node("gazebo", disable_signals=False)
     for other in others:
         rospy.logwarn("option %s has no effect" % other)
+    folders = Folders()
     try:
-        settings, static_models = world_of(world)
-    except OSError as error:
+        file = world_of(world, folders)
+    except (OSError, GazeboError) as error:
         rospy.logfatal("gzserver: %s" % error)
-        return 1
+        return NOT_THERE
     rate_hz = rospy.get_param("/gazebo/pub_clock_frequency", CLOCK_RATE_HZ)
-    Server(settings, paused, rate_hz if rate_hz > 0 else CLOCK_RATE_HZ, static_models).run()
+    server = Server(file.settings, folders, paused, rate_hz if rate_hz > 0 else CLOCK_RATE_HZ)
+    server.fill(file)
+    server.run()
     return 0
 
 
-def world_of(name):
-    """WorldSettings and names of the models of a world file."""
-    if name in ("", "worlds/empty.world", "empty.world"):
-        return WorldSettings(), ["ground_plane"]
-    rospy.logwarn("world %s is not read: the world is empty but for a ground plane and the sun" % name)
-    return WorldSettings(), ["ground_plane"]
+def world_of(name, folders):
+    """WorldFile of a name. Raises: OSError, SpawnError."""
+    path = folders.resource(name)
+    if path is not None:
+        return read_world(path, True, folders)
+    if name in EMPTY:
+        return read_world(EMPTY_WORLD, False, folders)
+    raise FileNotFoundError("Could not open file[%s]" % name)
 
 
 if __name__ == "__main__":

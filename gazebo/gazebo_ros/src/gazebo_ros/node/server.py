@@ -4,13 +4,14 @@ import time
 import rospy
 from rosgraph_msgs.msg import Clock
 
+from ..world.errors import GazeboError
+from ..sdf.world import GROUND
 from ..world.world import World
 from .beat import NEVER_NS
 from .cameras import Cameras
 from .controller_manager import ControllerManager
 from .convert import stamp
 from .devices import outlet_of
-from .folders import Folders
 from .gazebo_services import GazeboServices
 from .notes import summed_up
 from .state_topics import StateTopics
@@ -28,15 +29,13 @@ class Server:
         world: World.  work: Work, calls for the world's thread.  paused, update_rate_hz: as set.
     """
 
-    def __init__(self, settings, paused=False, clock_rate_hz=CLOCK_RATE_HZ, static_models=()):
+    def __init__(self, settings, folders, paused=False, clock_rate_hz=CLOCK_RATE_HZ):
         """
         Args:
-            settings: WorldSettings.
-            static_models: names of what the .world file has besides.
+            settings: WorldSettings.  folders: Folders.
         """
-        self.world, self.work, self.paused = World(settings, Folders()), Work(), paused
+        self.world, self.work, self.paused = World(settings, folders), Work(), paused
         self.update_rate_hz = UPDATE_RATE_HZ
-        self._static_models = list(static_models)
         self._interfaces = {}
         self._clock = rospy.Publisher("/clock", Clock, queue_size=10)
         self._slice_ns = round(1e9 / clock_rate_hz)
@@ -48,7 +47,35 @@ class Server:
 
     def spawn(self, name, xml, namespace, pose, frame):
         """Raises: SpawnError."""
-        model = self.world.spawn(name, xml, namespace, pose, frame)
+        self._welcome(self.world.spawn(name, xml, namespace, pose, frame))
+
+    def spawn_sdf(self, name, xml, namespace, pose, frame):
+        """Raises: GazeboError."""
+        described = rospy.get_param((namespace.rstrip("/") or "") + "/robot_description", "")
+        model = self.world.spawn_sdf(name, xml, namespace, pose, frame, described)
+        if model is not None:
+            self._welcome(model)
+
+    def fill(self, file):
+        """Puts what a .world file has into the world; what cannot be is warned about.
+
+        Args:
+            file: WorldFile.
+        """
+        self.update_rate_hz = file.update_rate_hz
+        warnings = [*file.warnings, *self.world.take_lights(file.lights)]
+        for model, X_WM in file.models:
+            try:
+                self._welcome(self.world.place_sdf(model.name, model, X_WM))
+            except GazeboError as error:
+                warnings.append("model '%s': %s" % (model.name, error))
+        for warning in warnings:
+            rospy.logwarn("world: %s" % warning)
+        self._restart_pace()
+
+    def _welcome(self, model):
+        """Gives a new model its topics and services, and says what is ignored of it."""
+        name = model.name
         if model.warnings:
             rospy.logwarn("model '%s':\n  %s" % (name, "\n  ".join(summed_up(model.warnings))))
         interfaces = [Cameras(self.world, model, self.work)] if model.description.cameras else []
@@ -84,7 +111,7 @@ class Server:
         self._restart_pace()
 
     def model_names(self):
-        return self._static_models + list(self.world.models)
+        return [GROUND] * self.world.settings.ground + list(self.world.models)
 
     # --- time
 

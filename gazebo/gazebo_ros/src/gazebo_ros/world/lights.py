@@ -1,6 +1,5 @@
 """The lights of the world, which shine in the scene of every model that has cameras."""
 import json
-import xml.etree.ElementTree as ElementTree
 
 import numpy
 
@@ -14,25 +13,26 @@ SUN = {"name": "sun", "type": "directional", "direction": [-0.5, 0.5, -1.0], "co
 MOST = 8  #: of one scene, as the simulator has it
 
 
-def is_light(xml):
-    """Whether a document describes a light: its root, or the first element of its <sdf>, is <light>."""
-    try:
-        root = ElementTree.fromstring(xml)
-    except ElementTree.ParseError:
-        return False
-    if root.tag == "sdf" and len(root):
-        root = root[0]
-    return root.tag == "light"
-
-
 class Lights:
     """Entries of the simulator's sim.scene.lighting.lights by name. Not thread-safe."""
 
-    def __init__(self):
-        self._entries = {"sun": SUN}
+    def __init__(self, entries=(SUN,), shadows=True):
+        """
+        Args:
+            shadows: False: none of them casts any, whatever it says itself.
+        """
+        self._entries = {entry["name"]: entry for entry in entries}
+        self._shadows = shadows
 
     def names(self):
         return list(self._entries)
+
+    def entries(self):
+        return list(self._entries.values())
+
+    def become(self, entries):
+        """Makes these the lights; simulations have them already."""
+        self._entries = {entry["name"]: entry for entry in entries}
 
     def entry(self, name):
         """A copy, to be changed and given to set(). Raises: UnknownEntityError."""
@@ -61,6 +61,30 @@ class Lights:
         if "direction" in entry:
             entry["direction"] = [float(x) for x in pose[:3, :3] @ entry["direction"]]
         return entry
+
+    def take(self, lights, simulations):
+        """These in place of those there are; the first ones, if there are too many.
+
+        Args:
+            lights: text of <light> by name.
+        Returns:
+            a line for each that is left out.
+        """
+        before, self._entries, warnings = self._entries, {}, []
+        for name, xml in lights.items():
+            try:
+                entry = self.spawned(name, xml, numpy.eye(4))
+                light_entry(json.dumps(entry))
+            except (ArasError, SpawnError) as error:
+                warnings.append("light '%s': %s: ignored" % (name, error))
+                continue
+            if len(self._entries) == MOST:
+                warnings.append("light '%s': allowed are up to %d lights: ignored" % (name, MOST))
+                continue
+            self._entries[name] = entry
+        after, self._entries = self._entries, before
+        self._change(before, after, simulations)
+        return warnings
 
     def set(self, entry, simulations):
         """Adds a light, or changes the one of its name. Raises: BadValueError; nothing changes then."""
@@ -101,6 +125,8 @@ class Lights:
             if name in there and name not in self._entries:
                 simulation.delete_light(name)
         for name, entry in self._entries.items():
+            if not self._shadows:
+                entry = {**entry, "casts_shadows": False}
             if there.get(name) != entry:
                 simulation.set_light(entry)
 

@@ -8,7 +8,12 @@ from aras_visual_servo_sim import ArasError, Simulation
 from .description import mass_of, read_description
 from .devices import DiffDrive
 from .errors import BadValueError, SpawnError, UnknownEntityError
-from .poses import quaternion_of, rpy_of, rotated
+from .lights import SUN
+from .poses import IDENTITY, quaternion_of, rotated, rpy_of
+from ..sdf.model import JOINT_FRAME
+from .settings import WorldSettings
+from .solids import solid_of
+from .things import described
 
 
 #: What cameras see of Gazebo's ground plane: 100 m wide, of its material Gazebo/Grey, which casts no shadow.
@@ -20,6 +25,8 @@ GROUND_PLANE = {"name": "ground_plane", "box_m": [100.0, 100.0, 0.01], "position
 
 #: Coulomb's coefficient of a link that states none, as in Gazebo; of two that touch, the smaller one counts.
 GROUND_FRICTION = 1.0
+#: Ends what the simulator says of any model that has shapes to collide with: here they do.
+OF_COLLISIONS = "<collision> shapes count only for what sim/contacts names"
 
 
 def wheel_motor(joint):
@@ -38,21 +45,32 @@ class Model:
         links: names, in the order of the URDF.
     """
 
-    def __init__(self, name, xml, namespace, pose, settings, begun_ns):
+    def __init__(self, name, xml, namespace, pose, settings, begun_ns, X_MR=IDENTITY, warnings=()):
         """
         Args:
-            pose: X_WB, (4, 4), of the root link.
+            pose: X_WM, (4, 4).  X_MR: root link in the model's frame, (4, 4).
             settings: WorldSettings.
+            warnings: lines of what was ignored before.
         Raises:
             SpawnError: everything that is wrong with the URDF.
         """
-        self.name, self.namespace, self.begun_ns = name, namespace, begun_ns
+        self.name, self.namespace, self.begun_ns, self._X_MR = name, namespace, begun_ns, X_MR
+        self.spawned = (name, xml, namespace, pose, X_MR, tuple(warnings))  #: how to spawn it again
         self.description = read_description(xml, namespace, name)
-        self.simulation = self._made(settings, pose)
+        self.simulation = self._made(settings, pose @ X_MR)
         robot = self._tree = ElementTree.fromstring(self.description.urdf)
-        self.links = [link.get("name") for link in robot.findall("link") if link.get("name") != "world"]
-        self.drawn_links = [link.get("name") for link in robot.findall("link") if link.find("visual") is not None]
-        self.warnings = list(self.description.warnings) + list(self.simulation.warnings)
+        self.links = [link.get("name") for link in robot.findall("link")
+                      if link.get("name") != "world" and not link.get("name").endswith(JOINT_FRAME)]
+        self.guests = {}            #: models of which this one has links -> {link: whether it is touched}
+        free = not (self.description.fixed or self.description.jointed or self.description.cameras or
+                    self.description.devices)
+        self.thing = described(robot, name) if free else None  #: what it is as a solid of its host
+        self.alone = False          #: it has none, and is to have none
+        self.host = None            #: name of the model that simulates this one
+        self._places = {}           #: of links: bytes of a pose, and what place_of makes of it
+        self.placed = lambda thrown: None  #: called when the model was put somewhere else, at rest or not
+        said = (*warnings, *self.description.warnings, *self.simulation.warnings)
+        self.warnings = [each for each in dict.fromkeys(said) if not each.endswith(OF_COLLISIONS)]
         for device in self.description.devices:
             if isinstance(device, DiffDrive):
                 self._start_wheels(device)
@@ -68,11 +86,13 @@ class Model:
                   "gravity_m_s2": list(gravity),
                   "base_pose": {"position_m": [float(each) for each in pose[:3, 3]],
                                 "rpy_rad": [float(each) for each in rpy_of(pose)]}}
-        if settings.ground and self.description.collides and not self.description.fixed:
-            config["contacts"] = {"ground_plane": {"friction": GROUND_FRICTION},
-                                  "frictions": self.description.frictions}
-        if settings.ground and self.description.cameras:
-            config["scene"] = {"solids": [GROUND_PLANE]}
+        floor_m = 0.0 if settings.ground else settings.floor_m
+        if self.description.collides and self.moves:
+            config["contacts"] = {"friction": GROUND_FRICTION, "frictions": self.description.frictions}
+            if floor_m is not None:
+                config["contacts"]["ground_plane"] = {"z_m": floor_m, "friction": GROUND_FRICTION}
+        if self.description.cameras:
+            config["scene"] = scene_of(settings)
         try:
             return Simulation(self.description.urdf, config, {})
         except ArasError as error:
@@ -105,8 +125,8 @@ class Model:
         return self.links[0] if self.links else "world"
 
     def pose(self):
-        """X_WB, (4, 4)."""
-        return self.simulation.base_pose
+        """X_WM, (4, 4)."""
+        return self.simulation.base_pose @ numpy.linalg.inv(self._X_MR)
 
     def link_pose(self, link):
         """X_WL, (4, 4). Raises: UnknownEntityError."""
@@ -128,9 +148,10 @@ class Model:
         Raises: BadValueError: numbers that are not finite, or the model has joints and is fixed in the world.
         """
         try:
-            self.simulation.set_base(pose, twist)
+            self.simulation.set_base(pose @ self._X_MR, twist)
         except ArasError as error:
             raise BadValueError("model '%s': %s" % (self.name, error)) from error
+        self.placed(bool(numpy.any(twist)))
 
     def set_joints(self, positions):
         """Places joints, dict of name -> [m or rad], at rest. Raises: BadValueError, UnknownEntityError."""
@@ -139,18 +160,29 @@ class Model:
         except ArasError as error:
             raise BadValueError(str(error)) from error
 
-    def one_link(self, name):
-        """A URDF of one link alone, for the scene of another model."""
-        alone = ElementTree.Element("robot", name=name)
-        alone.extend(each for each in self._tree if each.tag == "material" or
-                     each.tag == "link" and each.get("name") == name or
-                     each.tag == "gazebo" and each.get("reference") == name and
-                     any(each.find(tag) is not None for tag in ("material", "light")))
-        return ElementTree.tostring(alone, encoding="unicode")
+    def touches(self, other):
+        """Whether this model moves and comes to rest on another one, which is fixed."""
+        return self.moves and self.description.collides and other.description.collides and not other.moves
 
-    @staticmethod
-    def quaternion(pose):
-        return quaternion_of(pose)
+    @property
+    def moves(self):
+        return not self.description.fixed or self.description.jointed
+
+    def solid(self, link, seen, touched):
+        """A link of this model as a solid of another one's simulation, None if there is nothing of it to be had.
+
+        Args:
+            seen, touched: what the other one has of it.
+        """
+        return solid_of(self._tree, link, "%s::%s" % (self.name, link), seen, touched)
+
+    def place_of(self, link):
+        """Position (3,) and quaternion (4,) of a link. Many cameras ask for it at the same time."""
+        pose = self.simulation.link_pose(link)
+        known = self._places.get(link)
+        if known is None or known[0] != pose.tobytes():
+            known = self._places[link] = pose.tobytes(), pose[:3, 3], quaternion_of(pose)
+        return known[1:]
 
     # --- what stands in the description
 
@@ -162,6 +194,14 @@ class Model:
     def centre_of_mass(self, link):
         """(3,), in the world."""
         return (self.link_pose(link) @ (*self.mass_of(link).com_m, 1.0))[:3]
+
+    def radius_of(self, link):
+        """Of the cylinder or sphere that the link collides with; None: it is no such thing."""
+        for shape in ("cylinder", "sphere"):
+            found = self._tree.find("link[@name='%s']/collision/geometry/%s" % (link, shape))
+            if found is not None:
+                return float(found.get("radius"))
+        return None
 
     def damping_of(self, joint):
         """[N s/m or N m s/rad]."""
@@ -184,3 +224,13 @@ class Model:
             self.simulation.reset()
         else:
             self.simulation.reset_world()
+
+
+def scene_of(settings):
+    """Section sim/scene of a model with cameras: the ground, the sky and the light from everywhere."""
+    scene, known = {"solids": [GROUND_PLANE]} if settings.ground else {}, WorldSettings()
+    if settings.background_rgb != known.background_rgb:
+        scene["background_rgb"] = list(settings.background_rgb)
+    if settings.ambient_rgb != known.ambient_rgb:
+        scene["lighting"] = {"ambient_rgb": list(settings.ambient_rgb), "lights": [SUN]}
+    return scene

@@ -55,6 +55,20 @@ class Pushes:
         return min((time for push in self._pushes for time in (push.begin_ns, push.end_ns) if time > self._acted_ns),
                    default=NEVER_NS)
 
+    @property
+    def pushed(self):
+        """Names of the models that are pushed now."""
+        return self._pushed
+
+    def entries(self):
+        """All there are, as JSON has them."""
+        return [dict(vars(push), value=numpy.asarray(push.value, float).tolist()) for push in self._pushes]
+
+    def become(self, entries, now_ns):
+        """Makes these the pushes there are."""
+        self._pushes = [Push(**entry) for entry in entries]
+        self.act(now_ns)
+
     _acted_ns = -1
 
     def act(self, now_ns):

@@ -1,32 +1,30 @@
-"""The world that is empty at first."""
+"""The world and its models."""
 import dataclasses
+import xml.etree.ElementTree as ElementTree
 
 import numpy
 
+from . import things
 from .description import located
 from .errors import BadValueError, SpawnError, UnknownEntityError
 from .lights import Lights
 from .model import Model
 from .poses import IDENTITY
 from .pushes import Pushes
+from ..sdf.document import NoFolders, expanded
+from ..sdf.model import model_of
+from ..sdf.world import GROUND, height_of
+from .settings import WorldSettings
 
 #: Names of a frame that is none of a model.
 WORLD_FRAMES = ("", "world", "map")
 
 
-@dataclasses.dataclass
-class WorldSettings:
-    """Physics of the world, as a .world file and set_physics_properties have it."""
-    period_s: float = 0.001
-    gravity_m_s2: tuple = (0.0, 0.0, -9.81)
-    ground: bool = True  #: a horizontal plane at z = 0 on which free models come to rest
-
-
 class World:
     """Models under one clock of integer nanoseconds. Not thread-safe.
 
-    Each model is simulated by itself: its joints, its contacts with the ground and its cameras; models do not touch
-    each other, but their cameras see each other.
+    Each model is a simulation of its own. In it are the links of others that its cameras see, those of fixed models
+    that it touches, and things (things.py).
 
     Attributes:
         settings: WorldSettings.
@@ -35,15 +33,15 @@ class World:
         pushes: Pushes, wrenches and efforts from outside.
     """
 
-    def __init__(self, settings=None, find_folder=lambda name: None):
+    def __init__(self, settings=None, folders=NoFolders()):
         """
         Args:
-            find_folder: where a package:// or model:// of this name is, None if nowhere.
+            folders: where packages, models and resources are, as NoFolders has it.
         """
         self.settings = settings or WorldSettings()
-        self.models, self.lights = {}, Lights()
+        self.models, self.lights = {}, Lights(shadows=self.settings.shadows)
         self.pushes = Pushes(self.models)
-        self._find_folder = find_folder
+        self._folders = folders
         self._ticks = 0
 
     @property
@@ -59,8 +57,15 @@ class World:
         """Advances time by periods. Raises: BadValueError."""
         if ticks < 0:
             raise BadValueError("step: found %d periods, allowed >= 0" % ticks)
+        for name in self.pushes.pushed:
+            if self.models[name].host is not None:
+                self._let_go(self.models[name])
         for model in self.models.values():
-            model.step(ticks)
+            if model.host is None:
+                model.step(ticks)
+        for model in self.models.values():
+            if model.host is not None:
+                things.follow(model, self.models[model.host])
         self._ticks += ticks
 
     def set_physics(self, period_s, gravity_m_s2):
@@ -87,31 +92,101 @@ class World:
         Raises:
             SpawnError: the name is empty or taken, what is wrong with the URDF.  UnknownEntityError: no such frame.
         """
+        X_WM = self._free_place(name, frame) @ pose
+        return self._add(Model(name, located(xml, self._folders), namespace, X_WM, self.settings, self.time_ns))
+
+    def spawn_sdf(self, name, xml, namespace="", pose=IDENTITY, frame="", transmissions=""):
+        """Adds what an SDF document describes, a model or a light.
+
+        Args:
+            name: in place of the document's own.  pose: (4, 4), of the frame that the document's pose is given in.
+            transmissions: a URDF whose <transmission>s tell which joints controllers may have.
+        Returns:
+            Model, None for a light.
+        Raises:
+            as spawn().
+        """
+        X_WF = self._free_place(name, frame)
+        bare = xml.lstrip().startswith(("<model", "<light"))
+        root, warnings = expanded("<sdf version='1.6'>%s</sdf>" % xml if bare else xml, False, self._folders)
+        root = root.find("world") if root.find("world") is not None else root  # a world's first model, as Gazebo has it
+        light, element = root.find("light"), root.find("model")
+        if element is None and light is not None:
+            self.spawn_light(name, ElementTree.tostring(light, encoding="unicode"), pose, frame)
+            return None
+        if element is None:
+            raise SpawnError("SpawnModel: Failure - entity format is invalid: %s" %
+                             ("; ".join(warnings) or "found neither <model> nor <light>"))
+        model = model_of(element, self._folders)
+        return self.place_sdf(name, model, X_WF @ pose @ model.pose, namespace, transmissions, warnings)
+
+    def place_sdf(self, name, model, X_WM, namespace="", transmissions="", warnings=()):
+        """Adds a model as it was read.
+
+        Args:
+            model: SdfModel.  X_WM: (4, 4).
+        Returns:
+            Model
+        Raises:
+            SpawnError: the name is taken, what cannot be simulated.
+        """
+        self._free_place(name, "")
+        urdf = with_transmissions(model.urdf, transmissions)
+        for height_m in filter(lambda each: each is not None, (height_of(X_WM @ plane) for plane in model.planes)):
+            self.settings = dataclasses.replace(self.settings, floor_m=height_m)
+        if any(height_of(X_WM @ plane) is None for plane in model.planes):
+            warnings = (*warnings, "planes that are not horizontal cannot be touched")
+        return self._add(Model(name, located(urdf, self._folders), namespace, X_WM, self.settings, self.time_ns,
+                               model.X_MR, (*warnings, *model.warnings)))
+
+    def _free_place(self, name, frame):
+        """X_WF of a new model. Raises: SpawnError: the name cannot be, no such frame."""
         if not name or "::" in name:
             raise SpawnError("SpawnModel: Failure - found the name '%s', allowed is a name without ::" % name)
-        if name in self.models or name == "ground_plane":
+        if name in self.models or name == GROUND and self.settings.ground:
             raise SpawnError("SpawnModel: Failure - entity already exists.")
         try:
-            X_WF = self.frame(frame)[0]
+            return self.frame(frame)[0]
         except UnknownEntityError as error:
             raise SpawnError("SpawnModel: reference reference_frame not found, did you forget to scope the link by "
                              "model name?") from error
-        model = Model(name, located(xml, self._find_folder), namespace, X_WF @ pose, self.settings, self.time_ns)
+
+    def _add(self, model):
         self._introduce(model)
         if model.simulation.camera_names:
             self.lights.apply(model.simulation)
-        self.models[name] = model
+        self.models[model.name] = model
+        self._find_hosts()
         return model
+
+    def _find_hosts(self):
+        """Gives a host to each thing that has none, or has had another thing where there is a robot now."""
+        for thing in [model for model in self.models.values() if model.thing is not None and not model.alone]:
+            host = things.host_for(thing, self.models.values())
+            kept = thing.host is not None and (host is None or host.thing is not None or
+                                               self.models[thing.host].thing is None)
+            if host is None or kept:
+                continue
+            if thing.host is not None:
+                things.leave(thing, self.models[thing.host])
+            for guest in [each for each in self.models.values() if each.host == thing.name]:
+                things.leave(guest, thing)
+            things.enter(thing, host)
 
     def delete(self, name):
         """Removes a model. Raises: UnknownEntityError."""
         gone = self.model(name)
+        if gone.host is not None:
+            things.leave(gone, self.models[gone.host])
+        for thing in self.models.values():
+            if thing.host == name:
+                things.leave(thing, gone)
         del self.models[name]
         self.pushes.forget(name)
         for other in self.models.values():
-            if other.simulation.camera_names:
-                for link in gone.drawn_links:
-                    other.simulation.delete_model(guest_name(name, link))
+            for link in other.guests.pop(name, {}):
+                other.simulation.delete_model(guest_name(name, link))
+        self._find_hosts()
 
     def model(self, name):
         """Raises: UnknownEntityError."""
@@ -136,7 +211,7 @@ class World:
     def scoped(self, name):
         """Model and link of MODEL::LINK, or of the name of a link that one model alone has. Raises: UnknownEntityError.
         """
-        model, _, link = name.rpartition("::")
+        model, _, link = name.partition("::") if name.partition("::")[0] in self.models else name.rpartition("::")
         owners = [self.model(model)] if model else [each for each in self.models.values() if link in each.links]
         if not link or not owners or link not in owners[0].links:
             raise UnknownEntityError("link '%s' does not exist" % name)
@@ -164,6 +239,10 @@ class World:
         """
         self.set_light(self.lights.spawned(name, xml, self.frame(frame)[0] @ pose))
 
+    def take_lights(self, lights):
+        """These in place of those there are; text of <light> by name. Returns a line for each that is left out."""
+        return self.lights.take(lights, self._viewers())
+
     def set_light(self, entry):
         """Adds a light, or changes the one of its name; a dict as sim.scene.lighting.lights[]. Raises: BadValueError.
         """
@@ -173,24 +252,69 @@ class World:
         """Raises: UnknownEntityError."""
         self.lights.delete(name, self._viewers())
 
-    # --- what cameras see of other models
+    # --- what models have of each other
 
     def _introduce(self, newcomer):
-        """Lets the cameras of each model see the others: their links are solids of its scene."""
+        """Gives each model those links of the others that its cameras see or its own links touch."""
+        newcomer.placed = lambda thrown: self._follow(newcomer, thrown)
         for other in self.models.values():
-            for viewer, guest in ((other, newcomer), (newcomer, other)):
-                if viewer.simulation.camera_names:
-                    for link in guest.drawn_links:
-                        viewer.simulation.spawn_model({"name": guest_name(guest.name, link),
-                                                       "urdf": guest.one_link(link)})
+            self._receive(other, newcomer)
+            self._receive(newcomer, other)
+
+    @staticmethod
+    def _receive(host, guest):
+        seen, touched = bool(host.simulation.camera_names), host.touches(guest)
+        links = host.guests.setdefault(guest.name, {})
+        for link in guest.links if seen or touched else ():
+            solid = guest.solid(link, seen, touched)
+            if solid is None:
+                continue
+            host.simulation.spawn_model(solid)
+            links[link] = "touches" in solid
+            World._put(host, guest, link)
+
+    def _let_go(self, thing):
+        """Lets a thing leave its host for good."""
+        thing.alone = True
+        things.leave(thing, self.models[thing.host])
+
+    def _follow(self, guest, thrown):
+        """Puts what others touch of a model to where it is now."""
+        if guest.host is not None and thrown:
+            self._let_go(guest)
+        elif guest.host is not None:
+            things.put(guest, self.models[guest.host])
+        for host in self.models.values():
+            for link, touched in host.guests.get(guest.name, {}).items():
+                if touched:  # what is only seen is put there before it is drawn
+                    self._put(host, guest, link)
+
+    @staticmethod
+    def _put(host, guest, link):
+        host.simulation.set_model_pose(guest_name(guest.name, link), *guest.place_of(link))
 
     def look(self, viewer):
         """Puts what the cameras of a model see of the others to where it is now; to be called before drawing."""
-        for guest in self.models.values():
-            if guest is not viewer:
-                for link in guest.drawn_links:
-                    pose = guest.simulation.link_pose(link)
-                    viewer.simulation.set_model_pose(guest_name(guest.name, link), pose[:3, 3], guest.quaternion(pose))
+        for name, links in viewer.guests.items():
+            for link in links:
+                self._put(viewer, self.models[name], link)
+
+    # --- the whole state
+
+    @property
+    def ticks(self):
+        """Periods since the start or the last reset."""
+        return self._ticks
+
+    def take(self, ticks, settings, models, lights, pushes):
+        """Makes this the world of another time; for snapshots."""
+        self._ticks, self.settings = ticks, settings
+        self.models.clear()
+        self.models.update(models)
+        self.lights.become(lights)
+        self.pushes.become(pushes, self.time_ns)
+        for model in models.values():
+            model.placed = lambda thrown, model=model: self._follow(model, thrown)
 
     # --- starting again
 
@@ -199,6 +323,12 @@ class World:
         self.pushes.forget()
         for model in self.models.values():
             model.reset(self.time_ns, False)
+        for model in self.models.values():  # what they have of each other began elsewhere
+            for guest, links in model.guests.items():
+                for link in links:
+                    self._put(model, self.models[guest], link)
+            if model.host is not None:
+                things.put(model, self.models[model.host])
 
     def reset_simulation(self):
         """Time back to 0, models back to where they were spawned. Controllers that run begin anew."""
@@ -208,13 +338,31 @@ class World:
             model.reset(0, True)
         known = dict(self.models)
         self.models.clear()
+        for model in known.values():
+            model.guests.clear()
+            model.host, model.alone = None, False
         for name, model in known.items():  # a reset takes out what was spawned, other models and lights among it
             self._introduce(model)
             if model.simulation.camera_names:
                 self.lights.apply(model.simulation)
             self.models[name] = model
+        self._find_hosts()
 
 
 def guest_name(model, link):
     """Name of a link in the scene of another model."""
     return "%s::%s" % (model, link)
+
+
+def with_transmissions(urdf, described):
+    """A URDF with the <transmission>s that another one has of its joints."""
+    if not described:
+        return urdf
+    robot = ElementTree.fromstring(urdf)
+    joints = {joint.get("name") for joint in robot.findall("joint")}
+    try:
+        robot.extend(each for each in ElementTree.fromstring(described).findall("transmission")
+                     if joints.issuperset(end.get("name") for end in each.findall("joint")))
+    except ElementTree.ParseError:
+        return urdf  # no URDF: then it has none
+    return ElementTree.tostring(robot, encoding="unicode")

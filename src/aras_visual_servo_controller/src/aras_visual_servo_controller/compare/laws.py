@@ -123,16 +123,22 @@ def _run_law(job):
     """Run all tasks of one law. Returns a list of (row, Track or None)."""
     _, scenario, tasks = job
     bench, results = Bench(scenario), []
+    for start in starts_of(scenario, tasks):
+        row, record = bench.run(start)
+        results.append((row, record and track_of(record, Outline.of(placed(scenario, start)))))
+    return results
+
+
+def starts_of(scenario, tasks):
+    """One `Start` for each `Task`, or the reason why the robot cannot begin there. Ids count from 1."""
     kinematics = robot_kinematics(scenario.urdf_xml(), scenario.robot["base_link"], scenario.robot["tip_link"])
-    goal = scenario.goal_posture(kinematics)
+    goal, starts = scenario.goal_posture(kinematics), []
     feasibility = Feasibility(scenario, kinematics)
     for number, task in enumerate(tasks):
         joints, refusal = reach(kinematics, goal, kinematics.pose(goal) @ task.X_CgC)
         refusal = refusal or feasibility.refusal(goal, kinematics.vector(joints))
-        start = Start(number + 1, joints, refusal=refusal)
-        row, record = bench.run(start)
-        results.append((row, record and track_of(record, Outline.of(placed(scenario, start)))))
-    return results
+        starts.append(Start(number + 1, joints, refusal=refusal))
+    return starts
 
 
 def known_comparisons():

@@ -7,10 +7,10 @@ import pytest
 
 from aras_visual_servo_controller.compare.protocols import (Case, Protocol, known_protocols, protocol_named, runner)
 from aras_visual_servo_controller.compare.protocols import board as boards
-from aras_visual_servo_controller.compare.protocols import vit_vs
+from aras_visual_servo_controller.compare.protocols import cns_affine, vit_vs
 from aras_visual_servo_controller.compare.protocols.base import spread
 from aras_visual_servo_controller.ground.errors import ParameterError
-from aras_visual_servo_controller.ground.spatial import rotation_angle
+from aras_visual_servo_controller.ground.spatial import rotation_angle, rotation_vector
 from aras_visual_servo_controller.scenario.scenario import load_scenario
 from aras_visual_servo_controller.sweep.statistics import wilson
 
@@ -31,6 +31,38 @@ def test_the_starts_of_vit_vs_are_as_far_from_the_goal_as_published():
     np.testing.assert_allclose(found, (46.42, 16.99, 74.12, 27.71), atol=PUBLISHED_DIGITS)
     assert np.allclose(poses[:, :3, :3] @ poses[:, :3, :3].transpose(0, 2, 1), np.eye(3))
     assert np.allclose(np.linalg.det(poses[:, :3, :3]), 1.0)
+
+
+def test_the_pairs_of_cns_affine_look_at_the_picture_within_the_published_ranges():
+    goals, starts = cns_affine.pairs()
+    assert len(goals) == len(starts) == 150
+    for poses, lowest_deg, tilt_deg in ((goals, 70.0, 1e-6), (starts, 60.0, 7.2)):
+        distance = np.linalg.norm(poses[:, :3, 3], axis=1)
+        assert 0.6 <= distance.min() < 0.61 and 0.89 < distance.max() <= 0.9
+        assert np.degrees(np.arcsin(poses[:, 2, 3] / distance)).min() >= lowest_deg
+        towards = -poses[:, :3, 3] / distance[:, None]
+        away_deg = np.degrees(np.arccos(np.clip(np.sum(towards * poses[:, :3, 2], axis=1), -1.0, 1.0)))
+        assert away_deg.max() < tilt_deg + 1e-5
+    turns = [rotation_vector(start[:3, :3].T @ goal[:3, :3])[2] for goal, start in zip(goals, starts)]
+    # Cut at 37 before, which is not quite the z of the rotation vector afterwards; uncut, 75 would be reached.
+    assert 40.0 < np.degrees(np.abs(turns)).max() < 50.0
+
+
+def test_the_goal_of_a_cns_start_is_its_own():
+    scenario = load_scenario("cns_affine")
+    camera = scenario.sim["cameras"][0]
+    assert abs(0.5 * camera["width"] / np.tan(0.5 * camera["horizontal_fov_rad"]) - 540.0) < PUBLISHED_DIGITS
+    assert scenario.servo["time_limit_s"] * camera["rate_hz"] == pytest.approx(600)
+    start = cns_affine.planned(scenario, 3)[1]
+    goal, _ = (poses[74] for poses in cns_affine.pairs())
+    assert start.id == 75 and start.parameters["experiment.z_star_m"] == pytest.approx(np.linalg.norm(goal[:3, 3]))
+    np.testing.assert_allclose(goal[:3, :3] @ start.goal["target_normal_C"], [0.0, 0.0, -1.0], atol=1e-12)
+
+
+def test_canonical_has_every_law_on_both_robots():
+    cases = protocol_named("canonical").cases(None, 2)
+    assert {case.columns["robot"] for case in cases} == {"free camera", "six-axis arm"} and len(cases) == 22
+    assert all([start.id for start in case.starts] == [1, 2] for case in cases)
 
 
 def test_fewer_starts_are_spread_over_those_of_the_protocol():
@@ -89,6 +121,9 @@ def test_the_table_has_wilson_intervals_beside_the_published_rates():
     assert dict(zip(head, line))["success"] == "80.0 %"
     assert dict(zip(head, line))["95 % interval"] == f"{100 * low:.1f} % to {100 * high:.1f} %"
     assert dict(zip(head, line))["published"] == "89.6 %" and dict(zip(head, line))["median error [mm]"] == "4.5"
+    assert dict(zip(head, line))["broke off"] == ""
+    broken = [dict(rows[9], outcome="error", reason="error: KeyError", detail="'x'"), *rows[:9]]
+    assert dict(zip(*runner.table(protocol, [(case, broken)])))["broke off"] == "1: error: KeyError: 'x'"
     changed = [dict(rows[0], trace_hash="other"), *rows[1:]]
     assert runner.digest(rows) != runner.digest(changed) and runner.digest(rows) == runner.digest(list(rows))
     assert protocol.source in runner.as_markdown(protocol, [head, line])

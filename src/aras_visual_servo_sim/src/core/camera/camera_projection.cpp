@@ -85,8 +85,8 @@ std::optional<double> CameraModel::inverseRadial(double rd) const {
   return r;
 }
 
-/** Of the polynomial lenses. Fixed point on the tangential part, which is a small fraction of the radial one: each turn
- * gains two digits. */
+/** Of the polynomial lenses; with `compatibility: gazebo` also beyond a fold. Fixed point on the tangential part, which
+ * is a small fraction of the radial one: each turn gains two digits. */
 std::optional<Eigen::Vector2d> CameraModel::undistort(const Eigen::Vector2d& distorted) const {
   if (lens_ == Lens::kNone) return distorted;
   const double* d = distortion_.data();
@@ -99,7 +99,8 @@ std::optional<Eigen::Vector2d> CameraModel::undistort(const Eigen::Vector2d& dis
         Eigen::Vector2d(2.0 * d[2] * x * y + d[3] * (r2 + 2.0 * x * x), d[2] * (r2 + 2.0 * y * y) + 2.0 * d[3] * x * y);
     const double rd = rest.norm();
     const std::optional<double> r = inverseRadial(rd);
-    if (!r) return std::nullopt;
+    if (!r && !config_.told) return std::nullopt;
+    if (!r) return Eigen::Vector2d(rest * (lens_radius_ / rd));  // the nearest that there is
     xy = rd > 0.0 ? Eigen::Vector2d(rest * (*r / rd)) : rest;
     if ((xy - before).norm() <= 1e-15 * (1.0 + xy.norm())) break;
   }
@@ -121,6 +122,10 @@ void CameraModel::findImageRadius(FaultList& faults) {
     image_radius_ = xy ? std::max(image_radius_, xy->norm()) : kInfinity;
   }
   if (image_radius_ * 1.01 < lens_radius_) return;
+  if (config_.told) {
+    image_radius_ = lens_radius_ / 1.01;  // drawn up to the fold; beyond, as what is nearest
+    return;
+  }
   faults.add(
       "distortion",
       "coefficients whose lens folds over inside the image, at " + std::to_string(lens_radius_) + " from the axis",

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "aras_visual_servo_sim/camera/camera_model.hpp"
 #include "aras_visual_servo_sim/camera/equidistant_lens.hpp"
 #include "aras_visual_servo_sim/config/errors.hpp"
 
@@ -54,6 +55,7 @@ class TagReader {
       readLens();
     }
     readPlace();
+    if (as_gazebo) warnOfFold();
     return camera_;
   }
 
@@ -88,6 +90,21 @@ class TagReader {
     if (told.distortion.empty()) told.distortion = none;
     camera_.told = told;
     warn("sim/compatibility: gazebo: camera_info says what Gazebo's does, which is not how the image is drawn");
+  }
+
+  /** Gazebo draws through any lens. */
+  void warnOfFold() {
+    constexpr double kSeen = 0.5;  // [px]
+    const std::vector<double>& lens = camera_.distortion;
+    if (std::none_of(lens.begin(), lens.end(), [](double coefficient) { return coefficient != 0.0; })) return;
+    try {
+      const CameraModel drawn(camera_);
+      const Eigen::Vector2d corner(-0.5, -0.5);
+      const Eigen::Vector3d ray = drawn.unproject(corner.x(), corner.y());
+      if ((drawn.toPixel(ray.x() / ray.z(), ray.y() / ray.z()) - corner).norm() < kSeen) return;
+      warn("<distortion>: the lens folds over inside the image; what lies beyond shows what is nearest to it");
+    } catch (const ParameterError&) {  // the simulation says what is wrong with the camera, with all other faults
+    }
   }
 
   void readFocalLength() {

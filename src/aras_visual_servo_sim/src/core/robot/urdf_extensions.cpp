@@ -2,6 +2,7 @@
 
 #include "camera_sensor.hpp"
 #include "gazebo_materials.hpp"
+#include "gazebo_visual.hpp"
 #include "urdf_text.hpp"
 
 namespace aras_visual_servo_sim {
@@ -21,22 +22,8 @@ bool hasLink(const RobotModel& model, const std::string& name) {
 bool paintLink(const std::string& material, const std::string& link, RobotModel& model) {
   const std::optional<GazeboMaterial> found = gazeboMaterial(material);
   if (!found || !hasLink(model, link)) return false;
-  for (Visual& visual : model.links[model.linkIndex(link)].visuals) {
-    visual.color = found->diffuse;
-    visual.finish = found->finish;
-    visual.has_color = true;
-    visual.texture.clear();
-  }
+  for (Visual& visual : model.links[model.linkIndex(link)].visuals) paint(*found, visual);
   return true;
-}
-
-/** Material that a child of <gazebo> gives to its link by name, in <material> or in <visual><material><script><name>;
- *  "" if it gives none. */
-std::string materialName(const XMLElement& child) {
-  const std::string tag = child.Name();
-  if (tag == "material") return textOf(&child);
-  const XMLElement* material = tag == "visual" ? child.FirstChildElement("material") : nullptr;
-  return childText(material ? material->FirstChildElement("script") : nullptr, "name");
 }
 
 std::string printed(const XMLElement& element) {
@@ -98,7 +85,11 @@ void readGazeboTags(const UrdfSource& source, const XMLElement& robot, RobotMode
         model.lights.push_back({reference, printed(*child)});
         continue;
       }
-      const std::string material = materialName(*child);
+      if (tag == "visual" && hasLink(model, reference)) {
+        readVisualTag(source, *child, robot, model.links[model.linkIndex(reference)]);
+        continue;
+      }
+      const std::string material = tag == "material" ? textOf(child) : "";
       if (!material.empty() && paintLink(material, reference, model)) continue;
       const std::string why = material.empty() ? "" : "material '" + material + "' is not a plain colour of Gazebo's: ";
       source.warn(*child, "in <gazebo reference='" + reference + "'>: " + why + "ignored");

@@ -1,4 +1,6 @@
 // A URDF of fixed links as one solid.
+#include <algorithm>
+
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/robot/urdf_loader.hpp"
 #include "aras_visual_servo_sim/scene/scene_loader.hpp"
@@ -68,7 +70,11 @@ Body bodyFromUrdf(const std::string& name, const std::string& urdf, const Packag
     light.direction_A = X_BL.q * light.direction_A;
     lights->push_back(std::move(light));
   }
-  if (body.shapes.empty()) throw ModelError("model '" + name + "': no link of its URDF has a <visual>");
+  const bool touchable =
+      std::any_of(robot.links.begin(), robot.links.end(), [](const Link& link) { return !link.collisions.empty(); });
+  if (body.shapes.empty() && !touchable) {
+    throw ModelError("model '" + name + "': no link of its URDF has a <visual> or a <collision>");
+  }
   return body;
 }
 

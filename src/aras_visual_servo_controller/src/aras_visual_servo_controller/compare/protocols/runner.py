@@ -12,7 +12,8 @@ from ...sweep.statistics import wilson
 from ...sweep.store import FILE, SweepStore
 from ...sweep.worker import make_setup, plain
 
-HEADINGS = ("starts", "success", "95 % interval", "published", "whose", "median error [mm]", "[deg]", "hash")
+HEADINGS = ("starts", "success", "95 % interval", "published", "whose", "median error [mm]", "[deg]", "broke off",
+            "hash")
 
 
 def open_case(protocol, case, folder, command, versions):
@@ -58,7 +59,7 @@ def table(protocol, results):
         rate, whose = ("", "") if case.published is None else (_percent(case.published[0]), case.published[1])
         lines.append([*([case.columns.get(name, "") for name in extra] or [case.name]), str(len(rows)),
                       _percent(len(won) / len(rows)) if rows else "", f"{_percent(low)} to {_percent(high)}", rate,
-                      whose, _median(won, "error_mm"), _median(won, "angle_deg"), digest(rows)[:16]])
+                      whose, _median(won, "error_mm"), _median(won, "angle_deg"), _broken(rows), digest(rows)[:16]])
     return lines
 
 
@@ -83,6 +84,12 @@ def save_table(protocol, lines, folder):
     path = folder / "benchmark.md"
     path.write_text(as_markdown(protocol, lines), encoding="utf-8")
     return path
+
+
+def _broken(rows):
+    """How many runs ended with an error of the program, and the first of these errors; "" for none."""
+    errors = [f"{row['reason']}: {row['detail']}" for row in rows if row["outcome"] == "error"]
+    return f"{len(errors)}: {errors[0]}" if errors else ""
 
 
 def _percent(rate):

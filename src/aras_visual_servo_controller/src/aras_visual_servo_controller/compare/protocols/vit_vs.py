@@ -26,7 +26,7 @@ class VitVs(Protocol):
     """500 starts about a poster of 0.8 x 0.6 m, with keypoints matched to those of the goal image.
 
     Image, starts, number of iterations, success and abort are those published. Ours are: the boards (theirs by
-    --board), 10 images a second of simulated time with a gain of 1/s, the law (scenario `vit_vs`), and that a camera
+    --board), 10 images a second of simulated time with a gain of 3/s, the law (scenario `vit_vs`), and that a camera
     which has converged stands still until its 300th iteration instead of going on.
     """
 

@@ -58,6 +58,8 @@ std::unique_ptr<btCollisionShape> hullOf(const std::vector<Vector3d>& points) {
   return hull;
 }
 
+constexpr double kFarther = 1.0 + 1e-9;  // than a corner is from its origin, whatever rounding does
+
 /** Collects what Bullet finds between one pair. */
 struct Collector : public btCollisionWorld::ContactResultCallback {
   std::vector<ContactPoint>* points = nullptr;
@@ -124,6 +126,7 @@ void ContactShapes::add(int body, const Geometry& geometry, const Pose& X_BS) {
       break;
     }
   }
+  for (const Vector3d& corner : shape->corners) shape->reach_m = std::max(shape->reach_m, corner.norm());
   shape->object = std::make_unique<btCollisionObject>();
   shape->object->setCollisionShape(shape->shape.get());
   shapes_.push_back(std::move(shape));
@@ -190,7 +193,7 @@ void ContactShapes::findOnGround(const Shape& shape, double friction) {
         addGroundPoint(shape, friction, X.p + end * shape.geometry.length_m * axis + shape.geometry.radius_m * out);
       }
     }
-  } else {
+  } else if (X.p.z() - kFarther * shape.reach_m <= config_.ground->z_m) {
     for (const Vector3d& corner : shape.corners) addGroundPoint(shape, friction, X * corner);
   }
   thinOut(points_, first);

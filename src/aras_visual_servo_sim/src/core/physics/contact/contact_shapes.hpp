@@ -42,6 +42,7 @@ class ContactShapes {
     Pose X_BS, X_WS;
     Geometry geometry;
     std::vector<Eigen::Vector3d> corners;  // of boxes and meshes
+    double reach_m = 0.0;                  // of the corners from the shape's origin
     std::unique_ptr<btCollisionShape> shape;
     std::unique_ptr<btCollisionObject> object;
   };

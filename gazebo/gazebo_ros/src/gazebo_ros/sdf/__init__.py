@@ -1,0 +1,1 @@
+"""Worlds and models of SDF: read by libsdformat, told as URDF and settings. No ROS."""

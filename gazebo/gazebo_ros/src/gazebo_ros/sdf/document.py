@@ -1,0 +1,93 @@
+"""Documents of SDF: what libsdformat makes of them, with what they include, and poses in them."""
+import os
+import xml.etree.ElementTree as ElementTree
+
+import numpy
+
+from .. import _sdf
+from ..world.errors import SpawnError
+from ..world.poses import matrix_of
+
+
+def expanded(source, is_path, folders):
+    """A document in the newest version of SDF, everything that it includes in its place.
+
+    Args:
+        source: a path, or the document.  folders: as World has them.
+    Returns:
+        its root element, a list of lines that say what was left out.
+    Raises:
+        SpawnError: no SDF.
+    """
+    try:
+        text, messages = _sdf.expanded(source, is_path, lambda uri: found(uri, folders))
+        return ElementTree.fromstring(text), messages
+    except (ValueError, ElementTree.ParseError) as error:
+        raise SpawnError("SpawnModel: Failure - entity format is invalid: %s" % error) from error
+
+
+def found(uri, folders):
+    """Path of what a URI names, "" if it is nowhere: model:// and package:// of a folder, file:// and plain ones of a
+    path, or of one that begins where resources are."""
+    scheme, _, path = uri.rpartition("://")
+    if scheme in ("model", "package"):
+        name, _, rest = path.partition("/")
+        folder = folders(name)
+        return os.path.join(folder, rest).rstrip("/") if folder else ""
+    if scheme in ("http", "https"):  # of a model database: "Ground Plane" is there as ground_plane
+        return folders(path.rpartition("/")[2].lower().replace(" ", "_")) or ""
+    if scheme not in ("", "file"):
+        return ""
+    return path if os.path.isabs(path) and os.path.exists(path) else folders.resource(path) or ""
+
+
+class NoFolders:
+    """Where packages, models and resources are: nowhere."""
+
+    def __call__(self, name):
+        """Folder of a package or model, or None."""
+        return None
+
+    def resource(self, path):
+        """Whole path of a file that is named from where resources are, or None."""
+        return None
+
+
+def numbers(text, count, what):
+    """Raises: SpawnError unless there are so many finite numbers."""
+    try:
+        values = [float(word) for word in (text or "").split()]
+    except ValueError:
+        values = []
+    if len(values) != count or not numpy.isfinite(values).all():
+        raise SpawnError("SpawnModel: Failure - entity format is invalid: %s: found '%s', allowed are %d finite "
+                         "numbers" % (what, text, count))
+    return values
+
+
+def number(element, path, otherwise, what):
+    """A number in the text of a descendant. Raises: SpawnError."""
+    text = element.findtext(path)
+    return otherwise if text is None or not text.strip() else numbers(text, 1, "%s: <%s>" % (what, path))[0]
+
+
+def pose_of(element, what):
+    """(4, 4) of an element's <pose>, in the frame that it stands in. Raises: SpawnError."""
+    pose = element.find("pose")
+    if pose is None or not (pose.text or "").strip():
+        return numpy.eye(4)
+    if pose.get("rotation_format") == "quat_xyzw":
+        values = numbers(pose.text, 7, what + ": <pose>")
+        return matrix_of(values[:3], values[3:], what)
+    values = numbers(pose.text, 6, what + ": <pose>")
+    angles = numpy.radians(values[3:]) if pose.get("degrees") == "true" else numpy.asarray(values[3:])
+    made = numpy.eye(4)
+    made[:3, :3], made[:3, 3] = rotation_of(angles), values[:3]
+    return made
+
+
+def rotation_of(rpy):
+    """(3, 3), Rz(yaw) Ry(pitch) Rx(roll)."""
+    (cr, cp, cy), (sr, sp, sy) = numpy.cos(rpy), numpy.sin(rpy)
+    return numpy.array(((cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+                        (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr), (-sp, cp * sr, cp * cr)))

@@ -1,0 +1,288 @@
+"""A model of SDF as the URDF that the simulator reads, with what SDF says besides in <gazebo> tags."""
+import copy
+import dataclasses
+import xml.etree.ElementTree as ElementTree
+
+import numpy
+
+from ..world.poses import rpy_of
+from .document import found, number, numbers, pose_of
+from .frames import Frames
+
+#: Ends the name of a link without mass that a joint moves, which stands where the joint is, when its child does not.
+JOINT_FRAME = "::joint_frame"
+UNLIMITED = 1e15             #: a position limit from here on is none [m or rad]
+FARTHEST_M = 1e4             #: of joints that slide without a limit
+STRONGEST, FASTEST = 1e6, 1e3  #: of joints that limit neither effort [N or N m] nor speed [m/s or rad/s]
+SLAB_M = 0.01                #: thickness of the box that shows a plane
+MOVING = ("revolute", "prismatic", "continuous")
+#: Of a link and a model: what is used, and what changes nothing here.
+LINK_TAGS = {"pose", "inertial", "collision", "visual", "sensor", "light", "gravity", "self_collide", "kinematic",
+             "velocity_decay", "must_be_base_link", "enable_wind", "projector", "audio_sink", "audio_source"}
+MODEL_TAGS = {"pose", "link", "joint", "frame", "model", "plugin", "static", "self_collide", "allow_auto_disable",
+              "enable_wind"}
+
+
+@dataclasses.dataclass(frozen=True)
+class SdfModel:
+    """
+    Attributes:
+        name: its own.
+        urdf: the document.
+        pose: its <pose>, (4, 4).
+        X_MR: root link in the model's frame, (4, 4).
+        planes: X_MP of the planes that it can be touched at, z their normal, each (4, 4).
+        warnings: what is ignored, a line each.
+    """
+    name: str
+    urdf: str
+    pose: numpy.ndarray
+    X_MR: numpy.ndarray
+    planes: tuple
+    warnings: tuple
+
+
+def model_of(element, folders):
+    """
+    Args:
+        element: <model>, of an expanded document.  folders: as World has them.
+    Returns:
+        SdfModel
+    Raises:
+        SpawnError: numbers that are none.
+    """
+    return Writer(element, folders).written()
+
+
+class Writer:
+    """Writes one URDF."""
+
+    def __init__(self, model, folders):
+        self._model, self._folders, self._warnings, self._planes = model, folders, [], []
+        self._frames = Frames(model, self._warnings)
+        self._static = model.findtext("static", "").strip() in ("true", "1")
+        self._robot = ElementTree.Element("robot", name=model.get("name", "model"))
+
+    def written(self):
+        links, name = self._frames.links, self._model.get("name", "")
+        if not links:
+            self._warn("has no links: it cannot be seen")
+            ElementTree.SubElement(self._robot, "link", name="link")
+        joints = {} if self._static else self._joints()
+        roots = [link for link in links if link not in joints]
+        held = any(self._frames.end(joint, "parent") == "world" for joint in joints.values())
+        if held:
+            ElementTree.SubElement(self._robot, "link", name="world")
+        for link in links.values():
+            self._link(link)
+        for joint in joints.values():
+            self._joint(joint)
+        X_MR = numpy.eye(4) if held or not roots else self._frames.pose(roots[0])
+        first = "world" if held else roots[0] if roots else ""
+        for link in roots if held else roots[1:]:
+            if not self._static:
+                self._warn("link '%s' hangs from no joint: it is held at '%s'" % (link, first))
+            self._hung(link + "::held", "fixed", first, link, numpy.linalg.inv(X_MR) @ self._frames.pose(link))
+        self._extras()
+        return SdfModel(name, ElementTree.tostring(self._robot, encoding="unicode"), pose_of(self._model, name), X_MR,
+                        tuple(self._planes), tuple(dict.fromkeys(self._warnings)))
+
+    def _warn(self, text):
+        self._warnings.append(text)
+
+    def _gazebo(self, reference, *children):
+        """A <gazebo> tag about a link, or about the model."""
+        tag = ElementTree.SubElement(self._robot, "gazebo", **({"reference": reference} if reference else {}))
+        tag.extend(copy.deepcopy(child) for child in children)
+        return tag
+
+    def _extras(self):
+        if self._static:
+            ElementTree.SubElement(self._gazebo(""), "static").text = "true"
+        models = [(self._model, "")] + [(part.element, part.name) for part in self._frames.models.values()]
+        for model, scope in models:
+            for child in model:
+                if child.tag == "plugin":
+                    self._gazebo("", child)
+                elif child.tag not in MODEL_TAGS:
+                    self._warn("<%s> in <model%s>: ignored" % (child.tag, " name='%s'" % scope if scope else ""))
+
+    # --- joints
+
+    def _joints(self):
+        """dict of child link -> the joint that it hangs from; what cannot be is warned about."""
+        links, joints = self._frames.links, {}
+        for joint in self._frames.joints.values():
+            parent, child = self._frames.end(joint, "parent"), self._frames.end(joint, "child")
+            if child not in links or parent not in links and parent != "world":
+                stranger = child if child not in links else parent
+                self._warn("joint '%s': there is no link '%s': ignored" % (joint.name, stranger))
+            elif child in joints:
+                self._warn("joint '%s': link '%s' hangs from joint '%s' already, loops are not simulated: ignored" %
+                           (joint.name, child, joints[child].name))
+            elif self._loops(joint, child, joints):
+                self._warn("joint '%s' closes a loop, loops are not simulated: ignored" % joint.name)
+            else:
+                joints[child] = joint
+        return joints
+
+    def _loops(self, joint, child, joints):
+        at = self._frames.end(joint, "parent")
+        while at in joints and at != child:
+            at = self._frames.end(joints[at], "parent")
+        return at == child
+
+    def _joint(self, joint):
+        kind, name = joint.element.get("type", ""), joint.name
+        parent, child = self._frames.end(joint, "parent"), self._frames.end(joint, "child")
+        if kind not in (*MOVING, "fixed"):
+            self._warn("joint '%s' of type %s is not simulated: it is held" % (name, kind))
+            kind = "fixed"
+        X_MP = numpy.eye(4) if parent == "world" else self._frames.pose(parent)
+        X_MC, X_MJ = self._frames.pose(child), self._frames.pose(name)
+        if kind == "fixed":
+            self._hung(name, kind, parent, child, numpy.linalg.inv(X_MP) @ X_MC)
+            return
+        offset = numpy.linalg.inv(X_MJ) @ X_MC
+        moved = child
+        if not numpy.allclose(offset, numpy.eye(4), atol=1e-12):
+            moved = name + JOINT_FRAME
+            ElementTree.SubElement(self._robot, "link", name=moved)
+            self._hung(moved + "::child", "fixed", moved, child, offset)
+        lower = number(joint.element, "axis/limit/lower", -1e16, name)
+        upper = number(joint.element, "axis/limit/upper", 1e16, name)
+        free = lower <= -UNLIMITED or upper >= UNLIMITED
+        if kind == "revolute" and free:
+            kind = "continuous"
+        made = self._hung(name, kind, parent, moved, numpy.linalg.inv(X_MP) @ X_MJ)
+        ElementTree.SubElement(made, "axis", xyz=spaced(self._frames.axis(joint)))
+        effort = number(joint.element, "axis/limit/effort", -1.0, name)
+        velocity = number(joint.element, "axis/limit/velocity", -1.0, name)
+        ElementTree.SubElement(made, "limit", lower=repr(max(lower, -FARTHEST_M)), upper=repr(min(upper, FARTHEST_M)),
+                               effort=repr(effort if 0.0 <= effort < STRONGEST else STRONGEST),
+                               velocity=repr(velocity if 0.0 < velocity < FASTEST else FASTEST))
+        ElementTree.SubElement(made, "dynamics", **{
+            key: repr(max(0.0, number(joint.element, "axis/dynamics/" + key, 0.0, name)))
+            for key in ("damping", "friction")})
+        for key in ("spring_stiffness", "spring_reference"):
+            if number(joint.element, "axis/dynamics/" + key, 0.0, name):
+                self._warn("joint '%s': <%s> is ignored" % (name, key))
+
+    def _hung(self, name, kind, parent, child, X_PC):
+        made = ElementTree.SubElement(self._robot, "joint", name=name, type=kind)
+        ElementTree.SubElement(made, "origin", **origin(X_PC))
+        ElementTree.SubElement(made, "parent", link=parent)
+        ElementTree.SubElement(made, "child", link=child)
+        return made
+
+    # --- links
+
+    def _link(self, part):
+        made = ElementTree.SubElement(self._robot, "link", name=part.name)
+        self._inertial(part, made)
+        for kind in ("visual", "collision"):
+            for k, element in enumerate(part.element.findall(kind)):
+                self._shape(part, element, made, "%s %d" % (element.get("name", kind), k))
+        for child in part.element:
+            if child.tag in ("sensor", "light"):
+                self._gazebo(part.name, plain(child))
+            elif child.tag == "gravity" and child.text.strip() in ("false", "0"):
+                self._gazebo(part.name, child)
+            elif child.tag not in LINK_TAGS:
+                self._warn("<%s> in <link name='%s'>: ignored" % (child.tag, part.name))
+
+    def _inertial(self, part, made):
+        what = "<inertial> of link '%s'" % part.name
+        inertial = part.element.find("inertial")
+        inertial = ElementTree.Element("inertial") if inertial is None else inertial
+        tag = ElementTree.SubElement(made, "inertial")
+        ElementTree.SubElement(tag, "origin", **origin(pose_of(inertial, what)))
+        ElementTree.SubElement(tag, "mass", value=repr(number(inertial, "mass", 1.0, what)))
+        ElementTree.SubElement(tag, "inertia", **{
+            key: repr(number(inertial, "inertia/" + key, 1.0 if key[1] == key[2] else 0.0, what))
+            for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")})
+
+    def _shape(self, part, element, made, name):
+        """A <visual> or <collision>."""
+        what = "<%s> of link '%s'" % (element.tag, part.name)
+        geometry = element.find("geometry")
+        shape = next(iter(geometry), None) if geometry is not None else None
+        if shape is None or shape.tag == "empty":
+            return
+        pose = pose_of(element, what)
+        if shape.tag == "plane":
+            normal = numbers(shape.findtext("normal") or "0 0 1", 3, what)
+            pose = pose @ turned_up(normal)
+            if element.tag == "collision":
+                self._planes.append(self._frames.pose(part.name) @ pose)
+                return
+            slab = numpy.eye(4)
+            slab[2, 3] = -SLAB_M / 2
+            pose = pose @ slab
+        tag = self._geometry(shape, what)
+        if tag is None:
+            return
+        shown = ElementTree.SubElement(made, element.tag, name=name)
+        ElementTree.SubElement(shown, "origin", **origin(pose))
+        ElementTree.SubElement(shown, "geometry").append(tag)
+        friction = element.find("surface/friction/ode/mu")
+        if friction is not None:
+            ElementTree.SubElement(self._gazebo(part.name), "mu1").text = friction.text
+        if element.tag == "visual":
+            look = ElementTree.SubElement(self._gazebo(part.name), "visual", name=name)
+            look.extend(copy.deepcopy(child) for child in element
+                        if child.tag in ("material", "transparency", "cast_shadows"))
+
+    def _geometry(self, shape, what):
+        """A shape's tag in URDF, or None with a warning."""
+        def sizes(tag, count):
+            return spaced(numbers(shape.findtext(tag), count, "%s: <%s>" % (what, tag)))
+        if shape.tag == "box":
+            return ElementTree.Element("box", size=sizes("size", 3))
+        if shape.tag == "plane":
+            return ElementTree.Element("box", size="%s %r" % (sizes("size", 2), SLAB_M))
+        if shape.tag == "sphere":
+            return ElementTree.Element("sphere", radius=sizes("radius", 1))
+        if shape.tag == "cylinder":
+            return ElementTree.Element("cylinder", radius=sizes("radius", 1), length=sizes("length", 1))
+        if shape.tag != "mesh":
+            self._warn("%s: <%s> is not simulated: ignored" % (what, shape.tag))
+            return None
+        if shape.find("submesh") is not None:
+            self._warn("%s: <submesh> is ignored: the whole mesh is taken" % what)
+        uri = (shape.findtext("uri") or "").strip()
+        path = found(uri, self._folders)
+        if not path:
+            self._warn("%s: mesh %s is not found: ignored" % (what, uri))
+            return None
+        scale = shape.findtext("scale") or "1 1 1"
+        return ElementTree.Element("mesh", filename="file://" + path, scale=spaced(numbers(scale, 3, what)))
+
+
+def plain(element):
+    """A sensor or light without what libsdformat adds that says nothing."""
+    element = copy.deepcopy(element)
+    for child in list(element):
+        if (child.text or "").strip() == "__default__":
+            element.remove(child)
+    return element
+
+
+def turned_up(normal):
+    """(4, 4) of a frame whose z is a normal."""
+    z = numpy.asarray(normal, float)
+    z = z / (numpy.linalg.norm(z) or 1.0)
+    other = numpy.array((1.0, 0.0, 0.0)) if abs(z[0]) < 0.6 else numpy.array((0.0, 1.0, 0.0))
+    y = numpy.cross(z, other)
+    y = y / (numpy.linalg.norm(y) or 1.0)
+    pose = numpy.eye(4)
+    pose[:3, :3] = numpy.stack((numpy.cross(y, z), y, z), axis=1)
+    return pose
+
+
+def origin(pose):
+    return {"xyz": spaced(pose[:3, 3]), "rpy": spaced(rpy_of(pose))}
+
+
+def spaced(values):
+    return " ".join(repr(float(value)) for value in values)
