@@ -5,6 +5,7 @@ import pytest
 from gazebo_ros.world.errors import BadValueError, SpawnError, UnknownEntityError
 from gazebo_ros.world.lights import MOST
 from gazebo_ros.world.poses import matrix_of
+from gazebo_ros.world.settings import WorldSettings
 from gazebo_ros.world.world import World
 
 FLOOR = """<robot name='floor'><link name='slab'><inertial><mass value='1'/>
@@ -65,6 +66,18 @@ def test_the_ground_plane_is_seen_and_takes_shadows(world):
     roof = FLOOR.replace("4 4 0.02", "0.5 0.5 0.02") % ""
     world.spawn("roof", roof, pose=matrix_of((0.5, -0.5, 1.0), (0, 0, 0, 1), "test"))  # towards the sun
     assert grey(world) == pytest.approx(31, abs=ROUNDING)
+
+
+def test_nothing_casts_shadows_in_a_world_without_them():
+    world = World(WorldSettings(shadows=False))
+    world.spawn("camera", CAMERA, pose=matrix_of((0, 0, 1), (0, 0, 0, 1), "test"))
+    bright = grey(world)
+    world.spawn("roof", FLOOR.replace("4 4 0.02", "0.5 0.5 0.02") % "",
+                pose=matrix_of((0.5, -0.5, 1.0), (0, 0, 0, 1), "test"))
+    assert grey(world) == bright
+    world.reset_simulation()
+    world.set_light({**world.lights.entry("sun"), "casts_shadows": True})
+    assert grey(world) == bright
 
 
 def test_lights_come_change_and_shine_for_cameras_that_come_later(world):

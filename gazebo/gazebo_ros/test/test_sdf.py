@@ -122,11 +122,24 @@ def test_the_empty_world_has_the_ground_and_the_sun():
     assert {**World().lights.entry("sun"), "intensity": 1.0} == world.lights.entry("sun")
 
 
+def test_the_ground_and_the_sun_of_a_database_are_known_without_it():
+    place = "https://fuel.gazebosim.org/1.0/OpenRobotics/models/"
+    world, warnings = filled("<include><uri>%sSun</uri></include><include><uri>%sGround Plane</uri></include>"
+                             "<include><uri>%sCoke</uri></include>" % (place, place, place))
+    assert world.settings.ground and world.lights.names() == ["sun"] and "Coke" in warnings
+
+
+def test_what_is_used_is_not_said_to_be_ignored():
+    model = World().spawn_sdf("m", sdf(BOX.replace("<link", "<static>1</static><link", 1).replace(
+        "</geometry></coll", "</geometry><surface><friction><ode><mu>0.3</mu></ode></friction></surface></coll")))
+    assert model.warnings == [] and model.description.frictions == {"body": 0.3}
+
+
 def test_physics_gravity_and_light_are_the_worlds():
     world, _ = filled("""<physics type='ode'><max_step_size>0.002</max_step_size></physics><gravity>0 0 -1.6</gravity>
-        <scene><ambient>1 1 1 1</ambient><background>0 0 1 1</background></scene>
+        <scene><ambient>1 1 1 1</ambient><background>0 0 1 1</background><shadows>0</shadows></scene>
         <light name='lamp' type='point'><pose>0 0 3 0 0 0</pose></light>""" + BOX + CAMERA)
-    assert world.settings.period_s == 0.002 and not world.settings.ground
+    assert world.settings.period_s == 0.002 and not world.settings.ground and not world.settings.shadows
     assert world.lights.names() == ["lamp"]
     world.step(500)
     fallen_m = 1.0 - world.models["box"].pose()[2, 3]

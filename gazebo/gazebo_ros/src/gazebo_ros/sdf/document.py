@@ -34,6 +34,8 @@ def found(uri, folders):
         name, _, rest = path.partition("/")
         folder = folders(name)
         return os.path.join(folder, rest).rstrip("/") if folder else ""
+    if scheme in ("http", "https"):  # of a model database: "Ground Plane" is there as ground_plane
+        return folders(path.rpartition("/")[2].lower().replace(" ", "_")) or ""
     if scheme not in ("", "file"):
         return ""
     return path if os.path.isabs(path) and os.path.exists(path) else folders.resource(path) or ""

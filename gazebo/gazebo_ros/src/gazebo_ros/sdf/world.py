@@ -100,7 +100,8 @@ def settings_of(world):
         period_s=number(world, "physics/max_step_size", known.period_s, "physics"),
         gravity_m_s2=tuple(numbers(gravity, 3, "<gravity>")) if gravity else known.gravity_m_s2, ground=False,
         ambient_rgb=color_of(world, "scene/ambient", known.ambient_rgb),
-        background_rgb=color_of(world, "scene/background", known.background_rgb))
+        background_rgb=color_of(world, "scene/background", known.background_rgb),
+        shadows=world.findtext("scene/shadows", "true").strip().lower() not in ("false", "0"))
 
 
 def color_of(world, path, otherwise):

@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ElementTree
 
 from .devices import DiffDrive, motorize, read_device
 from .errors import SpawnError
-from .looks import paint_as_gazebo
+from .looks import drop_missing_meshes, paint_as_gazebo
 
 #: Plugins that are part of the simulator, by a piece of their file name.
 CONTROL, CAMERA = "gazebo_ros_control", "camera"
@@ -81,7 +81,7 @@ def read_description(xml, namespace, model):
         raise SpawnError("SpawnModel: Failure - entity format is invalid: %s" % error) from error
     if robot.tag != "robot":
         raise SpawnError("SpawnModel: Failure - entity format is invalid: found <%s>, allowed is <robot>" % robot.tag)
-    warnings = drop_strangers(robot)
+    warnings = drop_strangers(robot) + drop_missing_meshes(robot)
     free_followers(robot, warnings)
     paint_as_gazebo(robot)
     control, devices = "", []
@@ -102,17 +102,27 @@ def read_description(xml, namespace, model):
             motorize(robot, device)
     links = {link.get("name") for link in robot.findall("link")}
     children = {joint.find("child").get("link") for joint in robot.findall("joint") if joint.find("child") is not None}
+    # These take out what is used here: the simulator would warn of it.
+    cameras, frictions, static = cameras_of(robot, namespace, warnings), frictions_of(robot), is_static(robot)
     return Description(
-        urdf=ElementTree.tostring(robot, encoding="unicode"),
-        fixed=links - children == {"world"} or any(text_of(each, "static") in ("true", "1")
-                                                   for each in robot.findall("gazebo")),
-        control_namespace=control, cameras=cameras_of(robot, namespace, warnings),
+        urdf=ElementTree.tostring(robot, encoding="unicode"), fixed=static or links - children == {"world"},
+        control_namespace=control, cameras=cameras,
         collides=robot.find("link/collision") is not None, weightless=weightless(robot),
         joint_types={joint.get("name"): MOVING[joint.get("type")] for joint in robot.findall("joint")
                      if joint.get("type") in MOVING},
         actuated=actuated, jointed=any(joint.get("type") in MOVING for joint in robot.findall("joint")),
         parents=ends_of(robot, "parent"), children=ends_of(robot, "child"),
-        devices=tuple(devices), frictions=frictions_of(robot), warnings=tuple(warnings))
+        devices=tuple(devices), frictions=frictions, warnings=tuple(warnings))
+
+
+def is_static(robot):
+    """Takes <static> out and returns whether the model is fixed by it."""
+    static = False
+    for gazebo in robot.findall("gazebo"):
+        for element in gazebo.findall("static"):
+            static = static or (element.text or "").strip() in ("true", "1")
+            gazebo.remove(element)
+    return static
 
 
 @dataclasses.dataclass(frozen=True)

@@ -16,8 +16,13 @@ MOST = 8  #: of one scene, as the simulator has it
 class Lights:
     """Entries of the simulator's sim.scene.lighting.lights by name. Not thread-safe."""
 
-    def __init__(self, entries=(SUN,)):
+    def __init__(self, entries=(SUN,), shadows=True):
+        """
+        Args:
+            shadows: False: none of them casts any, whatever it says itself.
+        """
         self._entries = {entry["name"]: entry for entry in entries}
+        self._shadows = shadows
 
     def names(self):
         return list(self._entries)
@@ -120,6 +125,8 @@ class Lights:
             if name in there and name not in self._entries:
                 simulation.delete_light(name)
         for name, entry in self._entries.items():
+            if not self._shadows:
+                entry = {**entry, "casts_shadows": False}
             if there.get(name) != entry:
                 simulation.set_light(entry)
 

@@ -25,6 +25,8 @@ GROUND_PLANE = {"name": "ground_plane", "box_m": [100.0, 100.0, 0.01], "position
 
 #: Coulomb's coefficient of a link that states none, as in Gazebo; of two that touch, the smaller one counts.
 GROUND_FRICTION = 1.0
+#: Ends what the simulator says of any model that has shapes to collide with: here they do.
+OF_COLLISIONS = "<collision> shapes count only for what sim/contacts names"
 
 
 def wheel_motor(joint):
@@ -67,7 +69,8 @@ class Model:
         self.host = None            #: name of the model that simulates this one
         self._places = {}           #: of links: bytes of a pose, and what place_of makes of it
         self.placed = lambda thrown: None  #: called when the model was put somewhere else, at rest or not
-        self.warnings = list(dict.fromkeys((*warnings, *self.description.warnings, *self.simulation.warnings)))
+        said = (*warnings, *self.description.warnings, *self.simulation.warnings)
+        self.warnings = [each for each in dict.fromkeys(said) if not each.endswith(OF_COLLISIONS)]
         for device in self.description.devices:
             if isinstance(device, DiffDrive):
                 self._start_wheels(device)
@@ -191,6 +194,14 @@ class Model:
     def centre_of_mass(self, link):
         """(3,), in the world."""
         return (self.link_pose(link) @ (*self.mass_of(link).com_m, 1.0))[:3]
+
+    def radius_of(self, link):
+        """Of the cylinder or sphere that the link collides with; None: it is no such thing."""
+        for shape in ("cylinder", "sphere"):
+            found = self._tree.find("link[@name='%s']/collision/geometry/%s" % (link, shape))
+            if found is not None:
+                return float(found.get("radius"))
+        return None
 
     def damping_of(self, joint):
         """[N s/m or N m s/rad]."""

@@ -12,3 +12,4 @@ class WorldSettings:
     floor_m: typing.Optional[float] = None  #: height of another horizontal plane that can be touched
     ambient_rgb: tuple = (102.0, 102.0, 102.0)
     background_rgb: tuple = (178.5, 178.5, 178.5)
+    shadows: bool = True  #: False: no light of the world casts any

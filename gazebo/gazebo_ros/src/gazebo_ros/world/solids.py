@@ -24,15 +24,7 @@ def solid_of(robot, link, name, seen, touched):
     looks = [each for each in robot.findall("gazebo") if each.get("reference") == link]
     made = ElementTree.SubElement(alone, "link", name=link)
     if seen:
-        visuals = [copy.deepcopy(each) for each in own.findall("visual")]
-        made.extend(visuals)
-        for k, visual in enumerate(visuals):
-            if plain(visual):
-                visual.set("name", visual.get("name") or "visual %d" % k)
-                white = ElementTree.SubElement(ElementTree.SubElement(
-                    alone, "gazebo", reference=link), "visual", name=visual.get("name"))
-                ElementTree.SubElement(ElementTree.SubElement(white, "material"), "diffuse").text = "1 1 1"
-        alone.extend(copy.deepcopy(each) for each in robot.findall("material"))
+        made.extend(copy.deepcopy(each) for each in own.findall("visual"))
         alone.extend(copy.deepcopy(each) for each in looks
                      if any(each.find(tag) is not None for tag in ("material", "light", "visual")))
     if touched:
@@ -47,12 +39,6 @@ def solid_of(robot, link, name, seen, touched):
     if shadows and all(each in ("false", "0") for each in shadows):
         entry["material"] = {"casts_shadows": False}
     return entry
-
-
-def plain(visual):
-    """Whether a <visual> has no colour of its own: Gazebo draws it white."""
-    mesh = visual.find("geometry/mesh")
-    return visual.find("material") is None and (mesh is None or mesh.get("filename", "").lower().endswith(".stl"))
 
 
 def convex(collision):

@@ -39,7 +39,7 @@ class World:
             folders: where packages, models and resources are, as NoFolders has it.
         """
         self.settings = settings or WorldSettings()
-        self.models, self.lights = {}, Lights()
+        self.models, self.lights = {}, Lights(shadows=self.settings.shadows)
         self.pushes = Pushes(self.models)
         self._folders = folders
         self._ticks = 0

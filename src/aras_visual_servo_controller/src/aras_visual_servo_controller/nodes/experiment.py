@@ -34,6 +34,7 @@ from ..run.loop import CLOSING_S
 from .parameters import Parameters
 from .recording import Recording
 from ..bags.record_groups import COMPRESSIONS, is_chosen, lacking, parse_groups
+from ..report.drawing import Drawing
 from ..report.report import create_result_folder, format_summary, save_results
 from ..scenario.scenario import scenario_from_dict
 from ..scenario.schema import default_of
@@ -53,10 +54,14 @@ class RunError(ArasError):
 
 
 class ExperimentNode:
-    """One run, from an empty folder to a report. Raises ParameterError, which lists every fault of the parameters."""
+    """One run, from an empty folder to a report. Raises ParameterError, which lists every fault of the parameters.
 
-    def __init__(self):
+    Args: drawing: `Drawing` that draws the figure; None: this process draws it.
+    """
+
+    def __init__(self, drawing=None):
         parameters = Parameters()
+        self._drawing = drawing
         self._results = Path(os.path.expanduser(parameters.value("~results_dir", "results")))
         self._record = parameters.value("~record", True)
         self._split_mb = parameters.value("~record_split_mb", 0, minimum=0)
@@ -210,6 +215,8 @@ class ExperimentNode:
                                f"{self._status.held_by or 'nobody'}")
         self._pause()
         wall_s = now_s - started_s
+        if self._recording is not None and self._drawing is not None:
+            self._drawing.prepare()  # while the bag is closed and read
         if lockstep:
             self._close_run()
         if self._recording is not None:
@@ -297,6 +304,8 @@ class ExperimentNode:
         rospy.loginfo("%s after %.2f s of servoing: %s", "converged" if result.converged else "not converged",
                       result.duration_s, result.reason)
         if self._recording is None:
+            if self._done_ns is not None:
+                rospy.loginfo("real-time factor %.1f", self._done_ns * 1e-9 / wall_s)
             rospy.logwarn("nothing was recorded (record:=false): not judged by the true pose")
             return EXIT_PASSED if result.converged or result.status == Status.STOPPED_BY_RULE else EXIT_FAILED
         record = read_bag(self._recording.bags(), rospy.get_namespace(), keep_images=self._video)
@@ -304,7 +313,7 @@ class ExperimentNode:
         record = dataclasses.replace(record, wall_s=wall_s, real_time_factor=simulated_s / wall_s)
         summary = save_results(record, self.folder, "roslaunch aras_visual_servo_controller servo.launch "
                                                     f"scenario:={self._scenario.path or self._scenario.name}",
-                               self._video)
+                               self._video, drawing=self._drawing)
         print(format_summary(summary), flush=True)
         if "truth" not in self._groups:
             rospy.logwarn("the true camera pose was not recorded (record_groups without truth): the run is not judged "
@@ -321,9 +330,10 @@ def main():
     with signals_raise():
         path, code = "", EXIT_BROKEN
         try:
-            rospy.init_node("experiment", disable_signals=True)  # rospy would not end what runs in the main thread
-            path = rospy.get_param("~exit_code_file", "")
-            code = _run()
+            with Drawing(at_once=False) as drawing:
+                rospy.init_node("experiment", disable_signals=True)  # rospy would not end what runs in the main thread
+                path = rospy.get_param("~exit_code_file", "")
+                code = _run(drawing)
         except Interrupted as interrupt:
             rospy.logfatal("%s", interrupt)
             code = interrupt.exit_code
@@ -332,9 +342,9 @@ def main():
         return code
 
 
-def _run():
+def _run(drawing):
     try:
-        return ExperimentNode().run()
+        return ExperimentNode(drawing).run()
     except ParameterError as error:
         rospy.logfatal("bad parameters:\n%s", error)
         return EXIT_PARAMETERS

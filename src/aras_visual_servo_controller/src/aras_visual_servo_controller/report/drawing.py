@@ -17,12 +17,20 @@ WORKERS = 2  # of `drawn_side_by_side`
 
 
 class Drawing:
-    """A process that waits for a record."""
+    """A process that waits for a record.
 
-    def __init__(self):
+    Args: at_once: import what drawing needs now; False: when `prepare` says so, or when there is a record. A process
+        that will have threads makes it before them, since a fork copies only one of them.
+    """
+
+    def __init__(self, at_once=True):
         self._pool = ProcessPoolExecutor(1, get_context("fork"), end_as_child)
         with signals_blocked():
-            self._pool.submit(_prepare)
+            self._pool.submit(_prepare if at_once else int)
+
+    def prepare(self):
+        """Import what drawing needs, without waiting for it."""
+        self._pool.submit(_prepare)
 
     def __enter__(self):
         return self

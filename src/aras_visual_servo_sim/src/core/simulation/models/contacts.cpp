@@ -21,6 +21,22 @@ void addObstacles(const std::string& name, const ModelSet& set, ContactConfig& c
   }
 }
 
+bool sameShape(const Geometry& a, const Geometry& b) {
+  return a.type == b.type && a.size_m == b.size_m && a.radius_m == b.radius_m && a.length_m == b.length_m &&
+         a.filename == b.filename && a.scale == b.scale;
+}
+
+bool sameObstacle(const Obstacle& a, const Obstacle& b) {
+  return a.name == b.name && a.mass_kg == b.mass_kg && sameShape(a.geometry, b.geometry) && a.X_OG.p == b.X_OG.p &&
+         a.X_OG.q.coeffs() == b.X_OG.q.coeffs();
+}
+
+/** Whether the same bodies touch, wherever they are; of two configurations that differ in nothing else. */
+bool sameBodies(const ContactConfig& a, const ContactConfig& b) {
+  return a.pairs == b.pairs && a.free_bodies == b.free_bodies &&
+         std::equal(a.obstacles.begin(), a.obstacles.end(), b.obstacles.begin(), b.obstacles.end(), sameObstacle);
+}
+
 }  // namespace
 
 Contacts::Contacts(const ContactConfig& config, const RobotModel& robot, const PackagePaths& packages)
@@ -106,7 +122,8 @@ void Contacts::addMeshPoints(ContactConfig& contacts) {
 
 void Contacts::change(const ModelSet& set, MultibodyWorld& world) {
   ContactConfig next = among(set);
-  if (next.any() || any()) world.setContacts(next);
+  // What is only seen comes and goes without the convex hulls being made anew.
+  if ((next.any() || any()) && !sameBodies(next, present_)) world.setContacts(next);
   present_ = std::move(next);
 }
 
