@@ -1,4 +1,4 @@
-"""What script/endurance does for hours, for as long as a test may: goals on a disturbed machine, one graph in use."""
+"""script/endurance: goals in fresh graphs on a disturbed machine, and what its two commands make of what they find."""
 import collections
 import pathlib
 import sys
@@ -12,9 +12,9 @@ import soak  # noqa: E402
 
 def test_goals_on_a_disturbed_machine_have_the_hash_of_the_run_in_process():
     expected = determinism.reference()
-    tally = determinism.determinism(goals=3, graphs=1, seed=1, at_once=1)
-    text, same = determinism.report(tally, expected, 3, 1)
-    assert same and sum(tally.hashes.values()) == 4 and sum(tally.disturbances.values()) > 10, text
+    tally = determinism.determinism(goals=0, graphs=2, seed=1, at_once=1)
+    text, same = determinism.report(tally, expected, 0, 2)
+    assert same and sum(tally.hashes.values()) == 2 and sum(tally.disturbances.values()) > 10, text
 
 
 def test_another_hash_or_a_goal_without_one_is_told():
@@ -28,13 +28,6 @@ def test_another_hash_or_a_goal_without_one_is_told():
     tally.hashes.update([expected, expected])
     text, same = determinism.report(tally, expected, 2, 0)
     assert same and "different hashes: 0" in text and "2 goals of 2" in text
-
-
-def test_a_graph_in_use_grows_loses_and_warns_nothing():
-    """Half a minute is too short to tell whether memory grows; only that it is measured."""
-    text, _ = soak.soak(minutes=0.5, seed=1)
-    assert "different hashes: 1" in text and "lost:" not in text and "0 of them repeated" in text, text
-    assert "sim_node" in text and "controller" in text and "broke off" not in text, text
 
 
 def uses(**attributes):

@@ -14,12 +14,14 @@ import rospy
 from geometry_msgs.msg import Point, Pose, Quaternion
 from rosgraph_msgs.msg import Log
 
+from aras_visual_servo_msgs.msg import ServoState
 from aras_visual_servo_msgs.srv import DeleteModel, SpawnModel
 
 import goals as goals_module
 
 LATE_MODEL = "late_box"
 BOX = "{box_m: [0.02, 0.02, 0.02], position_m: [0.0, 0.0, 0.0]}"
+PERIOD_NS = 34_000_000  # of the first camera, and a tick
 STEPS = 200  # physics steps between a model's coming and its going
 
 
@@ -31,12 +33,24 @@ class User(goals_module.Goals):
         self._random = random.Random(seed)
         self._spawn = rospy.ServiceProxy("sim/spawn_model", SpawnModel)
         self._delete = rospy.ServiceProxy("sim/delete_model", DeleteModel)
+        self._answered_ns = -1
+        rospy.Subscriber("servo_state", ServoState, self._on_state)
         rospy.Subscriber("/rosout_agg", Log, self._on_log)
 
     @staticmethod
     def _on_log(message):
         if message.level >= Log.WARN:
             print("said", message.name, message.level, message.msg.replace("\n", " "), flush=True)
+
+    def _on_state(self, message):
+        self._answered_ns = message.header.stamp.to_nsec()
+
+    def _walk(self, steps):
+        """Step, and wait until the last image was answered: an answer that comes after a reset is refused."""
+        self._answered_ns = -1
+        end_ns = self._step(steps).stamp.to_nsec()
+        self._wait("the answer to the last image", lambda: [] if self._answered_ns > end_ns - PERIOD_NS else ["it"],
+                   self._startup_timeout_s)
 
     def use(self):
         """One use of the graph."""
@@ -56,7 +70,7 @@ class User(goals_module.Goals):
         """Some resets, each after some steps."""
         self._pause()
         for _ in range(self._random.randint(1, 5)):
-            self._step(self._random.randint(1, STEPS))
+            self._walk(self._random.randint(1, STEPS))
             self._reset()
 
     def models(self):
@@ -66,7 +80,7 @@ class User(goals_module.Goals):
         answer = self._spawn(model_name=LATE_MODEL, model_xml=BOX, initial_pose=place)
         if not answer.success:
             raise goals_module.RunError(f"spawn_model: {answer.status_message}")
-        self._step(STEPS)
+        self._walk(STEPS)
         self._delete(model_name=LATE_MODEL)
 
 
