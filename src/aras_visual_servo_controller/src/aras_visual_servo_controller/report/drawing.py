@@ -48,7 +48,12 @@ class Drawing:
 
 
 def _prepare():
-    """Import what drawing needs."""
+    """Import what drawing needs.
+
+    matplotlib writes the documentation of a hundred classes when it is imported, in a sixth of that time: nobody reads
+    it here. Where it has no such function, it is imported as it is.
+    """
+    importlib.import_module("matplotlib.artist").kwdoc = lambda artist: ""
     for name in (f"{__package__}.figure", "matplotlib.backends.backend_agg", "matplotlib.backends.backend_pdf"):
         importlib.import_module(name)
 
