@@ -26,11 +26,15 @@ class Drawing:
     def __init__(self, at_once=True):
         self._pool = ProcessPoolExecutor(1, get_context("fork"), end_as_child)
         with signals_blocked():
-            self._pool.submit(_prepare if at_once else int)
+            self._pool.submit(prepare if at_once else int)
 
     def prepare(self):
         """Import what drawing needs, without waiting for it."""
-        self._pool.submit(_prepare)
+        self._pool.submit(prepare)
+
+    def side_by_side(self, draw, jobs):
+        """[draw(*job) for job in jobs], as `drawn_side_by_side`."""
+        return self._pool.submit(drawn_side_by_side, draw, jobs).result()
 
     def __enter__(self):
         return self
@@ -47,7 +51,7 @@ class Drawing:
         return self._pool.submit(_draw_both, record, png_path, pdf_path).result
 
 
-def _prepare():
+def prepare():
     """Import what drawing needs.
 
     matplotlib writes the documentation of a hundred classes when it is imported, in a sixth of that time: nobody reads
