@@ -10,17 +10,21 @@ from ros_graph import Graph
 HERE = pathlib.Path(__file__).resolve().parent
 
 
-@pytest.fixture(scope="module")
-def cart(tmp_path_factory):
+@pytest.fixture(autouse=True, scope="module")
+def package_path():
+    """The package is found as one of a workspace is."""
     before = os.environ.get("ROS_PACKAGE_PATH", "")
     os.environ["ROS_PACKAGE_PATH"] = "%s:%s" % (HERE, before)
-    try:
-        with Graph(tmp_path_factory.mktemp("ros")) as graph:
-            graph.start("roslaunch", "-p", str(graph.port), "demo_cart", "world.launch")
-            graph.until(lambda: "/odom" in graph.topics(), "the cart is there")
-            yield graph
-    finally:
-        os.environ["ROS_PACKAGE_PATH"] = before
+    yield
+    os.environ["ROS_PACKAGE_PATH"] = before
+
+
+@pytest.fixture(scope="module")
+def cart(tmp_path_factory):
+    with Graph(tmp_path_factory.mktemp("ros")) as graph:
+        graph.start("roslaunch", "-p", str(graph.port), "demo_cart", "world.launch")
+        graph.until(lambda: "/odom" in graph.topics(), "the cart is there")
+        yield graph
 
 
 def answer(graph, service, request=""):
@@ -89,3 +93,22 @@ def test_what_cannot_be_is_refused_and_the_world_goes_on(cart, service, request_
     assert not told["success"] and text in told["status_message"], told
     before = answer(cart, "/gazebo/get_world_properties")["sim_time"]
     cart.until(lambda: answer(cart, "/gazebo/get_world_properties")["sim_time"] > before, "time goes on")
+
+
+def test_a_base_drives_by_its_controller(tmp_path_factory):
+    with Graph(tmp_path_factory.mktemp("ros")) as graph:
+        graph.start("roslaunch", "-p", str(graph.port), "demo_cart", "controlled.launch")
+        graph.until(lambda: "Started controllers" in graph.log(), "the controllers run")
+        listed = answer(graph, "/cart/controller_manager/list_controllers")["controller"]
+        assert {each["name"]: each["type"] for each in listed}["base_controller"] == \
+            "diff_drive_controller/DiffDriveController"
+        graph.start("rostopic", "pub", "-1", "/cart/base_controller/cmd_vel", "geometry_msgs/Twist",
+                    "{linear: {x: 5.0}, angular: {z: 0.3}}")
+        graph.until(lambda: message(graph, "/cart/base_controller/odom")["twist"]["twist"]["linear"]["x"] > 0.29,
+                    "it drives as fast as it may")
+        odometry = message(graph, "/cart/base_controller/odom")
+        assert odometry["child_frame_id"] == "base_footprint" and odometry["pose"]["covariance"][35] == 0.03
+        assert odometry["twist"]["twist"]["linear"]["x"] == pytest.approx(0.3, abs=0.01)
+        assert odometry["twist"]["twist"]["angular"]["z"] == pytest.approx(0.3, abs=0.02)
+        assert not answer(graph, "/cart/controller_manager/load_controller", "{name: without_wheels}")["ok"]
+        assert "right_wheel: found None" in graph.log()

@@ -30,3 +30,10 @@ def test_a_plate_under_the_sun_is_white_whatever_colour_the_urdf_gives_it():
 
 def test_gazebos_material_has_the_last_word():
     assert seen("<gazebo reference='plate'><material>Gazebo/Black</material></gazebo>").max() < 10
+
+
+def test_a_mesh_that_is_not_there_is_named_and_left_out():
+    gone = "<visual><geometry><mesh filename='package://nowhere/arm.dae'/></geometry></visual>"
+    model = World().spawn("plate", (PLATE % "").replace("<link name='eye'/>", "<link name='eye'>%s%s</link>" % (
+        gone, gone.replace("visual", "collision"))))
+    assert "mesh package://nowhere/arm.dae of eye: there is no such file: ignored" in model.warnings

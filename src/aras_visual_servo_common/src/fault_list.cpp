@@ -8,6 +8,8 @@
 namespace aras_visual_servo_common {
 namespace {
 
+constexpr std::size_t kMost = 1000;  // lines; nobody reads more, and a hostile file could ask for a million
+
 std::vector<std::string> linesOf(const std::string& text) {
   std::vector<std::string> lines;
   std::istringstream in(text);
@@ -23,7 +25,8 @@ ParameterError::ParameterError(const std::vector<std::string>& faults)
     : ArasError(joined(faults, "\n")), faults_(faults) {}
 
 void FaultList::add(const std::string& line) {
-  if (std::find(lines_.begin(), lines_.end(), line) == lines_.end()) lines_.push_back(line);
+  if (lines_.size() > kMost || std::find(lines_.begin(), lines_.end(), line) != lines_.end()) return;
+  lines_.push_back(lines_.size() < kMost ? line : "found more than " + std::to_string(kMost) + " faults, allowed none");
 }
 
 void FaultList::add(const std::string& where, const std::string& found, const std::string& allowed) {

@@ -1,5 +1,6 @@
 // Checking a value against what a schema says of it.
 #include <algorithm>
+#include <set>
 
 #include "aras_visual_servo_common/schema.hpp"
 #include "aras_visual_servo_common/text.hpp"
@@ -82,13 +83,15 @@ void checkArray(const YAML::Node& list, const Schema& schema, const std::string&
   if (size < schema.min_items || (schema.max_items && size > *schema.max_items))
     return faults.add(where, shown(list), schema.text());
   if (!schema.items) return;
+  std::set<std::string> said;  // each fault of the whole list once: showing it takes as long as the list
   for (std::size_t k = 0; k < size; ++k) {
     if (!isScalar(schema.items->type)) {
       schema.items->check(list[k], where + "[" + std::to_string(k) + "]", faults);
       continue;
     }
     const std::string allowed = scalarFault(list[k], *schema.items);  // said of the whole list, which is short
-    if (!allowed.empty()) faults.add(where, shown(list), allowed == schema.items->text() ? schema.text() : allowed);
+    if (allowed.empty() || !said.insert(allowed).second) continue;
+    faults.add(where, shown(list), allowed == schema.items->text() ? schema.text() : allowed);
   }
 }
 

@@ -81,6 +81,9 @@ class Copy:
         self._folder = folder
         self._root = folder / PACKAGE.name
         shutil.copytree(PACKAGE, self._root, ignore=shutil.ignore_patterns("__pycache__"))
+        # Scenarios and templates are found beside a package.xml.
+        for beside in ("package.xml", "config", "web"):
+            (folder / beside).symlink_to(PACKAGE.parents[1] / beside)
         for path in pathlib.Path(installed.__file__).parent.glob("_*.so"):
             (self._root / path.name).symlink_to(path)
         self._stamp = time.time() - 1e6

@@ -23,6 +23,14 @@ TEST(FaultList, DoesNotRepeatALine) {
   EXPECT_EQ(faults.lines().size(), 1u);
 }
 
+TEST(FaultList, EndsWithAWordAfterAThousandLines) {
+  FaultList faults;
+  for (int k = 0; k < 3000; ++k) faults.add(std::to_string(k));
+  ASSERT_EQ(faults.lines().size(), 1001u);
+  EXPECT_EQ(faults.lines()[999], "999");
+  EXPECT_EQ(faults.lines().back(), "found more than 1000 faults, allowed none");
+}
+
 TEST(FaultList, EveryLineOfAnAdoptedErrorHasThePrefix) {
   FaultList faults;
   faults.adopt(ParameterError("width: found 0, allowed > 0\nheight: found 0, allowed > 0"), "sim/cameras[0]/");

@@ -1,5 +1,6 @@
 """Topics and actions of the controllers, one file a type. Importing this makes all of them known."""
-from . import grippers, groups, joint_states, singles, trajectories
-from .adapter import adapter_of
+from . import diff_drives, grippers, groups, joint_states, singles, trajectories
+from .adapter import adapter_of, parameters_of, types_of_adapters
 
-__all__ = ["adapter_of", "grippers", "groups", "joint_states", "singles", "trajectories"]
+__all__ = ["adapter_of", "parameters_of", "types_of_adapters", "diff_drives",
+           "grippers", "groups", "joint_states", "singles", "trajectories"]

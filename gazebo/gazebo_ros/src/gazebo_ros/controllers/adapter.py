@@ -6,6 +6,7 @@ from aras_visual_servo_sim import ArasError
 from ..node.beat import NEVER_NS
 
 _ADAPTERS = {}
+_STAND_INS = {}
 
 
 def register(*types):
@@ -19,6 +20,25 @@ def register(*types):
 def adapter_of(kind):
     """Class that serves a type of controller."""
     return _ADAPTERS[kind]
+
+
+def stands_for(kind):
+    """Decorator: f(parameters) gives those of a controller that the simulator has in the place of this type."""
+    def note(translate):
+        _STAND_INS[kind] = translate
+        return translate
+    return note
+
+
+def parameters_of(parameters):
+    """What the simulator is to load for the parameters of a controller. Raises: ArasError."""
+    translate = _STAND_INS.get(parameters.get("type") if isinstance(parameters, dict) else None)
+    return parameters if translate is None else translate(parameters)
+
+
+def types_of_adapters():
+    """Types that are known here and not to the simulator."""
+    return list(_STAND_INS)
 
 
 class Adapter:

@@ -9,7 +9,7 @@ from controller_manager_msgs.srv import (ListControllers, ListControllersRespons
 
 from aras_visual_servo_sim import ArasError, Simulation
 
-from ..controllers import adapter_of
+from ..controllers import adapter_of, parameters_of, types_of_adapters
 from ..world.description import joined
 from .beat import NEVER_NS
 
@@ -22,7 +22,7 @@ class ControllerManager:
     def __init__(self, world, model, work):
         self._world, self._model, self._work = world, model, work
         self._space = model.description.control_namespace
-        self._adapters = {}
+        self._adapters, self._types_asked = {}, {}
         self._services = [
             self._serve("load_controller", LoadController, self._load),
             self._serve("unload_controller", UnloadController, self._unload),
@@ -51,15 +51,22 @@ class ControllerManager:
     def _load(self, request):
         place = joined(self._space, request.name)
         try:
-            warnings = self._simulation.load_controller(request.name, rospy.get_param(place, None) or {})
+            asked = rospy.get_param(place, None) or {}
+            warnings = self._simulation.load_controller(request.name, parameters_of(asked))
         except ArasError as error:
             self._tell("Could not load controller '%s': %s" % (request.name, error))
             return LoadControllerResponse(ok=False)
         for warning in warnings:
             rospy.logwarn("%s: %s" % (self._space, warning))
         loaded = self._simulation.loaded_controllers()[-1]
-        self._adapters[request.name] = adapter_of(loaded["type"])(
-            request.name, place, self._space, self._model, loaded["joints"], self._work, self._world)
+        try:
+            self._adapters[request.name] = adapter_of(asked["type"])(
+                request.name, place, self._space, self._model, loaded["joints"], self._work, self._world)
+        except ArasError as error:
+            self._simulation.unload_controller(request.name)
+            self._tell("Could not load controller '%s': %s" % (request.name, error))
+            return LoadControllerResponse(ok=False)
+        self._types_asked[request.name] = asked["type"]
         return LoadControllerResponse(ok=True)
 
     def _unload(self, request):
@@ -99,12 +106,12 @@ class ControllerManager:
         states = []
         for each in self._loaded():
             claimed = HardwareInterfaceResources(each["hardware_interface"], each["joints"])
-            states.append(ControllerState(each["name"], each["state"], each["type"], [claimed]))
+            states.append(ControllerState(each["name"], each["state"], self._types_asked[each["name"]], [claimed]))
         return ListControllersResponse(states)
 
     @staticmethod
     def _types(_request):
-        types = Simulation.controller_types()
+        types = sorted(Simulation.controller_types() + types_of_adapters())
         return ListControllerTypesResponse(types, [BASE_CLASS] * len(types))
 
     def _reload(self, request):

@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ElementTree
 
 from .devices import DiffDrive, motorize, read_device
 from .errors import SpawnError
-from .looks import paint_as_gazebo
+from .looks import drop_missing_meshes, paint_as_gazebo
 
 #: Plugins that are part of the simulator, by a piece of their file name.
 CONTROL, CAMERA = "gazebo_ros_control", "camera"
@@ -81,7 +81,7 @@ def read_description(xml, namespace, model):
         raise SpawnError("SpawnModel: Failure - entity format is invalid: %s" % error) from error
     if robot.tag != "robot":
         raise SpawnError("SpawnModel: Failure - entity format is invalid: found <%s>, allowed is <robot>" % robot.tag)
-    warnings = drop_strangers(robot)
+    warnings = drop_strangers(robot) + drop_missing_meshes(robot)
     free_followers(robot, warnings)
     paint_as_gazebo(robot)
     control, devices = "", []

@@ -1,4 +1,5 @@
 """What Gazebo makes of the visuals of a URDF."""
+import os
 import xml.etree.ElementTree as ElementTree
 
 #: Files of meshes that have materials of their own.
@@ -19,3 +20,20 @@ def paint_as_gazebo(robot):
             ElementTree.SubElement(ElementTree.SubElement(visual, "material", name=""), "color", rgba=WHITE)
     for material in robot.findall("material"):
         robot.remove(material)
+
+
+def drop_missing_meshes(robot):
+    """Takes out visuals and collisions whose file of a mesh is not there, as Gazebo does. Returns a line for each file.
+    """
+    missing = {}
+    for link in robot.findall("link"):
+        for part in link.findall("visual") + link.findall("collision"):
+            mesh = part.find("geometry/mesh")
+            name = "" if mesh is None else mesh.get("filename", "")
+            if not name.startswith(("file://", "/", "package://", "model://")):
+                continue  # nobody can say where a relative name begins: the simulator refuses it
+            if not os.path.isfile(name.replace("file://", "", 1)):
+                link.remove(part)
+                missing.setdefault(name, []).append(link.get("name"))
+    return ["mesh %s of %s: there is no such file: ignored" % (name, ", ".join(dict.fromkeys(links)))
+            for name, links in missing.items()]

@@ -195,6 +195,14 @@ class Model:
         """(3,), in the world."""
         return (self.link_pose(link) @ (*self.mass_of(link).com_m, 1.0))[:3]
 
+    def radius_of(self, link):
+        """Of the cylinder or sphere that the link collides with; None: it is no such thing."""
+        for shape in ("cylinder", "sphere"):
+            found = self._tree.find("link[@name='%s']/collision/geometry/%s" % (link, shape))
+            if found is not None:
+                return float(found.get("radius"))
+        return None
+
     def damping_of(self, joint):
         """[N s/m or N m s/rad]."""
         dynamics = self._tree.find("joint[@name='%s']/dynamics" % joint)

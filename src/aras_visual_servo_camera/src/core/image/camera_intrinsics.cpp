@@ -14,9 +14,10 @@ namespace {
 
 using aras_visual_servo_common::FaultList;
 using aras_visual_servo_common::numberText;
+using aras_visual_servo_common::Range;
 using aras_visual_servo_common::YamlReader;
 
-constexpr int kMaxSide = 1 << 15;
+constexpr double kLeastFocalLength = 1e-2;  // [px]: a pixel beside the centre is seen 89 degrees off the axis
 constexpr int kNewtonSteps = 50;
 constexpr double kNewtonResidual = 1e-13;  // normalised coordinates are of order 1: some hundred roundings
 
@@ -29,14 +30,20 @@ CameraIntrinsics::CameraIntrinsics(int width_px, int height_px, const std::array
   const auto fault = [&faults](const std::string& key, const std::string& found, const std::string& allowed) {
     faults.add("camera_info/" + key, found, allowed);
   };
-  if (width_ < 1 || width_ > kMaxSide) fault("width", std::to_string(width_), "1 to 32768");
-  if (height_ < 1 || height_ > kMaxSide) fault("height", std::to_string(height_), "1 to 32768");
-  if (!(fx_ > 0.0) || !std::isfinite(fx_))
-    fault("K[0] (fx)", numberText(fx_), "> 0 (an uncalibrated camera has K = 0)");
-  if (!(fy_ > 0.0) || !std::isfinite(fy_))
-    fault("K[4] (fy)", numberText(fy_), "> 0 (an uncalibrated camera has K = 0)");
-  if (!std::isfinite(cx_)) fault("K[2] (cx)", numberText(cx_), "a finite number");
-  if (!std::isfinite(cy_)) fault("K[5] (cy)", numberText(cy_), "a finite number");
+  const auto& described = schemaSections().section("camera_info").properties;
+  const auto within = [&](const std::string& key, const Range& range, double value) {
+    if (!range.contains(value)) fault(key, numberText(value), range.text());
+  };
+  within("width", described.at("width")->range, width_);
+  within("height", described.at("height")->range, height_);
+  const Range& px = described.at("K")->items->range;
+  Range focal_length = px;
+  focal_length.min = kLeastFocalLength;
+  const std::string uncalibrated = " (an uncalibrated camera has K = 0)";
+  if (!focal_length.contains(fx_)) fault("K[0] (fx)", numberText(fx_), focal_length.text() + uncalibrated);
+  if (!focal_length.contains(fy_)) fault("K[4] (fy)", numberText(fy_), focal_length.text() + uncalibrated);
+  within("K[2] (cx)", px, cx_);
+  within("K[5] (cy)", px, cy_);
   for (int k : {1, 3, 6, 7})
     if (K[k] != 0.0) fault("K[" + std::to_string(k) + "]", numberText(K[k]), "0");
   if (K[8] != 1.0) fault("K[8]", numberText(K[8]), "1");
@@ -61,8 +68,7 @@ CameraIntrinsics::CameraIntrinsics(int width_px, int height_px, const std::array
     for (std::size_t length : lengths) allowed += (allowed.empty() ? "" : " or ") + std::to_string(length);
     fault("D", std::to_string(D.size()) + " coefficients", allowed + " for " + distortion_model);
   }
-  for (double d : D)
-    if (!std::isfinite(d)) fault("D", numberText(d), "finite numbers");
+  for (double d : D) within("D", described.at("D")->items->range, d);
   faults.throwIfAny();
 
   std::copy_n(D.begin(), std::min(D.size(), D_.size()), D_.begin());

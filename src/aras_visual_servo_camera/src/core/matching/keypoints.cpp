@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <numeric>
+
+#include "matching/hamming.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
@@ -22,6 +25,18 @@ cv::Ptr<cv::Feature2D> makeDetector(const MatchingConfig& config) {
   cv::Ptr<cv::ORB> orb = cv::ORB::create(config.keypoints, kOrbScale);
   orb->setFastThreshold(kFastContrast);
   return orb;
+}
+
+/** As nearestByBits, by the length of the difference. */
+std::vector<NearestTwo> nearestByLength(const cv::Mat& queries, const cv::Mat& rows) {
+  std::vector<std::vector<cv::DMatch>> matches;
+  cv::BFMatcher(cv::NORM_L2).knnMatch(queries, rows, matches, 2);
+  std::vector<NearestTwo> found(matches.size());
+  for (std::size_t i = 0; i < matches.size(); ++i)
+    if (!matches[i].empty())
+      found[i] = {matches[i][0].trainIdx, matches[i][0].distance,
+                  matches[i].size() > 1 ? matches[i][1].distance : std::numeric_limits<double>::infinity()};
+  return found;
 }
 
 }  // namespace
@@ -87,16 +102,17 @@ void KeypointFinder::find(const cv::Mat& grey, const CameraIntrinsics& intrinsic
 std::vector<std::array<int, 2>> KeypointFinder::match(const Keypoints& image, const Keypoints& goal) const {
   std::vector<std::array<int, 2>> pairs;
   if (image.count() == 0 || goal.count() == 0) return pairs;
-  std::vector<std::vector<cv::DMatch>> nearest;
-  cv::BFMatcher(norm_).knnMatch(image.descriptors, goal.descriptors, nearest, 2);
-  std::vector<const cv::DMatch*> best(goal.xy.size(), nullptr);  // of each keypoint of the goal
-  for (const auto& two : nearest) {
-    if (two.empty() || (two.size() == 2 && !(two[0].distance < ratio_ * two[1].distance))) continue;
-    const cv::DMatch*& so_far = best[two[0].trainIdx];
-    if (so_far == nullptr || two[0].distance < so_far->distance) so_far = &two[0];
+  const std::vector<NearestTwo> nearest = norm_ == cv::NORM_HAMMING
+                                              ? nearestByBits(image.descriptors, goal.descriptors)
+                                              : nearestByLength(image.descriptors, goal.descriptors);
+  std::vector<int> best(goal.xy.size(), -1);  // of each keypoint of the goal the nearest of the image
+  for (std::size_t i = 0; i < nearest.size(); ++i) {
+    if (!(nearest[i].first < ratio_ * nearest[i].second)) continue;
+    int& so_far = best[static_cast<std::size_t>(nearest[i].index)];
+    if (so_far < 0 || nearest[i].first < nearest[static_cast<std::size_t>(so_far)].first) so_far = static_cast<int>(i);
   }
-  for (const cv::DMatch* match : best)
-    if (match != nullptr) pairs.push_back({match->queryIdx, match->trainIdx});
+  for (std::size_t k = 0; k < best.size(); ++k)
+    if (best[k] >= 0) pairs.push_back({best[k], static_cast<int>(k)});
   return pairs;
 }
 

@@ -132,9 +132,22 @@ TEST(CameraIntrinsics, EachBadEntryIsNamed) {
   EXPECT_NE(faultsOf(kK, "plumb_bob", {0.1}).find("D"), std::string::npos);
   EXPECT_NE(faultsOf(kK, "rational_polynomial", {0.1, 0, 0, 0, 0}).find("D"), std::string::npos);
   EXPECT_NE(faultsOf(kK, "equidistant", {0.1, 0, 0, 0, 0}).find("D"), std::string::npos);
-  EXPECT_NE(faultsOf(kK, "plumb_bob", {0.1, nan, 0, 0}).find("finite"), std::string::npos);
+  EXPECT_NE(faultsOf(kK, "plumb_bob", {0.1, nan, 0, 0}).find("camera_info/D: found nan"), std::string::npos);
   EXPECT_NE(faultsOf(kK, "", {0.1}).find("D"), std::string::npos);
   EXPECT_EQ(faultsOf(kK, "", {0, 0, 0, 0, 0}), "");
+}
+
+/** Numbers that made features which counted as valid and were not finite. */
+TEST(CameraIntrinsics, NumbersThatNoLensHasAreRefused) {
+  for (const auto& [k, bad] : std::vector<std::pair<int, double>>{
+           {0, 1e-308}, {0, 1e-3}, {4, 1e300}, {4, 2e7}, {2, 1e18}, {2, -2e7}, {5, 1e300}, {5, 2e7}}) {
+    auto K = kK;
+    K[k] = bad;
+    EXPECT_NE(faultsOf(K, "none", {}).find("K[" + std::to_string(k) + "]"), std::string::npos) << bad;
+  }
+  EXPECT_NE(faultsOf(kK, "plumb_bob", {1e300, 0, 0, 0}).find("camera_info/D"), std::string::npos);
+  EXPECT_NE(faultsOf(kK, "none", {}, 40000).find("camera_info/width"), std::string::npos);
+  EXPECT_EQ(faultsOf({1e-2, 0, 1e7, 0, 1e7, -1e7, 0, 0, 1}, "plumb_bob", {1e6, -1e6, 0, 0}, 32768, 1), "");
 }
 
 TEST(CameraIntrinsics, PrincipalPointOutsideTheImageIsAllowed) {

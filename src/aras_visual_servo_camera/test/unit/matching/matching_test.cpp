@@ -1,11 +1,14 @@
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "aras_visual_servo_camera/config/errors.hpp"
 #include "aras_visual_servo_camera/matching/match_extractor.hpp"
 #include "coverage_image.hpp"
+#include "matching/hamming.hpp"
 #include "matching/plane_homography.hpp"
 
 // Images of a plane are held against true poses by test_matches.py; here the homography alone, and what memory and
@@ -73,6 +76,29 @@ TEST(PlaneHomography, IsNotFoundWhereThePlaneWouldBeSeenFromBehindOrTooFewAgree)
   image.clear();
   makeMatches(cv::Matx33d::eye(), 11, 100, &goal, &image);
   EXPECT_FALSE(findHomography(goal, image, kFocal_px, usual()));
+}
+
+TEST(NearestByBits, FindsWhatAComparisonBitByBitFinds) {
+  std::mt19937 random(7);
+  for (int width : {1, 32, 61}) {
+    cv::Mat queries(40, width, CV_8U), rows(50, width, CV_8U);
+    for (cv::Mat* mat : {&queries, &rows})
+      for (int i = 0; i < mat->rows; ++i)
+        for (int k = 0; k < width; ++k) mat->at<std::uint8_t>(i, k) = static_cast<std::uint8_t>(random() % 256);
+    const std::vector<NearestTwo> found = nearestByBits(queries, rows);
+    for (int i = 0; i < queries.rows; ++i) {
+      std::vector<std::pair<double, int>> all;
+      for (int r = 0; r < rows.rows; ++r) all.emplace_back(cv::norm(queries.row(i), rows.row(r), cv::NORM_HAMMING), r);
+      std::sort(all.begin(), all.end());
+      const NearestTwo& nearest = found[static_cast<std::size_t>(i)];
+      EXPECT_EQ(nearest.index, all[0].second);
+      EXPECT_EQ(nearest.first, all[0].first);
+      EXPECT_EQ(nearest.second, all[1].first);
+    }
+  }
+  EXPECT_EQ(nearestByBits(cv::Mat(2, 32, CV_8U, cv::Scalar(1)), cv::Mat(0, 32, CV_8U))[1].index, -1);
+  EXPECT_TRUE(
+      std::isinf(nearestByBits(cv::Mat(1, 32, CV_8U, cv::Scalar(1)), cv::Mat(1, 32, CV_8U, cv::Scalar(0)))[0].second));
 }
 
 class Matching : public ::testing::TestWithParam<KeypointDetector> {};

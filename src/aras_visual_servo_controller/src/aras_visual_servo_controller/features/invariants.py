@@ -11,6 +11,7 @@ import numpy as np
 
 from ..ground.errors import DegenerateFeature
 from .base import Feature, register_feature
+from .complex_rows import times
 from .palette import shade
 
 #: A modulus |C_pq| smaller than this part of a (T/a)^(order/2), which is the object's own scale, counts as zero: it is
@@ -76,12 +77,12 @@ def _products(view, order, degree):
 def _product_rows(view, order, degree):
     """L of `_products`, (k, 6)."""
     C, L = view.shared(_moments, order), view.shared(_moment_rows, order)
-    squares = [2.0 * (c.conjugate() * row).real for c, row in zip(C, L)]
+    squares = [2.0 * times(c.conjugate(), row).real for c, row in zip(C, L)]
     if degree == 2:
         return np.array(squares)
     (C21, C30), (L21, L30), (L_B, L_A) = C, L, squares
     A, B, c = abs(C30) ** 2, abs(C21) ** 2, C21.conjugate()
-    L_third = c**3 * L30 + 3.0 * C30 * c**2 * L21.conj()
+    L_third = times(c**3, L30) + times(3.0 * C30 * c**2, L21.conj())
     return np.array([2.0 * B * L_B, A * L_B + B * L_A, 2.0 * A * L_A, L_third.real, L_third.imag])
 
 

@@ -7,6 +7,7 @@ turns about its axis either. So a tilt shows in them, which the four default fea
 from . import interaction
 from ..ground.errors import DegenerateFeature
 from .base import Feature, register_feature
+from .complex_rows import times
 from .palette import BROWN, MAROON, NAVY, VIOLET
 
 
@@ -22,7 +23,7 @@ def third_order_rows(view):
     L_z1, L_z2, L_T = view.shared(_complex_rows)
     turn = z1.conjugate() / z1 * (a**0.5 / T**1.5)
     relative = L_z1.conj() / z1.conjugate() - L_z1 / z1 + view.L_area() / (2.0 * a) - 1.5 * L_T / T
-    return turn * (L_z2 + z2 * relative)
+    return times(turn, L_z2 + times(z2, relative))
 
 
 def _complex_moments(view):
@@ -91,7 +92,7 @@ class Px(_ThirdOrder):
         z1, _, T, _ = _complex_moments(view)
         L20, L11, L02 = interaction.centred_moments(view.m, view.mu, _ORDERS[:3], view.plane)
         L_z1, L_T = L20 - L02 + 2.0j * L11, L20 + L02
-        return 2.0 * (z1.conjugate() * L_z1).real / T**2 - 2.0 * abs(z1) ** 2 / T**3 * L_T
+        return 2.0 * times(z1.conjugate(), L_z1).real / T**2 - 2.0 * abs(z1) ** 2 / T**3 * L_T
 
 
 @register_feature("py")
@@ -108,4 +109,4 @@ class Py(_ThirdOrder):
         _, z2, T, a = _complex_moments(view)
         _, L_z2, L_T = view.shared(_complex_rows)
         value = a * abs(z2) ** 2 / T**3
-        return 2.0 * a / T**3 * (z2.conjugate() * L_z2).real + value * (view.L_area() / a - 3.0 * L_T / T)
+        return 2.0 * a / T**3 * times(z2.conjugate(), L_z2).real + value * (view.L_area() / a - 3.0 * L_T / T)

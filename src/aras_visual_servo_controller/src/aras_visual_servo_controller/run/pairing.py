@@ -7,10 +7,11 @@ class StampPairer:
     """Matches each features message with the joint state of exactly the same stamp.
 
     Features are handed out in the order in which they came. They wait until the joint state of their stamp has come.
-    When a later joint state comes first, there is none of that stamp, and the features are handed out with None.
+    When a later joint state comes first, there is none of that stamp, and the features are handed out with None; so are
+    the oldest where too many wait.
 
     Args:
-        capacity: joint states kept; 400 are 4 s at 100 Hz.
+        capacity: joint states kept, and features that may wait; 400 are 4 s at 100 Hz.
     """
 
     def __init__(self, capacity=400):
@@ -52,7 +53,7 @@ class StampPairer:
         while self._waiting:
             stamp_ns, features = self._waiting[0]
             joints = self._joints.get(stamp_ns)
-            if joints is None and self._newest_ns <= stamp_ns:
+            if joints is None and self._newest_ns <= stamp_ns and len(self._waiting) <= self._capacity:
                 break
             self._waiting.popleft()
             pairs.append((stamp_ns, features, joints))

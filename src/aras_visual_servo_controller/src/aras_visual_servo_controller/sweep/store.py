@@ -175,7 +175,7 @@ class _speaking:
         return self
 
     def __exit__(self, kind, error, _):
-        if kind is not None and issubclass(kind, (sqlite3.Error, ValueError, TypeError)):
+        if kind is not None and issubclass(kind, (sqlite3.Error, ValueError, TypeError, RecursionError)):
             raise StoreError(f"{self._path}: cannot be read or written: {error}") from error
         return False
 

@@ -208,3 +208,22 @@ def test_a_recording_that_ends_before_the_run_says_so(tmp_path, original):
     messages = list(messages_of(original))
     record = read_bag(write(tmp_path / "run.bag", messages[:len(messages) // 2]))
     assert any("ends before the run did, in phase servo" in note for note in record.notes)
+
+
+@pytest.mark.parametrize("same", [True, False])
+def test_the_report_command_compares_a_replay_when_asked(tmp_path, original, monkeypatch, capsys, same):
+    """A run that passed does not pass with other features than were recorded; without --replay nothing is replayed."""
+    asked = []
+
+    class Result:
+        def text(self):
+            return "what the replay found"
+
+    Result.same = same
+    monkeypatch.setattr("aras_visual_servo_controller.bags.replay.replay",
+                        lambda *words: asked.append(words) or Result())
+    path = str(write(tmp_path / "run.bag", messages_of(original)))
+    assert report_main([path]) == 0 and not asked
+    assert "what the replay found" not in capsys.readouterr().out
+    assert report_main([path, "--replay"]) == (0 if same else 1)
+    assert "what the replay found" in capsys.readouterr().out and asked[0][0] == [path]

@@ -108,3 +108,16 @@ def test_the_servo_says_it_while_it_servos():
     bench.camera.X_WT[0, 3] += 0.02
     bench.run()
     assert any(record.status == Status.SERVOING and in_words(record.status_text) for record in bench.records)
+
+
+@pytest.mark.parametrize("given", [("lacking",), ("held",), ("moved",), ("lacking", "held"),
+                                   ("lacking", "held", "moved")])
+def test_a_servo_that_runs_out_of_time_gives_every_reason_and_no_empty_one(given):
+    bench = Bench(time_limit_s=0.2)
+    bench.step()
+    bench.servo._stop.why_not = lambda: "lacking" if "lacking" in given else ""
+    bench.servo._hindrance.words = lambda stamp_ns: "held" if "held" in given else ""
+    bench.servo._moved = "moved" if "moved" in given else ""
+    bench.stamp_ns = 210_000_000
+    _, record = bench.step()
+    assert record.status_text == f"not converged after 0.2 s: {'; '.join(given)}"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "aras_visual_servo_sim/config/section.hpp"
 #include "urdf_text.hpp"
 
 namespace aras_visual_servo_sim {
@@ -33,6 +34,17 @@ Pose readPose(const UrdfSource& source, const XMLElement* element) {
   }
   pose.q = quaternionFromRpy(rpy);
   return pose;
+}
+
+/** Pixels along one side of the image; 0 where the tag says nothing. */
+int readPixels(const UrdfSource& source, const XMLElement* image, const char* side) {
+  if (!image || !image->FirstChildElement(side)) return 0;
+  const double pixels = childNumber(source, image, side);
+  const auto& allowed = sectionOf("camera").properties.at(side)->range;
+  if (!allowed.contains(pixels)) {
+    source.fail(*image->FirstChildElement(side), "value is " + childText(image, side) + ", must be " + allowed.text());
+  }
+  return static_cast<int>(pixels);
 }
 
 void readNoise(const UrdfSource& source, const XMLElement* noise, CameraTag& tag) {
@@ -137,8 +149,8 @@ CameraTag readCameraSensor(const UrdfSource& source, const XMLElement& sensor, c
     const XMLElement* clip = camera->FirstChildElement("clip");
     tag.X_link_sensor = tag.X_link_sensor * readPose(source, camera->FirstChildElement("pose"));
     tag.horizontal_fov_rad = childNumber(source, camera, "horizontal_fov");
-    tag.width = static_cast<int>(childNumber(source, image, "width"));
-    tag.height = static_cast<int>(childNumber(source, image, "height"));
+    tag.width = readPixels(source, image, "width");
+    tag.height = readPixels(source, image, "height");
     tag.format = childText(image, "format");
     tag.near_m = childNumber(source, clip, "near");
     tag.far_m = childNumber(source, clip, "far");

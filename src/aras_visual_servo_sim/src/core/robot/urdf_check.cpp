@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -71,11 +72,30 @@ std::string nameOf(const UrdfSource& source, const XMLElement& element, std::set
   return name;
 }
 
+/** Moments of inertia, damping and friction, factors of mimics: more than any robot has, and products of them are
+ *  finite. Lengths, angles, masses and scales have the bounds of the section solid. */
+constexpr double kMostInertia = 1e12, kMostDamping = 1e9, kMostMimic = 1e6;
+
+void requireWithin(const UrdfSource& source, const XMLElement& element, const std::string& what, double value,
+                   double most) {
+  if (std::abs(value) <= most) return;
+  source.fail(element, what + " is " + shown(value) + ", must be from " + shown(-most) + " to " + shown(most));
+}
+
+/** The largest number that the section solid allows for a key, or for each element of it. */
+double mostOf(const char* key) {
+  const auto& described = sectionOf("solid").properties.at(key);
+  return (described->items ? described->items : described)->range.max;
+}
+
 void checkOrigin(const UrdfSource& source, const XMLElement& parent, const std::string& owner) {
   const XMLElement* origin = parent.FirstChildElement("origin");
   if (!origin) return;
-  for (const char* attribute : {"xyz", "rpy"}) {
-    if (origin->Attribute(attribute)) numbersOf(source, *origin, attribute, 3, owner);
+  for (const auto& [attribute, key] : {std::pair{"xyz", "position_m"}, std::pair{"rpy", "rpy_rad"}}) {
+    if (!origin->Attribute(attribute)) continue;
+    for (const double value : numbersOf(source, *origin, attribute, 3, owner)) {
+      requireWithin(source, *origin, owner + ": " + attribute, value, mostOf(key));
+    }
   }
 }
 
@@ -85,9 +105,14 @@ void checkInertial(const UrdfSource& source, const XMLElement& inertial, const s
   if (!mass) source.fail(inertial, owner + ": <mass> is missing, must be there");
   const double mass_kg = numbersOf(source, *mass, "value", 1, owner)[0];
   if (mass_kg < 0.0) source.fail(*mass, owner + ": mass is " + shown(mass_kg) + ", must be >= 0");
+  requireWithin(source, *mass, owner + ": mass", mass_kg, mostOf("mass_kg"));
   const XMLElement* inertia = inertial.FirstChildElement("inertia");
   if (!inertia) source.fail(inertial, owner + ": <inertia> is missing, must be there");
-  const auto entry = [&](const char* key) { return numbersOf(source, *inertia, key, 1, owner)[0]; };
+  const auto entry = [&](const char* key) {
+    const double value = numbersOf(source, *inertia, key, 1, owner)[0];
+    requireWithin(source, *inertia, owner + ": " + key, value, kMostInertia);
+    return value;
+  };
   Eigen::Matrix3d tensor;
   tensor(0, 0) = entry("ixx");
   tensor(1, 1) = entry("iyy");
@@ -118,6 +143,7 @@ void checkGeometry(const UrdfSource& source, const XMLElement& visual, const std
   const auto positive = [&](const char* attribute, std::size_t count) {
     for (double value : numbersOf(source, *shape, attribute, count, owner)) {
       if (value <= 0.0) source.fail(*shape, owner + ": " + attribute + " is " + shown(value) + ", must be > 0");
+      requireWithin(source, *shape, owner + ": " + attribute, value, mostOf("box_m"));
     }
   };
   if (type == "box") {
@@ -129,7 +155,11 @@ void checkGeometry(const UrdfSource& source, const XMLElement& visual, const std
     positive("radius", 1);
   } else if (type == "mesh") {
     if (!shape->Attribute("filename")) source.fail(*shape, owner + ": filename is missing, must be there");
-    if (shape->Attribute("scale")) numbersOf(source, *shape, "scale", 3, owner);
+    if (shape->Attribute("scale")) {
+      for (const double value : numbersOf(source, *shape, "scale", 3, owner)) {
+        requireWithin(source, *shape, owner + ": scale", value, mostOf("scale"));
+      }
+    }
   } else {
     source.fail(*shape, owner + ": shape is " + quoted(type) + ", must be box, cylinder, sphere or mesh");
   }
@@ -175,6 +205,7 @@ void checkDynamics(const UrdfSource& source, const XMLElement& joint, const std:
   for (const char* attribute : {"damping", "friction"}) {
     const double value = numberOf(source, *dynamics, attribute, 0.0, owner);
     if (value < 0.0) source.fail(*dynamics, owner + ": " + attribute + " is " + shown(value) + ", must be >= 0");
+    requireWithin(source, *dynamics, owner + ": " + attribute, value, kMostDamping);
   }
 }
 
@@ -198,7 +229,9 @@ void checkSafety(const UrdfSource& source, const XMLElement& joint, const std::s
 
 void checkMimic(const UrdfSource& source, const XMLElement& mimic, const std::string& owner) {
   if (!mimic.Attribute("joint")) source.fail(mimic, owner + ": joint is missing, must be the name of a joint");
-  for (const char* attribute : {"multiplier", "offset"}) numberOf(source, mimic, attribute, 0.0, owner);
+  for (const char* attribute : {"multiplier", "offset"}) {
+    requireWithin(source, mimic, owner + ": " + attribute, numberOf(source, mimic, attribute, 0.0, owner), kMostMimic);
+  }
 }
 
 void checkJoint(const UrdfSource& source, const XMLElement& joint, const std::string& owner) {

@@ -23,13 +23,42 @@ Material materialOf(const Visual& visual) {
   return material;
 }
 
+std::uint8_t byte(double value) { return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 1.0) * 255)); }
+
+/** What a <visual> shows. The URDF's material wins over the mesh file's. */
+void addShapes(const Visual& visual, MeshCache& meshes, Body& body) {
+  const Rgb color{byte(visual.color.r), byte(visual.color.g), byte(visual.color.b)};
+  const Material material = materialOf(visual);
+  const Pose& X_BS = visual.X_link_visual;
+  if (!visual.texture.empty()) {
+    const MeshPtr mesh = withPicture(*meshes.of(visual.geometry), meshes.picture(visual.texture));
+    body.shapes.push_back({X_BS, mesh, {255, 255, 255}, material});
+    return;
+  }
+  if (visual.has_color) {
+    MeshPtr mesh = meshes.of(visual.geometry);
+    if (!mesh->colors.empty()) {
+      auto plain = std::make_shared<TriangleMesh>(*mesh);
+      plain->colors.clear();
+      plain->pictures.clear();
+      plain->picture_of.clear();
+      mesh = plain;
+    }
+    body.shapes.push_back({X_BS, mesh, color, material});
+    return;
+  }
+  for (const MaterialMesh& part : meshes.partsOf(visual.geometry)) {
+    Material own = isPlain(part.material) ? material : part.material;
+    own.ambient_share = material.ambient_share;  // which files do not say
+    own.ambient = material.ambient;
+    body.shapes.push_back({X_BS, part.mesh, color, own});
+  }
+}
+
 }  // namespace
 
 void addRobotBodies(const RobotModel& robot, const PackagePaths& packages, Scene& scene) {
   MeshCache meshes(packages);
-  const auto byte = [](double value) {
-    return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 1.0) * 255));
-  };
   for (const Link& link : robot.links) {
     if (link.visuals.empty()) continue;
     if (scene.findBody(link.name)) {
@@ -39,20 +68,7 @@ void addRobotBodies(const RobotModel& robot, const PackagePaths& packages, Scene
     body.name = link.name;
     for (const Visual& visual : link.visuals) {
       try {
-        MeshPtr mesh = meshes.of(visual.geometry);
-        // The URDF's material wins over the mesh file's.
-        if (!visual.texture.empty()) {
-          mesh = withPicture(*mesh, meshes.picture(visual.texture));
-        } else if (visual.has_color && !mesh->colors.empty()) {
-          auto plain = std::make_shared<TriangleMesh>(*mesh);
-          plain->colors.clear();
-          plain->pictures.clear();
-          plain->picture_of.clear();
-          mesh = plain;
-        }
-        Rgb color{byte(visual.color.r), byte(visual.color.g), byte(visual.color.b)};
-        if (!visual.texture.empty()) color = {255, 255, 255};
-        body.shapes.push_back({visual.X_link_visual, mesh, color, materialOf(visual)});
+        addShapes(visual, meshes, body);
       } catch (const ModelError& error) {
         throw ModelError("link '" + link.name + "': <visual>: " + error.what() + " (" + robot.source_name + ")");
       }

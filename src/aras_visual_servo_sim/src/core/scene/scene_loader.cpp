@@ -37,7 +37,15 @@ void add(const SolidEntry& entry, const PackagePaths& packages, MeshCache& meshe
   Body body;
   if (entry.urdf.empty()) {
     body.name = entry.name;
-    body.shapes.push_back({Pose{}, meshes.of(entry.geometry), entry.color, entry.material});
+    // The solid's own material counts, else those of its mesh file.
+    const bool own = !isPlain(entry.material);
+    const auto parts =
+        own ? std::vector<MaterialMesh>{{meshes.of(entry.geometry), Material{}}} : meshes.partsOf(entry.geometry);
+    for (const MaterialMesh& part : parts) {
+      Material material = isPlain(part.material) ? entry.material : part.material;
+      material.ambient_share = entry.material.ambient_share;  // which files do not say
+      body.shapes.push_back({Pose{}, part.mesh, entry.color, material});
+    }
   } else {
     body = bodyFromUrdf(entry.name, entry.urdf, packages, &scene.lighting.lights);
   }

@@ -10,6 +10,7 @@
 #include "aras_visual_servo_sim/robot/urdf_loader.hpp"
 #include "aras_visual_servo_sim/scene/mesh_loader.hpp"
 #include "aras_visual_servo_sim/scene/scene_loader.hpp"
+#include "tools/folder_fixture.hpp"
 #include "tools/render_tools.hpp"
 
 namespace aras_visual_servo_sim::testing {
@@ -31,21 +32,11 @@ std::vector<std::uint8_t> blocks() {
   return rgb;
 }
 
-/** A folder of its own, gone with the test. */
-class MeshPicture : public ::testing::Test {
+class MeshPicture : public FolderFixture {
  protected:
   void SetUp() override {
-    const std::string name = ::testing::UnitTest::GetInstance()->current_test_info()->name();
-    folder_ = fs::temp_directory_path() / ("mesh_picture_" + name + "_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
+    FolderFixture::SetUp();
     stbi_write_png(path("blocks.png").c_str(), kWidth, kHeight, 3, blocks().data(), 3 * kWidth);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(path(name)) << text;
-    return path(name);
   }
   /** A rectangle 0.3 m x 0.2 m in z = 0, seen from +z, the picture on it `repeat` times each way. */
   std::string rectangleObj(double repeat, const std::string& picture = "blocks.png",
@@ -57,8 +48,6 @@ class MeshPicture : public ::testing::Test {
                      " 0\nvt " + r + " " + r + "\nvt 0 " + r +
                      "\nvn 0 0 1\nusemtl m\nf 1/1/1 2/2/1 3/3/1\nf 1/1/1 3/3/1 4/4/1\n");
   }
-
-  fs::path folder_;
 };
 
 CameraConfig colorConfig(const CameraConfig& from) {

@@ -8,8 +8,8 @@ from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 
 from ...world.devices import DiffDrive, named
-from ...world.poses import matrix_of
 from ..convert import pose_message, stamp
+from ..odometry import WheelOdometry, odometry_message
 from .outlet import Outlet, serves
 
 NEAR_M_S = 0.01  #: a wheel that is this near to its wanted speed gets it at once
@@ -23,8 +23,7 @@ class DiffDriveOutlet(Outlet):
         device = self.device
         self._wanted = (0.0, 0.0)          # of the base [m/s, rad/s]
         self._issued = numpy.zeros(2)      # speed of the rims, left and right [m/s]
-        self._counted = numpy.zeros(3)     # x, y [m], yaw [rad] by the wheels
-        self._turned = self._wheels("joint_positions")
+        self._begin()
         self.listen(named(device.namespace, device.command_topic), Twist, self._command)
         self._transforms = self.advertise("/tf", TFMessage)
         self._odometry = self._states = None
@@ -44,25 +43,27 @@ class DiffDriveOutlet(Outlet):
 
     def time_reset(self, now_ns):
         super().time_reset(now_ns)
-        self._wanted = (0.0, 0.0)
-        self._issued, self._counted = numpy.zeros(2), numpy.zeros(3)
-        self._turned = self._wheels("joint_positions")
+        self._wanted, self._issued = (0.0, 0.0), numpy.zeros(2)
+        self._begin()
+
+    def _begin(self):
+        radius = 0.5 * self.device.diameter_m
+        self._counted = WheelOdometry(self.device.separation_m, radius, radius)
+        self._counted.update(*self._wheels("joint_positions"))
 
     def send(self, now_ns):
         if self.device.from_wheels:
-            self._count()
+            self._counted.update(*self._wheels("joint_positions"))
         if self._odometry is not None:
             self._send_odometry(now_ns)
         if self.device.publishes_wheel_tf:
             self._send_wheels(now_ns)
         if self._states is not None:
-            message = JointState(name=list(self.device.joints()), position=list(map(float, self._turned_now())))
+            message = JointState(name=list(self.device.joints()),
+                                 position=list(map(float, self._wheels("joint_positions"))))
             message.header.stamp = stamp(now_ns)
             self._states.publish(message)
         self._drive()
-
-    def _turned_now(self):
-        return self._wheels("joint_positions")
 
     def _drive(self):
         """Sets the wheels' speeds, both at once, no faster than the acceleration allows."""
@@ -77,33 +78,16 @@ class DiffDriveOutlet(Outlet):
             self._issued = self._issued + numpy.clip(wanted - rims, -most, most)
         self.model.turn_wheels(device, self._issued / radius)
 
-    def _count(self):
-        turned = self._turned_now()
-        left, right = 0.5 * self.device.diameter_m * (turned - self._turned)
-        self._turned = turned
-        turn = (right - left) / self.device.separation_m
-        middle = self._counted[2] + 0.5 * turn
-        self._counted += (0.5 * (left + right) * math.cos(middle), 0.5 * (left + right) * math.sin(middle), turn)
-
     def _send_odometry(self, now_ns):
-        device, message = self.device, Odometry()
+        device = self.device
         if device.from_wheels:
-            x, y, yaw = self._counted
-            pose = matrix_of((x, y, 0.0), (0.0, 0.0, math.sin(0.5 * yaw), math.cos(0.5 * yaw)), "odometry")
-            left, right = 0.5 * device.diameter_m * self._wheels("joint_velocities")
-            velocity = (0.5 * (left + right), 0.0, (right - left) / device.separation_m)
+            pose, velocity = self._counted.pose(), self._counted.velocity(*self._wheels("joint_velocities"))
         else:
             pose, twist = self.model.pose(), self.model.twist()
             yaw = math.atan2(pose[1, 0], pose[0, 0])
             velocity = (math.cos(yaw) * twist[0] + math.sin(yaw) * twist[1],
                         math.cos(yaw) * twist[1] - math.sin(yaw) * twist[0], twist[5])
-        message.header.stamp, message.header.frame_id = stamp(now_ns), device.odometry_frame
-        message.child_frame_id = device.base_frame
-        message.pose.pose = pose_message(pose)
-        for k, variance in enumerate(VARIANCES):
-            message.pose.covariance[7 * k] = variance
-        message.twist.twist.linear = Vector3(float(velocity[0]), float(velocity[1]), 0.0)
-        message.twist.twist.angular.z = float(velocity[2])
+        message = odometry_message(now_ns, device.odometry_frame, device.base_frame, pose, velocity, VARIANCES)
         self._odometry.publish(message)
         if device.publishes_tf:
             self._send_transform(message.header, device.base_frame, message.pose.pose)

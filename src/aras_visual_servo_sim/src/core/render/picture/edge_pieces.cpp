@@ -37,7 +37,7 @@ struct Axis {
     const Ints border = first + (up ? Ints{} + (k + 1) : Ints{} - k);
     share = (__builtin_convertvector(border, Floats) - from) / length;
     share = share > 0.0f ? share : Floats{};
-    share = (share < 1.0f) & (gap > k) ? share : Floats{} + 1.0f;
+    share = ((share < 1.0f) & (gap > k)) ? share : Floats{} + 1.0f;
   }
 };
 

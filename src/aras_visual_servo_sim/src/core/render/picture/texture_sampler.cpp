@@ -20,12 +20,12 @@ void writeRow(const float* means, int count, bool, Value* out) {
 template <typename Value>
 void writeRow(const SumLanes<3>::Value* means, int count, bool bgr, Value* out) {
   constexpr float kUnits = kUnitsOf<Value>, kMost = 255 * kUnitsOf<Value>;
-  const SumLanes<3>::Sums order = bgr ? SumLanes<3>::Sums{2, 1, 0, 3} : SumLanes<3>::Sums{0, 1, 2, 3};
   for (int i = 0; i < count; ++i, out += 3) {
     SumLanes<3>::Value mean = means[i] * kUnits + 0.5f;
     mean = mean > 0.0f ? mean : SumLanes<3>::Value{};
     mean = mean < kMost ? mean : SumLanes<3>::Value{} + kMost;
-    const SumLanes<3>::Sums rounded = __builtin_shuffle(__builtin_convertvector(mean, SumLanes<3>::Sums), order);
+    const SumLanes<3>::Sums whole = __builtin_convertvector(mean, SumLanes<3>::Sums);
+    const SumLanes<3>::Sums rounded = bgr ? __builtin_shufflevector(whole, whole, 2, 1, 0, 3) : whole;
     for (int c = 0; c < 3; ++c) out[c] = static_cast<Value>(rounded[c]);
   }
 }

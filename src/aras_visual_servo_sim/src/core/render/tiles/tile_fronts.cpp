@@ -9,7 +9,7 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr int kTile = TileFronts::kTile, kPixels = TileFronts::kPixels;
+constexpr int kTile = TileFronts::kTile;
 constexpr std::size_t kMostFacets = 16;  // of a tile: each is shaded over all of it
 
 bool covers(const TileTriangle& t, const PixelBox& tile) {

@@ -13,16 +13,23 @@ MeshPtr MeshCache::of(const Geometry& geometry) {
     case Geometry::Type::kSphere:
       return makeSphere(geometry.radius_m);
     default:
-      return load(geometry.filename, geometry.scale);
+      MeshPtr& mesh = meshes_[keyOf(geometry)];
+      if (!mesh) mesh = loadMesh(packages_.resolve(geometry.filename), geometry.scale, packages_);
+      return mesh;
   }
 }
 
-MeshPtr MeshCache::load(const std::string& uri, const Eigen::Vector3d& scale) {
-  const std::string path = packages_.resolve(uri);
-  MeshPtr& mesh = meshes_[path + ' ' + std::to_string(scale.x()) + ' ' + std::to_string(scale.y()) + ' ' +
-                          std::to_string(scale.z())];
-  if (!mesh) mesh = loadMesh(path, scale, packages_);
-  return mesh;
+std::vector<MaterialMesh> MeshCache::partsOf(const Geometry& geometry) {
+  if (geometry.type != Geometry::Type::kMesh) return {{of(geometry), Material{}}};
+  std::vector<MaterialMesh>& parts = parts_[keyOf(geometry)];
+  if (parts.empty()) parts = loadMaterialMeshes(packages_.resolve(geometry.filename), geometry.scale, packages_);
+  return parts;
+}
+
+std::string MeshCache::keyOf(const Geometry& geometry) const {
+  const Eigen::Vector3d& scale = geometry.scale;
+  return packages_.resolve(geometry.filename) + ' ' + std::to_string(scale.x()) + ' ' + std::to_string(scale.y()) +
+         ' ' + std::to_string(scale.z());
 }
 
 TexturePtr MeshCache::picture(const std::string& uri) {

@@ -2,9 +2,11 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "aras_visual_servo_sim/robot/robot_model.hpp"
 #include "aras_visual_servo_sim/scene/mesh_loader.hpp"
+#include "mesh_materials.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -15,14 +17,18 @@ class MeshCache {
 
   /** @throws ModelError if a file is missing or not readable */
   MeshPtr of(const Geometry& geometry);
+  /** By the materials of a mesh file; of another geometry one, of the plain material. @throws ModelError as of() */
+  std::vector<MaterialMesh> partsOf(const Geometry& geometry);
   /** @throws ModelError as of() */
   TexturePtr picture(const std::string& uri);
 
  private:
-  MeshPtr load(const std::string& uri, const Eigen::Vector3d& scale);
+  /** Of the maps below. */
+  std::string keyOf(const Geometry& geometry) const;
 
   const PackagePaths& packages_;
   std::map<std::string, MeshPtr> meshes_;
+  std::map<std::string, std::vector<MaterialMesh>> parts_;
   std::map<std::string, TexturePtr> textures_;
 };
 

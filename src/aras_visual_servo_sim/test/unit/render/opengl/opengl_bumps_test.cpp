@@ -3,31 +3,20 @@
 #include <stb/stb_image_write.h>
 
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/scene/mesh_loader.hpp"
 #include "light_tools.hpp"
+#include "tools/folder_fixture.hpp"
 
 namespace aras_visual_servo_sim::testing {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr double kSun = 0.7, kAmbient = 0.1;
 
-/** A folder of its own, gone with the test. */
-class OpenGlBumps : public ::testing::Test {
+class OpenGlBumps : public FolderFixture {
  protected:
-  void SetUp() override {
-    const std::string name = ::testing::UnitTest::GetInstance()->current_test_info()->name();
-    folder_ = fs::temp_directory_path() / ("bumps_" + name + "_" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
   void writePicture(const std::string& name, const Rgb& color) const {
     std::vector<std::uint8_t> rgb;
     for (int k = 0; k < 16; ++k) rgb.insert(rgb.end(), {color.r, color.g, color.b});
@@ -42,8 +31,6 @@ class OpenGlBumps : public ::testing::Test {
                                      << " 1\nvn 0 0 1\nusemtl m\nf 1/1/1 2/2/1 3/3/1\nf 1/1/1 3/3/1 4/4/1\n";
     return loadMesh(path("plate.obj"), Eigen::Vector3d::Ones(), PackagePaths());
   }
-
-  fs::path folder_;
 };
 
 /** The normal that a texel stands for. */

@@ -53,6 +53,39 @@ TEST(SpawnedContacts, WhatLiesOnAThingFallsWhenTheThingIsDeleted) {
   EXPECT_NEAR(heightOf(simulation, "cube"), kHalf, kNear);
 }
 
+TEST(SpawnedContacts, ADescriptionWithoutVisualsCanBeTouchedAndOneWithNeitherIsRefused) {
+  Simulation simulation = fixture::panLift(kGround);
+  const std::string link = "<robot name='r'><link name='l'>", shape = "<geometry><box size='0.3 0.3 0.1'/></geometry>";
+  YAML::Node floor;
+  floor["name"] = "floor";
+  floor["touches"] = "all";
+  floor["position_m"] = std::vector<double>{1.0, 0.0, 0.05};
+  floor["urdf"] = link + "</link></robot>";
+  EXPECT_THROW(simulation.spawnModel(floor), ModelError);
+  floor["urdf"] = link + "<collision>" + shape + "</collision></link></robot>";
+  simulation.spawnModel(floor);
+  simulation.spawnModel(YAML::Load(kCube));
+  simulation.step(1000);
+  EXPECT_NEAR(heightOf(simulation, "cube"), 0.1 + kHalf, kNear);
+}
+
+TEST(SpawnedContacts, WhatIsOnlySeenComesAndGoesWithoutAnyChangeOfTheContacts) {
+  Simulation one = fixture::panLift(kGround), other = fixture::panLift(kGround);
+  for (Simulation* each : {&one, &other}) {
+    each->spawnModel(YAML::Load(kCube));
+    each->step(150);
+    if (each == &one) continue;
+    each->spawnModel(modelEntry("sign",
+                                "<robot name='s'><link name='l'><visual><geometry><sphere radius='0.1'/></geometry>"
+                                "</visual></link></robot>"));
+    each->step(10);
+    each->deleteModel("sign");
+  }
+  one.step(10);
+  EXPECT_EQ(one.models().pose("cube").p, other.models().pose("cube").p);
+  EXPECT_EQ(one.modelTwist("cube"), other.modelTwist("cube"));
+}
+
 TEST(SpawnedContacts, WithPairsAllADescriptionTouchesByItsCollisionShapes) {
   Simulation simulation = fixture::panLift("contacts: {pairs: all}");
   simulation.spawnModel(modelEntry("table", kTable), Pose{{1.0, 0.0, 0.05}, Eigen::Quaterniond::Identity()});

@@ -167,7 +167,8 @@ void ShadowMaps::place(const Light& light, Map& map) const {
   constexpr double kRim = 4.0;  // [px] beyond the things, for soft edges
   Eigen::Matrix4d S = Eigen::Matrix4d::Zero();
   const double widest = std::max({high.x() - low.x(), high.y() - low.y(), 1e-6});
-  const double depth = std::max(high.z() - low.z(), 1e-6);
+  constexpr double kThinnest_m = 2e-3;  // so that what is drawn behind its place for rounding is still within the map
+  const double depth = std::max(high.z() - low.z(), kThinnest_m);
   map.texel = widest / (side_ - 2.0 * kRim);
   const auto texelsOf = [&](double length) {
     constexpr int kStep = 128;  // [px] so that things which turn seldom ask for another size

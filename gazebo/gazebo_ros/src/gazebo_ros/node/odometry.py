@@ -1,0 +1,55 @@
+"""Where wheels have carried a base."""
+import math
+
+from geometry_msgs.msg import Vector3
+from nav_msgs.msg import Odometry
+
+from ..world.poses import matrix_of
+from .convert import pose_message, stamp
+
+
+class WheelOdometry:
+    """Adds up the turns of two wheels, or of two sides.
+
+    Attributes:
+        separation_m, left_radius_m, right_radius_m.
+        x_m, y_m, yaw_rad: where the base is, from where it began.
+    """
+
+    def __init__(self, separation_m, left_radius_m, right_radius_m):
+        self.separation_m, self.left_radius_m, self.right_radius_m = separation_m, left_radius_m, right_radius_m
+        self._turned = None
+        self.x_m = self.y_m = self.yaw_rad = 0.0
+
+    def update(self, left_rad, right_rad):
+        """Takes the angles that the wheels have turned by since any time."""
+        before, self._turned = self._turned or (left_rad, right_rad), (left_rad, right_rad)
+        left = self.left_radius_m * (left_rad - before[0])
+        right = self.right_radius_m * (right_rad - before[1])
+        turn = (right - left) / self.separation_m
+        middle = self.yaw_rad + 0.5 * turn
+        self.x_m += 0.5 * (left + right) * math.cos(middle)
+        self.y_m += 0.5 * (left + right) * math.sin(middle)
+        self.yaw_rad += turn
+
+    def pose(self):
+        """(4, 4)."""
+        half = 0.5 * self.yaw_rad
+        return matrix_of((self.x_m, self.y_m, 0.0), (0.0, 0.0, math.sin(half), math.cos(half)), "odometry")
+
+    def velocity(self, left_rad_s, right_rad_s):
+        """Forward [m/s], sideways [m/s] and turn [rad/s] of the base."""
+        left, right = self.left_radius_m * left_rad_s, self.right_radius_m * right_rad_s
+        return 0.5 * (left + right), 0.0, (right - left) / self.separation_m
+
+
+def odometry_message(now_ns, frame, base_frame, pose, velocity, pose_variances, twist_variances=(0.0,) * 6):
+    """nav_msgs/Odometry of a pose (4, 4) and of forward, sideways and turn; variances x, y, z, roll, pitch, yaw."""
+    message = Odometry()
+    message.header.stamp, message.header.frame_id, message.child_frame_id = stamp(now_ns), frame, base_frame
+    message.pose.pose = pose_message(pose)
+    for k in range(6):
+        message.pose.covariance[7 * k], message.twist.covariance[7 * k] = pose_variances[k], twist_variances[k]
+    message.twist.twist.linear = Vector3(float(velocity[0]), float(velocity[1]), 0.0)
+    message.twist.twist.angular.z = float(velocity[2])
+    return message

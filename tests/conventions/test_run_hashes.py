@@ -1,0 +1,56 @@
+"""The run hashes of docs/conventions.md are those that runs have, on both kinds of processor that it tells apart."""
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "conventions.md").read_text()
+TABLE = re.search(r"<!-- hashes -->\n(.*?)<!-- end hashes -->", PAGE, re.DOTALL)[1]
+ROWS = {name: (fused, plain, drawn_by.strip()) for name, fused, plain, drawn_by in
+        re.findall(r"^\| `(\w+)` \| `(\w+)` \| `(\w+)` \|(.*)\|$", TABLE, re.MULTILINE)}
+
+AVX512 = ("AVX512F AVX512CD AVX512_SKX AVX512_CLX AVX512_CNL AVX512_ICL", "-AVX512F,-AVX512VL,-AVX512BW,-AVX512DQ")
+#: What tells numpy and the C library to do as on another processor.
+WITHOUT_AVX512 = {"NPY_DISABLE_CPU_FEATURES": AVX512[0], "GLIBC_TUNABLES": f"glibc.cpu.hwcaps={AVX512[1]}"}
+WITHOUT_FMA = {"NPY_DISABLE_CPU_FEATURES": f"AVX F16C FMA3 AVX2 {AVX512[0]}",
+               "GLIBC_TUNABLES": f"glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX,-BMI1,-BMI2,{AVX512[1]}"}
+
+RUN = """
+import json, sys
+from aras_visual_servo_controller.run.judge import run_in_process
+from aras_visual_servo_controller.scenario.scenario import load_scenario
+records = [run_in_process(load_scenario(name)) for name in sys.argv[1:]]
+print(json.dumps([[record.run_hash, record.opengl] for record in records]))
+"""
+
+
+def has(*flags):
+    found = re.search(r"^flags\s*:(.*)$", pathlib.Path("/proc/cpuinfo").read_text(), re.MULTILINE)
+    return set(flags) <= set(found[1].split() if found else ())
+
+
+def hashes(names, variables):
+    """{name: (run hash, what drew its images by OpenGL)} of runs in a process with these variables."""
+    done = subprocess.run([sys.executable, "-W", "ignore", "-c", RUN, *names], env={**os.environ, **variables},
+                          stdout=subprocess.PIPE, text=True, check=True)
+    return dict(zip(names, map(tuple, json.loads(done.stdout.splitlines()[-1]))))
+
+
+@pytest.mark.parametrize("column, variables", [(0, {}), (0, WITHOUT_AVX512), (1, WITHOUT_FMA)],
+                         ids=["as it is", "without AVX-512", "without FMA"])
+def test_runs_have_the_hashes_of_the_page(column, variables):
+    if column == 0 and not has("fma", "avx2"):
+        pytest.skip("this processor has no AVX2 and FMA")
+    assert len(ROWS) == 5
+    for name, (found, opengl) in hashes(list(ROWS), variables).items():
+        if opengl == ROWS[name][2]:  # with another Mesa the images are others
+            assert found == ROWS[name][column], name
+
+
+def test_the_readme_names_the_hash_of_the_page():
+    assert f"`{ROWS['experiment_1'][0]}`" in (ROOT / "README.md").read_text()
