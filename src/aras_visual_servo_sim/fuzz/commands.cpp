@@ -113,7 +113,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   FuzzedDataProvider bytes(data, size);
   for (int told = 0; told < 16 && bytes.remaining_bytes() > 0; ++told) {
     fuzz::allow([&] { tell(simulation, bytes); });
-    simulation.step(bytes.ConsumeIntegralInRange(0, 3));
+    const auto periods = bytes.ConsumeIntegralInRange(0, 3);
+    if (!fuzz::allow([&] { simulation.step(periods); })) break;
     if (!fuzz::finite(simulation)) __builtin_trap();
   }
   simulation.restoreState(kStart);

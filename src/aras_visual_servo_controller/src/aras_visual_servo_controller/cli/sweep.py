@@ -64,9 +64,11 @@ def sweep_main(argv=None):
             raise ParameterError(f"--workers: found {arguments.workers}, allowed >= 0")
         if arguments.name is not None and not re.fullmatch(NAME, arguments.name):
             raise ParameterError(f"--name: found '{arguments.name}', allowed letters, digits, _ . -, not only dots")
-        store = _new_sweep(arguments) if arguments.resume is None else _old_sweep(arguments)
-        with store:
-            return _run(store, arguments)
+        from ..report.drawing import Drawing
+        with Drawing() as drawing:  # it is ready when the runs are done
+            store = _new_sweep(arguments) if arguments.resume is None else _old_sweep(arguments)
+            with store:
+                return _run(store, arguments, drawing)
 
     return guarded(work)
 
@@ -217,7 +219,7 @@ def _old_sweep(arguments):
     return store
 
 
-def _run(store, arguments):
+def _run(store, arguments, drawing):
     from ..sweep.engine import run_pending
     from ..sweep.figure import DEFAULT_AXES, check_axes
     from ..sweep.report import format_summary, save_csv, save_report
@@ -232,7 +234,7 @@ def _run(store, arguments):
         print(f"{interrupt}: {left} runs are left; go on with: sweep --resume {shlex.quote(str(store.folder))}",
               file=sys.stderr)
         return interrupt.exit_code
-    path = save_report(store, axes)
+    path = save_report(store, axes, drawing)
     print(format_summary(store))
     print(f"{'report':<20}{path}")
     return EXIT_PASSED

@@ -8,6 +8,7 @@ is computed. Then it is forked: one of both makes the PNG, the other the PDF.
 
 import importlib
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 from multiprocessing import get_context
 
@@ -26,11 +27,30 @@ class Drawing:
     def __init__(self, at_once=True):
         self._pool = ProcessPoolExecutor(1, get_context("fork"), end_as_child)
         with signals_blocked():
-            self._pool.submit(_prepare if at_once else int)
+            self._pool.submit(prepare if at_once else int)
 
     def prepare(self):
         """Import what drawing needs, without waiting for it."""
-        self._pool.submit(_prepare)
+        self._begin(prepare)
+
+    def side_by_side(self, draw, jobs):
+        """[draw(*job) for job in jobs], as `drawn_side_by_side`."""
+        return self._begin(drawn_side_by_side, draw, jobs)()
+
+    def _begin(self, work, *arguments):
+        """Begin work(*arguments) in the process. Returns a function that waits for what it returns or raises; where the
+        process was killed, the function does the work."""
+        try:
+            future = self._pool.submit(work, *arguments)
+        except BrokenProcessPool:
+            return lambda: work(*arguments)
+
+        def wait():
+            try:
+                return future.result()
+            except BrokenProcessPool:
+                return work(*arguments)
+        return wait
 
     def __enter__(self):
         return self
@@ -44,11 +64,16 @@ class Drawing:
     def save(self, record, png_path, pdf_path):
         """Begin to draw both files. Returns a function that waits for them; it raises the OSError of one that fails."""
         record = replace(record, images={})  # the figure shows none of them
-        return self._pool.submit(_draw_both, record, png_path, pdf_path).result
+        return self._begin(_draw_both, record, png_path, pdf_path)
 
 
-def _prepare():
-    """Import what drawing needs."""
+def prepare():
+    """Import what drawing needs.
+
+    matplotlib writes the documentation of a hundred classes when it is imported, in a sixth of that time: nobody reads
+    it here. Where it has no such function, it is imported as it is.
+    """
+    importlib.import_module("matplotlib.artist").kwdoc = lambda artist: ""
     for name in (f"{__package__}.figure", "matplotlib.backends.backend_agg", "matplotlib.backends.backend_pdf"):
         importlib.import_module(name)
 

@@ -2,6 +2,8 @@
 
 import contextlib
 import functools
+import os
+from pathlib import Path
 
 from ..config.files import share_dir
 
@@ -28,10 +30,13 @@ def _environment():
             with contextlib.suppress(OSError):  # a full disk: the next process compiles again
                 super().dump_bytecode(bucket)
 
-    try:
-        compiled = Compiled(pattern=f"aras_visual_servo_{jinja2.__version__}_%s")
-    except (RuntimeError, OSError):  # there is no folder that only this user can write
-        compiled = None
+    compiled = None
+    with contextlib.suppress(OSError, RuntimeError):  # there is no home, or nobody may write there
+        folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "aras_visual_servo"
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        about = folder.stat()
+        if about.st_uid == os.getuid() and not about.st_mode & 0o022:  # what stands there is run
+            compiled = Compiled(str(folder), f"{jinja2.__version__}_%s")
     return jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined,
                               bytecode_cache=compiled,
                               loader=jinja2.FileSystemLoader(str(share_dir() / "config" / "templates")))

@@ -2,14 +2,11 @@
 
 import io
 
-import matplotlib
 import numpy as np
-from matplotlib.figure import Figure
 
 from ..ground.errors import ParameterError
 from ..features.palette import BLUE, GREY, VERMILION
-from ..report.drawing import drawn_side_by_side
-from ..report.figure import STYLE
+from ..report.drawing import drawn_side_by_side, prepare
 from .metrics import metric
 from .statistics import every_run_succeeds, reasons, success_curve
 
@@ -39,16 +36,29 @@ def check_axes(axes, rows):
 
 def make_figure(name, rows, axes=DEFAULT_AXES):
     """One of FIGURES as a matplotlib Figure; the same rows give the same picture."""
+    import matplotlib  # slow to import, and not needed where the runs are done
+
+    from ..report.figure import STYLE
     with matplotlib.rc_context(STYLE):
         return _map(rows, axes) if name == "map" else _curve(rows) if name == "curve" else _reasons(rows)
 
 
-def save_figures(rows, folder, axes=DEFAULT_AXES):
-    """Write NAME.png and NAME.pdf of every figure; {name: png bytes}."""
-    return dict(zip(FIGURES, drawn_side_by_side(_save_figure, [(name, rows, folder, axes) for name in FIGURES])))
+def save_figures(rows, folder, axes=DEFAULT_AXES, drawing=None):
+    """Write NAME.png and NAME.pdf of every figure; {name: png bytes}.
+
+    Args: drawing: `Drawing` that has imported what it needs meanwhile; None: it is imported here.
+    """
+    jobs = [(name, rows, folder, axes) for name in FIGURES]
+    if drawing is not None:
+        return dict(zip(FIGURES, drawing.side_by_side(_save_figure, jobs)))
+    prepare()
+    return dict(zip(FIGURES, drawn_side_by_side(_save_figure, jobs)))
 
 
 def _save_figure(name, rows, folder, axes):
+    import matplotlib
+
+    from ..report.figure import STYLE
     with matplotlib.rc_context(STYLE):
         figure = make_figure(name, rows, axes)
         stream = io.BytesIO()
@@ -59,6 +69,7 @@ def _save_figure(name, rows, folder, axes):
 
 
 def _map(rows, axes):
+    from matplotlib.figure import Figure
     figure = Figure(figsize=(11.0, 4.2), constrained_layout=True)
     placed = [row for row in rows if row[axes[0]] is not None and row[axes[1]] is not None]
     feasible = [row for row in placed if row["outcome"] != "infeasible"]
@@ -126,6 +137,7 @@ def _cells(panel, x, y, values, colours, norm, edges):
 
 
 def _curve(rows):
+    from matplotlib.figure import Figure
     figure = Figure(figsize=(6.2, 3.7), constrained_layout=True)
     panel = figure.add_subplot()
     feasible = [row for row in rows if row["outcome"] != "infeasible" and row["distance0_mm"] is not None]
@@ -150,6 +162,7 @@ def _curve(rows):
 
 
 def _reasons(rows):
+    from matplotlib.figure import Figure
     found = reasons(rows)[:12]
     figure = Figure(figsize=(6.2, max(1.6, 0.7 + 0.34 * len(found))), constrained_layout=True)
     panel = figure.add_subplot()

@@ -25,11 +25,12 @@ def save_csv(store):
     return path
 
 
-def save_report(store, axes=DEFAULT_AXES):
+def save_report(store, axes=DEFAULT_AXES, drawing=None):
     """Write runs.csv, the figures and sweep.html.
 
     Args:
         store: `SweepStore` with at least one run.  axes: two columns, see `figure.known_axes`.
+        drawing: `Drawing` that draws the figures; None: processes of this one draw them.
     Returns:
         Path of sweep.html.
     Raises:
@@ -38,7 +39,7 @@ def save_report(store, axes=DEFAULT_AXES):
     save_csv(store)
     rows = store.rows()
     try:
-        pictures = save_figures(rows, store.folder, axes)
+        pictures = save_figures(rows, store.folder, axes, drawing)
     except OSError as error:
         raise ResultFolderError(f"{store.folder}: a figure cannot be written: {error}") from error
     path = store.folder / "sweep.html"

@@ -222,7 +222,8 @@ def test_a_run_without_a_lens_does_not_wait_for_opencv(tmp_path):
 
 
 def test_the_page_is_the_same_where_templates_cannot_be_kept_compiled(saved, tmp_path, monkeypatch):
-    monkeypatch.setattr("tempfile.gettempdir", lambda: str(tmp_path / "missing"))
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
     template._environment.cache_clear()
     try:
         save_results(saved[0], tmp_path)

@@ -155,11 +155,14 @@ def test_a_signal_ends_a_sweep_and_all_it_started(tmp_path, number):
         assert process.returncode == 128 + number and not list((tmp_path / "tmp").iterdir())
 
 
-def test_a_killed_worker_loses_nothing(undisturbed, tmp_path):
+@pytest.mark.parametrize("which", (0, -1), ids=("who draws", "a worker"))
+def test_a_killed_process_loses_nothing(undisturbed, tmp_path, which):
     process = start_process(tmp_path, "killed", "--workers", "2")
     folder = folder_of(tmp_path, "killed")
     assert wait_for_rows(process, folder / "sweep.db", 1) < STARTS
-    os.kill(psutil.Process(process.pid).children()[0].pid, signal.SIGKILL)
+    children = sorted(psutil.Process(process.pid).children(), key=lambda child: (child.create_time(), child.pid))
+    assert len(children) == 3
+    os.kill(children[which].pid, signal.SIGKILL)
     _, said = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 0, said
     assert rows_of(folder) == rows_of(undisturbed)

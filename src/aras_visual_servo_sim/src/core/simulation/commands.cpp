@@ -1,8 +1,21 @@
 #include "aras_visual_servo_sim/simulation/commands.hpp"
 
+#include <limits>
+
 #include "aras_visual_servo_sim/config/errors.hpp"
 
 namespace aras_visual_servo_sim {
+
+namespace {
+
+/** now - stamp, or the longest time that there is where that is longer. */
+std::int64_t ageOf(std::int64_t stamp_ns, std::int64_t now_ns) {
+  std::int64_t age_ns = 0;
+  if (!__builtin_sub_overflow(now_ns, stamp_ns, &age_ns)) return age_ns;
+  return stamp_ns < 0 ? std::numeric_limits<std::int64_t>::max() : std::numeric_limits<std::int64_t>::min();
+}
+
+}  // namespace
 
 void Commands::refuse(const std::string& reason, MultibodyWorld& world) {
   ++refused_;
@@ -22,7 +35,8 @@ void Commands::acceptOrRefuse(const Action& action, MultibodyWorld& world) {
 
 void Commands::checkAge(std::int64_t age_ns, bool may_be_old, std::int64_t now_ns) const {
   const auto seconds = [](std::int64_t ns) { return 1e-9 * static_cast<double>(ns); };
-  const double age_s = seconds(age_ns), late_s = seconds(age_ns - latency_ns_);
+  const double age_s = seconds(age_ns),
+               late_s = 1e-9 * (static_cast<double>(age_ns) - static_cast<double>(latency_ns_));
   if (age_s < 0.0) {
     throw ParameterError("command: stamp is " + std::to_string(-age_s) + " s in the future, now is " +
                          std::to_string(seconds(now_ns)) + " s of simulated time");
@@ -38,7 +52,7 @@ void Commands::apply(const JointCommand& command, std::optional<std::int64_t> st
                      MultibodyWorld& world) {
   acceptOrRefuse(
       [&] {
-        checkAge(now_ns - stamp_ns.value_or(now_ns), command.empty(), now_ns);
+        checkAge(ageOf(stamp_ns.value_or(now_ns), now_ns), command.empty(), now_ns);
         world.setCommand(command);
       },
       world);

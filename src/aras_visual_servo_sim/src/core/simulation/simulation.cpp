@@ -5,6 +5,7 @@
 
 #include "aras_visual_servo_sim/camera/camera_tags.hpp"
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/config/place.hpp"
 #include "aras_visual_servo_sim/robot/joint_limits_reader.hpp"
 
 namespace aras_visual_servo_sim {
@@ -217,9 +218,7 @@ void Simulation::deleteModel(const std::string& model) {
 }
 
 void Simulation::setModelPose(const std::string& model, const Pose& X_WM) {
-  if (!X_WM.p.allFinite() || !X_WM.q.coeffs().allFinite()) {
-    throw NotFiniteError("model '" + model + "': pose is not finite");
-  }
+  checkPlace("model '" + model + "'", X_WM);
   models_.place(model, {X_WM.p, X_WM.q.normalized()});
   setModelMotion(model, std::nullopt);
   contacts_.place(model, models_, *world_);

@@ -36,6 +36,8 @@ class MemoryReader {
   void get(T& value) {
     std::memcpy(&value, take(sizeof(T)), sizeof(T));
   }
+  /** Any byte but 0 is true: a bool that holds another one than 0 and 1 would be neither. */
+  void get(bool& value) { value = *take(1) != '\0'; }
   void get(std::string& text) {
     const auto size = count();
     text.assign(take(size), size);

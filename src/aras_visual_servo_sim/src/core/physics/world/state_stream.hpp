@@ -34,6 +34,8 @@ class StateReader {
     std::memcpy(&value, bytes_.data() + at_, sizeof(T));
     at_ += sizeof(T);
   }
+  /** Any byte but 0 is true: a bool that holds another one than 0 and 1 would be neither. */
+  void value(bool& value) { value = bytes_[at_++] != '\0'; }
 
  private:
   const std::string& bytes_;

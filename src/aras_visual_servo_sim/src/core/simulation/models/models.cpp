@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/config/place.hpp"
 #include "aras_visual_servo_sim/config/section.hpp"
 #include "aras_visual_servo_sim/scene/scene_loader.hpp"
 #include "aras_visual_servo_sim/simulation/models/lights.hpp"
@@ -108,9 +109,7 @@ ModelSet Models::with(const SceneEntry& entry, const std::string& yaml, const st
   if (std::find(taken.begin(), taken.end(), name) != taken.end() || scene().findBody(name)) {
     throw ParameterError("model '" + name + "': a model or link of this name exists, allowed: another name");
   }
-  if (X_WM && (!X_WM->p.allFinite() || !X_WM->q.coeffs().allFinite())) {
-    throw NotFiniteError("model '" + name + "': pose is not finite");
-  }
+  if (X_WM) checkPlace("model '" + name + "'", *X_WM);
   ModelSet next = set_;
   add(next, entry, yaml);
   if (X_WM) next.place(name) = *X_WM;

@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "aras_visual_servo_sim/config/section.hpp"
-#include "urdf_text.hpp"
+#include "robot/urdf_text.hpp"
 
 namespace aras_visual_servo_sim {
 

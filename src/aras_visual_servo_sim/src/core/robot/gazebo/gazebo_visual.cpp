@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "urdf_text.hpp"
+#include "robot/urdf_text.hpp"
 
 namespace aras_visual_servo_sim {
 

@@ -4,7 +4,7 @@
 
 #include "aras_visual_servo_sim/robot/robot_model.hpp"
 #include "gazebo_materials.hpp"
-#include "urdf_check.hpp"
+#include "robot/urdf_check.hpp"
 
 namespace aras_visual_servo_sim {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "aras_visual_servo_sim/robot/robot_model.hpp"
-#include "urdf_check.hpp"
+#include "robot/urdf_check.hpp"
 
 namespace aras_visual_servo_sim {
 

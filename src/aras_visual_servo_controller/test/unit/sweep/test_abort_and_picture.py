@@ -1,0 +1,61 @@
+"""Runs that are ended because the camera goes too far, and pictures that replace the target's after teaching."""
+
+import numpy as np
+import pytest
+
+from aras_visual_servo_controller.arm.robot import robot_kinematics
+from aras_visual_servo_controller.ground.errors import ParameterError
+from aras_visual_servo_controller.ground.spatial import exponential
+from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo_controller.sweep.perturb import read_perturbations, swap_picture
+from aras_visual_servo_controller.sweep.plan import Start
+from aras_visual_servo_controller.sweep.run import Bench
+
+PICTURE = "package://aras_description/targets/photo.png"
+
+
+class Recorder:
+    """What `swap_picture` asks of a Simulation."""
+
+    def __init__(self):
+        self.asked = []
+
+    def delete_model(self, name):
+        self.asked.append(name)
+
+    def spawn_model(self, entry):
+        self.asked.append(entry)
+
+
+def test_a_run_that_goes_too_far_is_ended():
+    """A turn by 90 degrees and 5 mm: with moments the camera leaves the spot by far more than five times that."""
+    pytest.importorskip("aras_visual_servo_sim")
+    rows = []
+    for factor in (5.0, 1000.0):
+        scenario = load_scenario("free_camera", {"sweep.abort_factor": factor, "servo.time_limit_s": 1.5})
+        kinematics = robot_kinematics(scenario.urdf_xml(), "world", "camera_optical_frame")
+        goal = kinematics.pose(scenario.goal_posture(kinematics))
+        away = goal @ exponential(np.array([0.005, 0.0, 0.0, 0.0, 0.0, 0.5 * np.pi]))
+        rows.append(Bench(scenario).run(Start(1, kinematics.by_name(kinematics.coordinates(away))))[0])
+    ended, gone_on = rows
+    assert ended["detail"] == "farther than 5 times the start" and ended["outcome"] == "failure"
+    assert ended["error_mm"] > 5.0 * ended["distance0_mm"] and ended["images"] < gone_on["images"]
+    assert "farther" not in gone_on["detail"]
+
+
+def test_the_picture_of_the_target_is_replaced_and_the_rest_of_it_kept():
+    scenario, sim = load_scenario("six_dof_photometric"), Recorder()
+    swap_picture(sim, scenario, PICTURE)
+    name, entry = sim.asked
+    model = scenario.sim["scene"]["models"][0]
+    assert name == entry["name"] == model["name"] and entry["position_m"] == model["position_m"]
+    assert entry["image"]["size_m"] == model["image"]["size_m"] and entry["image"]["file"].endswith("/photo.png")
+    with pytest.raises(ParameterError, match="no model with a picture"):
+        swap_picture(sim, load_scenario("experiment_1"), PICTURE)
+
+
+def test_a_picture_that_is_no_file_is_refused_before_the_sweep():
+    scenario = load_scenario("six_dof_photometric")
+    assert read_perturbations({"picture": {"values": [PICTURE]}}, scenario)[0].name == "picture"
+    with pytest.raises(ParameterError, match="sweep.perturb.picture: .*no such file"):
+        read_perturbations({"picture": {"values": ["/nowhere.png"]}}, scenario)
