@@ -228,3 +228,13 @@ def test_a_search_goes_at_the_speed_it_was_given(pattern, rows, speed, value):
     assert len(twists) > 5
     for twist in twists[1:]:
         assert np.linalg.norm(twist[rows]) == pytest.approx(value, rel=1e-6)
+
+
+@pytest.mark.parametrize("pattern", ["translate", "tilt"])
+def test_each_ring_of_a_search_goes_round_once_by_eighths_of_a_turn(pattern):
+    config_ = LostTargetSettings(pattern=pattern, step_m=0.1, step_rad=0.1, rings=2)
+    for k, place in enumerate(search_places(config_, 0.7)):
+        angle, size = 0.7 + np.pi / 4.0 * (k % 8), 0.1 * (1 + k // 8)
+        c, s = size * np.cos(angle), size * np.sin(angle)
+        wanted = [c, s, 0, 0, 0, 0] if pattern == "translate" else [0, 0, 0, -s, c, 0]
+        np.testing.assert_allclose(place, wanted, atol=ROUNDING)
