@@ -4,6 +4,7 @@
 (f) path of the camera in the world, circle at the start, star at the goal.
 """
 
+import contextlib
 import io
 
 import matplotlib
@@ -47,8 +48,16 @@ def _letters_of(fontfile, characters):
         return stream
 
 
-# Not part of what matplotlib promises: where it has no such function, it goes on with its own.
-_backend_pdf_ps.get_glyphs_subset = _letters_of
+@contextlib.contextmanager
+def _lean_fonts():
+    """Within it a PDF has the fonts of `_letters_of`. Which function matplotlib calls for them is not promised: a
+    version that calls another one goes on with its own."""
+    before = getattr(_backend_pdf_ps, "get_glyphs_subset", None)
+    _backend_pdf_ps.get_glyphs_subset = _letters_of
+    try:
+        yield
+    finally:
+        _backend_pdf_ps.get_glyphs_subset = before
 
 
 def save_figure(record, png_path=None, pdf_path=None, dpi=160):
@@ -71,7 +80,8 @@ def save_figure(record, png_path=None, pdf_path=None, dpi=160):
         if png_path is not None:
             figure.savefig(png_path, dpi=dpi, metadata={"Software": None})
         if pdf_path is not None:
-            figure.savefig(pdf_path, metadata={"CreationDate": None})
+            with _lean_fonts():
+                figure.savefig(pdf_path, metadata={"CreationDate": None})
 
 
 def save_panels(record, folder, size_in=(3.5, 2.7)):
