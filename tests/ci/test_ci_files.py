@@ -37,6 +37,14 @@ def test_both_pipelines_run_readmes_commands_in_debian_12():
     assert scripts == gitlab["script"] == readme_commands() == ["script/demo", "script/test"]
 
 
+def test_both_pipelines_fuzz_every_reader_for_a_minute():
+    github = yaml.safe_load(read(".github/workflows/ci.yml"))["jobs"]["fuzz"]
+    gitlab = yaml.safe_load(read(".gitlab-ci.yml"))["fuzz"]
+    assert github["container"] == gitlab["image"] == "debian:12"
+    assert [step["run"] for step in github["steps"] if "script/" in step.get("run", "")] == ["script/fuzz 1"]
+    assert gitlab["script"] == ["script/fuzz 1"]
+
+
 def test_the_image_installs_the_same_list(tmp_path):
     lines = read("Dockerfile").splitlines()
     assert lines[[line.startswith("FROM") for line in lines].index(True)] == "FROM debian:12 AS packages"
