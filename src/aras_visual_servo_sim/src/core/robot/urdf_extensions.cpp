@@ -1,8 +1,8 @@
 #include "urdf_extensions.hpp"
 
-#include "gazebo/camera_sensor.hpp"
-#include "gazebo/gazebo_materials.hpp"
-#include "gazebo/gazebo_visual.hpp"
+#include "robot/gazebo/camera_sensor.hpp"
+#include "robot/gazebo/gazebo_materials.hpp"
+#include "robot/gazebo/gazebo_visual.hpp"
 #include "urdf_text.hpp"
 
 namespace aras_visual_servo_sim {
