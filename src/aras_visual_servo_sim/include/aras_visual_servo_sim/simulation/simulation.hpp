@@ -186,7 +186,8 @@ class Simulation {
   Moment present(const Camera& camera);
   void startModels();
   void change(ModelSet next);
-  void restoreWorld(const std::string& state, const ModelSet& models, bool changed);
+  void restoreWorld(const std::string& state, const ModelSet& models, const std::vector<Camera::State>& cameras);
+  void checkTime(const std::vector<Camera::State>& cameras) const;
 
   RobotModel model_;
   SimulationConfig config_;

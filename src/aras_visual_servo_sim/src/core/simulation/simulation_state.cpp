@@ -10,6 +10,9 @@ namespace {
 
 constexpr std::uint64_t kMagic = 0x33304d4953415241ULL;  // "ARASIM03"
 
+/** Later than this no saved state is: thirty years. Stamps are added to times without a look at their limits. */
+constexpr std::int64_t kLatestNs = 1000000000LL * 1000000000LL;
+
 /** Of a camera, as it stands in the record. */
 struct FrameCounters {
   std::int64_t next_frame, unhashed_frame, asked;
@@ -47,19 +50,30 @@ std::string Simulation::saveState() const {
   return out.take();
 }
 
-/** Restores the world's state, with the contacts of this set of models. @throws StateError; nothing changes then
- */
-void Simulation::restoreWorld(const std::string& state, const ModelSet& models, bool changed) {
-  if (!changed) return world_->restoreState(state);
+/** Restores the world's state, with the contacts of this set of models, if the cameras can be in theirs at its time.
+ *  @throws StateError; nothing changes then */
+void Simulation::restoreWorld(const std::string& state, const ModelSet& models,
+                              const std::vector<Camera::State>& cameras) {
+  const ModelSet& now = models_.set();
+  const bool changed = !models.spawned.empty() || !now.spawned.empty() || models.starts.size() != now.starts.size();
   const std::string before = world_->saveState();
-  contacts_.change(models, *world_);
+  if (changed) contacts_.change(models, *world_);
   try {
     world_->restoreState(state);
+    checkTime(cameras);
   } catch (const ArasError&) {
-    contacts_.change(models_.set(), *world_);
+    if (changed) contacts_.change(now, *world_);
     world_->restoreState(before);
     throw;
   }
+}
+
+/** @throws StateError  the time of the world is none, or cameras cannot be in these states then */
+void Simulation::checkTime(const std::vector<Camera::State>& cameras) const {
+  if (ticks() < 0 || ticks() > kLatestNs / periodNs())
+    throw StateError("saved state: found period " + std::to_string(ticks()) + ", allowed 0 to " +
+                     std::to_string(kLatestNs / periodNs()));
+  for (std::size_t k = 0; k < cameras.size(); ++k) cameras_[static_cast<int>(k)].check(cameras[k], ticks());
 }
 
 void Simulation::restoreState(const std::string& state) {
@@ -97,9 +111,7 @@ void Simulation::restoreState(const std::string& state) {
   }
   if (!in.atEnd()) throw StateError("saved state: found bytes after its end, allowed a state of this simulation");
 
-  const ModelSet& now = models_.set();
-  const bool changed = !models.spawned.empty() || !now.spawned.empty() || models.starts.size() != now.starts.size();
-  restoreWorld(world, models, changed);  // throws before anything else changed
+  restoreWorld(world, models, cameras);  // throws before anything else changed
   run_hash_.setState(hash);
   commands_.restore(refused, refusal);
   for (std::size_t k = 0; k < cameras.size(); ++k) cameras_[static_cast<int>(k)].restore(std::move(cameras[k]));

@@ -115,6 +115,8 @@ class Camera {
   const std::vector<Moment>& past() const { return exposure_.past(); }
   const FramesInFlight& flight() const { return flight_; }
   void restore(State state);
+  /** @throws StateError  no camera of this schedule can be in this state at the tick `now` */
+  void check(const State& state, std::int64_t now) const;
   /** Goes on where another camera of the same schedule is, at the tick `now`: its counters and images, the frames that
    *  are on their way as far as this latency lets them come, and what its sensor has set by itself. The exposure begins
    *  anew. */

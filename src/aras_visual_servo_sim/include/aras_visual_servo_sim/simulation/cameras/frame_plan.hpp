@@ -23,7 +23,7 @@ class FramePlan {
   FramePlan(const CameraConfig& config, std::int64_t period_ns, std::uint64_t drop_seed);
 
   /** The frame that comes next: its index and its tick, kNeverTick for a triggered camera that nobody asked. */
-  std::int64_t nextIndex() const;
+  std::int64_t nextIndex() const { return keptFrom(state_.next); }
   std::int64_t nextTick() const;
   /** The next frame is exposed, or missed. @return its index */
   std::int64_t pass();
@@ -37,11 +37,17 @@ class FramePlan {
   std::int64_t indexFrom(std::int64_t tick) const { return schedule_.firstIndexFrom(tick); }
   std::int64_t tickFrom(std::int64_t tick) const { return schedule_.tickOf(indexFrom(tick)); }
 
+  /** Whether a camera of this plan can be in a state at a tick >= 0: its next frame is neither before that tick nor
+   * later than the first after it. */
+  bool canBe(const State& state, std::int64_t tick) const;
+
   const State& state() const { return state_; }
   void setState(const State& state) { state_ = state; }
 
  private:
   bool isDropped(std::int64_t index) const;
+  /** The first index >= this one that is not dropped. */
+  std::int64_t keptFrom(std::int64_t index) const;
 
   FrameSchedule schedule_;
   double drop_probability_;

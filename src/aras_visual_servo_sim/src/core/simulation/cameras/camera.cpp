@@ -128,6 +128,13 @@ void Camera::readOut(std::int64_t now) {
 
 bool Camera::imageIsOfNewFrame() { return std::exchange(unhashed_frame_, -1) >= 0; }
 
+void Camera::check(const State& state, std::int64_t now) const {
+  if (plan_.canBe(state.plan, now)) return;
+  throw StateError("saved state: camera '" + model_.config().name + "': found the next frame " +
+                   std::to_string(state.plan.next) + ", allowed " + std::to_string(plan_.indexFrom(now)) + " or " +
+                   std::to_string(plan_.indexFrom(now + 1)) + " at this time");
+}
+
 void Camera::restore(State state) {
   plan_.setState(state.plan);
   unhashed_frame_ = state.unhashed_frame;

@@ -20,10 +20,14 @@ bool FramePlan::isDropped(std::int64_t index) const {
   return static_cast<double>(draw >> 11) < drop_probability_ * 0x1p53;
 }
 
-std::int64_t FramePlan::nextIndex() const {
-  std::int64_t index = state_.next;
+std::int64_t FramePlan::keptFrom(std::int64_t index) const {
   while (isDropped(index)) ++index;
   return index;
+}
+
+bool FramePlan::canBe(const State& state, std::int64_t tick) const {
+  if (state.next < 0 || state.next > schedule_.firstIndexFrom(tick + 1)) return false;
+  return (triggered_ && !state.asked) || schedule_.tickOf(keptFrom(state.next)) >= tick;
 }
 
 std::int64_t FramePlan::nextTick() const {

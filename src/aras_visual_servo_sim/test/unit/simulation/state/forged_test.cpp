@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/simulation/state/run_hash.hpp"
 #include "physics/world/state_stream.hpp"
 #include "tools/pan_lift.hpp"
 #include "tools/physics_tools.hpp"
@@ -20,6 +21,52 @@ TEST(Forged, AStampFromBeforeAllTimeIsTooOldAndOneAfterItInTheFuture) {
   EXPECT_HAS(refusal(std::numeric_limits<std::int64_t>::min()), "command: stamp is 9223372036.85");
   EXPECT_HAS(refusal(std::numeric_limits<std::int64_t>::max()), "in the future");
   EXPECT_EQ(simulation.commands().refused(), 2u);
+}
+
+/** A saved state with the number at `place` replaced, its checksum put right. */
+std::string forged(std::string state, std::size_t place, std::int64_t number) {
+  state.resize(state.size() - sizeof(std::uint64_t));
+  std::memcpy(state.data() + place, &number, sizeof(number));
+  RunHash hash;
+  hash.add(state.data(), state.size());
+  const std::uint64_t sum = hash.state();
+  return state.append(reinterpret_cast<const char*>(&sum), sizeof(sum));
+}
+
+// Frames of 30 Hz are at the periods 0, 34, 67, ...: after 40 periods the next one is the third, which has the index 2.
+TEST(Forged, ANextFrameIsNeitherPastNorFurtherAwayThanTheNext) {
+  Simulation simulation = fixture::panLift();
+  simulation.step(40);
+  const std::string state = simulation.saveState();
+  std::uint64_t world = 0;
+  std::memcpy(&world, state.data() + 8, sizeof(world));
+  const std::size_t place = 8 + 8 + world + 8 + 8 + 8 + 8;  // behind magic, world, hash, refusals, number of cameras
+  simulation.step(100);
+  const std::string later = simulation.saveState();
+  for (const std::int64_t next : {std::int64_t{-1}, std::int64_t{1}, std::int64_t{3},
+                                  std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min()}) {
+    EXPECT_HAS(messageOf<StateError>([&] { simulation.restoreState(forged(state, place, next)); }),
+               "camera 'camera': found the next frame " + std::to_string(next) + ", allowed 2 or 2");
+    EXPECT_EQ(simulation.saveState(), later) << next;
+  }
+  simulation.restoreState(forged(state, place, 2));
+  EXPECT_EQ(simulation.saveState(), state);
+}
+
+TEST(Forged, ATimeIsWithinThirtyYears) {
+  Simulation simulation = fixture::panLift();
+  simulation.step(34);
+  const std::string state = simulation.saveState();
+  std::uint64_t world = 0;
+  std::memcpy(&world, state.data() + 8, sizeof(world));
+  const std::int64_t ticks = 34;
+  const std::size_t place = state.find(std::string(reinterpret_cast<const char*>(&ticks), sizeof(ticks)));
+  ASSERT_LT(place, 16 + world);
+  for (const std::int64_t forgery : {std::int64_t{-1}, std::int64_t{1000000000001}}) {
+    EXPECT_HAS(messageOf<StateError>([&] { simulation.restoreState(forged(state, place, forgery)); }),
+               "found period " + std::to_string(forgery) + ", allowed 0 to 1000000000000");
+    EXPECT_EQ(simulation.saveState(), state) << forgery;
+  }
 }
 
 TEST(Forged, ATruthValueOfASavedWorldIsTrueOrFalse) {
