@@ -10,13 +10,13 @@ ALL = ROSCPP | {"roslaunch", "rosmaster", "controller", "experiment"}
 
 
 def listening(process):
-    """process name -> addresses its sockets wait for others at, TCP and UDP."""
+    """process name -> addresses at which sockets of processes of that name wait for others, TCP and UDP."""
     found = {}
     for one in process.children(recursive=True):
         try:
             addresses = [link.laddr.ip for link in one.connections("inet")
                          if link.status == psutil.CONN_LISTEN or (link.status == psutil.CONN_NONE and not link.raddr)]
-            found[one.name()] = sorted(addresses)
+            found[one.name()] = sorted([*found.get(one.name(), []), *addresses])
         except psutil.NoSuchProcess:
             pass
     return found

@@ -38,10 +38,6 @@ class LawSetup:
         FEATURE_NAMES, not_empty=True,
         help="What is servoed on, by name (docs/features_and_laws.md); `points4` stands for all of four points. "
              "Features that see tilt servo all six degrees of freedom.")
-    source: str = setting(
-        "", not_empty=True,
-        help="What makes the features of an image, where several can: `matches` makes followed points, and poses of "
-             "them, from keypoints that match those of the goal image. Left out: each feature's own.")
     interaction: str = setting(
         "desired", choices=INTERACTIONS,
         help="Which matrix `ibvs` and `sliding` invert: that at the goal, that of the current view, or the mean of "
@@ -71,5 +67,9 @@ class LawSetup:
         False,
         help="The target is the same after half a turn (rectangle, ellipse): alpha is servoed on modulo half a turn, "
              "even where a tilted view seems to tell the two apart.")
+    source: str = setting(
+        "", not_empty=True,
+        help="What makes the features of an image, where several can: `matches` makes followed points, and poses of "
+             "them, from keypoints that match those of the goal image. Left out: each feature's own.")
     target: Optional[PlanarTarget] = None
     settings: Mapping[str, Any] = field(default_factory=dict)

@@ -85,8 +85,8 @@ def test_a_run_over_ros_gives_the_exit_code_of_the_experiment_node(monkeypatch, 
     monkeypatch.setattr(launch.subprocess, "Popen", Roslaunch)
     monkeypatch.setenv("ROS_MASTER_URI", "http://localhost:1")
     assert cli.run_main(["experiment_1", "--output", str(tmp_path)]) == cli.EXIT_FAILED
-    assert commands[0][:3] == ["roslaunch", "aras_visual_servo_controller", "servo.launch"]
-    assert commands[0][3].startswith("scenario:=/") and commands[0][3].endswith("experiment_1.yaml")
+    assert commands[0][:4] == ["roslaunch", "--skip-log-check", "aras_visual_servo_controller", "servo.launch"]
+    assert commands[0][4].startswith("scenario:=/") and commands[0][4].endswith("experiment_1.yaml")
     assert f"results_dir:={tmp_path}" in commands[0]
 
 

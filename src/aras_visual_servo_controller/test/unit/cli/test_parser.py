@@ -62,7 +62,7 @@ def test_over_ros_the_launch_gets_the_overrides(tmp_path, monkeypatch):
     given = {}
 
     def launch(command, *_):
-        files = dict(word.split(":=", 1) for word in command[3:])
+        files = dict(word.split(":=", 1) for word in command if ":=" in word)
         given.update(yaml.safe_load(pathlib.Path(files["scenario_file"]).read_text()))
         pathlib.Path(files["exit_code_file"]).write_text("0")
     from aras_visual_servo_controller.nodes import launch as module
