@@ -2,20 +2,13 @@
 
 #include <pybind11/stl.h>
 
-#include <aras_visual_servo_common/fault_list.hpp>
-#include <aras_visual_servo_common/python/yaml_from_python.hpp>
-#include <optional>
-
 #include "aras_visual_servo_camera/matching/match_extractor.hpp"
-#include "conversions.hpp"
+#include "bind_extractor.hpp"
 
 namespace py = pybind11;
 
 namespace aras_visual_servo_camera {
 namespace {
-
-using aras_visual_servo_common::FaultList;
-using aras_visual_servo_common::yamlFromPython;
 
 void bindFeatures(py::module_& module) {
   using F = MatchFeatures;
@@ -50,54 +43,21 @@ void bindFeatures(py::module_& module) {
 
 void bindMatches(py::module_& module) {
   bindFeatures(module);
-  py::class_<MatchExtractor>(module, "MatchExtractor",
-                             "Image in, keypoints matched to those of the goal out. Same images, same bits.")
-      .def(py::init([](const py::dict& camera_info, const py::dict& config) {
-             FaultList faults;
-             std::optional<CameraIntrinsics> intrinsics;
-             std::optional<MatchingConfig> settings;
-             faults.collect([&] { intrinsics = readCameraInfo(yamlFromPython(camera_info, "camera_info")); });
-             faults.collect([&] { settings = readMatchingConfig(yamlFromPython(config, "vision/matches")); });
-             faults.throwIfAny();
-             return std::make_unique<MatchExtractor>(*intrinsics, *settings);
-           }),
-           py::arg("camera_info"), py::arg("config") = py::dict(),
-           R"(Args:
+  py::class_<MatchExtractor> extractor(module, "MatchExtractor",
+                                       "Image in, keypoints matched to those of the goal out. Same images, same bits.");
+  extractor.def(py::init([](const py::dict& camera_info, const py::dict& config) {
+                  return makeExtractor<MatchExtractor>(camera_info, config, "vision/matches", readMatchingConfig);
+                }),
+                py::arg("camera_info"), py::arg("config") = py::dict(),
+                R"(Args:
     camera_info: dict with width, height, K (9), D, distortion_model, as sensor_msgs/CameraInfo.
     config: the section `vision.matches` of a scenario, see schema/matches.yaml of this package.
 Raises:
-    ParameterError: every fault, one per line.)")
-      .def(
-          "process",
-          [](MatchExtractor& self, const py::array& image, std::int64_t stamp_ns) {
-            return self.process(viewOf(image), stamp_ns);
-          },
-          py::arg("image"), py::arg("stamp_ns") = kNoStamp,
-          R"(Features of one image, relative to the goal image.
-
-Args:
-    image: uint8, shape (h, w) grey, (h, w, 3) rgb or (h, w, 4) rgba, rows contiguous.
-    stamp_ns: of the image; with one, `teach` finds it while it is among the last 32.
-Returns:
-    MatchFeatures; too few matches are a value (valid False, the reason in fault), not an error.
-Raises:
-    ShapeError: another type, shape or size than camera_info.)")
-      .def(
-          "set_reference",
-          [](MatchExtractor& self, const py::array& image, double z_star_m) {
-            self.setReference(viewOf(image), z_star_m);
-          },
-          py::arg("image"), py::arg("z_star_m"),
-          R"(Make an image the goal, its optical axis meeting the plane of the target at depth z_star_m [m].
-
-Raises DegenerateFeature (too few keypoints), ParameterError, ShapeError; there is no goal then.)")
-      .def("teach", &MatchExtractor::teach, py::arg("stamp_ns"), py::arg("z_star_m"),
-           R"(Make the image of this stamp the goal, its optical axis meeting the target's plane at depth z_star_m [m].
-
-Raises ParameterError: it is not among the last 32 images; else as set_reference.)")
-      .def("clear_reference", &MatchExtractor::clearReference)
-      .def_property_readonly("features", &MatchExtractor::features, py::return_value_policy::copy,
-                             "Of the last image.");
+    ParameterError: every fault, one per line.)");
+  bindProcess(extractor, "Features of one image, relative to the goal image.",
+              "MatchFeatures; too few matches are a value (valid False, the reason in fault), not an error.");
+  bindGoalImage(extractor,
+                "Raises DegenerateFeature (too few keypoints), ParameterError, ShapeError; there is no goal then.");
 }
 
 }  // namespace aras_visual_servo_camera

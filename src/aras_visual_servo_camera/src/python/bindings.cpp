@@ -1,24 +1,18 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include <aras_visual_servo_common/fault_list.hpp>
 #include <aras_visual_servo_common/python/bind_errors.hpp>
-#include <aras_visual_servo_common/python/yaml_from_python.hpp>
 #include <cmath>
-#include <optional>
 
 #include "aras_visual_servo_camera/extraction/moment_extractor.hpp"
+#include "bind_extractor.hpp"
 #include "bind_matches.hpp"
 #include "bind_photometric.hpp"
-#include "conversions.hpp"
 
 namespace py = pybind11;
 using namespace aras_visual_servo_camera;  // NOLINT: this file is the module
 
 namespace {
-
-using aras_visual_servo_common::FaultList;
-using aras_visual_servo_common::yamlFromPython;
 
 std::string repr(const MomentFeatures& f) {
   const auto number = [](double x) { return std::string(py::repr(py::float_(x))); };
@@ -68,37 +62,20 @@ py::array_t<std::uint8_t> convertedImage(const MomentExtractor& extractor) {
 }
 
 void bindExtractor(py::module_& module) {
-  py::class_<MomentExtractor>(module, "MomentExtractor", "Image in, moment features out. Same images, same bits.")
-      .def(py::init([](const py::dict& camera_info, const py::dict& vision) {
-             FaultList faults;
-             std::optional<CameraIntrinsics> intrinsics;
-             std::optional<VisionConfig> config;
-             faults.collect([&] { intrinsics = readCameraInfo(yamlFromPython(camera_info, "camera_info")); });
-             faults.collect([&] { config = readVisionConfig(yamlFromPython(vision, "vision")); });
-             faults.throwIfAny();
-             return std::make_unique<MomentExtractor>(*intrinsics, *config);
-           }),
-           py::arg("camera_info"), py::arg("config"),
-           R"(Args:
+  py::class_<MomentExtractor> extractor(module, "MomentExtractor",
+                                        "Image in, moment features out. Same images, same bits.");
+  extractor.def(py::init([](const py::dict& camera_info, const py::dict& config) {
+                  return makeExtractor<MomentExtractor>(camera_info, config, "vision", readVisionConfig);
+                }),
+                py::arg("camera_info"), py::arg("config"),
+                R"(Args:
     camera_info: dict with width, height, K (9), D, distortion_model, as sensor_msgs/CameraInfo.
     config: the `vision` section of a scenario, see schema/vision.yaml of this package.
 Raises:
-    ParameterError: every fault of both, one per line.)")
-      .def(
-          "process",
-          [](MomentExtractor& self, const py::array& image, std::int64_t stamp_ns) {
-            return self.process(viewOf(image), stamp_ns);
-          },
-          py::arg("image"), py::arg("stamp_ns") = kNoStamp,
-          R"(Features of one image.
-
-Args:
-    image: uint8, shape (h, w) grey, (h, w, 3) rgb or (h, w, 4) rgba, rows contiguous.
-    stamp_ns: of the image; with one, `teach` finds it while it is among the last 32.
-Returns:
-    MomentFeatures; an empty view is a value (target_visible False), not an error.
-Raises:
-    ShapeError: another type, shape or size than camera_info.)")
+    ParameterError: every fault of both, one per line.)");
+  bindProcess(extractor, "Features of one image.",
+              "MomentFeatures; an empty view is a value (target_visible False), not an error.");
+  extractor
       .def(
           "set_reference",
           [](MomentExtractor& self, double z_star_m, double area_star, double alpha_star) {
@@ -122,13 +99,10 @@ features: MomentFeatures or the ROS message. Raises DegenerateFeature if it is n
            R"(Make the image of this stamp the reference, seen from depth z_star_m [m].
 
 Raises ParameterError: it is not among the last 32 images; DegenerateFeature: its features are not valid.)")
-      .def("clear_reference", &MomentExtractor::clearReference)
       .def("forget_previous", &MomentExtractor::forgetPrevious,
            "Use nothing of earlier images (after a reset of time); the reference stays.")
       .def_property_readonly("converted_image", &convertedImage,
-                             "What the moments saw of the last image: (h, w) uint8, weights 0..255; a copy.")
-      .def_property_readonly("features", &MomentExtractor::features, py::return_value_policy::copy,
-                             "Of the last image.");
+                             "What the moments saw of the last image: (h, w) uint8, weights 0..255; a copy.");
 }
 
 }  // namespace
