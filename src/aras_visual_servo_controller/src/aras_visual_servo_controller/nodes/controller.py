@@ -258,10 +258,10 @@ class ControllerNode:
         """Raises ParameterError when the arm cannot take a goal now; the simulator's always can."""
 
     def _begin_lockstep(self):
-        """In lockstep the simulator waits for our answers from the first message on. This one carries the stamp of the
-        image that was answered last, or 0, so that it does not count as an answer to any other image. After a reset
-        that stamp would lie in the future, and the simulator would refuse it with a warning."""
-        self._command_publisher.publish(convert.acknowledgement(min(self._session.last_ns, convert.now_ns())))
+        """In lockstep the simulator waits for our answers from the first message on. This one has no stamp, so that it
+        does not count as an answer to any image, and not as one of the time before a reset that this node may not have
+        heard of yet."""
+        self._command_publisher.publish(convert.acknowledgement(0))
 
     def _preempt(self):
         if self._session.active and self._server.is_preempt_requested() and not self._server.is_new_goal_available():

@@ -110,7 +110,7 @@ void SimNode::hold(const std::vector<int>& cameras) {
 void SimNode::timeJumped(std::int64_t before_ns) {
   time_.jumped(before_ns);
   gate_.release();
-  commands_.forgetKept();
+  commands_.timeJumped(before_ns);
   pacer_.restart(simulation_.timeNs());
   meter_.restart(simulation_.timeNs());
   pids_.refresh();

@@ -213,6 +213,24 @@ class Lockstep(unittest.TestCase):
         self.assertEqual(first.run_hash, second.run_hash)
         self.assertEqual((first.ticks, first.frames), (second.ticks, second.frames))
 
+    def test_an_answer_that_a_reset_has_overtaken_is_dropped_and_one_of_the_future_is_refused(self):
+        before = self.run_images(3).header.stamp
+        service("sim/pause", Empty)()
+        service("sim/reset", Empty)()
+        self.status.newer(lambda m: m.paused and m.ticks == 0 and not m.lockstep_armed, "a fresh start")
+        del self.images.messages[:]
+        self.publisher.publish(command(before, pan=0.1))
+        for _ in range(3):  # it comes after what was sent before it
+            status = self.status.newer(lambda m: True, "a status")
+        self.assertFalse(status.lockstep_armed, "an answer of the time that is gone")
+        self.publisher.publish(command(rospy.Time(0)))
+        armed = self.status.newer(lambda m: m.lockstep_armed, "the first command of the new time")
+        self.assertEqual(armed.refused_commands, 0, armed.last_refusal)
+        self.run_images(2)
+        self.publisher.publish(command(before, pan=0.1))
+        refused = self.status.newer(lambda m: m.refused_commands > 0, "a command of the future")
+        self.assertIn("in the future", refused.last_refusal)
+
     def test_hash_is_that_of_the_same_run_in_process(self):
         controllers = {name: rospy.get_param(name) for name in ("lift_controller", "pan_controller")}
         simulation = Simulation(rospy.get_param("robot_description"), rospy.get_param("sim/sim"), controllers)
