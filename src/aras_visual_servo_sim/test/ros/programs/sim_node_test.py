@@ -14,7 +14,7 @@ import numpy as np
 import rospy
 import rostest
 from aras_visual_servo_msgs.msg import JointControllerState, SimStatus
-from aras_visual_servo_msgs.srv import SetJointPositions, SetTargetPose, Step
+from aras_visual_servo_msgs.srv import PauseAt, SetJointPositions, SetTargetPose, Step
 from aras_visual_servo_sim import Simulation
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from rosgraph_msgs.msg import Clock
@@ -166,6 +166,27 @@ class Wiring(unittest.TestCase):
         self.assertEqual(step(steps=0).stamp.to_nsec(), 0)
         unpause()
         status.newer(lambda m: m.ticks > 0, "time goes by again")
+
+    def test_pause_at_stops_the_simulator_at_exactly_that_tick(self):
+        status = Listener("sim/status", SimStatus)
+        pause, unpause, pause_at = service("sim/pause", Empty), service("sim/unpause", Empty), service("sim/pause_at",
+                                                                                                       PauseAt)
+        now = status.newer(lambda m: m.ticks > 0, "time goes by").header.stamp
+        refusal = pause_at(now - rospy.Duration(0, 1000000))
+        self.assertFalse(refusal.success)
+        self.assertIn("allowed the time of now", refusal.message)
+        pause()
+        now = service("sim/step", Step)(steps=0).stamp
+        for steps in (1, 777):
+            now += rospy.Duration(0, steps * 1000000)
+            self.assertTrue(pause_at(now).success)
+            unpause()
+            stopped = status.newer(lambda m: m.paused and m.header.stamp >= now, "the pause")
+            self.assertEqual(stopped.header.stamp, now)
+        self.assertTrue(pause_at(now + rospy.Duration(1)).success)
+        service("sim/reset", Empty)()
+        unpause()
+        status.newer(lambda m: m.ticks > 1000 + now.to_nsec() // 1000000, "a pause of the time before the reset")
 
 
 class Lockstep(unittest.TestCase):
