@@ -52,14 +52,14 @@ def run(name, say=print):
         survivors = []
         for number, mutant in enumerate(mutants, start=1):
             text = (core.source / mutant["file"]).read_text()
-            died = (not core.link(mutant["file"], text.replace(mutant["old"], mutant["new"], 1))
-                    or core.test(listed["tests"], limit_s)[0] != 0)
+            compiles = core.link(mutant["file"], text.replace(mutant["old"], mutant["new"], 1))
+            died = compiles and core.test(listed["tests"], limit_s)[0] != 0
             line = text[:text.index(mutant["old"])].count("\n") + 1
             told = f"{mutant['file']}:{line}: {mutant['why']}: {mutant['old']}  ->  {mutant['new']}"
-            known = (listed.get("survivors") or {}).get(mutant["why"])
+            known = (listed.get("survivors") or {}).get(mutant["why"]) if compiles else "it does not compile"
             if not died:
                 survivors.append(told + (f"  ({known})" if known else ""))
-            say(f"{number:4d} {'killed' if died else 'SURVIVED'}  {told}")
+            say(f"{number:4d} {'killed' if died else 'SURVIVED' if compiles else 'NO MUTANT'}  {told}")
     return len(mutants) - len(survivors), survivors
 
 
