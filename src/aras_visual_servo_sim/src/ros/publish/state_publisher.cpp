@@ -10,13 +10,13 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr std::uint32_t kSmallQueue = 1000;             // messages: a listener that hesitates for seconds loses nothing
+constexpr std::uint32_t kSmallQueue = 1000;  // messages: a listener that hesitates for seconds loses nothing
 // Images that wait for a listener: at 320 x 240 in colour those of two seconds, and never more than this in bytes.
 constexpr std::uint32_t kQueueBytes = 16 * 1024 * 1024;
 constexpr std::uint32_t kFewestImages = 2, kMostImages = 200;
-constexpr std::size_t kLongestPath = 2000;              // poses kept for display
-constexpr double kPathPeriodS = 0.5;                    // wall
-constexpr double kErrorPeriodS = 5.0;                   // wall, between two reports of the same failure
+constexpr std::size_t kLongestPath = 2000;  // poses kept for display
+constexpr double kPathPeriodS = 0.5;        // wall
+constexpr double kErrorPeriodS = 5.0;       // wall, between two reports of the same failure
 const std::string kTargetModel = "target";
 
 /** The model named `target`, else the first; empty without any. */
