@@ -105,6 +105,7 @@ TEST(JointLimits, AJointWithoutLimitsIsNotBounded) {
   EXPECT_EQ(clampPosition(none, 5.0), 5.0);
   EXPECT_EQ(clampVelocity(none, -5.0), -5.0);
   EXPECT_EQ(effortBounds(none, 5.0, 5.0).max, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(softVelocityBounds(none, SoftLimits(), 5.0).max, std::numeric_limits<double>::infinity());
   EXPECT_EQ(velocityCommandBounds(none, SoftLimits(), 0.0, 0.0, 0.1).min, -std::numeric_limits<double>::infinity());
 }
 
