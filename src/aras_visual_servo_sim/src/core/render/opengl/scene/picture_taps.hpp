@@ -5,7 +5,7 @@
 
 #include "gl_store.hpp"
 #include "render/opengl/view/pinhole_view.hpp"
-#include "shadow_reach.hpp"
+#include "shadow/shadow_reach.hpp"
 
 namespace aras_visual_servo_sim {
 
