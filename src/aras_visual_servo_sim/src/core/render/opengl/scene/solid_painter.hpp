@@ -9,9 +9,9 @@
 #include "gl_lights.hpp"
 #include "gl_store.hpp"
 #include "render/opengl/gl/shader_program.hpp"
+#include "render/opengl/scene/shadow/shadow_maps.hpp"
+#include "render/opengl/scene/shadow/shadow_reach.hpp"
 #include "render/opengl/view/pinhole_view.hpp"
-#include "shadow/shadow_maps.hpp"
-#include "shadow/shadow_reach.hpp"
 #include "solid_shader.hpp"
 
 namespace aras_visual_servo_sim {
