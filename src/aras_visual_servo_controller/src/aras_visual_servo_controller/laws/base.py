@@ -108,13 +108,14 @@ class Law:
         continuous_only: True for a law that does not work in mode look_then_move.
         needs_plane: True makes the servo put the target's plane into the view of each `Look`.
         needs_pose: True makes the servo put X_CgC into each `Look`.
+        moves_joints: True makes the servo ask `joint_velocity` for the velocities of the joints.
         settings_class, settings: the law's own settings, class and instance; None for a law without.
         features: `FeatureSet`.
         gains_per_s: tuple of k [1/s]; with `adaptive_gain` they are smaller far from the goal.
     """
 
     name, settings_class, works_on, needs_plane, needs_pose = "", None, FEATURE_NAMES, False, False
-    continuous_only = False
+    continuous_only = moves_joints = False
 
     def __init__(self, gains_per_s, setup=LawSetup()):
         """Args and errors: those of `make_law`."""
@@ -188,6 +189,13 @@ class Law:
         if self._setup.smooth_start_per_s > 0.0:
             twist = self._let_in(twist, look.dt_s)
         return Answer(twist, s, e, self._condition_at(s), settled, self._pose(look))
+
+    def joint_velocity(self, view, arm, twist):
+        """`Joints` of a law that `moves_joints`, after `step` has answered the same image.
+
+        Args: view: `View` of the image.  arm: `Arm`.  twist: (6,) V_C of the answer with what the servo adds to it.
+        """
+        raise NotImplementedError
 
     def _see(self, look):
         """The look, with what this law knows about the view added to it: here the depths of followed points."""

@@ -6,6 +6,7 @@ from typing import NamedTuple, Optional, Tuple
 import numpy as np
 
 from ..features.base import View
+from ..ground.types import Status
 
 
 class Look(NamedTuple):
@@ -44,3 +45,47 @@ class Answer(NamedTuple):
     condition: float
     settled: bool
     pose: Optional[np.ndarray] = None
+
+
+class Arm(NamedTuple):
+    """The arm at one look, for a law that `moves_joints`. Vectors (n,) have the order of `joint_names`.
+
+    Attributes:
+        joint_names: tuple.  q: positions [m, rad].  before: velocities that were commanded last.
+        X_BC: (4, 4) pose of the camera in the base.  jacobian: J_BC_C, (6, n).
+        wanted: velocities for the twist, with the spare motion, before the limits of position and acceleration.
+        low, high: velocities that all limits allow for this period.
+        at_stop: whether it is the end of the way of a joint that makes `low` (row 0) and `high` (row 1), (2, n) bool.
+        short: names of the joints that cannot brake in time at their acceleration; () in normal running.
+        lower, upper, velocity, acceleration: the limits themselves; infinite where there is none.
+        dt_s: time for which the answer is held [s].
+    """
+
+    joint_names: Tuple[str, ...]
+    q: np.ndarray
+    before: np.ndarray
+    X_BC: np.ndarray
+    jacobian: np.ndarray
+    wanted: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    at_stop: np.ndarray
+    short: Tuple[str, ...]
+    lower: np.ndarray
+    upper: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    dt_s: float
+
+
+class Joints(NamedTuple):
+    """The joint velocities of a law that `moves_joints`.
+
+    Attributes:
+        q_dot: (n,) [m/s, rad/s].  status: what keeps the arm from the twist, None if nothing does.
+        text: which constraints bind, and by how much one had to be violated; "" if none.
+    """
+
+    q_dot: np.ndarray
+    status: Optional[Status] = None
+    text: str = ""

@@ -26,7 +26,7 @@ from .feed_forward import TargetMotion
 from ..features.base import FeatureSet, View
 from ..features.sources import Source, source_named
 from ..laws.base import make_law
-from ..laws.look import Look
+from ..laws.look import Arm, Look
 from .look_then_move import LookThenMove
 from .lost_target import LostTarget
 from .settings import ServoSettings
@@ -298,7 +298,18 @@ class Servo:
             twist = twist + self._creep.correction(twist, X_BC, dt_s)
         else:
             self._creep.clear()
-        q_dot, self._twist, status, text = self._arm.joint_velocity(q, twist, jacobian, inverse, dt_s)
+        if law.moves_joints:
+            try:
+                arm = Arm(**self._arm.as_seen(q, X_BC, twist, jacobian, inverse, dt_s))
+                joints = law.joint_velocity(view, arm, twist)
+            except DegenerateFeature as error:
+                return self._without_target(stamp_ns, q, dt_s, str(error))
+            except Exception as error:  # as above
+                return self._rest(stamp_ns, Status.FAULT, f"law '{law.name}': {type(error).__name__}: {error}")
+            q_dot, self._twist, status, text = self._arm.told(joints.q_dot, jacobian, joints.status, joints.text)
+            self._text = text or self._text
+        else:
+            q_dot, self._twist, status, text = self._arm.joint_velocity(q, twist, jacobian, inverse, dt_s)
         if status is not None:
             self.status, self._text = status, text
             self._hindrance.seen(stamp_ns, text)
