@@ -29,19 +29,19 @@ from aras_visual_servo_controller.sweep.statistics import wilson
 POINTS = {"vision.points": "corners", "vision.point_count": 4, "vision.order": 3,
           "servo.features": ["points4"], "servo.gains_per_s": {"points4": 2.0},
           "servo.thresholds": {"points4": 0.0005}, "servo.interaction": "current"}
-#: Half the view, and the margin kept by the laws that have constraints (320 x 240 px, f = 188 px).
-VIEW = {"half_width": 0.849, "half_height": 0.636, "margin": 0.05}
+#: Half the view (320 x 240 px, f = 188 px), the margin, and how far the blob reaches: 2.44 standard deviations.
+VIEW = {"half_width": 0.849, "half_height": 0.636, "margin": 0.05, "extent": 2.5}
 JOINTS = ("gantry", "J1", "J2", "J3", "J4", "J5", "J6")
 ACCELERATION = {"gantry": 4.0, **dict.fromkeys(JOINTS[1:], 20.0)}
 #: Arm: base scenario, what is changed in it, and the wall, a table 0.25 m below the goal.
 ARMS = {
     "ARAS arm": ("field_of_view", {"servo.law": "ibvs", "servo.interaction": "current", "servo.on_lost": "hold",
                                    "servo.inverse": {"at_limits": "scale"}, "servo.time_limit_s": 12.0},
-                 {"space": "view", "view": {"u": [-1.0, 1.0], "v": [-1.0, 1.0], "depth_m": [0.3, 0.6],
+                 {"space": "view", "view": {"u": [-0.95, 0.95], "v": [-0.95, 0.95], "depth_m": [0.3, 0.6],
                                             "rz_rad": [-2.9671, 2.9671]}}, 0.12),
     "six-axis arm": ("six_dof_domain", {**POINTS, "servo.law": "ibvs", "servo.on_lost": "hold",
                                         "servo.inverse": {"at_limits": "scale"}, "servo.time_limit_s": 12.0},
-                     {"space": "view", "view": {"u": [-1.0, 1.0], "v": [-1.0, 1.0], "depth_m": [0.3, 0.7],
+                     {"space": "view", "view": {"u": [-0.95, 0.95], "v": [-0.95, 0.95], "depth_m": [0.3, 0.7],
                                                 "rz_rad": [-1.5, 1.5]}}, 0.25),
 }
 #: Candidates that are drawn for each start that is wanted.

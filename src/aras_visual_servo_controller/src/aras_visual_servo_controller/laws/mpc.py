@@ -64,7 +64,7 @@ class Predictive(QuadraticProgram):
         #: Whether every feature is the coordinate of a point, whose number and axis are these.
         names = [fullmatch(r"([xy])([0-9]+)", name) for name in self.features.names]
         self._points = all(names) and [2 * (int(name[2]) - 1) + "xy".index(name[1]) for name in names]
-        self._plan = None
+        self._plan = self._rows = None
 
     def reset(self, reference):
         """As of `Law`."""
@@ -80,7 +80,8 @@ class Predictive(QuadraticProgram):
         reach = np.array([_adjoint(X) for X in poses[:-1]]) @ (period_s * arm.jacobian)
         reach = np.cumsum(self._moves[:, :, None, None] * reach[:, None], axis=0)
         reach = reach.transpose(0, 2, 1, 3).reshape(len(reach), 6, -1)
-        rooms, h, rows, ways, towards = self._predict(view, arm, twist, poses[1:])
+        now = rooms_of(self.settings, view, arm.X_BC)
+        rooms, h, rows, ways, towards = self._predict(view, arm, twist, poses[1:], now)
         flat = plan.ravel()
         M = (ways @ reach).reshape(-1, flat.size)
         target = towards.ravel() + M @ flat
@@ -91,23 +92,27 @@ class Predictive(QuadraticProgram):
         G = (rows @ reach).reshape(-1, flat.size)
         fade = np.exp(-self.settings.rate_per_s * period_s * np.arange(1, len(poses)))
         least = np.minimum(rooms.h, 0.0)[None] * fade[:, None]  # one that is violated has to open again
-        low = (least - h).ravel() + G @ flat
+        # The first move keeps what `qp` keeps, too: a step of the horizon is longer than the time between two images.
+        G_now = np.zeros((len(now.h), flat.size))
+        G_now[:, :n] = now.rows @ arm.jacobian
+        b_now = -np.minimum(self.settings.rate_per_s, 1.0 / arm.dt_s) * now.h
+        low = np.concatenate([b_now, (least - h).ravel() + G @ flat])
         C, c = self._joint_rows(arm, n)
-        A, b = np.vstack([G, C]), np.concatenate([low, c])
+        A, b = np.vstack([G_now, G, C]), np.concatenate([low, c])
         x, multipliers, _, feasible = self._solve(H, -g, A, b)
+        names = {name: place for place, name in enumerate(dict.fromkeys(now.names))}
+        which = np.array([names[name] for name in now.names + rooms.names * len(h)], dtype=int)
         if not feasible:
             if not self.settings.slack:
-                self._plan = None
-                return Joints(np.clip(0.0, arm.low, arm.high), Status.JOINT_LIMIT,
-                              f"standing still, no motion keeps {', '.join(self._asked(rooms, rows, low, arm))}")
-            return self._least(arm, rooms, H, g, A, b, len(low))
+                return self._stand(arm, f"no motion keeps {', '.join(self._asked(now, None, b_now, arm))}")
+            return self._least(arm, tuple(names), which, H, g, A, b)
         self._plan = x.reshape(plan.shape)
-        held = multipliers[:len(low)].reshape(h.shape).sum(axis=0)
+        held = np.bincount(which, multipliers[:len(low)], len(names))
         joints = multipliers[len(low):]
         first, size = joints[:2 * n].reshape(2, n), flat.size
         ends = joints[2 * size:4 * size].reshape(2, -1, n).sum(axis=1)
         arm = arm._replace(at_stop=arm.at_stop | (ends > first))
-        return self._answer(arm, rooms, self._plan[0], np.concatenate([held, (first + ends).ravel()]))
+        return self._answer(arm, tuple(names), self._plan[0], np.concatenate([held, (first + ends).ravel()]))
 
     def _nominal(self, arm):
         """(moves, n) joint velocities about which the prediction is linearised: the last plan, if it is under way."""
@@ -116,16 +121,17 @@ class Predictive(QuadraticProgram):
         decay = np.exp(-self._rate * self.settings.period_s * np.arange(self.settings.moves))
         return np.outer(decay, np.clip(arm.wanted, arm.low, arm.high))
 
-    def _predict(self, view, arm, twist, poses):
-        """What is predicted along the nominal way: (rooms now, h (N, m), their rows (N, m, 6), rows of the features
-        (N, k, 6), what the features lack of their wanted way (N, k)). Rows are of twists in the first camera frame."""
+    def _predict(self, view, arm, twist, poses, now):
+        """What is predicted along the nominal way: (the rooms as they are now, h (N, m), their rows (N, m, 6), rows of
+        the features (N, k, 6), what the features lack of their wanted way (N, k)). Rows are of twists in the first
+        camera frame."""
         config, L = self.settings, self.features.matrix(view)
         wanted = self._worth[:, None] * (L @ twist)
         if len(view.features.point_x):
-            xy, rooms = np.array(view.shared(points)), rooms_of(config, view, arm.X_BC)
+            xy, rooms = np.array(view.shared(points)), now
         else:
             xy = _contour(view, config.extent)
-            rooms = _rooms_of_contour(config, xy, rooms_of(config, view, arm.X_BC))
+            rooms = _rooms_of_contour(config, xy, now)
         seen, L_seen = predicted_points(points_in_space(view, xy), poses)
         if self._points and len(view.features.point_x):
             axes = [3 * (index // 2) + index % 2 for index in self._points]
@@ -155,42 +161,41 @@ class Predictive(QuadraticProgram):
         """(C, c): rows C u >= c. The first 2 n are of this period; then come the velocities of the other moves, the
         ends of the ways after each move (lower, then upper ones), and the accelerations."""
         moves, period_s = self.settings.moves, self.settings.period_s
-        eye, size = np.eye(n), moves * n
-        whole = np.eye(size)
-        lasts = np.ones(moves) * period_s
-        lasts[-1] = period_s * (self.settings.horizon - moves + 1)
-        sums = np.kron(np.tril(np.ones((moves, moves))) * lasts, eye)
-        changes = (whole - np.eye(size, k=-n))[n:]
+        if self._rows is None:
+            whole = np.eye(moves * n)
+            lasts = np.full(moves, period_s)
+            lasts[-1] = period_s * (self.settings.horizon - moves + 1)
+            sums = np.kron(np.tril(np.ones((moves, moves))) * lasts, np.eye(n))
+            changes = (whole - np.eye(moves * n, k=-n))[n:]
+            self._rows = np.vstack([whole[:n], -whole[:n], whole[n:], -whole[n:], sums, -sums, changes, -changes])
         change = np.tile(arm.acceleration * period_s, moves - 1)
-        C = np.vstack([whole[:n], -whole[:n], whole[n:], -whole[n:], sums, -sums, changes, -changes])
         speeds = np.tile(arm.velocity, moves - 1)
         below = np.tile(np.minimum(arm.lower - arm.q, 0.0), moves)
         above = np.tile(np.minimum(arm.q - arm.upper, 0.0), moves)
-        return C, np.concatenate([arm.low, -arm.high, -speeds, -speeds, below, above, -change, -change])
+        return self._rows, np.concatenate([arm.low, -arm.high, -speeds, -speeds, below, above, -change, -change])
 
-    def _least(self, arm, rooms, H, g, A, b, count):
-        """`Joints` of the plan that violates view and walls least; one slack for each room, over the whole horizon."""
-        m, size = len(rooms.h), len(g)
-        if not m:
-            return self._stand(arm)
+    def _least(self, arm, names, which, H, g, A, b):
+        """`Joints` of the plan that violates view and walls least; one slack for each name, over the whole horizon.
+
+        Args: names: of the rooms.  which: (r,) place in them of the first r rows of A.
+        """
+        m, size = len(names), len(g)
         H_s = np.zeros((size + m, size + m))
         H_s[:size, :size], H_s[size:, size:] = H, SLACK_WEIGHT * np.eye(m)
         A_s = np.zeros((len(b) + m, size + m))
         A_s[:len(b), :size], A_s[len(b):, size:] = A, np.eye(m)
-        A_s[:count, size:] = np.tile(np.eye(m), (count // m, 1))
-        b_s = np.concatenate([b, np.zeros(m)])
-        x, _, _, feasible = self._solve(H_s, -np.concatenate([g, np.zeros(m)]), A_s, b_s)
+        A_s[np.arange(len(which)), size + which] = 1.0
+        x, _, _, feasible = self._solve(H_s, -np.concatenate([g, np.zeros(m)]), A_s, np.concatenate([b, np.zeros(m)]))
         if not feasible:  # the joints cannot brake before their ends within the horizon
-            return self._stand(arm)
+            return self._stand(arm, "the limits of the joints contradict each other over the horizon")
         self._plan = x[:size].reshape(-1, len(arm.q))
-        slack = [f"{name} by {most:.2g}" for name, most in zip(rooms.names, x[size:]) if most > TOLD]
+        slack = [f"{name} by {most:.2g}" for name, most in zip(names, x[size:]) if most > TOLD]
         return Joints(np.clip(self._plan[0], arm.low, arm.high), Status.JOINT_LIMIT,
                       f"infeasible, slack within the horizon: {', '.join(slack)}")
 
-    def _stand(self, arm):
+    def _stand(self, arm, why):
         self._plan = None
-        return Joints(np.clip(0.0, arm.low, arm.high), Status.JOINT_LIMIT,
-                      "standing still, the limits of the joints contradict each other over the horizon")
+        return Joints(np.clip(0.0, arm.low, arm.high), Status.JOINT_LIMIT, f"standing still, {why}")
 
 
 def _contour(view, extent):

@@ -54,7 +54,7 @@ class QuadraticProgram(ImageBased):
         b = np.concatenate([-np.minimum(self.settings.rate_per_s, 1.0 / arm.dt_s) * rooms.h, arm.low, -arm.high])
         q_dot, multipliers, _, feasible = self._solve(H, -H @ arm.wanted, A, b)
         if feasible:
-            return self._answer(arm, rooms, q_dot, multipliers)
+            return self._answer(arm, rooms.names, q_dot, multipliers)
         if not self.settings.slack:
             return Joints(np.clip(0.0, arm.low, arm.high), Status.JOINT_LIMIT,
                           f"standing still, no motion keeps {_listed(self._asked(rooms, rows, b, arm))}")
@@ -83,7 +83,7 @@ class QuadraticProgram(ImageBased):
             return Joints(np.clip(0.0, arm.low, arm.high), Status.JOINT_LIMIT,
                           "standing still, the limits of the joints contradict each other")
         slack = [f"{name} by {size:.2g}" for name, size in zip(rooms.names, x[n:]) if size > TOLD]
-        joints = self._answer(arm, rooms, x[:n], multipliers)
+        joints = self._answer(arm, rooms.names, x[:n], multipliers)
         text = f"infeasible, slack per second: {_listed(slack)}"
         return Joints(np.clip(joints.q_dot, arm.low, arm.high), Status.JOINT_LIMIT, text)
 
@@ -93,11 +93,12 @@ class QuadraticProgram(ImageBased):
         return asks or ["the view and the walls within the limits of the joints"]
 
     def _answer(self, arm, rooms, q_dot, multipliers):
-        """`Joints`, with the names of the constraints that bind."""
+        """`Joints`, with the names of the constraints that bind. Args: rooms: names.  multipliers: of them, then of the
+        lower and the upper bounds of the joints."""
         if arm.short:
             text = f"braking, too late at the allowed acceleration: {_listed(_joint(name) for name in arm.short)}"
             return Joints(q_dot, Status.JOINT_LIMIT, text)
-        n, m = len(arm.q), len(rooms.h)
+        n, m = len(arm.q), len(rooms)
         binds = multipliers > BINDS * max(float(multipliers.max(initial=0.0)), BINDS)
         if not binds.any():
             return Joints(q_dot)
@@ -105,7 +106,7 @@ class QuadraticProgram(ImageBased):
         if stopped.any():
             names = [_joint(name) for name, held in zip(arm.joint_names, stopped) if held]
             return Joints(q_dot, Status.JOINT_LIMIT, f"at their limits, the others go on: {_listed(names)}")
-        names = [name for name, held in zip(rooms.names, binds) if held]
+        names = [name for name, held in zip(rooms, binds) if held]
         names += [_joint(name) for name, held in zip(arm.joint_names, binds[m:m + 2 * n].reshape(2, n).any(axis=0))
                   if held]
         return Joints(q_dot, None, f"servoing, held back by {_listed(names)}")
