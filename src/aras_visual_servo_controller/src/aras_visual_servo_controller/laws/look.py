@@ -1,7 +1,7 @@
 """What a law is given for one image, and what it answers. Both are frozen values, and there is no other way between
 the servo and a law."""
 
-from typing import NamedTuple, Optional, Tuple
+from typing import Any, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -19,12 +19,15 @@ class Look(NamedTuple):
             `needs_pose`.
         applied: (6,) V_C that the arm was given after the last look, with all limits applied [m/s; rad/s]; None at the
             first look and after the arm was stopped.
+        tracker: what filters the features, and foresees them while the target is not seen; None: nobody does. It has
+            `seen`, `corrected(s, view)` and `foreseen()` (servo/feature_filter.py).
     """
 
     view: View
     dt_s: float = 0.0
     X_CgC: Optional[np.ndarray] = None
     applied: Optional[np.ndarray] = None
+    tracker: Optional[Any] = None
 
 
 class Answer(NamedTuple):
