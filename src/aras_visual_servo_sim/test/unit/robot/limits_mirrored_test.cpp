@@ -91,6 +91,13 @@ TEST_P(Side, AccelerationAndDecelerationAreBounded) {
   EXPECT_NEAR(inner(bounds), 0.3, kRounding);  // slower
 }
 
+TEST_P(Side, CommandedVelocitiesAreBounded) {
+  JointLimits limits;
+  limits.has_velocity = true;
+  limits.velocity = 2.0;
+  EXPECT_EQ(outer(velocityCommandBounds(limits, SoftLimits(), 0.0, sign_ * 0.5, 0.1)), 2.0);
+}
+
 TEST_P(Side, TheTurnThatStaysWithinTheLimitsIsTaken) {
   const double pi = 3.14159265358979323846;
   const double from = sign_ * 0.75 * pi, to = sign_ * -0.75 * pi, limit = 0.9 * pi;
