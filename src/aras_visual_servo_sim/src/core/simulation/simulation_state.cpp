@@ -47,6 +47,7 @@ std::string Simulation::saveState() const {
   for (const Camera& camera : cameras_) {
     if (camera.sensor() && camera.sensor()->setsItself()) out.putSensor(camera.sensor()->state());
   }
+  if (commands_.delays()) out.putCommands(commands_.held());
   return out.take();
 }
 
@@ -109,11 +110,14 @@ void Simulation::restoreState(const std::string& state) {
     const Sensor* sensor = cameras_[static_cast<int>(k)].sensor();
     if (sensor && sensor->setsItself()) cameras[k].sensor = in.getSensor();
   }
+  std::deque<Commands::Held> held;
+  if (commands_.delays()) held = in.getCommands();
   if (!in.atEnd()) throw StateError("saved state: found bytes after its end, allowed a state of this simulation");
 
   restoreWorld(world, models, cameras);  // throws before anything else changed
   run_hash_.setState(hash);
   commands_.restore(refused, refusal);
+  commands_.restoreHeld(std::move(held));
   for (std::size_t k = 0; k < cameras.size(); ++k) cameras_[static_cast<int>(k)].restore(std::move(cameras[k]));
   models_.become(std::move(models), std::move(motions));
 }
