@@ -1,6 +1,6 @@
 """A node that uses one ROS graph as a user does who never goes home: goals, resets, models that come and go.
 
-    user.py MINUTES SEED FOLDER     in a graph of servo.launch with experiment:=false and start_paused:=true
+    user.py MINUTES SEED FOLDER [USE ...]     in a graph of servo.launch with experiment:=false and start_paused:=true
 
 It prints `ready`, then of each goal `goal RUN_HASH TRACE_HASH PUBLISHED RECORDED` with the numbers of messages of
 all topics, `lost SENTENCE` for each note of the record, and `said NODE LEVEL TEXT` for each warning or error that a
@@ -21,15 +21,22 @@ import goals as goals_module
 
 LATE_MODEL = "late_box"
 BOX = "{box_m: [0.02, 0.02, 0.02], position_m: [0.0, 0.0, 0.0]}"
-PERIOD_NS = 34_000_000  # of the first camera, and a tick
+RATE_HZ, TICK_NS = 30, 1_000_000  # of the first camera, of the simulator
+USES = ("one_goal", "resets", "models")
 STEPS = 200  # physics steps between a model's coming and its going
+
+
+def image_ns(number):
+    """Stamp of an image of the first camera: the first tick at its time or later."""
+    return -(-number * 10**9 // RATE_HZ // TICK_NS) * TICK_NS
 
 
 class User(goals_module.Goals):
     """Uses the graph; which use comes next is drawn from a seed."""
 
-    def __init__(self, folder, seed):
+    def __init__(self, folder, seed, uses):
         super().__init__(folder)
+        self._uses = uses or ("one_goal", *USES)  # goals twice as often as the others
         self._random = random.Random(seed)
         self._spawn = rospy.ServiceProxy("sim/spawn_model", SpawnModel)
         self._delete = rospy.ServiceProxy("sim/delete_model", DeleteModel)
@@ -46,16 +53,16 @@ class User(goals_module.Goals):
         self._answered_ns = message.header.stamp.to_nsec()
 
     def _walk(self, steps):
-        """Step, and wait until the last image was answered: an answer that comes after a reset is refused."""
+        """Step, and wait until the last image was answered."""
         self._answered_ns = -1
         end_ns = self._step(steps).stamp.to_nsec()
-        self._wait("the answer to the last image", lambda: [] if self._answered_ns > end_ns - PERIOD_NS else ["it"],
+        last_ns = max(at_ns for at_ns in map(image_ns, range(end_ns * RATE_HZ // 10**9 + 1)) if at_ns <= end_ns)
+        self._wait("the answer to the last image", lambda: [] if self._answered_ns >= last_ns else ["it"],
                    self._startup_timeout_s)
 
     def use(self):
         """One use of the graph."""
-        kind = self._random.choice((self.one_goal, self.one_goal, self.resets, self.models))
-        kind()
+        getattr(self, self._random.choice(self._uses))()
 
     def one_goal(self):
         """A goal, recorded."""
@@ -88,7 +95,7 @@ def main():
     """Entry. Returns the exit code."""
     minutes, seed, folder = float(sys.argv[1]), int(sys.argv[2]), sys.argv[3]
     rospy.init_node("experiment", disable_signals=True)
-    user = User(folder, seed)
+    user = User(folder, seed, sys.argv[4:])
     print("ready", flush=True)
     end_s = time.monotonic() + 60.0 * minutes
     while time.monotonic() < end_s:

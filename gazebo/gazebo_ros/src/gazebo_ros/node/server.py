@@ -4,6 +4,7 @@ import time
 import rospy
 from rosgraph_msgs.msg import Clock
 
+from ..world import snapshot
 from ..world.errors import GazeboError
 from ..sdf.world import GROUND
 from ..world.world import World
@@ -12,7 +13,7 @@ from .cameras import Cameras
 from .controller_manager import ControllerManager
 from .convert import stamp
 from .devices import outlet_of
-from .gazebo_services import GazeboServices
+from .services.gazebo_services import GazeboServices
 from .notes import summed_up
 from .state_topics import StateTopics
 from .work import Work
@@ -93,10 +94,40 @@ class Server:
         self.paused = paused
         self._restart_pace()
 
-    def set_update_rate(self, rate_hz):
-        """Steps per second of wall time at most; 0: as many as there can be."""
-        self.update_rate_hz = rate_hz
+    def set_physics(self, period_s, gravity_m_s2, update_rate_hz):
+        """Args: update_rate_hz: steps per second of wall time at most; 0: as many as there can be. Raises: GazeboError.
+        """
+        before = self.world.epoch_ns
+        self.world.set_physics(period_s, gravity_m_s2)
+        self.update_rate_hz = update_rate_hz
+        if self.world.epoch_ns != before:
+            self._tell_time(self.world.time_ns)
         self._restart_pace()
+
+    def restore(self, state):
+        """Makes the world what it was when the state was saved. Raises: GazeboError; nothing changes then."""
+        before = dict(self.world.models)
+        snapshot.restore(self.world, state)
+        for name, model in before.items():
+            if self.world.models.get(name) is not model:
+                for interface in self._interfaces.pop(name):
+                    interface.close()
+        for name, model in self.world.models.items():
+            if before.get(name) is not model:
+                self._welcome(model)
+            for interface in self._interfaces[name]:
+                if isinstance(interface, ControllerManager):
+                    interface.find_loaded()
+        self._states.time_reset(self.world.time_ns)
+        self._tell_time(self.world.time_ns)
+        self._restart_pace()
+
+    def _tell_time(self, now_ns):
+        """Lets all that publishes at a rate begin anew."""
+        for interfaces in self._interfaces.values():
+            for interface in interfaces:
+                if hasattr(interface, "time_reset"):
+                    interface.time_reset(now_ns)
 
     def reset(self, time_too):
         if time_too:
@@ -104,10 +135,8 @@ class Server:
             self._states.time_reset(0)
         else:
             self.world.reset_world()
-        for interfaces in self._interfaces.values():
-            for interface in interfaces:
-                if time_too and hasattr(interface, "time_reset"):
-                    interface.time_reset(0)
+        if time_too:
+            self._tell_time(0)
         self._restart_pace()
 
     def model_names(self):

@@ -182,6 +182,9 @@ class Simulation {
   std::string runHash() const { return run_hash_.hex(); }
 
  private:
+  friend void stepTogether(const std::vector<Simulation*>& simulations, std::int64_t n);
+
+  std::int64_t leaveTick(std::int64_t end);
   void makeWorld();
   Moment present(const Camera& camera);
   void startModels();
@@ -201,5 +204,9 @@ class Simulation {
   Commands commands_;
   RunHash run_hash_;
 };
+
+/** Advances several simulations by n periods, each as its step() does, but so that their robots touch each other, see
+ *  WorldGroup. @throws ParameterError unless their periods are the same, and n >= 0 */
+void stepTogether(const std::vector<Simulation*>& simulations, std::int64_t n);
 
 }  // namespace aras_visual_servo_sim
