@@ -7,9 +7,6 @@
 
 namespace aras_visual_servo_sim {
 
-/** Later than this no saved command is due: thirty years. Periods are added to times without a look at their limits. */
-constexpr std::int64_t kLatestNs = 1000000000LL * 1000000000LL;
-
 void StateWriter::putModels(const std::vector<SavedModel>& models) {
   put<std::uint64_t>(models.size());
   for (const SavedModel& model : models) {
@@ -115,39 +112,6 @@ void StateWriter::putFrames(const FramesInFlight& flight) {
   if (flight.taken()) putFrame(*flight.taken());
   put<std::uint64_t>(flight.inFlight().size());
   for (const ExposedFrame& frame : flight.inFlight()) putFrame(frame);
-}
-
-void StateWriter::putCommands(const std::deque<Commands::Held>& held) {
-  put<std::uint64_t>(held.size());
-  for (const auto& [due_ns, command] : held) {
-    put(due_ns);
-    for (const auto* values : {&command.position, &command.velocity, &command.effort}) {
-      put<std::uint64_t>(values->size());
-      for (const auto& [joint, value] : *values) {
-        putText(joint);
-        put(value);
-      }
-    }
-  }
-}
-
-std::deque<Commands::Held> StateReader::getCommands() {
-  std::deque<Commands::Held> held;
-  for (auto left = get<std::uint64_t>(); left > 0; --left) {
-    Commands::Held one;
-    one.due_ns = get<std::int64_t>();
-    if (one.due_ns < 0 || one.due_ns > kLatestNs)
-      throw StateError("saved state: found a command that is due at " + std::to_string(one.due_ns) +
-                       " ns, allowed 0 to " + std::to_string(kLatestNs));
-    for (auto* values : {&one.command.position, &one.command.velocity, &one.command.effort}) {
-      for (auto joints = get<std::uint64_t>(); joints > 0; --joints) {
-        const std::string joint = getText();
-        (*values)[joint] = get<double>();
-      }
-    }
-    held.push_back(std::move(one));
-  }
-  return held;
 }
 
 void StateWriter::putSensor(const Sensor::State& state) {

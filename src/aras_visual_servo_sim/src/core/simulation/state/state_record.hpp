@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <cstring>
-#include <deque>
 #include <functional>
 #include <string>
 #include <type_traits>
@@ -13,7 +12,6 @@
 #include "aras_visual_servo_sim/config/types.hpp"
 #include "aras_visual_servo_sim/scene/scene.hpp"
 #include "aras_visual_servo_sim/simulation/cameras/camera.hpp"
-#include "aras_visual_servo_sim/simulation/commands.hpp"
 #include "aras_visual_servo_sim/simulation/models/models.hpp"
 
 namespace aras_visual_servo_sim {
@@ -36,7 +34,6 @@ class StateWriter {
   void putFrame(const ExposedFrame& frame);
   void putFrames(const FramesInFlight& flight);
   void putSensor(const Sensor::State& state);
-  void putCommands(const std::deque<Commands::Held>& held);
   std::string take();
 
  private:
@@ -74,7 +71,6 @@ class StateReader {
   ExposedFrame getFrame(int joints, const Scene& scene, const Compose& compose);
   void getFrames(int joints, const Scene& scene, const Compose& compose, Camera::State& camera);
   Sensor::State getSensor();
-  std::deque<Commands::Held> getCommands();
   bool atEnd() const { return at_ == end_; }
 
  private:
