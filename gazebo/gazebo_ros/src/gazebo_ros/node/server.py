@@ -19,7 +19,10 @@ from .state_topics import StateTopics
 from .work import Work
 
 CLOCK_RATE_HZ = 100.0
+LOCKSTEP = "/gazebo/lockstep"  #: parameter: name of a model whose images are to be answered before time goes on
+PATIENCE_S = 10.0      #: wall time after which time goes on without an answer
 PAUSED_BEAT_S = 0.1    #: wall time between two messages on /clock while time stands still
+HELD_BEAT_S = 0.02     #: wall time between two looks for an answer
 FORGOTTEN_LAG_S = 0.1  #: wall time; a world that is further behind does not catch up
 UPDATE_RATE_HZ = 1000.0
 
@@ -38,6 +41,8 @@ class Server:
         self.world, self.work, self.paused = World(settings, folders), Work(), paused
         self.update_rate_hz = UPDATE_RATE_HZ
         self._interfaces = {}
+        self._lockstep = rospy.get_param(LOCKSTEP, "")
+        self._asked_s = None  #: wall time at which an image was sent that is not answered yet
         self._clock = rospy.Publisher("/clock", Clock, queue_size=10)
         self._slice_ns = round(1e9 / clock_rate_hz)
         self._states = StateTopics(self, GazeboServices(self))
@@ -93,6 +98,22 @@ class Server:
     def pause(self, paused):
         self.paused = paused
         self._restart_pace()
+
+    def placed(self, name):
+        """A model was placed from outside: that answers its images."""
+        if name == self._lockstep:
+            self._asked_s = None
+
+    def _held(self):
+        """Whether time stands still until somebody answers an image."""
+        if self._asked_s is None:
+            return False
+        if time.monotonic() - self._asked_s < PATIENCE_S:
+            return True
+        rospy.logwarn("lockstep: nobody placed model '%s' within %g s after an image: time goes on" %
+                      (self._lockstep, PATIENCE_S))
+        self._asked_s = None
+        return False
 
     def set_physics(self, period_s, gravity_m_s2, update_rate_hz):
         """Args: update_rate_hz: steps per second of wall time at most; 0: as many as there can be. Raises: GazeboError.
@@ -172,6 +193,10 @@ class Server:
                     self._clock.publish(Clock(stamp(self.world.time_ns)))
                     self.work.run(PAUSED_BEAT_S)
                     continue
+                if self._held():
+                    self.work.run(HELD_BEAT_S)
+                    self._restart_pace()
+                    continue
                 target_ns = self._next_stop()
                 ahead_s = self._ahead_s(target_ns)
                 if ahead_s > 0.0:
@@ -195,6 +220,13 @@ class Server:
         self._clock.publish(Clock(stamp(self.world.time_ns)))
         for outlet in list(self._outlets()):
             outlet.publish(self.world.time_ns)
+        if self._lockstep and self._sent_images():
+            self._asked_s = time.monotonic()
+
+    def _sent_images(self):
+        """Whether an image of the model of the lockstep went out at this time."""
+        return any(isinstance(each, Cameras) and each.sent_ns == self.world.time_ns
+                   for each in self._interfaces.get(self._lockstep, ()))
 
 
 class PushesOutlet:

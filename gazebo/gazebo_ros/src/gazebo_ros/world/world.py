@@ -351,8 +351,8 @@ class World:
     def look(self, viewer):
         """Puts what the cameras of a model see of the others to where it is now; to be called before drawing."""
         for name, links in viewer.guests.items():
-            for link in links:
-                self._put(viewer, self.models[name], link)
+            viewer.simulation.follow_links(self.models[name].simulation,
+                                           {guest_name(name, link): link for link in links})
 
     # --- the whole state
 

@@ -119,6 +119,7 @@ class GazeboServices:
         X_WF, _ = self._frame(state.reference_frame, "SetModelState: specified reference frame entity does not exist")
         pose = X_WF @ pose_of(state.pose, "SetModelState: pose")
         model.place(pose, rotated(X_WF, numpy.asarray(twist_of(state.twist))))
+        self._server.placed(state.model_name)
 
     def _configure(self, request):
         model = self._known(request.model_name, "SetModelConfiguration: model does not exist")

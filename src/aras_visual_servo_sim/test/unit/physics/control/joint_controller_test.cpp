@@ -47,8 +47,8 @@ TEST(Controllers, EachTypeIsReadAsWhatItsNameSays) {
   for (const auto& [name, type] : types) {
     const std::string pid = name.find("effort_controllers/JointE") == 0 || name[0] != 'e' ? "" : ", pid: {p: 1}";
     // Joints without a transmission take every type.
-    const auto configs =
-        parseControllers(YAML::Load("{c: {type: " + name + ", joint: swing" + pid + "}}"), modelOf(kPendulum));
+    const auto configs = parseControllers(YAML::Load("{c: {type: " + name + ", joint: swing" + pid + "}}"),
+                                          modelOf(readUrdf("pendulum.urdf")));
     ASSERT_EQ(configs.size(), 1u) << name;
     EXPECT_EQ(configs[0].type, type) << name;
     EXPECT_EQ(controllerTypeName(type), name);
