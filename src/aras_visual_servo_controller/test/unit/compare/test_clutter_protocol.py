@@ -62,7 +62,7 @@ def test_clutter_comes_after_teaching_and_leaves_with_the_run(tmp_path):
 
     loop.place(loop.sequence.config.goal.joints, 0.1)
     before = image()
-    for condition, changed in (("covered", (0.3, 0.7)), ("light", (0.5, 1.0)), ("shadows", (0.005, 0.5))):
+    for condition, changed in (("covered", (0.3, 0.7)), ("light", (0.2, 1.0)), ("shadows", (0.005, 0.5))):
         loop.sim.reset()
         loop.place(loop.sequence.config.goal.joints, 0.1)
         put_clutter(loop.sim, scenario, cases[f"orb_{condition}"].starts[0].parameters["clutter"])

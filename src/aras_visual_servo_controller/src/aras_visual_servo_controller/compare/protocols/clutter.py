@@ -4,7 +4,6 @@ import numpy as np
 import yaml
 
 from ...arm.robot import robot_kinematics
-from ...config.files import load_yaml, resolve_uri
 from ...ground.errors import ParameterError
 from ...scenario.scenario import load_scenario, scenario_from_dict
 from ...sweep.plan import Start, SweepSettings, make_starts
@@ -14,23 +13,17 @@ from .clutter_scene import BOARD_M, CONDITIONS, LAMP, TURN_RAD, clutter
 
 STARTS, SEED, BOARD_SEED = 200, 16, 1
 BALL = {"distance_m": [0.05, 0.2], "angle_rad": [0.0, 0.5]}
-_PBVS = {axis: 1.5 for axis in ("xr", "yr", "zr", "rx", "ry", "rz")}
-_MOMENTS = ("xn", "yn", "an", "sx", "sy", "alpha")
-#: Case -> (its target, what it changes in the scenario `vit_vs`).
+_GAINS = {axis: 1.5 for axis in ("xr", "yr", "zr", "rx", "ry", "rz")}
+#: Scheme -> what it changes in the scenario `vit_vs`.
 SCHEMES = {
-    "orb": ("board", {"vision.matches": {"detector": "orb"}, "servo.gains_per_s": _PBVS}),
-    "sift": ("board", {"vision.matches": {"detector": "sift"}, "servo.gains_per_s": _PBVS}),
-    "photometric": ("board", {
+    "orb": {"vision.matches": {"detector": "orb"}, "servo.gains_per_s": _GAINS},
+    "sift": {"vision.matches": {"detector": "sift"}, "servo.gains_per_s": _GAINS},
+    "photometric": {
         "vision.matches": None, "servo.source": None, "servo.pose_from": None, "servo.law": "photometric",
         "vision.photometric": {"interaction": "mean", "levels": 4, "switch_px": 0.5,
                                "target_normal_C": [0.0, 0.0, 1.0]},
         "servo.features": ["photometric"], "servo.gains_per_s": {"photometric": 1.5},
-        "servo.thresholds": {"photometric": 2.0}, "servo.photometric": {"damping": 0.01}, "servo.stop": None}),
-    "moments": ("l_shape", {
-        "vision.matches": None, "servo.source": None, "servo.pose_from": None, "servo.law": "ibvs", "vision.order": 4,
-        "servo.features": list(_MOMENTS), "servo.interaction": "mean", "servo.target_normal_C": [0.0, 0.0, 1.0],
-        "servo.gains_per_s": dict.fromkeys(_MOMENTS, 1.5), "servo.stop": None,
-        "servo.thresholds": {"xn": 0.001, "yn": 0.001, "an": 0.001, "sx": 0.004, "sy": 0.004, "alpha": 0.004}}),
+        "servo.thresholds": {"photometric": 2.0}, "servo.photometric": {"damping": 0.01}, "servo.stop": None},
 }
 
 
@@ -49,15 +42,12 @@ class Clutter(Protocol):
         if not 1 <= count <= STARTS:
             raise ParameterError(f"starts: found {count}, allowed 1 to {STARTS}")
         folder.mkdir(parents=True, exist_ok=True)
-        pictures = {"board": lambda: boards.asked_for(board, BOARD_SEED),
-                    "l_shape": draw_l_shape}
-        meshes = {name: boards.save_mesh(folder / name, draw, BOARD_M)
-                  for name, draw in pictures.items()}
+        mesh = boards.save_mesh(folder / "board", lambda: boards.asked_for(board, BOARD_SEED), BOARD_M)
         files = {(condition, number): _saved(folder, condition, number) for condition in CONDITIONS[1:]
                  for number in range(1, count + 1)}
         cases = []
-        for scheme, (target, changes) in SCHEMES.items():
-            scenario = scene(meshes[target], changes)
+        for scheme, changes in SCHEMES.items():
+            scenario = scene(mesh, changes)
             starts = planned(scenario, count)
             for condition in CONDITIONS:
                 chosen = starts if condition == "plain" else [
@@ -94,18 +84,6 @@ def planned(scenario, count):
     kinematics = robot_kinematics(scenario.urdf_xml(), robot["base_link"], robot["tip_link"])
     settings = SweepSettings.from_scenario(scenario, kinematics, starts=count, method="random", seed=SEED)
     return make_starts(settings, scenario, kinematics)
-
-
-def draw_l_shape():
-    """The L-shaped target, dark on a white board, (h, w, 3) uint8."""
-    import cv2  # slow to import
-    picture = np.full((boards.HEIGHT, boards.WIDTH, 3), 255, np.uint8)
-    target = load_yaml(resolve_uri("package://aras_description/targets/l_shape.yaml"))
-    outline = np.array(target["outlines_m"][0])
-    per_m = boards.WIDTH / BOARD_M[0]
-    corners = np.array([0.5 * boards.WIDTH, 0.5 * boards.HEIGHT]) + per_m * outline * [1.0, -1.0]
-    cv2.fillPoly(picture, [np.rint(corners).astype(np.int32)], (20, 20, 20))
-    return picture
 
 
 def _saved(folder, condition, number):
