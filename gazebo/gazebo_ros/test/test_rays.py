@@ -3,6 +3,7 @@ import numpy
 import pytest
 
 from gazebo_ros.node.devices.laser import scan
+from gazebo_ros.node.devices.outlet import Noise
 from gazebo_ros.world import snapshot
 from gazebo_ros.world.description import read_description
 from gazebo_ros.world.errors import SpawnError
@@ -116,6 +117,36 @@ def test_a_resolution_makes_numbers_between_the_rays():
 def test_a_laser_that_cannot_be_is_refused(change, text):
     with pytest.raises(SpawnError, match=text):
         read_description(POST.format(**{**RAY, **change}), "", "post")
+
+
+#: A pyramid with its square base at x = 0 and its tip at x = 1, as an OBJ file; outside is counter-clockwise.
+PYRAMID = """v 0 -1 -1\nv 0 1 -1\nv 0 1 1\nv 0 -1 1\nv 1 0 0
+f 2 1 4\nf 2 4 3\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"""
+
+
+@pytest.mark.parametrize("settings", [RAY, GPU])
+@pytest.mark.parametrize("scale, nearest", [("1 1 1", 0.0), ("-1 1 1", -1.0), ("2 0.5 0.5", 0.0)])
+def test_meshes_are_met_at_their_triangles_also_mirrored_and_scaled(tmp_path, settings, scale, nearest):
+    (tmp_path / "pyramid.obj").write_text(PYRAMID)
+    mesh = "<geometry><mesh filename='file://%s' scale='%s'/></geometry>" % (tmp_path / "pyramid.obj", scale)
+    world = World()
+    post = world.spawn("post", POST.format(**settings))
+    world.spawn("pyramid", "<robot name='p'><link name='l'><visual>%s</visual><collision>%s</collision></link><gazebo>"
+                "<static>true</static></gazebo></robot>" % (mesh, mesh), pose=place((3.0, 0.0, 0.52)))
+    device = post.description.devices[0]
+    ranges, _ = scan(world, post, device, directions_of(device.horizontal, device.vertical))
+    X_WS = post.link_pose("scanner") @ device.X_LS
+    rays = directions_of(device.horizontal, device.vertical) @ X_WS[:3, :3].T
+    ahead = int(numpy.argmax(rays[:, 0]))
+    assert X_WS[0, 3] + ranges[ahead] * rays[ahead, 0] == pytest.approx(3.0 + nearest, abs=0.05), "base or tip"
+
+
+def test_noise_is_the_same_at_the_same_time_and_has_the_deviation_that_was_asked_for():
+    noise = Noise("/scan", 0.02)
+    first = noise(numpy.zeros(4000), 5)
+    assert (Noise("/scan", 0.02)(numpy.zeros(4000), 5) == first).all()
+    assert (noise(numpy.zeros(4000), 6) != first).any() and (Noise("/other", 0.02)(numpy.zeros(4000), 5) != first).any()
+    assert first.std() == pytest.approx(0.02, rel=0.05), "4000 numbers: 1 % of deviation, five times"
 
 
 def test_a_saved_world_sees_the_same():

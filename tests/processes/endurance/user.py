@@ -53,8 +53,7 @@ class User(goals_module.Goals):
         self._answered_ns = message.header.stamp.to_nsec()
 
     def _walk(self, steps):
-        """Step, and wait until the last image was answered."""
-        self._answered_ns = -1
+        """Step, and wait until the last image was answered, which may have been before."""
         end_ns = self._step(steps).stamp.to_nsec()
         last_ns = max(at_ns for at_ns in map(image_ns, range(end_ns * RATE_HZ // 10**9 + 1)) if at_ns <= end_ns)
         self._wait("the answer to the last image", lambda: [] if self._answered_ns >= last_ns else ["it"],
@@ -79,6 +78,7 @@ class User(goals_module.Goals):
         for _ in range(self._random.randint(1, 5)):
             self._walk(self._random.randint(1, STEPS))
             self._reset()
+            self._answered_ns = -1  # of the time that begins
 
     def models(self):
         """A model comes, is seen, and goes."""

@@ -39,7 +39,7 @@ def point_rows(view):
     return np.array(rows)
 
 
-class _OfPoints(Feature):
+class OfPoints(Feature):
     sees_tilt, overlay, also_from = True, "points", ("matches", "tag")
 
     def _ends(self, view):
@@ -51,7 +51,7 @@ class _OfPoints(Feature):
 
 
 @register_family("x")
-class PointX(_OfPoints):
+class PointX(OfPoints):
     """x of a point [-]."""
 
     symbol, label, colour = "x_{number}", "point {number} in x", COOL
@@ -72,7 +72,7 @@ class PointY(PointX):
     axis = 1
 
 
-class _OfSegment(_OfPoints):
+class _OfSegment(OfPoints):
     """Base class of features of the vector (dx, dy) from a point to the next one.
 
     A subclass gives `_value(dx, dy)` and `_row(cosine, sine, length, L_dx, L_dy)`, where cosine and sine are those of
@@ -122,7 +122,7 @@ class SegmentDirection(_OfSegment):
 
 
 @register_family("xm")
-class SegmentX(_OfPoints):
+class SegmentX(OfPoints):
     """x of the middle of a segment [-]."""
 
     symbol, label, colour = "x_m{number}", "middle of segment {number} in x", COOL

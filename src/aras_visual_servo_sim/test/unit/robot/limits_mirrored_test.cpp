@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "aras_visual_servo_sim/robot/joint_limits.hpp"
 
@@ -95,6 +96,17 @@ TEST_P(Side, TheTurnThatStaysWithinTheLimitsIsTaken) {
   const double from = sign_ * 0.75 * pi, to = sign_ * -0.75 * pi, limit = 0.9 * pi;
   EXPECT_NEAR(angularDistanceWithin(from, to, -limit, limit), sign_ * -1.5 * pi, kRounding);
   EXPECT_NEAR(angularDistanceWithin(from, to, -kFar, kFar), sign_ * 0.5 * pi, kRounding);
+}
+
+TEST(JointLimits, OfBoundsThatCrossTheUpperOneHolds) { EXPECT_EQ(saturate(0.0, 2.0, 1.0), 1.0); }
+
+TEST(JointLimits, AJointWithoutLimitsIsNotBounded) {
+  const JointLimits none;
+  EXPECT_EQ(clampPosition(none, 5.0), 5.0);
+  EXPECT_EQ(clampVelocity(none, -5.0), -5.0);
+  EXPECT_EQ(effortBounds(none, 5.0, 5.0).max, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(softVelocityBounds(none, SoftLimits(), 5.0).max, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(velocityCommandBounds(none, SoftLimits(), 0.0, 0.0, 0.1).min, -std::numeric_limits<double>::infinity());
 }
 
 }  // namespace

@@ -10,7 +10,8 @@ namespace aras_visual_servo_sim {
 
 /** Running 64-bit hash of a byte stream, by which two runs are compared.
  *
- *  Each call of `add` is one record. Its length is hashed too, so that it matters where one record ends.
+ *  Each call of `add` is one record, hashed by XXH3 of xxHash with the hash of the records before it as the seed. XXH3
+ *  takes the length in, so that it matters where one record ends, and gives the same on every processor.
  *  The state is one word: it can be saved and restored with the simulation. Not cryptographic.
  */
 class RunHash {

@@ -82,7 +82,7 @@ std::string controllerTypeName(ControllerType type) {
 
 void checkGains(const PidGains& gains, const std::string& controller_name) {
   FaultList faults;
-  const auto section =
+  static const auto section =  // to find it takes longer than all checks
       sectionOf("controller")
           .property(YAML::Load("{type: " + controllerTypeName(ControllerType::kEffortPosition) + "}"), "pid");
   checkValue(*section, "p", gains.p, faults);

@@ -15,8 +15,11 @@ constexpr int kMaxMoves = 40;
 constexpr int kMaxSweeps = 20000;
 constexpr double kSweepTolerance = 1e-14;
 
-/** Solves A x = b in place for symmetric positive definite A (lower triangle used), x in b. */
-void solveCholesky(int n, double* A, double* b) {
+/** Solves A x = b in place for symmetric positive definite A (lower triangle used), x in b.
+ *  @tparam kSize  n where it is known to the compiler, which then writes the loops out; else 0 */
+template <int kSize>
+void solveCholesky(int size, double* A, double* b) {
+  const int n = kSize > 0 ? kSize : size;
   for (int j = 0; j < n; ++j) {
     double d = A[j * n + j];
     for (int k = 0; k < j; ++k) d -= A[j * n + k] * A[j * n + k];
@@ -37,6 +40,12 @@ void solveCholesky(int n, double* A, double* b) {
     for (int k = i + 1; k < n; ++k) s -= A[k * n + i] * b[k];
     b[i] = s * A[i * n + i];
   }
+}
+
+void solveCholesky(int n, double* A, double* b) {
+  if (n == 6) return solveCholesky<6>(n, A, b);  // most arms have six joints, or seven
+  if (n == 7) return solveCholesky<7>(n, A, b);
+  solveCholesky<0>(n, A, b);
 }
 
 }  // namespace

@@ -33,15 +33,16 @@ ARAS_WIDE void measureFlat(const TileTriangle& t, float* __restrict least, float
   }
 }
 
-/** The same through a lens. @param rays  middle, across and down of all pixels, x, y and z */
-ARAS_WIDE void measureBent(const TileTriangle& t, const float (*__restrict rays)[kSquare], float* __restrict least,
-                           float* __restrict most, float* __restrict rim) {
-  std::fill(least, least + kSquare, kFar);
-  std::fill(most, most + kSquare, kFar);
-  std::fill(rim, rim + kSquare, kFar);
+/** The same through a lens, of pixels first <= p < last.
+ *  @param rays  middle, across and down of all pixels, x, y and z */
+ARAS_WIDE void measureBent(const TileTriangle& t, const float (*__restrict rays)[kSquare], int first, int last,
+                           float* __restrict least, float* __restrict most, float* __restrict rim) {
+  std::fill(least + first, least + last, kFar);
+  std::fill(most + first, most + last, kFar);
+  std::fill(rim + first, rim + last, kFar);
   for (int k = 0; k < 3; ++k) {
     const float x = t.edge[k][0], y = t.edge[k][1], z = t.edge[k][2], beyond = t.seam[k] ? kFar : 0.0f;
-    for (int p = 0; p < kSquare; ++p) {
+    for (int p = first; p < last; ++p) {
       const float e = x * rays[0][p] + y * rays[1][p] + z * rays[2][p];
       const float half = 0.5f * (std::abs(x * rays[3][p] + y * rays[4][p] + z * rays[5][p]) +
                                  std::abs(x * rays[6][p] + y * rays[7][p] + z * rays[8][p]));
@@ -195,9 +196,10 @@ void TilePainter::setUpBent() {
 /** Notes the pixels that a triangle may be seen in. */
 void TilePainter::collect(std::uint32_t index) {
   const TileTriangle& t = candidates_[index];
-  measureEdges(t);
-  for (int v = 0; v < box_.v1 - box_.v0; ++v) {
-    for (int u = 0; u < box_.u1 - box_.u0; ++u) {
+  const PixelBox touched = touchedBy(t);
+  measureEdges(t, touched);
+  for (int v = touched.v0; v < touched.v1; ++v) {
+    for (int u = touched.u0; u < touched.u1; ++u) {
       const int p = v * kTile + u;
       if (most_[p] < 0.0f) continue;
       const Pixel& pixel = pixels_[p];
@@ -215,10 +217,21 @@ void TilePainter::collect(std::uint32_t index) {
   }
 }
 
-/** Sets least_, most_ and rim_: over each pixel's square, of the distances to the edges, in any unit. */
-void TilePainter::measureEdges(const TileTriangle& t) {
-  list_->isFlat() ? measureFlat(t, least_.data(), most_.data(), rim_.data())
-                  : measureBent(t, across_tile_, least_.data(), most_.data(), rim_.data());
+/** The pixels of the tile, counted from its corner, that a triangle may touch. */
+PixelBox TilePainter::touchedBy(const TileTriangle& t) const {
+  const int width = box_.u1 - box_.u0, height = box_.v1 - box_.v0;
+  if (list_->isFlat()) return {0, 0, width, height};
+  const TriangleList::Extent& extent = list_->extent(t.triangle);
+  return {std::clamp(extent.left - box_.u0, 0, width), std::clamp(extent.top - box_.v0, 0, height),
+          std::clamp(extent.right - box_.u0, 0, width), std::clamp(extent.bottom - box_.v0, 0, height)};
+}
+
+/** Sets least_, most_ and rim_ of these pixels at least: over each one's square, of the distances to the edges, in any
+ *  unit. */
+void TilePainter::measureEdges(const TileTriangle& t, const PixelBox& pixels) {
+  list_->isFlat()
+      ? measureFlat(t, least_.data(), most_.data(), rim_.data())
+      : measureBent(t, across_tile_, pixels.v0 * kTile, pixels.v1 * kTile, least_.data(), most_.data(), rim_.data());
 }
 
 /** Whether the middle of a pixel lies inside a triangle. */

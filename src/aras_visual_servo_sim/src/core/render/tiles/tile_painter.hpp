@@ -76,7 +76,8 @@ class TilePainter {
   void setUpFlat();
   void setUpBent();
   void collect(std::uint32_t candidate);
-  void measureEdges(const TileTriangle& candidate);
+  PixelBox touchedBy(const TileTriangle& candidate) const;
+  void measureEdges(const TileTriangle& candidate, const PixelBox& pixels);
   bool isInside(const TileTriangle& candidate, int pixel) const;
   PixelSamples::Triangle about(const TileTriangle& candidate, int pixel) const;
   void collectCenters(std::uint32_t candidate);

@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kChord = 0.5;   // [px] an edge may stray from straight where only the tiles it touches matter
 constexpr double kMargin = 1.5;  // [px] by which tiles are taken to be larger: for that, and for inflexions
-constexpr double kBias = 1e-6;   // in units of near_m / Z, 250 roundings of a float: 17 um at 0.6 m, near plane 0.02 m
+constexpr double kShort = 4.0, kShortMargin = 0.25;  // [px] an edge so short bends by less, of any lens that can be had
+constexpr double kBias = 1e-6;  // in units of near_m / Z, 250 roundings of a float: 17 um at 0.6 m, near plane 0.02 m
 
 Eigen::Vector3f colorOf(const Rgb& color) { return {float(color.r), float(color.g), float(color.b)}; }
 
@@ -33,6 +34,7 @@ void TriangleList::begin(const CameraModel& camera, const ViewVolume& volume) {
   facets_.clear();
   facet_of_.clear();
   spans_.clear();
+  extents_.clear();
   surfaces_ = 0;
 }
 
@@ -158,6 +160,8 @@ void TriangleList::addTriangle(const Points& points_C, const Seams& seams, Facet
   if (!(isFlat() ? facet.place(points_C) : facet.placeWithEdges(points_C))) return;
   facet.seams = seams;
   const std::size_t first_vertex = vertices_.size(), first_span = spans_.size();
+  constexpr int kMost = std::numeric_limits<int>::max(), kLeast = std::numeric_limits<int>::min();
+  extent_ = {kMost, kMost, kLeast, kLeast};
   for (const auto& [cell, inside] : cells_) {
     const bool seen =
         facet.planar ? inside || !cell->excludes(points_C.data(), points_C.size()) : isSeen(points_C, *cell, inside);
@@ -183,6 +187,7 @@ void TriangleList::addTriangle(const Points& points_C, const Seams& seams, Facet
   }
   const std::size_t count = isFlat() ? (vertices_.size() - first_vertex) / 3 : spans_.size() > first_span ? 1 : 0;
   if (count == 0) return;
+  if (!isFlat()) extents_.push_back(extent_);
   facets_.push_back(facet);
   facet_of_.insert(facet_of_.end(), count, static_cast<std::uint32_t>(facets_.size() - 1));
 }
@@ -208,14 +213,34 @@ void TriangleList::addSpans() {
   rows_.assign(static_cast<std::size_t>(rows), {infinity, -infinity});
   first_row_ = rows;
   last_row_ = 0;
-  for (std::size_t i = 0, j = corners_.size() - 1; i < corners_.size(); j = i++) bendEdge(corners_[j], corners_[i], 0);
+  low_.setConstant(infinity);
+  high_.setConstant(-infinity);
+  bool is_short = true;
+  for (std::size_t i = 0, j = corners_.size() - 1; i < corners_.size(); j = i++) {
+    is_short = is_short && (corners_[i].px - corners_[j].px).squaredNorm() < kShort * kShort;
+  }
+  margin_ = is_short ? kShortMargin : kMargin;
+  for (std::size_t i = 0, j = corners_.size() - 1; i < corners_.size(); j = i++) {
+    if (is_short) {
+      widenRows(corners_[j].px, corners_[i].px);
+    } else {
+      bendEdge(corners_[j], corners_[i], 0);
+    }
+  }
+  widenExtent(margin_);
   const auto triangle = static_cast<std::uint32_t>(size());
   for (int row = first_row_; row < last_row_; ++row) {
     const auto& [low, high] = rows_[row];
-    const int first = static_cast<int>(held(std::floor((low - kMargin) / kTile), 0.0, double(columns)));
-    const int last = static_cast<int>(held(std::floor((high + kMargin) / kTile) + 1.0, 0.0, double(columns)));
+    const int first = static_cast<int>(held(std::floor((low - margin_) / kTile), 0.0, double(columns)));
+    const int last = static_cast<int>(held(std::floor((high + margin_) / kTile) + 1.0, 0.0, double(columns)));
     if (first < last) spans_.push_back({triangle, row, first, last});
   }
+}
+
+void TriangleList::widenExtent(double margin) {
+  const Eigen::Array2i first = (low_ - margin).floor().cast<int>(), last = (high_ + margin).floor().cast<int>() + 1;
+  extent_ = {std::min(extent_.left, first.x()), std::min(extent_.top, first.y()), std::max(extent_.right, last.x()),
+             std::max(extent_.bottom, last.y())};
 }
 
 /** Halves an edge until its image is about straight. */
@@ -239,17 +264,19 @@ void TriangleList::widenRows(const Eigen::Vector2d& from, const Eigen::Vector2d&
   constexpr double kTile = CameraModel::kBlock, kFar = 1e9;
   const auto place = [](double x) { return held(x + 0.5, -kFar, kFar); };
   double x0 = place(from.x()), y0 = place(from.y()), x1 = place(to.x()), y1 = place(to.y());
+  low_ = low_.min(Eigen::Array2d(std::min(x0, x1), std::min(y0, y1)));
+  high_ = high_.max(Eigen::Array2d(std::max(x0, x1), std::max(y0, y1)));
   if (y0 > y1) {
     std::swap(x0, x1);
     std::swap(y0, y1);
   }
   const auto rows = static_cast<double>(rows_.size());
-  const int first = static_cast<int>(held(std::floor((y0 - kMargin) / kTile), 0.0, rows));
-  const int last = static_cast<int>(held(std::floor((y1 + kMargin) / kTile) + 1.0, 0.0, rows));
+  const int first = static_cast<int>(held(std::floor((y0 - margin_) / kTile), 0.0, rows));
+  const int last = static_cast<int>(held(std::floor((y1 + margin_) / kTile) + 1.0, 0.0, rows));
   first_row_ = std::min(first_row_, first);
   last_row_ = std::max(last_row_, last);
   for (int row = first; row < last; ++row) {
-    const double top = held(row * kTile - kMargin, y0, y1), bottom = held((row + 1) * kTile + kMargin, y0, y1);
+    const double top = held(row * kTile - margin_, y0, y1), bottom = held((row + 1) * kTile + margin_, y0, y1);
     const double slope = y1 > y0 ? (x1 - x0) / (y1 - y0) : 0.0;
     const double a = y1 > y0 ? x0 + (top - y0) * slope : x0, b = y1 > y0 ? x0 + (bottom - y0) * slope : x1;
     auto& [low, high] = rows_[row];

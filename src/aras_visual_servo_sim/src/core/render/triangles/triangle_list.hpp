@@ -36,6 +36,12 @@ class TriangleList {
     int row, first, last;
   };
   const std::vector<Span>& spans() const { return spans_; }
+  /** Pixels, of the image or beyond it, that a triangle may touch: left <= u < right, top <= v < bottom. */
+  struct Extent {
+    int left, top, right, bottom;
+  };
+  /** Of triangle k. @pre not isFlat() */
+  const Extent& extent(std::size_t k) const { return extents_[k]; }
   /** What triangle k is a part of. */
   const Facet& facet(std::size_t k) const { return facets_[facet_of_[k]]; }
   /** Plane of triangle k in the camera's frame: plane . ray = 1 / Z for the point on a ray (x, y, 1). */
@@ -59,6 +65,7 @@ class TriangleList {
   void addSpans();
   void bendEdge(const Corner& from, const Corner& to, int depth);
   void widenRows(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
+  void widenExtent(double margin);
 
   const CameraModel* camera_ = nullptr;
   const ViewVolume* volume_ = nullptr;
@@ -73,6 +80,10 @@ class TriangleList {
   std::vector<Eigen::Vector3f> colors_;            // scratch
   std::vector<Corner> corners_;                    // scratch
   std::vector<Span> spans_;
+  std::vector<Extent> extents_;
+  Extent extent_{};                              // of the triangle being added
+  Eigen::Array2d low_, high_;                    // of the outline [px]
+  double margin_ = 0.0;                          // by which it is taken to be larger [px]
   std::vector<std::pair<double, double>> rows_;  // scratch: columns that an outline spans in each row of tiles [px]
   int first_row_ = 0, last_row_ = 0;             // of the outline: first <= row < last
   std::vector<char> drawn_;                      // scratch: of a mesh's triangles

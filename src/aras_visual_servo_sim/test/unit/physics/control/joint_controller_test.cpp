@@ -1,5 +1,8 @@
 #include "aras_visual_servo_sim/physics/joint_controller.hpp"
 
+#include <limits>
+#include <utility>
+
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/physics_tools.hpp"
 
@@ -19,7 +22,7 @@ TEST(Controllers, ReadsRosControlsLayout) {
 joint_state: {type: joint_state_controller/JointStateController, publish_rate: 50}
 swing: {type: effort_controllers/JointPositionController, joint: b_swing,
         pid: {p: 100, i: 2, d: 3.5, i_clamp: -4, antiwindup: true, publish_state: true}}
-slide: {type: position_controllers/JointPositionController, joint: a_slide}
+slide: {type: position_controllers/JointPositionController, joint: a_slide, command_timeout_s: 0.25}
 not_a_controller: {value: 3}
 number: 4
 )");
@@ -35,6 +38,7 @@ number: 4
   EXPECT_TRUE(configs[0].gains.antiwindup);
   EXPECT_TRUE(configs[0].publish_state);
   EXPECT_EQ(configs[1].type, ControllerType::kPosition);
+  EXPECT_EQ(configs[1].command_timeout_s, 0.25);
 }
 
 TEST(Controllers, EachTypeIsReadAsWhatItsNameSays) {

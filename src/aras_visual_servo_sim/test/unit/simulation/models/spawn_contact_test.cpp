@@ -86,6 +86,32 @@ TEST(SpawnedContacts, WhatIsOnlySeenComesAndGoesWithoutAnyChangeOfTheContacts) {
   EXPECT_EQ(one.modelTwist("cube"), other.modelTwist("cube"));
 }
 
+TEST(SpawnedContacts, BodiesThatFallGoOnFallingWhenOthersComeAndGo) {
+  const auto boxAt = [](const std::string& name, double x_m, double z_m) {
+    return YAML::Load("{name: " + name + ", box_m: [0.1, 0.1, 0.1], mass_kg: 0.5, touches: all, position_m: [" +
+                      std::to_string(x_m) + ", 0, " + std::to_string(z_m) + "]}");
+  };
+  Simulation one = fixture::panLift(kGround), other = fixture::panLift(kGround);
+  for (Simulation* each : {&one, &other}) {
+    each->spawnModel(boxAt("first", 1.0, 0.8));
+    each->spawnModel(boxAt("second", 2.0, 0.9));
+    each->step(50);
+    // What is touched changes, so the bodies are made anew, in another order: each takes its own place and velocity.
+    if (each == &other) {
+      each->spawnModel(boxAt("third", 3.0, 0.5));
+      each->step(50);
+      each->deleteModel("first");
+      each->step(50);
+    } else {
+      each->step(100);
+    }
+  }
+  EXPECT_EQ(one.models().pose("second").p, other.models().pose("second").p);
+  EXPECT_EQ(one.modelTwist("second"), other.modelTwist("second"));
+  EXPECT_NEAR(other.modelTwist("third")[2], -0.981, 1e-12);
+  EXPECT_NEAR(one.modelTwist("second")[2], -1.4715, 1e-12);
+}
+
 TEST(SpawnedContacts, WithPairsAllADescriptionTouchesByItsCollisionShapes) {
   Simulation simulation = fixture::panLift("contacts: {pairs: all}");
   simulation.spawnModel(modelEntry("table", kTable), Pose{{1.0, 0.0, 0.05}, Eigen::Quaterniond::Identity()});

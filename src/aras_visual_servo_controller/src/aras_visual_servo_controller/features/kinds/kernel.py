@@ -6,9 +6,9 @@ need other features beside them, for example `features: [kx, ky, an, alpha]`.
 
 import numpy as np
 
-from ..ground.errors import DegenerateFeature
-from .base import Feature, register_feature
-from .palette import BLUE, VERMILION
+from ...ground.errors import DegenerateFeature
+from ..base import Feature, register_feature
+from ..palette import BLUE, VERMILION
 
 
 def kernel_row(sums, exponent, origin, plane):
