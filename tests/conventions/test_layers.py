@@ -28,7 +28,7 @@ ALLOWED = {
 # The rooms of a package, which are its folders, floor by floor from the ground up: a room imports itself and rooms of
 # lower floors, none of its own floor or above.
 CPP_FLOORS = {
-    "aras_visual_servo_camera": [{"config"}, {"image"}, {"matching", "moments", "photometric"},
+    "aras_visual_servo_camera": [{"config"}, {"image"}, {"matching", "moments", "photometric", "tags"},
                                  {"points", "segmentation"}, {"extraction"}],
 }
 

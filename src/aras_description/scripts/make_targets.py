@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Writes the planar targets to targets/*.yaml, and the picture of one of them, photo.png.
+"""Writes the planar targets to targets/*.yaml, and the pictures of two of them, photo.png and tag.png.
 
 An outline is a simple polygon in the target's plane z = 0, counter-clockwise seen from +z (the face the camera sees),
 with its area's centroid at the origin [m]. The picture is synthesised from a seed: smooth noise of many wavelengths, as
-photographs have, and a few shapes. Run without arguments; the output is the same bytes on every run.
+photographs have, and a few shapes. The tag's bits are those of its family's published codes, which OpenCV knows. Run
+without arguments; the output is the same bytes on every run.
 """
 
 import argparse
@@ -19,6 +20,10 @@ SMOOTH_VERTICES = 240
 PHOTO_TEXELS = (400, 300)  # width, height
 PHOTO_SIZE_M = (0.30, 0.225)
 PHOTO_SEED = 1
+#: An AprilTag: family, number, modules from edge to edge of its black square, white modules around it, pixels and
+#: length of a module.
+TAG_FAMILY, TAG_NUMBER, TAG_MODULES, TAG_MARGIN = "36h11", 0, 8, 1
+TAG_MODULE_PX, TAG_MODULE_M = 40, 0.02
 
 
 def area_and_centroid(outline):
@@ -134,10 +139,29 @@ def photo_yaml():
         "name: photo", "image:", "  file: photo.png", f"  size_m: {list(PHOTO_SIZE_M)}"]) + "\n"
 
 
+def tag_pixels(family=TAG_FAMILY, number=TAG_NUMBER):
+    """The tag with its margin, (n, n) uint8."""
+    import cv2  # here: nothing else needs it
+    codes = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_APRILTAG_{family}"))
+    tag = cv2.aruco.drawMarker(codes, number, TAG_MODULES * TAG_MODULE_PX)
+    return np.pad(tag, TAG_MARGIN * TAG_MODULE_PX, constant_values=255)
+
+
+def tag_yaml():
+    """Content of tag.yaml."""
+    side_m = round((TAG_MODULES + 2 * TAG_MARGIN) * TAG_MODULE_M, DECIMALS)
+    return "\n".join([
+        f"# AprilTag {TAG_NUMBER} of the family {TAG_FAMILY}; its black square is {TAG_MODULES * TAG_MODULE_M:g} m "
+        "long.",
+        "# Made by scripts/make_targets.py. Centred at the origin, its top at +y, seen from +z.",
+        "name: tag", "image:", "  file: tag.png", f"  size_m: [{side_m}, {side_m}]"]) + "\n"
+
+
 def targets():
     """File name -> content (text or bytes) of each file."""
     files = {shape.__name__ + ".yaml": yaml_text(shape) for shape in SHAPES}
-    return {**files, "photo.yaml": photo_yaml(), "photo.png": png_bytes(photo_pixels())}
+    return {**files, "photo.yaml": photo_yaml(), "photo.png": png_bytes(photo_pixels()),
+            "tag.yaml": tag_yaml(), "tag.png": png_bytes(tag_pixels())}
 
 
 def main():

@@ -19,6 +19,8 @@ from ._camera import (
     PhotometricExtractor,
     PhotometricFeatures,
     ShapeError,
+    TagExtractor,
+    TagFeatures,
 )
 
 __all__ = [
@@ -33,4 +35,6 @@ __all__ = [
     "PhotometricExtractor",
     "PhotometricFeatures",
     "ShapeError",
+    "TagExtractor",
+    "TagFeatures",
 ]

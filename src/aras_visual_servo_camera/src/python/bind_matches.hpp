@@ -4,7 +4,7 @@
 
 namespace aras_visual_servo_camera {
 
-/** PhotometricFeatures and PhotometricExtractor. */
+/** MatchFeatures and MatchExtractor. */
 void bindMatches(pybind11::module_& module);
 
 }  // namespace aras_visual_servo_camera

@@ -8,6 +8,7 @@
 #include "bind_extractor.hpp"
 #include "bind_matches.hpp"
 #include "bind_photometric.hpp"
+#include "bind_tag.hpp"
 
 namespace py = pybind11;
 using namespace aras_visual_servo_camera;  // NOLINT: this file is the module
@@ -114,4 +115,5 @@ PYBIND11_MODULE(_camera, module) {
   bindExtractor(module);
   bindPhotometric(module);
   bindMatches(module);
+  bindTag(module);
 }

@@ -42,6 +42,7 @@ CameraNode::CameraNode(ros::NodeHandle node, const ros::NodeHandle& private_node
   features_pub_ = node.advertise<aras_visual_servo_msgs::MomentFeatures>("camera/features", kQueue);
   if (config_.photometric)
     photometric_pub_ = node.advertise<aras_visual_servo_msgs::PhotometricFeatures>("camera/photometric", kQueue);
+  if (config_.tag) tag_pub_ = node.advertise<aras_visual_servo_msgs::TagFeatures>("camera/tag", kQueue);
   if (config_.matches) matches_pub_ = node.advertise<aras_visual_servo_msgs::MatchFeatures>("camera/matches", kQueue);
   converted_pub_ = node.advertise<Image>("camera/converted_image", kQueue);
   overlay_pub_ = node.advertise<Image>("camera/overlay", kQueue);
@@ -74,10 +75,12 @@ void CameraNode::useIntrinsics(const CameraInfo& info) {
     extractor_->setIntrinsics(intrinsics);
     photometric_.reset();
     matches_.reset();
+    tag_.reset();
   }
   if (config_.photometric && !photometric_)
     photometric_ = std::make_unique<PhotometricExtractor>(intrinsics, *config_.photometric);
   if (config_.matches && !matches_) matches_ = std::make_unique<MatchExtractor>(intrinsics, *config_.matches);
+  if (config_.tag && !tag_) tag_ = std::make_unique<TagExtractor>(intrinsics, *config_.tag);
 }
 
 void CameraNode::onPair(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info) {
@@ -89,6 +92,7 @@ void CameraNode::onPair(const sensor_msgs::ImageConstPtr& image, const sensor_ms
     extractor_->process(view, nanoseconds(image->header.stamp));
     if (photometric_) photometric_->process(view, nanoseconds(image->header.stamp));
     if (matches_) matches_->process(view, nanoseconds(image->header.stamp));
+    if (tag_) tag_->process(view, nanoseconds(image->header.stamp));
     last_stamp_ = image->header.stamp;
     publish(*image, view);
   } catch (const ArasError& error) {
@@ -112,6 +116,12 @@ void CameraNode::publish(const Image& image, const ImageView& view) {
     matches.header = image.header;
     matches.age_s = features.age_s;
     matches_pub_.publish(matches);
+  }
+  if (tag_) {
+    aras_visual_servo_msgs::TagFeatures tag = toMessage(tag_->features());
+    tag.header = image.header;
+    tag.age_s = features.age_s;
+    tag_pub_.publish(tag);
   }
   if (converted_pub_.getNumSubscribers() > 0) {
     Image converted = emptyImage(image.header, view, sensor_msgs::image_encodings::MONO8, 1);
@@ -140,10 +150,11 @@ void CameraNode::setReference(const aras_visual_servo_msgs::SetReference::Reques
   const std::int64_t stamp_ns = nanoseconds(stamp);
   if (photometric_) photometric_->teach(stamp_ns, request.z_star_m);
   if (matches_) matches_->teach(stamp_ns, request.z_star_m);
+  if (tag_) tag_->teach(stamp_ns, request.z_star_m);
   try {
     extractor_->teach(stamp_ns, request.z_star_m);
   } catch (const DegenerateFeature& error) {
-    if (!photometric_ && !matches_) throw;
+    if (!photometric_ && !matches_ && !tag_) throw;
     response->message = std::string("without moments: ") + error.what();
   }
   response->stamp = stamp;

@@ -14,6 +14,7 @@
 #include "aras_visual_servo_camera/extraction/moment_extractor.hpp"
 #include "aras_visual_servo_camera/matching/match_extractor.hpp"
 #include "aras_visual_servo_camera/photometric/photometric_extractor.hpp"
+#include "aras_visual_servo_camera/tags/tag_extractor.hpp"
 
 namespace aras_visual_servo_camera {
 
@@ -53,12 +54,13 @@ class CameraNode {
   VisionConfig config_;
   std::unique_ptr<MomentExtractor> extractor_;
   std::unique_ptr<PhotometricExtractor> photometric_;  // only where the configuration has it, as
-  std::unique_ptr<MatchExtractor> matches_;            // this
+  std::unique_ptr<MatchExtractor> matches_;            // these
+  std::unique_ptr<TagExtractor> tag_;
   ros::Time last_stamp_;
   unsigned images_since_report_ = 0, infos_since_report_ = 0, pairs_since_report_ = 0;
   Throttle throttle_;
 
-  ros::Publisher features_pub_, photometric_pub_, matches_pub_, converted_pub_, overlay_pub_;
+  ros::Publisher features_pub_, photometric_pub_, matches_pub_, tag_pub_, converted_pub_, overlay_pub_;
   ros::ServiceServer reference_service_;
   message_filters::Subscriber<Image> image_sub_;
   message_filters::Subscriber<CameraInfo> info_sub_;

@@ -129,4 +129,28 @@ aras_visual_servo_msgs::MatchFeatures toMessage(const MatchFeatures& f) {
   return msg;
 }
 
+aras_visual_servo_msgs::TagFeatures toMessage(const TagFeatures& f) {
+  aras_visual_servo_msgs::TagFeatures msg;
+  msg.target_visible = f.target_visible;
+  msg.has_reference = f.has_reference;
+  msg.valid = f.valid;
+  msg.fault = f.fault;
+  msg.family = f.family;
+  msg.id = f.id;
+  msg.tags = f.tags;
+  msg.side_px = f.side_px;
+  msg.xg = f.xg;
+  msg.yg = f.yg;
+  msg.point_x = f.point_x;
+  msg.point_y = f.point_y;
+  msg.homography = f.homography;
+  msg.position_m = f.position_m;
+  msg.orientation = f.orientation;
+  msg.pose_error = f.pose_error;
+  msg.other_pose_error = f.other_pose_error;
+  msg.z_star_m = f.z_star_m;
+  msg.reference_stamp_ns = f.reference_stamp_ns;
+  return msg;
+}
+
 }  // namespace aras_visual_servo_camera

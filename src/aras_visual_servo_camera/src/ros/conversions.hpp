@@ -3,6 +3,7 @@
 #include <aras_visual_servo_msgs/MatchFeatures.h>
 #include <aras_visual_servo_msgs/MomentFeatures.h>
 #include <aras_visual_servo_msgs/PhotometricFeatures.h>
+#include <aras_visual_servo_msgs/TagFeatures.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 
@@ -11,6 +12,7 @@
 #include "aras_visual_servo_camera/matching/match_features.hpp"
 #include "aras_visual_servo_camera/moments/moment_features.hpp"
 #include "aras_visual_servo_camera/photometric/photometric_features.hpp"
+#include "aras_visual_servo_camera/tags/tag_features.hpp"
 
 namespace aras_visual_servo_camera {
 
@@ -24,5 +26,6 @@ ImageView toView(const sensor_msgs::Image& image);
 aras_visual_servo_msgs::MomentFeatures toMessage(const MomentFeatures& features);
 aras_visual_servo_msgs::PhotometricFeatures toMessage(const PhotometricFeatures& features);
 aras_visual_servo_msgs::MatchFeatures toMessage(const MatchFeatures& features);
+aras_visual_servo_msgs::TagFeatures toMessage(const TagFeatures& features);
 
 }  // namespace aras_visual_servo_camera

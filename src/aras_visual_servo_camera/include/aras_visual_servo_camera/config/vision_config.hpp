@@ -4,6 +4,7 @@
 
 #include "aras_visual_servo_camera/config/matching_config.hpp"
 #include "aras_visual_servo_camera/config/photometric_config.hpp"
+#include "aras_visual_servo_camera/config/tag_config.hpp"
 
 namespace YAML {
 class Node;
@@ -43,6 +44,7 @@ struct VisionConfig {
   std::optional<Kernel> kernel;
   std::optional<PhotometricConfig> photometric;
   std::optional<MatchingConfig> matches;
+  std::optional<TagConfig> tag;
 };
 
 /** @param node  a map as schema/vision.yaml describes it

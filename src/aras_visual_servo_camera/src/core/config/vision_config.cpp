@@ -5,6 +5,7 @@
 
 #include "config/read_matching.hpp"
 #include "config/read_photometric.hpp"
+#include "config/read_tag.hpp"
 #include "schema_sections.hpp"
 
 namespace aras_visual_servo_camera {
@@ -79,6 +80,7 @@ VisionConfig readVisionConfig(const YAML::Node& node) {
   readFeatures(reader, config);
   if (reader.has("photometric")) config.photometric = readPhotometric(reader.section("photometric"));
   if (reader.has("matches")) config.matches = readMatching(reader.section("matches"));
+  if (reader.has("tag")) config.tag = readTag(reader.section("tag"));
   reader.finish();
   return config;
 }

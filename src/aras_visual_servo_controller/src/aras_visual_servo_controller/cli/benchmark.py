@@ -15,6 +15,7 @@ FOLDER = "benchmarks"
 EXAMPLES = (("vit_vs --starts 60", "60 of the 500 starts of each case, spread evenly"),
             ("vit_vs --cases orb_plain --name mine", "one case; the same line again goes on where it was interrupted"),
             ("vit_vs --board poster.png", "with a picture of your own on the board"),
+            ("latency --starts 1000", "a map of success over two delays, from the first 1000 of its 10 000 runs"),
             ("canonical", "the laws on the canonical tasks, on the free camera and on the arm"))
 
 
@@ -82,6 +83,8 @@ def _run(protocol, arguments):
     path = save_table(protocol, lines, folder)
     print(as_markdown(protocol, lines))
     print(f"{'table':<20}{path}")
+    for picture in protocol.save_pictures(results, folder):
+        print(f"{'picture':<20}{picture}")
     return EXIT_PASSED
 
 

@@ -40,7 +40,7 @@ def point_rows(view):
 
 
 class OfPoints(Feature):
-    sees_tilt, overlay, also_from = True, "points", ("matches",)
+    sees_tilt, overlay, also_from = True, "points", ("matches", "tag")
 
     def _ends(self, view):
         """Indices of this point and of the next one. Raises DegenerateFeature: the view shows fewer points."""

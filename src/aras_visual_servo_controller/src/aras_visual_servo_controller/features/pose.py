@@ -10,7 +10,7 @@ from .palette import BLUE, BROWN, GREEN, NAVY, PURPLE, VERMILION
 
 
 class _OfPose(Feature):
-    sees_tilt, index, overlay, also_from = True, 0, "pose", ("matches",)
+    sees_tilt, index, overlay, also_from = True, 0, "pose", ("matches", "tag")
 
     def row(self, view):
         raise DegenerateFeature(f"{self.name}: this feature has no interaction row, allowed with the laws that measure "

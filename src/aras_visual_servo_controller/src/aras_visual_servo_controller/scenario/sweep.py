@@ -130,9 +130,14 @@ class Perturbations:
     latency_images: object = setting(
         None, at_least=0,
         help="Images by which every image is delivered late, rounded down: added to the cameras' latency_s.")
+    latency_s: object = setting(
+        None, unit="s", at_least=0,
+        help="By how much later every image is delivered: added to the cameras' latency_s.")
     target: object = setting(None, help="Shape: name of a file of aras_description/targets, or its URI.")
     picture: object = setting(
         None, help="File of a picture that takes the place of the target's when the goal has been taught.")
+    clutter: object = setting(
+        None, help="YAML file of `solids` and `lights` that come into the scene when the goal has been taught.")
     target_scale: object = setting(
         None, at_least=0.01,
         help="Factor on the size of every model of the scene that has outlines or an image.")

@@ -89,7 +89,7 @@ def perturbed(scenario, parameters):
     if "z_star_error" in parameters:
         z_star_m = overrides.get("experiment.z_star_m", scenario.experiment["z_star_m"])
         overrides["experiment.z_star_m"] = z_star_m * (1.0 + parameters["z_star_error"])
-    if "noise_stddev" in parameters or "latency_images" in parameters:
+    if {"noise_stddev", "latency_images", "latency_s"} & set(parameters):
         overrides["sim.cameras"] = [_camera(camera, parameters) for camera in scenario.sim["cameras"]]
     if "target" in parameters or "target_scale" in parameters:
         overrides["sim.scene.models"] = _models(scenario, parameters)
@@ -112,6 +112,18 @@ def swap_picture(sim, scenario, file):
             sim.spawn_model({**model, "image": {**model["image"], "file": str(resolve_uri(file, scenario._base))}})
             return
     raise ParameterError("picture: the scene has no model with a picture")
+
+
+def put_clutter(sim, scenario, file):
+    """Put the solids and lights of a file into the scene, until the next reset of the Simulation.
+
+    A light of a name that the scene has takes its place. Raises ParameterError and the errors of the simulator.
+    """
+    clutter = load_yaml(resolve_uri(file, scenario._base))
+    for solid in clutter.get("solids", []):
+        sim.spawn_model(solid)
+    for light in clutter.get("lights", []):
+        sim.set_light(light)
 
 
 def simulator_key(scenario, parameters):
@@ -173,10 +185,10 @@ def _check_value(name, value):
         if not isinstance(value, str):
             raise ParameterError(f"found {value}, allowed is the name of a target file")
         resolve_uri(_target_uri(value), key="target")
-    elif name == "picture":
+    elif name in ("picture", "clutter"):
         if not isinstance(value, str):
-            raise ParameterError(f"found {value}, allowed is the file of a picture")
-        resolve_uri(value, key="picture")
+            raise ParameterError(f"found {value}, allowed is the name of a file")
+        resolve_uri(value, key=name)
     elif name in KNOWN and (not is_number(value) or value < KNOWN[name]):
         raise ParameterError(f"found {value}, allowed >= {KNOWN[name]:g}")
 
@@ -200,6 +212,8 @@ def _camera(camera, parameters):
     if images:
         rate_hz = camera.get("rate_hz", default_of("sim.cameras.rate_hz"))
         camera["latency_s"] = camera.get("latency_s", 0.0) + images / rate_hz
+    if "latency_s" in parameters:
+        camera["latency_s"] = camera.get("latency_s", 0.0) + parameters["latency_s"]
     return camera
 
 

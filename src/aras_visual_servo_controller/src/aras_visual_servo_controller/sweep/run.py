@@ -20,7 +20,7 @@ from ..run.measures import measures
 from ..run.settings import ExperimentSettings
 from .judge import COLUMNS, initial_columns, judge_row
 from .metrics import judge_by
-from .perturb import perturbed, simulator_key, swap_picture
+from .perturb import perturbed, put_clutter, simulator_key, swap_picture
 from ..scenario.sweep import CAMERA_AXES
 from ..ground.types import Status
 
@@ -107,13 +107,16 @@ class Bench:
             raise Infeasible(str(error)) from error
         if "picture" in start.parameters:
             swap_picture(loop.sim, loop.scenario, start.parameters["picture"])
+        if "clutter" in start.parameters:
+            put_clutter(loop.sim, loop.scenario, start.parameters["clutter"])
         loop.place(start.joints, config.settle_s)
         loop.start(servo_only=True)
 
     @staticmethod
     def _drive(loop, builder, start):
-        if "picture" in start.parameters:
-            raise Infeasible("picture: allowed without drive_to_start, where the bench teaches the goal")
+        for name in ("picture", "clutter"):
+            if name in start.parameters:
+                raise Infeasible(f"{name}: allowed without drive_to_start, where the bench teaches the goal")
         loop.start()
 
     def _servo(self, loop, builder, start):

@@ -34,8 +34,8 @@ def textured_wedge():
 
 
 def test_an_unknown_source_lists_the_known_ones():
-    assert [source.name for source in known_sources()] == ["matches", "moments", "photometric"]
-    with pytest.raises(ParameterError, match="found 'sonar', allowed matches, moments, photometric"):
+    assert [source.name for source in known_sources()] == ["matches", "moments", "photometric", "tag"]
+    with pytest.raises(ParameterError, match="found 'sonar', allowed matches, moments, photometric, tag"):
         source_named("sonar")
 
 

@@ -16,6 +16,7 @@ namespace aras_visual_servo_sim {
 /** The `sim:` section of a scenario. schema/sim.yaml says what each key means. */
 struct SimulationConfig {
   WorldConfig world;
+  double command_delay_s = 0.0;                     ///< how long commands are on their way
   std::uint64_t seed = 0;                           ///< of the image noise
   std::map<std::string, double> initial_positions;  ///< by joint name [m or rad]
   std::vector<CameraConfig> cameras;

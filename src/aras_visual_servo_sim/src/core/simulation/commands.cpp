@@ -1,5 +1,6 @@
 #include "aras_visual_servo_sim/simulation/commands.hpp"
 
+#include <cmath>
 #include <limits>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
@@ -17,9 +18,13 @@ std::int64_t ageOf(std::int64_t stamp_ns, std::int64_t now_ns) {
 
 }  // namespace
 
+Commands::Commands(double timeout_s, double delay_s, std::int64_t period_ns)
+    : timeout_s_(timeout_s), delay_ns_((std::llround(1e9 * delay_s) + period_ns - 1) / period_ns * period_ns) {}
+
 void Commands::refuse(const std::string& reason, MultibodyWorld& world) {
   ++refused_;
   last_refusal_ = reason;
+  drop();
   world.hold();
 }
 
@@ -53,9 +58,22 @@ void Commands::apply(const JointCommand& command, std::optional<std::int64_t> st
   acceptOrRefuse(
       [&] {
         checkAge(ageOf(stamp_ns.value_or(now_ns), now_ns), command.empty(), now_ns);
-        world.setCommand(command);
+        if (delay_ns_ == 0) return world.setCommand(command);
+        if (!command.empty()) held_.push_back({now_ns + delay_ns_, command});
       },
       world);
+}
+
+void Commands::applyDue(std::int64_t now_ns, MultibodyWorld& world) {
+  while (nextDueNs() <= now_ns) {
+    const JointCommand command = std::move(held_.front().command);
+    held_.pop_front();
+    try {
+      world.setCommand(command);
+    } catch (const ArasError& error) {  // its controller was stopped in the meantime
+      refuse(error.what(), world);
+    }
+  }
 }
 
 void Commands::apply(const std::string& controller, double value, MultibodyWorld& world) {

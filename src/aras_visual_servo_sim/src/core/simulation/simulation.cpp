@@ -30,7 +30,7 @@ Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::No
       clock_(config_.world.period_s),
       start_(config_.initial_positions),
       contacts_(config_.world.contacts, model_, packages),
-      commands_(config_.world.command_timeout_s) {
+      commands_(config_.world.command_timeout_s, config_.command_delay_s, periodNs()) {
   FaultList faults;
   faults.collect([&] { applyJointLimits(controllers, model_); });
   faults.collect([&] { config_.world.controllers = parseControllers(controllers, model_); });
@@ -80,8 +80,11 @@ void Simulation::step(std::int64_t n) {
 /** Does what is due at this tick. @return the next tick at which something is, at most `end` */
 std::int64_t Simulation::leaveTick(std::int64_t end) {
   expose();
+  commands_.applyDue(timeNs(), *world_);
   const std::int64_t now = ticks();
   std::int64_t next = end;
+  if (commands_.nextDueNs() != Commands::kNeverNs)
+    next = std::min(next, (commands_.nextDueNs() + periodNs() - 1) / periodNs());
   for (Camera& camera : cameras_) {
     if (!camera.late() && camera.frameDue(now)) {
       run_hash_.add(*world_, timeNs());
@@ -221,6 +224,7 @@ void Simulation::setTwist(const Twist& V_WL_L, const std::string& link, std::opt
 
 void Simulation::setJointPositions(const std::map<std::string, double>& positions) {
   world_->setJointPositions(positions);
+  commands_.drop();
   cameras_.forgetPast();
 }
 
@@ -278,6 +282,7 @@ void Simulation::startModels() {
 
 void Simulation::resetWorld() {
   start_.putBack(*world_);
+  commands_.drop();
   startModels();
   cameras_.forgetPast();
 }

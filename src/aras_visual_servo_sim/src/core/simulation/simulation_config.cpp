@@ -33,6 +33,7 @@ SimulationConfig SimulationConfig::fromYaml(const YAML::Node& node) {
   SimulationConfig config;
   YamlReader reader(node, sectionOf("sim"), "sim");
   config.world = readWorld(reader);
+  config.command_delay_s = reader.get<double>("command_delay_s");
   config.seed = static_cast<std::uint64_t>(reader.get<std::int64_t>("seed"));
   YamlReader positions = reader.section("initial_positions");
   for (const std::string& joint : positions.keys()) config.initial_positions[joint] = positions.get<double>(joint);

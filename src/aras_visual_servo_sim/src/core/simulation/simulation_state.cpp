@@ -1,4 +1,6 @@
 // Saving and restoring a Simulation, one magic word first.
+#include <deque>
+#include <string>
 #include <utility>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
@@ -18,6 +20,39 @@ struct FrameCounters {
   std::int64_t next_frame, unhashed_frame, asked;
   std::uint64_t dropped;
 };
+
+void putCommands(const std::deque<Commands::Held>& held, StateWriter& out) {
+  out.put<std::uint64_t>(held.size());
+  for (const auto& [due_ns, command] : held) {
+    out.put(due_ns);
+    for (const auto* values : {&command.position, &command.velocity, &command.effort}) {
+      out.put<std::uint64_t>(values->size());
+      for (const auto& [joint, value] : *values) {
+        out.putText(joint);
+        out.put(value);
+      }
+    }
+  }
+}
+
+std::deque<Commands::Held> getCommands(StateReader& in) {
+  std::deque<Commands::Held> held;
+  for (auto left = in.get<std::uint64_t>(); left > 0; --left) {
+    Commands::Held one;
+    one.due_ns = in.get<std::int64_t>();
+    if (one.due_ns < 0 || one.due_ns > kLatestNs)
+      throw StateError("saved state: found a command that is due at " + std::to_string(one.due_ns) +
+                       " ns, allowed 0 to " + std::to_string(kLatestNs));
+    for (auto* values : {&one.command.position, &one.command.velocity, &one.command.effort}) {
+      for (auto joints = in.get<std::uint64_t>(); joints > 0; --joints) {
+        const std::string joint = in.getText();
+        (*values)[joint] = in.get<double>();
+      }
+    }
+    held.push_back(std::move(one));
+  }
+  return held;
+}
 
 }  // namespace
 
@@ -47,6 +82,7 @@ std::string Simulation::saveState() const {
   for (const Camera& camera : cameras_) {
     if (camera.sensor() && camera.sensor()->setsItself()) out.putSensor(camera.sensor()->state());
   }
+  if (commands_.delays()) putCommands(commands_.held(), out);
   return out.take();
 }
 
@@ -109,11 +145,14 @@ void Simulation::restoreState(const std::string& state) {
     const Sensor* sensor = cameras_[static_cast<int>(k)].sensor();
     if (sensor && sensor->setsItself()) cameras[k].sensor = in.getSensor();
   }
+  std::deque<Commands::Held> held;
+  if (commands_.delays()) held = getCommands(in);
   if (!in.atEnd()) throw StateError("saved state: found bytes after its end, allowed a state of this simulation");
 
   restoreWorld(world, models, cameras);  // throws before anything else changed
   run_hash_.setState(hash);
   commands_.restore(refused, refusal);
+  commands_.restoreHeld(std::move(held));
   for (std::size_t k = 0; k < cameras.size(); ++k) cameras_[static_cast<int>(k)].restore(std::move(cameras[k]));
   models_.become(std::move(models), std::move(motions));
 }

@@ -57,6 +57,14 @@ class Protocol:
         """
         raise NotImplementedError
 
+    def lines(self, case, rows):
+        """The lines of the table that a case has: list of (columns, rows), columns {heading: text}."""
+        return [(case.columns, rows)]
+
+    def save_pictures(self, results, folder):
+        """Draw what a table does not show. results: list of (Case, rows). Returns the paths that were written."""
+        return []
+
 
 def register_protocol(name):
     """Class decorator that makes a protocol known by name."""

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from ...ground.errors import ParameterError
+
 #: Size of a board's picture [px]: a pixel is 0.53 mm of a board of 0.8 m.
 WIDTH, HEIGHT = 1500, 1125
 SHAPES = 900
@@ -68,3 +70,31 @@ def load(path):
     if picture.dtype != np.uint8:
         picture = np.rint(255.0 * picture).astype(np.uint8)
     return np.ascontiguousarray(picture[..., :3] if picture.ndim == 3 else np.repeat(picture[..., None], 3, axis=2))
+
+
+def asked_for(file, seed):
+    """The picture of a user's file, or our own of this seed where the file is None. Raises ParameterError."""
+    try:
+        return draw(seed) if file is None else load(file)
+    except (OSError, ValueError, SyntaxError) as error:
+        raise ParameterError(f"--board: found {file}, allowed the file of a picture: {error}") from error
+
+
+def save_mesh(path, draw_picture, size_m):
+    """Write a rectangle that bears a picture, PATH.obj with PATH.mtl and PATH.png; files that are there are taken.
+
+    A mesh answers light and shadows, which a flat model of a scene does not.
+    Args: draw_picture: gives the picture where it has to be written.  size_m: width and height.
+    Returns: the path of the mesh.
+    """
+    mesh, name = path.with_suffix(".obj"), path.name
+    if not mesh.exists():
+        save(path.with_suffix(".png"), draw_picture())
+        material = f"newmtl picture\nKa 1 1 1\nKd 1 1 1\nmap_Kd {name}.png\n"
+        path.with_suffix(".mtl").write_text(material, encoding="utf-8")
+        x, y = 0.5 * size_m[0], 0.5 * size_m[1]
+        corners = [f"v {u:.6g} {v:.6g} 0" for u, v in ((-x, -y), (x, -y), (x, y), (-x, y))]
+        lines = [f"mtllib {name}.mtl", *corners, "vt 0 0", "vt 1 0", "vt 1 1", "vt 0 1", "vn 0 0 1", "usemtl picture",
+                 "f 1/1/1 2/2/1 3/3/1", "f 1/1/1 3/3/1 4/4/1", ""]
+        mesh.write_text("\n".join(lines), encoding="utf-8")
+    return mesh.resolve()

@@ -5,7 +5,6 @@ import math
 import numpy as np
 
 from ...arm.robot import robot_kinematics
-from ...ground.errors import ParameterError
 from ...ground.spatial import rotation, rotation_angle, rotation_vector
 from ...scenario.scenario import load_scenario
 from ...sweep.plan import Start
@@ -38,10 +37,7 @@ class CnsAffine(Protocol):
         folder.mkdir(parents=True, exist_ok=True)
         path = folder / "board.png"
         if not path.exists():
-            try:
-                boards.save(path, boards.draw(BOARD_SEED) if board is None else boards.load(board))
-            except (OSError, ValueError, SyntaxError) as error:
-                raise ParameterError(f"--board: found {board}, allowed the file of a picture: {error}") from error
+            boards.save(path, boards.asked_for(board, BOARD_SEED))
         cases = []
         for detector in DETECTORS:
             scenario = load_scenario("cns_affine", {"vision.matches": {"detector": detector}})

@@ -51,13 +51,14 @@ def table(protocol, results):
     has no other word for it.
     Args: results: list of (Case, rows).
     """
-    extra = list(dict.fromkeys(name for case, _ in results for name in case.columns))
+    parts = [(case, columns, chosen) for case, rows in results for columns, chosen in protocol.lines(case, rows)]
+    extra = list(dict.fromkeys(name for _, columns, _ in parts for name in columns))
     lines = [[*(extra or ["case"]), *HEADINGS]]
-    for case, rows in results:
+    for case, columns, rows in parts:
         won = [row for row in rows if row[protocol.metric] == 1]
         low, high = wilson(len(won), len(rows))
         rate, whose = ("", "") if case.published is None else (_percent(case.published[0]), case.published[1])
-        lines.append([*([case.columns.get(name, "") for name in extra] or [case.name]), str(len(rows)),
+        lines.append([*([columns.get(name, "") for name in extra] or [case.name]), str(len(rows)),
                       _percent(len(won) / len(rows)) if rows else "", f"{_percent(low)} to {_percent(high)}", rate,
                       whose, _median(won, "error_mm"), _median(won, "angle_deg"), _broken(rows), digest(rows)[:16]])
     return lines

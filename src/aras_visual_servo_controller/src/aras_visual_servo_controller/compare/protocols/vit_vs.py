@@ -5,7 +5,6 @@ import math
 import numpy as np
 
 from ...arm.robot import robot_kinematics
-from ...ground.errors import ParameterError
 from ...scenario.scenario import load_scenario
 from ...sweep.plan import Start
 from . import board as boards
@@ -103,11 +102,7 @@ def _pictures(folder, board, indices):
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "board.png"
     if not path.exists():
-        try:
-            picture = boards.draw(BOARD_SEED) if board is None else boards.load(board)
-        except (OSError, ValueError, SyntaxError) as error:
-            raise ParameterError(f"--board: found {board}, allowed the file of a picture: {error}") from error
-        boards.save(path, picture)
+        boards.save(path, boards.asked_for(board, BOARD_SEED))
     picture, copies = boards.load(path), {}
     for index in indices:
         copies[index + 1] = copy = folder / f"board_{index + 1}.png"

@@ -26,11 +26,11 @@ class Matches(Source):
 
     def taught(self, features, z_star_m, normal_C):
         """As of `Source`. The points are those that the camera package says it will follow."""
-        view = _points(features, features.as_goal_x, features.as_goal_y, float(z_star_m))
+        view = points_view(features, features.as_goal_x, features.as_goal_y, float(z_star_m))
         return Taught(view, view, plane_from_pose(normal_C, [0.0, 0.0, view.z_star_m]))
 
     def kept(self, features):
-        return _points(features, features.point_x, features.point_y, features.z_star_m)
+        return points_view(features, features.point_x, features.point_y, features.z_star_m)
 
     def mean(self, views):
         """The points one by one, and their middle."""
@@ -39,7 +39,7 @@ class Matches(Source):
         return replace(views[0], point_x=tuple(x), point_y=tuple(y), **middle)
 
 
-def _points(features, x, y, z_star_m):
+def points_view(features, x, y, z_star_m):
     """`Features` with these points and the place of their middle: what laws on points and teaching read."""
     view = Features(target_visible=True, valid=True, has_reference=True, z_star_m=z_star_m,
                     reference_stamp_ns=features.reference_stamp_ns)
