@@ -64,7 +64,7 @@ def is_simple(outline):
 
 
 def test_all_targets_are_there():
-    assert sorted(path.stem for path in (PACKAGE / "targets").glob("*.yaml")) == sorted(NAMES + ["photo"])
+    assert sorted(path.stem for path in (PACKAGE / "targets").glob("*.yaml")) == sorted(NAMES + ["photo", "tag"])
 
 
 def test_photo_has_detail_of_every_size():
@@ -148,3 +148,12 @@ def test_script_makes_the_same_targets(monkeypatch):
     written = {name: (PACKAGE / "targets" / name).read_bytes() for name in made}
     assert [name for name, content in made.items()
             if written[name] != (content if isinstance(content, bytes) else content.encode())] == []
+
+
+def test_the_tag_is_the_one_its_file_says_and_has_a_white_margin():
+    tag = yaml.safe_load((PACKAGE / "targets" / "tag.yaml").read_text())
+    picture = cv2.imread(str(PACKAGE / "targets" / tag["image"]["file"]), cv2.IMREAD_UNCHANGED)
+    codes = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36h11)
+    _, ids, _ = cv2.aruco.detectMarkers(picture, codes)
+    assert ids.tolist() == [[0]] and tag["image"]["size_m"] == [0.2, 0.2]
+    assert picture.shape == (400, 400) and picture[:40].min() == 255 and picture[40:60, 40:-40].max() == 0
