@@ -8,6 +8,7 @@ from bench import Bench, config
 from toy_plant import GOAL, arm
 
 from aras_visual_servo_controller.bags.record_groups import group_of
+from aras_visual_servo_controller.config.files import resolve_uri
 from aras_visual_servo_controller.features import base as features
 from aras_visual_servo_controller.features.sources import base as sources
 from aras_visual_servo_controller.features import (Feature, FeatureSet, Source, Taught, known_sources, register_feature,
@@ -20,7 +21,8 @@ from aras_visual_servo_controller.servo.servo import Servo
 
 INFO = {"width": 160, "height": 120, "K": [100.0, 0, 79.5, 0, 100.0, 59.5, 0, 0, 1], "D": [0.0] * 5,
         "distortion_model": "plumb_bob"}
-VISION = {"object": "dark", "segmentation": "coverage", "photometric": {"levels": 2}, "matches": {}}
+VISION = {"object": "dark", "segmentation": "coverage", "photometric": {"levels": 2}, "matches": {},
+          "tag": {"size_m": 0.16}}
 
 
 def textured_wedge():
@@ -39,11 +41,21 @@ def test_an_unknown_source_lists_the_known_ones():
         source_named("sonar")
 
 
+def view_for(source):
+    """An image in which this source finds what it works on."""
+    image = textured_wedge()
+    if source.name == "tag":
+        import matplotlib.image
+        tag = matplotlib.image.imread(str(resolve_uri("package://aras_description/targets/tag.png")))
+        image[:100, :100] = np.rint(255.0 * tag[::4, ::4])
+    return image
+
+
 @pytest.mark.parametrize("source", known_sources(), ids=lambda source: source.name)
 def test_a_message_has_the_fields_of_what_the_source_makes_in_process(source):
     pytest.importorskip("aras_visual_servo_camera")
     message = pytest.importorskip("roslib.message").get_message_class(source.message)
-    seen = source.extractor(INFO, VISION).process(textured_wedge(), 5)
+    seen = source.extractor(INFO, VISION).process(view_for(source), 5)
     assert {name for name in dir(seen) if not name.startswith("_")} == set(message.__slots__) - {"header", "age_s"}
     assert set(source.tell_reference) <= set(message.__slots__)
     assert source.why_lost(seen) == "" and group_of("/a/" + source.topic, "/a/") == "features"
@@ -54,12 +66,12 @@ def test_a_taught_view_has_the_values_that_the_camera_gives_it_once_it_is_the_re
     """Bit for bit: the camera need not be asked for them."""
     pytest.importorskip("aras_visual_servo_camera")
     extractor = source.extractor(INFO, VISION)
-    seen = extractor.process(textured_wedge(), 5)
+    seen = extractor.process(view_for(source), 5)
     extractor.teach(5, 0.59)
-    again = extractor.process(textured_wedge(), 6)
+    again = extractor.process(view_for(source), 6)
     taught = source.taught(seen, 0.59, (0.0, 0.0, 1.0))
     names = {"moments": ("xn", "yn", "an", "alpha"), "photometric": ("photometric",),
-             "matches": ("points4", "xm1", "l2", "xr", "tz")}[source.name]
+             "matches": ("points4", "xm1", "l2", "xr", "tz"), "tag": ("points4", "xm1", "l2", "xr", "tz")}[source.name]
     values = [FeatureSet(names, source=source.name).values(features.View(each)) for each in (taught.features, again)]
     assert values[0] == values[1] and np.isfinite(values[0]).all()
 
