@@ -295,8 +295,9 @@ void bindState(py::class_<Simulation>& type) {
           "opengl", &Simulation::openGl,
           "What drew images by OpenGL so far, and its version; '' if nothing did. A run hash holds for one of these.")
       .def_property_readonly(
-          "warnings", [](const Simulation& self) { return self.model().warnings; },
-          "What was ignored in the URDF, a line each.");
+          "warnings", &Simulation::warnings,
+          "What was ignored in the URDF, and what cameras of the coverage renderer leave out of the scene, a line each;\n"
+          "grows with what is spawned.");
 }
 
 }  // namespace
