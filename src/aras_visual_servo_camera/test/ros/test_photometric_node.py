@@ -2,18 +2,13 @@
 """Wiring of camera_node with vision.photometric: topic, stamps, reference, blank images, another camera."""
 
 import sys
-import unittest
 
 import numpy as np
 import rospy
 import rostest
 from aras_visual_servo_msgs.msg import PhotometricFeatures
-from aras_visual_servo_msgs.srv import SetReference
-from sensor_msgs.msg import CameraInfo, Image
 
-from test_camera_node import LIMIT_S, wait_until
-
-FOCAL_PX = 100.0
+from feature_node import FeatureNodeTest
 
 
 def texture(width, height, shift_px=0.0):
@@ -21,38 +16,8 @@ def texture(width, height, shift_px=0.0):
     return np.rint(128 + 50 * np.sin(0.21 * u + 0.05 * v) + 50 * np.cos(0.17 * v)).astype(np.uint8)
 
 
-class PhotometricNodeTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.clock, cls.received = 100, []
-        cls.images = rospy.Publisher("camera/image_raw", Image, queue_size=200)
-        cls.infos = rospy.Publisher("camera/camera_info", CameraInfo, queue_size=200)
-        cls.subscriber = rospy.Subscriber("camera/photometric", PhotometricFeatures, cls.received.append,
-                                          queue_size=200)
-        rospy.wait_for_service("camera/set_reference", LIMIT_S)
-        cls.set_reference = staticmethod(rospy.ServiceProxy("camera/set_reference", SetReference))
-        assert wait_until(lambda: cls.images.get_num_connections() and cls.infos.get_num_connections()
-                          and cls.subscriber.get_num_connections())
-
-    def answer_to(self, pixels):
-        """Features of this image, by its stamp."""
-        type(self).clock += 1
-        height, width = pixels.shape
-        image = Image(height=height, width=width, encoding="mono8", step=width, data=pixels.tobytes())
-        info = CameraInfo(height=height, width=width, distortion_model="plumb_bob", D=[0.0] * 5,
-                          K=[FOCAL_PX, 0, (width - 1) / 2, 0, FOCAL_PX, (height - 1) / 2, 0, 0, 1])
-        image.header.stamp = info.header.stamp = rospy.Time(self.clock)
-        image.header.frame_id = info.header.frame_id = "camera_optical_frame"
-        found = []
-
-        def answered():
-            self.images.publish(image)  # again, until the connections stand: the node takes equal stamps
-            self.infos.publish(info)
-            found.extend(message for message in self.received if message.header.stamp == image.header.stamp)
-            return found
-
-        self.assertTrue(wait_until(answered))
-        return found[0]
+class PhotometricNodeTest(FeatureNodeTest):
+    TOPIC, MESSAGE, FOCAL_PX = "camera/photometric", PhotometricFeatures, 100.0
 
     def test_a_view_becomes_the_reference_and_another_one_differs_from_it(self):
         view = self.answer_to(texture(160, 120))

@@ -2,7 +2,7 @@
 
 from math import copysign
 
-import cv2  # imported when the node starts: loading it at the first picture would make an answer wait for it
+import cv2
 import numpy as np
 
 #: Colours of the picture, RGB.

@@ -18,6 +18,7 @@ __all__ = ["BagError", "read_bag"]
 REQUIRED = ("servo_state",)
 OPTIONAL = ("ground_truth/camera_pose", "camera/image_raw", "camera/camera_info", "ground_truth/target_pose",
             "sim/status", "sim/recording", "scenario", *SOURCE_TOPICS)
+SECTIONS = ("robot", "sim", "time", "vision", "servo", "experiment")  # of a scenario, each a table
 
 
 def read_bag(paths, namespace=None, scenario=None, keep_images=False):
@@ -89,7 +90,8 @@ def _read(bags, topics, scenario, keep_images):
     notes = bags.notes + lacking(topics) + losses
     settings, scenario_name = settings_of(scenario, document, notes)
     # Features of plugins bring the units and symbols they are shown with.
-    faults = load_plugins(settings.get("servo", {}).get("plugins", []))
+    plugins = settings.get("servo", {}).get("plugins", [])
+    faults = load_plugins(plugins if isinstance(plugins, list) else [])
     notes += [f"features of this plugin are shown without unit and symbol: {fault}" for fault in faults]
     images = {}
     if "camera/image_raw" in topics:
@@ -203,8 +205,11 @@ def settings_of(scenario, document, notes):
     """(settings, name) of the given scenario, else of the recorded text, else ({}, "unknown") and a note."""
     if scenario is not None:
         return scenario.as_dict(), scenario.name
-    settings = yaml.safe_load(document) if document else None
-    if isinstance(settings, dict):
+    try:
+        settings = yaml.safe_load(document) if document else None
+    except yaml.YAMLError:
+        settings = None
+    if isinstance(settings, dict) and all(isinstance(settings.get(section, {}), dict) for section in SECTIONS):
         return settings, str(settings.get("name", "unknown"))
     notes.append("the bag does not say which scenario ran: nothing to judge the final error against")
     return {}, "unknown"

@@ -141,7 +141,8 @@ class _Reader:
         return converted
 
 
-def _number(value):
+def is_number(value):
+    """Whether a value is a finite number that a float can hold."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return False
     try:
@@ -157,7 +158,7 @@ def _within(value, bounds):
 def _fits(key, kind, value, bounds):
     """Whether a scalar is one of this type, and in its range."""
     if kind in (float, int):
-        return _number(value) and (kind is float or value == int(value)) and _within(value, bounds)
+        return is_number(value) and (kind is float or value == int(value)) and _within(value, bounds)
     if kind is str and key.choices:
         return value in key.choices
     return isinstance(value, kind)

@@ -19,7 +19,7 @@ from std_msgs.msg import Float64
 from std_srvs.srv import Trigger, TriggerResponse
 
 from aras_visual_servo_msgs.msg import ServoState, SimStatus, VisualServoAction, VisualServoFeedback, VisualServoResult
-from aras_visual_servo_msgs.srv import SetReference, SetReferenceRequest, Teach, TeachResponse
+from aras_visual_servo_msgs.srv import PauseAt, PauseAtRequest, SetReference, SetReferenceRequest, Teach, TeachResponse
 
 from . import conversions as convert
 from .calls.action_server import ActionServer
@@ -32,6 +32,7 @@ from .parameters import ControllerSetup, Parameters
 from ..run.session import Session
 from ..ground.types import Reference, ServoRecord, Status
 
+LONGEST_PAUSE_S = 1e4     # simulated time after the end of a goal
 SERVICE_TIMEOUT_S = 5.0   # wall time; camera/set_reference
 WORKER_PERIOD_S = 0.05    # wall time; watchdog
 STATUS_PERIOD_S = 0.2     # wall time; actionlib's status topic
@@ -50,6 +51,7 @@ class ControllerNode:
         self._pairer = StampPairer()
         self._joints = convert.JointReader(self._kinematics.joint_names)
         self._preempted = False
+        self._pause_after_ns = 0  # after the end of the goal; 0: the simulator goes on
         self._frame_id = ""
         self._feedback_wall_s = self._status_wall_s = time.monotonic()
         self._feedback_phase = ""
@@ -105,6 +107,7 @@ class ControllerNode:
         self._server.register_goal_callback(lambda: self._work.put(self._accept_goal))
         self._server.register_preempt_callback(lambda: self._work.put(self._preempt))
         self._camera_reference = rospy.ServiceProxy("camera/set_reference", SetReference)
+        self._pause_at = rospy.ServiceProxy("sim/pause_at", PauseAt)
         self._connect_arm()
         self._server.start()
         rospy.Service("teach", Teach, self._on_teach)
@@ -150,6 +153,8 @@ class ControllerNode:
         try:
             seen, q, refusal = self._seen(features, joints)
             command, record = session.answer(stamp_ns, seen, q, convert.now_ns(), time.monotonic(), refusal)
+            if session.active and self._sequence.done:
+                self._pause_simulator(stamp_ns)
             self._send(command)
             if record.status == Status.STALE_INPUT:
                 rospy.logwarn_throttle(1.0, record.status_text)
@@ -166,6 +171,17 @@ class ControllerNode:
     def _seen(self, features, joints):
         """(features, (n,) joint positions or None, why the image must not be used or "") of an image."""
         return features, None if joints is None else self._joints.positions(joints.unpack()), ""
+
+    def _pause_simulator(self, stamp_ns):
+        """Where the goal asked for it, tell the simulator when to pause; in lockstep it waits for our command now."""
+        if not self._pause_after_ns:
+            return
+        try:
+            response = self._pause_at(PauseAtRequest(convert.to_time(stamp_ns + self._pause_after_ns)))
+            if not response.success:
+                rospy.logwarn("sim/pause_at: %s", response.message)
+        except rospy.ServiceException as error:  # no simulator, or it has ended
+            rospy.logwarn("the goal asks for a pause after its end: %s", error)
 
     def _fault(self, stamp_ns, reason):
         """Stop the arm and end the goal with status FAULT."""
@@ -244,6 +260,7 @@ class ControllerNode:
         self._preempted = False
         try:
             self._check_ready()
+            self._pause_after_ns = self._pause_after(goal.pause_after_s)
             self._session.begin(goal.reference, goal.law, goal.gains_per_s, goal.thresholds, goal.time_limit_s,
                                 convert.now_ns(), time.monotonic())
         except ParameterError as error:
@@ -254,14 +271,21 @@ class ControllerNode:
         self._begin_lockstep()
         rospy.loginfo("goal accepted: %s", goal.reference)
 
+    @staticmethod
+    def _pause_after(pause_after_s):
+        """In ns. Raises ParameterError when it is negative, not finite or longer than a pause can be asked for."""
+        if not 0.0 <= pause_after_s <= LONGEST_PAUSE_S:
+            raise ParameterError(f"pause_after_s: found {pause_after_s:g}, allowed 0 to {LONGEST_PAUSE_S:g} s")
+        return round(pause_after_s * 1e9)
+
     def _check_ready(self):
         """Raises ParameterError when the arm cannot take a goal now; the simulator's always can."""
 
     def _begin_lockstep(self):
-        """In lockstep the simulator waits for our answers from the first message on. This one carries the stamp of the
-        image that was answered last, or 0, so that it does not count as an answer to any other image. After a reset
-        that stamp would lie in the future, and the simulator would refuse it with a warning."""
-        self._command_publisher.publish(convert.acknowledgement(min(self._session.last_ns, convert.now_ns())))
+        """In lockstep the simulator waits for our answers from the first message on. This one has no stamp, so that it
+        does not count as an answer to any image, and not as one of the time before a reset that this node may not have
+        heard of yet."""
+        self._command_publisher.publish(convert.acknowledgement(0))
 
     def _preempt(self):
         if self._session.active and self._server.is_preempt_requested() and not self._server.is_new_goal_available():

@@ -237,6 +237,8 @@ class ExperimentNode:
         goal.goal_id.id = f"{rospy.get_name()}-{os.getpid()}-{self._goals_sent}"
         goal.goal_id.stamp = goal.header.stamp
         goal.goal.reference = reference
+        if self._scenario.time.get("lockstep", False):
+            goal.goal.pause_after_s = CLOSING_S
         with self._changed:
             self._goals_sent += 1
             self._goal.send(goal, time.monotonic())
@@ -261,7 +263,9 @@ class ExperimentNode:
     def _close_run(self):
         """Step the paused simulator to exactly CLOSING_S after the end of the servo.
 
-        At which tick the pause came is chance. Without this step the recorded run, and its hash, would end anywhere.
+        At which tick our pause came is chance. The goal has let the controller tell the simulator to pause at that end
+        by itself, so our pause is never too late; where it came earlier, this step does the rest. Without both the
+        recorded run, and its hash, would end anywhere.
         """
         self._wait("the last feedback", lambda: [] if self._done_ns is not None else ["phase done"], 10.0)
         self._wait("the pause", lambda: [] if self._status.paused else ["sim/status paused"], 10.0)

@@ -1,15 +1,20 @@
 """What the experiment node has to know of the ROS graph: which nodes are up, and which of them are really connected.
 
 The master only knows which nodes *want* to talk to each other, and a message that is published before they are
-connected is lost. Therefore the publishers themselves are asked for their connections (slave API `getBusInfo`), and a
-run starts when all of them stand. The module talks XML-RPC with master and nodes itself and needs no ROS library.
+connected is lost. Therefore the nodes themselves are asked for their connections (slave API `getBusInfo`), and a run
+starts when all of them stand. Both ends are asked: a publisher notices only when it sends that a subscriber is gone,
+and until then lists the old connection of one that has since unsubscribed and subscribed again. The module talks
+XML-RPC with master and nodes itself and needs no ROS library.
 """
 
 import http.client
+import re
 import socket
 import xmlrpc.client
 
 _FAILURES = (OSError, http.client.HTTPException, xmlrpc.client.Error)
+#: The two ports of a TCP connection, own end first, as rospy and roscpp write them.
+_PORTS = re.compile(r"on port (\d+) to \[.*:(\d+) on socket")
 
 
 class _TimeoutTransport(xmlrpc.client.Transport):
@@ -105,21 +110,42 @@ class Graph:
             for publisher in set(names) & set(nodes):
                 for subscriber in subscribers.get(topic, ()):
                     wanted.setdefault(publisher, set()).add((topic, subscriber))
-        missing = []
+        received, missing = {}, []
         for publisher, pairs in wanted.items():
-            standing = self._outgoing(publisher)
-            missing.extend((topic, publisher, subscriber) for topic, subscriber in pairs - standing)
+            missing.extend((topic, publisher, subscriber)
+                           for topic, subscriber in pairs - self._standing(publisher, pairs, received))
         return sorted(missing)
 
-    def _outgoing(self, node):
-        """Set of (topic, subscriber) that the node is connected to."""
+    def _standing(self, publisher, pairs, received):
+        """Those of `pairs`, (topic, subscriber), that this publisher is connected to over a connection that both have.
+
+        Args: received: {subscriber: {(topic, ports)} of its incoming connections}, filled here when one is needed.
+        """
+        standing = set()
+        for topic, subscriber, ports in self._ends(publisher, "o"):
+            if (topic, subscriber) not in pairs:
+                continue
+            if subscriber not in received:
+                received[subscriber] = {(name, ends) for name, _, ends in self._ends(subscriber, "i")}
+            # Without ports it is not TCP: both ends are in one process.
+            if ports is None or (topic, ports[::-1]) in received[subscriber]:
+                standing.add((topic, subscriber))
+        return standing
+
+    def _ends(self, node, direction):
+        """List of (topic, other node, (own port, other's port) or None) of a node's connections in that direction."""
         uri = self.node_uri(node)
         if uri is None:
-            return set()
+            return []
         try:
             code, _, connections = _server(uri).getBusInfo(self._caller_id)
         except _FAILURES:
-            return set()
+            return []
         if code != 1:
-            return set()
-        return {(entry[4], entry[1]) for entry in connections if entry[2] == "o" and (len(entry) < 6 or entry[5])}
+            return []
+        ends = []
+        for entry in connections:
+            if entry[2] == direction and (len(entry) < 6 or entry[5]):
+                found = _PORTS.search(entry[6]) if len(entry) > 6 else None
+                ends.append((entry[4], entry[1], found and found.groups()))
+        return ends

@@ -6,10 +6,26 @@ import time
 import rospy
 from sensor_msgs.msg import Image
 
-from ..arm.null_space_bars import draw, shares
 from .conversions import picture_message
 
 PERIOD_S = 0.1  # wall time between two images
+
+
+class _Loader(rospy.SubscribeListener):
+    """Loads what draws when somebody subscribes, in rospy's thread that connects them.
+
+    It brings OpenCV along, which takes 0.2 s of CPU time: a run that nobody looks at does without, and no answer to an
+    image waits for it.
+
+    Attributes: bars: the module `arm.null_space_bars`, None before the first subscriber.
+    """
+
+    bars = None
+
+    def peer_subscribe(self, *_):
+        """Somebody has subscribed."""
+        from ..arm import null_space_bars
+        self.bars = null_space_bars
 
 
 class NullSpaceTopic:
@@ -21,7 +37,8 @@ class NullSpaceTopic:
     def __init__(self, kinematics, servo):
         self._kinematics, self._servo = kinematics, servo
         self._wall_s = -PERIOD_S
-        self._publisher = rospy.Publisher("null_space_bars", Image, queue_size=1)
+        self._loader = _Loader()
+        self._publisher = rospy.Publisher("null_space_bars", Image, self._loader, queue_size=1)
 
     def use(self, servo):
         """Go on with another servo."""
@@ -29,9 +46,10 @@ class NullSpaceTopic:
 
     def show(self, record, frame_id):
         """Show a `ServoRecord`, at most once every PERIOD_S of wall time."""
-        if not self._publisher.get_num_connections() or time.monotonic() - self._wall_s < PERIOD_S:
+        bars = self._loader.bars
+        if bars is None or not self._publisher.get_num_connections() or time.monotonic() - self._wall_s < PERIOD_S:
             return
         self._wall_s = time.monotonic()
-        bars = shares(self._servo.split, record.q, record.q_dot, self._kinematics.velocity)
-        picture = draw(self._kinematics.joint_names, *bars)
+        shares = bars.shares(self._servo.split, record.q, record.q_dot, self._kinematics.velocity)
+        picture = bars.draw(self._kinematics.joint_names, *shares)
         self._publisher.publish(picture_message(picture, record.stamp_ns, frame_id))

@@ -1,10 +1,10 @@
 """Checks a scenario: the schema's errors in our words, and the checks that a schema cannot express."""
 
 import functools
-import math
 import re
 
 from ..config.plugins import load_plugins
+from ..config.reader import is_number
 from ..features.base import expand, source_of
 from ..features.sources import known_sources, source_named
 from ..ground.errors import ParameterError
@@ -86,9 +86,7 @@ def _validator(made_of):
     """(validator, schema). Args: made_of: `sources` of the schema."""
     import jsonschema  # slow to import
     # YAML knows .nan and .inf, JSON does not: a number is a finite one.
-    is_number = jsonschema.Draft7Validator.TYPE_CHECKER.is_type
-    checker = jsonschema.Draft7Validator.TYPE_CHECKER.redefine(
-        "number", lambda _, value: is_number(value, "number") and math.isfinite(value))
+    checker = jsonschema.Draft7Validator.TYPE_CHECKER.redefine("number", lambda _, value: is_number(value))
     schema = scenario_schema()
     return jsonschema.validators.extend(jsonschema.Draft7Validator, type_checker=checker)(schema), schema
 

@@ -81,7 +81,7 @@ CAMERA_AXES, BALL_AXES, GOAL_AXES = (tuple(key.name for key in keys_of(ranges))
 class SweepSection:
     """Section `sweep`: every key may be left out, and the command line goes first."""
 
-    starts: int = setting(100, at_least=1, help="Number of runs.")
+    starts: int = setting(100, at_least=1, at_most=1000000, help="Number of runs.")
     method: str = setting(
         "latin_hypercube", choices=METHODS,
         help="How starts are drawn; a grid has the cell centres of the largest one that fits.")

@@ -10,8 +10,8 @@ import os
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from math import isfinite
 
+from ..config.reader import is_number
 from ..config.settings import keys_of
 from ..ground.errors import ParameterError
 from ..scenario.scenario import Scenario
@@ -162,7 +162,7 @@ def _read(name, source):
         return None
     if all(isinstance(value, str) for value in source):
         return Perturbation(name, values=tuple(source))
-    numbers = [value for value in source if _is_number(value)]
+    numbers = [value for value in source if is_number(value)]
     if len(numbers) != len(source) or len(numbers) != 2 or numbers[0] > numbers[1]:
         return None
     return Perturbation(name, float(numbers[0]), float(numbers[1]))
@@ -177,7 +177,7 @@ def _check_value(name, value):
         if not isinstance(value, str):
             raise ParameterError(f"found {value}, allowed is the file of a picture")
         resolve_uri(value, key="picture")
-    elif name in KNOWN and (not _is_number(value) or value < KNOWN[name]):
+    elif name in KNOWN and (not is_number(value) or value < KNOWN[name]):
         raise ParameterError(f"found {value}, allowed >= {KNOWN[name]:g}")
 
 
@@ -232,7 +232,3 @@ def _scaled_model(model, scale, scenario):
 def _target_uri(name):
     has_path = os.sep in name or name.endswith((".yaml", ".yml"))
     return name if has_path else f"package://aras_description/targets/{name}.yaml"
-
-
-def _is_number(value):
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and isfinite(value)

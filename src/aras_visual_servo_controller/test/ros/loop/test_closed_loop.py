@@ -12,6 +12,7 @@ from aras_visual_servo_msgs.msg import ServoState
 from aras_visual_servo_msgs.srv import Step
 from wiring import Watcher, call, wait_until
 
+CLOSING_S = 0.5  # after which the goal lets the simulator pause
 FEATURES = ("area", "xg", "yg", "alpha", "xn", "yn", "an", "orientation_condition", "asymmetry")
 
 
@@ -28,11 +29,10 @@ class ClosedLoop(unittest.TestCase):
         cls.listen_more()
         cls.watcher = Watcher()
         cls.watcher.wait_connected()
-        goal = cls.watcher.send_goal("experiment")
+        goal = cls.watcher.send_goal("experiment", pause_after_s=CLOSING_S)
         wait_until(lambda: cls.watcher.sim.lockstep_armed, "the lockstep to be armed")
         call("sim/unpause")
         cls.result = cls.watcher.wait_result(goal, 120.0).result
-        call("sim/pause")
         wait_until(lambda: cls.watcher.sim.paused, "the simulator to be paused")
         cls.sim = cls.watcher.sim
         wait_until(lambda: len(cls.watcher.features) == len(cls.watcher.states) == cls.sim.frames, "the last messages")
@@ -48,6 +48,10 @@ class ClosedLoop(unittest.TestCase):
         thresholds = load_scenario(self.SCENARIO, self.OVERRIDES).servo["thresholds"]
         for name, e in zip(self.result.feature_names, self.result.e):
             self.assertLess(abs(e), thresholds[name])
+
+    def test_the_simulator_paused_itself_at_the_time_that_the_goal_gave(self):
+        done = min(stamp for stamp, state in self.watcher.states.items() if state.phase == "done")
+        self.assertEqual(self.sim.header.stamp.to_nsec() - done, round(CLOSING_S * 1e9))
 
     def test_every_image_is_answered_once_and_none_is_dropped(self):
         self.assertEqual(self.sim.dropped_frames, 0)

@@ -86,7 +86,27 @@ void CommandInputs::onTwistCommand(const ros::MessageEvent<const geometry_msgs::
   receive({event.getPublisherName(), message, refusal});
 }
 
+void CommandInputs::timeJumped(std::int64_t before_ns) {
+  kept_.clear();
+  arrived_.clear();
+  before_jump_ns_ = before_ns;
+}
+
+/** Whether the command was on its way when time was set back: its stamp is one of the time that is gone, and its sender
+ *  has sent none of the time since. */
+bool CommandInputs::overtaken(const Kept& command) {
+  const ros::Time& stamp = command.message->header.stamp;
+  if (stamp.isZero()) return false;
+  const std::int64_t stamp_ns = time_.simulated(stamp);
+  if (stamp_ns <= simulation_.timeNs()) arrived_.insert(command.sender);
+  return stamp_ns <= before_jump_ns_ && arrived_.count(command.sender) == 0;
+}
+
 void CommandInputs::receive(const Kept& command) {
+  if (overtaken(command)) {
+    ROS_DEBUG("a command of %s was sent before time was set back: dropped", command.sender.c_str());
+    return;
+  }
   if (gate_.holding() && !gate_.nodes().empty()) {
     kept_.push_back(command);
   } else {

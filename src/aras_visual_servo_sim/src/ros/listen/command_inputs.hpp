@@ -7,6 +7,9 @@
 #include <sensor_msgs/JointState.h>
 #include <std_msgs/Float64.h>
 
+#include <cstdint>
+#include <limits>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -32,8 +35,8 @@ class CommandInputs {
 
   /** Applies the commands that were kept; to be called when the lockstep lets time go on. */
   void applyKept();
-  /** Forgets them; to be called after a reset. */
-  void forgetKept() { kept_.clear(); }
+  /** Forgets them; to be called when the simulation's time has jumped, as by a reset. It was before_ns. */
+  void timeJumped(std::int64_t before_ns);
 
   /** Names of the nodes that publish `joint_command`, in words; asks the master. */
   std::string answerers() const;
@@ -48,6 +51,7 @@ class CommandInputs {
   /** In the frame of its header, a link that the base carries; answers images as a joint command does. */
   void onTwistCommand(const ros::MessageEvent<const geometry_msgs::TwistStamped>& event);
   void receive(const Kept& command);
+  bool overtaken(const Kept& command);
   void apply(const Kept& command);
   void onControllerCommand(const std::string& controller, const std_msgs::Float64::ConstPtr& message);
 
@@ -55,6 +59,8 @@ class CommandInputs {
   LockstepGate& gate_;
   const WireTime& time_;
   std::vector<Kept> kept_;
+  std::int64_t before_jump_ns_ = std::numeric_limits<std::int64_t>::min();  ///< the time from which it jumped
+  std::set<std::string> arrived_;  ///< senders that have used the time since then
   ros::Subscriber joint_command_, twist_command_;
   std::vector<ros::Subscriber> controller_commands_;
 };

@@ -68,7 +68,7 @@ void SimNode::run() {
       wait(kBeatPeriodS);
     } else {
       sample();
-      if (gate_.holding()) continue;
+      if (pauseIfDue() || gate_.holding()) continue;
       const double ahead_s = pacer_.ahead(simulation_.timeNs());
       if (ahead_s > 0.0) {
         wait(ahead_s);
@@ -109,16 +109,27 @@ void SimNode::hold(const std::vector<int>& cameras) {
 /** To be called after a reset or a restored state: the lockstep waits for no answer any more. */
 void SimNode::timeJumped(std::int64_t before_ns) {
   time_.jumped(before_ns);
+  pause_tick_.reset();  // it was of the time before
   gate_.release();
-  commands_.forgetKept();
+  commands_.timeJumped(before_ns);
   pacer_.restart(simulation_.timeNs());
   meter_.restart(simulation_.timeNs());
   pids_.refresh();
   markers_.publish();
 }
 
+/** Whether the time has come at which it was to pause; it does so then. */
+bool SimNode::pauseIfDue() {
+  if (!pause_tick_ || simulation_.ticks() < *pause_tick_) return false;
+  pause_tick_.reset();
+  paused_ = true;
+  publishStatus();
+  return true;
+}
+
 void SimNode::advance(std::int64_t limit_ticks) {
   const std::int64_t to_sample = states_.nextTick() - simulation_.ticks();
+  if (pause_tick_) limit_ticks = std::min(limit_ticks, std::max<std::int64_t>(1, *pause_tick_ - simulation_.ticks()));
   simulation_.step(std::clamp<std::int64_t>(to_sample, 1, limit_ticks));
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <aras_visual_servo_msgs/PauseAt.h>
 #include <aras_visual_servo_msgs/RestoreState.h>
 #include <aras_visual_servo_msgs/SaveState.h>
 #include <aras_visual_servo_msgs/SetJointPositions.h>
@@ -11,6 +12,7 @@
 #include <std_srvs/Empty.h>
 #include <std_srvs/Trigger.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,6 +51,7 @@ class SimNode {
  private:
   using Empty = std_srvs::Empty;
   using Trigger = std_srvs::Trigger;
+  using PauseAt = aras_visual_servo_msgs::PauseAt;
   using Step = aras_visual_servo_msgs::Step;
   using SetJointPositions = aras_visual_servo_msgs::SetJointPositions;
   using SetTargetPose = aras_visual_servo_msgs::SetTargetPose;
@@ -57,6 +60,7 @@ class SimNode {
 
   void advertiseServices(bool gazebo_names);
   bool onPause(Empty::Request&, Empty::Response&);
+  bool onPauseAt(PauseAt::Request& request, PauseAt::Response& response);
   bool onUnpause(Empty::Request&, Empty::Response&);
   bool onReset(Empty::Request&, Empty::Response&);
   bool onResetWorld(Empty::Request&, Empty::Response&);
@@ -74,6 +78,7 @@ class SimNode {
   void hold(const std::vector<int>& cameras);
   void timeJumped(std::int64_t before_ns);
   void advance(std::int64_t limit_ticks);
+  bool pauseIfDue();
   void checkHold();
   void beat();
   void tellWarnings();
@@ -102,11 +107,12 @@ class SimNode {
   ros::Publisher status_;
   std::vector<ros::ServiceServer> services_;
   bool paused_;
-  double real_time_factor_ = 0.0;      ///< reached
-  std::uint64_t unanswered_ = 0;       ///< images the lockstep went on without an answer to
-  std::vector<int> lockstep_cameras_;  ///< by index
-  std::string held_image_;             ///< the image that the lockstep waits for, in words
-  std::string answerers_;              ///< nodes that might answer it, in words; "" until the master was asked
+  std::optional<std::int64_t> pause_tick_;  ///< at which it pauses itself
+  double real_time_factor_ = 0.0;           ///< reached
+  std::uint64_t unanswered_ = 0;            ///< images the lockstep went on without an answer to
+  std::vector<int> lockstep_cameras_;       ///< by index
+  std::string held_image_;                  ///< the image that the lockstep waits for, in words
+  std::string answerers_;                   ///< nodes that might answer it, in words; "" until the master was asked
   Snapshots snapshots_;
   std::size_t warnings_told_ = 0;     ///< of the simulation
   std::uint64_t clock_beats_at_ = 0;  ///< ticks when the clock was last repeated

@@ -30,6 +30,7 @@ std::map<std::string, double> positionsFrom(const aras_visual_servo_msgs::SetJoi
 
 void SimNode::advertiseServices(bool gazebo_names) {
   services_ = {node_.advertiseService("sim/pause", &SimNode::onPause, this),
+               node_.advertiseService("sim/pause_at", &SimNode::onPauseAt, this),
                node_.advertiseService("sim/unpause", &SimNode::onUnpause, this),
                node_.advertiseService("sim/reset", &SimNode::onReset, this),
                node_.advertiseService("sim/reconfigure", &SimNode::onReconfigure, this),
@@ -49,6 +50,18 @@ bool SimNode::onPause(Empty::Request&, Empty::Response&) {
   paused_ = true;
   publishStatus();
   return true;
+}
+
+bool SimNode::onPauseAt(PauseAt::Request& request, PauseAt::Response& response) {
+  return answer(response, [&] {
+    const std::int64_t tick = time_.simulated(request.stamp) / simulation_.periodNs();
+    if (tick < simulation_.ticks()) {
+      throw ParameterError("pause_at: found " + std::to_string(request.stamp.toSec()) +
+                           " s, allowed the time of now, " + std::to_string(time_.now().toSec()) + " s, or later");
+    }
+    pause_tick_ = tick;
+    response.message = "it pauses at " + std::to_string(request.stamp.toSec()) + " s";
+  });
 }
 
 bool SimNode::onUnpause(Empty::Request&, Empty::Response&) {
@@ -107,9 +120,11 @@ bool SimNode::onStep(Step::Request& request, Step::Response& response) {
     const std::int64_t end = simulation_.ticks() + request.steps;
     while (ros::ok() && simulation_.ticks() < end) {
       sample();
+      pauseIfDue();
       advance(end - simulation_.ticks());
     }
     sample();
+    pauseIfDue();
     states_.publishClock();
   });
   response.stamp = time_.now();

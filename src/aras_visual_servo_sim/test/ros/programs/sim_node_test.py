@@ -14,7 +14,7 @@ import numpy as np
 import rospy
 import rostest
 from aras_visual_servo_msgs.msg import JointControllerState, SimStatus
-from aras_visual_servo_msgs.srv import SetJointPositions, SetTargetPose, Step
+from aras_visual_servo_msgs.srv import PauseAt, SetJointPositions, SetTargetPose, Step
 from aras_visual_servo_sim import Simulation
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from rosgraph_msgs.msg import Clock
@@ -167,6 +167,27 @@ class Wiring(unittest.TestCase):
         unpause()
         status.newer(lambda m: m.ticks > 0, "time goes by again")
 
+    def test_pause_at_stops_the_simulator_at_exactly_that_tick(self):
+        status = Listener("sim/status", SimStatus)
+        pause, unpause, pause_at = service("sim/pause", Empty), service("sim/unpause", Empty), service("sim/pause_at",
+                                                                                                       PauseAt)
+        now = status.newer(lambda m: m.ticks > 0, "time goes by").header.stamp
+        refusal = pause_at(now - rospy.Duration(0, 1000000))
+        self.assertFalse(refusal.success)
+        self.assertIn("allowed the time of now", refusal.message)
+        pause()
+        now = service("sim/step", Step)(steps=0).stamp
+        for steps in (1, 777):
+            now += rospy.Duration(0, steps * 1000000)
+            self.assertTrue(pause_at(now).success)
+            unpause()
+            stopped = status.newer(lambda m: m.paused and m.header.stamp >= now, "the pause")
+            self.assertEqual(stopped.header.stamp, now)
+        self.assertTrue(pause_at(now + rospy.Duration(1)).success)
+        service("sim/reset", Empty)()
+        unpause()
+        status.newer(lambda m: m.ticks > 1000 + now.to_nsec() // 1000000, "a pause of the time before the reset")
+
 
 class Lockstep(unittest.TestCase):
     """A simulator that starts paused and waits for an answer to each image."""
@@ -212,6 +233,24 @@ class Lockstep(unittest.TestCase):
         second = self.run_images(10)
         self.assertEqual(first.run_hash, second.run_hash)
         self.assertEqual((first.ticks, first.frames), (second.ticks, second.frames))
+
+    def test_an_answer_that_a_reset_has_overtaken_is_dropped_and_one_of_the_future_is_refused(self):
+        before = self.run_images(3).header.stamp
+        service("sim/pause", Empty)()
+        service("sim/reset", Empty)()
+        self.status.newer(lambda m: m.paused and m.ticks == 0 and not m.lockstep_armed, "a fresh start")
+        del self.images.messages[:]
+        self.publisher.publish(command(before, pan=0.1))
+        for _ in range(3):  # it comes after what was sent before it
+            status = self.status.newer(lambda m: True, "a status")
+        self.assertFalse(status.lockstep_armed, "an answer of the time that is gone")
+        self.publisher.publish(command(rospy.Time(0)))
+        armed = self.status.newer(lambda m: m.lockstep_armed, "the first command of the new time")
+        self.assertEqual(armed.refused_commands, 0, armed.last_refusal)
+        self.run_images(2)
+        self.publisher.publish(command(before, pan=0.1))
+        refused = self.status.newer(lambda m: m.refused_commands > 0, "a command of the future")
+        self.assertIn("in the future", refused.last_refusal)
 
     def test_hash_is_that_of_the_same_run_in_process(self):
         controllers = {name: rospy.get_param(name) for name in ("lift_controller", "pan_controller")}
