@@ -75,6 +75,16 @@ def test_noise_has_the_variance_of_photons():
     assert frames.var(axis=0, ddof=1).mean() == pytest.approx(expected, rel=0.12)
 
 
+def test_sixteen_bits_are_part_of_saved_states_and_of_late_frames():
+    sim, other = (sensed({"adc_bits": 12, "auto_exposure": {"speed": 1.0}}, encoding="mono16", latency_s=0.05)
+                  for _ in range(2))
+    images(sim)
+    state = sim.save_state()
+    went_on = images(sim)
+    other.restore_state(state)
+    assert went_on[0].dtype == np.uint16 and np.array_equal(went_on, images(other)) and sim.run_hash == other.run_hash
+
+
 @pytest.mark.parametrize("sensor, named", [({"quantum_efficiency": 2}, "quantum_efficiency"), ({"iso": 100}, "iso"),
                                            ({"row_time_s": 0.1}, "row_time_s")])
 def test_bad_keys_are_named(sensor, named):

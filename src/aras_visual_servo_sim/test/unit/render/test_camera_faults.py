@@ -122,6 +122,9 @@ def test_shader_that_does_not_compile_and_context_that_is_lost(fault, at, named,
 
 
 @pytest.mark.parametrize("models, changes, named, others", [
+    # No solid stands before it, so that the other camera of OpenGL shows it by its coverage.
+    ('[dict(name="banner", image=dict(file=TMP + "/wide.png", size_m=[0.1, 0.05]), position_m=[-0.1, 0, 0.2])]',
+     "exact_targets=False", "wide.png' has 20000 x 4 px, allowed up to", ["exact", "other"]),
     ('[dict(name="banner", image=dict(file=TMP + "/wide.png", size_m=[0.2, 0.1]), position_m=[0, 0, 0.05])]',
      "exact_targets=False", "wide.png' has 20000 x 4 px, allowed up to", ["exact"]),
     ("[]", "width=16384, height=9, quality='high'", "allowed up to", ["exact", "other"])])

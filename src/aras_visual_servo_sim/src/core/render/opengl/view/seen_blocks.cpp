@@ -9,18 +9,18 @@ namespace {
 
 constexpr int kBlock = 3 * 64;  // indices: fewer cost more to look at than to draw
 
-/** Planes of the view's pyramid in the mesh's frame: normal and distance, positive inside. */
-std::array<Eigen::RowVector4f, 4> pyramid(const Eigen::Matrix4d& X_CS, const PinholeView& view) {
+/** Planes about what a view can see, in the mesh's frame: normal and distance, positive inside. */
+std::array<Eigen::RowVector4f, 5> pyramid(const Eigen::Matrix4d& X_CS, const PinholeView& view, double near_m) {
   constexpr double kMargin = 1.0;  // [px]: rounding is far below it
   const double left = (-0.5 - kMargin - view.cx) / view.fx, right = (view.width - 0.5 + kMargin - view.cx) / view.fx;
   const double top = (-0.5 - kMargin - view.cy) / view.fy, bottom = (view.height - 0.5 + kMargin - view.cy) / view.fy;
   Eigen::Matrix4d X_FS = X_CS;
   X_FS.topRows<3>() = (view.R_FC * X_CS.topRows<3>()).eval();
-  const auto plane = [&X_FS](double x, double y, double z) {
-    const Eigen::RowVector4d normal = Eigen::RowVector4d(x, y, z, 0.0) * X_FS;
+  const auto plane = [&X_FS](double x, double y, double z, double distance = 0.0) {
+    const Eigen::RowVector4d normal = Eigen::RowVector4d(x, y, z, distance) * X_FS;
     return Eigen::RowVector4f((normal / normal.head<3>().norm()).cast<float>());
   };
-  return {plane(0, 1, -top), plane(0, -1, bottom), plane(1, 0, -left), plane(-1, 0, right)};
+  return {plane(0, 0, 1, -near_m), plane(0, 1, -top), plane(0, -1, bottom), plane(1, 0, -left), plane(-1, 0, right)};
 }
 
 }  // namespace
@@ -44,8 +44,8 @@ std::vector<TriangleBlock> blocksOf(const TriangleMesh& mesh, const std::vector<
 }
 
 std::vector<std::pair<int, int>> seenRuns(const std::vector<TriangleBlock>& blocks, const Eigen::Matrix4d& X_CS,
-                                          const PinholeView& view) {
-  const auto planes = pyramid(X_CS, view);
+                                          const PinholeView& view, double near_m) {
+  const auto planes = pyramid(X_CS, view, near_m);
   const auto isSeen = [&planes](const TriangleBlock& block) {
     const float slack = 1e-5f * (block.middle.norm() + block.half.norm());  // rounding
     return std::all_of(planes.begin(), planes.end(), [&](const Eigen::RowVector4f& plane) {

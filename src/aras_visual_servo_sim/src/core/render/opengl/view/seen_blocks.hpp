@@ -23,6 +23,6 @@ std::vector<TriangleBlock> blocksOf(const TriangleMesh& mesh, const std::vector<
 /** Runs of indices, first and count each, without the blocks that a view sees nothing of. A row of a rolling shutter
  *  sees few of a mesh's triangles, and transforming the others would be most of its work. */
 std::vector<std::pair<int, int>> seenRuns(const std::vector<TriangleBlock>& blocks, const Eigen::Matrix4d& X_CS,
-                                          const PinholeView& view);
+                                          const PinholeView& view, double near_m);
 
 }  // namespace aras_visual_servo_sim
