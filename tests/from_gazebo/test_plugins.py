@@ -67,6 +67,25 @@ def test_sensors_feel_gravity(cart):
     assert wrench["header"]["frame_id"] == "load" and abs(wrench["wrench"]["force"]["z"] + 0.5 * 9.81) < 0.05
 
 
+def test_a_laser_sees_a_wall_where_it_is_put(cart):
+    wall = ("<sdf version='1.6'><model name='wall'><static>true</static><link name='l'><collision name='c'><geometry>"
+            "<box><size>0.1 20 1</size></box></geometry></collision></link></model></sdf>")
+
+    def ranges():
+        return list(map(float, message(cart, "/scan")["ranges"]))  # rostopic writes inf, which is no number of YAML
+
+    assert min(ranges()) > 3.5
+    told = answer(cart, "/gazebo/spawn_sdf_model", yaml.safe_dump(
+        {"model_name": "wall", "model_xml": wall, "initial_pose": {"position": {"x": place(cart)["x"] + 2.05}}}))
+    assert told["success"], told
+    cart.until(lambda: min(ranges()) < 2.1, "it is seen")
+    scan = message(cart, "/scan")
+    assert scan["header"]["frame_id"] == "scanner" and len(scan["ranges"]) == len(scan["intensities"]) == 360
+    assert scan["angle_increment"] == pytest.approx(6.28319 / 359) and scan["range_max"] == 3.5
+    assert min(ranges()) == pytest.approx(2.0, abs=0.08), "less the noise"
+    assert answer(cart, "/gazebo/delete_model", "{model_name: wall}")["success"]
+
+
 def test_a_wrench_from_outside_lifts_the_cart_and_ends(cart):
     lift = "{body_name: 'cart::base_link', wrench: {force: {z: 60.0}}, duration: {secs: -1, nsecs: 0}}"
     assert answer(cart, "/gazebo/apply_body_wrench", lift)["success"]

@@ -25,7 +25,7 @@ LIMIT_S = 600.0  # wall time of a compilation or of the tests, without a mutant
 TOO_LONG = 5.0   # times the wall time of the tests without a mutant: they do not end any more
 LEAST_S = 30.0   # of that
 #: After the flags of the build, so that they count: quick to compile, and a name that is no longer used is no fault.
-FLAGS = ("-O1", "-w")
+FLAGS = ("-O0", "-w")
 
 
 def modules():

@@ -28,7 +28,7 @@ WARM_UP_PART = 0.2      # of the time, for caches and pools to fill
 WINDOW_PART = 0.1       # of the time, whose median is the memory at the start or the end
 LOOKS = 200             # at the memory, evenly in time
 MOST_GROWTH_MIB = 5.0
-SLOW_S = 0.2            # that the slow subscriber takes over an image
+SLOW_S = 1.0            # that the slow subscriber takes over an image: the queues to it fill up within the warm-up
 START_LIMIT_S = 300.0
 
 
@@ -100,8 +100,8 @@ class Uses:
         self.ready.set()
 
 
-def soak(minutes, seed):
-    """Use one graph. Returns (text, whether all is well)."""
+def soak(minutes, seed, uses_of=()):
+    """Use one graph; uses_of: names of uses, () for all. Returns (text, whether all is well)."""
     mark, uses = uuid.uuid4().hex, Uses()
     memory = Memory(mark)
     with tempfile.TemporaryDirectory(prefix="aras_endurance_") as folder:
@@ -117,7 +117,8 @@ def soak(minutes, seed):
             graph.start(sys.executable, str(HERE / "slow_subscriber.py"), str(SLOW_S),
                         *(f"{NAMESPACE}/{camera}/image_raw" for camera in ("camera", "observer")))
             with open(folder / "user.txt", "wb") as said:
-                process = subprocess.Popen([sys.executable, user_module.__file__, str(minutes), str(seed), str(folder)],
+                process = subprocess.Popen([sys.executable, user_module.__file__, str(minutes), str(seed), str(folder),
+                                            *uses_of],
                                            env=dict(graph.environment, ROS_NAMESPACE=NAMESPACE), stdout=subprocess.PIPE,
                                            stderr=said, text=True)
             try:
@@ -165,10 +166,11 @@ def add_arguments(parser):
     """Arguments of `soak`."""
     parser.add_argument("minutes", type=float, help="wall time for which the graph is used")
     parser.add_argument("--seed", type=int, default=0, help="of the order of uses (default: 0)")
+    parser.add_argument("--only", nargs="+", default=(), choices=user_module.USES, help="these uses (default: all)")
 
 
 def main(arguments):
     """Work. Returns 0 if all is well, else 1."""
-    text, well = soak(arguments.minutes, arguments.seed)
+    text, well = soak(arguments.minutes, arguments.seed, arguments.only)
     print(text)
     return 0 if well else 1

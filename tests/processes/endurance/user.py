@@ -1,6 +1,6 @@
 """A node that uses one ROS graph as a user does who never goes home: goals, resets, models that come and go.
 
-    user.py MINUTES SEED FOLDER     in a graph of servo.launch with experiment:=false and start_paused:=true
+    user.py MINUTES SEED FOLDER [USE ...]     in a graph of servo.launch with experiment:=false and start_paused:=true
 
 It prints `ready`, then of each goal `goal RUN_HASH TRACE_HASH PUBLISHED RECORDED` with the numbers of messages of
 all topics, `lost SENTENCE` for each note of the record, and `said NODE LEVEL TEXT` for each warning or error that a
@@ -22,14 +22,16 @@ import goals as goals_module
 LATE_MODEL = "late_box"
 BOX = "{box_m: [0.02, 0.02, 0.02], position_m: [0.0, 0.0, 0.0]}"
 PERIOD_NS = 34_000_000  # of the first camera, and a tick
+USES = ("one_goal", "resets", "models")
 STEPS = 200  # physics steps between a model's coming and its going
 
 
 class User(goals_module.Goals):
     """Uses the graph; which use comes next is drawn from a seed."""
 
-    def __init__(self, folder, seed):
+    def __init__(self, folder, seed, uses):
         super().__init__(folder)
+        self._uses = uses or ("one_goal", *USES)  # goals twice as often as the others
         self._random = random.Random(seed)
         self._spawn = rospy.ServiceProxy("sim/spawn_model", SpawnModel)
         self._delete = rospy.ServiceProxy("sim/delete_model", DeleteModel)
@@ -54,8 +56,7 @@ class User(goals_module.Goals):
 
     def use(self):
         """One use of the graph."""
-        kind = self._random.choice((self.one_goal, self.one_goal, self.resets, self.models))
-        kind()
+        getattr(self, self._random.choice(self._uses))()
 
     def one_goal(self):
         """A goal, recorded."""
@@ -88,7 +89,7 @@ def main():
     """Entry. Returns the exit code."""
     minutes, seed, folder = float(sys.argv[1]), int(sys.argv[2]), sys.argv[3]
     rospy.init_node("experiment", disable_signals=True)
-    user = User(folder, seed)
+    user = User(folder, seed, sys.argv[4:])
     print("ready", flush=True)
     end_s = time.monotonic() + 60.0 * minutes
     while time.monotonic() < end_s:

@@ -107,13 +107,13 @@ ChainKinematics::ChainKinematics(const std::string& urdf_xml, const std::string&
   }
 }
 
-void ChainKinematics::check(const Eigen::VectorXd& q) const {
+void ChainKinematics::check(const Joints& q) const {
   if (q.size() != static_cast<Eigen::Index>(joint_names_.size()))
     throw ShapeError("q: " + std::to_string(q.size()) + " values, expected " + std::to_string(joint_names_.size()));
   if (!q.allFinite()) throw NotFiniteError("q: a joint position is not finite");
 }
 
-ChainKinematics::Matrix4 ChainKinematics::pose(const Eigen::VectorXd& q) const {
+ChainKinematics::Matrix4 ChainKinematics::pose(const Joints& q) const {
   check(q);
   KDL::Frame X_BC = KDL::Frame::Identity();
   std::size_t moving = 0;
@@ -126,7 +126,7 @@ ChainKinematics::Matrix4 ChainKinematics::pose(const Eigen::VectorXd& q) const {
   return pose;
 }
 
-ChainKinematics::Jacobian ChainKinematics::jacobian(const Eigen::VectorXd& q) const {
+ChainKinematics::Jacobian ChainKinematics::jacobian(const Joints& q) const {
   check(q);
   Jacobian columns = Jacobian::Zero(6, q.size());
   // From the tip backwards, X_LC: pose of C in the frame L that the segment's joint moves.
@@ -148,7 +148,7 @@ ChainKinematics::Jacobian ChainKinematics::jacobian(const Eigen::VectorXd& q) co
   return columns;
 }
 
-std::pair<double, Eigen::VectorXd> ChainKinematics::manipulability(const Eigen::VectorXd& q, double length_m,
+std::pair<double, Eigen::VectorXd> ChainKinematics::manipulability(const Joints& q, double length_m,
                                                                    const std::vector<int>& rows) const {
   const Jacobian J = jacobian(q);
   const auto m = static_cast<Eigen::Index>(rows.size());

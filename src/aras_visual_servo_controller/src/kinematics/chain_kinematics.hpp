@@ -21,6 +21,7 @@ class ChainKinematics {
  public:
   using Matrix4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
   using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
+  using Joints = Eigen::Ref<const Eigen::VectorXd>;
 
   /** @throws ModelError  bad XML, unknown link, tip not below base, no moving joint between them, or a joint that is
    *                      neither revolute, continuous, prismatic nor fixed, or mimics another one */
@@ -33,11 +34,11 @@ class ChainKinematics {
   const Eigen::VectorXd& velocity() const { return velocity_; }
 
   /** X_BC, 4 x 4 homogeneous. @throws ShapeError, NotFiniteError */
-  Matrix4 pose(const Eigen::VectorXd& q) const;
+  Matrix4 pose(const Joints& q) const;
 
   /** J_BC_C, 6 x n: V_BC_C = J_BC_C q_dot, the twist of C in B, taken at the origin of C and expressed in C.
    *  @throws ShapeError, NotFiniteError */
-  Jacobian jacobian(const Eigen::VectorXd& q) const;
+  Jacobian jacobian(const Joints& q) const;
 
   /** Yoshikawa's manipulability w = sqrt(det(A A^T)), A = rows of J_BC_C with the linear ones divided by a length, and
    * the gradient of its logarithm by the joints (docs/theory.md T42).
@@ -45,11 +46,11 @@ class ChainKinematics {
    *  @param rows  which of [vx vy vz wx wy wz], at most as many as there are joints
    *  @return w [-] and d(ln w)/dq, n [1/m or 1/rad]; where w vanishes, 0 and zeros
    *  @throws ShapeError, NotFiniteError */
-  std::pair<double, Eigen::VectorXd> manipulability(const Eigen::VectorXd& q, double length_m,
+  std::pair<double, Eigen::VectorXd> manipulability(const Joints& q, double length_m,
                                                     const std::vector<int>& rows) const;
 
  private:
-  void check(const Eigen::VectorXd& q) const;
+  void check(const Joints& q) const;
 
   KDL::Chain chain_;
   std::vector<std::string> joint_names_;

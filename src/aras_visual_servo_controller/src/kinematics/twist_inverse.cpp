@@ -29,7 +29,7 @@ double inOrder(const A& a, const B& b) {
 
 }  // namespace
 
-TwistInverse::TwistInverse(const Twist& rows, const Vector& ease, const JacobianRef& jacobian)
+TwistInverse::TwistInverse(const TwistRef& rows, const VectorRef& ease, const JacobianRef& jacobian)
     : rows_(rows), ease_(ease) {
   if (jacobian.cols() != ease.size() || ease.size() == 0)
     throw ShapeError("jacobian: " + std::to_string(jacobian.cols()) + " columns, expected " +
@@ -96,7 +96,7 @@ void TwistInverse::check(const VectorRef& wish) const {
                      std::to_string(ease_.size()));
 }
 
-TwistInverse::Vector TwistInverse::inDirections(const Twist& twist, Eigen::Index count) const {
+TwistInverse::Vector TwistInverse::inDirections(const TwistRef& twist, Eigen::Index count) const {
   const Twist scaled = rows_.cwiseProduct(twist);
   Vector y(count);
   for (Eigen::Index i = 0; i < count; ++i) y[i] = inOrder(scaled, U_.col(i));
@@ -123,15 +123,15 @@ TwistInverse::Vector TwistInverse::ofJoints(const VectorRef& wish) const {
   return y;
 }
 
-TwistInverse::Vector TwistInverse::jointVelocity(const Twist& twist) const {
+TwistInverse::Vector TwistInverse::jointVelocity(const TwistRef& twist) const {
   return toJoints(gains_.cwiseProduct(inDirections(twist, gains_.size())));
 }
 
-TwistInverse::Twist TwistInverse::achieved(const Twist& twist) const {
+TwistInverse::Twist TwistInverse::achieved(const TwistRef& twist) const {
   return toTwist(kept_.cwiseProduct(inDirections(twist, kRows)));
 }
 
-double TwistInverse::lost(const Twist& twist) const {
+double TwistInverse::lost(const TwistRef& twist) const {
   const Vector missed = (1.0 - kept_.array()).matrix().cwiseProduct(inDirections(twist, kRows));
   return std::sqrt(inOrder(missed, missed));
 }
@@ -172,7 +172,7 @@ TwistInverse::Vector TwistInverse::nullPart(const VectorRef& q_dot) const {
   return toJoints(y);
 }
 
-TwistInverse::Vector TwistInverse::freeOfNorm(const VectorRef& wish, const Twist& twist) const {
+TwistInverse::Vector TwistInverse::freeOfNorm(const VectorRef& wish, const TwistRef& twist) const {
   check(wish);
   const Vector eased = wish.cwiseQuotient(ease_);
   Vector y = inDirections(twist, static_cast<Eigen::Index>(sigmas_.size()));
@@ -184,25 +184,25 @@ TwistInverse::Vector TwistInverse::freeOfNorm(const VectorRef& wish, const Twist
   return ease_.cwiseProduct(eased - along * (inOrder(along, eased) / size2));
 }
 
-double TwistInverse::size(const Twist& twist) const {
+double TwistInverse::size(const TwistRef& twist) const {
   const Twist scaled = rows_.cwiseProduct(twist);
   return std::sqrt(inOrder(scaled, scaled));
 }
 
-TwistTranspose::Vector TwistTranspose::joints(const Twist& twist) const {
+TwistTranspose::Vector TwistTranspose::joints(const TwistRef& twist) const {
   const Eigen::Map<const Vector> sigmas(sigmas_.data(), static_cast<Eigen::Index>(sigmas_.size()));
   const Vector y = inDirections(twist, sigmas.size()), z = sigmas.cwiseProduct(sigmas).cwiseProduct(y);
   const double size2 = inOrder(z, z), alpha = size2 > 0.0 ? inOrder(z, y) / size2 : 0.0;
   return (alpha * sigmas).cwiseProduct(y);
 }
 
-TwistTranspose::Vector TwistTranspose::jointVelocity(const Twist& twist) const { return toJoints(joints(twist)); }
+TwistTranspose::Vector TwistTranspose::jointVelocity(const TwistRef& twist) const { return toJoints(joints(twist)); }
 
-TwistTranspose::Twist TwistTranspose::achieved(const Twist& twist) const {
+TwistTranspose::Twist TwistTranspose::achieved(const TwistRef& twist) const {
   const Eigen::Map<const Vector> sigmas(sigmas_.data(), static_cast<Eigen::Index>(sigmas_.size()));
   return toTwist(sigmas.cwiseProduct(joints(twist)));
 }
 
-double TwistTranspose::lost(const Twist& twist) const { return size(twist - achieved(twist)); }
+double TwistTranspose::lost(const TwistRef& twist) const { return size(twist - achieved(twist)); }
 
 }  // namespace aras_visual_servo_controller

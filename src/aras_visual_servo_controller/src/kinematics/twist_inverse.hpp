@@ -17,10 +17,11 @@ class TwistInverse {
   using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
   using JacobianRef = Eigen::Ref<const Jacobian, 0, Eigen::OuterStride<>>;
   using VectorRef = Eigen::Ref<const Vector>;
+  using TwistRef = Eigen::Ref<const Twist>;
 
   /** @param rows  6 factors of the twist.  @param ease  n, of the joints: 1 / the cost of moving each
    *  @throws ShapeError, NotFiniteError */
-  TwistInverse(const Twist& rows, const Vector& ease, const JacobianRef& jacobian);
+  TwistInverse(const TwistRef& rows, const VectorRef& ease, const JacobianRef& jacobian);
   virtual ~TwistInverse() = default;
 
   /** min(6, n) singular values of the scaled Jacobian, the largest first. */
@@ -38,11 +39,11 @@ class TwistInverse {
   double manipulability() const { return manipulability_; }
 
   /** Joint velocities of a twist, n. */
-  virtual Vector jointVelocity(const Twist& twist) const;
+  virtual Vector jointVelocity(const TwistRef& twist) const;
   /** The part of a twist that jointVelocity() achieves. */
-  virtual Twist achieved(const Twist& twist) const;
+  virtual Twist achieved(const TwistRef& twist) const;
   /** Norm of the part of a twist that is not achieved, in scaled rows. */
-  virtual double lost(const Twist& twist) const;
+  virtual double lost(const TwistRef& twist) const;
   /** The achieved part of a turn about the camera's x and y, with the translation that keeps a point where it is.
    *  @param turn  w_x, w_y [rad/s].  @param p_C  the point in the camera frame [m] */
   Twist turnAbout(const Eigen::Vector2d& turn, const Eigen::Vector3d& p_C) const;
@@ -56,13 +57,13 @@ class TwistInverse {
   Vector nullPart(const VectorRef& q_dot) const;
   /** The part of `wish` that does not change how fast the distance to the goal shrinks (T41): all but the part along
    *  J^T twist, since the law's twist is the remaining displacement times the gain. */
-  Vector freeOfNorm(const VectorRef& wish, const Twist& twist) const;
+  Vector freeOfNorm(const VectorRef& wish, const TwistRef& twist) const;
   /** Norm of a twist in scaled rows. */
-  double size(const Twist& twist) const;
+  double size(const TwistRef& twist) const;
 
  protected:
   /** (rows * twist) in the first `count` left singular directions. */
-  Vector inDirections(const Twist& twist, Eigen::Index count) const;
+  Vector inDirections(const TwistRef& twist, Eigen::Index count) const;
   /** ease * (sum of y_i times right singular direction i). */
   Vector toJoints(const Vector& y) const;
   /** (sum of y_i times left singular direction i) / rows. */
@@ -88,12 +89,12 @@ class TwistInverse {
 class TwistTranspose : public TwistInverse {
  public:
   using TwistInverse::TwistInverse;
-  Vector jointVelocity(const Twist& twist) const override;
-  Twist achieved(const Twist& twist) const override;
-  double lost(const Twist& twist) const override;
+  Vector jointVelocity(const TwistRef& twist) const override;
+  Twist achieved(const TwistRef& twist) const override;
+  double lost(const TwistRef& twist) const override;
 
  private:
-  Vector joints(const Twist& twist) const;
+  Vector joints(const TwistRef& twist) const;
 };
 
 }  // namespace aras_visual_servo_controller

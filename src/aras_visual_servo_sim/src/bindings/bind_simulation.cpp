@@ -116,6 +116,10 @@ void bindTimeAndCameras(py::class_<Simulation>& type) {
       .def_property_readonly("period_ns", &Simulation::periodNs, "Physics period [ns].")
       .def("step", &Simulation::step, py::arg("n") = 1, ReleaseGil(),
            "Advances n physics periods (default 1). Frames due on the way and not taken are missed.")
+      .def_static("step_together", &stepTogether, py::arg("simulations"), py::arg("n") = 1, ReleaseGil(),
+                  "Advances simulations of one period by n periods, each as step does, but so that their robots and "
+                  "free solids\ntouch each other, as far as each is configured with contacts.\n\n"
+                  "Raises:\n    ParameterError: periods that differ.")
       .def("step_to_image", &Simulation::stepToImage, py::arg("camera") = "camera", ReleaseGil(),
            "Advances to the next frame of a camera (frame k at the first tick >= k / rate, frame 0 at tick 0), of one\n"
            "with latency to its delivery, latency_s later.\n\n"

@@ -5,7 +5,7 @@
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/render/opengl_renderer.hpp"
-#include "bind_meshes.hpp"
+#include "bind_shapes.hpp"
 #include "bind_simulation.hpp"
 
 namespace {
@@ -24,7 +24,7 @@ PYBIND11_MODULE(_sim, module) {
   module.doc() = "Binding of the simulator core; use the package aras_visual_servo_sim.";
   aras_visual_servo_common::bindErrors(module);
   aras_visual_servo_sim::bindSimulation(module);
-  aras_visual_servo_sim::bindMeshes(module);
+  aras_visual_servo_sim::bindShapes(module);
   module.def("opengl_description", &openGlDescription, pybind11::arg("gl") = "osmesa",
              "What draws the images of cameras with `renderer: opengl`, and its version, for example 'llvmpipe (LLVM\n"
              "15.0.6, 256 bits), 4.5 (Core Profile) Mesa 22.3.6'.\n\n"

@@ -6,7 +6,7 @@ import numpy
 
 from .. import _sdf
 from ..world.errors import SpawnError
-from ..world.poses import matrix_of
+from ..world.poses import matrix_of, matrix_of_rpy
 
 
 def expanded(source, is_path, folders):
@@ -81,13 +81,4 @@ def pose_of(element, what):
         return matrix_of(values[:3], values[3:], what)
     values = numbers(pose.text, 6, what + ": <pose>")
     angles = numpy.radians(values[3:]) if pose.get("degrees") == "true" else numpy.asarray(values[3:])
-    made = numpy.eye(4)
-    made[:3, :3], made[:3, 3] = rotation_of(angles), values[:3]
-    return made
-
-
-def rotation_of(rpy):
-    """(3, 3), Rz(yaw) Ry(pitch) Rx(roll)."""
-    (cr, cp, cy), (sr, sp, sy) = numpy.cos(rpy), numpy.sin(rpy)
-    return numpy.array(((cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
-                        (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr), (-sp, cp * sr, cp * cr)))
+    return matrix_of_rpy(values[:3], angles)

@@ -180,6 +180,8 @@ class Writer:
     def _link(self, part):
         made = ElementTree.SubElement(self._robot, "link", name=part.name)
         self._inertial(part, made)
+        if self._collides_itself(part):
+            ElementTree.SubElement(self._gazebo(part.name), "selfCollide").text = "true"
         for kind in ("visual", "collision"):
             for k, element in enumerate(part.element.findall(kind)):
                 self._shape(part, element, made, "%s %d" % (element.get("name", kind), k))
@@ -190,6 +192,12 @@ class Writer:
                 self._gazebo(part.name, child)
             elif child.tag not in LINK_TAGS:
                 self._warn("<%s> in <link name='%s'>: ignored" % (child.tag, part.name))
+
+    def _collides_itself(self, part):
+        """Whether a link touches others of its model: as it says itself, else as its model does."""
+        model = self._frames.models[part.scope[:-2]].element if part.scope else self._model
+        said = part.element.findtext("self_collide") or model.findtext("self_collide") or "false"
+        return said.strip() in ("true", "1")
 
     def _inertial(self, part, made):
         what = "<inertial> of link '%s'" % part.name
@@ -228,6 +236,9 @@ class Writer:
         friction = element.find("surface/friction/ode/mu")
         if friction is not None:
             ElementTree.SubElement(self._gazebo(part.name), "mu1").text = friction.text
+        retro = element.find("laser_retro")
+        if retro is not None:
+            ElementTree.SubElement(self._gazebo(part.name), "laserRetro").text = retro.text
         if element.tag == "visual":
             look = ElementTree.SubElement(self._gazebo(part.name), "visual", name=name)
             look.extend(copy.deepcopy(child) for child in element

@@ -39,6 +39,8 @@ class Description:
     children: dict          #: joint -> child link
     devices: tuple          #: of world/devices.py: what plugins besides cameras and ros_control do
     frictions: dict         #: link -> coefficient of friction, mu1 of its <gazebo>
+    self_collides: frozenset  #: links that touch others of the model that do so too
+    retros: dict            #: link -> laserRetro of its <gazebo>, the intensity that lasers see
     warnings: tuple         #: what is ignored, a line each
 
 
@@ -103,7 +105,9 @@ def read_description(xml, namespace, model):
     links = {link.get("name") for link in robot.findall("link")}
     children = {joint.find("child").get("link") for joint in robot.findall("joint") if joint.find("child") is not None}
     # These take out what is used here: the simulator would warn of it.
-    cameras, frictions, static = cameras_of(robot, namespace, warnings), frictions_of(robot), is_static(robot)
+    cameras, static = cameras_of(robot, namespace, warnings), is_static(robot)
+    self_collides = self_collides_of(robot)
+    frictions, retros = numbers_of(robot, ("mu1", "mu2")), numbers_of(robot, ("laserRetro", "laser_retro"))
     return Description(
         urdf=ElementTree.tostring(robot, encoding="unicode"), fixed=static or links - children == {"world"},
         control_namespace=control, cameras=cameras,
@@ -112,7 +116,8 @@ def read_description(xml, namespace, model):
                      if joint.get("type") in MOVING},
         actuated=actuated, jointed=any(joint.get("type") in MOVING for joint in robot.findall("joint")),
         parents=ends_of(robot, "parent"), children=ends_of(robot, "child"),
-        devices=tuple(devices), frictions=frictions, warnings=tuple(warnings))
+        devices=tuple(devices), frictions=frictions, retros=retros, self_collides=self_collides,
+        warnings=tuple(warnings))
 
 
 def is_static(robot):
@@ -161,12 +166,12 @@ def free_followers(robot, warnings):
                             % joint.get("name"))
 
 
-def frictions_of(robot):
-    """Takes mu1 and mu2 of the links and returns the first that is a number for each."""
+def numbers_of(robot, tags):
+    """Takes these tags of the links and returns the first that is a number >= 0 for each link."""
     links = {link.get("name") for link in robot.findall("link")}
-    frictions = {}
+    found = {}
     for gazebo in robot.findall("gazebo"):
-        for tag in ("mu1", "mu2"):
+        for tag in tags:
             for element in gazebo.findall(tag):
                 gazebo.remove(element)
                 link = gazebo.get("reference")
@@ -175,8 +180,22 @@ def frictions_of(robot):
                 except (TypeError, ValueError):
                     continue
                 if link in links and value >= 0.0:
-                    frictions.setdefault(link, value)
-    return frictions
+                    found.setdefault(link, value)
+    return found
+
+
+def self_collides_of(robot):
+    """Takes <selfCollide> and <self_collide> out and returns the links that it says it of."""
+    found = set()
+    for gazebo in robot.findall("gazebo"):
+        for tag in ("selfCollide", "self_collide"):
+            for element in gazebo.findall(tag):
+                gazebo.remove(element)
+                if (element.text or element.get("value", "")).strip().lower() in ("true", "1"):
+                    found.add(gazebo.get("reference"))
+    if None in found:
+        found = {link.get("name") for link in robot.findall("link")}
+    return frozenset(found)
 
 
 def sensors_of(robot, namespace, warnings):

@@ -1,8 +1,12 @@
 """What plugins of a URDF besides cameras and ros_control do, read with Gazebo's keys and defaults: one class a kind."""
 import dataclasses
+import math
 import xml.etree.ElementTree as ElementTree
 
+import numpy
+
 from .errors import SpawnError
+from .poses import IDENTITY, matrix_of_rpy
 
 _READERS = {}
 
@@ -100,6 +104,39 @@ class ForceTorque(Device):
         return (self.joint,)
 
 
+@dataclasses.dataclass(frozen=True)
+class Scan:
+    """Angles of the rays of a laser about one axis [rad]: `samples` rays, of which `count` numbers are made."""
+    samples: int
+    count: int
+    lowest: float
+    highest: float
+
+    def angles(self):
+        """Of the rays, (samples,); a single one looks ahead."""
+        return numpy.zeros(1) if self.samples == 1 else numpy.linspace(self.lowest, self.highest, self.samples)
+
+
+@dataclasses.dataclass(frozen=True)
+class Laser(Device):
+    """Distances along rays from a link, which begin at range_min_m."""
+    link: str
+    topic: str
+    frame: str
+    rate_hz: float
+    horizontal: Scan
+    vertical: Scan
+    range_min_m: float
+    range_max_m: float
+    noise_mean: float   #: [m]
+    noise: float        #: standard deviation [m]
+    X_LS: numpy.ndarray  #: (4, 4), the sensor in the link: rays at angle 0 go along x, angles grow towards y and z
+    sees_visuals: bool  #: the rays meet <visual>s from outside, else <collision>s
+
+    def links(self):
+        return (self.link,)
+
+
 def text(element, key, otherwise=""):
     child = None if element is None else element.find(key)
     return child.text.strip() if child is not None and child.text and child.text.strip() else otherwise
@@ -159,6 +196,61 @@ def imu_sensor(plugin, sensor, link, namespace):
 def force_torque(plugin, _sensor, _link, namespace):
     return ForceTorque(joint=text(plugin, "jointName"), topic=named(namespace, text(plugin, "topicName", "ft_sensor")),
                        rate_hz=number(plugin, "updateRate", 0.0), noise=number(plugin, "gaussianNoise", 0.0))
+
+
+MOST_RAYS = 200000  #: of one laser
+
+
+def scan_of(element, key, required):
+    """Scan of <horizontal> or <vertical>. Raises: ValueError."""
+    part = element.find("scan/" + key)
+    if part is None and not required:
+        return Scan(1, 1, 0.0, 0.0)
+    samples = number(part, "samples", 640 if required else 1)
+    resolution = number(part, "resolution", 1.0)
+    lowest, highest = number(part, "min_angle", 0.0), number(part, "max_angle", 0.0)
+    if not (1 <= samples <= MOST_RAYS and 0 < resolution * samples <= MOST_RAYS):
+        raise ValueError("<%s>: found %g samples with a resolution of %g, allowed are 1 to %d" %
+                         (key, samples, resolution, MOST_RAYS))
+    if not (math.isfinite(lowest) and math.isfinite(highest) and lowest <= highest):
+        raise ValueError("<%s>: found angles from %g to %g rad, allowed is min_angle <= max_angle, finite" %
+                         (key, lowest, highest))
+    return Scan(int(samples), max(1, int(samples * resolution)), lowest, highest)
+
+
+@reads("libgazebo_ros_laser.so", "libgazebo_ros_gpu_laser.so")
+def laser(plugin, sensor, link, namespace):
+    rays = None if sensor is None else sensor.find("ray") if sensor.find("ray") is not None else sensor.find("lidar")
+    if rays is None:
+        raise ValueError("found no <ray> around it, allowed is <sensor type=\"ray\"> with one")
+    nearest, farthest = number(rays.find("range"), "min", 0.0), number(rays.find("range"), "max", 0.0)
+    horizontal, vertical = scan_of(rays, "horizontal", True), scan_of(rays, "vertical", False)
+    if not 0.0 <= nearest < farthest:
+        raise ValueError("<range>: found %g to %g m, allowed is 0 <= min < max" % (nearest, farthest))
+    if max(horizontal.samples, horizontal.count) * max(vertical.samples, vertical.count) > MOST_RAYS:
+        raise ValueError("<scan>: found %d times %d rays, allowed are %d" %
+                         (horizontal.samples, vertical.samples, MOST_RAYS))
+    noise = rays.find("noise")
+    return Laser(
+        link=link, topic=named(namespace, text(plugin, "topicName", "/world")),
+        frame=text(plugin, "frameName", "/world").lstrip("/"), rate_hz=number(sensor, "update_rate", 0.0),
+        horizontal=horizontal, vertical=vertical, range_min_m=nearest, range_max_m=farthest,
+        noise_mean=number(noise, "mean", 0.0), noise=number(noise, "stddev", 0.0), X_LS=sensor_pose(sensor),
+        sees_visuals=sensor.get("type") in ("gpu_ray", "gpu_lidar"))
+
+
+def sensor_pose(sensor):
+    """(4, 4) of a sensor's <pose>. Raises: ValueError."""
+    words = text(sensor, "pose").split()
+    if not words:
+        return IDENTITY
+    try:
+        values = [float(word) for word in words]
+    except ValueError:
+        values = []
+    if len(values) != 6 or not numpy.isfinite(values).all():
+        raise ValueError("<pose>: found %s, allowed are 6 finite numbers" % " ".join(words))
+    return matrix_of_rpy(values[:3], values[3:])
 
 
 def motorize(robot, drive):

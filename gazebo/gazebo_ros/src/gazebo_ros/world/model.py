@@ -10,6 +10,7 @@ from .devices import DiffDrive
 from .errors import BadValueError, SpawnError, UnknownEntityError
 from .lights import SUN
 from .poses import IDENTITY, quaternion_of, rotated, rpy_of
+from .self_contacts import overlapping, self_pairs
 from ..sdf.model import JOINT_FRAME
 from .settings import WorldSettings
 from .solids import solid_of
@@ -57,6 +58,7 @@ class Model:
         self.name, self.namespace, self.begun_ns, self._X_MR = name, namespace, begun_ns, X_MR
         self.spawned = (name, xml, namespace, pose, X_MR, tuple(warnings))  #: how to spawn it again
         self.description = read_description(xml, namespace, name)
+        self._said = []             #: warnings of its own
         self.simulation = self._made(settings, pose @ X_MR)
         robot = self._tree = ElementTree.fromstring(self.description.urdf)
         self.links = [link.get("name") for link in robot.findall("link")
@@ -69,7 +71,7 @@ class Model:
         self.host = None            #: name of the model that simulates this one
         self._places = {}           #: of links: bytes of a pose, and what place_of makes of it
         self.placed = lambda thrown: None  #: called when the model was put somewhere else, at rest or not
-        said = (*warnings, *self.description.warnings, *self.simulation.warnings)
+        said = (*warnings, *self.description.warnings, *self._said, *self.simulation.warnings)
         self.warnings = [each for each in dict.fromkeys(said) if not each.endswith(OF_COLLISIONS)]
         for device in self.description.devices:
             if isinstance(device, DiffDrive):
@@ -88,15 +90,29 @@ class Model:
                                 "rpy_rad": [float(each) for each in rpy_of(pose)]}}
         floor_m = 0.0 if settings.ground else settings.floor_m
         if self.description.collides and self.moves:
-            config["contacts"] = {"friction": GROUND_FRICTION, "frictions": self.description.frictions}
+            config["contacts"] = {"friction": GROUND_FRICTION, "frictions": self.description.frictions,
+                                  "neighbours": True}
             if floor_m is not None:
                 config["contacts"]["ground_plane"] = {"z_m": floor_m, "friction": GROUND_FRICTION}
         if self.description.cameras:
             config["scene"] = scene_of(settings)
         try:
-            return Simulation(self.description.urdf, config, {})
+            return self._made_with_self_contacts(config) or Simulation(self.description.urdf, config, {})
         except ArasError as error:
             raise SpawnError("SpawnModel: model '%s' cannot be simulated: %s" % (self.name, error)) from error
+
+    def _made_with_self_contacts(self, config):
+        """The simulation if some links touch each other, else None."""
+        pairs = self_pairs(ElementTree.fromstring(self.description.urdf), self.description.self_collides)
+        if not pairs or "contacts" not in config:
+            return None
+        tried = {**config, "contacts": {**config["contacts"], "pairs": pairs}}
+        tried.pop("scene", None)
+        without = overlapping(Simulation(self.description.urdf, tried, {}), pairs)
+        self._said += ["links %s and %s are in each other where the model begins: they do not touch each other" %
+                       tuple(pair) for pair in without]
+        config["contacts"]["pairs"] = [pair for pair in pairs if pair not in without]
+        return Simulation(self.description.urdf, config, {})
 
     def _start_wheels(self, drive):
         """Lets motors turn the wheels of a drive from now on, with no speed at first."""
@@ -186,10 +202,14 @@ class Model:
 
     # --- what stands in the description
 
+    def element_of(self, link):
+        """The <link> of a name. Raises: UnknownEntityError."""
+        self.link_pose(link)
+        return next(each for each in self._tree.findall("link") if each.get("name") == link)
+
     def mass_of(self, link):
         """Mass of a link. Raises: UnknownEntityError."""
-        self.link_pose(link)
-        return mass_of(next(each for each in self._tree.findall("link") if each.get("name") == link))
+        return mass_of(self.element_of(link))
 
     def centre_of_mass(self, link):
         """(3,), in the world."""

@@ -26,6 +26,16 @@ def matrix_of(position, quaternion, what):
     return pose
 
 
+def matrix_of_rpy(position, rpy):
+    """X, (4, 4), of a position (3,) and roll, pitch, yaw [rad]: R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    (cr, cp, cy), (sr, sp, sy) = numpy.cos(rpy), numpy.sin(rpy)
+    pose = numpy.eye(4)
+    pose[:3, :3] = ((cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+                    (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr), (-sp, cp * sr, cp * cr))
+    pose[:3, 3] = position
+    return pose
+
+
 def quaternion_of(pose):
     """(4,) x y z w of a pose (4, 4), by the largest of its parts (Shepperd 1978)."""
     R = pose[:3, :3]

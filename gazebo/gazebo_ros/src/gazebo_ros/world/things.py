@@ -4,12 +4,11 @@ Each model is a simulation of its own, and what touches must be in one. A thing 
 simulation of its host: the robot that is nearest when it comes, else the first thing of the world. Its own simulation
 stands still and is put where the solid is.
 """
-import xml.etree.ElementTree as ElementTree
-
 import numpy
 
-from ..sdf.document import numbers, rotation_of
+from ..sdf.document import numbers
 from .poses import quaternion_of
+from .rays import origin_of
 
 SOLID = "thing"  #: ends the name of the solid in the host
 
@@ -42,11 +41,7 @@ def described(robot, model):
         entry["cylinder_m"] = [float(geometry.get("radius")), float(geometry.get("length"))]
     else:
         entry["sphere_m"] = float(geometry.get("radius"))
-    place, origin = numpy.eye(4), shapes[0].find("origin")
-    origin = ElementTree.Element("origin") if origin is None else origin
-    place[:3, :3] = rotation_of(numbers(origin.get("rpy", "0 0 0"), 3, "rpy"))
-    place[:3, 3] = numbers(origin.get("xyz", "0 0 0"), 3, "xyz")
-    return entry, place
+    return entry, origin_of(shapes[0])
 
 
 def enter(thing, host):

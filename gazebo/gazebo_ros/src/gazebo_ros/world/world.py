@@ -4,6 +4,8 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 
+from aras_visual_servo_sim import Simulation
+
 from . import things
 from .description import located
 from .errors import BadValueError, SpawnError, UnknownEntityError
@@ -11,6 +13,7 @@ from .lights import Lights
 from .model import Model
 from .poses import IDENTITY
 from .pushes import Pushes
+from .rays import Rays
 from ..sdf.document import NoFolders, expanded
 from ..sdf.model import model_of
 from ..sdf.world import GROUND, height_of
@@ -24,13 +27,14 @@ class World:
     """Models under one clock of integer nanoseconds. Not thread-safe.
 
     Each model is a simulation of its own. In it are the links of others that its cameras see, those of fixed models
-    that it touches, and things (things.py).
+    that it touches, and things (things.py). Simulations are stepped together, so that what moves in them touches.
 
     Attributes:
         settings: WorldSettings.
         models: dict of name -> Model, in the order in which they were spawned.
         lights: Lights.
         pushes: Pushes, wrenches and efforts from outside.
+        rays: Rays, what lasers see.
     """
 
     def __init__(self, settings=None, folders=NoFolders()):
@@ -41,6 +45,7 @@ class World:
         self.settings = settings or WorldSettings()
         self.models, self.lights = {}, Lights(shadows=self.settings.shadows)
         self.pushes = Pushes(self.models)
+        self.rays = Rays(self)
         self._folders = folders
         self._ticks = 0
 
@@ -60,9 +65,7 @@ class World:
         for name in self.pushes.pushed:
             if self.models[name].host is not None:
                 self._let_go(self.models[name])
-        for model in self.models.values():
-            if model.host is None:
-                model.step(ticks)
+        Simulation.step_together([model.simulation for model in self.models.values() if model.host is None], ticks)
         for model in self.models.values():
             if model.host is not None:
                 things.follow(model, self.models[model.host])

@@ -63,12 +63,14 @@ class ArmMotion:
         self._wish = Wish(lower, upper, spare.posture_gain_per_s, spare.joint_limit_gain_per_s, spare.max_speed)
         self.lower, self.upper = lower + config.joint_limit_margin, upper - config.joint_limit_margin
         self.posture = self.optical_axis_B = None
-        self._seen_from = self._axis = None  # the last pose of the camera, and the taught axis in it
+        self._axis_B = self._seen_from = self._axis = None  # the taught axis; the last camera pose, and the axis in it
 
     def set_reference(self, reference):
         """Take over the posture and the optical axis of a `Reference`."""
         self.posture = None if reference.posture is None else self._kinematics.vector(reference.posture)
         self.optical_axis_B, self._seen_from = reference.optical_axis_B, None
+        if self.optical_axis_B is not None:
+            self._axis_B = tuple(map(float, self.optical_axis_B))
 
     def rest(self):
         """Call this when the arm is told to stand still: its next motion begins at zero velocity."""
@@ -108,7 +110,8 @@ class ArmMotion:
     def _taught_axis_in(self, X_BC):
         """(x, y, sine of the angle to z) of the taught axis in the frame of a camera at X_BC."""
         if X_BC is not self._seen_from:
-            a, b, _ = (self.optical_axis_B @ X_BC[:3, :3]).tolist()
+            (x, y, z), X = self._axis_B, X_BC.tolist()
+            a, b = x * X[0][0] + y * X[1][0] + z * X[2][0], x * X[0][1] + y * X[1][1] + z * X[2][1]
             self._seen_from, self._axis = X_BC, (a, b, (a * a + b * b) ** 0.5)
         return self._axis
 

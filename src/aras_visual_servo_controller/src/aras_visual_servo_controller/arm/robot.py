@@ -1,5 +1,6 @@
 """The kinematics of whatever robot a URDF describes, with the camera where the URDF or a calibration has it."""
 
+from functools import lru_cache
 from xml.etree import ElementTree
 
 from ..config.reader import read
@@ -12,6 +13,7 @@ from .settings import HandEyeSettings
 CALIBRATED_LINK = "hand_eye_optical_frame"
 
 
+@lru_cache(maxsize=8)  # runs of a sweep share one object, which nobody changes: reading a URDF takes a millisecond
 def robot_kinematics(urdf_xml: str, base_link: str, tip_link: str):
     """`FreeCamera` where a floating joint carries the tip, else `Kinematics`; both have the same interface.
 

@@ -6,6 +6,7 @@ No ROS, and no wall clock except in `wall_s`.
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from operator import attrgetter
 
 import numpy as np
@@ -97,7 +98,7 @@ class RunRecord:
         """Indices of the images of these phases, in order: (j,) int."""
         return np.flatnonzero(np.isin(self.phase, phases))
 
-    @property
+    @cached_property
     def servo_rows(self):
         """Indices of the images of the servo phase, with the one that ended it: (j,) int.
 

@@ -11,8 +11,6 @@ on. It is bounded, so that a joint that sticks does not shoot ahead when it come
 
 import numpy as np
 
-from ..ground.spatial import rotation_vector
-
 #: The correction is no faster than this [m/s; rad/s]: the creep of dry friction five times that of the shipped arm.
 FASTEST = np.array([0.0003, 0.0003, 0.0003, 0.003, 0.003, 0.003])
 
@@ -26,7 +24,9 @@ class CreepCompensation:
 
     def __init__(self, rate_per_s):
         """Args: rate_per_s: of working the difference off, 0: never."""
-        self._rate_per_s = rate_per_s
+        from .._kinematics import between  # C++: not needed to describe the settings of the servo
+        self._rate_per_s, self._between = rate_per_s, between
+        self._most = FASTEST / rate_per_s if rate_per_s > 0.0 else FASTEST
         self._X_BC, self._off, self.twist = None, np.zeros(6), np.zeros(6)
 
     def clear(self):
@@ -42,11 +42,8 @@ class CreepCompensation:
         if self._rate_per_s == 0.0:
             return self.twist
         if self._X_BC is not None:
-            R = self._X_BC[:3, :3]
-            self._off[:3] -= (X_BC[:3, 3] - self._X_BC[:3, 3]) @ R
-            self._off[3:] -= rotation_vector(R.T @ X_BC[:3, :3])
-            most = FASTEST / self._rate_per_s
-            self._off = np.minimum(np.maximum(self._off, -most), most)
+            off = self._off - self._between(self._X_BC, X_BC)
+            self._off = np.minimum(np.maximum(off, -self._most), self._most)
             self.twist = self._rate_per_s * self._off
         self._off = self._off + dt_s * twist
         self._X_BC = X_BC

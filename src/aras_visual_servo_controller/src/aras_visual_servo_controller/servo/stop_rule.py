@@ -15,7 +15,6 @@ arrival (T61).
 The published rule, |e| < thresholds and nothing else, is there by name. It ends a run with a status of its own.
 """
 
-from collections import deque
 from dataclasses import dataclass
 from math import nan
 
@@ -24,7 +23,6 @@ import numpy as np
 from ..config.settings import setting
 from ..features.base import View
 from ..ground.errors import DegenerateFeature
-from ..ground.spatial import rotation_vector
 from ..laws.base import MAX_CONDITION
 
 RULES = ("pose", "published")
@@ -75,7 +73,7 @@ class GoalPose:
 
     def __init__(self, features, reference):
         """Args: features: `FeatureSet`. reference: `Reference`."""
-        self._sees_tilt, self._inverse, self._of_tilt = features.sees_tilt, None, None
+        self._sees_tilt, self._inverse, self._with_tilt = features.sees_tilt, None, None
         if reference.view is None or reference.plane_C is None:
             return
         try:
@@ -91,7 +89,8 @@ class GoalPose:
             return
         self._inverse = np.zeros((6, len(L)))
         self._inverse[OTHER_COLUMNS] = inverse
-        self._of_tilt = np.eye(6)[:, TILT_COLUMNS] - self._inverse @ L[:, TILT_COLUMNS]
+        of_tilt = np.eye(6)[:, TILT_COLUMNS] - self._inverse @ L[:, TILT_COLUMNS]
+        self._with_tilt = np.hstack([self._inverse, of_tilt])
 
     def of(self, e, tilt):
         """Displacement, (6,), or None where it cannot be told.
@@ -100,9 +99,9 @@ class GoalPose:
         """
         if self._inverse is None:
             return None
-        if self._of_tilt is None or tilt is None:
+        if self._with_tilt is None or tilt is None:
             return self._inverse @ e
-        return self._inverse @ e + self._of_tilt @ np.array(tilt)
+        return self._with_tilt @ (*e, *tilt)
 
 
 class StopRule:
@@ -122,19 +121,21 @@ class StopRule:
 
         taught_images: number of images whose mean is the goal: their noise counts too.
         """
-        self._taught_images = taught_images
-        self._names, self._thresholds, self._settings = names, np.array(thresholds), settings
+        from .._kinematics import Arrival, between  # C++: not needed to describe the settings of this file
+        self._names, self._thresholds, self._settings = names, thresholds, settings
         self._close = tuple([CLOSE * threshold for threshold in thresholds])
-        self._hold_ns, self._follows = round(1e9 * hold_s), follows
-        self._kept_ns = self._hold_ns if follows else max(self._hold_ns, round(1e9 * AVERAGED_S))
-        self._held, self._where = deque(), _Window()
+        self._hold_ns, self._follows, self._between = round(1e9 * hold_s), follows, between
+        kept_ns = self._hold_ns if follows else max(self._hold_ns, round(1e9 * AVERAGED_S))
+        self._images = Arrival(thresholds, self._hold_ns, kept_ns, settings.position_m, settings.rotation_rad,
+                               settings.tilt_rad, SURE, taught_images)
+        self._last_ns = self._since_ns = None
         self.clear()
 
     def clear(self):
         """Forget the images seen."""
-        self._held.clear()
-        self._where.clear()
-        self._X_BC, self._since_ns = None, 0
+        if self._last_ns is not None:
+            self._images.clear()
+        self._X_BC = self._last_ns = self._since_ns = None
         self.judged, self.lacking, self.close, self.resting = UNKNOWN, ("no image",), False, False
 
     def arrived(self, stamp_ns, e, tilt, pose, X_BC, pose_of_law=False):
@@ -154,17 +155,20 @@ class StopRule:
             lacking = [name for name, error, most in zip(self._names, e, self._thresholds) if not abs(error) < most]
             self.lacking = (*lacking, "tilt") if tilt_rad >= self._settings.tilt_rad else tuple(lacking)
             return False
-        if not self._held:
+        if self._since_ns is None:
             self._since_ns = stamp_ns
-        self._held.append((stamp_ns, np.array(e), tilt_rad))
-        while stamp_ns - self._held[0][0] > self._hold_ns:
-            self._held.popleft()
-        parts = self._parts(tilt_rad)
-        self.judged = (tilt_rad, nan, nan)
-        if pose is None:
-            self.resting = max(parts.values()) < (MOVE if self.resting else REST)
-        else:
-            self._judge_pose(stamp_ns, pose, X_BC, parts)
+        self._last_ns = stamp_ns
+        means, tilt_part = self._images.features(stamp_ns, e, tilt_rad)
+        parts = dict(zip(self._names, means))
+        if tilt_rad == tilt_rad:
+            parts["tilt"] = tilt_part
+        most, self.judged = max(parts.values()), (tilt_rad, nan, nan)
+        if pose is not None:
+            off, parts["rest"], parts["position"], parts["rotation"], position_m, rotation_rad = self._images.place(
+                stamp_ns, self._moved(X_BC), pose)
+            parts["rest"] /= MOVED
+            most, self.judged = max(most, off), (tilt_rad, position_m, rotation_rad)
+        self.resting = most < (MOVE if self.resting else REST)
         self.lacking = tuple([name for name, part in parts.items() if not part < 1.0])
         return not self.lacking and stamp_ns - self._since_ns >= self._hold_ns
 
@@ -175,97 +179,24 @@ class StopRule:
         position, rotation = _size(pose)
         return not (position > CLOSE * settings.position_m or rotation > CLOSE * settings.rotation_rad)
 
-    def _parts(self, tilt_rad):
-        """Features and tilt of the last hold_s as parts of their thresholds, by name."""
-        mean = np.abs(sum([seen[1] for seen in self._held]) / len(self._held))
-        parts = dict(zip(self._names, (mean / self._thresholds).tolist()))
-        if tilt_rad == tilt_rad:
-            parts["tilt"] = max([seen[2] for seen in self._held]) / self._settings.tilt_rad
-        return parts
-
-    def _judge_pose(self, stamp_ns, pose, X_BC, parts):
-        """Put the pose of the last hold_s into `parts`; sets `judged` and `resting`."""
-        settings, moved = self._settings, self._moved(X_BC)
-        self._where.add(stamp_ns, moved, pose - moved, self._kept_ns)
-        offs, held = self._where.near(moved, settings.position_m, settings.rotation_rad), self._where.since(
-            stamp_ns - self._hold_ns)
-        mean = np.add.reduce(offs, axis=0) / len(offs)
-        where = mean + held
-        positions, rotations = _sizes(where)
-        most = max(*parts.values(), float(positions.max()) / settings.position_m,
-                   float(rotations.max()) / settings.rotation_rad)
-        self.resting = most < (MOVE if self.resting else REST)
-        ways, turns = _sizes(held - moved)
-        parts["rest"] = max(float(ways.max()) / settings.position_m, float(turns.max()) / settings.rotation_rad) / MOVED
-        spread = offs - mean
-        variance = np.add.reduce(spread * spread, axis=0) / len(offs)
-        unsure = SURE**2 * (1.0 / len(offs) + 1.0 / self._taught_images) * variance
-        positions, rotations = _sizes((where * where + unsure) ** 0.5)
-        self.judged = (self.judged[0], float(positions[-1]), float(rotations[-1]))
-        parts["position"] = float(positions.max()) / settings.position_m
-        parts["rotation"] = float(rotations.max()) / settings.rotation_rad
-
     def _moved(self, X_BC):
         """(6,) displacement by the joints since the first image close to the goal; zeros if the goal may move."""
         if self._follows:
             return np.zeros(6)
         if self._X_BC is None:
             self._X_BC = X_BC
-        R = self._X_BC[:3, :3]
-        return np.concatenate([(X_BC[:3, 3] - self._X_BC[:3, 3]) @ R, rotation_vector(R.T @ X_BC[:3, :3])])
+        return self._between(self._X_BC, X_BC)
 
     def calm(self, rate_per_s):
         """Factor of a rate [1/s] of the servo: 1, or less where it has been close to the goal for long."""
-        if not self._held:
+        if self._last_ns is None:
             return 1.0
-        over_s = 1e-9 * (self._held[-1][0] - self._since_ns) - PATIENCE_S
+        over_s = 1e-9 * (self._last_ns - self._since_ns) - PATIENCE_S
         return 1.0 if over_s <= 0.0 else max(1.0 / (1.0 + over_s), min(1.0, CALM_PER_S / rate_per_s))
 
     def why_not(self):
         """What was lacking at the last image, in words."""
         return ", ".join(self.lacking) or "everything for less than hold_s"
-
-
-class _Window:
-    """What the images of the last seconds say: stamp, motion of the camera by the joints, pose less that motion."""
-
-    def __init__(self):
-        self._table = np.empty((64, 13))
-        self.clear()
-
-    def clear(self):
-        """Forget all images."""
-        self._first = self._last = 0
-
-    def add(self, stamp_ns, moved, off, kept_ns):
-        """One more image; those older than kept_ns are forgotten."""
-        table = self._table
-        while self._first < self._last and stamp_ns - table[self._first, 0] > kept_ns:
-            self._first += 1
-        if self._last == len(table):
-            rows = table[self._first:self._last]
-            self._table = table = np.concatenate([rows, np.empty((len(rows) + 64, 13))])
-            self._first, self._last = 0, len(rows)
-        row = table[self._last]
-        row[0], row[1:7], row[7:] = stamp_ns, moved, off
-        self._last += 1
-
-    def near(self, moved, position_m, rotation_rad):
-        """(n, 6) pose less motion, of the images from whose place the camera has moved by less than this."""
-        rows = self._table[self._first:self._last]
-        positions, rotations = _sizes(rows[:, 1:7] - moved)
-        return rows[(positions < position_m) & (rotations < rotation_rad), 7:]
-
-    def since(self, stamp_ns):
-        """(n, 6) motion of the images from this stamp on."""
-        rows = self._table[self._first:self._last]
-        return rows[rows[:, 0] >= stamp_ns, 1:7]
-
-
-def _sizes(poses):
-    """((n,), (n,)) lengths of the translations and of the rotations of poses, (n, 6)."""
-    squares = poses * poses
-    return np.add.reduce(squares[:, :3], axis=1) ** 0.5, np.add.reduce(squares[:, 3:], axis=1) ** 0.5
 
 
 def _size(pose):

@@ -37,6 +37,7 @@ struct ContactConfig {
   /** Names of links and obstacles; `robot` stands for every link, in either place. */
   std::vector<std::pair<std::string, std::string>> pairs;
   std::optional<GroundPlane> ground;
+  bool neighbours;                            ///< whether what can move touches that of other worlds, see WorldGroup
   double friction;                            ///< Coulomb's coefficient of the pairs
   std::map<std::string, double> frictions;    ///< of links and solids by name; the smallest of a contact counts
   double stiffness_n_per_m;                   ///< normal force per depth at each point of contact
@@ -46,7 +47,7 @@ struct ContactConfig {
   /** Points of the mesh files that collision shapes name, unscaled [m]; their convex hull is what touches. */
   std::map<std::string, std::vector<Eigen::Vector3d>> mesh_points;
 
-  bool any() const { return ground || !pairs.empty(); }
+  bool any() const { return ground || neighbours || !pairs.empty(); }
 };
 
 /** Reads section `contacts`. Null: none. @throws ParameterError listing every fault */

@@ -174,6 +174,7 @@ class MultibodyWorld {
   void restoreState(const std::string& state);
 
  private:
+  friend class WorldGroup;
   class Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -186,6 +186,9 @@ class Simulation {
   std::string runHash() const { return run_hash_.hex(); }
 
  private:
+  friend void stepTogether(const std::vector<Simulation*>& simulations, std::int64_t n);
+
+  std::int64_t leaveTick(std::int64_t end);
   void makeWorld();
   Moment present(const Camera& camera);
   void startModels();
@@ -207,5 +210,9 @@ class Simulation {
   RunHash run_hash_;
   Undrawn undrawn_;  // of which there was a warning
 };
+
+/** Advances several simulations by n periods, each as its step() does, but so that their robots touch each other, see
+ *  WorldGroup. @throws ParameterError unless their periods are the same, and n >= 0 */
+void stepTogether(const std::vector<Simulation*>& simulations, std::int64_t n);
 
 }  // namespace aras_visual_servo_sim

@@ -6,6 +6,7 @@
 #include "aras_visual_servo_sim/camera/camera_tags.hpp"
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/config/place.hpp"
+#include "aras_visual_servo_sim/physics/world_group.hpp"
 #include "aras_visual_servo_sim/robot/joint_limits_reader.hpp"
 
 namespace aras_visual_servo_sim {
@@ -64,20 +65,8 @@ void Simulation::step(std::int64_t n) {
   if (n < 0) throw ParameterError("step: found " + std::to_string(n) + " steps, allowed >= 0");
   const std::int64_t end = ticks() + n;
   while (ticks() < end) {
-    expose();
     const std::int64_t now = ticks();
-    std::int64_t next = end;
-    for (Camera& camera : cameras_) {
-      if (!camera.late() && camera.frameDue(now)) {
-        run_hash_.add(*world_, timeNs());
-        camera.missFrame();
-      }
-      camera.leaveTick();
-      next = std::min(next, camera.nextExposureTick());
-      if (!camera.blurs()) continue;
-      if (camera.samples(now)) camera.note(present(camera));
-      next = std::min(next, camera.nextSampleTick(now));
-    }
+    const std::int64_t next = leaveTick(end);
     if (contacts_.any()) {
       contacts_.step(next - now, periodNs(), models_, *world_);
     } else {
@@ -87,6 +76,54 @@ void Simulation::step(std::int64_t n) {
   }
   models_.move(timeNs());
   if (n > 0) expose();
+}
+
+/** Does what is due at this tick. @return the next tick at which something is, at most `end` */
+std::int64_t Simulation::leaveTick(std::int64_t end) {
+  expose();
+  const std::int64_t now = ticks();
+  std::int64_t next = end;
+  for (Camera& camera : cameras_) {
+    if (!camera.late() && camera.frameDue(now)) {
+      run_hash_.add(*world_, timeNs());
+      camera.missFrame();
+    }
+    camera.leaveTick();
+    next = std::min(next, camera.nextExposureTick());
+    if (!camera.blurs()) continue;
+    if (camera.samples(now)) camera.note(present(camera));
+    next = std::min(next, camera.nextSampleTick(now));
+  }
+  return next;
+}
+
+void stepTogether(const std::vector<Simulation*>& simulations, std::int64_t n) {
+  if (n < 0) throw ParameterError("step: found " + std::to_string(n) + " steps, allowed >= 0");
+  std::vector<MultibodyWorld*> worlds;
+  for (Simulation* each : simulations) worlds.push_back(each->world_.get());
+  if (worlds.empty() || n == 0) return;
+  WorldGroup group(worlds);
+  while (n > 0) {
+    std::int64_t span = n;
+    for (Simulation* each : simulations) span = std::min(span, each->leaveTick(each->ticks() + span) - each->ticks());
+    for (std::int64_t k = 0; k < span; ++k) {
+      for (Simulation* each : simulations) {
+        if (each->contacts_.any()) each->contacts_.beforePeriod(each->periodNs(), each->models_, *each->world_);
+      }
+      group.step();
+      for (Simulation* each : simulations) {
+        if (each->contacts_.any()) each->contacts_.afterPeriod(each->models_, *each->world_);
+      }
+    }
+    for (Simulation* each : simulations) {
+      for (Camera& camera : each->cameras_) camera.passTo(each->ticks());
+    }
+    n -= span;
+  }
+  for (Simulation* each : simulations) {
+    each->models_.move(each->timeNs());
+    each->expose();
+  }
 }
 
 std::int64_t Simulation::stepToImage(const std::string& camera) {

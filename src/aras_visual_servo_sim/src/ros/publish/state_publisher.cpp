@@ -11,16 +11,24 @@ namespace aras_visual_servo_sim {
 namespace {
 
 constexpr std::uint32_t kSmallQueue = 1000;  // messages: a listener that hesitates for seconds loses nothing
-constexpr std::uint32_t kImageQueue = 200;   // images: the same, at 30 Hz, within 50 MB
-constexpr std::size_t kLongestPath = 2000;   // poses kept for display
-constexpr double kPathPeriodS = 0.5;         // wall
-constexpr double kErrorPeriodS = 5.0;        // wall, between two reports of the same failure
+// Images that wait for a listener: at 320 x 240 in colour those of two seconds, and never more than this in bytes.
+constexpr std::uint32_t kQueueBytes = 16 * 1024 * 1024;
+constexpr std::uint32_t kFewestImages = 2, kMostImages = 200;
+constexpr std::size_t kLongestPath = 2000;  // poses kept for display
+constexpr double kPathPeriodS = 0.5;        // wall
+constexpr double kErrorPeriodS = 5.0;       // wall, between two reports of the same failure
 const std::string kTargetModel = "target";
 
 /** The model named `target`, else the first; empty without any. */
 std::string targetOf(const std::vector<std::string>& models) {
   if (std::find(models.begin(), models.end(), kTargetModel) != models.end()) return kTargetModel;
   return models.empty() ? "" : models.front();
+}
+
+/** Images of a camera that may wait for a listener. */
+std::uint32_t imageQueue(const CameraModel& model) {
+  const auto bytes = static_cast<std::uint32_t>(model.width() * model.height() * channelsOf(model.encoding()));
+  return std::clamp(kQueueBytes / bytes, kFewestImages, kMostImages);
 }
 
 void assign(std::vector<double>& to, const Eigen::VectorXd& from) { to.assign(from.data(), from.data() + from.size()); }
@@ -63,7 +71,7 @@ void StatePublisher::advertiseCamera(int camera, const CameraTopics& topics) {
   const CameraModel& model = simulation_.cameras()[camera].model();
   const std::string truth = camera == 0 ? "ground_truth/" : "ground_truth/" + name + "/";
   CameraOutput output;
-  output.image = transport_.advertise(topics.image, kImageQueue);
+  output.image = transport_.advertise(topics.image, imageQueue(model));
   output.image_tap = &recording_.tap(topics.image);
   output.compressed = {node_, transport_, topics.image, model};
   output.info = {node_, recording_, topics.info, kSmallQueue};

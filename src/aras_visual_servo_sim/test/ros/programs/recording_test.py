@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """The simulator writes bags: its own topics without a listener, those of others, counts, refusals, a full disk."""
 import pathlib
+import re
 import resource
 import shutil
 import tempfile
+import threading
 import unittest
 import xmlrpc.client
 
@@ -15,8 +17,14 @@ from aras_visual_servo_msgs.msg import SimStatus
 from aras_visual_servo_msgs.srv import StartRecording
 from geometry_msgs.msg import PointStamped
 from listening import Listener, service, until
+from sensor_msgs.msg import Image
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
+
+
+def simulator():
+    """Process of the simulator."""
+    return xmlrpc.client.ServerProxy(rosgraph.Master("/test").lookupNode("/recording/sim")).getPid("/test")[2]
 
 
 class Recording(unittest.TestCase):
@@ -120,8 +128,19 @@ class Recording(unittest.TestCase):
         self.assertIn("run.bag: No space left on device", answer.message)
         self.assertTrue(self.start("again.bag", ["/clock"]).success)  # the simulator lives
 
+    def test_images_that_wait_for_a_listener_that_hangs_have_a_bound_in_bytes(self):
+        status = pathlib.Path(f"/proc/{simulator()}/status")
+        hangs = threading.Event()
+        self.addCleanup(hangs.set)
+        rospy.Subscriber("camera/image_raw", Image, lambda _: hangs.wait())
+        self.pass_time(1.0)
+        before = int(re.search(r"RssAnon:\s+(\d+) kB", status.read_text())[1])
+        self.pass_time(12.0)  # 360 images, 79 MiB
+        after = int(re.search(r"RssAnon:\s+(\d+) kB", status.read_text())[1])
+        self.assertLess(after - before, 24 * 1024)
+
     def test_a_disk_that_fills_up_ends_the_recording_with_its_name(self):
-        pid = xmlrpc.client.ServerProxy(rosgraph.Master("/test").lookupNode("/recording/sim")).getPid("/test")[2]
+        pid = simulator()
         before = resource.prlimit(pid, resource.RLIMIT_FSIZE)
         self.assertTrue(self.start("run.bag", ["/recording/camera/image_raw"], "none").success)
         resource.prlimit(pid, resource.RLIMIT_FSIZE, (3_000_000, before[1]))

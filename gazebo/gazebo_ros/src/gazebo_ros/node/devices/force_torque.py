@@ -18,7 +18,7 @@ class ForceTorqueOutlet(Outlet):
         return self._messages.get_num_connections() > 0
 
     def send(self, now_ns):
-        values = self._noise(self.simulation.joint_wrench(self.device.joint))
+        values = self._noise(self.simulation.joint_wrench(self.device.joint), now_ns)
         message = WrenchStamped()
         message.header.stamp = stamp(now_ns)
         message.header.frame_id = self.model.description.children[self.device.joint]

@@ -27,11 +27,11 @@ class ImuOutlet(Outlet):
         gravity = self.model.gravity_m_s2
         force = self.simulation.link_acceleration(self.device.link)[:3] - pose[:3, :3].T @ gravity
         turning = self.simulation.link_twist(self.device.link)[3:]
+        noisy = self._noise((*turning, *force), now_ns)
         message = ImuMessage()
         message.header.stamp, message.header.frame_id = stamp(now_ns), self.device.frame
         for part, values in ((message.orientation, quaternion_of(pose)),
-                             (message.angular_velocity, self._noise(turning)),
-                             (message.linear_acceleration, self._noise(force))):
+                             (message.angular_velocity, noisy[:3]), (message.linear_acceleration, noisy[3:])):
             for axis, value in zip("xyzw", values):
                 setattr(part, axis, float(value))
         variance = self.device.noise ** 2

@@ -85,13 +85,14 @@ class Outlet:
 
 
 class Noise:
-    """Gaussian numbers that are the same in every run: the seed is the name of the topic."""
+    """Gaussian numbers that are the same in every run: the seeds are the name of the topic and the time."""
 
     def __init__(self, topic, deviation):
-        self._deviation = deviation
-        self._random = numpy.random.default_rng(zlib.crc32(topic.encode()))
+        self._deviation, self._topic = deviation, zlib.crc32(topic.encode())
 
-    def __call__(self, values):
-        """The values with noise."""
+    def __call__(self, values, now_ns):
+        """The values of a time with noise."""
         values = numpy.asarray(values, float)
-        return values if self._deviation <= 0.0 else values + self._random.normal(0.0, self._deviation, values.shape)
+        if self._deviation <= 0.0:
+            return values
+        return values + numpy.random.default_rng((self._topic, now_ns)).normal(0.0, self._deviation, values.shape)

@@ -37,8 +37,12 @@ class Contacts {
   void change(const ModelSet& set) { present_ = among(set); }
   /** Tells the world where a model was put. */
   void place(const std::string& model, const Models& models, MultibodyWorld& world) const;
-  /** Advances n periods. Before each, models with a motion are placed; after it, solids that were pushed are moved. */
+  /** Advances n periods. */
   void step(std::int64_t n, std::int64_t period_ns, Models& models, MultibodyWorld& world) const;
+  /** Before a period: places models with a motion. */
+  void beforePeriod(std::int64_t period_ns, Models& models, MultibodyWorld& world) const;
+  /** After it: moves solids that were pushed. */
+  void afterPeriod(Models& models, const MultibodyWorld& world) const;
 
  private:
   ContactConfig among(const ModelSet& set);

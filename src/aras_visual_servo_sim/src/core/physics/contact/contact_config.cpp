@@ -16,7 +16,8 @@ void readPairs(YamlReader& reader, ContactConfig& config) {
 }  // namespace
 
 ContactConfig::ContactConfig()
-    : friction(defaultOf<double>("contacts", "friction")),
+    : neighbours(defaultOf<bool>("contacts", "neighbours")),
+      friction(defaultOf<double>("contacts", "friction")),
       stiffness_n_per_m(defaultOf<double>("contacts", "stiffness_n_per_m")),
       damping_n_s_per_m(defaultOf<double>("contacts", "damping_n_s_per_m")) {}
 
@@ -27,6 +28,7 @@ ContactConfig readContacts(YamlReader reader) {
     config.ground = GroundPlane{plane.get<double>("z_m"), plane.get<double>("friction")};
   }
   readPairs(reader, config);
+  config.neighbours = reader.get<bool>("neighbours");
   config.friction = reader.get<double>("friction");
   config.stiffness_n_per_m = reader.get<double>("stiffness_n_per_m");
   config.damping_n_s_per_m = reader.get<double>("damping_n_s_per_m");

@@ -7,12 +7,13 @@ namespace aras_visual_servo_sim {
 
 /** One point where two bodies overlap. */
 struct ContactPoint {
-  int a = 0, b = 0;               ///< bodies, as given to ContactShapes::add; kGround for the plane
+  int a = 0, b = 0;               ///< bodies, as given to ContactShapes::add; or one of those below
   Eigen::Vector3d point, normal;  ///< in the world; the normal points from b to a
   double depth_m = 0.0;           ///< > 0
   double friction = 0.0;
 
-  static constexpr int kGround = -1;
+  static constexpr int kGround = -1;     ///< the plane
+  static constexpr int kElsewhere = -2;  ///< a body of another world, see WorldGroup
 };
 
 /** Of the points from `first` on, all of one contact, leaves those that are corners of their outline in the plane

@@ -127,6 +127,9 @@ void ContactShapes::add(int body, const Geometry& geometry, const Pose& X_BS) {
     }
   }
   for (const Vector3d& corner : shape->corners) shape->reach_m = std::max(shape->reach_m, corner.norm());
+  if (geometry.type == Geometry::Type::kSphere) shape->reach_m = geometry.radius_m;
+  if (geometry.type == Geometry::Type::kCylinder)
+    shape->reach_m = std::hypot(geometry.radius_m, 0.5 * geometry.length_m);
   shape->object = std::make_unique<btCollisionObject>();
   shape->object->setCollisionShape(shape->shape.get());
   shapes_.push_back(std::move(shape));
@@ -165,7 +168,7 @@ void ContactShapes::place(int body, const Pose& X_WB) {
 const std::vector<ContactPoint>& ContactShapes::find() {
   points_.clear();
   for (const auto& [i, friction] : grounded_) findOnGround(*shapes_[i], friction);
-  for (const Pair& pair : pairs_) findBetween(pair);
+  for (const Pair& pair : pairs_) findBetween(*shapes_[pair.a], *shapes_[pair.b], pair.friction, points_);
   return points_;
 }
 
@@ -199,28 +202,57 @@ void ContactShapes::findOnGround(const Shape& shape, double friction) {
   thinOut(points_, first);
 }
 
-void ContactShapes::findBetween(const Pair& pair) {
-  const Shape& a = *shapes_[pair.a];
-  const Shape& b = *shapes_[pair.b];
+void ContactShapes::findBetween(const Shape& a, const Shape& b, double friction, std::vector<ContactPoint>& found) {
   btVector3 a_min, a_max, b_min, b_max;
   a.shape->getAabb(a.object->getWorldTransform(), a_min, a_max);
   b.shape->getAabb(b.object->getWorldTransform(), b_min, b_max);
   for (int k = 0; k < 3; ++k) {
     if (a_min[k] > b_max[k] || b_min[k] > a_max[k]) return;
   }
-  const std::size_t first = points_.size();
+  const std::size_t first = found.size();
   Collector collector;
-  collector.points = &points_;
+  collector.points = &found;
   collector.first = a.object.get();
   collector.contact.a = a.body;
   collector.contact.b = b.body;
-  collector.contact.friction = pair.friction;
+  collector.contact.friction = friction;
   // Bullet turns a shape a little to and fro to find more points of one face than one. A ball has one.
   const bool ball = a.geometry.type == Geometry::Type::kSphere || b.geometry.type == Geometry::Type::kSphere;
   bullet_config_.setConvexConvexMultipointIterations(ball ? 0 : kTurns, ball ? 0 : kTurns);
   world_.contactPairTest(a.object.get(), b.object.get(), collector);
-  keepCorners(points_, first);
-  thinOut(points_, first);
+  keepCorners(found, first);
+  thinOut(found, first);
+}
+
+Eigen::AlignedBox3d ContactShapes::boxAround(const std::vector<int>& bodies) const {
+  Eigen::AlignedBox3d box;
+  for (const auto& shape : shapes_) {
+    if (std::find(bodies.begin(), bodies.end(), shape->body) == bodies.end()) continue;
+    const Vector3d reach = Vector3d::Constant(kFarther * shape->reach_m);
+    box.extend(shape->X_WS.p - reach).extend(shape->X_WS.p + reach);
+  }
+  return box;
+}
+
+std::vector<const ContactShapes::Shape*> ContactShapes::shapesNear(const std::vector<int>& bodies,
+                                                                   const Eigen::AlignedBox3d& near) const {
+  std::vector<const Shape*> shapes;
+  for (const auto& shape : shapes_) {
+    const double reach_m = kFarther * shape->reach_m;
+    if (near.squaredExteriorDistance(shape->X_WS.p) > reach_m * reach_m) continue;
+    if (std::find(bodies.begin(), bodies.end(), shape->body) != bodies.end()) shapes.push_back(shape.get());
+  }
+  return shapes;
+}
+
+void ContactShapes::findWith(const ContactShapes& others, const std::vector<int>& mine, const std::vector<int>& theirs,
+                             const Eigen::AlignedBox3d& near, const std::function<double(int, int)>& friction,
+                             std::vector<ContactPoint>& found) {
+  const std::vector<const Shape*> there = others.shapesNear(theirs, near);
+  if (there.empty()) return;
+  for (const Shape* a : shapesNear(mine, near)) {
+    for (const Shape* b : there) findBetween(*a, *b, friction(a->body, b->body), found);
+  }
 }
 
 }  // namespace aras_visual_servo_sim

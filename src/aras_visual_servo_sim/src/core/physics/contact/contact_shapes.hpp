@@ -3,6 +3,8 @@
 #include <BulletCollision/btBulletCollisionCommon.h>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -36,13 +38,22 @@ class ContactShapes {
   /** Overlaps now, in an order that depends on nothing but the calls above. */
   const std::vector<ContactPoint>& find();
 
+  /** The box around some bodies where they are now; empty if they have no shapes. */
+  Eigen::AlignedBox3d boxAround(const std::vector<int>& bodies) const;
+  /** Adds the overlaps now of some bodies, a in the points, with bodies of others, b in the points.
+   *  @param near      both boxes around these bodies have this in common
+   *  @param friction  of a body here and one there */
+  void findWith(const ContactShapes& others, const std::vector<int>& mine, const std::vector<int>& theirs,
+                const Eigen::AlignedBox3d& near, const std::function<double(int, int)>& friction,
+                std::vector<ContactPoint>& found);
+
  private:
   struct Shape {
     int body;
     Pose X_BS, X_WS;
     Geometry geometry;
     std::vector<Eigen::Vector3d> corners;  // of boxes and meshes
-    double reach_m = 0.0;                  // of the corners from the shape's origin
+    double reach_m = 0.0;                  // of its farthest point from the shape's origin
     std::unique_ptr<btCollisionShape> shape;
     std::unique_ptr<btCollisionObject> object;
   };
@@ -53,7 +64,8 @@ class ContactShapes {
 
   void findOnGround(const Shape& shape, double friction);
   void addGroundPoint(const Shape& shape, double friction, const Eigen::Vector3d& p_W);
-  void findBetween(const Pair& pair);
+  void findBetween(const Shape& a, const Shape& b, double friction, std::vector<ContactPoint>& found);
+  std::vector<const Shape*> shapesNear(const std::vector<int>& bodies, const Eigen::AlignedBox3d& near) const;
 
   ContactConfig config_;
   std::vector<std::unique_ptr<Shape>> shapes_;

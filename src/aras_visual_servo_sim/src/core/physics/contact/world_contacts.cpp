@@ -67,6 +67,10 @@ WorldContacts::WorldContacts(const RobotModel& model, const ContactConfig& confi
   addLinks(body);
   addObstacles();
   watchPairs(body);
+  for (int id = 0; id < static_cast<int>(model_.links.size() + config_.obstacles.size()); ++id) {
+    const bool link = id < static_cast<int>(model_.links.size());
+    if (config_.neighbours && shapes_.has(id) && (link || freeBodyOf(id) >= 0)) shared_.push_back(id);
+  }
 }
 
 void WorldContacts::addLinks(const ArticulatedBody& body) {
@@ -94,6 +98,7 @@ void WorldContacts::addObstacles() {
 
 std::string WorldContacts::nameOf(int id) const {
   if (id == ContactPoint::kGround) return "ground_plane";
+  if (id == ContactPoint::kElsewhere) return "another robot";
   const int links = static_cast<int>(model_.links.size());
   return id < links ? model_.links[id].name : config_.obstacles[id - links].name;
 }
@@ -156,13 +161,16 @@ void WorldContacts::watchPairs(const ArticulatedBody& body) {
   }
 }
 
-void WorldContacts::prepare(const ArticulatedBody& body, const JointCoupling& coupling, const Eigen::VectorXd& v_free) {
+void WorldContacts::find(const ArticulatedBody& body) {
   const int links = static_cast<int>(model_.links.size());
   for (int link = 0; link < links; ++link) {
     if (body.moves(link)) shapes_.place(link, body.linkPose(link));
   }
   for (std::size_t k = 0; k < X_WO_.size(); ++k) shapes_.place(links + static_cast<int>(k), obstaclePose(k));
   points_ = shapes_.find();
+}
+
+void WorldContacts::arrange(const ArticulatedBody& body, const JointCoupling& coupling, const Eigen::VectorXd& v_free) {
   layOut(body, coupling);
   addFreeMotion(body, v_free);
 }
@@ -189,7 +197,7 @@ void WorldContacts::layOut(const ArticulatedBody& body, const JointCoupling& cou
 /** The share of one of the two bodies in the relative velocity at a point of contact. */
 void WorldContacts::addSide(std::size_t point, int id, double sign, const ArticulatedBody& body,
                             const JointCoupling& coupling) {
-  if (id == ContactPoint::kGround || !moves(id, body)) return;
+  if (id < 0 || !moves(id, body)) return;
   const Eigen::Matrix3d axes = sign * axes_[point];
   const Vector3d& p = points_[point].point;
   const auto row = static_cast<Eigen::Index>(3 * point);

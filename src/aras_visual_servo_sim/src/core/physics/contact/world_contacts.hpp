@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "contact_shapes.hpp"
@@ -18,12 +20,28 @@ class WorldContacts {
   WorldContacts(const RobotModel& model, const ContactConfig& config, const ArticulatedBody& body,
                 const Eigen::Vector3d& gravity_m_s2, double period_s);
 
-  /** Places everything, finds the points and lays out their rows, given the velocities the joints have freely. */
-  void prepare(const ArticulatedBody& body, const JointCoupling& coupling, const Eigen::VectorXd& v_free);
+  /** Places everything and finds the points. */
+  void find(const ArticulatedBody& body);
+  /** Lays out the rows of the points, given the velocities the joints have freely. */
+  void arrange(const ArticulatedBody& body, const JointCoupling& coupling, const Eigen::VectorXd& v_free);
 
   /** JointSolver::solve with the contacts. */
   void solve(const std::vector<double>& M, const Eigen::VectorXd& v_free, const std::vector<JointGraph>& graphs,
              JointSolver& joints, Eigen::VectorXd& v, Eigen::VectorXd& effort);
+
+  // --- of several worlds whose bodies touch each other, see WorldGroup
+  ContactShapes& shapes() { return shapes_; }
+  const ContactConfig& config() const { return config_; }
+  /** Bodies that those of other worlds touch: the links with shapes, and what moves freely. */
+  const std::vector<int>& sharedBodies() const { return shared_; }
+  bool moves(int id, const ArticulatedBody& body) const;
+  /** Coulomb's coefficient of a body against those of other worlds. */
+  double frictionBeyond(int id) const { return std::min(config_.friction, frictionOf(id)); }
+  /** These points in the place of those that were found; the worlds they are of have the same in the same order. */
+  void share(std::vector<ContactPoint> points) { points_ = std::move(points); }
+  const ContactRows& rows() const { return rows_; }
+  /** The impulses at these points, as they were found for all worlds. */
+  void take(const Eigen::VectorXd& lambda) { lambda_ = lambda; }
 
   /** Lets the impulses act on the base, and moves the free bodies. */
   void finish(ArticulatedBody& body);
@@ -60,7 +78,6 @@ class WorldContacts {
   bool mayTouch(int a, int b, const ArticulatedBody& body) const;
   std::vector<int> idsOf(const std::string& name) const;
   double frictionOf(int id) const;
-  bool moves(int id, const ArticulatedBody& body) const;
   int freeBodyOf(int id) const;
   void layOut(const ArticulatedBody& body, const JointCoupling& coupling);
   void addSide(std::size_t point, int id, double sign, const ArticulatedBody& body, const JointCoupling& coupling);
@@ -75,6 +92,7 @@ class WorldContacts {
   std::vector<Pose> X_WO_;      // of obstacles without mass
   std::vector<int> free_body_;  // of each obstacle, -1: it has no mass
   std::vector<FreeBody> free_;
+  std::vector<int> shared_;
   std::vector<ContactPoint> points_;
   std::vector<Eigen::Matrix3d> axes_;  // rows: normal and tangents of each point
   ContactRows rows_;

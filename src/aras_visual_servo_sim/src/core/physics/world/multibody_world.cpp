@@ -1,5 +1,7 @@
 #include "aras_visual_servo_sim/physics/multibody_world.hpp"
 
+#include <algorithm>
+
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "world_impl.hpp"
 
@@ -85,6 +87,7 @@ std::vector<ContactForce> MultibodyWorld::contacts() const {
   if (!impl_->contacts) return forces;
   const auto& points = impl_->contacts->points();
   for (std::size_t k = 0; k < points.size(); ++k) {
+    if (std::max(points[k].a, points[k].b) < 0) continue;  // between others
     forces.push_back({impl_->contacts->nameOf(points[k].a), impl_->contacts->nameOf(points[k].b), points[k].point,
                       points[k].normal, points[k].depth_m, impl_->contacts->force(k)});
   }

@@ -144,13 +144,18 @@ void MultibodyWorld::Impl::followDriven() {
 }
 
 void MultibodyWorld::Impl::step() {
-  const double dt = config.period_s;
   if (driven) {
-    driven->step(ticks, dt);
+    driven->step(ticks, config.period_s);
     followDriven();
     ++ticks;
     return;
   }
+  beginStep();
+  solveStep();
+  finishStep();
+}
+
+void MultibodyWorld::Impl::beginStep() {
   if (!acting_.empty()) letControllersAct();
   if (!link_pushes.empty() || !joint_pushes.empty()) letOutsidePush();
   v_before = v;
@@ -162,19 +167,25 @@ void MultibodyWorld::Impl::step() {
     v_next[c] = v[i];
   }
   body.massMatrix(M);
-  body.freeVelocities(v, dt, v_free);
+  body.freeVelocities(v, config.period_s, v_free);
   if (coupling.any()) coupling.reduce(M, v_free, M_c, v_free_c);
-  const auto& M_used = coupling.any() ? M_c : M;
-  const auto& v_free_used = coupling.any() ? v_free_c : v_free;
+  if (contacts) contacts->find(body);
+}
+
+void MultibodyWorld::Impl::solveStep() {
   if (contacts) {
-    contacts->prepare(body, coupling, v_free);
-    contacts->solve(M_used, v_free_used, graphs, solver, v_next, total);
+    contacts->arrange(body, coupling, v_free);
+    contacts->solve(massUsed(), freeUsed(), graphs, solver, v_next, total);
     unsettled_steps += contacts->settled() ? 0 : 1;
   } else {
-    solver.solve(M_used, v_free_used, graphs, dt, v_next, total);
+    solver.solve(massUsed(), freeUsed(), graphs, config.period_s, v_next, total);
   }
+}
+
+void MultibodyWorld::Impl::finishStep() {
+  const double dt = config.period_s;
   checkVelocities();
-  for (int c = 0; c < coordinates; ++c) {
+  for (int c = 0; c < coupling.coordinates(); ++c) {
     const int i = coupling.joint(c);
     effort[i] = graphs[c].actuatorEffort(v_next[c], total[c]);
     // A stop is reached to the last bit; for the others this changes nothing.

@@ -24,6 +24,12 @@ class MultibodyWorld::Impl {
 
   void start();
   void step();
+  // --- the parts of a step, of a base that is not driven
+  /** How everything would move freely, and where it touches. */
+  void beginStep();
+  /** The velocities after the step, of this world alone. */
+  void solveStep();
+  void finishStep();
 
   /** At rest; the joints stay. */
   void placeBase(const Pose& X_WB);
@@ -53,6 +59,9 @@ class MultibodyWorld::Impl {
   /** @throws UnknownNameError, ParameterError: it does not run */
   Controller& running(const std::string& name);
   std::vector<JointNow> jointsOf(const Controller& controller) const;
+  /** Inertia and free velocities of the coordinates. */
+  const std::vector<double>& massUsed() const { return coupling.any() ? M_c : M; }
+  const Eigen::VectorXd& freeUsed() const { return coupling.any() ? v_free_c : v_free; }
   double timeS() const { return static_cast<double>(ticks) * config.period_s; }
 
   // --- world_forces.cpp

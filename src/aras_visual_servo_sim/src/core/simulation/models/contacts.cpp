@@ -133,15 +133,23 @@ void Contacts::place(const std::string& model, const Models& models, MultibodyWo
 
 void Contacts::step(std::int64_t n, std::int64_t period_ns, Models& models, MultibodyWorld& world) const {
   for (std::int64_t k = 0; k < n; ++k) {
-    models.move(world.ticks() * period_ns);
-    for (const Obstacle& solid : present_.obstacles) {
-      if (models.hasMotion(solid.name)) world.setObstaclePose(solid.name, models.pose(solid.name));
-    }
+    beforePeriod(period_ns, models, world);
     world.step();
-    for (const Obstacle& solid : present_.obstacles) {
-      const bool pushed = solid.mass_kg > 0.0 || present_.free_bodies.count(solid.name) > 0;
-      if (pushed && !models.hasMotion(solid.name)) models.place(solid.name, world.obstaclePose(solid.name));
-    }
+    afterPeriod(models, world);
+  }
+}
+
+void Contacts::beforePeriod(std::int64_t period_ns, Models& models, MultibodyWorld& world) const {
+  models.move(world.ticks() * period_ns);
+  for (const Obstacle& solid : present_.obstacles) {
+    if (models.hasMotion(solid.name)) world.setObstaclePose(solid.name, models.pose(solid.name));
+  }
+}
+
+void Contacts::afterPeriod(Models& models, const MultibodyWorld& world) const {
+  for (const Obstacle& solid : present_.obstacles) {
+    const bool pushed = solid.mass_kg > 0.0 || present_.free_bodies.count(solid.name) > 0;
+    if (pushed && !models.hasMotion(solid.name)) models.place(solid.name, world.obstaclePose(solid.name));
   }
 }
 

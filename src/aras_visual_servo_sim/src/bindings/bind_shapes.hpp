@@ -4,7 +4,7 @@
 
 namespace aras_visual_servo_sim {
 
-/** mesh_triangles. */
-void bindMeshes(pybind11::module_& module);
+/** Shapes without a simulation: mesh_triangles, RayCaster. */
+void bindShapes(pybind11::module_& module);
 
 }  // namespace aras_visual_servo_sim

@@ -1,0 +1,112 @@
+#include "aras_visual_servo_sim/physics/world_group.hpp"
+
+#include <memory>
+
+#include "aras_visual_servo_sim/config/errors.hpp"
+#include "tools/physics_tools.hpp"
+
+namespace aras_visual_servo_sim {
+namespace {
+
+constexpr double kStiffness = 1e6;  // [N/m], of a point of contact
+
+const char kInertial[] =
+    "<inertial><mass value='2'/><inertia ixx='0.02' iyy='0.02' izz='0.02' ixy='0' ixz='0' iyz='0'/></inertial>";
+
+/** A box of 0.2 m that is free, or slides along x without friction. */
+RobotModel boxModel(bool slides) {
+  std::string text = std::string("<robot name='box'>");
+  if (slides) text += "<link name='world'/>";
+  text += std::string("<link name='body'>") + kInertial +
+          "<collision><geometry><box size='0.2 0.2 0.2'/></geometry></collision></link>";
+  if (slides) {
+    text +=
+        "<joint name='slide' type='prismatic'><parent link='world'/><child link='body'/><axis xyz='1 0 0'/>"
+        "<limit lower='-10' upper='10' effort='100' velocity='50'/></joint>";
+  }
+  return modelOf(text + "</robot>");
+}
+
+std::unique_ptr<MultibodyWorld> boxAt(const Eigen::Vector3d& p, bool slides, bool ground, bool neighbours = true) {
+  WorldConfig config;
+  config.gravity_m_s2 = {0.0, 0.0, -kGravity};
+  config.base = slides ? Base::kFixed : Base::kFloating;
+  config.X_WB = Pose{p, Eigen::Quaterniond::Identity()};
+  config.contacts.neighbours = neighbours;
+  if (ground) config.contacts.ground = GroundPlane{0.0, 0.8};
+  return std::make_unique<MultibodyWorld>(boxModel(slides), config);
+}
+
+void step(const std::vector<MultibodyWorld*>& worlds, int n) {
+  WorldGroup group(worlds);
+  for (int k = 0; k < n; ++k) group.step();
+}
+
+TEST(WorldGroup, OneRobotRestsOnAnotherWhichCarriesTheWeightOfBoth) {
+  const auto low = boxAt({0.0, 0.0, 0.1}, false, true), high = boxAt({0.0, 0.0, 0.35}, false, true);
+  step({low.get(), high.get()}, 2000);
+  const double weight = 2.0 * kGravity;
+  const double sink = weight / (4.0 * kStiffness);  // of four corners
+  EXPECT_NEAR(high->basePose().p.z(), 0.3 - 3.0 * sink, 1e-9) << "the lower one carries two";
+  EXPECT_NEAR(low->basePose().p.z(), 0.1 - 2.0 * sink, 1e-9);
+  Eigen::Vector3d on_high = Eigen::Vector3d::Zero(), on_low = on_high, from_ground = on_high;
+  for (const ContactForce& force : high->contacts()) {
+    EXPECT_EQ(force.a == "another robot", force.b == "body");
+    on_high += force.b == "body" ? Eigen::Vector3d(-force.force_W) : force.force_W;
+  }
+  for (const ContactForce& force : low->contacts()) {
+    if (force.b == "ground_plane") from_ground += force.force_W;
+    if (force.b == "another robot") on_low += force.force_W;
+    if (force.a == "another robot") on_low -= force.force_W;
+  }
+  EXPECT_NEAR(on_high.z(), weight, 1e-6);
+  EXPECT_NEAR((on_high + on_low).norm(), 0.0, 1e-12) << "action and reaction";
+  EXPECT_NEAR(from_ground.z(), 2.0 * weight, 1e-6);
+}
+
+TEST(WorldGroup, TwoRobotsThatMeetKeepTheirMomentum) {
+  const auto left = boxAt({0.0, 0.0, 1.0}, true, false), right = boxAt({0.5, 0.02, 1.0}, true, false);
+  left->setJointVelocities(vectorOf({2.0}));
+  step({left.get(), right.get()}, 400);
+  const double a = left->jointVelocities()[0], b = right->jointVelocities()[0];
+  EXPECT_NEAR(a + b, 2.0, 1e-12);
+  EXPECT_GE(b, a) << "they do not go through each other";
+  EXPECT_GT(b, 0.9);
+  EXPECT_GT(right->jointPositions()[0] + 0.5 - left->jointPositions()[0], 0.2 - 1e-3);
+}
+
+TEST(WorldGroup, RobotsThatTouchNothingStepAsAlone) {
+  const auto one = boxAt({0.0, 0.0, 0.3}, false, true), other = boxAt({5.0, 0.0, 0.3}, false, true);
+  const auto alone = boxAt({0.0, 0.0, 0.3}, false, true);
+  step({one.get(), other.get()}, 600);
+  alone->step(600);
+  EXPECT_EQ(one->saveState(), alone->saveState());
+}
+
+TEST(WorldGroup, ARobotThatIsNotConfiguredForItGoesThroughOthers) {
+  const auto low = boxAt({0.0, 0.0, 0.1}, false, true, false), high = boxAt({0.0, 0.0, 0.4}, false, true);
+  step({low.get(), high.get()}, 1500);
+  EXPECT_NEAR(high->basePose().p.z(), 0.1, 1e-4);
+}
+
+TEST(WorldGroup, TheSameGroupFromASavedStateGoesOnWithTheSameBytes) {
+  const auto low = boxAt({0.0, 0.0, 0.1}, false, true), high = boxAt({0.05, 0.03, 0.35}, false, true);
+  step({low.get(), high.get()}, 250);
+  const std::string a = low->saveState(), b = high->saveState();
+  step({low.get(), high.get()}, 300);
+  const auto low_again = boxAt({0.0, 0.0, 0.1}, false, true), high_again = boxAt({0.05, 0.03, 0.35}, false, true);
+  low_again->restoreState(a);
+  high_again->restoreState(b);
+  for (int k = 0; k < 300; ++k) step({low_again.get(), high_again.get()}, 1);
+  EXPECT_EQ(low->saveState(), low_again->saveState());
+  EXPECT_EQ(high->saveState(), high_again->saveState());
+}
+
+TEST(WorldGroup, RefusesPeriodsThatDiffer) {
+  const auto one = boxAt({0.0, 0.0, 0.1}, false, true);
+  MultibodyWorld other(boxModel(false), weightless(0.002));
+  EXPECT_HAS(messageOf<ParameterError>([&] { WorldGroup({one.get(), &other}); }), "0.001 and 0.002");
+}
+
+}  // namespace
+}  // namespace aras_visual_servo_sim
