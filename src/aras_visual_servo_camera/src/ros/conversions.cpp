@@ -39,8 +39,7 @@ ImageView toView(const sensor_msgs::Image& image) {
   } else if (image.encoding == enc::RGB16) {
     view.format = PixelFormat::kRgb16;
   } else {
-    throw ShapeError("image encoding: found '" + image.encoding +
-                     "', allowed rgb8, bgr8, mono8, rgba8, mono16, rgb16");
+    throw ShapeError("image encoding: found '" + image.encoding + "', allowed rgb8, bgr8, mono8, rgba8, mono16, rgb16");
   }
   if (isDeep(view.format) && (image.is_bigendian || image.step % 2 != 0))
     throw ShapeError("image: found is_bigendian " + std::to_string(image.is_bigendian) + " and rows of " +

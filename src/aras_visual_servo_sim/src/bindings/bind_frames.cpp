@@ -115,7 +115,8 @@ void bindFrames(py::module_& module, py::class_<Simulation>& type) {
       .def("render", &render, py::arg("camera") = "camera",
            "What the camera sees now; at a frame of a camera with exposure_s the mean over it; where a frame of a\n"
            "camera with latency_s was taken, that frame.\n\n"
-           "Returns:\n    array (h, w, 3) of rgb8, bgr8, rgb16, else (h, w), top row first; uint16 of rgb16 and mono16, else\n"
+           "Returns:\n    array (h, w, 3) of rgb8, bgr8, rgb16, else (h, w), top row first; uint16 of rgb16 and "
+           "mono16, else\n"
            "    uint8; a read-only view without a copy, its content valid until the next render of this camera.\n"
            "Raises:\n    UnknownNameError, RenderError.");
 }

@@ -8,17 +8,7 @@
 namespace aras_visual_servo_sim {
 
 /** Layout of one pixel; names are those of sensor_msgs/image_encodings. */
-enum class Encoding {
-  kRgb8,
-  kBgr8,
-  kMono8,
-  kRgb16,
-  kMono16,
-  kBayerRggb8,
-  kBayerBggr8,
-  kBayerGbrg8,
-  kBayerGrbg8
-};
+enum class Encoding { kRgb8, kBgr8, kMono8, kRgb16, kMono16, kBayerRggb8, kBayerBggr8, kBayerGbrg8, kBayerGrbg8 };
 
 /** @throws ParameterError unless name is that of one of them, as "rgb8" */
 Encoding encodingFromName(const std::string& name);

@@ -47,8 +47,8 @@ class Simulation {
   Simulation& operator=(const Simulation&) = delete;
 
   const RobotModel& model() const { return model_; }
-  /** What was ignored in the robot, and what cameras of the coverage renderer leave out of the scene, a line each. Grows
-   *  with what is spawned. */
+  /** What was ignored in the robot, and what cameras of the coverage renderer leave out of the scene, a line each.
+   * Grows with what is spawned. */
   const std::vector<std::string>& warnings() const { return model_.warnings; }
   const SimulationConfig& config() const { return config_; }
   const MultibodyWorld& world() const { return *world_; }

@@ -80,7 +80,8 @@ void checkSensor(const SensorConfig& sensor, const std::string& encoding, FaultL
     }
   }
   if (sensor.jpeg_quality > 0 && (encoding == "mono16" || encoding == "rgb16")) {
-    faults.add("sensor/jpeg_quality", numberText(sensor.jpeg_quality), "0 with " + encoding + ": JPEG has 8 bits a value");
+    faults.add("sensor/jpeg_quality", numberText(sensor.jpeg_quality),
+               "0 with " + encoding + ": JPEG has 8 bits a value");
   }
   if (sensor.auto_white_balance && (encoding == "mono8" || encoding == "mono16")) {
     faults.add("sensor/auto_white_balance", "a section", "none with " + encoding + ", which has no colours");

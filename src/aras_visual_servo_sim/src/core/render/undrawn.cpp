@@ -6,7 +6,7 @@ namespace aras_visual_servo_sim {
 namespace {
 
 void addShape(const Shape& shape, const std::string& body, Undrawn& undrawn) {
-  const Material& material = shape.material, usual;
+  const Material &material = shape.material, usual;
   const auto add = [&](bool there, const char* part) {
     if (there) undrawn[part].insert(body);
   };

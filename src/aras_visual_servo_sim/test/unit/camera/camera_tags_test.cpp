@@ -74,9 +74,13 @@ TEST(CameraTags, BecomeACameraWithTheTagsNumbers) {
 
 TEST(CameraTags, FormatsAreTheEncodingsOfGazebosPlugin) {
   std::vector<std::string> warnings;
-  for (const auto& [format, encoding] : std::map<std::string, std::string>{
-           {"R8G8B8", "rgb8"}, {"BGR_INT8", "bgr8"}, {"L_INT16", "mono16"}, {"L16", "mono16"},
-           {"R16G16B16", "rgb16"}, {"RGB_INT16", "rgb16"}, {"BAYER_GRBG8", "bayer_grbg8"}}) {
+  for (const auto& [format, encoding] : std::map<std::string, std::string>{{"R8G8B8", "rgb8"},
+                                                                           {"BGR_INT8", "bgr8"},
+                                                                           {"L_INT16", "mono16"},
+                                                                           {"L16", "mono16"},
+                                                                           {"R16G16B16", "rgb16"},
+                                                                           {"RGB_INT16", "rgb16"},
+                                                                           {"BAYER_GRBG8", "bayer_grbg8"}}) {
     EXPECT_EQ(camerasFromTags(robotWithCamera(format), warnings).at(0).encoding, encoding);
   }
 }

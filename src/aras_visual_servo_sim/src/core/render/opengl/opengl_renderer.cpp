@@ -330,12 +330,8 @@ const std::string& OpenGlRenderer::drewWith() const { return implementation_->dr
 
 const OpenGlRenderer::Statistics& OpenGlRenderer::statistics() const { return implementation_->statistics_; }
 
-void OpenGlRenderer::doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
-  implementation_->render(camera, X_WC, scene, out);
-}
-
-void OpenGlRenderer::doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, FineImage& out) {
-  implementation_->render(camera, X_WC, scene, out);
+void OpenGlRenderer::doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, const Out& out) {
+  std::visit([&](auto* image) { implementation_->render(camera, X_WC, scene, *image); }, out);
 }
 
 }  // namespace aras_visual_servo_sim
