@@ -138,7 +138,7 @@ def test_the_world_answers_as_gazebo_does(arm):
             ("spawn_sdf_model", "{model_name: other, model_xml: <sdf/>}", "entity format is invalid"),
             ("apply_body_wrench", "{body_name: x}", "ApplyBodyWrench: body does not exist"),
             ("apply_joint_effort", "{joint_name: x}", "ApplyJointEffort: joint not found"),
-            ("set_link_properties", "{link_name: x}", "is not simulated"),
+            ("set_link_properties", "{link_name: x}", "link not found"),
             ("set_link_state", "{link_state: {link_name: elbow_link}}", "which joints hold")):
         told = answer(arm, "/gazebo/" + service, request)
         assert not told["success"] and text in told["status_message"], told

@@ -102,7 +102,49 @@ def test_a_root_link_is_placed_and_its_mass_is_told(cart):
     assert abs(load["pose"]["position"]["y"] - 3.0) < 0.05
 
 
+def test_properties_that_are_set_are_told_again_and_act(cart):
+    load = answer(cart, "/gazebo/get_link_properties", "{link_name: load}")
+    load.update(link_name="load", mass=0.8)
+    told = answer(cart, "/gazebo/set_link_properties", yaml.safe_dump(
+        {key: value for key, value in load.items() if key not in ("success", "status_message")}))
+    assert told["success"], told
+    assert answer(cart, "/gazebo/get_link_properties", "{link_name: load}")["mass"] == 0.8
+    cart.until(lambda: abs(message(cart, "/load_ft")["wrench"]["force"]["z"] + 0.8 * 9.81) < 0.05, "it weighs more")
+    assert answer(cart, "/gazebo/set_joint_properties",
+                  "{joint_name: left_wheel_joint, ode_joint_config: {damping: [0.01], erp: [0.2]}}")["success"]
+    assert answer(cart, "/gazebo/get_joint_properties", "{joint_name: left_wheel_joint}")["damping"] == [0.01]
+    physics = answer(cart, "/gazebo/get_physics_properties")
+    wanted = {key: physics[key] for key in ("time_step", "max_update_rate", "gravity", "ode_config")}
+    wanted["gravity"]["z"], wanted["time_step"] = -4.9, 0.002
+    assert answer(cart, "/gazebo/set_physics_properties", yaml.safe_dump(wanted))["success"]
+    physics = answer(cart, "/gazebo/get_physics_properties")
+    assert (physics["gravity"]["z"], physics["time_step"]) == (-4.9, 0.002)
+    cart.until(lambda: abs(message(cart, "/imu")["linear_acceleration"]["z"] - 4.9) < 0.05, "it is lighter")
+
+
+def test_a_saved_world_comes_back_as_it_was(cart):
+    cart.output("rosservice", "call", "/gazebo/pause_physics")
+    before = answer(cart, "/gazebo/get_model_state", "{model_name: cart}")["pose"]
+    kept = answer(cart, "/gazebo/save_state", "{name: here}")
+    assert kept["success"] and kept["name"] == "here"
+    box = "<robot name='b'><link name='l'/><gazebo><static>true</static></gazebo></robot>"
+    assert answer(cart, "/gazebo/spawn_urdf_model", yaml.safe_dump({"model_name": "box", "model_xml": box}))["success"]
+    assert answer(cart, "/gazebo/set_model_state",
+                  "{model_state: {model_name: cart, pose: {position: {y: -2.0, z: 1.0}}}}")["success"]
+    told = answer(cart, "/gazebo/restore_state", "{name: here}")
+    assert told["success"], told
+    assert answer(cart, "/gazebo/get_model_state", "{model_name: cart}")["pose"] == before
+    assert "box" not in answer(cart, "/gazebo/get_world_properties")["model_names"]
+    assert not answer(cart, "/gazebo/restore_state", "{name: there}")["success"]
+    cart.output("rosservice", "call", "/gazebo/unpause_physics")
+    cart.until(lambda: message(cart, "/odom"), "the cart publishes")
+
+
 @pytest.mark.parametrize("service, request_, text", [
+    ("set_link_properties", "{link_name: load, mass: -1.0}", "mass"),
+    ("set_joint_properties", "{joint_name: moon}", "joint not found"),
+    ("set_joint_properties", "{joint_name: left_wheel_joint, ode_joint_config: {vel: [3.0]}}", "vel: found 3"),
+    ("set_physics_properties", "{time_step: 0.0}", "time_step: found 0 s"),
     ("apply_body_wrench", "{body_name: base_link, wrench: {force: {x: .nan}}}", "not finite"),
     ("apply_joint_effort", "{joint_name: left_wheel_joint, effort: .inf}", "found effort inf"),
     ("apply_body_wrench", "{body_name: base_link, reference_frame: moon}", "reference_frame not found"),

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """What a world of many robots costs, in user CPU seconds of one core.
 
-    many_robots.py [--arms 10] [--seconds 2] [--camera]
+    many_robots.py [--arms 10] [--seconds 2] [--camera | --ground]
 
 Prints simulated seconds per CPU second with all controllers running, without or with a camera on each arm, and the CPU
 seconds that one more arm takes to come into the running world. Each arm has six joints that are driven to and fro by
-effort trajectories.
+effort trajectories. Cameras look along the last link, which mostly points to the sky, or, with --ground, ahead and
+down, where they see the ground, shadows and other arms.
 """
 import argparse
 import os
@@ -17,7 +18,7 @@ from gazebo_ros.world.world import World
 LENGTHS_M = (0.15, 0.13, 0.4, 0.35, 0.1, 0.08)
 MASSES_KG = (4.0, 3.7, 8.0, 2.3, 1.2, 0.6)
 AXES = ("0 0 1", "0 1 0", "0 1 0", "0 1 0", "0 0 1", "0 1 0")
-CAMERA = """<gazebo reference="link6"><sensor type="camera" name="eye"><pose>0 0 0.05 0 -1.57 0</pose>
+CAMERA = """<gazebo reference="link6"><sensor type="camera" name="eye"><pose>0 0 0.05 0 %s 0</pose>
   <update_rate>30</update_rate><camera><horizontal_fov>1.2</horizontal_fov>
   <image><width>320</width><height>240</height></image><clip><near>0.02</near><far>50</far></clip></camera>
   <plugin name="p" filename="libgazebo_ros_camera.so"><cameraName>eye</cameraName></plugin></sensor></gazebo>"""
@@ -36,8 +37,15 @@ END = """<transmission name='t%d'><joint name='j%d'><hardwareInterface>EffortJoi
   </transmission>"""
 
 
+PITCH_RAD = {"sky": -1.57, "ground": 0.6}
+
+
 def arm(camera):
-    """A URDF of an arm of the size of a man's, its links boxes that collide."""
+    """A URDF of an arm of the size of a man's, its links boxes that collide.
+
+    Args:
+        camera: what its camera sees, a key of PITCH_RAD; empty: it has none.
+    """
     links, joints = ["<link name='world'/>"], []
     for k, (length, mass, axis) in enumerate(zip((0.1, *LENGTHS_M), (4.0, *MASSES_KG), ("", *AXES))):
         middle = 0.5 * length
@@ -47,7 +55,8 @@ def arm(camera):
                                    offset=0.0 if k < 2 else LENGTHS_M[k - 2],
                                    parent="link%d" % (k - 1) if k else "world"))
     ends = "".join(END % (k, k) for k in range(1, 7))
-    return ("<robot name='arm'>" + "".join(links) + "".join(joints) + ends + (CAMERA if camera else "") +
+    ends += CAMERA % PITCH_RAD[camera] if camera else ""
+    return ("<robot name='arm'>" + "".join(links) + "".join(joints) + ends +
             "<gazebo><plugin name='c' filename='libgazebo_ros_control.so'/></gazebo></robot>")
 
 
@@ -91,7 +100,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--arms", type=int, default=10)
     parser.add_argument("--seconds", type=float, default=2.0, help="simulated")
-    parser.add_argument("--camera", action="store_true", help="320 x 240, 30 Hz, OpenGL, one on each arm")
+    parser.add_argument("--camera", action="store_const", const="sky", default="",
+                        help="320 x 240, 30 Hz, OpenGL, one on each arm")
+    parser.add_argument("--ground", action="store_const", const="ground", dest="camera", help="the same, seeing more")
     options = parser.parse_args()
     os.environ.setdefault("LP_NUM_THREADS", "0")
     world = World()
@@ -101,7 +112,8 @@ def main():
     print("one more arm into the running world: %.3f s" % cpu_s(come, world, options.arms - 1, options.camera))
     run(world, 0.2, options.camera)
     rate = options.seconds / cpu_s(run, world, options.seconds, options.camera)
-    print("%d arms%s: %.2f simulated seconds per CPU second" % (options.arms, " with cameras" * options.camera, rate))
+    seeing = " with cameras that see the " + options.camera if options.camera else ""
+    print("%d arms%s: %.2f simulated seconds per CPU second" % (options.arms, seeing, rate))
 
 
 if __name__ == "__main__":

@@ -171,12 +171,15 @@ def test_what_is_not_simulated_is_ignored_by_name():
         </population><plugin name='p' filename='libweather.so'/><strange/>
         <model name='m'><static>true</static><odd/><link name='l'>
           <visual name='v'><geometry><heightmap><uri>h.png</uri></heightmap></geometry></visual>
+          <collision name='c'><geometry><heightmap><uri>h.png</uri></heightmap></geometry></collision>
           <visual name='w'><geometry><mesh><uri>model://gone/a.dae</uri></mesh></geometry></visual>
           <visual name='x'><geometry><box><size>1 1 1</size></box></geometry>
             <material><script><name>Own/Marble</name></script></material></visual></link></model>
         <model name='n'><link name='l'/><joint name='j' type='revolute'><parent>l</parent><child>ghost</child>
           <axis><xyz>0 0 1</xyz></axis></joint><plugin name='p' filename='libspin.so'/></model>""")
-    for text in ("<actor name='walker'>", "<population name='crowd'>", "libweather.so", "strange", "odd", "<heightmap>",
+    for text in ("<actor name='walker'>", "<population name='crowd'>", "libweather.so", "strange", "odd",
+                 "<visual> of link 'l': terrain (<heightmap>) is not simulated: ignored, cameras do not see it",
+                 "<collision> of link 'l': terrain (<heightmap>) is not simulated: ignored, nothing can touch it",
                  "model://gone/a.dae", "Own/Marble", "joint 'j': there is no link 'ghost'", "libspin.so"):
         assert text in warnings, warnings
     assert list(world.models) == ["m", "n"]

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "bind_arm.hpp"
+#include "bind_program.hpp"
 #include "chain_kinematics.hpp"
 
 namespace py = pybind11;
@@ -34,7 +35,7 @@ void refuseNumpy2() {
 
 PYBIND11_MODULE(_kinematics, module) {
   refuseNumpy2();
-  module.doc() = "Kinematics of a URDF chain through KDL, and from twists to joint velocities.";
+  module.doc() = "Kinematics of a URDF chain through KDL, from twists to joint velocities, and quadratic programs.";
   // Of this module only: the simulator and the camera raise errors of their own.
   py::register_local_exception_translator([](std::exception_ptr pointer) {
     try {
@@ -58,4 +59,5 @@ PYBIND11_MODULE(_kinematics, module) {
       .def("jacobian", &ChainKinematics::jacobian, py::arg("q"))
       .def("manipulability", &ChainKinematics::manipulability, py::arg("q"), py::arg("length_m"), py::arg("rows"));
   bindArm(module);
+  bindProgram(module);
 }

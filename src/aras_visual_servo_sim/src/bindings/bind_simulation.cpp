@@ -103,6 +103,10 @@ void setModelPose(Simulation& simulation, const std::string& name, const Eigen::
   simulation.setModelPose(name, Pose{p, Eigen::Quaterniond(q_xyzw[3], q_xyzw[0], q_xyzw[1], q_xyzw[2])});
 }
 
+void followLinks(Simulation& simulation, const Simulation& other, const std::map<std::string, std::string>& links) {
+  for (const auto& [model, link] : links) simulation.setModelPose(model, other.world().linkPose(link));
+}
+
 void setModelMotion(Simulation& simulation, const std::string& name, const py::object& motion) {
   std::optional<ModelMotion> read;
   if (!motion.is_none()) read = ModelMotion::fromYaml(yamlFromPython(motion, "motion"), "motion");
@@ -232,6 +236,10 @@ void bindRobot(py::class_<Simulation>& type) {
 void bindScene(py::class_<Simulation>& type) {
   type.def("set_model_pose", &setModelPose, py::arg("name"), py::arg("p"), py::arg("q_xyzw"),
            "Places a model of the scene, which then stays there: p (3,) [m], q_xyzw (4,) unit quaternion, of X_WM.")
+      .def("follow_links", &followLinks, py::arg("other"), py::arg("links"),
+           "Places models of the scene where links of another simulation are; they then stay there. links: dict of "
+           "model "
+           "-> link.")
       .def(
           "model_pose",
           [](const Simulation& self, const std::string& name) { return self.models().pose(name).matrix(); },

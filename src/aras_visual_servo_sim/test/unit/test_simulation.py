@@ -119,6 +119,16 @@ def test_model_pose_round_trip():
     np.testing.assert_allclose(sim.model_pose("target"), expected, atol=ROUNDING)
 
 
+def test_models_follow_links_of_another_simulation():
+    sim, other = make(), make()
+    other.set_joint_positions({other.joint_names[0]: 0.1})
+    sim.follow_links(other, {"target": "head"})
+    np.testing.assert_allclose(sim.model_pose("target"), other.link_pose("head"), atol=ROUNDING)
+    assert not np.allclose(sim.link_pose("head"), other.link_pose("head"), atol=1e-3)
+    with pytest.raises(UnknownNameError, match="nowhere"):
+        sim.follow_links(other, {"target": "nowhere"})
+
+
 def test_saved_state_restores_the_run():
     sim = make()
     sim.set_command(position={"lift": 0.1})

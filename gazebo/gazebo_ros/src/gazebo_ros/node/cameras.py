@@ -10,11 +10,15 @@ from .convert import stamp
 
 
 class Cameras:
-    """Sends each image when it is due, while somebody listens."""
+    """Sends each image when it is due, while somebody listens.
+
+    Attributes:
+        sent_ns: time of the last image that somebody listened to, int [ns]; -1: there was none.
+    """
 
     def __init__(self, world, model, work):
         self._world, self._model = world, model
-        self._topics, self._subscribers = {}, []
+        self._topics, self._subscribers, self.sent_ns = {}, [], -1
         for name, topics in model.description.cameras.items():
             if name not in model.simulation.camera_names:
                 continue
@@ -52,9 +56,13 @@ class Cameras:
         except ArasError as error:
             rospy.logerr_throttle(10.0, "camera '%s' of model '%s': %s" % (name, self._model.name, error))
             return
+        self.sent_ns = self._world.time_ns
         encoding = self._model.simulation.camera_encoding(name)
         images.publish(Image(header=header, height=image.shape[0], width=image.shape[1], encoding=encoding,
                              step=image.strides[0], data=image.tobytes()))
+
+    def time_reset(self, _now_ns):
+        self.sent_ns = -1
 
     def close(self):
         for publishers in self._topics.values():

@@ -52,7 +52,8 @@ class ControllerManager:
         place = joined(self._space, request.name)
         try:
             asked = rospy.get_param(place, None) or {}
-            warnings = self._simulation.load_controller(request.name, parameters_of(asked))
+            kind = asked.get("type", "") if isinstance(asked, dict) else ""
+            warnings = self._model.load_controller(request.name, parameters_of(asked), kind)
         except ArasError as error:
             self._tell("Could not load controller '%s': %s" % (request.name, error))
             return LoadControllerResponse(ok=False)
@@ -63,7 +64,7 @@ class ControllerManager:
             self._adapters[request.name] = adapter_of(asked["type"])(
                 request.name, place, self._space, self._model, loaded["joints"], self._work, self._world)
         except ArasError as error:
-            self._simulation.unload_controller(request.name)
+            self._model.unload_controller(request.name)
             self._tell("Could not load controller '%s': %s" % (request.name, error))
             return LoadControllerResponse(ok=False)
         self._types_asked[request.name] = asked["type"]
@@ -71,7 +72,7 @@ class ControllerManager:
 
     def _unload(self, request):
         try:
-            self._simulation.unload_controller(request.name)
+            self._model.unload_controller(request.name)
         except ArasError as error:
             self._tell(str(error))
             return UnloadControllerResponse(ok=False)
@@ -91,6 +92,19 @@ class ControllerManager:
             return SwitchControllerResponse(ok=False)
         self._follow()
         return SwitchControllerResponse(ok=True)
+
+    def find_loaded(self):
+        """Gives topics to the controllers that are loaded now: the model became another."""
+        loaded = {each["name"]: each for each in self._simulation.loaded_controllers()
+                  if each["name"] in self._model.loaded}
+        for name in [each for each in self._adapters if each not in loaded]:
+            self._adapters.pop(name).close()
+        for name, each in loaded.items():
+            if name not in self._adapters:
+                self._types_asked[name] = self._model.loaded[name][1]
+                self._adapters[name] = adapter_of(self._types_asked[name])(
+                    name, joined(self._space, name), self._space, self._model, each["joints"], self._work, self._world)
+        self._follow()
 
     def _follow(self):
         """Tells the adapters what runs now."""
@@ -124,7 +138,7 @@ class ControllerManager:
         self._simulation.switch_controllers([], [each["name"] for each in loaded], False)
         self._follow()
         for each in loaded:
-            self._simulation.unload_controller(each["name"])
+            self._model.unload_controller(each["name"])
             self._adapters.pop(each["name"]).close()
         return ReloadControllerLibrariesResponse(ok=True)
 

@@ -4,6 +4,7 @@ import time
 import rospy
 from rosgraph_msgs.msg import Clock
 
+from ..world import snapshot
 from ..world.errors import GazeboError
 from ..sdf.world import GROUND
 from ..world.world import World
@@ -12,13 +13,16 @@ from .cameras import Cameras
 from .controller_manager import ControllerManager
 from .convert import stamp
 from .devices import outlet_of
-from .gazebo_services import GazeboServices
+from .services.gazebo_services import GazeboServices
 from .notes import summed_up
 from .state_topics import StateTopics
 from .work import Work
 
 CLOCK_RATE_HZ = 100.0
+LOCKSTEP = "/gazebo/lockstep"  #: parameter: name of a model whose images are to be answered before time goes on
+PATIENCE_S = 10.0      #: wall time after which time goes on without an answer
 PAUSED_BEAT_S = 0.1    #: wall time between two messages on /clock while time stands still
+HELD_BEAT_S = 0.02     #: wall time between two looks for an answer
 FORGOTTEN_LAG_S = 0.1  #: wall time; a world that is further behind does not catch up
 UPDATE_RATE_HZ = 1000.0
 
@@ -37,6 +41,8 @@ class Server:
         self.world, self.work, self.paused = World(settings, folders), Work(), paused
         self.update_rate_hz = UPDATE_RATE_HZ
         self._interfaces = {}
+        self._lockstep = rospy.get_param(LOCKSTEP, "")
+        self._asked_s = None  #: wall time at which an image was sent that is not answered yet
         self._clock = rospy.Publisher("/clock", Clock, queue_size=10)
         self._slice_ns = round(1e9 / clock_rate_hz)
         self._states = StateTopics(self, GazeboServices(self))
@@ -93,10 +99,56 @@ class Server:
         self.paused = paused
         self._restart_pace()
 
-    def set_update_rate(self, rate_hz):
-        """Steps per second of wall time at most; 0: as many as there can be."""
-        self.update_rate_hz = rate_hz
+    def placed(self, name):
+        """A model was placed from outside: that answers its images."""
+        if name == self._lockstep:
+            self._asked_s = None
+
+    def _held(self):
+        """Whether time stands still until somebody answers an image."""
+        if self._asked_s is None:
+            return False
+        if time.monotonic() - self._asked_s < PATIENCE_S:
+            return True
+        rospy.logwarn("lockstep: nobody placed model '%s' within %g s after an image: time goes on" %
+                      (self._lockstep, PATIENCE_S))
+        self._asked_s = None
+        return False
+
+    def set_physics(self, period_s, gravity_m_s2, update_rate_hz):
+        """Args: update_rate_hz: steps per second of wall time at most; 0: as many as there can be. Raises: GazeboError.
+        """
+        before = self.world.epoch_ns
+        self.world.set_physics(period_s, gravity_m_s2)
+        self.update_rate_hz = update_rate_hz
+        if self.world.epoch_ns != before:
+            self._tell_time(self.world.time_ns)
         self._restart_pace()
+
+    def restore(self, state):
+        """Makes the world what it was when the state was saved. Raises: GazeboError; nothing changes then."""
+        before = dict(self.world.models)
+        snapshot.restore(self.world, state)
+        for name, model in before.items():
+            if self.world.models.get(name) is not model:
+                for interface in self._interfaces.pop(name):
+                    interface.close()
+        for name, model in self.world.models.items():
+            if before.get(name) is not model:
+                self._welcome(model)
+            for interface in self._interfaces[name]:
+                if isinstance(interface, ControllerManager):
+                    interface.find_loaded()
+        self._states.time_reset(self.world.time_ns)
+        self._tell_time(self.world.time_ns)
+        self._restart_pace()
+
+    def _tell_time(self, now_ns):
+        """Lets all that publishes at a rate begin anew."""
+        for interfaces in self._interfaces.values():
+            for interface in interfaces:
+                if hasattr(interface, "time_reset"):
+                    interface.time_reset(now_ns)
 
     def reset(self, time_too):
         if time_too:
@@ -104,10 +156,8 @@ class Server:
             self._states.time_reset(0)
         else:
             self.world.reset_world()
-        for interfaces in self._interfaces.values():
-            for interface in interfaces:
-                if time_too and hasattr(interface, "time_reset"):
-                    interface.time_reset(0)
+        if time_too:
+            self._tell_time(0)
         self._restart_pace()
 
     def model_names(self):
@@ -143,6 +193,10 @@ class Server:
                     self._clock.publish(Clock(stamp(self.world.time_ns)))
                     self.work.run(PAUSED_BEAT_S)
                     continue
+                if self._held():
+                    self.work.run(HELD_BEAT_S)
+                    self._restart_pace()
+                    continue
                 target_ns = self._next_stop()
                 ahead_s = self._ahead_s(target_ns)
                 if ahead_s > 0.0:
@@ -166,6 +220,13 @@ class Server:
         self._clock.publish(Clock(stamp(self.world.time_ns)))
         for outlet in list(self._outlets()):
             outlet.publish(self.world.time_ns)
+        if self._lockstep and self._sent_images():
+            self._asked_s = time.monotonic()
+
+    def _sent_images(self):
+        """Whether an image of the model of the lockstep went out at this time."""
+        return any(isinstance(each, Cameras) and each.sent_ns == self.world.time_ns
+                   for each in self._interfaces.get(self._lockstep, ()))
 
 
 class PushesOutlet:

@@ -257,7 +257,10 @@ class Writer:
         if shape.tag == "cylinder":
             return ElementTree.Element("cylinder", radius=sizes("radius", 1), length=sizes("length", 1))
         if shape.tag != "mesh":
-            self._warn("%s: <%s> is not simulated: ignored" % (what, shape.tag))
+            named = "terrain (<heightmap>)" if shape.tag == "heightmap" else "<%s>" % shape.tag
+            self._warn("%s: %s is not simulated: ignored, %s" %
+                       (what, named, "cameras do not see it" if what.startswith("<visual>") else
+                        "nothing can touch it or stand on it"))
             return None
         if shape.find("submesh") is not None:
             self._warn("%s: <submesh> is ignored: the whole mesh is taken" % what)

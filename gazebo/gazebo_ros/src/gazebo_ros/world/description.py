@@ -34,6 +34,7 @@ class Description:
     actuated: tuple         #: joints with a <transmission>, sorted: what hardware_interface knows
     joint_types: dict       #: of the joints that move, as gazebo_msgs/GetJointProperties numbers them
     weightless: bool        #: every link that has a mass says that gravity does not act on it
+    lifted: frozenset       #: else the links that say so
     jointed: bool           #: some joint moves
     parents: dict           #: joint -> parent link
     children: dict          #: joint -> child link
@@ -106,12 +107,14 @@ def read_description(xml, namespace, model):
     children = {joint.find("child").get("link") for joint in robot.findall("joint") if joint.find("child") is not None}
     # These take out what is used here: the simulator would warn of it.
     cameras, static = cameras_of(robot, namespace, warnings), is_static(robot)
-    self_collides = self_collides_of(robot)
+    self_collides, off = self_collides_of(robot), weightless_links(robot)
+    heavy = {link.get("name") for link in robot.findall("link") if link.find("inertial") is not None}
     frictions, retros = numbers_of(robot, ("mu1", "mu2")), numbers_of(robot, ("laserRetro", "laser_retro"))
     return Description(
         urdf=ElementTree.tostring(robot, encoding="unicode"), fixed=static or links - children == {"world"},
         control_namespace=control, cameras=cameras,
-        collides=robot.find("link/collision") is not None, weightless=weightless(robot),
+        collides=robot.find("link/collision") is not None,
+        weightless=bool(heavy) and heavy <= off, lifted=frozenset() if heavy <= off else frozenset(off & heavy),
         joint_types={joint.get("name"): MOVING[joint.get("type")] for joint in robot.findall("joint")
                      if joint.get("type") in MOVING},
         actuated=actuated, jointed=any(joint.get("type") in MOVING for joint in robot.findall("joint")),
@@ -214,13 +217,16 @@ def sensors_of(robot, namespace, warnings):
     return devices
 
 
-def weightless(robot):
-    """Whether gravity acts on no link."""
-    off = {gazebo.get("reference") for gazebo in robot.findall("gazebo")
-           if text_of(gazebo, "turnGravityOff").lower() in ("true", "1")
-           or text_of(gazebo, "gravity").lower() in ("false", "0")}
-    heavy = {link.get("name") for link in robot.findall("link") if link.find("inertial") is not None}
-    return bool(heavy) and heavy <= off
+def weightless_links(robot):
+    """Takes the tags out that say that gravity does not act on a link, and returns these links."""
+    off = set()
+    for gazebo in robot.findall("gazebo"):
+        for tag, words in (("turnGravityOff", ("true", "1")), ("gravity", ("false", "0"))):
+            for element in gazebo.findall(tag):
+                gazebo.remove(element)
+                if (element.text or "").strip().lower() in words:
+                    off.add(gazebo.get("reference"))
+    return off
 
 
 def drop_strangers(robot):

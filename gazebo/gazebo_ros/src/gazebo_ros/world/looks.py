@@ -2,6 +2,8 @@
 import os
 import xml.etree.ElementTree as ElementTree
 
+from ..sdf.materials import SCRIPTED
+
 #: Files of meshes that have materials of their own.
 PAINTED = (".dae", ".obj")
 WHITE = "1 1 1 1"
@@ -10,9 +12,11 @@ WHITE = "1 1 1 1"
 def paint_as_gazebo(robot):
     """Makes visuals white, but meshes with materials of their own: Gazebo does not look at <material> of a URDF.
 
-    <gazebo reference="LINK"><material> stays and has the last word.
+    <gazebo reference="LINK"><material> stays and has the last word; pictures of a package's scripts stay too.
     """
     for visual in robot.findall("link/visual"):
+        if visual.find("material") is not None and visual.find("material").get("name", "").startswith(SCRIPTED):
+            continue
         for material in visual.findall("material"):
             visual.remove(material)
         mesh = visual.find("geometry/mesh")

@@ -10,7 +10,7 @@ from .devices import DiffDrive
 from .errors import BadValueError, SpawnError, UnknownEntityError
 from .lights import SUN
 from .poses import IDENTITY, quaternion_of, rotated, rpy_of
-from .self_contacts import overlapping, self_pairs
+from ..urdf.self_contacts import overlapping, self_pairs
 from ..sdf.model import JOINT_FRAME
 from .settings import WorldSettings
 from .solids import solid_of
@@ -44,6 +44,8 @@ class Model:
         simulation: aras_visual_servo_sim.Simulation.
         begun_ns: time of the world at the simulation's tick 0, int [ns].
         links: names, in the order of the URDF.
+        settings: WorldSettings that it was made with.
+        loaded: parameters and kind of the controllers that are loaded, by name.
     """
 
     def __init__(self, name, xml, namespace, pose, settings, begun_ns, X_MR=IDENTITY, warnings=()):
@@ -65,17 +67,58 @@ class Model:
                       if link.get("name") != "world" and not link.get("name").endswith(JOINT_FRAME)]
         self.guests = {}            #: models of which this one has links -> {link: whether it is touched}
         free = not (self.description.fixed or self.description.jointed or self.description.cameras or
-                    self.description.devices)
+                    self.description.devices or self.description.weightless)
         self.thing = described(robot, name) if free else None  #: what it is as a solid of its host
         self.alone = False          #: it has none, and is to have none
         self.host = None            #: name of the model that simulates this one
         self._places = {}           #: of links: bytes of a pose, and what place_of makes of it
+        self.settings, self._lifts, self.loaded = settings, {}, {}
         self.placed = lambda thrown: None  #: called when the model was put somewhere else, at rest or not
         said = (*warnings, *self.description.warnings, *self._said, *self.simulation.warnings)
         self.warnings = [each for each in dict.fromkeys(said) if not each.endswith(OF_COLLISIONS)]
         for device in self.description.devices:
             if isinstance(device, DiffDrive):
                 self._start_wheels(device)
+        self._lift()
+
+    def _lift(self):
+        """Lets what holds the links up that gravity does not act on act from now on."""
+        self._lifts = {link: (*(-self.mass_of(link).mass_kg * self._gravity), 0.0, 0.0, 0.0)
+                       for link in self.links if link in self.description.lifted}
+        if self._lifts:
+            self.push({}, {})
+
+    def push(self, links, joints):
+        """Lets these forces from outside act from now on, dict of link -> (6,) and of joint -> effort."""
+        lifts = {link: numpy.asarray(lift) + links.get(link, 0.0) for link, lift in self._lifts.items()}
+        self.simulation.push({**links, **lifts}, joints)
+
+    def remade(self, xml, settings):
+        """A model like this one of another document of the same links and joints, in the same state.
+
+        Raises:
+            SpawnError: what is wrong with the document.  BadValueError: it cannot be in this state.
+        """
+        name, _, namespace, pose, X_MR, warnings = self.spawned
+        made = Model(name, xml, namespace, pose, settings, self.begun_ns, X_MR, warnings)
+        if not settings.ground and GROUND_PLANE["name"] in self.simulation.model_names:
+            self.simulation.delete_model(GROUND_PLANE["name"])
+        try:
+            made.simulation.restore_state(self.simulation.save_state())
+        except ArasError as error:
+            raise BadValueError("model '%s' cannot be changed as it is now: %s" % (name, error)) from error
+        seen = made.simulation.camera_names and settings.ground
+        if seen and GROUND_PLANE["name"] not in made.simulation.model_names:  # it came back
+            made.simulation.spawn_model(GROUND_PLANE)
+        made._lift()
+        return made
+
+    def become(self, made):
+        """Takes over what a model that was made of this one is; all who know this one know it from now on."""
+        for key in ("spawned", "description", "simulation", "links", "thing", "_tree", "_gravity", "settings",
+                    "_lifts"):
+            setattr(self, key, getattr(made, key))
+        self._places.clear()
 
     def _made(self, settings, pose):
         base = "floating"
@@ -114,6 +157,38 @@ class Model:
         config["contacts"]["pairs"] = [pair for pair in pairs if pair not in without]
         return Simulation(self.description.urdf, config, {})
 
+    def load_controller(self, name, parameters, kind=""):
+        """Loads a controller, which is called one of this kind. Returns lines of what is ignored. Raises: ArasError."""
+        warnings = self.simulation.load_controller(name, parameters)
+        self.loaded[name] = [parameters, kind or parameters["type"]]
+        return warnings
+
+    def unload_controller(self, name):
+        """Raises: ArasError."""
+        self.simulation.unload_controller(name)
+        self.loaded.pop(name, None)
+
+    def begin_anew(self, settings, now_ns):
+        """A new simulation with other settings, in which the joints rest where they are and the base goes on; the
+        controllers that were loaded and running are so again."""
+        before, running = self.simulation, [each["name"] for each in self.simulation.loaded_controllers()
+                                            if each["state"] == "running"]
+        name, xml, namespace, pose, X_MR, warnings = self.spawned
+        made = Model(name, xml, namespace, pose, settings, now_ns, X_MR, warnings)
+        if not self.description.fixed or not self.description.jointed:
+            free = not self.description.fixed
+            made.simulation.set_base(before.base_pose, rotated(self.link_pose(self.root), before.link_twist(self.root))
+                                     if free and self.links else numpy.zeros(6))
+        if self.description.jointed:
+            made.simulation.set_joint_positions(dict(zip(before.joint_names, before.joint_positions)))
+        there = {each["name"] for each in made.simulation.loaded_controllers()}
+        for controller, (parameters, _) in self.loaded.items():
+            made.simulation.load_controller(controller, parameters)
+        made.simulation.switch_controllers([each for each in running if each in self.loaded and each not in there], [],
+                                           True)
+        self.begun_ns = now_ns
+        self.become(made)
+
     def _start_wheels(self, drive):
         """Lets motors turn the wheels of a drive from now on, with no speed at first."""
         names = []
@@ -134,6 +209,10 @@ class Model:
     def gravity_m_s2(self):
         """(3,), as it acts on the model."""
         return self._gravity
+
+    def gravity_acts_on(self, link):
+        """Whether it would fall, were there any gravity."""
+        return not self.description.weightless and link not in self.description.lifted
 
     @property
     def root(self):
@@ -244,6 +323,8 @@ class Model:
             self.simulation.reset()
         else:
             self.simulation.reset_world()
+        if self._lifts:
+            self.push({}, {})
 
 
 def scene_of(settings):

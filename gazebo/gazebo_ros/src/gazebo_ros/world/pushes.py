@@ -82,6 +82,6 @@ class Pushes:
                 values[push.what] = values.get(push.what, 0.0) + numpy.asarray(push.value, float)
         for name in self._pushed | set(links) | set(joints):
             if name in self._models:
-                self._models[name].simulation.push(
+                self._models[name].push(
                     links[name], {joint: float(effort) for joint, effort in joints[name].items()})
         self._pushed = {name for name in self._models if links.get(name) or joints.get(name)}

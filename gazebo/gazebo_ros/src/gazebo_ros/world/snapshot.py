@@ -11,7 +11,7 @@ from .errors import BadValueError
 from .model import Model
 from .settings import WorldSettings
 
-FORMAT = "state of a world, 1"
+FORMAT = "state of a world, 2"
 
 
 def listed(spawned):
@@ -23,10 +23,11 @@ def listed(spawned):
 def saved(world):
     """bytes; the same of two worlds to which the same was done."""
     return json.dumps({
-        "format": FORMAT, "ticks": world.ticks, "settings": vars(world.settings), "lights": world.lights.entries(),
+        "format": FORMAT, "epoch_ns": world.epoch_ns, "ticks": world.ticks,
+        "settings": vars(world.settings), "lights": world.lights.entries(),
         "pushes": world.pushes.entries(),
         "models": [{"spawned": listed(model.spawned), "begun_ns": model.begun_ns, "guests": model.guests,
-                    "host": model.host, "alone": model.alone,
+                    "host": model.host, "alone": model.alone, "loaded": model.loaded,
                     "state": base64.b64encode(model.simulation.save_state()).decode()}
                    for model in world.models.values()]}).encode()
 
@@ -55,7 +56,7 @@ def restore(world, state):
     for entry in record["models"]:
         name, xml, namespace, pose, X_MR, warnings = entry["spawned"]
         present = world.models.get(name)
-        if present is None or listed(present.spawned) != entry["spawned"]:
+        if present is None or listed(present.spawned) != entry["spawned"] or present.settings != settings:
             present = Model(name, xml, namespace, numpy.array(pose), settings, 0, numpy.array(X_MR), warnings)
         models[name] = present
     before = saved(world)
@@ -67,6 +68,6 @@ def restore(world, state):
             model.simulation.restore_state(base64.b64decode(entry["state"]))
         raise BadValueError("restore_state: %s" % error) from error
     for entry, model in zip(record["models"], models.values()):
-        for key in ("begun_ns", "guests", "host", "alone"):
+        for key in ("begun_ns", "guests", "host", "alone", "loaded"):
             setattr(model, key, entry[key])
-    world.take(record["ticks"], settings, models, record["lights"], record["pushes"])
+    world.take(record["epoch_ns"], record["ticks"], settings, models, record["lights"], record["pushes"])

@@ -15,8 +15,10 @@ from .poses import IDENTITY
 from .pushes import Pushes
 from .rays import Rays
 from ..sdf.document import NoFolders, expanded
+from ..sdf.materials import resolve_scripts
 from ..sdf.model import model_of
 from ..sdf.world import GROUND, height_of
+from ..urdf.properties import with_joint, with_link
 from .settings import WorldSettings
 
 #: Names of a frame that is none of a model.
@@ -48,6 +50,7 @@ class World:
         self.rays = Rays(self)
         self._folders = folders
         self._ticks = 0
+        self._epoch_ns = 0  #: time at which the period became what it is
 
     @property
     def period_ns(self):
@@ -56,7 +59,7 @@ class World:
     @property
     def time_ns(self):
         """Simulated time, int [ns]."""
-        return self._ticks * self.period_ns
+        return self._epoch_ns + self._ticks * self.period_ns
 
     def step(self, ticks=1):
         """Advances time by periods. Raises: BadValueError."""
@@ -72,15 +75,57 @@ class World:
         self._ticks += ticks
 
     def set_physics(self, period_s, gravity_m_s2):
-        """Of models that are spawned from now on. The period can change before time has gone on.
+        """From now on. Another period lets the joints rest where they are, and their controllers begin anew.
 
-        Raises: BadValueError.
+        Raises:
+            BadValueError: the period cannot be; nothing changes then.
         """
-        if not 1e-6 <= period_s <= 0.1 or (self._ticks and period_s != self.settings.period_s):
-            raise BadValueError("time_step: found %g s, allowed is %s" %
-                                (period_s, "%g s: time has gone on" % self.settings.period_s if self._ticks else
-                                 "0.000001 to 0.1 s"))
-        self.settings = dataclasses.replace(self.settings, period_s=period_s, gravity_m_s2=tuple(gravity_m_s2))
+        if not 1e-6 <= period_s <= 0.1:
+            raise BadValueError("time_step: found %g s, allowed is 0.000001 to 0.1 s" % period_s)
+        settings = dataclasses.replace(self.settings, gravity_m_s2=tuple(gravity_m_s2))
+        if settings != self.settings:
+            self._change_settings(settings)
+        if period_s != self.settings.period_s:
+            self._change_period(period_s)
+
+    def remove_ground(self):
+        """Takes the ground plane out. Raises: UnknownEntityError: there is none."""
+        if not self.settings.ground:
+            raise UnknownEntityError("DeleteModel: model does not exist")
+        self._change_settings(dataclasses.replace(self.settings, ground=False))
+
+    def change_link(self, name, link, properties):
+        """Gives a link another mass. Args: properties: LinkProperties. Raises: as Model.remade."""
+        model = self.model(name)
+        self._change(model, model.remade(with_link(model.spawned[1], link, properties), self.settings))
+
+    def change_joint(self, name, joint, properties):
+        """Gives a joint other limits. Args: properties: JointProperties. Raises: as Model.remade."""
+        model = self.model(name)
+        self._change(model, model.remade(with_joint(model.spawned[1], joint, properties), self.settings))
+
+    def _change(self, model, made):
+        if model.host is not None:  # which simulates it as it was
+            things.leave(model, self.models[model.host])
+        model.become(made)
+        self._find_hosts()
+        self.pushes.act(self.time_ns)
+
+    def _change_settings(self, settings):
+        made = [model.remade(model.spawned[1], settings) for model in self.models.values()]  # all of them, or none
+        self.settings = settings
+        for model, other in zip(self.models.values(), made):
+            model.become(other)
+        self.pushes.act(self.time_ns)
+
+    def _change_period(self, period_s):
+        now_ns = self.time_ns
+        self.settings = dataclasses.replace(self.settings, period_s=period_s)
+        self._epoch_ns, self._ticks = now_ns, 0
+        for model in self.models.values():
+            model.begin_anew(self.settings, now_ns)
+        self._introduce_all()
+        self.pushes.act(now_ns)
 
     # --- models
 
@@ -96,7 +141,9 @@ class World:
             SpawnError: the name is empty or taken, what is wrong with the URDF.  UnknownEntityError: no such frame.
         """
         X_WM = self._free_place(name, frame) @ pose
-        return self._add(Model(name, located(xml, self._folders), namespace, X_WM, self.settings, self.time_ns))
+        xml, warnings = painted(xml, self._folders)
+        return self._add(Model(name, located(xml, self._folders), namespace, X_WM, self.settings, self.time_ns,
+                               warnings=warnings))
 
     def spawn_sdf(self, name, xml, namespace="", pose=IDENTITY, frame="", transmissions=""):
         """Adds what an SDF document describes, a model or a light.
@@ -121,6 +168,10 @@ class World:
             raise SpawnError("SpawnModel: Failure - entity format is invalid: %s" %
                              ("; ".join(warnings) or "found neither <model> nor <light>"))
         model = model_of(element, self._folders)
+        planes = [height_of(X_WF @ pose @ model.pose @ plane) for plane in model.planes]
+        if name == GROUND and planes == [0.0]:  # it was deleted before
+            self._change_settings(dataclasses.replace(self.settings, ground=True))
+            return None
         return self.place_sdf(name, model, X_WF @ pose @ model.pose, namespace, transmissions, warnings)
 
     def place_sdf(self, name, model, X_WM, namespace="", transmissions="", warnings=()):
@@ -134,7 +185,8 @@ class World:
             SpawnError: the name is taken, what cannot be simulated.
         """
         self._free_place(name, "")
-        urdf = with_transmissions(model.urdf, transmissions)
+        urdf, said = painted(with_transmissions(model.urdf, transmissions), self._folders)
+        warnings = (*warnings, *said)
         for height_m in filter(lambda each: each is not None, (height_of(X_WM @ plane) for plane in model.planes)):
             self.settings = dataclasses.replace(self.settings, floor_m=height_m)
         if any(height_of(X_WM @ plane) is None for plane in model.planes):
@@ -299,19 +351,24 @@ class World:
     def look(self, viewer):
         """Puts what the cameras of a model see of the others to where it is now; to be called before drawing."""
         for name, links in viewer.guests.items():
-            for link in links:
-                self._put(viewer, self.models[name], link)
+            viewer.simulation.follow_links(self.models[name].simulation,
+                                           {guest_name(name, link): link for link in links})
 
     # --- the whole state
 
     @property
     def ticks(self):
-        """Periods since the start or the last reset."""
+        """Periods since the start, the last reset, or the last change of the period."""
         return self._ticks
 
-    def take(self, ticks, settings, models, lights, pushes):
+    @property
+    def epoch_ns(self):
+        """Time of tick 0: when the period became what it is, int [ns]."""
+        return self._epoch_ns
+
+    def take(self, epoch_ns, ticks, settings, models, lights, pushes):
         """Makes this the world of another time; for snapshots."""
-        self._ticks, self.settings = ticks, settings
+        self._epoch_ns, self._ticks, self.settings = epoch_ns, ticks, settings
         self.models.clear()
         self.models.update(models)
         self.lights.become(lights)
@@ -335,10 +392,14 @@ class World:
 
     def reset_simulation(self):
         """Time back to 0, models back to where they were spawned. Controllers that run begin anew."""
-        self._ticks = 0
+        self._ticks = self._epoch_ns = 0
         self.pushes.forget()
         for model in self.models.values():
             model.reset(0, True)
+        self._introduce_all()
+
+    def _introduce_all(self):
+        """Gives models what they have of each other, when their simulations are new and have nothing."""
         known = dict(self.models)
         self.models.clear()
         for model in known.values():
@@ -355,6 +416,19 @@ class World:
 def guest_name(model, link):
     """Name of a link in the scene of another model."""
     return "%s::%s" % (model, link)
+
+
+def painted(xml, folders):
+    """A URDF with what scripts of materials say in their place, and a list of what is ignored of them."""
+    if "<script" not in xml:
+        return xml, []
+    try:
+        robot = ElementTree.fromstring(xml)
+    except ElementTree.ParseError:
+        return xml, []  # who reads it says what is wrong
+    warnings = []
+    resolve_scripts(robot, folders, warnings)
+    return ElementTree.tostring(robot, encoding="unicode"), warnings
 
 
 def with_transmissions(urdf, described):

@@ -10,7 +10,7 @@ import numpy as np
 
 from .._kinematics import position_factor, velocity_factor
 
-__all__ = ["accelerated", "braking_factor", "position_factor", "velocity_factor"]
+__all__ = ["accelerated", "braking_factor", "joint_bounds", "position_factor", "velocity_factor"]
 
 
 def braking_factor(q, q_dot, lower, upper, acceleration, dt_s):
@@ -49,3 +49,30 @@ def accelerated(before, wanted, change):
         return wanted if most == 1.0 else wanted * most
     way = wanted - before
     return before + way * velocity_factor(way, np.maximum(change, 1e-12))
+
+
+def joint_bounds(q, before, lower, upper, velocity, acceleration, dt_s, horizon_s):
+    """Velocities that all limits of the joints allow for the next dt_s: (low, high, at_stop, short).
+
+    A joint may reach the end of its way in horizon_s at the earliest, and has to be able to brake before it. A joint
+    beyond its end may only move back. Where the change of velocity that this asks for is larger than the acceleration
+    allows, the acceleration counts, and `short` is True.
+    Args: (n,) each, limits may be infinite.
+    Returns: low, high: (n,), low <= high.  at_stop: (2, n), whether the end of the way makes low and high.
+        short: (n,), bool.
+    """
+    reach = []
+    for room in (np.maximum(q - lower, 0.0), np.maximum(upper - q, 0.0)):
+        bound, braked = room / horizon_s, np.isfinite(acceleration) & np.isfinite(room)
+        most, left = acceleration[braked], room[braked]
+        bound[braked] = np.minimum(bound[braked], most * (np.sqrt(dt_s * dt_s + 2.0 * left / most) - dt_s))
+        reach.append(bound)
+    at_stop = np.array([reach[0] < velocity, reach[1] < velocity])
+    low, high = -np.minimum(reach[0], velocity), np.minimum(reach[1], velocity)
+    change = acceleration * dt_s
+    least, most = before - change, before + change
+    at_stop &= np.array([low >= least, high <= most])
+    short = (low > most) | (high < least)
+    low, high = np.maximum(low, least), np.minimum(high, most)
+    middle = np.clip(0.5 * (low + high), least, most)
+    return np.where(short, middle, low), np.where(short, middle, high), at_stop, short

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .chatter import Chatter
-from .limits import accelerated, braking_factor, position_factor, velocity_factor
+from .limits import accelerated, braking_factor, joint_bounds, position_factor, velocity_factor
 from .redundancy import TwistInverse, Wish, norm_part
 from ..ground.types import Status
 
@@ -125,14 +125,7 @@ class ArmMotion:
                                text=f"joint '{name}' chatters: it reverses from image to image")
 
     def _joint_velocity(self, q, twist, jacobian, inverse, dt_s):
-        if self._limits.camera_speed_m_s < inf or self._limits.camera_turn_rad_s < inf:
-            speed, turn = float(twist[:3] @ twist[:3]) ** 0.5, float(twist[3:] @ twist[3:]) ** 0.5
-            twist = twist / max(1.0, speed / self._limits.camera_speed_m_s, turn / self._limits.camera_turn_rad_s)
-        q_dot = self.unlimited(q, twist, inverse)
-        factor = velocity_factor(q_dot, self._kinematics.velocity)
-        if factor < 1.0:
-            q_dot = q_dot * factor
-        q_dot = q_dot + self.turning(q, q_dot, jacobian, inverse, dt_s)
+        twist, q_dot, factor = self._wanted(q, twist, jacobian, inverse, dt_s)
         again = velocity_factor(q_dot, self._kinematics.velocity)
         if self._accelerates:
             q_dot, again = q_dot * again, 1.0
@@ -154,6 +147,33 @@ class ArmMotion:
         if lost > LOST_FLOOR and lost > LOST_PART * float(twist @ twist) ** 0.5:
             return Motion(q_dot, scaled, Status.NEAR_SINGULARITY, "part of the twist cannot be achieved here")
         return Motion(q_dot, scaled)
+
+    def _wanted(self, q, twist, jacobian, inverse, dt_s):
+        """(twist within the camera's limits, (n,) joint velocities for it, the factor that slowed all of them)."""
+        if self._limits.camera_speed_m_s < inf or self._limits.camera_turn_rad_s < inf:
+            speed, turn = float(twist[:3] @ twist[:3]) ** 0.5, float(twist[3:] @ twist[3:]) ** 0.5
+            twist = twist / max(1.0, speed / self._limits.camera_speed_m_s, turn / self._limits.camera_turn_rad_s)
+        q_dot = self.unlimited(q, twist, inverse)
+        factor = velocity_factor(q_dot, self._kinematics.velocity)
+        if factor < 1.0:
+            q_dot = q_dot * factor
+        return twist, q_dot + self.turning(q, q_dot, jacobian, inverse, dt_s), factor
+
+    def as_seen(self, q, X_BC, twist, jacobian, inverse, dt_s):
+        """The values of `laws.look.Arm`, a dict, for a law that chooses the joint velocities itself."""
+        _, wanted, _ = self._wanted(q, twist, jacobian, inverse, dt_s)
+        velocity, names = self._kinematics.velocity, self._kinematics.joint_names
+        low, high, at_stop, short = joint_bounds(q, self._before, self.lower, self.upper, velocity,
+                                                 self._acceleration, dt_s, LIMIT_HORIZON * dt_s)
+        return {"joint_names": names, "q": q, "before": self._before, "X_BC": X_BC, "jacobian": jacobian,
+                "wanted": wanted, "low": low, "high": high, "at_stop": at_stop,
+                "short": tuple(name for name, late in zip(names, short) if late), "lower": self.lower,
+                "upper": self.upper, "velocity": velocity, "acceleration": self._acceleration, "dt_s": dt_s}
+
+    def told(self, q_dot, jacobian, status, text):
+        """`Motion` of joint velocities, (n,), that a law has chosen within the limits."""
+        self._before = q_dot
+        return Motion(q_dot, jacobian @ q_dot, status, text)
 
     def _without_blocked(self, q, q_dot, joint, twist, jacobian, dt_s):
         """`Motion` in which joints at their limits stop there and the others go on: saturation in the null space (T44).

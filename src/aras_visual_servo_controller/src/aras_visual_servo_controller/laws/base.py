@@ -108,13 +108,15 @@ class Law:
         continuous_only: True for a law that does not work in mode look_then_move.
         needs_plane: True makes the servo put the target's plane into the view of each `Look`.
         needs_pose: True makes the servo put X_CgC into each `Look`.
+        foresees: False for a law that needs more of an image than its features, so that they cannot be foreseen.
+        moves_joints: True makes the servo ask `joint_velocity` for the velocities of the joints.
         settings_class, settings: the law's own settings, class and instance; None for a law without.
         features: `FeatureSet`.
         gains_per_s: tuple of k [1/s]; with `adaptive_gain` they are smaller far from the goal.
     """
 
     name, settings_class, works_on, needs_plane, needs_pose = "", None, FEATURE_NAMES, False, False
-    continuous_only = False
+    continuous_only, moves_joints, foresees = False, False, True
 
     def __init__(self, gains_per_s, setup=LawSetup()):
         """Args and errors: those of `make_law`."""
@@ -173,8 +175,15 @@ class Law:
             NotFiniteError: a feature, dt_s or the interaction matrix is not finite.
             DegenerateFeature: a feature does not exist in this view, or the matrix of the features cannot be inverted.
         """
-        look = self._see(look)
-        s = self.features.values(look.view)
+        tracker = look.tracker
+        if tracker is None or tracker.seen:
+            look = self._see(look)
+            s = self.features.values(look.view)
+            if tracker is not None:
+                s = tracker.corrected(s, look.view)
+        else:
+            s = tracker.foreseen()
+            look = self._foresee(look, s)
         if not (isfinite(sum(s)) and isfinite(look.dt_s)):
             raise NotFiniteError(f"features: found {s} and dt_s {look.dt_s}, allowed finite numbers")
         symmetric = getattr(look.view.features, "symmetric", False) or self._setup.symmetric_target
@@ -189,11 +198,22 @@ class Law:
             twist = self._let_in(twist, look.dt_s)
         return Answer(twist, s, e, self._condition_at(s), settled, self._pose(look))
 
+    def joint_velocity(self, view, arm, twist):
+        """`Joints` of a law that `moves_joints`, after `step` has answered the same image.
+
+        Args: view: `View` of the image.  arm: `Arm`.  twist: (6,) V_C of the answer with what the servo adds to it.
+        """
+        raise NotImplementedError
+
     def _see(self, look):
         """The look, with what this law knows about the view added to it: here the depths of followed points."""
         if self._inverse_depths is None:
             return look
         return look._replace(view=View(look.view.features, look.view.plane, None, self._inverse_depths))
+
+    def _foresee(self, look, s):
+        """The look, with what this law knows about a view that does not show the target, of which s is foreseen."""
+        return Law._see(self, look)
 
     def _twist(self, look, s, e):
         """The subclass's twist V_C, (6,), [v; w] in the camera frame [m/s; rad/s].

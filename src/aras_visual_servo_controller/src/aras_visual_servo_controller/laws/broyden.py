@@ -44,7 +44,7 @@ class Broyden(Law):
     2004 (forgetting).
     """
 
-    works_on, continuous_only = None, True
+    works_on, continuous_only, foresees = None, True, False
 
     def __init__(self, gains_per_s, setup=LawSetup()):
         super().__init__(gains_per_s, setup)

@@ -1,11 +1,12 @@
 """What a law is given for one image, and what it answers. Both are frozen values, and there is no other way between
 the servo and a law."""
 
-from typing import NamedTuple, Optional, Tuple
+from typing import Any, NamedTuple, Optional, Tuple
 
 import numpy as np
 
 from ..features.base import View
+from ..ground.types import Status
 
 
 class Look(NamedTuple):
@@ -18,12 +19,15 @@ class Look(NamedTuple):
             `needs_pose`.
         applied: (6,) V_C that the arm was given after the last look, with all limits applied [m/s; rad/s]; None at the
             first look and after the arm was stopped.
+        tracker: what filters the features, and foresees them while the target is not seen; None: nobody does. It has
+            `seen`, `corrected(s, view)` and `foreseen()` (servo/feature_filter.py).
     """
 
     view: View
     dt_s: float = 0.0
     X_CgC: Optional[np.ndarray] = None
     applied: Optional[np.ndarray] = None
+    tracker: Optional[Any] = None
 
 
 class Answer(NamedTuple):
@@ -44,3 +48,47 @@ class Answer(NamedTuple):
     condition: float
     settled: bool
     pose: Optional[np.ndarray] = None
+
+
+class Arm(NamedTuple):
+    """The arm at one look, for a law that `moves_joints`. Vectors (n,) have the order of `joint_names`.
+
+    Attributes:
+        joint_names: tuple.  q: positions [m, rad].  before: velocities that were commanded last.
+        X_BC: (4, 4) pose of the camera in the base.  jacobian: J_BC_C, (6, n).
+        wanted: velocities for the twist, with the spare motion, before the limits of position and acceleration.
+        low, high: velocities that all limits allow for this period.
+        at_stop: whether it is the end of the way of a joint that makes `low` (row 0) and `high` (row 1), (2, n) bool.
+        short: names of the joints that cannot brake in time at their acceleration; () in normal running.
+        lower, upper, velocity, acceleration: the limits themselves; infinite where there is none.
+        dt_s: time for which the answer is held [s].
+    """
+
+    joint_names: Tuple[str, ...]
+    q: np.ndarray
+    before: np.ndarray
+    X_BC: np.ndarray
+    jacobian: np.ndarray
+    wanted: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    at_stop: np.ndarray
+    short: Tuple[str, ...]
+    lower: np.ndarray
+    upper: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    dt_s: float
+
+
+class Joints(NamedTuple):
+    """The joint velocities of a law that `moves_joints`.
+
+    Attributes:
+        q_dot: (n,) [m/s, rad/s].  status: what keeps the arm from the twist, None if nothing does.
+        text: which constraints bind, and by how much one had to be violated; "" if none.
+    """
+
+    q_dot: np.ndarray
+    status: Optional[Status] = None
+    text: str = ""

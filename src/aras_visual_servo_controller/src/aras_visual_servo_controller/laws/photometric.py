@@ -44,7 +44,7 @@ class Photometric(Law):
     as a power of the residual).
     """
 
-    works_on = ("photometric",)
+    works_on, foresees = ("photometric",), False
 
     def __init__(self, gains_per_s, setup=LawSetup()):
         super().__init__(gains_per_s, setup)

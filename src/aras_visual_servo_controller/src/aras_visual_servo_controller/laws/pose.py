@@ -6,7 +6,7 @@ from ..ground.errors import DegenerateFeature, ParameterError
 from ..features.base import View
 from .base import Law, LawSetup, register, sampled_gains
 from ..features.target.points_pose import PlanarPoints, find_corners
-from ..ground.spatial import inverse, rotation_vector
+from ..ground.spatial import inverse, rotation, rotation_vector
 
 
 class PoseLaw(Law):
@@ -20,7 +20,7 @@ class PoseLaw(Law):
     the target's frame T in the camera in `self._X_CT`. Without a known target T is the camera frame at the goal.
     """
 
-    needs_pose = True
+    needs_pose, foresees = True, False
 
     def __init__(self, gains_per_s, setup=LawSetup()):
         super().__init__(gains_per_s, setup)
@@ -73,7 +73,13 @@ class PoseLaw(Law):
 class PoseBased(PoseLaw):
     """Pose-based visual servoing: v = -R_CgC^T Lambda t, w = -Lambda theta u; the camera goes straight home (T25)."""
 
-    works_on = ("tx", "ty", "tz", "rx", "ry", "rz")
+    works_on, foresees = ("tx", "ty", "tz", "rx", "ry", "rz"), True
+
+    def _foresee(self, look, s):
+        displacement, X_CgC = np.array(s), np.eye(4)
+        X_CgC[:3, :3], X_CgC[:3, 3] = rotation(displacement[3:]), displacement[:3]
+        self._X_CT, self._X_CgC_then = inverse(X_CgC) @ self._X_CgT, look.X_CgC
+        return look._replace(view=View(look.view.features, look.view.plane, displacement), X_CgC=X_CgC)
 
     def _twist(self, look, s, e):
         wanted = -np.array(sampled_gains(self.gains_per_s, look.dt_s)) * e

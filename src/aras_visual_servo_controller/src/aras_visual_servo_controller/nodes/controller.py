@@ -122,15 +122,25 @@ class ControllerNode:
     def _on_joints(self, message):
         with self._lock:
             stamp_ns = message.stamp_ns
-            pairs = self._pairer.add_joints(stamp_ns, message)
-            if self._pairer.restarts != self._time_restarts:
-                self._time_restarts = self._pairer.restarts
-                self._restart_time()
-            for pair in pairs:
-                self._answer(*pair)
+            self._answer_all(stamp_ns, self._pairer.add_joints(stamp_ns, message))
             if self._float_publishers:
                 for joint, set_point in self._integrator.advance(stamp_ns).items():
                     self._float_publishers[joint].publish(set_point)
+
+    def _on_features(self, message):
+        with self._lock:
+            stamp_ns = convert.stamp_ns(message.header)
+            self._answer_all(stamp_ns, self._pairer.add_features(stamp_ns, message))
+
+    def _answer_all(self, stamp_ns, pairs):
+        """Answer the pairs that a message of this stamp has completed. It may have shown that time went back."""
+        if self._pairer.restarts != self._time_restarts:
+            self._time_restarts = self._pairer.restarts
+            # An image that is no later than this message was answered already in the new time.
+            if not (self._session.active and 0 <= self._session.last_ns <= stamp_ns):
+                self._restart_time()
+        for pair in pairs:
+            self._answer(*pair)
 
     def _restart_time(self):
         """Start anew, since time went back. A goal that has seen no image yet belongs to the new time and goes on."""
@@ -140,11 +150,6 @@ class ControllerNode:
             self._stop("time went back")
         self._session.restart_time()
         self._server.look_at_time()
-
-    def _on_features(self, message):
-        with self._lock:
-            for pair in self._pairer.add_features(convert.stamp_ns(message.header), message):
-                self._answer(*pair)
 
     def _answer(self, stamp_ns, features, joints):
         """Answer one image: send the command first, then the record of what was seen and done. Never raises."""

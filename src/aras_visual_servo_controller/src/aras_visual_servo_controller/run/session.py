@@ -57,6 +57,8 @@ class Session:
             (Command, ServoRecord), in every case. While a goal is active, the command for a refused image stops the
             arm.
         """
+        if self.unseen and stamp_ns <= self.last_ns:
+            self._forget()  # time went back before the goal began, and nothing else has shown it
         refusal = refusal or self._refusal(stamp_ns, q, now_ns)
         if refusal:
             if self.active:

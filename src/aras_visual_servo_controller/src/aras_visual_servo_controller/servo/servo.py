@@ -22,11 +22,12 @@ import numpy as np
 from ..arm.motion import ArmMotion
 from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError
 from .creep import CreepCompensation
+from .feature_filter import FeatureFilter
 from .feed_forward import TargetMotion
 from ..features.base import FeatureSet, View
 from ..features.sources import Source, source_named
 from ..laws.base import make_law
-from ..laws.look import Look
+from ..laws.look import Arm, Look
 from .look_then_move import LookThenMove
 from .lost_target import LostTarget
 from .settings import ServoSettings
@@ -58,6 +59,8 @@ class Servo:
         self._lost = LostTarget(kinematics, self._arm, self.config.on_lost, self.config.lost_target)
         forward = self.config.feed_forward
         self._target_motion = None if forward is None else TargetMotion(forward, self._features)
+        symmetric = self.config.symmetric_target
+        self._filter = self.config.filter and FeatureFilter(self.config.filter, self._features, symmetric)
         self.reference: Optional[Reference] = None
         self._law, self._stop, self._goal_pose = self._make_law(), self._make_stop_rule(), None
         self._hindrance, self._moved = Hindrance(), ""
@@ -235,12 +238,17 @@ class Servo:
             reasons = [self._stop.why_not(), self._hindrance.words(stamp_ns), self._moved]
             return self._rest(stamp_ns, Status.TIMED_OUT,
                               f"not converged after {self.config.time_limit_s} s: {'; '.join(filter(None, reasons))}")
+        foresees = self._filter is not None and self._filter.foresees(stamp_ns) and gap_s <= self.config.input_timeout_s
+        if features is None and foresees:
+            return self._servo(stamp_ns, None, q, dt_s)
         if gap_s > self.config.input_timeout_s or features is None:
             text = "no image" if features is None else f"no image for {gap_s:.3f} s"
             return self._rest(stamp_ns, Status.STALE_INPUT, text)
         if self._moves.under_way and self._moves.goes_on(stamp_ns, q, gap_s):
             return self._follow(stamp_ns, dt_s)
         text = self._source.why_lost(features)
+        if text and foresees:
+            return self._servo(stamp_ns, None, q, dt_s)
         if text:
             return self._without_target(stamp_ns, q, dt_s, text)
         if not self._lost.found(stamp_ns):
@@ -248,12 +256,16 @@ class Servo:
         return self._servo(stamp_ns, features, q, dt_s)
 
     def _servo(self, stamp_ns, features, q, dt_s):
-        """One look at valid features."""
+        """One look at valid features; at None where the filter has to foresee them."""
         look_then_move, law, X_BC = self.config.mode == "look_then_move", self._law, self._kinematics.pose(q)
+        tracker, seen = self._filter, features is not None
         try:
-            view = View(features, self._plane(X_BC) if law.needs_plane else None)
+            plane = self._plane(X_BC) if law.needs_plane or tracker is not None else None
+            if tracker is not None:
+                features = tracker.at(stamp_ns, X_BC, features, plane).features
+            view = View(features, plane)
             X_CgC = self._displacement(X_BC) if law.needs_pose else None
-            answer = law.step(Look(view, 0.0 if look_then_move else dt_s, X_CgC, self._applied))
+            answer = law.step(Look(view, 0.0 if look_then_move else dt_s, X_CgC, self._applied, tracker))
             twist = answer.twist
         except NotFiniteError as error:
             return self._rest(stamp_ns, Status.FAULT, f"not finite: {error}")
@@ -265,16 +277,21 @@ class Servo:
             return self._rest(stamp_ns, Status.FAULT, f"law '{law.name}' gave a twist that is not six finite numbers")
         self._applied, self._s, self._e, self._cond_l = twist, answer.s, answer.e, answer.condition
         self._e_shown = np.array(answer.e)
-        self._lost.servoed(q, features)
+        if seen:
+            self._lost.servoed(q, features)
         if self._lost.recoveries:
             twist = twist * self._lost.factor
         gain, target_C = self.config.tilt_gain_per_s, None
         if gain > 0.0 and not self._features.sees_tilt:
             target_C = features.xn, features.yn, features.an
-        below, ended = self._judge(stamp_ns, X_BC, answer, target_C is not None)
+        below, ended = self._judge(stamp_ns, X_BC, answer, target_C is not None) if seen else (False, None)
         if ended is not None:
             return ended
         self.status, self._text = Status.SERVOING, "servoing"
+        if not seen:
+            self._stop.clear()
+            self._below_ns, self._moved = None, ""
+            self._text = f"servoing on foreseen features, target not seen for {tracker.unseen_s(stamp_ns):.2f} s"
         if self._moved:
             self._text = f"servoing; {self._moved}"
         if self._creeps and not look_then_move:
@@ -291,18 +308,31 @@ class Servo:
         self._manipulability = inverse.manipulability
         if target_C is not None:
             twist = twist + self._arm.tilt(X_BC, inverse, -expm1(-gain * dt_s) / dt_s, target_C)
-        if self.config.visibility is not None:
+        if self.config.visibility is not None and seen:
             twist, bent = keep_in_view(self.config.visibility, features, twist)
             self._text = "servoing, kept in view" if bent else self._text
         if self._creeps and self._stop.close:
             twist = twist + self._creep.correction(twist, X_BC, dt_s)
         else:
             self._creep.clear()
-        q_dot, self._twist, status, text = self._arm.joint_velocity(q, twist, jacobian, inverse, dt_s)
+        if law.moves_joints:
+            try:
+                arm = Arm(**self._arm.as_seen(q, X_BC, twist, jacobian, inverse, dt_s))
+                joints = law.joint_velocity(view, arm, twist)
+            except DegenerateFeature as error:
+                return self._without_target(stamp_ns, q, dt_s, str(error))
+            except Exception as error:  # as above
+                return self._rest(stamp_ns, Status.FAULT, f"law '{law.name}': {type(error).__name__}: {error}")
+            q_dot, self._twist, status, text = self._arm.told(joints.q_dot, jacobian, joints.status, joints.text)
+            self._text = text or self._text
+        else:
+            q_dot, self._twist, status, text = self._arm.joint_velocity(q, twist, jacobian, inverse, dt_s)
         if status is not None:
             self.status, self._text = status, text
             self._hindrance.seen(stamp_ns, text)
         self._applied = self._twist
+        if tracker is not None:
+            tracker.commanded(stamp_ns, self._twist)
         velocity = self._kinematics.by_name(q_dot)
         return Command(stamp_ns, {}, velocity), self._record(stamp_ns, self._text, q_dot, self._nans)
 
@@ -410,6 +440,8 @@ class Servo:
         self._lost.clear()
         if self._target_motion is not None:
             self._target_motion.clear()
+        if self._filter is not None:
+            self._filter.clear()
         self._arm.rest()
         self._forget()
         self._q, self._applied = self._nans, None
@@ -427,6 +459,8 @@ class Servo:
             self._below_ns = None
             self._forget()
         self._twist, self._applied = np.zeros(6), None
+        if self._filter is not None:
+            self._filter.commanded(stamp_ns, self._twist)
         self._arm.rest()
         self.status, self._text = status, text
         if not self._moves.under_way:

@@ -15,6 +15,7 @@ from ..ground.errors import ParameterError
 from ..ground.types import FEATURE_NAMES
 from ..laws.base import LawSetup, known_laws, law_settings, make_law
 from ..features.target.target_pose import PlanarTarget
+from .feature_filter import FilterSettings
 from .feed_forward import FeedForwardSettings
 from .lost_target import ACTIONS, LostTargetSettings
 from .stop_rule import StopSettings
@@ -86,6 +87,10 @@ class ServoSettings(LawSetup):
     feed_forward: Optional[FeedForwardSettings] = setting(
         None,
         help="The estimated motion of the target is fed forward (T45); mode `continuous` only.")
+    filter: Optional[FilterSettings] = setting(
+        None,
+        help="The features are filtered, foreseen while the target is not seen, and foreseen by a latency; mode "
+             "`continuous` only.")
     track: bool = setting(
         False,
         help="The goal is followed until the time limit; the servo has converged if every error is below its threshold "
@@ -125,6 +130,8 @@ class ServoSettings(LawSetup):
         """Yield a fault for each setting that does not fit the mode."""
         if self.mode != "look_then_move":
             return
+        if self.filter is not None:
+            yield "filter: found with mode look_then_move, allowed with mode continuous"
         if self.feed_forward is not None or self.track:
             yield "feed_forward, track: found with mode look_then_move, allowed with mode continuous"
         for name, gain in zip(expand(self.features), self.gains_per_s):
@@ -136,6 +143,8 @@ class ServoSettings(LawSetup):
         law = make_law(name, self.gains_per_s, self)
         if law.continuous_only and self.mode != "continuous":
             raise ParameterError(f"mode: found {self.mode}, allowed with law '{name}': continuous")
+        if self.filter is not None and not law.foresees:
+            raise ParameterError(f"filter: found with law '{name}', which needs more of an image than its features")
 
     def with_overrides(self, law="", gains_per_s=(), thresholds=(), time_limit_s=0.0):
         """Copy with the values of a goal of VisualServo.action; empty or 0 keeps. Raises ParameterError."""

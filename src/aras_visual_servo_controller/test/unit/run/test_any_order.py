@@ -10,21 +10,17 @@ STAMPS = st.integers(0, 12) | st.integers(-2**63, 2**63)
 @settings(deadline=None, max_examples=1000, derandomize=True)
 @given(st.lists(st.tuples(st.booleans(), STAMPS), max_size=60))
 def test_each_features_message_is_handed_out_once_with_the_joints_of_its_stamp(messages):
-    pairer, given_, handed, newest = StampPairer(CAPACITY), [], [], -1
+    pairer, handed = StampPairer(CAPACITY), []
     for n, (is_features, stamp_ns) in enumerate(messages):
-        if is_features:
-            given_.append((stamp_ns, n))
-            pairs = pairer.add_features(stamp_ns, n)
-        else:
-            if stamp_ns < newest:
-                given_ = given_[:len(handed)]  # those that wait are forgotten: time was reset
-            newest = stamp_ns
-            pairs = pairer.add_joints(stamp_ns, ("joints of", stamp_ns))
+        add, what = (pairer.add_features, n) if is_features else (pairer.add_joints, ("joints of", stamp_ns))
+        pairs = add(stamp_ns, what)
         for stamp, features, joints in pairs:
-            handed.append((stamp, features))
-            assert joints in (None, ("joints of", stamp))
-        assert handed == given_[:len(handed)]
-        assert len(given_) - len(handed) <= CAPACITY
+            handed.append(features)
+            assert messages[features] == (True, stamp) and joints in (None, ("joints of", stamp))
+    assert handed == sorted(set(handed)), "each once, in the order in which they came"
+    if not pairer.restarts:
+        given_ = [n for n, (is_features, _) in enumerate(messages) if is_features]
+        assert handed == given_[:len(handed)] and len(given_) - len(handed) <= CAPACITY
 
 
 def test_features_that_no_joint_state_answers_do_not_pile_up():

@@ -40,6 +40,58 @@ def test_time_that_goes_back_forgets_what_was_before():
     assert pairer.add_features(0, "f0") == [(0, "f0", "q0")]
 
 
+def test_features_may_show_first_that_time_went_back():
+    pairer = StampPairer()
+    for stamp in (0, 10, 20):
+        pairer.add_joints(stamp, "old")
+    for stamp in (0, 20):
+        pairer.add_features(stamp, "old")
+    assert pairer.add_features(0, "f0") == [], "the joint state of stamp 0 is of the time before"
+    assert pairer.restarts == 1
+    assert pairer.add_joints(0, "q0") == [(0, "f0", "q0")]
+    assert pairer.restarts == 1
+
+
+def test_joint_states_of_the_time_before_may_come_after_features_of_the_new_one():
+    pairer = StampPairer()
+    pairer.add_joints(20, "old")
+    pairer.add_features(20, "old")
+    assert pairer.add_features(0, "f0") == []
+    assert pairer.add_joints(30, "old") == []
+    assert pairer.add_joints(0, "q0") == [(0, "f0", "q0")]
+    assert pairer.restarts == 1
+    assert pairer.add_features(30, "f30") == [], "its joint state has not come, only one of the time before"
+
+
+def test_features_of_the_time_before_may_come_after_joint_states_of_the_new_one():
+    pairer = StampPairer()
+    pairer.add_joints(20, "old")
+    assert list(pairer.add_joints(0, "q0")) == []
+    assert pairer.add_features(20, "old") == []
+    assert pairer.add_features(0, "f0") == [(0, "f0", "q0")]
+
+
+def test_even_when_the_joint_states_of_the_new_time_are_all_there():
+    pairer = StampPairer()
+    pairer.add_joints(30, "old")
+    for stamp in (0, 10, 20):
+        pairer.add_joints(stamp, f"q{stamp}")
+    assert pairer.add_features(20, "old") == [(20, "old", "q20")], "taken for one of the new time"
+    for stamp in (0, 10, 20):
+        assert pairer.add_features(stamp, "new") == [(stamp, "new", f"q{stamp}")]
+
+
+def test_time_may_go_back_again_and_again():
+    pairer = StampPairer()
+    for restarts in range(1, 5):
+        for stamp in (0, 10):
+            pairer.add_joints(stamp, f"q{stamp}")
+        assert pairer.add_features(10, "f10") == [(10, "f10", "q10")]
+        first, second = (pairer.add_joints, pairer.add_features)[::1 if restarts % 2 else -1]
+        assert list(first(0, "new")) == []
+        assert second(0, "new") == [(0, "new", "new")] and pairer.restarts == restarts
+
+
 def test_keeps_no_more_than_its_capacity():
     pairer = StampPairer(capacity=2)
     for stamp in (10, 20, 30):

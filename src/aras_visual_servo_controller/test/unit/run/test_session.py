@@ -68,6 +68,13 @@ def test_refuses_an_image_without_a_joint_state_of_its_stamp(session):
     assert still(command) and record.status == Status.STALE_INPUT
 
 
+def test_the_first_image_of_a_goal_may_have_the_stamp_of_one_answered_before_it(session):
+    session.answer(0, SEEN, Q, 0, 0.0)  # then time is set back, where only this image has been seen
+    session.begin("taught", "", (), (), 0.0, 0, 0.0)
+    _, record = session.answer(0, SEEN, Q, 0, 0.0)
+    assert record.status == Status.SERVOING and session.frame == 0
+
+
 def test_refuses_an_image_older_than_the_input_timeout(session):
     command, record = servoing(session).answer(66 * MS, SEEN, Q, 267 * MS, 0.0)
     assert still(command) and record.status == Status.STALE_INPUT and "old" in record.status_text

@@ -15,8 +15,8 @@ class GlContext;
  *  Solids are drawn by OpenGL, with four samples a pixel. Flat targets are laid over them with the exact coverage of
  *  CoverageRenderer, wherever no solid stands before them (CameraConfig::exact_targets). Images are the same between
  *  runs, processes and threads on one kind of processor and one version of Mesa. The library is opened at the first
- *  frame. A context that was lost costs one image, an error; the next one is drawn in a new context. Not thread-safe,
- * but frames may be drawn in one thread after the other; one object may serve many cameras. */
+ *  frame. A context that was lost costs one image, an error; the next one is drawn in a new context. Frames may be
+ * drawn from several threads, one after the other; one object may serve many cameras of many scenes. */
 class OpenGlRenderer : public Renderer {
  public:
   enum class Platform {
@@ -31,16 +31,21 @@ class OpenGlRenderer : public Renderer {
   explicit OpenGlRenderer(MakeContext make_context);
   ~OpenGlRenderer() override;
 
+  /** The one that all simulations of the calling thread share, with their meshes, pictures, shaders and shadow maps.
+   *  Made for the first of them, gone with the last. */
+  static std::shared_ptr<OpenGlRenderer> shared(Platform platform);
+
   /** What draws and of which version. @throws RenderError if there is no OpenGL */
   std::string description();
   /** The same, empty before the first image. */
-  const std::string& drewWith() const;
+  std::string drewWith() const;
 
   /** What the last frame took, and all so far: to test and to measure. */
   struct Statistics {
     int views = 0;               ///< pictures that the last image was made of
     bool redrawn_flats = false;  ///< a solid stood before a flat target, so that OpenGL drew targets too
-    long shadow_maps = 0;        ///< drawn so far
+    long shadow_maps = 0;        ///< begun so far
+    long shadow_triangles = 0;   ///< drawn into them so far
   };
   const Statistics& statistics() const;
 

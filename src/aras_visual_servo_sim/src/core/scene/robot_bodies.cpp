@@ -6,6 +6,7 @@
 #include "aras_visual_servo_sim/scene/light_entry.hpp"
 #include "aras_visual_servo_sim/scene/scene_loader.hpp"
 #include "scene/mesh/mesh_cache.hpp"
+#include "scene/mesh/shared_meshes.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -32,7 +33,7 @@ void addShapes(const Visual& visual, MeshCache& meshes, Body& body) {
   const Pose& X_BS = visual.X_link_visual;
   if (!visual.texture.empty()) {
     const MeshPtr mesh = withPicture(*meshes.of(visual.geometry), meshes.picture(visual.texture));
-    body.shapes.push_back({X_BS, mesh, {255, 255, 255}, material});
+    body.shapes.push_back({X_BS, shared(mesh), {255, 255, 255}, material});
     return;
   }
   if (visual.has_color) {
@@ -44,14 +45,14 @@ void addShapes(const Visual& visual, MeshCache& meshes, Body& body) {
       plain->picture_of.clear();
       mesh = plain;
     }
-    body.shapes.push_back({X_BS, mesh, color, material});
+    body.shapes.push_back({X_BS, shared(mesh), color, material});
     return;
   }
   for (const MaterialMesh& part : meshes.partsOf(visual.geometry)) {
     Material own = isPlain(part.material) ? material : part.material;
     own.ambient_share = material.ambient_share;  // which files do not say
     own.ambient = material.ambient;
-    body.shapes.push_back({X_BS, part.mesh, color, own});
+    body.shapes.push_back({X_BS, shared(part.mesh), color, own});
   }
 }
 

@@ -7,6 +7,7 @@
 #include "aras_visual_servo_sim/config/section.hpp"
 #include "planar_shape.hpp"
 #include "scene/mesh/mesh_cache.hpp"
+#include "scene/mesh/shared_meshes.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -44,7 +45,7 @@ void add(const SolidEntry& entry, const PackagePaths& packages, MeshCache& meshe
     for (const MaterialMesh& part : parts) {
       Material material = isPlain(part.material) ? entry.material : part.material;
       material.ambient_share = entry.material.ambient_share;  // which files do not say
-      body.shapes.push_back({Pose{}, part.mesh, entry.color, material});
+      body.shapes.push_back({Pose{}, shared(part.mesh), entry.color, material});
     }
   } else {
     body = bodyFromUrdf(entry.name, entry.urdf, packages, &scene.lighting.lights);

@@ -133,6 +133,19 @@ TEST_F(SceneFiles, MissingBrokenAndEmptyMeshesAreNamed) {
   }
 }
 
+TEST(Scene, ScenesShareMeshesWithTheSameContent) {
+  const auto meshOf = [](const std::string& shape) {
+    const std::string urdf =
+        "<robot name='r'><link name='l'><visual><geometry>" + shape + "</geometry></visual></link></robot>";
+    return bodyFromUrdf("body", urdf, PackagePaths{}, nullptr).shapes.at(0).mesh;
+  };
+  const MeshPtr box = meshOf("<box size='0.1 0.2 0.3'/>"), ball = meshOf("<sphere radius='0.1'/>");
+  EXPECT_EQ(meshOf("<box size='0.1 0.2 0.3'/>"), box);
+  EXPECT_EQ(meshOf("<sphere radius='0.1'/>"), ball);
+  EXPECT_NE(meshOf("<box size='0.1 0.2 0.300001'/>"), box);
+  EXPECT_NE(meshOf("<sphere radius='0.2'/>"), ball);
+}
+
 TEST(Primitives, AreClosedAndFaceOutwards) {
   EXPECT_NEAR(volumeOf(*makeBox({1, 2, 3})), 6.0, kFloat);
   constexpr double kFacets = 0.02;  // 32 corners enclose 0.6 % less than a circle; a ball more so

@@ -44,7 +44,7 @@ class FrameDrawer {
   OpenGlRenderer& openGlFor(const CameraConfig& camera);
 
   std::unique_ptr<Renderer> coverage_;
-  std::unique_ptr<OpenGlRenderer> osmesa_, egl_;  // made for the first camera that wants them
+  std::shared_ptr<OpenGlRenderer> osmesa_, egl_;  // null until the first camera wants them; other simulations have them
   GeometryRenderer geometry_renderer_;
   GeometryImage depth_;  // of the frame that a lens with a depth of field blurs
 };

@@ -20,10 +20,12 @@ class CameraViews {
   /** Reads what was drawn. @param image  as many pixels as the camera has, r, g, b, a: 8 bits each, or 16 if fine */
   void read(std::vector<std::uint32_t>& image) { readWith(pictures_, image); }
   void read(std::vector<std::uint64_t>& image) { readWith(fine_pictures_, image); }
-  /** Reads at least the pixels in this box; the others may stay as they are. */
+  /** Whether a pixel of the image is one of a picture. */
+  bool readsInParts() const { return !lens_ && factor_ == 1; }
+  /** Reads at least the pixels in this box; the others may stay as they are, and do if readsInParts(). */
   template <typename Pixel>
   void read(const PixelBox& box, std::vector<Pixel>& image) {
-    if (lens_ || factor_ != 1) return read(image);
+    if (!readsInParts()) return read(image);
     canvases_[0]->read(box, image);
   }
 

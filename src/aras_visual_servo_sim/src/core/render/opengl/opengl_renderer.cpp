@@ -5,6 +5,7 @@
 #include <limits>
 #include <list>
 #include <map>
+#include <mutex>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -107,12 +108,14 @@ class OpenGlRenderer::Implementation {
   ~Implementation() { forget(); }
 
   std::string description() {
+    const std::lock_guard<std::mutex> lock(mutex_);
     const GlContext::Binding binding = bind();
     return context_->description();
   }
 
   template <typename Value>
   void render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, ImageOf<Value>& out) {
+    const std::lock_guard<std::mutex> lock(mutex_);
     const GlContext::Binding binding = bind();
     if (!parts_) {
       parts_ = std::make_unique<Parts>(context_->gl());
@@ -126,8 +129,12 @@ class OpenGlRenderer::Implementation {
     if (camera.showsLensCircle()) blackenBeyondLens(camera, rasterizer_, out);
   }
 
+  std::string drewWith() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return drew_with_;
+  }
+
   Statistics statistics_;
-  std::string drew_with_;
 
  private:
   static constexpr std::size_t kMostCameras = 16 + 4096;  // whose pictures are kept; rows of rolling shutters are some
@@ -211,27 +218,38 @@ class OpenGlRenderer::Implementation {
     planar_.project(camera, ViewVolume(camera), X_CW, scene);
     SolidPainter& solids = parts_->solids;
     FlatPainter& flats = parts_->flats;
-    solids.begin(camera, X_WC, scene);
+    CameraViews& views = viewsOf(camera, sizeof(Value) > 1);
+    solids.begin(camera, X_WC, scene, views.views());
     flats.begin(planar_, X_CW, camera.nearM());
     const bool exact = camera.config().exact_targets && !solids.anyTransparent() && !flats.empty();
-    CameraViews& views = viewsOf(camera, sizeof(Value) > 1);
-    for (std::size_t k = 0; k < views.views().size(); ++k) {
+    // Where nothing is, no sample of the background has to be drawn, read and averaged.
+    const bool in_part = flats.empty() && views.readsInParts();
+    const PixelPart part = in_part ? solids.covered(0) : PixelPart{0, 0, camera.width(), camera.height()};
+    for (std::size_t k = 0; k < views.views().size() && !part.empty(); ++k) {
       const PinholeView& view = views.views()[k];
       views.canvas(k).bind();
       clear(scene.background);
       solids.drawSky(view);
-      solids.drawOpaque(view);
+      solids.drawOpaque(k);
       if (exact) {
         flats.mark(view);
       } else {
         flats.draw(view);
-        solids.drawTransparent(view);
+        solids.drawTransparent(k);
       }
     }
     auto& pixels = pixelsOf<Value>();
-    views.read(pixels);
+    if (in_part) {
+      using Pixel = typename PixelFor<Value>::Type;
+      const Rgb& color = scene.background;
+      pixels.assign(std::size_t(camera.width()) * camera.height(), Packed<Pixel>::of(color.r, color.g, color.b));
+      if (!part.empty()) views.read({part.left, part.top, part.right, part.bottom}, pixels);
+    } else {
+      views.read(pixels);
+    }
     convert(pixels, out);
-    statistics_ = {static_cast<int>(views.views().size()), false, solids.shadows().drawn()};
+    statistics_ = {static_cast<int>(views.views().size()), false, solids.shadows().drawn(),
+                   solids.shadows().triangles()};
     if (exact) layTargetsOver(camera, views, out);
   }
 
@@ -304,7 +322,9 @@ class OpenGlRenderer::Implementation {
     }
   }
 
+  mutable std::mutex mutex_;  // held while it draws
   MakeContext make_context_;
+  std::string drew_with_;
   std::unique_ptr<GlContext> context_;
   std::unique_ptr<Parts> parts_;
   PlanarLayer planar_;
@@ -326,7 +346,15 @@ OpenGlRenderer::~OpenGlRenderer() = default;
 
 std::string OpenGlRenderer::description() { return implementation_->description(); }
 
-const std::string& OpenGlRenderer::drewWith() const { return implementation_->drew_with_; }
+std::shared_ptr<OpenGlRenderer> OpenGlRenderer::shared(Platform platform) {
+  thread_local std::weak_ptr<OpenGlRenderer> of_thread[2];
+  std::weak_ptr<OpenGlRenderer>& known = of_thread[platform == Platform::kEgl ? 1 : 0];
+  std::shared_ptr<OpenGlRenderer> renderer = known.lock();
+  if (!renderer) known = renderer = std::make_shared<OpenGlRenderer>(platform);
+  return renderer;
+}
+
+std::string OpenGlRenderer::drewWith() const { return implementation_->drewWith(); }
 
 const OpenGlRenderer::Statistics& OpenGlRenderer::statistics() const { return implementation_->statistics_; }
 

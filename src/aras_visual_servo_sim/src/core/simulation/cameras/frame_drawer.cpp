@@ -19,17 +19,16 @@ FrameDrawer::FrameDrawer() : coverage_(std::make_unique<CoverageRenderer>()) {}
 
 OpenGlRenderer& FrameDrawer::openGlFor(const CameraConfig& camera) {
   const bool egl = camera.gl == "egl";
-  std::unique_ptr<OpenGlRenderer>& renderer = egl ? egl_ : osmesa_;
+  std::shared_ptr<OpenGlRenderer>& renderer = egl ? egl_ : osmesa_;
   if (!renderer) {
-    renderer =
-        std::make_unique<OpenGlRenderer>(egl ? OpenGlRenderer::Platform::kEgl : OpenGlRenderer::Platform::kOsmesa);
+    renderer = OpenGlRenderer::shared(egl ? OpenGlRenderer::Platform::kEgl : OpenGlRenderer::Platform::kOsmesa);
   }
   return *renderer;
 }
 
 std::string FrameDrawer::openGl() const {
   std::string found;
-  for (const OpenGlRenderer* renderer : {osmesa_.get(), egl_.get()}) {
+  for (const auto& renderer : {osmesa_, egl_}) {
     if (!renderer || renderer->drewWith().empty()) continue;
     found += (found.empty() ? "" : "; ") + renderer->drewWith();
   }

@@ -37,6 +37,45 @@ number: 4
   EXPECT_EQ(configs[1].type, ControllerType::kPosition);
 }
 
+TEST(Controllers, EachTypeIsReadAsWhatItsNameSays) {
+  const std::vector<std::pair<std::string, ControllerType>> types = {
+      {"effort_controllers/JointPositionController", ControllerType::kEffortPosition},
+      {"effort_controllers/JointVelocityController", ControllerType::kEffortVelocity},
+      {"effort_controllers/JointEffortController", ControllerType::kEffort},
+      {"position_controllers/JointPositionController", ControllerType::kPosition},
+      {"velocity_controllers/JointVelocityController", ControllerType::kVelocity}};
+  for (const auto& [name, type] : types) {
+    const std::string pid = name.find("effort_controllers/JointE") == 0 || name[0] != 'e' ? "" : ", pid: {p: 1}";
+    // Joints without a transmission take every type.
+    const auto configs = parseControllers(YAML::Load("{c: {type: " + name + ", joint: swing" + pid + "}}"),
+                                          modelOf(readUrdf("pendulum.urdf")));
+    ASSERT_EQ(configs.size(), 1u) << name;
+    EXPECT_EQ(configs[0].type, type) << name;
+    EXPECT_EQ(controllerTypeName(type), name);
+  }
+}
+
+TEST(Controllers, GainsThatChangeAreCheckedOneByOne) {
+  const auto fault = [](const PidGains& gains) {
+    return messageOf<ParameterError>([&] { checkGains(gains, "swing"); });
+  };
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  EXPECT_HAS(fault({-1, 0, 0, 0, 0, false}), "swing/pid/p: found -1");
+  EXPECT_HAS(fault({1, -1, 0, 0, 0, false}), "swing/pid/i: found -1");
+  EXPECT_HAS(fault({1, 0, -1, 0, 0, false}), "swing/pid/d: found -1");
+  EXPECT_HAS(fault({1, 0, 0, 1, 1, false}), "swing/pid/i_clamp_min: found 1");
+  EXPECT_HAS(fault({1, 0, 0, -kInfinity, 1, false}), "swing/pid/i_clamp_min: found -inf");
+  EXPECT_HAS(fault({1, 0, 0, -1, -1, false}), "swing/pid/i_clamp_max: found -1");
+  EXPECT_HAS(fault({1, 0, 0, -1, kInfinity, false}), "swing/pid/i_clamp_max: found inf");
+  EXPECT_NO_THROW(checkGains({1, 2, 3, -1, 1, true}, "swing"));
+}
+
+TEST(Controllers, AMissingJointIsSaidOnce) {
+  const std::string message = refusal("{e: {type: effort_controllers/JointEffortController}}");
+  EXPECT_HAS(message, "e/joint: found nothing");
+  EXPECT_EQ(message.find("e/joint"), message.rfind("e/joint")) << message;
+}
+
 TEST(Controllers, IClampMinAndMaxGoBeforeIClamp) {
   const auto configs = parsed(
       "{c: {type: effort_controllers/JointVelocityController, joint: b_swing, pid: {p: 1, i_clamp: 5, i_clamp_min: "

@@ -24,6 +24,7 @@ const PidCase kCases[] = {
     {"i_clamp of 0 means no integral", {1, 2, 0, 0, 0, false}, 0.5, {1, 1}, {1, 1}},
     {"without antiwindup the sum goes on", {0, 2, 0, -1, 1, false}, 0.5, {4, 4, -4, -4, -2}, {1, 1, 1, 0, -1}},
     {"with antiwindup the sum is held", {0, 2, 0, -1, 1, true}, 0.5, {4, 4, -0.5, -0.5}, {1, 1, 0.5, 0}},
+    {"and held below too", {0, 2, 0, -1, 1, true}, 0.5, {-4, -4, 0.5, 0.5}, {-1, -1, -0.5, 0}},
     {"clamps need not be symmetric", {0, 4, 0, -1, 2, false}, 0.5, {4, -8}, {2, -1}},
     {"all three", {1, 2, 0.5, -8, 8, false}, 0.5, {2, 1}, {4, 3}},
 };
@@ -40,6 +41,15 @@ TEST(Pid, FollowsTheTableOfCases) {
 TEST(Pid, AGivenDerivativeIsUsedAsItIs) {
   Pid pid(PidGains{1, 0, 2, 0, 0, false});
   EXPECT_EQ(pid.compute(1.0, 3.0, 0.5), 7.0);
+  EXPECT_EQ(pid.state().error, 1.0);
+  EXPECT_EQ(pid.state().error_dot, 3.0);
+  EXPECT_EQ(pid.compute(2.0, 0.5), 8.0) << "kept until there are two errors to make one of";
+}
+
+TEST(Pid, ADerivativeThatIsNotFiniteGivesNoCommandAndLeavesTheIntegral) {
+  Pid pid(PidGains{1, 2, 3, -10, 10, false});
+  EXPECT_EQ(pid.compute(1.0, std::numeric_limits<double>::infinity(), 0.5), 0.0);
+  EXPECT_EQ(pid.state().integral, 0.0);
 }
 
 TEST(Pid, ResetForgetsEverythingButTheGains) {
@@ -59,6 +69,7 @@ TEST(Pid, AnErrorThatIsNotFiniteGivesNoCommandAndLeavesNoTrace) {
   EXPECT_EQ(pid.compute(std::numeric_limits<double>::infinity(), 0.5), 0.0);
   EXPECT_EQ(pid.compute(1.0, 0.0), 0.0);
   EXPECT_EQ(pid.state().integral, integral);
+  EXPECT_EQ(pid.compute(3.0, 0.5), 19.0) << "the error before it is the last finite one";
 }
 
 TEST(Pid, GainsChangeWhileTheIntegralIsKept) {

@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "light_tools.hpp"
-#include "render/opengl/scene/shadow_reach.hpp"
+#include "render/opengl/scene/shadow/shadow_reach.hpp"
 
 namespace aras_visual_servo_sim::testing {
 namespace {
@@ -58,23 +58,51 @@ TEST(OpenGlReach, AFloorDrawnInPartsLooksAsOneDrawnAsAWhole) {
 TEST(OpenGlReach, ThePartIsSmallWhereTheShadowIs) {
   const CameraModel camera(rgbConfig());
   const PinholeView view = PinholeView::of(camera);
-  ShadowMaps::Map map;  // shows x and y from 0.1 to 0.2, the light shines down from z = 1 to z = 0
-  map.width = map.height = 1024;
-  map.of_world.diagonal() << 10.0, 10.0, -1.0, 1.0;
-  map.of_world.col(3) << -1.0, -1.0, 1.0, 1.0;
-  const Eigen::Matrix4d X_CW = kAbove.inverse().matrix(), of_camera = map.of_world * kAbove.matrix();
-  const PixelPart part = shadowedPart(*tiles(1), X_CW, map, of_camera, view, camera.nearM());
+  // The map's coordinates are 10 x - 1, 10 y - 1, 1 - z: it shows x and y from 0.1 to 0.2 and light that shines down.
+  Eigen::Matrix4d of_world = Eigen::Matrix4d::Identity();
+  of_world.diagonal() << 10.0, 10.0, -1.0, 1.0;
+  of_world.col(3) << -1.0, -1.0, 1.0, 1.0;
+  MapBox caster;  // as wide as the map, up to z = 0.5
+  caster.add({0.0, 0.0, 0.5});
+  caster.add(Eigen::Vector3d::Ones());
+  const Eigen::Matrix4d X_CW = kAbove.inverse().matrix(), of_camera = of_world * kAbove.matrix();
+  const auto seenAt = [&](double x, double z) {
+    const Eigen::Matrix4d X_WS = Eigen::Affine3d(Eigen::Translation3d(x, 0.0, z)).matrix();
+    return SeenMesh(*tiles(1), X_CW * X_WS, of_camera, view);
+  };
+  const PixelPart part = seenAt(0.0, 0.0).shadowOf(caster, camera.nearM());
   const Eigen::Vector2d a = *camera.project(kAbove.inverse() * Eigen::Vector3d(0.1, 0.1, 0.0));
   const Eigen::Vector2d b = *camera.project(kAbove.inverse() * Eigen::Vector3d(0.2, 0.2, 0.0));
-  constexpr double kRim = 5.0;  // [px]: two about the part, two for whole pixels, and what a shadow reads beside it
+  constexpr double kRim = 4.0;  // [px]: two about the part, two for whole pixels
   EXPECT_NEAR(part.left, std::min(a.x(), b.x()), kRim);
   EXPECT_NEAR(part.right, std::max(a.x(), b.x()), kRim);
   EXPECT_NEAR(part.top, std::min(a.y(), b.y()), kRim);
   EXPECT_NEAR(part.bottom, std::max(a.y(), b.y()), kRim);
-  Eigen::Matrix4d raised = X_CW * Eigen::Affine3d(Eigen::Translation3d(0.0, 0.0, 1.1)).matrix();
-  EXPECT_TRUE(shadowedPart(*tiles(1), raised, map, of_camera, view, camera.nearM()).empty());  // before all that casts
-  raised = X_CW * Eigen::Affine3d(Eigen::Translation3d(2.5, 0.0, 0.0)).matrix();
-  EXPECT_TRUE(shadowedPart(*tiles(1), raised, map, of_camera, view, camera.nearM()).empty());  // beside it
+  EXPECT_TRUE(seenAt(0.0, 0.3).box().meets(caster));
+  EXPECT_FALSE(seenAt(0.0, 0.7).box().meets(caster));  // above all that casts
+  EXPECT_TRUE(seenAt(0.0, 0.7).shadowOf(caster, camera.nearM()).empty());
+  EXPECT_TRUE(seenAt(2.5, 0.0).shadowOf(caster, camera.nearM()).empty());  // beside it
+  EXPECT_FALSE(seenAt(2.5, 0.0).box().meets(caster));
+}
+
+TEST(OpenGlReach, ABoxOnTheMapHoldsWhatIsSeenAndNoMore) {
+  const CameraModel camera(rgbConfig());
+  const PinholeView view = PinholeView::of(camera);
+  const Eigen::Matrix4d X_CW = kAbove.inverse().matrix();  // on the map are x, y and z of the world
+  const MapBox box = SeenMesh(*tiles(1), X_CW, kAbove.matrix(), view).box();
+  const double half_x = 0.5 * camera.width() / camera.fx(), half_y = 0.5 * camera.height() / camera.fy();
+  const double rim = 3.0 / camera.fx();
+  EXPECT_NEAR(box.high.x(), half_x, rim);
+  EXPECT_NEAR(box.low.x(), -half_x, rim);
+  EXPECT_NEAR(box.high.y(), half_y, rim);
+  EXPECT_NEAR(box.low.y(), -half_y, rim);
+  EXPECT_NEAR(box.high.z(), 0.0, 1e-6);
+  EXPECT_GE(box.high.x(), half_x);
+  const Eigen::Matrix4d behind = X_CW * Eigen::Affine3d(Eigen::Translation3d(0.0, 0.0, 1.1)).matrix();
+  EXPECT_TRUE(SeenMesh(*tiles(1), behind, kAbove.matrix(), view).box().empty());
+  // From inside a box its inner space counts too, up to the eye.
+  const Eigen::Matrix4d about = X_CW * Eigen::Affine3d(Eigen::Translation3d(0.0, 0.0, 0.9)).matrix();
+  EXPECT_NEAR(SeenMesh(*makeBox({3.0, 3.0, 0.4}), about, kAbove.matrix(), view).box().high.z(), 1.0, 1e-6);
 }
 
 TEST(OpenGlReach, OpenMeshesCastShadowsFromBothTheirSides) {

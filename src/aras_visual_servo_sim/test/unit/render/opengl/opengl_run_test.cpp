@@ -3,7 +3,9 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <thread>
+#include <vector>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/scene/scene_config.hpp"
@@ -15,6 +17,8 @@ namespace aras_visual_servo_sim::testing {
 namespace {
 
 const Pose kView = lookingDown({0.01, 0.02, 0.35}, 0.2, -0.3, 0.5);
+
+const Pose kAboveTheBox = lookingDown({0.0, 0.0, 0.5});
 
 Scene shadedScene() {
   Scene scene = colourfulScene();
@@ -37,6 +41,47 @@ std::string messageOf(const Action& action) {
     return error.what();
   }
   return "nothing was thrown";
+}
+
+TEST(OpenGlRun, AThreadHasOneRendererWhileSomebodyUsesIt) {
+  const auto osmesa = OpenGlRenderer::Platform::kOsmesa;
+  std::shared_ptr<OpenGlRenderer> first = OpenGlRenderer::shared(osmesa);
+  EXPECT_EQ(OpenGlRenderer::shared(osmesa), first);
+  EXPECT_NE(OpenGlRenderer::shared(OpenGlRenderer::Platform::kEgl), first);
+  std::thread([&] { EXPECT_NE(OpenGlRenderer::shared(osmesa), first); }).join();
+  const std::weak_ptr<OpenGlRenderer> known = first;
+  first.reset();
+  EXPECT_TRUE(known.expired());
+}
+
+TEST(OpenGlRun, OneRendererDrawsForThreadsAtTheSameTime) {
+  const Scene scene = shadedScene();
+  const Image expected = renderOpenGl(rgbCamera(), kView, scene);
+  OpenGlRenderer renderer;
+  std::vector<Image> images(4);
+  std::vector<std::thread> threads;
+  for (Image& image : images) threads.emplace_back([&] { renderer.render(rgbCamera(), kView, scene, image); });
+  for (std::thread& thread : threads) thread.join();
+  for (const Image& image : images) EXPECT_EQ(image.data, expected.data);
+}
+
+TEST(OpenGlRun, WhereNothingIsTheImageIsAsItWouldBeDrawn) {
+  Scene scene;
+  scene.background = {201, 133, 7};
+  scene.bodies.push_back(solid("box", makeBox({0.05, 0.05, 0.05}), {40, 90, 160}, {0.1, 0.05, 0.0}, {0.4, 0.3, 0.2}));
+  scene.bodies.push_back(solid("housing", makeBox({0.1, 0.1, 0.1}), {255, 0, 0}, kAboveTheBox.p));  // about the camera
+  const Image in_part = renderOpenGl(rgbCamera(), kAboveTheBox, scene);
+  // A sky has all of it drawn; here it is of the background's colour.
+  scene.lighting.zenith = scene.background;
+  EXPECT_EQ(renderOpenGl(rgbCamera(), kAboveTheBox, scene).data, in_part.data);
+  EXPECT_EQ(in_part.pixel(0, 0)[0], 201);
+  scene.bodies.pop_back();
+  EXPECT_EQ(renderOpenGl(rgbCamera(), kAboveTheBox, scene).data, in_part.data);
+  scene.bodies.pop_back();
+  const Image nothing = renderOpenGl(rgbCamera(), kAboveTheBox, scene);
+  EXPECT_NE(nothing.data, in_part.data);
+  scene.lighting.zenith.reset();
+  EXPECT_EQ(renderOpenGl(rgbCamera(), kAboveTheBox, scene).data, nothing.data);
 }
 
 TEST(OpenGlRun, ImageDependsOnNothingThatWasDrawnBefore) {

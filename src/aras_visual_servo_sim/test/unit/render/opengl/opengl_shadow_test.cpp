@@ -1,6 +1,7 @@
 // Shadows: where they lie, of what, and when their maps are drawn anew.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "light_tools.hpp"
@@ -118,6 +119,70 @@ TEST(OpenGlShadow, PointLightsCastThemAllAround) {
     EXPECT_GT(greySeen(scene, 0.5 * beside, way + 0.3 * beside), 150) << way.transpose();
     scene.bodies.pop_back();
   }
+}
+
+TEST(OpenGlShadow, ScenesThatShowTheSameShareTheirMaps) {
+  Scene scene = colourfulScene();
+  scene.lighting.shadows = true;
+  Scene other = scene;
+  std::reverse(other.bodies.begin(), other.bodies.end());
+  const CameraModel camera(rgbConfig());
+  OpenGlRenderer renderer;
+  Image image, expected;
+  const Pose X_WC = lookingDown({0.0, 0.0, 0.5});
+  for (int tick = 1; tick <= 3; ++tick) {
+    scene.bodies[3].X_WB.p.x() += 0.01;
+    other.bodies[other.bodies.size() - 4].X_WB.p.x() = scene.bodies[3].X_WB.p.x() + 1e-15;  // worked out another way
+    renderer.render(camera, X_WC, scene, expected);
+    renderer.render(camera, X_WC, other, image);
+    EXPECT_EQ(renderer.statistics().shadow_maps, tick);
+  }
+  EXPECT_EQ(image.data, renderOpenGl(camera, X_WC, other).data);
+}
+
+TEST(OpenGlShadow, ScenesThatShowOtherThingsKeepMapsOfTheirOwn) {
+  Scene scene = colourfulScene(), other = scene;
+  scene.lighting.shadows = other.lighting.shadows = true;
+  other.bodies[3].X_WB.p.x() += 0.01;
+  const CameraModel camera(rgbConfig());
+  OpenGlRenderer renderer;
+  Image image;
+  for (int k = 0; k < 3; ++k) {
+    for (const Scene* each : {&scene, &other}) {
+      renderer.render(camera, kAbove, *each, image);
+      EXPECT_EQ(image.data, renderOpenGl(camera, kAbove, *each).data);
+    }
+  }
+  EXPECT_EQ(renderer.statistics().shadow_maps, 2);
+}
+
+TEST(OpenGlShadow, OnlyWhatCanShadeWhatACameraSeesIsInItsMap) {
+  Light sun = lamp(Light::Type::kDirectional, 0.8);
+  sun.direction_W = {1.0, 0.0, -1.0};
+  Scene scene = floorUnder({sun});
+  for (int k = 0; k < 5; ++k) {  // 0.5 m apart; seen from 0.5 m above is half of that
+    scene.bodies.push_back(solid("box", makeBox({0.05, 0.05, 0.05}), {255, 0, 0}, {-1.0 + 0.5 * k, 0.0, 0.1}));
+  }
+  constexpr long kBox = 12;  // triangles
+  const CameraModel camera(rgbConfig());
+  OpenGlRenderer renderer;
+  Image image;
+  const auto trianglesAfter = [&](const Pose& X_WC) {
+    renderer.render(camera, X_WC, scene, image);
+    EXPECT_EQ(image.data, renderOpenGl(camera, X_WC, scene).data);
+    return renderer.statistics().shadow_triangles;
+  };
+  const Pose up{{0.0, 0.0, 0.5}, Eigen::Quaterniond::Identity()};
+  EXPECT_EQ(trianglesAfter(up), 0);
+  EXPECT_EQ(renderer.statistics().shadow_maps, 0);  // what sees nothing needs none
+  EXPECT_EQ(trianglesAfter(lookingDown({0.0, 0.0, 0.25})), kBox);
+  EXPECT_EQ(trianglesAfter(lookingDown({0.0, 0.0, 0.25})), kBox);
+  EXPECT_EQ(trianglesAfter(lookingDown({0.5, 0.0, 0.25})), 2 * kBox);  // one more into the same map
+  EXPECT_EQ(trianglesAfter(kAbove), 4 * kBox);  // with the one to the left that throws its shadow into view, or not
+  EXPECT_EQ(renderer.statistics().shadow_maps, 1);
+  scene.bodies.back().X_WB.p.y() += 0.01;
+  EXPECT_EQ(trianglesAfter(lookingDown({0.0, 0.0, 0.25})), 5 * kBox);
+  EXPECT_EQ(renderer.statistics().shadow_maps, 2);
 }
 
 TEST(OpenGlShadow, FineThingsCastShadowsOfFewerTriangles) {

@@ -19,6 +19,11 @@ struct Packed {
   static Pixel join(Pixel even, Pixel odd, int shift) {
     return ((even >> shift) & kEven) | (((odd >> shift) & kEven) << kBits);
   }
+  /** Of 8 bits a channel, alpha 0. */
+  static Pixel of(std::uint8_t r, std::uint8_t g, std::uint8_t b) {
+    constexpr Pixel kUnit = kMost / 255;
+    return kUnit * r | (kUnit * g << kBits) | (kUnit * b << (2 * kBits));
+  }
   static Pixel alpha(Pixel pixel) { return pixel >> (3 * kBits); }
   static Pixel channel(Pixel pixel, int k) { return (pixel >> (kBits * k)) & kMost; }
 

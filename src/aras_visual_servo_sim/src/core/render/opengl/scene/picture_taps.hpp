@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "gl_store.hpp"
+#include "render/opengl/scene/shadow/shadow_reach.hpp"
 #include "render/opengl/view/pinhole_view.hpp"
-#include "shadow_reach.hpp"
 
 namespace aras_visual_servo_sim {
 

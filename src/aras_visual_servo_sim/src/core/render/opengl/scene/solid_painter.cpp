@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "picture_taps.hpp"
-#include "shadow_reach.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -26,7 +25,8 @@ SolidPainter::~SolidPainter() {
   if (sky_vertices_) gl_.DeleteBuffers(1, &sky_vertices_);
 }
 
-void SolidPainter::begin(const CameraModel& camera, const Pose& X_WC, const Scene& scene) {
+void SolidPainter::begin(const CameraModel& camera, const Pose& X_WC, const Scene& scene,
+                         const std::vector<PinholeView>& views) {
   ++frame_;
   camera_ = &camera;
   scene_ = &scene;
@@ -51,6 +51,67 @@ void SolidPainter::begin(const CameraModel& camera, const Pose& X_WC, const Scen
                    [](const Item& a, const Item& b) { return a.center_C.norm() > b.center_C.norm(); });
   gl_.Disable(GL_BLEND);
   shadows_.update(scene, *lights_, scene.lighting.shadow_map_px, store_);
+  shaded_.assign(lights_->lights.size(), {});
+  seen_.clear();
+  for (const PinholeView& view : views) {
+    seen_.push_back({&view, sightsOf(opaque_, view), sightsOf(transparent_, view)});
+  }
+  for (std::size_t k = 0; k < shaded_.size(); ++k) {
+    if (lights_->shades(k)) shadows_.draw(k, shaded_[k], store_);
+  }
+}
+
+std::vector<SolidPainter::Sight> SolidPainter::sightsOf(const std::vector<Item>& items, const PinholeView& view) {
+  std::vector<Sight> sights;
+  const Eigen::Matrix4d X_WC = X_WC_.matrix();
+  for (const Item& item : items) {
+    if (!isSeen(item, view)) continue;
+    Sight sight{&item, coveredPart(*item.shape->mesh, item.X_CS, view, camera_->nearM()), letters_};
+    if (sight.covered.empty()) continue;
+    for (std::size_t k = 0; k < letters_.size(); ++k) {
+      if (!std::isupper(letters_[k])) continue;
+      MapBox box;
+      if (letters_[k] == 'D') {
+        box = SeenMesh(*item.shape->mesh, item.X_CS, shadows_.map(k).of_world * X_WC, view).box();
+        if (box.empty() || !shadows_.canShade(k, box)) {
+          sight.letters[k] = 'd';
+          continue;
+        }
+      }
+      shaded_[k].push_back(box);
+    }
+    sights.push_back(std::move(sight));
+  }
+  return sights;
+}
+
+PixelPart SolidPainter::covered(std::size_t view) const {
+  const Seen& seen = seen_[view];
+  if (scene_->lighting.zenith) return {0, 0, seen.view->width, seen.view->height};
+  PixelPart part;
+  for (const std::vector<Sight>* sights : {&seen.opaque, &seen.transparent}) {
+    for (const Sight& sight : *sights) {
+      part = part.with(sight.covered);
+    }
+  }
+  return part;
+}
+
+/** Whether the eye is in the midst of a solid, all of whose faces look away. */
+bool SolidPainter::isAroundEye(const Item& item) const {
+  constexpr std::size_t kFew = 64;  // triangles: of others nobody knows without a long look
+  const TriangleMesh& mesh = *item.shape->mesh;
+  if (item.shape->material.two_sided || mesh.round || mesh.triangles.size() > kFew) return false;
+  if (item.center_C.norm() > item.radius) return false;
+  const Eigen::Vector3d eye_S = item.X_CS.inverse().topRightCorner<3, 1>();
+  return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& t) {
+    const Eigen::Vector3d p = mesh.points[t[0]].template cast<double>();
+    const Eigen::Vector3d a = mesh.points[t[1]].template cast<double>() - p;
+    const Eigen::Vector3d b = mesh.points[t[2]].template cast<double>() - p;
+    constexpr double kRounding_m = 1e-6;
+    const Eigen::Vector3d n = a.cross(b);
+    return n.dot(eye_S - p) < -kRounding_m * n.norm();
+  });
 }
 
 bool SolidPainter::isSeen(const Item& item, const PinholeView& view) const {
@@ -62,30 +123,37 @@ bool SolidPainter::isSeen(const Item& item, const PinholeView& view) const {
     return side * (across - slope * p.z()) > item.radius * std::sqrt(1.0 + slope * slope);
   };
   return !outside(p.x(), left, -1.0) && !outside(p.x(), right, 1.0) && !outside(p.y(), top, -1.0) &&
-         !outside(p.y(), bottom, 1.0);
+         !outside(p.y(), bottom, 1.0) && !isAroundEye(item);
 }
 
-void SolidPainter::drawOpaque(const PinholeView& view) {
+void SolidPainter::drawOpaque(std::size_t view) {
   gl_.DepthMask(GL_TRUE);
   gl_.DepthFunc(GL_GEQUAL);
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  for (const Item& item : opaque_) draw(item, view);
+  for (const Sight& sight : seen_[view].opaque) draw(sight, *seen_[view].view);
 }
 
-void SolidPainter::drawTransparent(const PinholeView& view) {
-  if (transparent_.empty()) return;
+void SolidPainter::drawTransparent(std::size_t view) {
+  if (seen_[view].transparent.empty()) return;
   gl_.DepthMask(GL_FALSE);
   gl_.DepthFunc(GL_GEQUAL);
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
   gl_.Enable(GL_BLEND);
   gl_.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-  for (const Item& item : transparent_) draw(item, view);
+  for (const Sight& sight : seen_[view].transparent) draw(sight, *seen_[view].view);
   gl_.Disable(GL_BLEND);
   gl_.DepthMask(GL_TRUE);
 }
 
-void SolidPainter::draw(const Item& item, const PinholeView& view) {
-  if (!isSeen(item, view)) return;
+void SolidPainter::addShadowed(const Item& item, std::size_t k, const PinholeView& view, PixelParts& parts) const {
+  const SeenMesh seen(*item.shape->mesh, item.X_CS, shadows_.map(k).of_world * X_WC_.matrix(), view);
+  for (const MapBox& caster : shadows_.boxes(k)) {
+    if (seen.box().meets(caster)) parts.add(seen.shadowOf(caster, camera_->nearM()));
+  }
+}
+
+void SolidPainter::draw(const Sight& sight, const PinholeView& view) {
+  const Item& item = *sight.item;
   const Shape& shape = *item.shape;
   const Eigen::RowVector3d axis = view.R_FC.row(2);
   // A body beside the axis is drawn larger, by as much as it is farther away than its depth.
@@ -100,34 +168,32 @@ void SolidPainter::draw(const Item& item, const PinholeView& view) {
   }
   const bool reaches_far = axis.dot(item.center_C) + item.radius > camera_->farM();
   if (reaches_far) gl_.Enable(GL_CLIP_DISTANCE0);
-  std::string shaded = letters_, plain = letters_;
-  PixelPart part;
-  for (std::size_t k = 0; k < letters_.size(); ++k) {
-    if (!std::isupper(letters_[k])) continue;
-    plain[k] = static_cast<char>(std::tolower(letters_[k]));
-    PixelPart here{0, 0, view.width, view.height};
-    if (letters_[k] == 'D') {
-      const ShadowMaps::Map& map = shadows_.map(k);
-      here = shadowedPart(*shape.mesh, item.X_CS, map, map.of_world * X_WC_.matrix(), view, camera_->nearM());
-    }
-    if (here.empty()) shaded[k] = plain[k];
-    part = part.with(here);
-  }
-  constexpr GLsizei kFew = 3 * 1000;  // indices: drawing their points five times costs less than shadows all over
+  constexpr GLsizei kFew = 3 * 1000;  // indices: drawing their points again costs less than shadows all over
   constexpr double kSmallPart = 0.7;  // of the pixels
   const bool few = mesh.index_count <= kFew;
-  const PixelPart all = coveredPart(*shape.mesh, item.X_CS, view, camera_->nearM());
-  part = part.within(all);
+  const PixelPart& all = sight.covered;
+  std::string shaded = sight.letters, plain = sight.letters;
+  PixelParts parts(all);
+  for (std::size_t k = 0; k < shaded.size(); ++k) {
+    if (!std::isupper(shaded[k])) continue;
+    plain[k] = static_cast<char>(std::tolower(shaded[k]));
+    if (!shadows_.begun(k)) {
+      shaded[k] = plain[k];
+    } else if (few && shaded[k] == 'D') {
+      addShadowed(item, k, view, parts);
+    } else {
+      parts.add(all);
+    }
+  }
   const auto drawIn = [&](const PixelPart& where, const std::string& letters) {
     if (!where.empty()) draw(item, view, mesh, letters, where, few);
   };
-  if (shaded != plain && few && part.area() < kSmallPart * all.area()) {
+  // What is drawn again with its shadows replaces what was there: its depth is the same. What lets light through is
+  // drawn once.
+  if (shaded != plain && few && shape.material.opacity >= 1.0 && parts.area() < kSmallPart * all.area()) {
     gl_.Enable(GL_SCISSOR_TEST);
-    drawIn({all.left, all.top, all.right, part.top}, plain);
-    drawIn({all.left, part.top, part.left, part.bottom}, plain);
-    drawIn(part, shaded);
-    drawIn({part.right, part.top, all.right, part.bottom}, plain);
-    drawIn({all.left, part.bottom, all.right, all.bottom}, plain);
+    drawIn(all, plain);
+    for (const PixelPart& part : parts.parts()) drawIn(part, shaded);
   } else {
     drawIn(all, shaded);
   }
@@ -261,13 +327,12 @@ void SolidPainter::setLights(Program& program) {
     const ShadowMaps::Map& map = shadows_.map(k);
     const Eigen::Matrix4f shadow_of = (map.of_world * X_WC).cast<float>();
     gl_.UniformMatrix4fv(at.shadow_of, 1, GL_FALSE, shadow_of.data());
-    constexpr double kLift = 2.5;  // [texels]: as far as the taps of the shadow reach
-    gl_.Uniform1f(at.lift, static_cast<float>(kLift * map.texel));
+    gl_.Uniform1f(at.lift, static_cast<float>(ShadowView::kLift * map.texel));
     gl_.Uniform2f(at.reach, float(map.near), float(map.far));
     gl_.Uniform2f(at.texel_of_map, float(1.0 / map.width), float(1.0 / map.height));
     gl_.Uniform1i(at.map, unit_of_map);
     gl_.ActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit_of_map));
-    gl_.BindTexture(map.target, map.texture);
+    gl_.BindTexture(map.target(), map.texture);
     ++unit_of_map;
   }
 }

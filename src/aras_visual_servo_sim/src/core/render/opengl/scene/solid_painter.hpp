@@ -9,9 +9,9 @@
 #include "gl_lights.hpp"
 #include "gl_store.hpp"
 #include "render/opengl/gl/shader_program.hpp"
+#include "render/opengl/scene/shadow/shadow_maps.hpp"
+#include "render/opengl/scene/shadow/shadow_reach.hpp"
 #include "render/opengl/view/pinhole_view.hpp"
-#include "shadow_maps.hpp"
-#include "shadow_reach.hpp"
 #include "solid_shader.hpp"
 
 namespace aras_visual_servo_sim {
@@ -22,14 +22,18 @@ class SolidPainter {
   SolidPainter(const GlFunctions& gl, GlStore& store) : gl_(gl), store_(store), shadows_(gl) {}
   ~SolidPainter();
 
-  /** What all views of one frame have in common. Draws shadow maps: bind the canvas afterwards. */
-  void begin(const CameraModel& camera, const Pose& X_WC, const Scene& scene);
+  /** Takes a frame of one or more views, which must live until it is done. Draws shadow maps: bind the canvas
+   *  afterwards. */
+  void begin(const CameraModel& camera, const Pose& X_WC, const Scene& scene, const std::vector<PinholeView>& views);
   /** Whether some of it lets light through. */
   bool anyTransparent() const { return !transparent_.empty(); }
+  /** The pixels of a view, of the frame, that solids or the sky may cover. */
+  PixelPart covered(std::size_t view) const;
   void drawSky(const PinholeView& view);
-  void drawOpaque(const PinholeView& view);
+  /** @param view  which one of the frame */
+  void drawOpaque(std::size_t view);
   /** Over all that is there, the farthest first. */
-  void drawTransparent(const PinholeView& view);
+  void drawTransparent(std::size_t view);
 
   const ShadowMaps& shadows() const { return shadows_; }
 
@@ -39,6 +43,12 @@ class SolidPainter {
     Eigen::Matrix4d X_CS;
     Eigen::Vector3d center_C;
     double radius;
+  };
+  /** An item that a view can see. */
+  struct Sight {
+    const Item* item;
+    PixelPart covered;    ///< the pixels that it can cover
+    std::string letters;  ///< of the lights, capitals where something can throw a shadow on it
   };
   /** A program and where its uniforms are. */
   struct Program {
@@ -51,8 +61,12 @@ class SolidPainter {
     std::vector<OfLight> lights;
     long frame = -1;  ///< of which the lights are set
   };
+  /** What a view sees of these items, and the boxes on the maps of directional lights that this takes. */
+  std::vector<Sight> sightsOf(const std::vector<Item>& items, const PinholeView& view);
   /** Draws without shadows where there can be none, for they cost most of it. */
-  void draw(const Item& item, const PinholeView& view);
+  void draw(const Sight& sight, const PinholeView& view);
+  /** Adds where, of a view, it can lie in the shadow that light k makes. */
+  void addShadowed(const Item& item, std::size_t k, const PinholeView& view, PixelParts& parts) const;
   /** Draws within these pixels, if the scissor is on. @param split  whether in rows, each with a scissor, which is on
    *  afterwards if there were several */
   void draw(const Item& item, const PinholeView& view, const GlMesh& mesh, const std::string& letters,
@@ -64,6 +78,7 @@ class SolidPainter {
   void findUniforms(Program& program) const;
   void setLights(Program& program);
   bool isSeen(const Item& item, const PinholeView& view) const;
+  bool isAroundEye(const Item& item) const;
 
   const GlFunctions& gl_;
   GlStore& store_;
@@ -78,6 +93,12 @@ class SolidPainter {
   std::unique_ptr<LightSet> lights_;
   std::string letters_;
   std::vector<Item> opaque_, transparent_;
+  struct Seen {
+    const PinholeView* view;
+    std::vector<Sight> opaque, transparent;
+  };
+  std::vector<Seen> seen_;                   // by the views of the frame
+  std::vector<std::vector<MapBox>> shaded_;  // by light, what can be seen of the items
   long frame_ = 0;
 };
 

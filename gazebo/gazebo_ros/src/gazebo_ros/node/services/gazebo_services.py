@@ -11,19 +11,15 @@ from std_msgs.msg import ColorRGBA
 
 from aras_visual_servo_sim import ArasError
 
-from ..world.errors import GazeboError, UnknownEntityError
-from ..world.lights import turned
-from ..world.poses import rotated
-from .convert import pose_message, pose_of, stamp, twist_message, twist_of
+from ...sdf.world import GROUND
+from ...world.errors import GazeboError, UnknownEntityError
+from ...world.lights import turned
+from ...world.poses import rotated
+from ..convert import pose_message, pose_of, stamp, twist_message, twist_of
 from .force_services import ForceServices
+from .joint_services import JointServices
 from .link_services import LinkServices
-
-#: Services that are there so that callers get an answer, and why they do nothing.
-REFUSED = {
-    "set_link_properties": (srv.SetLinkProperties, "masses are those of the description"),
-    "set_joint_properties": (srv.SetJointProperties, "damping and limits are those of the description, and there is no "
-                                                     "ODE whose other numbers could be set"),
-}
+from .state_services import StateServices
 
 
 class GazeboServices:
@@ -45,14 +41,9 @@ class GazeboServices:
                 "set_model_configuration": (srv.SetModelConfiguration, self._configure),
                 "get_model_properties": (srv.GetModelProperties, self._model_properties),
                 "get_world_properties": (srv.GetWorldProperties, self._world_properties),
-                "get_joint_properties": (srv.GetJointProperties, self._joint_properties),
                 "get_physics_properties": (srv.GetPhysicsProperties, self._physics),
                 "set_physics_properties": (srv.SetPhysicsProperties, self._set_physics)}.items():
             self._serve(name, kind, answer)
-        for name, (kind, reason) in REFUSED.items():
-            text = "%s is not simulated: %s" % (name, reason)
-            self._serve(name, kind, lambda _, kind=kind, text=text: kind._response_class(
-                success=False, status_message=text))
         for name, action in (("pause_physics", lambda: server.pause(True)),
                              ("unpause_physics", lambda: server.pause(False)),
                              ("reset_world", lambda: server.reset(False)),
@@ -61,6 +52,8 @@ class GazeboServices:
                 lambda _, action=action: action() or std_srvs.srv.EmptyResponse()))
         ForceServices(self._world, self._serve, self._in_turn)
         LinkServices(self._world, self._serve)
+        JointServices(self._world, self._serve)
+        StateServices(server, self._in_turn)
 
     def _in_turn(self, answer):
         return lambda request: self._server.work.call(lambda: answer(request))
@@ -84,6 +77,9 @@ class GazeboServices:
         return srv.SpawnModelResponse(True, "SpawnModel: Successfully spawned entity")
 
     def _delete(self, request):
+        if request.model_name == GROUND:
+            self._world.remove_ground()
+            return srv.DeleteModelResponse(True, "DeleteModel: successfully deleted model")
         self._known(request.model_name, "DeleteModel: model does not exist")
         self._server.delete(request.model_name)
         return srv.DeleteModelResponse(True, "DeleteModel: successfully deleted model")
@@ -102,7 +98,7 @@ class GazeboServices:
             raise UnknownEntityError(answer) from error
 
     def _model_state(self, request):
-        ground = request.model_name == "ground_plane"
+        ground = request.model_name == GROUND and self._world.settings.ground
         model = None if ground else self._known(request.model_name, "GetModelState: model does not exist")
         X_WF, _ = self._frame(request.relative_entity_name, "GetModelState: reference relative_entity_name not found, "
                               "did you forget to scope the body by model name?")
@@ -123,6 +119,7 @@ class GazeboServices:
         X_WF, _ = self._frame(state.reference_frame, "SetModelState: specified reference frame entity does not exist")
         pose = X_WF @ pose_of(state.pose, "SetModelState: pose")
         model.place(pose, rotated(X_WF, numpy.asarray(twist_of(state.twist))))
+        self._server.placed(state.model_name)
 
     def _configure(self, request):
         model = self._known(request.model_name, "SetModelConfiguration: model does not exist")
@@ -179,21 +176,6 @@ class GazeboServices:
         self._world.delete_light(request.light_name)
         return srv.DeleteLightResponse(True, "DeleteLight: light successfully deleted")
 
-    # --- joints
-
-    def _joint_properties(self, request):
-        try:
-            model = self._world.joint_owner(request.joint_name.rpartition("::")[2])
-        except UnknownEntityError as error:
-            raise UnknownEntityError("GetJointProperties: joint not found") from error
-        simulation = model.simulation
-        k = simulation.joint_names.index(request.joint_name.rpartition("::")[2])
-        return srv.GetJointPropertiesResponse(
-            type=model.description.joint_types.get(simulation.joint_names[k], 0),
-            damping=[model.damping_of(simulation.joint_names[k])],
-            position=[simulation.joint_positions[k]], rate=[simulation.joint_velocities[k]], success=True,
-            status_message="GetJointProperties: got properties")
-
     # --- the world
 
     def _world_properties(self, _request):
@@ -210,15 +192,7 @@ class GazeboServices:
 
     def _set_physics(self, request):
         gravity = (request.gravity.x, request.gravity.y, request.gravity.z)
-        settings = self._world.settings
         if not all(map(math.isfinite, (*gravity, request.max_update_rate, request.time_step))):
             raise GazeboError("set_physics_properties: found a number that is not finite, allowed are finite numbers")
-        if request.time_step != settings.period_s and self._world.models:
-            raise GazeboError("set_physics_properties: found time_step %g s, allowed is %g s while there are models" %
-                              (request.time_step, settings.period_s))
-        if gravity != tuple(settings.gravity_m_s2) and self._world.models:
-            raise GazeboError("set_physics_properties: found gravity %s, allowed is %s while there are models" %
-                              (gravity, tuple(settings.gravity_m_s2)))
-        self._world.set_physics(request.time_step, gravity)
-        self._server.set_update_rate(request.max_update_rate)
+        self._server.set_physics(request.time_step, gravity, request.max_update_rate)
         return srv.SetPhysicsPropertiesResponse(True, "physics engine updated")

@@ -5,8 +5,8 @@ import gazebo_msgs.srv as srv
 import numpy
 import rospy
 
-from ..world.errors import BadValueError, UnknownEntityError
-from ..world.world import WORLD_FRAMES
+from ...world.errors import BadValueError, UnknownEntityError
+from ...world.world import WORLD_FRAMES
 
 
 class ForceServices:

@@ -1,13 +1,16 @@
 """The services /gazebo/... of one link: its state and its mass."""
+import math
+
 import gazebo_msgs.srv as srv
 import numpy
 from gazebo_msgs.msg import LinkState
 from geometry_msgs.msg import Point, Pose, Quaternion
 
-from ..world.errors import GazeboError, UnknownEntityError
-from ..world.poses import rotated
-from ..world.world import WORLD_FRAMES
-from .convert import pose_message, pose_of, twist_message, twist_of
+from ...urdf.properties import LinkProperties
+from ...world.errors import BadValueError, GazeboError, UnknownEntityError
+from ...world.poses import rotated
+from ...world.world import WORLD_FRAMES
+from ..convert import pose_message, pose_of, twist_message, twist_of
 
 
 class LinkServices:
@@ -20,6 +23,7 @@ class LinkServices:
         serve("get_link_state", srv.GetLinkState, self._state)
         serve("set_link_state", srv.SetLinkState, self._place)
         serve("get_link_properties", srv.GetLinkProperties, self._properties)
+        serve("set_link_properties", srv.SetLinkProperties, self._set)
 
     def _link(self, name, answer):
         try:
@@ -61,6 +65,18 @@ class LinkServices:
                                  "link by model name?")
         mass = model.mass_of(link)
         return srv.GetLinkPropertiesResponse(
-            com=Pose(Point(*mass.com_m), Quaternion(0.0, 0.0, 0.0, 1.0)), gravity_mode=bool(model.gravity_m_s2.any()),
+            com=Pose(Point(*mass.com_m), Quaternion(0.0, 0.0, 0.0, 1.0)), gravity_mode=model.gravity_acts_on(link),
             mass=mass.mass_kg, **dict(zip(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), mass.inertia_kg_m2)),
             success=True, status_message="GetLinkProperties: got properties")
+
+    def _set(self, request):
+        model, link = self._link(request.link_name, "SetLinkProperties: link not found, did you forget to scope the "
+                                 "link by model name?")
+        com = request.com.position
+        properties = LinkProperties(
+            mass_kg=request.mass, com_m=(com.x, com.y, com.z), gravity=request.gravity_mode,
+            inertia_kg_m2=(request.ixx, request.ixy, request.ixz, request.iyy, request.iyz, request.izz))
+        if not all(map(math.isfinite, (properties.mass_kg, *properties.com_m, *properties.inertia_kg_m2))):
+            raise BadValueError("SetLinkProperties: found a number that is not finite, allowed are finite numbers")
+        self._world.change_link(model.name, link, properties)
+        return srv.SetLinkPropertiesResponse(True, "SetLinkProperties: properties set")

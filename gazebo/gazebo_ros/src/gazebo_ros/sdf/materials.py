@@ -1,0 +1,153 @@
+"""Materials of a package's own scripts, written for the renderer OGRE: the colours and the picture of each."""
+import dataclasses
+import os
+import re
+import typing
+import xml.etree.ElementTree as ElementTree
+
+from .document import found
+
+#: Begins the name of a URDF material whose picture a script gives.
+SCRIPTED = "script: "
+COLORS = ("ambient", "diffuse", "specular", "emissive")
+#: Keywords that open a part, or say nothing that is drawn differently here.
+QUIET = {"technique", "pass", "texture_unit", "texture", "receive_shadows", "tex_address_mode", "filtering",
+         "max_anisotropy", "mipmap_bias", "tex_coord_set", "colour_op", "{", "}"}
+PICTURES = (".png", ".jpg", ".jpeg", ".tga", ".bmp")
+
+
+@dataclasses.dataclass(frozen=True)
+class Material:
+    """Colours as lists of 3 or 4 numbers from 0 to 1; None: the script does not say it."""
+    ambient: typing.Optional[list] = None
+    diffuse: typing.Optional[list] = None
+    specular: typing.Optional[list] = None
+    emissive: typing.Optional[list] = None
+    texture: str = ""     #: name of the picture's file, as written
+    ignored: tuple = ()   #: keywords
+
+
+def read_script(text):
+    """dict of name -> Material. What is no material is passed over; of a material's passes the first counts."""
+    text = re.sub(r"/\*.*?\*/", " ", text, flags=re.DOTALL)
+    materials, name, depth, passes = {}, None, 0, 0
+    for line in lines_of(text):
+        words = line.split()
+        keyword = words[0]
+        if depth == 0 and keyword == "material" and len(words) > 1:
+            name, passes = words[1], 0
+            parent = words[3] if len(words) > 3 and words[2] == ":" else ""
+            materials[name] = materials.get(parent, Material())
+        elif depth > 0 and name is not None:
+            passes += keyword == "pass"
+            if passes < 2:
+                materials[name] = told(materials[name], keyword, words[1:])
+        depth += (keyword == "{") - (keyword == "}")
+        name = None if depth == 0 and keyword == "}" else name
+    return materials
+
+
+def lines_of(text):
+    """Lines that say something, a brace on a line of its own."""
+    for line in text.splitlines():
+        for part in re.split(r"([{}])", line.partition("//")[0]):
+            if part.strip():
+                yield part.strip()
+
+
+def told(material, keyword, words):
+    """The material with what a line says of it."""
+    if keyword in COLORS:
+        numbers = [each for each in map(number_of, words[:4])]
+        count = 3 if keyword == "specular" and len(words) == 4 else len(words)  # its last number is the shininess
+        if len(numbers) >= 3 and None not in numbers[:3]:
+            return dataclasses.replace(material, **{keyword: numbers[:min(count, 4)]})
+    if keyword == "texture" and words:
+        return dataclasses.replace(material, texture=material.texture or words[0].strip('"'))
+    if keyword in QUIET or keyword in material.ignored:
+        return material
+    return dataclasses.replace(material, ignored=(*material.ignored, keyword))
+
+
+def number_of(word):
+    try:
+        return float(word)
+    except ValueError:
+        return None
+
+
+def resolve_scripts(robot, folders, warnings):
+    """Puts what scripts say in the place of their names, in the <gazebo> tags of a URDF.
+
+    Args:
+        robot: root element.  folders: as World has them.  warnings: gets a line for each material of which something
+        is ignored, and for each picture that is not there.
+    """
+    for gazebo in robot.findall("gazebo"):
+        for look in gazebo.findall("visual"):
+            material = look.find("material")
+            script = None if material is None else material.find("script")
+            name = "" if script is None else (script.findtext("name") or "").strip()
+            places = [] if script is None else [found((uri.text or "").strip(), folders)
+                                                for uri in script.findall("uri")]
+            described = material_named(name, places)
+            if described is None:
+                continue  # one of Gazebo's own, or nowhere: the simulator says so
+            material.remove(script)
+            apply(described, name, material)
+            if described.ignored:
+                warnings.append("material '%s': %s: ignored" % (name, ", ".join(described.ignored)))
+            if described.texture:
+                picture = picture_named(described.texture, places)
+                if picture:
+                    set_picture(robot, gazebo.get("reference"), look.get("name"), name, picture)
+                    for key in ("ambient", "diffuse"):  # the picture says it
+                        for old in material.findall(key):
+                            material.remove(old)
+                else:
+                    warnings.append("material '%s': picture %s is not found: ignored" % (name, described.texture))
+
+
+def material_named(name, places):
+    """Material of the first script in these files and folders that has it; None: nowhere."""
+    for place in places if name else ():
+        files = [place] if place.endswith(".material") else [
+            os.path.join(place, file) for file in sorted(os.listdir(place)) if file.endswith(".material")
+        ] if os.path.isdir(place) else []
+        for file in files:
+            with open(file, encoding="utf-8", errors="replace") as script:
+                known = read_script(script.read())
+            if name in known:
+                return known[name]
+    return None
+
+
+def picture_named(name, places):
+    """Whole path of a picture in these folders, or in textures/ beside them; "" if it is nowhere."""
+    if not name.lower().endswith(PICTURES):
+        return ""
+    for place in places:
+        folder = os.path.dirname(place) if place.endswith(".material") else place
+        for candidate in (folder, os.path.join(os.path.dirname(folder), "textures")):
+            if os.path.isfile(os.path.join(candidate, name)):
+                return os.path.join(candidate, name)
+    return ""
+
+
+def apply(described, name, material):
+    """Gives a <material> the colours that it does not state itself."""
+    for key in COLORS:
+        color = getattr(described, key)
+        if color is not None and material.find(key) is None:
+            ElementTree.SubElement(material, key).text = " ".join(map(repr, color))
+
+
+def set_picture(robot, link, visual, name, picture):
+    """Puts a picture on a <visual> of a link, or on all of them if it has no name."""
+    for element in robot.findall("link"):
+        for shown in element.findall("visual") if element.get("name") == link else ():
+            if visual is None or shown.get("name") == visual:
+                for old in shown.findall("material"):
+                    shown.remove(old)
+                made = ElementTree.SubElement(shown, "material", name=SCRIPTED + name)
+                ElementTree.SubElement(made, "texture", filename="file://" + picture)

@@ -1,0 +1,121 @@
+"""Scripts of materials that a package brings: their colours and pictures, and what is ignored of them."""
+import numpy
+import pytest
+
+from gazebo_ros.sdf.document import NoFolders
+from gazebo_ros.sdf.materials import read_script
+from gazebo_ros.world.poses import matrix_of
+from gazebo_ros.world.world import World
+
+SCRIPT = """
+/* a comment { with a brace */
+import * from "somewhere"
+material Own/Plain
+{
+  technique { pass {
+    ambient 0.1 0.2 0.3 1 // words
+    diffuse 0.9 0.1 0.1
+    specular 0.2 0.3 0.4 1 12.5
+    emissive 0 0 0.25
+  }
+  pass { diffuse 0 0 0 } }
+}
+material Own/Board : Own/Plain
+{
+  receive_shadows on
+  technique
+  {
+    pass
+    {
+      lighting off
+      texture_unit
+      {
+        texture "board.png"
+        filtering trilinear
+        scroll_anim 1 0
+      }
+    }
+  }
+}
+vertex_program some glsl
+{
+  source x.glsl
+}
+"""
+EYE = """<robot name='eye'><link name='world'/><link name='base'/><joint name='j' type='fixed'><parent link='world'/>
+  <child link='base'/></joint>
+  <gazebo reference='base'><sensor type='camera' name='eye'><update_rate>20</update_rate><camera>
+  <horizontal_fov>0.6</horizontal_fov><image><width>40</width><height>40</height></image>
+  <clip><near>0.02</near><far>20</far></clip></camera>
+  <plugin name='p' filename='libgazebo_ros_camera.so'><cameraName>eye</cameraName></plugin></sensor></gazebo></robot>"""
+BOARD = """<sdf version='1.6'><model name='board'><static>true</static><link name='l'><visual name='v'><geometry><box>
+  <size>0.1 1 1</size></box></geometry><material><script><uri>model://own/materials/scripts</uri>
+  <uri>model://own/materials/textures</uri><name>%s</name></script></material></visual></link></model></sdf>"""
+
+
+class Folders(NoFolders):
+    def __init__(self, folder):
+        self._folder = folder
+
+    def __call__(self, name):
+        return str(self._folder) if name == "own" else None
+
+
+@pytest.fixture
+def own(tmp_path):
+    """A model's folder with a script and a picture whose upper half is green and whose lower half is blue."""
+    (tmp_path / "materials" / "scripts").mkdir(parents=True)
+    (tmp_path / "materials" / "textures").mkdir()
+    (tmp_path / "materials" / "scripts" / "own.material").write_text(SCRIPT)
+    halves = b"".join(bytes((0, 255, 0) if row < 8 else (0, 0, 255)) * 16 for row in range(16))
+    from PIL import Image
+    Image.frombytes("RGB", (16, 16), halves).save(tmp_path / "materials" / "textures" / "board.png")
+    return Folders(tmp_path)
+
+
+def shown(folders, name):
+    """Image of the board from the front, and the board."""
+    world = World(folders=folders)
+    eye = world.spawn("eye", EYE, pose=matrix_of((4, 0, 1), (0, 0, 1, 0), "test"))  # on the side of the sun
+    board = world.spawn_sdf("board", BOARD % name, pose=matrix_of((2, 0, 1), (0, 0, 0, 1), "test"))
+    eye.simulation.step_to_image("eye")
+    world.look(eye)
+    return numpy.asarray(eye.simulation.render("eye"), float), board
+
+
+def test_colours_and_the_picture_of_the_first_pass_are_read():
+    plain, board = read_script(SCRIPT)["Own/Plain"], read_script(SCRIPT)["Own/Board"]
+    assert (plain.ambient, plain.diffuse, plain.emissive) == ([0.1, 0.2, 0.3, 1.0], [0.9, 0.1, 0.1], [0.0, 0.0, 0.25])
+    assert plain.specular == [0.2, 0.3, 0.4, 1.0] and plain.ignored == ()
+    assert board.diffuse == plain.diffuse, "of its parent"
+    assert board.texture == "board.png" and board.ignored == ("lighting", "scroll_anim")
+
+
+@pytest.mark.parametrize("text", ["", "}}}", "material", "material X {",
+                                  "material X\n{ diffuse red green blue\n}", "{" * 99])
+def test_a_script_that_is_none_is_tolerated(text):
+    assert all(each.diffuse is None for each in read_script(text).values())
+
+
+def test_a_board_has_the_colour_that_its_script_says(own):
+    image, board = shown(own, "Own/Plain")
+    red, green, blue = image[20, 20]
+    assert blue > red > 2 * green, "emissive blue, less red by the slant of the light"
+    assert board.warnings == []
+
+
+def test_a_board_shows_the_picture_that_its_script_names_and_the_rest_is_named(own):
+    image, board = shown(own, "Own/Board")
+    upper, lower = image[12, 20], image[28, 20]
+    assert upper[1] > 2 * upper[2] and lower[2] > 3 * lower[1], (upper, lower)
+    assert board.warnings == ["material 'Own/Board': lighting, scroll_anim: ignored"]
+
+
+def test_a_picture_that_is_not_there_is_named(own):
+    (own._folder / "materials" / "textures" / "board.png").unlink()
+    assert "material 'Own/Board': picture board.png is not found: ignored" in shown(own, "Own/Board")[1].warnings
+
+
+def test_a_material_that_is_nowhere_is_named(own):
+    warnings = "\n".join(shown(own, "Own/Other")[1].warnings)
+    assert "material 'Own/Other' is not a plain colour of Gazebo's: ignored" in warnings

@@ -1,0 +1,154 @@
+"""Hard constraints of the laws `qp` and `mpc`: what has to stay inside the view, and walls for the camera.
+
+Each constraint is a room h >= 0: a distance of a point from a border of the view, or of the camera from a wall. Its
+rate is a row times the camera's twist, h_dot = row V_C. A law asks for h_dot >= -rate_per_s h: a room that is there is
+used up at this rate at most, and one that is violated opens again at this rate.
+"""
+
+from dataclasses import dataclass
+from typing import Dict, NamedTuple, Optional, Tuple
+
+import numpy as np
+
+from ..config.settings import setting
+from ..features.interaction import centroid
+from ..features.points import point_rows, points
+from ..ground.errors import DegenerateFeature
+
+NOT_ZERO = ("three numbers, not all 0", lambda normal: any(normal))
+BORDERS = ("left", "right", "upper", "lower")
+
+
+@dataclass(frozen=True)
+class WallSettings:
+    """A plane that the camera stays on one side of."""
+
+    normal: Tuple[float, ...] = setting(
+        size=3, condition=NOT_ZERO,
+        help="Direction away from the wall, in the robot's base, of any length.")
+    offset_m: float = setting(
+        unit="m",
+        help="Distance of the wall from the base's origin along the normal; the optical centre stays beyond it.")
+
+
+@dataclass(frozen=True)
+class ConstraintSettings:
+    """What the laws `qp` and `mpc` keep beside the limits of the joints."""
+
+    half_width: Optional[float] = setting(
+        None, above=0,
+        help="Half the width of the view in normalised image coordinates (tangent of half the field of view), in which "
+             "the followed points stay, or without points the object; left out: no constraint.")
+    half_height: Optional[float] = setting(None, above=0, help="Half the height of the view, likewise.")
+    margin: float = setting(
+        0.05, at_least=0,
+        help="Margin kept to the border of the view, in normalised image coordinates.")
+    extent: float = setting(
+        2.0, above=0,
+        help="Without points: the object ends this many standard deviations from its centroid.")
+    least_depth_m: float = setting(
+        0.1, unit="m", above=0,
+        help="No followed point, or without points the object's centroid, comes nearer along the optical axis.")
+    walls: Dict[str, WallSettings] = setting(
+        {},
+        help="Planes by a name of your choice, e.g. `{table: {normal: [0, 0, 1], offset_m: 0.2}}`: the camera stays on "
+             "the side that the normal points to.")
+    rate_per_s: float = setting(
+        5.0, unit="1/s", above=0,
+        help="Room to a border or wall is used up at this rate at most.")
+    slack: bool = setting(
+        True,
+        help="Where no motion within the limits of the joints keeps the view and the walls: `true` takes the one that "
+             "violates them least and says by how much, `false` stands still.")
+    damping: float = setting(
+        0.001, above=0,
+        help="Weight of the change of the joint velocities beside that of the features' rates, both relative.")
+
+
+class Rooms(NamedTuple):
+    """m constraints.  names: tuple of texts.  h: (m,) distances.  rows: (m, 6), h_dot = rows V_C."""
+
+    names: Tuple[str, ...]
+    h: np.ndarray
+    rows: np.ndarray
+
+
+def rooms_of(settings, view, X_BC):
+    """`Rooms` of one view.
+
+    Args: settings: `ConstraintSettings`.  view: `View` with a plane.  X_BC: (4, 4) pose of the camera in the base.
+    Raises DegenerateFeature: the depth of a point is not positive, or it is unknown.
+    """
+    parts = []
+    for axis, half in enumerate((settings.half_width, settings.half_height)):
+        if half is not None:
+            parts.append(_in_view(view, axis, half - settings.margin, settings.extent))
+    parts.append(_deep_enough(view, settings.least_depth_m))
+    if settings.walls:
+        parts.append(_before_walls(settings.walls, X_BC))
+    rooms = Rooms(sum((part.names for part in parts), ()), np.concatenate([part.h for part in parts]),
+                  np.concatenate([part.rows for part in parts]))
+    if not (np.isfinite(rooms.h).all() and np.isfinite(rooms.rows).all()):
+        raise DegenerateFeature("constraints: a point of the target has no finite place or depth in this view")
+    return rooms
+
+
+def points_in_space(view, xy):
+    """(3, n) places in the camera of points with the normalised coordinates xy, (n, 2) [m].
+
+    Raises DegenerateFeature: a depth is not positive, or not known.
+    """
+    over_Z = view.inverse_depths
+    if over_Z is None or len(over_Z) != len(xy):
+        A, B, C = view.plane
+        over_Z = xy @ (A, B) + C
+    over_Z = np.asarray(over_Z, dtype=float)
+    if not (np.isfinite(over_Z) & (over_Z > 0.0)).all():
+        raise DegenerateFeature(f"constraints: found the inverse depths {over_Z} of the target, allowed > 0")
+    return np.stack([xy[:, 0], xy[:, 1], np.ones(len(xy))]) / over_Z
+
+
+def _deep_enough(view, least_m):
+    """Rooms of the depths of the points, or of the point of the target that the centroid shows."""
+    followed = len(view.features.point_x)
+    xy = np.array(view.shared(points)) if followed else np.array([[view.features.xg, view.features.yg]])
+    X, Y, Z = points_in_space(view, xy)
+    rows = np.zeros((len(xy), 6))
+    rows[:, 2], rows[:, 3], rows[:, 4] = -1.0, -Y, X  # Z_dot of a point at rest
+    names = [f"point {i + 1}" for i in range(len(xy))] if followed else ["the object"]
+    return Rooms(tuple(f"{name} before the camera" for name in names), Z - least_m, rows)
+
+
+def _in_view(view, axis, half, extent):
+    """Rooms to the two borders that x (axis 0) or y (axis 1) may reach, `half` from the middle."""
+    before, beyond = BORDERS[2 * axis], BORDERS[2 * axis + 1]
+    if len(view.features.point_x):
+        at = np.array([point[axis] for point in view.shared(points)])
+        rows, names = view.shared(point_rows)[axis::2], [f"point {i + 1}" for i in range(len(at))]
+        low, high, L_low, L_high = at, at, rows, rows
+    else:
+        names = ["the object"]
+        low, high, L_low, L_high = _edges(view, axis, extent)
+    names = tuple([f"{name} at the {border} border" for border in (before, beyond) for name in names])
+    return Rooms(names, np.concatenate([half + low, half - high]), np.concatenate([L_low, -L_high]))
+
+
+def _edges(view, axis, extent):
+    """(low, high, L of low, L of high), of shapes (1,) and (1, 6): where the object begins and ends along an axis."""
+    i, j = ((2, 0), (0, 2))[axis]
+    area, n = view.features.area, view.mu[f"{i}{j}"] / view.features.area
+    if not n > 0.0:
+        raise DegenerateFeature("constraints: the object has no extent in this view")
+    at, L = (view.features.xg, view.features.yg)[axis], centroid(view.m, view.plane)[axis]
+    spread = extent * n**0.5
+    L_spread = (view.L_mu(i, j) - n * view.L_area()) / area * (0.5 * extent / n**0.5)
+    return (np.array([at - spread]), np.array([at + spread]), (L - L_spread)[None], (L + L_spread)[None])
+
+
+def _before_walls(walls, X_BC):
+    """Rooms of the optical centre to walls, dict of name -> `WallSettings`."""
+    normals = np.array([wall.normal for wall in walls.values()], dtype=float)
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    offsets = np.array([wall.offset_m for wall in walls.values()])
+    rows = np.hstack([normals @ X_BC[:3, :3], np.zeros((len(normals), 3))])
+    return Rooms(tuple(f"wall '{name}'" for name in walls), normals @ X_BC[:3, 3] - offsets, rows)

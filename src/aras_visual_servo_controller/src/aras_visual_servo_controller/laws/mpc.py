@@ -1,0 +1,262 @@
+"""Law `mpc`: the features' way to the goal over a horizon, under hard constraints, one quadratic program a look."""
+
+from dataclasses import dataclass
+from math import expm1
+from re import fullmatch
+
+import numpy as np
+
+from ..config.settings import setting
+from ..features.points import points
+from ..ground.errors import DegenerateFeature
+from ..ground.spatial import exponential, inverse, logarithm
+from ..ground.types import Status
+from .base import LawSetup, register
+from .constraints import BORDERS, ConstraintSettings, Rooms, points_in_space, rooms_of
+from .look import Joints
+from .qp import SLACK_WEIGHT, TOLD, QuadraticProgram
+
+#: Depths below it are predicted as if they were this one [m].
+LEAST_DEPTH_M = 0.02
+#: Points of the contour by which an object without followed points is predicted.
+CONTOUR = 8
+
+
+@dataclass(frozen=True)
+class MpcSettings(ConstraintSettings):
+    """Settings of law `mpc`."""
+
+    horizon: int = setting(10, at_least=1, at_most=50, help="Steps that are predicted.")
+    period_s: float = setting(
+        0.1, unit="s", above=0,
+        help="Length of a predicted step. The answer is held until the next image and then made anew.")
+    moves: int = setting(
+        4, at_least=1, at_most=50,
+        help="The joint velocities may change at the first so many steps, and are held from the last of them on.")
+
+    def check(self):
+        """Moves are steps of the horizon."""
+        if self.moves > self.horizon:
+            yield f"moves: found {self.moves}, allowed at most horizon, {self.horizon}"
+
+
+@register("mpc", settings=MpcSettings)
+class Predictive(QuadraticProgram):
+    """min sum_k |s_k - s_k^d|^2 over the joint velocities of a horizon of N steps.
+
+    s_k^d is the way of `ibvs`, which falls with the gains. Points are predicted in space, on the way of the last plan,
+    and linearised there; other features with the matrix of the view. View, walls, ends of the joints, velocities and
+    accelerations are kept at every step. Of the plan only the first velocities are commanded.
+
+    Reference: G. Allibert, E. Courtial, F. Chaumette, "Predictive control for constrained image-based visual servoing",
+    IEEE T-RO 26(5), 2010 (there by a general solver on the nonlinear problem).
+    """
+
+    def __init__(self, gains_per_s, setup=LawSetup()):
+        super().__init__(gains_per_s, setup)
+        config, steps = self.settings, np.arange(self.settings.horizon)
+        #: (N, moves): which move holds in which step.
+        self._moves = np.eye(config.moves)[np.minimum(steps, config.moves - 1)]
+        self._rate = sum(self.gains_per_s) / len(self.gains_per_s)
+        times = config.period_s * (steps + 1)
+        #: (N,) s for which the twist of the first look would have to be held to come as far.
+        self._worth = np.array([-expm1(-self._rate * t) / self._rate for t in times])
+        #: Whether every feature is the coordinate of a point, whose number and axis are these.
+        names = [fullmatch(r"([xy])([0-9]+)", name) for name in self.features.names]
+        self._points = all(names) and [2 * (int(name[2]) - 1) + "xy".index(name[1]) for name in names]
+        self._plan = self._rows = None
+
+    def reset(self, reference):
+        """As of `Law`."""
+        super().reset(reference)
+        self._plan = None
+
+    def joint_velocity(self, view, arm, twist):
+        """`Joints` for one look: see `Law.joint_velocity`."""
+        n, period_s = len(arm.q), self.settings.period_s
+        plan = self._nominal(arm)
+        poses = _poses(arm.jacobian, self._moves @ plan, period_s)
+        # Motion of the camera frame of the first step, in it, by the velocities of each move up to each step.
+        reach = np.array([_adjoint(X) for X in poses[:-1]]) @ (period_s * arm.jacobian)
+        reach = np.cumsum(self._moves[:, :, None, None] * reach[:, None], axis=0)
+        reach = reach.transpose(0, 2, 1, 3).reshape(len(reach), 6, -1)
+        now = rooms_of(self.settings, view, arm.X_BC)
+        rooms, h, rows, ways, towards = self._predict(view, arm, twist, poses[1:], now)
+        flat = plan.ravel()
+        M = (ways @ reach).reshape(-1, flat.size)
+        target = towards.ravel() + M @ flat
+        H, g = M.T @ M, M.T @ target
+        scale = max(np.trace(H) / len(H), 1e-12)
+        calm = np.outer(np.exp(-self._rate * period_s * np.arange(len(plan))), arm.wanted).ravel()
+        H, g = H / scale + self.settings.damping * np.eye(flat.size), g / scale + self.settings.damping * calm
+        G = (rows @ reach).reshape(-1, flat.size)
+        fade = np.exp(-self.settings.rate_per_s * period_s * np.arange(1, len(poses)))
+        least = np.minimum(rooms.h, 0.0)[None] * fade[:, None]  # one that is violated has to open again
+        # The first move keeps what `qp` keeps, too: a step of the horizon is longer than the time between two images.
+        G_now = np.zeros((len(now.h), flat.size))
+        G_now[:, :n] = now.rows @ arm.jacobian
+        b_now = -np.minimum(self.settings.rate_per_s, 1.0 / arm.dt_s) * now.h
+        low = np.concatenate([b_now, (least - h).ravel() + G @ flat])
+        C, c = self._joint_rows(arm, n)
+        A, b = np.vstack([G_now, G, C]), np.concatenate([low, c])
+        x, multipliers, _, feasible = self._solve(H, -g, A, b)
+        names = {name: place for place, name in enumerate(dict.fromkeys(now.names))}
+        which = np.array([names[name] for name in now.names + rooms.names * len(h)], dtype=int)
+        if not feasible:
+            if not self.settings.slack:
+                return self._stand(arm, f"no motion keeps {', '.join(self._asked(now, None, b_now, arm))}")
+            return self._least(arm, tuple(names), which, H, g, A, b)
+        self._plan = x.reshape(plan.shape)
+        held = np.bincount(which, multipliers[:len(low)], len(names))
+        joints = multipliers[len(low):]
+        first, size = joints[:2 * n].reshape(2, n), flat.size
+        ends = joints[2 * size:4 * size].reshape(2, -1, n).sum(axis=1)
+        arm = arm._replace(at_stop=arm.at_stop | (ends > first))
+        return self._answer(arm, tuple(names), self._plan[0], np.concatenate([held, (first + ends).ravel()]))
+
+    def _nominal(self, arm):
+        """(moves, n) joint velocities about which the prediction is linearised: the last plan, if it is under way."""
+        if self._plan is not None and arm.before.any():
+            return self._plan
+        decay = np.exp(-self._rate * self.settings.period_s * np.arange(self.settings.moves))
+        return np.outer(decay, np.clip(arm.wanted, arm.low, arm.high))
+
+    def _predict(self, view, arm, twist, poses, now):
+        """What is predicted along the nominal way: (the rooms as they are now, h (N, m), their rows (N, m, 6), rows of
+        the features (N, k, 6), what the features lack of their wanted way (N, k)). Rows are of twists in the first
+        camera frame."""
+        config, L = self.settings, self.features.matrix(view)
+        wanted = self._worth[:, None] * (L @ twist)
+        if len(view.features.point_x):
+            xy, rooms = np.array(view.shared(points)), now
+        else:
+            xy = _contour(view, config.extent)
+            rooms = _rooms_of_contour(config, xy, now)
+        seen, L_seen = predicted_points(points_in_space(view, xy), poses)
+        if self._points and len(view.features.point_x):
+            axes = [3 * (index // 2) + index % 2 for index in self._points]
+            ways, lack = L_seen[:, axes], wanted - (seen[:, axes] - xy.ravel()[self._points])
+        else:
+            moved, turned = np.array([logarithm(X) for X in poses]), np.array([_adjoint(inverse(X)) for X in poses])
+            ways, lack = L @ turned, wanted - moved @ L.T
+        h, rows = [], []
+        for axis, half in enumerate((config.half_width, config.half_height)):
+            for sign in (1.0, -1.0) if half is not None else ():
+                h.append(half - config.margin + sign * seen[:, axis::3])
+                rows.append(sign * L_seen[:, axis::3])
+        h.append(seen[:, 2::3] - config.least_depth_m)
+        rows.append(L_seen[:, 2::3])
+        if config.walls:
+            normals = rooms.rows[-len(config.walls):, :3]  # in the camera frame
+            p = poses[:, :3, 3]
+            h.append(rooms.h[-len(config.walls):] + p @ normals.T)
+            turns = np.cross(p[:, None], normals[None])
+            rows.append(np.concatenate([np.broadcast_to(normals, turns.shape), turns], axis=2))
+        h, rows = np.concatenate(h, axis=1), np.concatenate(rows, axis=1)
+        if not (np.isfinite(h).all() and np.isfinite(ways).all()):
+            raise DegenerateFeature("mpc: a predicted view is not finite")
+        return rooms, h, rows, ways, lack
+
+    def _joint_rows(self, arm, n):
+        """(C, c): rows C u >= c. The first 2 n are of this period; then come the velocities of the other moves, the
+        ends of the ways after each move (lower, then upper ones), and the accelerations."""
+        moves, period_s = self.settings.moves, self.settings.period_s
+        if self._rows is None:
+            whole = np.eye(moves * n)
+            lasts = np.full(moves, period_s)
+            lasts[-1] = period_s * (self.settings.horizon - moves + 1)
+            sums = np.kron(np.tril(np.ones((moves, moves))) * lasts, np.eye(n))
+            changes = (whole - np.eye(moves * n, k=-n))[n:]
+            self._rows = np.vstack([whole[:n], -whole[:n], whole[n:], -whole[n:], sums, -sums, changes, -changes])
+        change = np.tile(arm.acceleration * period_s, moves - 1)
+        speeds = np.tile(arm.velocity, moves - 1)
+        below = np.tile(np.minimum(arm.lower - arm.q, 0.0), moves)
+        above = np.tile(np.minimum(arm.q - arm.upper, 0.0), moves)
+        return self._rows, np.concatenate([arm.low, -arm.high, -speeds, -speeds, below, above, -change, -change])
+
+    def _least(self, arm, names, which, H, g, A, b):
+        """`Joints` of the plan that violates view and walls least; one slack for each name, over the whole horizon.
+
+        Args: names: of the rooms.  which: (r,) place in them of the first r rows of A.
+        """
+        m, size = len(names), len(g)
+        H_s = np.zeros((size + m, size + m))
+        H_s[:size, :size], H_s[size:, size:] = H, SLACK_WEIGHT * np.eye(m)
+        A_s = np.zeros((len(b) + m, size + m))
+        A_s[:len(b), :size], A_s[len(b):, size:] = A, np.eye(m)
+        A_s[np.arange(len(which)), size + which] = 1.0
+        x, _, _, feasible = self._solve(H_s, -np.concatenate([g, np.zeros(m)]), A_s, np.concatenate([b, np.zeros(m)]))
+        if not feasible:  # the joints cannot brake before their ends within the horizon
+            return self._stand(arm, "the limits of the joints contradict each other over the horizon")
+        self._plan = x[:size].reshape(-1, len(arm.q))
+        slack = [f"{name} by {most:.2g}" for name, most in zip(names, x[size:]) if most > TOLD]
+        return Joints(np.clip(self._plan[0], arm.low, arm.high), Status.JOINT_LIMIT,
+                      f"infeasible, slack within the horizon: {', '.join(slack)}")
+
+    def _stand(self, arm, why):
+        self._plan = None
+        return Joints(np.clip(0.0, arm.low, arm.high), Status.JOINT_LIMIT, f"standing still, {why}")
+
+
+def _contour(view, extent):
+    """(CONTOUR, 2) points about the ellipse of the object's moments, `extent` standard deviations from its middle."""
+    f, mu = view.features, view.mu
+    n = np.array([[mu["20"], mu["11"]], [mu["11"], mu["02"]]]) / f.area
+    if not (np.isfinite(n).all() and n[0, 0] > 0.0 and np.linalg.det(n) > 0.0):
+        raise DegenerateFeature("constraints: the object has no extent in this view")
+    angles = 2.0 * np.pi * np.arange(CONTOUR) / CONTOUR
+    # Outside the ellipse, so that the polygon of the points contains it.
+    circle = np.column_stack([np.cos(angles), np.sin(angles)]) / np.cos(np.pi / CONTOUR)
+    return (f.xg, f.yg) + extent * circle @ np.linalg.cholesky(n).T
+
+
+def _rooms_of_contour(config, xy, plain):
+    """`Rooms` now of the points of a contour, with the walls of `plain`; their rows are those of the walls alone."""
+    names, h = [], []
+    for axis, half in enumerate((config.half_width, config.half_height)):
+        for sign, border in zip((1.0, -1.0), BORDERS[2 * axis:2 * axis + 2]) if half is not None else ():
+            names += [f"the object at the {border} border"] * len(xy)
+            h.append(half - config.margin + sign * xy[:, axis])
+    names += ["the object before the camera"] * len(xy)
+    walls, depth = len(config.walls), plain.h[-len(config.walls) - 1]
+    h += [np.full(len(xy), depth), plain.h[len(plain.h) - walls:]]
+    return Rooms((*names, *plain.names[len(plain.h) - walls:]), np.concatenate(h), plain.rows)
+
+
+def predicted_points(P, poses):
+    """What a moved camera sees of points at rest: (x1, y1, Z1, ..., (N, 3 n); their rows, (N, 3 n, 6)).
+
+    Args: P: (3, n) in the first camera frame [m].  poses: (N, 4, 4) of the camera in that frame. Rows are of twists of
+        the first frame before the way.
+    """
+    R, p = poses[:, :3, :3].transpose(0, 2, 1), poses[:, :3, 3]
+    X, Y, Z = (R @ (P[None] - p[:, :, None])).transpose(1, 0, 2)
+    depth = np.maximum(Z, LEAST_DEPTH_M)
+    x, y = X / depth, Y / depth
+    slope = np.zeros((*Z.shape, 3, 3))
+    slope[..., 0, 0] = slope[..., 1, 1] = 1.0 / depth
+    slope[..., 0, 2], slope[..., 1, 2], slope[..., 2, 2] = -x / depth, -y / depth, 1.0
+    # In the first frame a point moves by -(v + w x P), seen from the camera; then it is turned and projected.
+    X, Y, Z = P
+    moved = np.zeros((len(X), 3, 6))
+    moved[:, [0, 1, 2], [0, 1, 2]] = -1.0
+    moved[:, 0, 4], moved[:, 0, 5], moved[:, 1, 3], moved[:, 1, 5], moved[:, 2, 3], moved[:, 2, 4] = -Z, Y, Z, -X, -Y, X
+    rows = (slope @ R[:, None] @ moved).reshape(len(poses), -1, 6)
+    return np.stack([x, y, depth], axis=2).reshape(len(poses), -1), rows
+
+
+def _poses(jacobian, velocities, period_s):
+    """(N + 1, 4, 4) poses of the camera in its first frame, along joint velocities (N, n)."""
+    poses = [np.eye(4)]
+    for twist in velocities @ jacobian.T:
+        poses.append(poses[-1] @ exponential(period_s * twist))
+    return np.array(poses)
+
+
+def _adjoint(X):
+    """(6, 6): a twist [v; w] in the frame that has the pose X, as a twist in the frame that X is given in."""
+    R, (x, y, z) = X[:3, :3], X[:3, 3]
+    result = np.zeros((6, 6))
+    result[:3, :3] = result[3:, 3:] = R
+    result[:3, 3:] = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]) @ R
+    return result

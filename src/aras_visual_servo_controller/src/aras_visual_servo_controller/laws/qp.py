@@ -1,0 +1,120 @@
+"""Law `qp`: the twist of `ibvs` in joint velocities under hard constraints, one quadratic program a look."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..ground.types import Status
+from .base import LawSetup, register
+from .constraints import ConstraintSettings, rooms_of
+from .image import ImageBased
+from .look import Joints
+
+#: A slack is told when it is larger than this: what it takes to be seen above rounding [1/s, m/s].
+TOLD = 1e-6
+#: A constraint is named as one that binds when its multiplier is larger than this part of the largest one.
+BINDS = 1e-6
+#: Weight of a slack beside the cost of the motion, whose Hessian has entries near 1: a slack is a last resort.
+SLACK_WEIGHT = 1e4
+
+
+@dataclass(frozen=True)
+class QpSettings(ConstraintSettings):
+    """Settings of law `qp`."""
+
+
+@register("qp", settings=QpSettings)
+class QuadraticProgram(ImageBased):
+    """min |L (J q_dot - V)|^2 + damping |q_dot - q_dot_0|^2 over the joint velocities, V the twist of `ibvs`.
+
+    q_dot_0 are the joint velocities that the servo would give for V, so that where no constraint binds the arm moves as
+    with `ibvs`. Hard are the velocity, the acceleration and the way of each joint, the borders of the view and the
+    walls. Limits of the joints are never violated; where they leave no motion that keeps the view and the walls, the
+    setting `slack` says what is done, and the status text names the constraint.
+
+    References: N. Mansard, O. Khatib, A. Kheddar, "A unified approach to integrate unilateral constraints in the stack
+    of tasks", IEEE T-RO 25(3), 2009. A. D. Ames et al., "Control barrier functions: theory and applications", ECC 2019.
+    D. J. Agravante et al., "Visual servoing in an optimization framework for the whole-body control of humanoid
+    robots", IEEE RA-L 2(2), 2017.
+    """
+
+    moves_joints = continuous_only = True
+
+    def __init__(self, gains_per_s, setup=LawSetup()):
+        super().__init__(gains_per_s, setup)
+        from .._kinematics import solve_program  # C++: not needed to describe the settings of this file
+        self._solve, self.needs_plane = solve_program, True
+
+    def joint_velocity(self, view, arm, twist):
+        """`Joints` for one look: see `Law.joint_velocity`."""
+        rooms, n = rooms_of(self.settings, view, arm.X_BC), len(arm.q)
+        rows = rooms.rows @ arm.jacobian
+        H = self.metric(view, arm.jacobian)
+        A = np.vstack([rows, np.eye(n), -np.eye(n)])
+        b = np.concatenate([-np.minimum(self.settings.rate_per_s, 1.0 / arm.dt_s) * rooms.h, arm.low, -arm.high])
+        q_dot, multipliers, _, feasible = self._solve(H, -H @ arm.wanted, A, b)
+        if feasible:
+            return self._answer(arm, rooms.names, q_dot, multipliers)
+        if not self.settings.slack:
+            return Joints(np.clip(0.0, arm.low, arm.high), Status.JOINT_LIMIT,
+                          f"standing still, no motion keeps {_listed(self._asked(rooms, rows, b, arm))}")
+        return self._with_slack(arm, rooms, H, A, b)
+
+    def metric(self, view, jacobian):
+        """Hessian of the cost, (n, n): rates of the features, each direction relative to their mean size."""
+        L = self.features.matrix(view)
+        seen = L.T @ L
+        seen /= max(np.trace(seen), 1e-12) / 6.0
+        if not self.features.sees_tilt:  # the servo holds the tilt: as important as the features
+            seen[[3, 4], [3, 4]] += 1.0
+        H = jacobian.T @ seen @ jacobian
+        return H / max(np.trace(H) / len(H), 1e-12) + self.settings.damping * np.eye(len(H))
+
+    def _with_slack(self, arm, rooms, H, A, b):
+        """`Joints` that violate view and walls as little as the limits of the joints allow."""
+        n, m = len(arm.q), len(rooms.h)
+        H_s = np.zeros((n + m, n + m))
+        H_s[:n, :n], H_s[n:, n:] = H, SLACK_WEIGHT * np.eye(m)
+        A_s = np.zeros((2 * m + 2 * n, n + m))
+        A_s[:m + 2 * n, :n], A_s[:m, n:], A_s[m + 2 * n:, n:] = A, np.eye(m), np.eye(m)
+        g = np.concatenate([-H @ arm.wanted, np.zeros(m)])
+        x, multipliers, _, feasible = self._solve(H_s, g, A_s, np.concatenate([b, np.zeros(m)]))
+        if not feasible:
+            return Joints(np.clip(0.0, arm.low, arm.high), Status.JOINT_LIMIT,
+                          "standing still, the limits of the joints contradict each other")
+        slack = [f"{name} by {size:.2g}" for name, size in zip(rooms.names, x[n:]) if size > TOLD]
+        joints = self._answer(arm, rooms.names, x[:n], multipliers)
+        text = f"infeasible, slack per second: {_listed(slack)}"
+        return Joints(np.clip(joints.q_dot, arm.low, arm.high), Status.JOINT_LIMIT, text)
+
+    def _asked(self, rooms, rows, b, arm):
+        """Names of the rooms that joint velocities at rest would violate, else of those violated most."""
+        asks = [name for name, most in zip(rooms.names, b) if most > 0.0]
+        return asks or ["the view and the walls within the limits of the joints"]
+
+    def _answer(self, arm, rooms, q_dot, multipliers):
+        """`Joints`, with the names of the constraints that bind. Args: rooms: names.  multipliers: of them, then of the
+        lower and the upper bounds of the joints."""
+        if arm.short:
+            text = f"braking, too late at the allowed acceleration: {_listed(_joint(name) for name in arm.short)}"
+            return Joints(q_dot, Status.JOINT_LIMIT, text)
+        n, m = len(arm.q), len(rooms)
+        binds = multipliers > BINDS * max(float(multipliers.max(initial=0.0)), BINDS)
+        if not binds.any():
+            return Joints(q_dot)
+        stopped = (binds[m:m + 2 * n].reshape(2, n) & arm.at_stop).any(axis=0)
+        if stopped.any():
+            names = [_joint(name) for name, held in zip(arm.joint_names, stopped) if held]
+            return Joints(q_dot, Status.JOINT_LIMIT, f"at their limits, the others go on: {_listed(names)}")
+        names = [name for name, held in zip(rooms, binds) if held]
+        names += [_joint(name) for name, held in zip(arm.joint_names, binds[m:m + 2 * n].reshape(2, n).any(axis=0))
+                  if held]
+        return Joints(q_dot, None, f"servoing, held back by {_listed(names)}")
+
+
+def _joint(name):
+    return f"joint '{name}'"
+
+
+def _listed(names):
+    return ", ".join(names)

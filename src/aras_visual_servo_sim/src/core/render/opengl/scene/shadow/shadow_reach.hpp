@@ -1,0 +1,90 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "aras_visual_servo_sim/scene/triangle_mesh.hpp"
+#include "render/opengl/view/pinhole_view.hpp"
+#include "shadow_view.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** Pixels of a picture: `left` to before `right`, `top` to before `bottom`. */
+struct PixelPart {
+  int left = 0, top = 0, right = 0, bottom = 0;
+
+  bool empty() const { return left >= right || top >= bottom; }
+  double area() const { return empty() ? 0.0 : double(right - left) * (bottom - top); }
+  /** Both, and what lies between them. */
+  PixelPart with(const PixelPart& other) const;
+  /** What both share; empty if they share nothing, and then still inside the other. */
+  PixelPart within(const PixelPart& other) const;
+};
+
+/** A few parts of a picture that hold all that was added: what lies close together is taken together, for each part
+ *  costs about as much as drawing some pixels more. */
+class PixelParts {
+ public:
+  /** @param within  nothing beyond it is wanted */
+  explicit PixelParts(const PixelPart& within) : within_(within) {}
+
+  void add(const PixelPart& part);
+  const std::vector<PixelPart>& parts() const { return parts_; }
+  /** Of the parts, those that overlap counted twice [px]. */
+  double area() const;
+
+ private:
+  PixelPart within_;
+  std::vector<PixelPart> parts_;
+};
+
+/** What a picture shows of the faces of the box about a mesh, and where that is on the map of a directional light. */
+class SeenMesh {
+ public:
+  /** @param of_camera  the map's coordinates of points in C */
+  SeenMesh(const TriangleMesh& mesh, const Eigen::Matrix4d& X_CS, const Eigen::Matrix4d& of_camera,
+           const PinholeView& view);
+
+  /** The part of the picture that the mesh can cover. */
+  PixelPart covered(double near_m) const;
+  /** All that can be seen of the mesh is in it. Empty: nothing can. */
+  const MapBox& box() const { return box_; }
+  /** The part of the picture in which the mesh can lie in the shadow of a caster. Empty if none of it can.
+   *  @param caster  its box on the map */
+  PixelPart shadowOf(const MapBox& caster, double near_m) const;
+
+ private:
+  /** A point in C and where it is on the map. */
+  struct Corner {
+    Eigen::Vector3d p_C;
+    Eigen::Vector3d on_map;
+  };
+  /** A convex polygon with few corners. */
+  class Outlined {
+   public:
+    void add(const Corner& corner) {
+      if (count_ < kMost) corners_[count_++] = corner;
+    }
+    const Corner* begin() const { return corners_.data(); }
+    const Corner* end() const { return corners_.data() + count_; }
+    /** What of it lies where `beyond`, linear in the corner, is not positive. */
+    template <typename Beyond>
+    Outlined clipped(const Beyond& beyond) const;
+
+   private:
+    static constexpr int kMost = 16;  // of a face 4, each of nine cuts adds one
+    std::array<Corner, kMost> corners_;
+    int count_ = 0;
+  };
+
+  std::array<Outlined, 6> faces_;
+  bool about_eye_ = false;
+  MapBox box_;
+  const PinholeView& view_;
+};
+
+/** The part of a picture that a mesh can cover. @param X_CS  pose of the mesh in C  @param near_m  of the camera */
+PixelPart coveredPart(const TriangleMesh& mesh, const Eigen::Matrix4d& X_CS, const PinholeView& view, double near_m);
+
+}  // namespace aras_visual_servo_sim

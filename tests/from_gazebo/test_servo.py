@@ -1,0 +1,40 @@
+"""A servoing script as they were written for Gazebo: a free camera moved by set_model_state before a textured board."""
+import os
+import pathlib
+import sys
+
+import pytest
+import yaml
+
+from ros_graph import Graph
+
+HERE = pathlib.Path(__file__).resolve().parent
+
+
+@pytest.fixture(autouse=True, scope="module")
+def package_path():
+    """The package is found as one of a workspace is."""
+    before = os.environ.get("ROS_PACKAGE_PATH", "")
+    os.environ["ROS_PACKAGE_PATH"] = "%s:%s" % (HERE, before)
+    yield
+    os.environ["ROS_PACKAGE_PATH"] = before
+
+
+def servoed(folder):
+    with Graph(folder) as graph:
+        graph.start("roslaunch", "-p", str(graph.port), "demo_servo", "servo.launch")
+
+        def models():
+            try:
+                told = graph.output("rosservice", "call", "/gazebo/get_world_properties")
+            except Exception:
+                return []
+            return yaml.safe_load(told)["model_names"]
+        graph.until(lambda: {"flying_camera", "board"} <= set(models()), "camera and board are there")
+        return yaml.safe_load(graph.output(sys.executable, str(HERE / "demo_servo" / "scripts" / "servo.py")))
+
+
+def test_a_free_camera_goes_home_by_its_images_and_a_second_run_is_the_same(tmp_path_factory):
+    first, second = (servoed(tmp_path_factory.mktemp("ros")) for _ in range(2))
+    assert first["off_mm"] < 5.0
+    assert first == second
