@@ -4,6 +4,7 @@
     python3 rates.py physics                  the arm with six PIDs and friction, its set-points moving
     python3 rates.py physics --urdf U --controllers C    the same of another robot (URDF and controllers' YAML)
     python3 rates.py camera [SCENE]           320 x 240 rgb8, the arm moving between frames, only rendering is timed
+    python3 rates.py rolling [SCENE] --renderer opengl --height 480    a rolling shutter, the arm moving, by CPU time
 
 SCENE, all of them filling the view: plane (default; a table of one colour and a flat target on it), picture (a photo),
 lit (the table a box, shaded, and a flat target on it), boxes (plane, and ten shaded boxes on it).
@@ -81,16 +82,35 @@ def camera(options):
     return 1.0 / statistics.median(times), "frames/s"
 
 
+def rolling(options):
+    height = options.height
+    simulation = Simulation(ARM, {"scene": scene_of(options.scene), "cameras": [
+        {"name": "camera", "frame": "camera_optical_frame", "width": height * 4 // 3, "height": height,
+         "horizontal_fov_rad": 1.41, "rate_hz": 30.0, "renderer": options.renderer,
+         "sensor": {"shot_noise": False, "row_time_s": 0.02 / height}}],
+        "initial_positions": {"gantry": 0.05}}, published_controllers())
+    simulation.set_command(velocity={"J2": 0.05, "J6": 0.1})
+    times = []
+    for _ in range(6):
+        simulation.step_to_image()
+        start = time.process_time()
+        simulation.render("camera")
+        times.append(time.process_time() - start)
+    return 1.0 / statistics.median(times[1:]), "frames/s of CPU time"
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["physics", "camera"])
+    parser.add_argument("what", choices=["physics", "camera", "rolling"])
     parser.add_argument("scene", nargs="?", default="plane", choices=["plane", "picture", "lit", "boxes"])
     parser.add_argument("--urdf", default=ARM, help="robot of `physics`")
     parser.add_argument("--controllers", help="YAML of its controllers")
+    parser.add_argument("--renderer", choices=["coverage", "opengl"], default="opengl", help="of `rolling`")
+    parser.add_argument("--height", type=int, choices=[240, 480], default=240, help="of the image of `rolling` [px]")
     parser.add_argument("--seconds", type=float, default=1.0, help="how long to measure (default 1)")
     options = parser.parse_args()
-    rate, unit = (physics if options.what == "physics" else camera)(options)
-    print(f"{options.what} [{unit}]: {rate:.0f}")
+    rate, unit = {"physics": physics, "camera": camera, "rolling": rolling}[options.what](options)
+    print(f"{options.what} [{unit}]: {rate:.0f}" if rate > 100 else f"{options.what} [{unit}]: {rate:.1f}")
 
 
 if __name__ == "__main__":

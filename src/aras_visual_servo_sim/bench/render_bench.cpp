@@ -78,7 +78,7 @@ void coverageNoise(benchmark::State& state) {
   std::int64_t frame = 0;
   for (auto _ : state) {
     renderer.render(model, poseOf(frame), scene, light);
-    addGaussianNoise(light, 2.0, 1, static_cast<std::uint64_t>(frame++), 0.0, image);
+    addGaussianNoise(light, 2.0, 1, static_cast<std::uint64_t>(frame++), 0.0, light.encoding, image);
     benchmark::DoNotOptimize(image.data.data());
   }
 }
@@ -114,7 +114,7 @@ void noise(benchmark::State& state) {
   Image image;
   renderer.render(camera("rgb8", false), poseOf(0), blobScene(), light);
   std::uint64_t frame = 0;
-  for (auto _ : state) addGaussianNoise(light, 2.0, 1, frame++, 0.0, image);
+  for (auto _ : state) addGaussianNoise(light, 2.0, 1, frame++, 0.0, light.encoding, image);
 }
 
 BENCHMARK(coverageRgb)->Unit(benchmark::kMicrosecond);

@@ -37,7 +37,7 @@ void bindProcess(pybind11::class_<Extractor>& extractor, const std::string& firs
   const std::string doc = first + R"(
 
 Args:
-    image: uint8, shape (h, w) grey, (h, w, 3) rgb or (h, w, 4) rgba, rows contiguous.
+    image: uint8, shape (h, w) grey, (h, w, 3) rgb or (h, w, 4) rgba, or uint16 of the first two, rows contiguous.
     stamp_ns: of the image; with one, `teach` finds it while it is among the last 32.
 Returns:
     )" + returns + R"(

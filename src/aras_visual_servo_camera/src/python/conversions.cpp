@@ -13,13 +13,15 @@ namespace aras_visual_servo_camera {
 ImageView viewOf(const py::array& image) {
   const bool grey = image.ndim() == 2;
   const bool colour = image.ndim() == 3 && (image.shape(2) == 3 || image.shape(2) == 4);
-  if (!py::isinstance<py::array_t<std::uint8_t>>(image) || !(grey || colour))
+  const bool deep = py::isinstance<py::array_t<std::uint16_t>>(image) && (grey || image.shape(2) == 3);
+  if (!(deep || py::isinstance<py::array_t<std::uint8_t>>(image)) || !(grey || colour))
     throw ShapeError("image: found " + std::string(py::str(image.attr("dtype"))) + " of shape " +
                      std::string(py::str(image.attr("shape"))) +
-                     ", allowed uint8 of shape (h, w), (h, w, 3) or (h, w, 4)");
-  const py::ssize_t depth = grey ? 1 : image.shape(2);
+                     ", allowed uint8 of shape (h, w), (h, w, 3) or (h, w, 4), or uint16 of the first two");
+  const py::ssize_t size = image.itemsize(), depth = (grey ? 1 : image.shape(2)) * size;
   const bool rows_contiguous = image.shape(1) <= 1 || image.strides(1) == depth;
-  if (!rows_contiguous || (colour && image.strides(2) != 1) || image.strides(0) < image.shape(1) * depth)
+  const bool odd = image.strides(0) % size != 0;
+  if (!rows_contiguous || (colour && image.strides(2) != size) || image.strides(0) < image.shape(1) * depth || odd)
     throw ShapeError("image: found strides " + std::string(py::str(image.attr("strides"))) +
                      ", allowed contiguous rows (numpy.ascontiguousarray)");
   ImageView view;
@@ -27,7 +29,11 @@ ImageView viewOf(const py::array& image) {
   view.width_px = static_cast<int>(image.shape(1));
   view.height_px = static_cast<int>(image.shape(0));
   view.step_bytes = static_cast<std::size_t>(image.strides(0));
-  view.format = grey ? PixelFormat::kMono8 : (depth == 3 ? PixelFormat::kRgb8 : PixelFormat::kRgba8);
+  if (deep) {
+    view.format = grey ? PixelFormat::kMono16 : PixelFormat::kRgb16;
+  } else {
+    view.format = grey ? PixelFormat::kMono8 : (depth == 3 ? PixelFormat::kRgb8 : PixelFormat::kRgba8);
+  }
   return view;
 }
 

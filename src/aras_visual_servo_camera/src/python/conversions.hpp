@@ -8,7 +8,8 @@
 
 namespace aras_visual_servo_camera {
 
-/** A view of a uint8 array of shape (h, w) grey, (h, w, 3) rgb or (h, w, 4) rgba, with contiguous rows.
+/** A view of a uint8 array of shape (h, w) grey, (h, w, 3) rgb or (h, w, 4) rgba, or a uint16 one of the first two,
+ *  with contiguous rows.
  *  @throws ShapeError for another shape, type or layout within a row */
 ImageView viewOf(const pybind11::array& image);
 

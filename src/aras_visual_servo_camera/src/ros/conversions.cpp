@@ -34,10 +34,17 @@ ImageView toView(const sensor_msgs::Image& image) {
     view.format = PixelFormat::kBgr8;
   } else if (image.encoding == enc::RGBA8) {
     view.format = PixelFormat::kRgba8;
+  } else if (image.encoding == enc::MONO16) {
+    view.format = PixelFormat::kMono16;
+  } else if (image.encoding == enc::RGB16) {
+    view.format = PixelFormat::kRgb16;
   } else {
-    throw ShapeError("image encoding: found '" + image.encoding + "', allowed rgb8, bgr8, mono8, rgba8");
+    throw ShapeError("image encoding: found '" + image.encoding + "', allowed rgb8, bgr8, mono8, rgba8, mono16, rgb16");
   }
-  const std::size_t row = static_cast<std::size_t>(image.width) * channels(view.format);
+  if (isDeep(view.format) && (image.is_bigendian || image.step % 2 != 0))
+    throw ShapeError("image: found is_bigendian " + std::to_string(image.is_bigendian) + " and rows of " +
+                     std::to_string(image.step) + " bytes, allowed 0 and an even number with " + image.encoding);
+  const std::size_t row = static_cast<std::size_t>(image.width) * bytesOf(view.format);
   if (image.step < row || image.data.size() < static_cast<std::size_t>(image.step) * image.height)
     throw ShapeError("image: found " + std::to_string(image.data.size()) + " bytes in rows of " +
                      std::to_string(image.step) + ", allowed at least " + std::to_string(row * image.height));

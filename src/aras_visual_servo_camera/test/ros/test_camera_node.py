@@ -25,12 +25,15 @@ def wait_until(condition):
     return True
 
 
-def image_message(stamp, u0=50, encoding="mono8", rows=20):
+def image_message(stamp, u0=50, encoding="mono8", rows=20, upper_byte_first=False):
     pixels = np.full((HEIGHT, WIDTH), 230, np.uint8)
     for row in range(rows):  # an asymmetric staircase
         pixels[40 + row, u0 : u0 + 2 * (row + 1)] = 20
-    channels = {"mono8": 1, "rgb8": 3, "bgr8": 3, "rgba8": 4}.get(encoding, 1)
-    message = Image(height=HEIGHT, width=WIDTH, encoding=encoding, step=WIDTH * channels)
+    channels = {"mono8": 1, "rgb8": 3, "bgr8": 3, "rgba8": 4, "rgb16": 3}.get(encoding, 1)
+    if encoding.endswith("16"):
+        pixels = np.uint16(257) * pixels
+    message = Image(height=HEIGHT, width=WIDTH, encoding=encoding, step=WIDTH * channels * pixels.itemsize,
+                    is_bigendian=upper_byte_first)
     message.header.stamp = stamp
     message.header.frame_id = "camera_optical_frame"
     message.data = np.repeat(pixels, channels, axis=1).tobytes()
@@ -113,7 +116,8 @@ class CameraNodeTest(unittest.TestCase):
 
     def test_other_encodings_are_refused_and_the_node_lives(self):
         self.publish_pair(encoding="32FC1")
-        self.publish_pair(encoding="mono16")
+        self.publish_pair(encoding="bgra16")
+        self.publish_pair(encoding="mono16", upper_byte_first=True)
         self.expect_only_this_pair()
 
     def test_image_with_too_few_bytes_is_refused_and_the_node_lives(self):
@@ -124,10 +128,10 @@ class CameraNodeTest(unittest.TestCase):
         self.infos.publish(info_message(stamp))
         self.expect_only_this_pair()
 
-    def test_all_four_encodings_give_the_same_moments(self):
-        for encoding in ("mono8", "rgb8", "bgr8", "rgba8"):
+    def test_all_encodings_give_the_same_moments(self):
+        for encoding in ("mono8", "rgb8", "bgr8", "rgba8", "mono16", "rgb16"):
             self.publish_pair(encoding=encoding)
-        self.assertTrue(wait_until(lambda: len(self.received) >= 4))
+        self.assertTrue(wait_until(lambda: len(self.received) >= 6))
         self.assertEqual(len({tuple(f.m) for f in self.received}), 1)
 
     def test_reference_from_the_current_view(self):

@@ -228,3 +228,14 @@ def test_grey_in_three_channels_gives_the_features_of_mono8(background):
     rgb = extractors[1].process(np.ascontiguousarray(np.repeat(grey[:, :, None], 3, axis=2)))
     assert mono.valid and mono.m == rgb.m and mono.mu == rgb.mu and mono.components == rgb.components
     np.testing.assert_array_equal(extractors[0].converted_image, extractors[1].converted_image)
+
+
+def test_uint16_gives_the_features_of_uint8():
+    extractors = [camera.MomentExtractor(INFO, VISION) for _ in range(3)]
+    image = image_with_wedge()
+    deep = image.astype(np.uint16) * 257
+    features = [extractor.process(each) for extractor, each in
+                zip(extractors, (image, deep, np.ascontiguousarray(np.repeat(deep[:, :, None], 3, axis=2))))]
+    assert features[0].valid and features[0].m == features[1].m == features[2].m
+    with pytest.raises(camera.ShapeError, match="uint16.*allowed uint8 .*or uint16 of the first two"):
+        extractors[0].process(np.zeros((240, 320, 4), np.uint16))

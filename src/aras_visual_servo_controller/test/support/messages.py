@@ -28,7 +28,7 @@ def pose_message(X, stamp):
 def image_message(image, stamp, encoding="rgb8", padding=0):
     rows = image.reshape(image.shape[0], -1)
     rows = np.pad(rows, ((0, 0), (0, padding)))
-    message = Image(height=image.shape[0], width=image.shape[1], encoding=encoding, step=rows.shape[1],
+    message = Image(height=image.shape[0], width=image.shape[1], encoding=encoding, step=rows.strides[0],
                     data=rows.tobytes())
     message.header.stamp = stamp
     return message
@@ -59,7 +59,8 @@ def messages_of(record, skip=(), encoding="rgb8", padding=0, scenario=True):
             int(record.stamp_ns[i]) // 10**9, int(record.stamp_ns[i]) % 10**9)
         servo = i in record.servo_rows
         image = blob(8 - min(8, i - record.servo_rows[0])) if servo else blob(0)
-        image = {"mono8": image[..., 0], "bgr8": image[..., ::-1]}.get(encoding, image)
+        image = image[..., 0] if "mono" in encoding else image[..., ::-1] if encoding == "bgr8" else image
+        image = image * np.uint16(257) if encoding.endswith("16") else image
         features = MomentFeatures(area=0.05, xg=0.0, yg=0.0, alpha=0.3)
         features.header.stamp = stamp
         yield "camera/image_raw", image_message(image, stamp, encoding, padding), stamp

@@ -13,6 +13,7 @@ from aras_visual_servo_controller.config.files import package_paths
 from aras_visual_servo_controller.config.reader import Names, read
 from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.ground.extras import extra
+from aras_visual_servo_controller.ground.images import eight_bit
 from aras_visual_servo_controller.run.settings import ExperimentSettings
 from aras_visual_servo_controller.scenario.feasibility import Feasibility
 from aras_visual_servo_controller.scenario.scenario import Scenario, load_scenario
@@ -88,9 +89,10 @@ class ServoEnv(gymnasium.Env):
         self._fastest = self.kinematics.velocity
         self.action_space = spaces.Box(-1.0, 1.0, (len(self._scale),), np.float32)
         info = self.sim.camera_info(self.camera)
-        shape = (info["height"], info["width"]) + (() if self._grey() else (3,))
+        shape = (info["height"], info["width"]) + (() if self._encoding().startswith("mono") else (3,))
         state = spaces.Box(-FAR, FAR, (2 * len(self._names) + 6,), np.float64)
-        image = spaces.Box(0, 255, shape, np.uint8)
+        value = np.uint16 if self._encoding().endswith("16") else np.uint8
+        image = spaces.Box(0, np.iinfo(value).max, shape, value)
         self.observation_space = {
             "state": state, "image": image,
             "dict": spaces.Dict({"state": state, "image": image, "goal_image": image})}[observation]
@@ -134,7 +136,7 @@ class ServoEnv(gymnasium.Env):
         if self.render_mode is None:
             return None
         if self.render_mode == "camera":
-            image = np.array(self.sim.render(self.camera))
+            image = np.array(eight_bit(self.sim.render(self.camera)))
             return np.repeat(image[..., None], 3, axis=2) if image.ndim == 2 else image
         if self._observer is None:
             from .watching import Watcher
@@ -143,8 +145,8 @@ class ServoEnv(gymnasium.Env):
 
     # --- parts --------------------------------------------------------------------------------------------------
 
-    def _grey(self):
-        return self.scenario.sim["cameras"][0].get("encoding", "rgb8") == "mono8"
+    def _encoding(self):
+        return self.scenario.sim["cameras"][0].get("encoding", "rgb8")
 
     def _start_ranges(self):
         section = read(SweepSection, self.scenario.sweep, "sweep", Names(joints=self._names), separator=".")

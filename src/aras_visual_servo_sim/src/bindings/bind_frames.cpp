@@ -23,9 +23,10 @@ struct PythonFrame {
 py::array viewOf(const Image& image, const py::object& simulation) {
   std::vector<py::ssize_t> shape = {image.height, image.width};
   if (image.channels() > 1) shape.push_back(image.channels());
-  py::array_t<std::uint8_t> view(shape, image.data.data(), simulation);
+  const py::dtype type = isDeep(image.encoding) ? py::dtype::of<std::uint16_t>() : py::dtype::of<std::uint8_t>();
+  py::array view(type, shape, image.data.data(), simulation);
   py::detail::array_proxy(view.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
-  return std::move(view);
+  return view;
 }
 
 const Image& drawn(Simulation& simulation, int camera) {
@@ -70,8 +71,9 @@ void bindFrame(py::module_& module) {
           "stamp_ns", [](const PythonFrame& self) { return self.state.stamp_ns; },
           "Simulated time of the exposure, int [ns].")
       .def_readonly("image", &PythonFrame::image,
-                    "uint8 array (h, w, 3), or (h, w) for mono8, top row first; a read-only view without a copy, its\n"
-                    "content valid until the next render of this camera.")
+                    "Array (h, w, 3) of rgb8, bgr8, rgb16, else (h, w), top row first; uint16 of rgb16 and mono16,\n"
+                    "else uint8; a read-only view without a copy, its content valid until the next render of this\n"
+                    "camera.")
       .def_property_readonly(
           "joint_positions", [](const PythonFrame& self) -> Eigen::VectorXd { return self.state.q; },
           "(n,) float64 [m or rad], in the order of Simulation.joint_names (sorted by name).")
@@ -97,7 +99,7 @@ void bindFrames(py::module_& module, py::class_<Simulation>& type) {
           [](const Simulation& self, const std::string& camera) {
             return self.cameras()[self.cameras().index(camera)].model().config().encoding;
           },
-          py::arg("camera") = "camera", "\"rgb8\", \"bgr8\" or \"mono8\".")
+          py::arg("camera") = "camera", "One of those that the key `encoding` may be, as \"mono8\".")
       .def(
           "trigger", [](Simulation& self, const std::string& camera) { self.trigger(self.cameras().index(camera)); },
           py::arg("camera") = "camera", "Asks a triggered camera for one frame, the next of its schedule.");
@@ -113,8 +115,9 @@ void bindFrames(py::module_& module, py::class_<Simulation>& type) {
       .def("render", &render, py::arg("camera") = "camera",
            "What the camera sees now; at a frame of a camera with exposure_s the mean over it; where a frame of a\n"
            "camera with latency_s was taken, that frame.\n\n"
-           "Returns:\n    uint8 array (h, w, 3), or (h, w) for mono8, top row first; a\n"
-           "    read-only view without a copy, its content valid until the next render of this camera.\n"
+           "Returns:\n    array (h, w, 3) of rgb8, bgr8, rgb16, else (h, w), top row first; uint16 of rgb16 and "
+           "mono16, else\n"
+           "    uint8; a read-only view without a copy, its content valid until the next render of this camera.\n"
            "Raises:\n    UnknownNameError, RenderError.");
 }
 

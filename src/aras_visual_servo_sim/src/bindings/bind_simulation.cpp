@@ -306,9 +306,10 @@ void bindState(py::class_<Simulation>& type) {
       .def_property_readonly(
           "opengl", &Simulation::openGl,
           "What drew images by OpenGL so far, and its version; '' if nothing did. A run hash holds for one of these.")
-      .def_property_readonly(
-          "warnings", [](const Simulation& self) { return self.model().warnings; },
-          "What was ignored in the URDF, a line each.");
+      .def_property_readonly("warnings", &Simulation::warnings,
+                             "What was ignored in the URDF, and what cameras of the coverage renderer leave out of the "
+                             "scene, a line each;\n"
+                             "grows with what is spawned.");
 }
 
 }  // namespace

@@ -46,6 +46,26 @@ def test_reruns_and_resets_give_the_same_bytes(renderer):
     assert np.array_equal(went_on, images(sim))
 
 
+@pytest.mark.parametrize("renderer", ["coverage", "opengl"])
+@pytest.mark.parametrize("deep, coarse", [("mono16", "mono8"), ("rgb16", "rgb8")])
+def test_sixteen_bits_are_what_eight_bits_round(renderer, deep, coarse):
+    cameras = [{**CAMERA, "name": name, "encoding": name, "renderer": renderer} for name in (deep, coarse)]
+    sensors = [{**camera, "sensor": {"adc_bits": 12, "shot_noise": False}} for camera in cameras]
+    noisy = [{**camera, "noise_stddev": 3.0} for camera in cameras]
+    for pair in (cameras, sensors, noisy):
+        sim = make(cameras=pair, scene={**SCENE, "solids": [{"name": "box", "box_m": [0.3, 0.2, 0.1]}]})
+        fine, image = sim.render(deep), sim.render(coarse)
+        assert fine.dtype == np.uint16 and fine.shape == image.shape and not fine.flags.writeable
+        if pair is sensors:  # twelve bits above four that are 0
+            assert np.array_equal(fine >> 8, image) and not (fine & 15).any() and (fine & 0xf0).any()
+        elif pair is cameras:
+            assert np.abs(fine / 257.0 - image).max() <= 0.51  # half a level, and a unit of 1/257 on the way
+            assert len(np.unique(fine)) >= len(np.unique(image)) > 2
+        else:
+            assert (fine / 257.0 - 128.0).std() == pytest.approx((image - 128.0).std(), rel=0.1)
+            assert (fine % 257 != 0).mean() > 0.9  # noise finer than a level
+
+
 def test_noise_has_the_variance_of_photons():
     # Background red, 200 of 255: 7843 electrons of 10 000, K = 255 / 10 000.
     frames = np.array(images(sensed({}), 40), float)[:, 0, :, 0]
@@ -53,6 +73,16 @@ def test_noise_has_the_variance_of_photons():
     assert frames.mean() == pytest.approx(200.0, abs=0.2)
     # 64 pixels, 40 frames: chance leaves 2.8 % of the variance.
     assert frames.var(axis=0, ddof=1).mean() == pytest.approx(expected, rel=0.12)
+
+
+def test_sixteen_bits_are_part_of_saved_states_and_of_late_frames():
+    sim, other = (sensed({"adc_bits": 12, "auto_exposure": {"speed": 1.0}}, encoding="mono16", latency_s=0.05)
+                  for _ in range(2))
+    images(sim)
+    state = sim.save_state()
+    went_on = images(sim)
+    other.restore_state(state)
+    assert went_on[0].dtype == np.uint16 and np.array_equal(went_on, images(other)) and sim.run_hash == other.run_hash
 
 
 @pytest.mark.parametrize("sensor, named", [({"quantum_efficiency": 2}, "quantum_efficiency"), ({"iso": 100}, "iso"),

@@ -5,12 +5,18 @@
 
 namespace aras_visual_servo_camera {
 
-enum class PixelFormat { kMono8, kRgb8, kBgr8, kRgba8 };
+/** Names of sensor_msgs; values of 16 bits are in the processor's order, 65535 is white. */
+enum class PixelFormat { kMono8, kRgb8, kBgr8, kRgba8, kMono16, kRgb16 };
 
-/** Bytes in one pixel. */
+/** Whether a value has two bytes. */
+constexpr bool isDeep(PixelFormat format) { return format == PixelFormat::kMono16 || format == PixelFormat::kRgb16; }
+/** Values in one pixel. */
 constexpr int channels(PixelFormat format) {
-  return format == PixelFormat::kMono8 ? 1 : (format == PixelFormat::kRgba8 ? 4 : 3);
+  if (format == PixelFormat::kMono8 || format == PixelFormat::kMono16) return 1;
+  return format == PixelFormat::kRgba8 ? 4 : 3;
 }
+/** Bytes in one pixel. */
+constexpr int bytesOf(PixelFormat format) { return channels(format) * (isDeep(format) ? 2 : 1); }
 
 /** An image whose pixels somebody else owns. Row-major from the top left; row v starts at data + v * step_bytes. */
 struct ImageView {

@@ -4,20 +4,23 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "image/grey_image.hpp"
+
 namespace aras_visual_servo_camera {
 
 void toRgb(const ImageView& image, std::uint8_t* out) {
-  const cv::Mat view(image.height_px, image.width_px, CV_8UC(channels(image.format)),
-                     const_cast<std::uint8_t*>(image.data), image.step_bytes);
+  const cv::Mat view = bytesIn(image);
   cv::Mat rgb(image.height_px, image.width_px, CV_8UC3, out);
   switch (image.format) {
     case PixelFormat::kMono8:
+    case PixelFormat::kMono16:
       return cv::cvtColor(view, rgb, cv::COLOR_GRAY2RGB);
     case PixelFormat::kBgr8:
       return cv::cvtColor(view, rgb, cv::COLOR_BGR2RGB);
     case PixelFormat::kRgba8:
       return cv::cvtColor(view, rgb, cv::COLOR_RGBA2RGB);
     case PixelFormat::kRgb8:
+    case PixelFormat::kRgb16:
       return view.copyTo(rgb);
   }
 }

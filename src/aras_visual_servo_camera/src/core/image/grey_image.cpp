@@ -32,19 +32,28 @@ void convert(const cv::Mat& view, int code, cv::Mat* grey) {
 
 }  // namespace
 
-cv::Mat greyOf(const ImageView& image, cv::Mat* buffer) {
-  const int n = channels(image.format);
+cv::Mat bytesIn(const ImageView& image) {
+  const int n = bytesOf(image.format);
   if (image.data == nullptr || image.width_px < 1 || image.height_px < 1 ||
       image.step_bytes < static_cast<std::size_t>(image.width_px) * n)
     throw ShapeError("image: found " + std::to_string(image.width_px) + " x " + std::to_string(image.height_px) +
                      " pixels, " + std::to_string(image.step_bytes) + " bytes a row, allowed at least 1 x 1 and " +
                      std::to_string(n) + " bytes a pixel");
-  const cv::Mat view(image.height_px, image.width_px, CV_8UC(n), const_cast<std::uint8_t*>(image.data),
-                     image.step_bytes);
-  if (image.format == PixelFormat::kMono8) return view;
-  const int code = image.format == PixelFormat::kRgb8   ? cv::COLOR_RGB2GRAY
-                   : image.format == PixelFormat::kBgr8 ? cv::COLOR_BGR2GRAY
-                                                        : cv::COLOR_RGBA2GRAY;
+  const int depth = isDeep(image.format) ? CV_16U : CV_8U;
+  const cv::Mat view(image.height_px, image.width_px, CV_MAKETYPE(depth, channels(image.format)),
+                     const_cast<std::uint8_t*>(image.data), image.step_bytes);
+  if (!isDeep(image.format)) return view;
+  cv::Mat bytes;
+  view.convertTo(bytes, CV_8U, 255.0 / 65535.0);
+  return bytes;
+}
+
+cv::Mat greyOf(const ImageView& image, cv::Mat* buffer) {
+  const cv::Mat view = bytesIn(image);
+  if (view.channels() == 1) return view;
+  const int code = image.format == PixelFormat::kBgr8    ? cv::COLOR_BGR2GRAY
+                   : image.format == PixelFormat::kRgba8 ? cv::COLOR_RGBA2GRAY
+                                                         : cv::COLOR_RGB2GRAY;
   convert(view, code, buffer);
   return *buffer;
 }

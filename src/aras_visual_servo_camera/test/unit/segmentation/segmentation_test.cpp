@@ -255,6 +255,27 @@ TEST(Segmentation, ColourImagesGiveTheMaskOfTheirGrey) {
   }
 }
 
+TEST(Segmentation, SixteenBitsGiveTheMaskOfTheirUpperEight) {
+  GreyImage image(64, 48, kBackgroundGrey);
+  fill(&image, 20, 15, 13, 11, kObjectGrey);
+  for (PixelFormat format : {PixelFormat::kMono16, PixelFormat::kRgb16}) {
+    const int n = channels(format);
+    ASSERT_EQ(bytesOf(format), 2 * n);
+    const std::size_t step = 64 * n + 3;  // padded rows, in values
+    std::vector<std::uint16_t> data(step * 48, 700);
+    for (int v = 0; v < 48; ++v)
+      for (int u = 0; u < 64; ++u)
+        for (int k = 0; k < n; ++k) data[v * step + u * n + k] = static_cast<std::uint16_t>(257 * image.at(u, v) + 90);
+    const auto* bytes = reinterpret_cast<const std::uint8_t*>(data.data());
+    const ObjectMask mask = Segmentation(testing::usualVision()).process({bytes, 64, 48, 2 * step, format});
+    const ObjectMask same = Segmentation(testing::usualVision()).process(image.view());
+    EXPECT_EQ(mask.area_px, 143);
+    EXPECT_EQ(mask.u_px, same.u_px);
+    EXPECT_THROW(Segmentation(testing::usualVision()).process({bytes, 64, 48, std::size_t(2 * 64 * n - 2), format}),
+                 ShapeError);
+  }
+}
+
 TEST(Segmentation, RedAndBlueAreToldApartByTheFormat) {
   std::vector<std::uint8_t> data(3 * 40 * 40, 0);
   for (std::size_t k = 0; k < data.size(); k += 3) data[k] = 255;  // red in rgb8: grey 76; blue in bgr8: grey 29

@@ -179,12 +179,17 @@ def _images(bags, topic, stamps):
 
 
 def decode(message):
-    """The uint8 image, (h, w) or (h, w, 3) rgb, of a sensor_msgs/Image. Raises BagError for other encodings."""
-    channels = {"rgb8": 3, "bgr8": 3, "mono8": 1}.get(message.encoding)
+    """The image of a sensor_msgs/Image, (h, w) or (h, w, 3) rgb, uint8 or, of 16 bits a value, uint16.
+
+    Raises: BagError: another encoding.
+    """
+    channels = {"rgb8": 3, "bgr8": 3, "mono8": 1, "rgb16": 3, "mono16": 1}.get(message.encoding)
     if channels is None:
-        raise BagError(f"image encoding: found '{message.encoding}', allowed rgb8 | bgr8 | mono8")
+        raise BagError(f"image encoding: found '{message.encoding}', allowed rgb8 | bgr8 | mono8 | rgb16 | mono16")
+    value = np.dtype("u1" if message.encoding.endswith("8") else ">u2" if message.is_bigendian else "<u2")
     rows = np.frombuffer(message.data, dtype=np.uint8).reshape(message.height, message.step)
-    image = rows[:, :message.width * channels].reshape(message.height, message.width, channels)
+    image = rows[:, :message.width * channels * value.itemsize].copy().view(value)
+    image = image.astype(value.newbyteorder("=")).reshape(message.height, message.width, channels)
     image = image[..., ::-1] if message.encoding == "bgr8" else image
     return image[..., 0] if channels == 1 else image
 

@@ -10,6 +10,8 @@ import struct
 
 import numpy as np
 
+from ..ground.images import eight_bit
+
 WINDOW = 6
 QUALITY = 88  # of JPEG
 #: Rows that one message carries at most; a page that has missed more takes them in turn.
@@ -121,13 +123,13 @@ class Hub:
 
 
 def jpeg(image, encoding):
-    """The bytes of a JPEG of a camera's image, uint8 (h, w) or (h, w, 3) of rgb8 or bgr8."""
+    """The bytes of a JPEG of a camera's image, uint8 or uint16, (h, w) or (h, w, 3) of rgb8, rgb16 or bgr8."""
     import PIL.Image  # OpenCV writes the same bytes, and takes ten times as long to import
     if encoding == "bgr8":
         image = image[:, :, ::-1]
     stream = io.BytesIO()
     colour = {"subsampling": "4:2:0"} if image.ndim == 3 else {}
-    PIL.Image.fromarray(np.ascontiguousarray(image)).save(stream, "JPEG", quality=QUALITY, **colour)
+    PIL.Image.fromarray(np.ascontiguousarray(eight_bit(image))).save(stream, "JPEG", quality=QUALITY, **colour)
     return stream.getvalue()
 
 

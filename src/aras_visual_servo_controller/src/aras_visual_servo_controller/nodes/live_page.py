@@ -158,8 +158,8 @@ class RosRun:
 
     def _on_image(self, message):
         self.encoding = message.encoding
-        shape = (message.height, message.width) + ((3,) if message.encoding in ("rgb8", "bgr8") else ())
-        self._image = np.frombuffer(message.data, np.uint8).reshape(shape)
+        shape = (message.height, message.width) + ((3,) if message.encoding.startswith(("rgb", "bgr")) else ())
+        self._image = np.frombuffer(message.data, "<u2" if message.encoding.endswith("16") else np.uint8).reshape(shape)
         self._image_number += 1
 
     def _keep_goal(self, q):

@@ -209,6 +209,8 @@ class ServoLoop:
         else:
             builder.note(f"given up after {limit_s:g} s of simulated time in phase {record.phase}")
         wall_s = time.perf_counter() - started_s
+        for warning in filter(lambda text: "renderer coverage does not draw" in text, self.sim.warnings):
+            builder.note(warning)  # what it says of the URDF is no news of this run
         return builder.finish(run_hash=self.sim.run_hash, wall_s=wall_s, camera_info=self.camera_info,
                               real_time_factor=1e-9 * (last_ns - builder.begin_ns) / wall_s,
                               X_WT=self.target_pose(), opengl=self.sim.opengl)

@@ -12,6 +12,7 @@ from operator import attrgetter
 import numpy as np
 
 from ..ground.errors import ShapeError
+from ..ground.images import eight_bit
 from ..ground.types import FEATURE_NAMES, FINAL
 
 TWIST_NAMES = ("vx", "vy", "vz", "wx", "wy", "wz")
@@ -159,8 +160,8 @@ class RecordBuilder:
             stamp_ns: simulated time of the image [ns].  phase: one of types.PHASES.  status: code of ServoState.
             s, s_star, e: (k,).  twist: (6,).  q, set_point: (m,) in the order of joint_names.  X_WC: (4, 4).
             raw: (area, xg, yg, alpha).  X_WT: (4, 4) of a target that moves.  stop: values of STOP_NAMES.
-            image: uint8 (h, w) or (h, w, 3), unchanged until the next row or `finish`; copied only where the record
-                keeps it (see `keep_image`).
+            image: uint8 or uint16, (h, w) or (h, w, 3), unchanged until the next row or `finish`; copied only where
+                the record keeps it (see `keep_image`).
         The other arrays are copied later: nobody may change their content any more.
         Raises:
             ShapeError: an array has not the length its names have.
@@ -204,7 +205,8 @@ class RecordBuilder:
         Args:
             answer: `types.ServoRecord` (or an object with its fields), joints by name in any order.
             X_WC: (4, 4) true camera pose at the image.  features: `Features` of the image, or None.
-            image: uint8 (h, w) or (h, w, 3), or None.  X_WT: (4, 4) true pose of a target that moves, or None.
+            image: uint8 or uint16, (h, w) or (h, w, 3), or None.  X_WT: (4, 4) true pose of a target that moves, or
+                None.
         """
         names = answer.joint_names
         if names is not self._names:
@@ -239,13 +241,13 @@ class RecordBuilder:
         ends = phase == "done" and len(self._rows) > 1 and self._rows[-2][1] == "servo" and \
             self._rows[-2][2] not in FINAL
         if self._keep_images and (phase == "servo" or ends):
-            self._all_images[len(self._rows) - 1] = np.array(image, dtype=np.uint8)
+            self._all_images[len(self._rows) - 1] = np.array(eight_bit(image))
         if phase == "teach":
-            self._images["desired"] = np.array(image, dtype=np.uint8)
+            self._images["desired"] = np.array(eight_bit(image))
         elif phase == "servo" and "initial" not in self._images:
-            self._images["initial"] = np.array(image, dtype=np.uint8)
+            self._images["initial"] = np.array(eight_bit(image))
         if ends or phase == "servo" and self._rows[-1][2] in FINAL:
-            self._images["final"], self._last_servo_image = np.array(image, dtype=np.uint8), None
+            self._images["final"], self._last_servo_image = np.array(eight_bit(image)), None
         elif phase == "servo":
             self._last_servo_image = image  # it is the last view only if the run breaks off here: copied then
 
@@ -275,7 +277,7 @@ class RecordBuilder:
         columns = list(zip(*rows)) if rows else [()] * 4
         stamp_ns = np.array(columns[0], dtype=np.int64)
         if self._last_servo_image is not None:
-            self._images["final"], self._last_servo_image = np.array(self._last_servo_image, dtype=np.uint8), None
+            self._images["final"], self._last_servo_image = np.array(eight_bit(self._last_servo_image)), None
 
         self._write()
 

@@ -46,10 +46,11 @@ def test_the_judgement_from_the_bag_is_that_of_the_run(tmp_path, original):
     assert from_bag.final_error == pytest.approx(direct.final_error, abs=1e-9)
 
 
-@pytest.mark.parametrize("encoding, padding", [("rgb8", 0), ("rgb8", 5), ("bgr8", 0), ("mono8", 3)])
+@pytest.mark.parametrize("encoding, padding", [("rgb8", 0), ("rgb8", 5), ("bgr8", 0), ("mono8", 3), ("mono16", 1),
+                                               ("rgb16", 0)])
 def test_images_are_decoded_whatever_their_encoding_and_row_padding(tmp_path, original, encoding, padding):
     record = read_bag(write(tmp_path / "run.bag", messages_of(original, encoding=encoding, padding=padding)))
-    pick = (lambda image: image[..., 0]) if encoding == "mono8" else (lambda image: image)
+    pick = (lambda image: image[..., 0]) if encoding.startswith("mono") else (lambda image: image)
     assert np.array_equal(record.desired_image, pick(blob(0)))
     assert np.array_equal(record.initial_image, pick(blob(8)))
 

@@ -51,6 +51,18 @@ def test_another_seed_of_a_noisy_camera_gives_another_hash(record):
     assert len(hashes) == 2
 
 
+def test_a_camera_of_sixteen_bits_serves_and_what_its_renderer_leaves_out_is_noted():
+    scenario = load_scenario("experiment_1")
+    camera = dict(scenario.sim["cameras"][0], encoding="mono16", sensor={"adc_bits": 12})
+    lamp = {"name": "lamp", "sphere_m": 0.02, "position_m": [3, 3, 1], "material": {"emissive_rgb": [255, 255, 255]}}
+    loop = ServoLoop(load_scenario("experiment_1", {"sim.cameras": [camera], "sim.scene.solids": [lamp]}))
+    record = loop.run()
+    assert loop.sim.render(loop.camera).dtype == np.uint16
+    assert judge(record).passed, judge(record).faults
+    assert record.initial_image.dtype == np.uint8 and np.ptp(record.initial_image) > 100
+    assert record.notes == ("camera 'camera': renderer coverage does not draw emissive of lamp",)
+
+
 def test_a_law_with_the_wrong_sign_does_not_converge(monkeypatch):
     def turned(original):
         class Turned(original):

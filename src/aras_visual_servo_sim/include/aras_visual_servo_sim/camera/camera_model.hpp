@@ -49,7 +49,10 @@ class CameraModel {
   Sampling sampling() const { return sampling_; }
   Encoding encoding() const { return encoding_; }
   /** In which the renderer draws: rgb8 for a Bayer pattern, which is made of it, else encoding(). */
-  Encoding drawnEncoding() const { return isBayer(encoding_) ? Encoding::kRgb8 : encoding_; }
+  Encoding drawnEncoding() const {
+    if (encoding_ == Encoding::kMono16) return Encoding::kMono8;
+    return isBayer(encoding_) || encoding_ == Encoding::kRgb16 ? Encoding::kRgb8 : encoding_;
+  }
   /** A camera that sees row v of this one's image, and nothing else. */
   CameraModel row(int v) const;
 

@@ -32,8 +32,7 @@ class CoverageRenderer : public Renderer {
   const Statistics& statistics() const;
 
  private:
-  void doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) override;
-  void doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, FineImage& out) override;
+  void doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, const Out& out) override;
 
   class Implementation;
   std::unique_ptr<Implementation> implementation_;

@@ -50,8 +50,7 @@ class OpenGlRenderer : public Renderer {
   const Statistics& statistics() const;
 
  private:
-  void doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) override;
-  void doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, FineImage& out) override;
+  void doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, const Out& out) override;
 
   class Implementation;
   std::unique_ptr<Implementation> implementation_;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <variant>
+
 #include "aras_visual_servo_sim/camera/camera_model.hpp"
 #include "aras_visual_servo_sim/config/types.hpp"
 #include "aras_visual_servo_sim/image/image.hpp"
@@ -16,13 +18,22 @@ class Renderer {
    *  @param X_WC  pose of the camera's optical frame C (x right, y down, z forward) in the world
    *  @param out   given the camera's size and encoding; memory is reused from frame to frame
    *  @throws NotFiniteError if a pose is not finite, RenderError if the renderer fails */
-  void render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out);
+  void render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
+    draw(camera, X_WC, scene, &out);
+  }
   /** The same before it is rounded to bytes. */
-  void render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, FineImage& out);
+  void render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, FineImage& out) {
+    draw(camera, X_WC, scene, &out);
+  }
+
+ protected:
+  /** An image to be drawn, of one kind or the other. */
+  using Out = std::variant<Image*, FineImage*>;
 
  private:
-  virtual void doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) = 0;
-  virtual void doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, FineImage& out) = 0;
+  void draw(const CameraModel& camera, const Pose& X_WC, const Scene& scene, const Out& out);
+  /** @param out  has its size and encoding; poses are finite */
+  virtual void doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, const Out& out) = 0;
 };
 
 }  // namespace aras_visual_servo_sim

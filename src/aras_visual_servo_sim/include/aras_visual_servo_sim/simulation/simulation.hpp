@@ -11,6 +11,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/config/package_paths.hpp"
 #include "aras_visual_servo_sim/physics/multibody_world.hpp"
+#include "aras_visual_servo_sim/render/undrawn.hpp"
 #include "aras_visual_servo_sim/robot/robot_model.hpp"
 #include "aras_visual_servo_sim/simulation/cameras/cameras.hpp"
 #include "aras_visual_servo_sim/simulation/cameras/frame_drawer.hpp"
@@ -46,6 +47,9 @@ class Simulation {
   Simulation& operator=(const Simulation&) = delete;
 
   const RobotModel& model() const { return model_; }
+  /** What was ignored in the robot, and what cameras of the coverage renderer leave out of the scene, a line each.
+   * Grows with what is spawned. */
+  const std::vector<std::string>& warnings() const { return model_.warnings; }
   const SimulationConfig& config() const { return config_; }
   const MultibodyWorld& world() const { return *world_; }
   const Models& models() const { return models_; }
@@ -189,6 +193,7 @@ class Simulation {
   Moment present(const Camera& camera);
   void startModels();
   void change(ModelSet next);
+  void tellUndrawn();
   void restoreWorld(const std::string& state, const ModelSet& models, const std::vector<Camera::State>& cameras);
   void checkTime(const std::vector<Camera::State>& cameras) const;
 
@@ -203,6 +208,7 @@ class Simulation {
   FrameDrawer drawer_;
   Commands commands_;
   RunHash run_hash_;
+  Undrawn undrawn_;  // of which there was a warning
 };
 
 /** Advances several simulations by n periods, each as its step() does, but so that their robots touch each other, see

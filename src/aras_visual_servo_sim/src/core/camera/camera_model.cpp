@@ -51,7 +51,7 @@ CameraModel::CameraModel(const CameraConfig& config) : config_(config) {
 
 void CameraModel::checkSensor(FaultList& faults) const {
   const SensorConfig& sensor = *config_.sensor;
-  aras_visual_servo_sim::checkSensor(sensor, config_.encoding != "mono8", faults);
+  aras_visual_servo_sim::checkSensor(sensor, config_.encoding, faults);
   const double all_s = config_.exposure_s + sensor.row_time_s * (config_.height - 1);
   if (sensor.row_time_s > 0.0 && all_s >= 1.0 / config_.rate_hz) {
     faults.add("sensor/row_time_s", numberText(sensor.row_time_s),

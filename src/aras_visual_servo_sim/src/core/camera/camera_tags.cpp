@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <string>
 
 #include "aras_visual_servo_sim/camera/camera_model.hpp"
 #include "aras_visual_servo_sim/camera/equidistant_lens.hpp"
@@ -65,11 +67,26 @@ class TagReader {
   }
 
   std::string encoding() const {
-    const std::string& format = tag_.format;
-    if (format.empty() || format == "R8G8B8" || format == "RGB_INT8") return "rgb8";
-    if (format == "B8G8R8" || format == "BGR_INT8") return "bgr8";
-    if (format == "L8" || format == "L_INT8") return "mono8";
-    throw ModelError("camera '" + camera_.name + "': <format> is " + format + ", allowed R8G8B8, B8G8R8, L8");
+    static const std::map<std::string, std::string> known = {{"", "rgb8"},
+                                                             {"R8G8B8", "rgb8"},
+                                                             {"RGB_INT8", "rgb8"},
+                                                             {"B8G8R8", "bgr8"},
+                                                             {"BGR_INT8", "bgr8"},
+                                                             {"L8", "mono8"},
+                                                             {"L_INT8", "mono8"},
+                                                             {"R16G16B16", "rgb16"},
+                                                             {"RGB_INT16", "rgb16"},
+                                                             {"L16", "mono16"},
+                                                             {"L_INT16", "mono16"},
+                                                             {"BAYER_RGGB8", "bayer_rggb8"},
+                                                             {"BAYER_BGGR8", "bayer_bggr8"},
+                                                             {"BAYER_GBRG8", "bayer_gbrg8"},
+                                                             {"BAYER_GRBG8", "bayer_grbg8"}};
+    const auto found = known.find(tag_.format);
+    if (found != known.end()) return found->second;
+    throw ModelError(
+        "camera '" + camera_.name + "': <format> is " + tag_.format +
+        ", allowed R8G8B8, B8G8R8, L8, R16G16B16, L16, BAYER_RGGB8, BAYER_BGGR8, BAYER_GBRG8, BAYER_GRBG8");
   }
 
   /** The image by the sensor alone, camera_info by the plugin's keys and defaults (gazebo_ros_camera_utils.cpp, Init).

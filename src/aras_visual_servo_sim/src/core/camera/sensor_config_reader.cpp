@@ -65,7 +65,7 @@ SensorConfig readSensorConfig(YamlReader reader) {
   return config;
 }
 
-void checkSensor(const SensorConfig& sensor, bool color, FaultList& faults) {
+void checkSensor(const SensorConfig& sensor, const std::string& encoding, FaultList& faults) {
   if (sensor.black_level_dn >= sensor.mostDn()) {
     faults.add("sensor/black_level_dn", numberText(sensor.black_level_dn),
                "< 2^adc_bits - 1, " + numberText(sensor.mostDn()));
@@ -79,8 +79,12 @@ void checkSensor(const SensorConfig& sensor, bool color, FaultList& faults) {
       faults.add("sensor/defocus_px", numberText(sensor.defocus_px), "0 beside depth_of_field");
     }
   }
-  if (sensor.auto_white_balance && !color) {
-    faults.add("sensor/auto_white_balance", "a section", "none with mono8, which has no colours");
+  if (sensor.jpeg_quality > 0 && (encoding == "mono16" || encoding == "rgb16")) {
+    faults.add("sensor/jpeg_quality", numberText(sensor.jpeg_quality),
+               "0 with " + encoding + ": JPEG has 8 bits a value");
+  }
+  if (sensor.auto_white_balance && (encoding == "mono8" || encoding == "mono16")) {
+    faults.add("sensor/auto_white_balance", "a section", "none with " + encoding + ", which has no colours");
   }
 }
 

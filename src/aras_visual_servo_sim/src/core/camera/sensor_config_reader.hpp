@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "aras_visual_servo_sim/config/section.hpp"
 #include "aras_visual_servo_sim/image/sensor/sensor_config.hpp"
 
@@ -8,7 +10,7 @@ namespace aras_visual_servo_sim {
 /** Reads the section `sensor`; its faults are the reader's. */
 SensorConfig readSensorConfig(YamlReader reader);
 
-/** Adds what a schema cannot express. @param color  the image has red, green and blue */
-void checkSensor(const SensorConfig& sensor, bool color, FaultList& faults);
+/** Adds what a schema cannot express. @param encoding  of the image */
+void checkSensor(const SensorConfig& sensor, const std::string& encoding, FaultList& faults);
 
 }  // namespace aras_visual_servo_sim

@@ -83,12 +83,8 @@ CoverageRenderer& CoverageRenderer::operator=(CoverageRenderer&&) noexcept = def
 
 const CoverageRenderer::Statistics& CoverageRenderer::statistics() const { return implementation_->statistics_; }
 
-void CoverageRenderer::doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
-  implementation_->render(camera, X_WC, scene, out);
-}
-
-void CoverageRenderer::doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, FineImage& out) {
-  implementation_->render(camera, X_WC, scene, out);
+void CoverageRenderer::doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, const Out& out) {
+  std::visit([&](auto* image) { implementation_->render(camera, X_WC, scene, *image); }, out);
 }
 
 }  // namespace aras_visual_servo_sim

@@ -19,15 +19,9 @@ void requireFinite(const CameraModel& camera, const Pose& X_WC, const Scene& sce
 
 }  // namespace
 
-void Renderer::render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
+void Renderer::draw(const CameraModel& camera, const Pose& X_WC, const Scene& scene, const Out& out) {
   requireFinite(camera, X_WC, scene);
-  out.resize(camera.width(), camera.height(), camera.drawnEncoding());
-  doRender(camera, X_WC, scene, out);
-}
-
-void Renderer::render(const CameraModel& camera, const Pose& X_WC, const Scene& scene, FineImage& out) {
-  requireFinite(camera, X_WC, scene);
-  out.resize(camera.width(), camera.height(), camera.drawnEncoding());
+  std::visit([&](auto* image) { image->resize(camera.width(), camera.height(), camera.drawnEncoding()); }, out);
   doRender(camera, X_WC, scene, out);
 }
 

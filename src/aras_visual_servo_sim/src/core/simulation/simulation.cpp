@@ -50,6 +50,7 @@ Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::No
   if (faults.empty()) faults.collect([&] { makeWorld(); });
   faults.throwIfAny();
   startModels();
+  tellUndrawn();
 }
 
 void Simulation::makeWorld() {
@@ -201,6 +202,7 @@ FrameState Simulation::frameState(int index) const {
 void Simulation::setCameras(const std::vector<CameraConfig>& cameras) {
   cameras_.become(cameras_.with(cameras, model_, config_.seed, periodNs()), ticks());
   config_.cameras = cameras;
+  tellUndrawn();
   commands_.allowLatency(clock_.ns(cameras_.longestLatencyTicks()));
 }
 
@@ -209,6 +211,7 @@ void Simulation::setLighting(const SceneConfig& scene) {
   config_.scene.background = scene.background;
   config_.scene.light_direction_W = scene.light_direction_W;
   config_.scene.lighting = scene.lighting;
+  tellUndrawn();
 }
 
 void Simulation::setTwist(const Twist& V_WL_L, const std::string& link, std::optional<std::int64_t> stamp_ns) {
@@ -235,6 +238,25 @@ void Simulation::change(ModelSet next) {
   cameras_.keepModels(models_.set());
   models_.become(std::move(next));
   cameras_.forgetPast();
+  tellUndrawn();
+}
+
+/** Warns of what cameras of the coverage renderer leave out, of each thing once. */
+void Simulation::tellUndrawn() {
+  std::string cameras;
+  for (const Camera& camera : cameras_) {
+    const CameraConfig& config = camera.model().config();
+    if (config.renderer != "opengl") cameras += (cameras.empty() ? "'" : ", '") + config.name + "'";
+  }
+  if (cameras.empty()) return;
+  Undrawn undrawn;
+  for (const auto& [part, names] : undrawnByCoverage(scene())) {
+    for (const std::string& name : names) {
+      if (undrawn_[part].insert(name).second) undrawn[part].insert(name);
+    }
+  }
+  if (undrawn.empty()) return;
+  model_.warnings.push_back("camera " + cameras + ": renderer coverage does not draw " + textOf(undrawn));
 }
 
 void Simulation::spawnModel(const YAML::Node& node, const std::optional<Pose>& X_WM) {

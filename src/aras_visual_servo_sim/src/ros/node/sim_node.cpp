@@ -40,7 +40,7 @@ SimNode::SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, NodeletQueue&
       status_(node_.advertise<aras_visual_servo_msgs::SimStatus>("sim/status", 1000, true)),
       paused_(parameters.time.start_paused) {
   requireOwnClock(node_.resolveName("/clock"));
-  for (const std::string& warning : simulation_.model().warnings) ROS_WARN("%s", warning.c_str());
+  tellWarnings();
   for (const std::string& camera : config_.lockstep_cameras) {
     lockstep_cameras_.push_back(simulation_.cameras().index(camera));
   }
@@ -157,7 +157,13 @@ void SimNode::beat() {
   if (paused_ || gate_.holding() || ticks == clock_beats_at_) states_.publishClock();
   clock_beats_at_ = ticks;
   if (simulation_.modelsMove()) markers_.refresh();
+  tellWarnings();
   publishStatus();
+}
+
+void SimNode::tellWarnings() {
+  const std::vector<std::string>& all = simulation_.warnings();
+  for (; warnings_told_ < all.size(); ++warnings_told_) ROS_WARN("%s", all[warnings_told_].c_str());
 }
 
 /** Sentence that says which nodes have not answered which image. */

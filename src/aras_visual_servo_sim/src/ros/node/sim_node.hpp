@@ -81,6 +81,7 @@ class SimNode {
   bool pauseIfDue();
   void checkHold();
   void beat();
+  void tellWarnings();
   std::string heldBy() const;
   void publishStatus();
 
@@ -113,6 +114,7 @@ class SimNode {
   std::string held_image_;                  ///< the image that the lockstep waits for, in words
   std::string answerers_;                   ///< nodes that might answer it, in words; "" until the master was asked
   Snapshots snapshots_;
+  std::size_t warnings_told_ = 0;     ///< of the simulation
   std::uint64_t clock_beats_at_ = 0;  ///< ticks when the clock was last repeated
   ros::WallTime next_beat_, hold_report_;
 };

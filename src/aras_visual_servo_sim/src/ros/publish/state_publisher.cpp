@@ -82,7 +82,7 @@ void StatePublisher::advertiseCamera(int camera, const CameraTopics& topics) {
   output.image_format.width = static_cast<std::uint32_t>(model.width());
   output.image_format.height = static_cast<std::uint32_t>(model.height());
   output.image_format.encoding = encodingName(model.encoding());
-  output.image_format.step = static_cast<std::uint32_t>(model.width() * channelsOf(model.encoding()));
+  output.image_format.step = static_cast<std::uint32_t>(model.width() * bytesOf(model.encoding()));
   cameras_.push_back(output);
 }
 

@@ -6,7 +6,7 @@ import unittest
 import numpy as np
 import rospy
 import rostest
-from sensor_msgs.msg import Image
+from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Empty
 
 WAIT_S = 30.0  # for a message, on a busy machine
@@ -43,6 +43,18 @@ class Geometry(unittest.TestCase):
         until(lambda: len(images.keys() & depths.keys()) >= 3, "three depths with the stamp of an image")
         subscriber.unregister()
         other.unregister()
+
+    def test_sixteen_bits_have_the_digital_numbers(self):
+        image = rospy.wait_for_message("deep/image_raw", Image, WAIT_S)
+        self.assertEqual((image.height, image.width, image.encoding, image.step), (6, 8, "mono16", 16))
+        self.assertFalse(image.is_bigendian)
+        values = np.frombuffer(image.data, "<u2")
+        self.assertEqual(values.size, 48)
+        self.assertEqual(values[0], round(230 / 255 * 4095) << 4)  # twelve bits, in the upper part of sixteen
+        self.assertFalse(np.any(values & 15))
+        self.assertLess(values.min(), values[0] // 2)  # the target
+        file = rospy.wait_for_message("deep/image_raw/compressed", CompressedImage, WAIT_S)
+        self.assertEqual(file.format, "mono16; jpeg compressed mono8")
 
     def test_triggered_camera_sends_one_image_for_each_request(self):
         images = []

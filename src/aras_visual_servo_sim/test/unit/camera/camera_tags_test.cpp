@@ -72,9 +72,22 @@ TEST(CameraTags, BecomeACameraWithTheTagsNumbers) {
   EXPECT_EQ(cameras[0].distortion.back(), 0.5);
 }
 
+TEST(CameraTags, FormatsAreTheEncodingsOfGazebosPlugin) {
+  std::vector<std::string> warnings;
+  for (const auto& [format, encoding] : std::map<std::string, std::string>{{"R8G8B8", "rgb8"},
+                                                                           {"BGR_INT8", "bgr8"},
+                                                                           {"L_INT16", "mono16"},
+                                                                           {"L16", "mono16"},
+                                                                           {"R16G16B16", "rgb16"},
+                                                                           {"RGB_INT16", "rgb16"},
+                                                                           {"BAYER_GRBG8", "bayer_grbg8"}}) {
+    EXPECT_EQ(camerasFromTags(robotWithCamera(format), warnings).at(0).encoding, encoding);
+  }
+}
+
 TEST(CameraTags, UnknownImageFormatIsRefused) {
   std::vector<std::string> warnings;
-  EXPECT_THROW(camerasFromTags(robotWithCamera("BAYER_RGGB8"), warnings), ModelError);
+  EXPECT_THROW(camerasFromTags(robotWithCamera("BGR_INT16"), warnings), ModelError);
 }
 
 /** Gazebo's own fisheye. */

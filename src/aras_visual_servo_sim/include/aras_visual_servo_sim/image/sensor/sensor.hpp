@@ -37,7 +37,7 @@ class Sensor {
    *  @pre seesDepth() */
   void focus(const std::vector<float>& depth_m, FineImage& light) { depth_blur_->apply(depth_m, light); }
 
-  /** @param light  rgb8 for a Bayer pattern, else of the image's encoding; changed  @param image  resized
+  /** @param light  rgb8 for a Bayer pattern, else of the image's channels; changed  @param image  resized
    *  @param fresh  the frame is read out for the first time: what the camera sets by itself moves on */
   void readOut(FineImage& light, std::uint64_t frame_index, bool fresh, Image& image);
 
@@ -57,6 +57,7 @@ class Sensor {
   void takeSettings();
   void digitise(const FineImage& light, std::uint64_t frame_index);
   void meter();
+  template <typename Value>
   void develop(Image& image) const;
 
   SensorConfig config_;
@@ -68,7 +69,7 @@ class Sensor {
   std::array<std::vector<std::uint8_t>, 2> colors_;  // of the values of even and odd rows
   std::vector<float> response_;                      // electrons of white, value by value
   std::vector<float> offset_e_;                      // empty: none
-  std::vector<std::uint8_t> tones_;                  // byte of each digital number
+  std::vector<std::uint16_t> tones_;                 // of each digital number: see toneCurve
   State state_;
   FineImage mosaic_;
   std::vector<std::uint16_t> numbers_;

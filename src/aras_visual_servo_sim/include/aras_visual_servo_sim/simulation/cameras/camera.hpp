@@ -85,7 +85,8 @@ class Camera {
   // --- the image
   Image image{};
   GeometryImage geometry{};
-  /** Of a camera with a sensor, noise or a Bayer pattern what falls on it, of which readOut() makes the image. */
+  /** Of a camera with a sensor, noise, a Bayer pattern or 16 bits a value what falls on it, of which readOut() makes
+   * the image. */
   FineImage light{};
   bool readsOut() const;
   /** Whether light has to go through focus() before it is read out. */

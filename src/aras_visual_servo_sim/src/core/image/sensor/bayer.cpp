@@ -6,6 +6,7 @@ int colorAt(Encoding encoding, int x, int v) {
   const int u = x % 2, down = v % 2;
   switch (encoding) {
     case Encoding::kRgb8:
+    case Encoding::kRgb16:
       return x % 3;
     case Encoding::kBgr8:
       return 2 - x % 3;

@@ -83,6 +83,7 @@ bool read(const std::vector<std::uint8_t>& bytes, Failure& failure, Image& image
 }  // namespace
 
 std::vector<std::uint8_t> jpegOf(const Image& image, int quality) {
+  if (isDeep(image.encoding)) return jpegOf(upperBytes(image), quality);
   Failure failure;
   unsigned char* bytes = nullptr;
   unsigned long size = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 #include "aras_visual_servo_sim/image/sensor/bayer.hpp"
@@ -42,7 +43,7 @@ Sensor::Sensor(const SensorConfig& config, int width, int height, Encoding encod
   for (std::size_t i = 0; i < size; ++i) {
     const int v = static_cast<int>(i) / count, x = static_cast<int>(i) % count;
     double response = white_e / kWhite;
-    if (encoding != Encoding::kMono8) response *= config.color_response[colors_[v % 2][x]];
+    if (!isMono(encoding)) response *= config.color_response[colors_[v % 2][x]];
     if (!cosines.empty()) response *= std::pow(cosines[i / channels], config.vignetting_exponent);
     if (!prnu.empty()) response *= std::max(0.0, 1.0 + prnu[i]);
     response_[i] = static_cast<float>(response);
@@ -69,7 +70,7 @@ void Sensor::readOut(FineImage& light, std::uint64_t frame_index, bool fresh, Im
   }
   digitise(*seen, frame_index);
   if (fresh) meter();
-  develop(image);
+  isDeep(encoding_) ? develop<std::uint16_t>(image) : develop<std::uint8_t>(image);
   if (config_.jpeg_quality > 0) throughJpeg(config_.jpeg_quality, image);
 }
 
@@ -132,11 +133,12 @@ void Sensor::meter() {
   }
 }
 
-/** White balance and tones. */
+/** White balance and tones. @tparam Value  of the image */
+template <typename Value>
 void Sensor::develop(Image& image) const {
   image.resize(width_, height_, encoding_);
   std::array<float, 3> gains{1.0f, 1.0f, 1.0f};
-  if (encoding_ != Encoding::kMono8) {
+  if (!isMono(encoding_)) {
     const std::array<double, 3> automatic{state_.balance[0], 1.0, state_.balance[1]};
     for (int c = 0; c < 3; ++c) gains[c] = static_cast<float>(config_.white_balance[c] * automatic[c]);
   }
@@ -146,13 +148,17 @@ void Sensor::develop(Image& image) const {
   for (int v = 0; v < height_; ++v) {
     const std::uint16_t* from = numbers_.data() + stride * v;
     std::uint8_t* to = image.pixel(0, v);
+    const auto put = [this, to](std::size_t x, std::size_t number) {
+      const auto value = static_cast<Value>(tones_[number] >> (16 - 8 * sizeof(Value)));
+      std::memcpy(to + x * sizeof(Value), &value, sizeof(Value));
+    };
     for (std::size_t x = 0; x < stride; ++x) {
       if (balanced) {
-        to[x] = tones_[from[x]];
+        put(x, from[x]);
         continue;
       }
       const float number = black + gains[colors_[v % 2][x]] * (static_cast<float>(from[x]) - black) + 0.5f;
-      to[x] = tones_[static_cast<std::size_t>(std::max(0.0f, std::min(most, number)))];
+      put(x, static_cast<std::size_t>(std::max(0.0f, std::min(most, number))));
     }
   }
 }

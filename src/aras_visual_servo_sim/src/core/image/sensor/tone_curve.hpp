@@ -5,7 +5,7 @@
 
 namespace aras_visual_servo_sim {
 
-/** The byte of each digital number: its upper 8 bits after gamma. @return 2^adc_bits bytes */
-std::vector<std::uint8_t> toneCurve(int adc_bits, double gamma);
+/** Each digital number after gamma, in the upper adc_bits of 16; the rest is 0. @return 2^adc_bits values */
+std::vector<std::uint16_t> toneCurve(int adc_bits, double gamma);
 
 }  // namespace aras_visual_servo_sim

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <limits>
 #include <list>
+#include <map>
 #include <mutex>
 #include <type_traits>
 #include <utility>
@@ -144,6 +145,7 @@ class OpenGlRenderer::Implementation {
     SolidPainter solids;
     FlatPainter flats;
     std::list<std::pair<std::vector<double>, CameraViews>> views;  // by keyOf, used last first
+    std::map<std::vector<double>, decltype(views)::iterator> views_of;
   };
 
   GlContext::Binding bind() {
@@ -175,13 +177,17 @@ class OpenGlRenderer::Implementation {
   CameraViews& viewsOf(const CameraModel& camera, bool fine) {
     auto& all = parts_->views;
     const std::vector<double> key = keyOf(camera, fine);
-    const auto found = std::find_if(all.begin(), all.end(), [&](const auto& each) { return each.first == key; });
-    if (found != all.end()) {
-      all.splice(all.begin(), all, found);
+    const auto found = parts_->views_of.find(key);
+    if (found != parts_->views_of.end()) {
+      all.splice(all.begin(), all, found->second);
     } else {
       all.emplace_front(std::piecewise_construct, std::forward_as_tuple(key),
                         std::forward_as_tuple(context_->gl(), camera, fine));
-      if (all.size() > kMostCameras) all.pop_back();
+      parts_->views_of[key] = all.begin();
+      if (all.size() > kMostCameras) {
+        parts_->views_of.erase(all.back().first);
+        all.pop_back();
+      }
     }
     return all.front().second;
   }
@@ -352,12 +358,8 @@ std::string OpenGlRenderer::drewWith() const { return implementation_->drewWith(
 
 const OpenGlRenderer::Statistics& OpenGlRenderer::statistics() const { return implementation_->statistics_; }
 
-void OpenGlRenderer::doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, Image& out) {
-  implementation_->render(camera, X_WC, scene, out);
-}
-
-void OpenGlRenderer::doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, FineImage& out) {
-  implementation_->render(camera, X_WC, scene, out);
+void OpenGlRenderer::doRender(const CameraModel& camera, const Pose& X_WC, const Scene& scene, const Out& out) {
+  std::visit([&](auto* image) { implementation_->render(camera, X_WC, scene, *image); }, out);
 }
 
 }  // namespace aras_visual_servo_sim

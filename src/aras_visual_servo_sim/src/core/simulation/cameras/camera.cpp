@@ -114,7 +114,8 @@ void Camera::note(Moment moment) {
 
 bool Camera::readsOut() const {
   const CameraConfig& config = model_.config();
-  return sensor_ || config.noise_stddev != 0.0 || config.noise_mean != 0.0 || isBayer(model_.encoding());
+  const Encoding encoding = model_.encoding();
+  return sensor_ || config.noise_stddev != 0.0 || config.noise_mean != 0.0 || isBayer(encoding) || isDeep(encoding);
 }
 
 void Camera::readOut(std::int64_t now) {
@@ -123,7 +124,7 @@ void Camera::readOut(std::int64_t now) {
   if (sensor_) return sensor_->readOut(light, static_cast<std::uint64_t>(index), unhashed_frame_ >= 0, image);
   if (isBayer(model_.encoding())) throughBayerFilter(light, model_.encoding(), mosaic_);
   addGaussianNoise(isBayer(model_.encoding()) ? mosaic_ : light, config.noise_stddev, noise_seed_,
-                   static_cast<std::uint64_t>(index), config.noise_mean, image);
+                   static_cast<std::uint64_t>(index), config.noise_mean, model_.encoding(), image);
 }
 
 bool Camera::imageIsOfNewFrame() { return std::exchange(unhashed_frame_, -1) >= 0; }

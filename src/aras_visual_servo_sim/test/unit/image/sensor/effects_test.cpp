@@ -87,15 +87,15 @@ TEST(Defocus, EdgeIsThatOfADiscAndFlatStaysFlat) {
   EXPECT_EQ(sharp.data, image.data);
 }
 
-TEST(ToneCurve, GivesTheUpperEightBitsAfterGamma) {
-  const std::vector<std::uint8_t> plain = toneCurve(8, 1.0), twelve = toneCurve(12, 1.0), lifted = toneCurve(8, 2.2);
+TEST(ToneCurve, HasNumbersInTheUpperBitsAfterGamma) {
+  const std::vector<std::uint16_t> plain = toneCurve(8, 1.0), twelve = toneCurve(12, 1.0), lifted = toneCurve(8, 2.2);
   for (int k = 0; k < 256; ++k) {
-    EXPECT_EQ(plain[k], k);
-    EXPECT_EQ(twelve[16 * k], k);
-    EXPECT_EQ(twelve[16 * k + 15], k);
-    EXPECT_NEAR(lifted[k], 255.0 * std::pow(k / 255.0, 1.0 / 2.2), 0.5 + 1e-9);
+    EXPECT_EQ(plain[k], k << 8);
+    EXPECT_EQ(twelve[16 * k], k << 8);
+    EXPECT_EQ(twelve[16 * k + 15], (16 * k + 15) << 4);
+    EXPECT_NEAR(lifted[k] >> 8, 255.0 * std::pow(k / 255.0, 1.0 / 2.2), 0.5 + 1e-9);
   }
-  EXPECT_EQ(toneCurve(1, 1.0), (std::vector<std::uint8_t>{0, 128}));
+  EXPECT_EQ(toneCurve(1, 1.0), (std::vector<std::uint16_t>{0, 1 << 15}));
 }
 
 TEST(AutoExposure, GoesItsShareOfTheWayBothWaysAndStopsAtTheLimits) {

@@ -17,7 +17,7 @@ Image noisy(double level, double stddev, std::uint64_t seed, std::uint64_t frame
   light.resize(320, 240, Encoding::kMono8);
   std::fill(light.data.begin(), light.data.end(), static_cast<std::uint16_t>(std::lround(257.0 * level)));
   Image image;
-  addGaussianNoise(light, stddev, seed, frame, mean, image);
+  addGaussianNoise(light, stddev, seed, frame, mean, light.encoding, image);
   return image;
 }
 

@@ -88,6 +88,19 @@ TEST(Sensor, WithoutNoiseIsALineThatEndsAtBothLimits) {
   EXPECT_EQ(imageOf(fitting, 0.5).data[7], 128);  // the upper 8 bits of 2048
 }
 
+TEST(Sensor, SixteenBitsHoldTheDigitalNumbersInTheirUpperBits) {
+  const std::string keys = "shot_noise: false, saturation_capacity_e: 5000, quantum_efficiency: 0.25, adc_bits: 12";
+  Sensor deep = sensorOf(keys, Encoding::kMono16), coarse = sensorOf(keys);
+  for (const double share : {0.0, 0.1234, 0.5, 0.77, 1.0}) {
+    const Image image = imageOf(deep, share);
+    ASSERT_EQ(image.data.size(), 2 * kPixels);
+    const int value = image.data[14] + 256 * image.data[15], number = value >> 4;
+    EXPECT_EQ(value, number << 4);
+    EXPECT_EQ(number, std::lround(4095.0 * std::lround(65535.0 * share) / 65535.0));
+    EXPECT_EQ(upperBytes(image).data, imageOf(coarse, share).data);
+  }
+}
+
 TEST(Sensor, DarkCurrentFlowsWithTimeAndIsShotNoiseToo) {
   Sensor sensor = sensorOf("dark_current_e_per_s: 5000, system_gain_dn_per_e: 0.2", Encoding::kMono8, 0.1);
   const Image a = imageOf(sensor, 0.0, 0), b = imageOf(sensor, 0.0, 1);

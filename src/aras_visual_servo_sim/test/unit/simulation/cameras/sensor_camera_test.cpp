@@ -90,6 +90,8 @@ TEST(SensorCamera, OutOfRangeIsNamed) {
                            {"sensor: {auto_exposure: {delay_frames: 0}}", "delay_frames"},
                            {"sensor: {auto_white_balance: {}}, encoding: mono8", "auto_white_balance"},
                            {"sensor: {}, noise_stddev: 1.0", "noise_stddev"},
+                           {"sensor: {auto_white_balance: {}}, encoding: mono16", "auto_white_balance"},
+                           {"sensor: {jpeg_quality: 80}, encoding: rgb16", "jpeg_quality"},
                            {"encoding: bayer_rgbg8", "encoding"},
                            {"sensor: 3", "sensor"}}) {
     const std::string keys = each.keys;

@@ -203,6 +203,7 @@ void GlStore::upload(GlMesh& stored) {
     }
     part.count = static_cast<GLsizei>(indices.size()) - part.first;
     if (part.count > 0 && part.picture) findPlane(mesh, indices, part);
+    part.blocks = blocksOf(mesh, indices, part.first, part.count);
     if (part.count > 0) stored.parts.push_back(part);
   }
   stored.index_count = static_cast<GLsizei>(indices.size());

@@ -8,6 +8,7 @@
 
 #include "aras_visual_servo_sim/scene/scene.hpp"
 #include "render/opengl/gl/gl_functions.hpp"
+#include "render/opengl/view/seen_blocks.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -17,6 +18,7 @@ struct MeshPart {
   GLsizei first = 0, count = 0;                      ///< indices
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< of all its triangles; 0: they have not all the same
   double stretch = 1.0;  ///< how much finer its picture lies along one direction than across it, where it has a normal
+  std::vector<TriangleBlock> blocks{};  ///< all of its triangles
 };
 
 /** Triangles to draw without their pictures. */

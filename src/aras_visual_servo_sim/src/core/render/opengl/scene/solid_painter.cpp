@@ -242,8 +242,10 @@ void SolidPainter::draw(const Item& item, const PinholeView& view, const GlMesh&
     store_.bindPicture(picture.texture, picture.wrap_s, picture.wrap_t, false);
     if (picture.normals) store_.bindPicture(picture.normals, picture.wrap_s, picture.wrap_t, false, kBumpsUnit);
   }
-  gl_.DrawElements(GL_TRIANGLES, part.count, GL_UNSIGNED_INT,
-                   reinterpret_cast<const void*>(std::size_t(part.first) * sizeof(std::uint32_t)));
+  for (const auto& [first, count] : seenRuns(part.blocks, item.X_CS, view, camera_->nearM())) {
+    gl_.DrawElements(GL_TRIANGLES, count, GL_UNSIGNED_INT,
+                     reinterpret_cast<const void*>(std::size_t(first) * sizeof(std::uint32_t)));
+  }
 }
 
 SolidPainter::Program& SolidPainter::programOf(const Item& item, const GlMesh& mesh, const MeshPicture* picture,
