@@ -28,7 +28,8 @@ const char kEveryKey[] =
     "kernel: {p: 2, q: 3}, lost_area_px: 4, border_margin_px: 3, switch_ratio: 1.5, switch_images: 7, "
     "photometric: {interaction: current, illumination: offset, levels: 2, switch_px: 0.6, smoothing_px: 1.5, "
     "border_px: 11, min_contrast: 4, target_normal_C: [0.1, 0.2, 0.9]}, "
-    "matches: {detector: akaze, keypoints: 500, ratio: 0.7, inlier_px: 2, min_matches: 9, iterations: 300, seed: 7}}";
+    "matches: {detector: akaze, keypoints: 500, ratio: 0.7, inlier_px: 2, min_matches: 9, iterations: 300, seed: 7}, "
+    "tag: {family: 25h9, id: 3, size_m: 0.12, min_side_px: 24}}";
 
 std::vector<std::string> keysOf(const YAML::Node& map) {
   std::vector<std::string> keys;
@@ -47,7 +48,7 @@ TEST(VisionConfig, EveryKeyOfTheSectionsIsRead) {  // by the next test, which ha
   const YAML::Node document = YAML::Load(kEveryKey);
   const auto& vision = schemaSections().section("vision");
   EXPECT_EQ(keysOf(document), keysOf(vision));
-  for (const char* part : {"kernel", "photometric", "matches"})
+  for (const char* part : {"kernel", "photometric", "matches", "tag"})
     EXPECT_EQ(keysOf(document[part]), keysOf(*vision.property(document, part)));
 }
 
@@ -91,6 +92,11 @@ TEST(VisionConfig, ReadsEveryKey) {
   EXPECT_EQ(m.min_matches, 9);
   EXPECT_EQ(m.iterations, 300);
   EXPECT_EQ(m.seed, 7);
+  const TagConfig& t = c.tag.value();
+  EXPECT_EQ(t.family, "25h9");
+  EXPECT_EQ(t.id, 3);
+  EXPECT_EQ(t.size_m.value(), 0.12);
+  EXPECT_EQ(t.min_side_px, 24.0);
 }
 
 TEST(VisionConfig, FaultsOfTheKernelAreListedWithTheOthers) {
