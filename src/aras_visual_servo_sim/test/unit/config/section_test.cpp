@@ -55,12 +55,13 @@ TEST(Sections, AValueFromElsewhereIsCheckedAsOneOfYaml) {
   EXPECT_FALSE(checkValue(sectionOf("camera"), "width", 0, faults));
   EXPECT_FALSE(checkValue(sectionOf("camera"), "encoding", std::string("rgba8"), faults));
   EXPECT_FALSE(checkValue(sectionOf("sim"), "gravity_m_s2", std::vector<double>{0.0, 1.0}, faults));
-  EXPECT_EQ(faults.lines(), (std::vector<std::string>{"latency_s: found 11, allowed >= 0 and <= 10",
-                                                      "rate_hz: found .inf, allowed >= 1e-06 and <= 1000000",
-                                                      "width: found 0, allowed >= 1 and <= 16384",
-                                                      "encoding: found rgba8, allowed one of rgb8, bgr8, mono8, rgb16, mono16, "
-                                                      "bayer_rggb8, bayer_bggr8, bayer_gbrg8, bayer_grbg8",
-                                                      "gravity_m_s2: found [0, 1], allowed a list of 3 numbers"}));
+  EXPECT_EQ(faults.lines(),
+            (std::vector<std::string>{"latency_s: found 11, allowed >= 0 and <= 10",
+                                      "rate_hz: found .inf, allowed >= 1e-06 and <= 1000000",
+                                      "width: found 0, allowed >= 1 and <= 16384",
+                                      "encoding: found rgba8, allowed one of rgb8, bgr8, mono8, rgb16, mono16, "
+                                      "bayer_rggb8, bayer_bggr8, bayer_gbrg8, bayer_grbg8",
+                                      "gravity_m_s2: found [0, 1], allowed a list of 3 numbers"}));
 }
 
 TEST(Sections, AKeyWithoutDefaultHasNone) {
