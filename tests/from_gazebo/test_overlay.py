@@ -1,5 +1,4 @@
 """A package of the kind that was written for Gazebo, started by its own launch files over the packages in gazebo/."""
-import os
 import pathlib
 import signal
 import sys
@@ -11,15 +10,6 @@ from ros_graph import Graph
 
 HERE = pathlib.Path(__file__).resolve().parent
 MOVE = str(HERE / "demo_arm" / "scripts" / "move.py")
-
-
-@pytest.fixture(autouse=True, scope="module")
-def package_path():
-    """The package is found as one of a workspace is."""
-    before = os.environ.get("ROS_PACKAGE_PATH", "")
-    os.environ["ROS_PACKAGE_PATH"] = "%s:%s" % (HERE, before)
-    yield
-    os.environ["ROS_PACKAGE_PATH"] = before
 
 
 def launched(folder, name, *arguments):

@@ -1,22 +1,8 @@
 """A cart whose plugins drive its wheels and publish its sensors, and what pushes it from outside."""
-import os
-import pathlib
-
 import pytest
 import yaml
 
 from ros_graph import Graph
-
-HERE = pathlib.Path(__file__).resolve().parent
-
-
-@pytest.fixture(autouse=True, scope="module")
-def package_path():
-    """The package is found as one of a workspace is."""
-    before = os.environ.get("ROS_PACKAGE_PATH", "")
-    os.environ["ROS_PACKAGE_PATH"] = "%s:%s" % (HERE, before)
-    yield
-    os.environ["ROS_PACKAGE_PATH"] = before
 
 
 @pytest.fixture(scope="module")

@@ -1,23 +1,12 @@
 """A servoing script as they were written for Gazebo: a free camera moved by set_model_state before a textured board."""
-import os
 import pathlib
 import sys
 
-import pytest
 import yaml
 
 from ros_graph import Graph
 
 HERE = pathlib.Path(__file__).resolve().parent
-
-
-@pytest.fixture(autouse=True, scope="module")
-def package_path():
-    """The package is found as one of a workspace is."""
-    before = os.environ.get("ROS_PACKAGE_PATH", "")
-    os.environ["ROS_PACKAGE_PATH"] = "%s:%s" % (HERE, before)
-    yield
-    os.environ["ROS_PACKAGE_PATH"] = before
 
 
 def servoed(folder):

@@ -5,7 +5,7 @@ import gazebo_msgs.srv as srv
 import numpy
 import rospy
 
-from ...world.errors import BadValueError, UnknownEntityError
+from ...world.errors import BadValueError, UnknownEntityError, unknown_as
 from ...world.world import WORLD_FRAMES
 
 
@@ -26,20 +26,16 @@ class ForceServices:
                                request.duration.to_nsec(), self._world.period_ns, self._world.time_ns)
 
     def _push_body(self, request):
-        try:
+        with unknown_as("ApplyBodyWrench: body does not exist"):
             model, link = self._world.scoped(request.body_name)
-        except UnknownEntityError as error:
-            raise UnknownEntityError("ApplyBodyWrench: body does not exist") from error
         parts = [(v.x, v.y, v.z) for v in (request.wrench.force, request.wrench.torque, request.reference_point)]
         if not all(map(math.isfinite, sum(parts, ()))):
             raise BadValueError("ApplyBodyWrench: found a number that is not finite, allowed are finite numbers")
         force, torque, point = map(numpy.array, parts)
         torque = torque + numpy.cross(point, force)
         if request.reference_frame not in WORLD_FRAMES:
-            try:
+            with unknown_as("ApplyBodyWrench: reference_frame not found"):
                 X_WF, _ = self._world.frame(request.reference_frame)
-            except UnknownEntityError as error:
-                raise UnknownEntityError("ApplyBodyWrench: reference_frame not found") from error
             force, torque = X_WF[:3, :3] @ force, X_WF[:3, :3] @ torque
             torque = torque + numpy.cross(X_WF[:3, 3] - model.centre_of_mass(link), force)
         self._push(model, link, False, (*force, *torque), request)
@@ -50,10 +46,8 @@ class ForceServices:
         return self._world.joint_owner(joint), joint
 
     def _push_joint(self, request):
-        try:
+        with unknown_as("ApplyJointEffort: joint not found"):
             model, joint = self._joint(request.joint_name)
-        except UnknownEntityError as error:
-            raise UnknownEntityError("ApplyJointEffort: joint not found") from error
         if not math.isfinite(request.effort):
             raise BadValueError("ApplyJointEffort: found effort %s, allowed are finite numbers" % request.effort)
         self._push(model, joint, True, request.effort, request)

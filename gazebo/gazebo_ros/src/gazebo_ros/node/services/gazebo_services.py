@@ -12,7 +12,7 @@ from std_msgs.msg import ColorRGBA
 from aras_visual_servo_sim import ArasError
 
 from ...sdf.world import GROUND
-from ...world.errors import GazeboError, UnknownEntityError
+from ...world.errors import GazeboError, unknown_as
 from ...world.lights import turned
 from ...world.poses import rotated
 from ..convert import pose_message, pose_of, stamp, twist_message, twist_of
@@ -86,16 +86,12 @@ class GazeboServices:
 
     def _known(self, name, answer):
         """The model of a name. Raises: UnknownEntityError with Gazebo's own words."""
-        try:
+        with unknown_as(answer):
             return self._world.model(name)
-        except UnknownEntityError as error:
-            raise UnknownEntityError(answer) from error
 
     def _frame(self, name, answer):
-        try:
+        with unknown_as(answer):
             return self._world.frame(name)
-        except UnknownEntityError as error:
-            raise UnknownEntityError(answer) from error
 
     def _model_state(self, request):
         ground = request.model_name == GROUND and self._world.settings.ground

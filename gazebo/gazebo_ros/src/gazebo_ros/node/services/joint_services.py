@@ -5,7 +5,7 @@ import gazebo_msgs.srv as srv
 import rospy
 
 from ...urdf.properties import JointProperties
-from ...world.errors import BadValueError, UnknownEntityError
+from ...world.errors import BadValueError, unknown_as
 
 #: Numbers of the ODE engine's solver, which is not there.
 OF_ODE = ("erp", "cfm", "stop_erp", "stop_cfm", "fudge_factor")
@@ -23,10 +23,8 @@ class JointServices:
 
     def _joint(self, name, answer):
         joint = name.rpartition("::")[2]
-        try:
+        with unknown_as(answer):
             return self._world.joint_owner(joint), joint
-        except UnknownEntityError as error:
-            raise UnknownEntityError(answer) from error
 
     def _properties(self, request):
         model, joint = self._joint(request.joint_name, "GetJointProperties: joint not found")

@@ -7,7 +7,7 @@ from gazebo_msgs.msg import LinkState
 from geometry_msgs.msg import Point, Pose, Quaternion
 
 from ...urdf.properties import LinkProperties
-from ...world.errors import BadValueError, GazeboError, UnknownEntityError
+from ...world.errors import BadValueError, GazeboError, unknown_as
 from ...world.poses import rotated
 from ...world.world import WORLD_FRAMES
 from ..convert import pose_message, pose_of, twist_message, twist_of
@@ -26,16 +26,12 @@ class LinkServices:
         serve("set_link_properties", srv.SetLinkProperties, self._set)
 
     def _link(self, name, answer):
-        try:
+        with unknown_as(answer):
             return self._world.scoped(name)
-        except UnknownEntityError as error:
-            raise UnknownEntityError(answer) from error
 
     def _frame(self, name, answer):
-        try:
+        with unknown_as(answer):
             return self._world.frame(name)
-        except UnknownEntityError as error:
-            raise UnknownEntityError(answer) from error
 
     def _state(self, request):
         model, link = self._link(request.link_name, "GetLinkState: link not found, did you forget to scope the link by "
