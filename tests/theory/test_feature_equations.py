@@ -11,7 +11,7 @@ from views import plane_of
 
 from aras_visual_servo_controller.features import interaction
 from aras_visual_servo_controller.features.base import FeatureSet, View
-from aras_visual_servo_controller.features.kernel import kernel_row
+from aras_visual_servo_controller.features.kinds.kernel import kernel_row
 from aras_visual_servo_controller.features.target.target_pose import PlanarTarget
 
 ENDS = ((0, 1), (2, 3), (4, 0))  # of segments of the outline

@@ -12,6 +12,8 @@ namespace aras_visual_servo_sim {
 namespace {
 
 constexpr double kDark = 20.0, kBright = 230.0, kHalf_m = 0.1;
+constexpr double kExactAim = 0.02;   // [px] of a flat target, whose coverage is exact
+constexpr double kSampledAim = 0.1;  // [px] of one that OpenGL samples at 1/8 px
 
 /** A dark square of 0.2 m that moves below the pan-lift robot, half a metre from the camera. */
 Simulation moving(const std::string& camera, const std::string& velocity_m_per_s, int height) {
@@ -105,9 +107,9 @@ TEST_P(RollingCorners, AreWhereTheClosedFormPutsThem) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Renderers, RollingCorners,
-                         ::testing::Values(Drawn{"", 0.02}, Drawn{"renderer: opengl, ", 0.02},
+                         ::testing::Values(Drawn{"", kExactAim}, Drawn{"renderer: opengl, ", kExactAim},
                                            Drawn{"renderer: opengl, quality: high, exact_targets: false, ",
-                                                 0.1}));  // samples at 1/8 px
+                                                 kSampledAim}));
 
 TEST(RollingShutter, RowsSeeTheCameraWherePhysicsHadIt) {
   constexpr int kHeight = 40;  // one row a tick: no interpolation
