@@ -16,7 +16,7 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 
 from ..ground.errors import ModelError, NotFiniteError, ShapeError
-from ..ground.spatial import exponential, inverse, logarithm, pose_from_rpy, rotation, rotation_vector
+from ..ground.spatial import adjoint, exponential, inverse, logarithm, pose_from_rpy, rotation, rotation_vector
 from .joint_vectors import JointVectors
 
 NAMES = ("px", "py", "pz", "rx", "ry", "rz")
@@ -43,9 +43,7 @@ class FreeCamera(JointVectors):
         for joint in joints[1:]:
             self._X_LC = self._X_LC @ _origin(joint)
         self._X_CL = inverse(self._X_LC)
-        R, p = self._X_CL[:3, :3], self._X_CL[:3, 3]
-        cross = np.array([[0.0, -p[2], p[1]], [p[2], 0.0, -p[0]], [-p[1], p[0], 0.0]])
-        self._J = np.block([[R, cross @ R], [np.zeros((3, 3)), R]])
+        self._J = adjoint(self._X_CL)
         self.lower, self.upper = np.full(6, -np.inf), np.full(6, np.inf)
         self.velocity = np.full(6, np.inf)
 

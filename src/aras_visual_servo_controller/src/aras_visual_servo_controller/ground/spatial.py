@@ -24,8 +24,7 @@ def exponential(twist):
     """
     v, w = twist[:3], twist[3:]
     angle = float(w @ w) ** 0.5
-    wx, wy, wz = w.tolist()
-    W = np.array([[0.0, -wz, wy], [wz, 0.0, -wx], [-wy, wx, 0.0]])
+    W = skew(w.tolist())
     if angle < _SMALL_RAD:
         A, B, C = 1.0, 0.5, 1.0 / 6.0
     else:
@@ -57,6 +56,18 @@ def inverse(X):
     result[..., :3, :3] = X[..., :3, :3].swapaxes(-1, -2)
     result[..., :3, 3] = -(X[..., None, :3, 3] @ X[..., :3, :3])[..., 0, :]
     return result
+
+
+def skew(vector):
+    """[v]x, (3, 3), of a vector, (3,): [v]x w is the cross product v x w."""
+    x, y, z = vector
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def adjoint(X):
+    """(6, 6): a twist [v; w] in the frame that has the pose X, (4, 4), as a twist in the frame that X is given in."""
+    R = X[:3, :3]
+    return np.block([[R, skew(X[:3, 3]) @ R], [np.zeros((3, 3)), R]])
 
 
 def rotation(vector):

@@ -9,7 +9,7 @@ import numpy as np
 from ..config.settings import setting
 from ..features.points import points
 from ..ground.errors import DegenerateFeature
-from ..ground.spatial import exponential, inverse, logarithm
+from ..ground.spatial import adjoint, exponential, inverse, logarithm
 from ..ground.types import Status
 from .base import LawSetup, register
 from .constraints import BORDERS, ConstraintSettings, Rooms, points_in_space, rooms_of
@@ -77,7 +77,7 @@ class Predictive(QuadraticProgram):
         plan = self._nominal(arm)
         poses = _poses(arm.jacobian, self._moves @ plan, period_s)
         # Motion of the camera frame of the first step, in it, by the velocities of each move up to each step.
-        reach = np.array([_adjoint(X) for X in poses[:-1]]) @ (period_s * arm.jacobian)
+        reach = np.array([adjoint(X) for X in poses[:-1]]) @ (period_s * arm.jacobian)
         reach = np.cumsum(self._moves[:, :, None, None] * reach[:, None], axis=0)
         reach = reach.transpose(0, 2, 1, 3).reshape(len(reach), 6, -1)
         now = rooms_of(self.settings, view, arm.X_BC)
@@ -137,7 +137,7 @@ class Predictive(QuadraticProgram):
             axes = [3 * (index // 2) + index % 2 for index in self._points]
             ways, lack = L_seen[:, axes], wanted - (seen[:, axes] - xy.ravel()[self._points])
         else:
-            moved, turned = np.array([logarithm(X) for X in poses]), np.array([_adjoint(inverse(X)) for X in poses])
+            moved, turned = np.array([logarithm(X) for X in poses]), np.array([adjoint(inverse(X)) for X in poses])
             ways, lack = L @ turned, wanted - moved @ L.T
         h, rows = [], []
         for axis, half in enumerate((config.half_width, config.half_height)):
@@ -251,12 +251,3 @@ def _poses(jacobian, velocities, period_s):
     for twist in velocities @ jacobian.T:
         poses.append(poses[-1] @ exponential(period_s * twist))
     return np.array(poses)
-
-
-def _adjoint(X):
-    """(6, 6): a twist [v; w] in the frame that has the pose X, as a twist in the frame that X is given in."""
-    R, (x, y, z) = X[:3, :3], X[:3, 3]
-    result = np.zeros((6, 6))
-    result[:3, :3] = result[3:, 3:] = R
-    result[:3, 3:] = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]) @ R
-    return result

@@ -21,7 +21,7 @@ import numpy as np
 
 from ..config.settings import setting
 from ..features.base import View
-from ..ground.spatial import inverse, logarithm, rotation
+from ..ground.spatial import inverse, logarithm, rotation, skew
 from ..ground.types import Features
 from .feed_forward import POSE_FEATURES, ConstantVelocity
 
@@ -166,8 +166,7 @@ def matrix_of_pose(s):
     p_dot = R v, and (theta u)_dot = J(theta u) w with the inverse of the right Jacobian of the rotations.
     """
     turn = np.asarray(s[3:], dtype=float)
-    (x, y, z), angle = turn.tolist(), float(turn @ turn) ** 0.5
-    W = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    W, angle = skew(turn), float(turn @ turn) ** 0.5
     part = 1.0 / 12.0 if angle < SMALL_RAD else (1.0 - 0.5 * angle / np.tan(0.5 * angle)) / angle**2
     L = np.zeros((6, 6))
     L[:3, :3], L[3:, 3:] = rotation(turn), np.eye(3) + 0.5 * W + part * (W @ W)

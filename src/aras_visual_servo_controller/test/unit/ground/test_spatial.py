@@ -9,9 +9,9 @@ import pytest
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
-from aras_visual_servo_controller.ground.spatial import (exponential, inverse, logarithm, pose_from_quaternion,
-                                                         quaternion_xyzw, rotation, rotation_angle, rotation_rpy,
-                                                         rotation_vector)
+from aras_visual_servo_controller.ground.spatial import (adjoint, exponential, inverse, logarithm,
+                                                         pose_from_quaternion, quaternion_xyzw, rotation,
+                                                         rotation_angle, rotation_rpy, rotation_vector, skew)
 
 SEEDS = range(40)
 #: Some tens of operations on numbers near one.
@@ -143,3 +143,12 @@ def test_a_run_in_process_needs_no_scipy():
             "scenario = load_scenario('experiment_1'); check_feasible(scenario); "
             "summarise(run_in_process(scenario)); sys.exit('scipy' in sys.modules)")
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_skew_is_the_cross_product_and_adjoint_moves_a_twist_to_the_other_frame(seed):
+    rng = np.random.default_rng(seed)
+    v, w, twist, X = rng.normal(size=3), rng.normal(size=3), rng.normal(size=6), exponential(rng.normal(size=6))
+    np.testing.assert_allclose(skew(v) @ w, np.cross(v, w), rtol=0, atol=ROUNDING)
+    moved = exponential(adjoint(X) @ twist)
+    np.testing.assert_allclose(moved, X @ exponential(twist) @ inverse(X), rtol=0, atol=2e-13)

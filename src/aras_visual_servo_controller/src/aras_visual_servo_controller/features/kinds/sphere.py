@@ -11,6 +11,7 @@ for cameras obeying the unified projection model", IEEE T-RO 26(4), 2010.
 
 import numpy as np
 
+from ...ground.spatial import skew
 from ..base import register_family
 from ..palette import COOL, GREENS, WARM
 from ..points import OfPoints, points
@@ -35,8 +36,7 @@ class _OnSphere(OfPoints):
         else:
             over_Z = float(np.dot(view.plane, s * length))
         over_r = over_Z / length  # 1 / distance of the point from the optical centre
-        cross = np.array([[0.0, -s[2], s[1]], [s[2], 0.0, -s[0]], [-s[1], s[0], 0.0]])
-        return np.concatenate([(over_r * (np.outer(s, s) - np.eye(3)))[self.axis], cross[self.axis]])
+        return np.concatenate([(over_r * (np.outer(s, s) - np.eye(3)))[self.axis], skew(s)[self.axis]])
 
 
 @register_family("us")

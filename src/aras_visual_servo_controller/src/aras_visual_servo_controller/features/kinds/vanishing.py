@@ -13,6 +13,7 @@ approach to visual servoing in robotics", IEEE T-RA 8(3), 1992, has it for point
 import numpy as np
 
 from ...ground.errors import DegenerateFeature
+from ...ground.spatial import skew
 from ..base import register_family
 from ..palette import COOL, GREENS, WARM
 from ..points import OfPoints, points
@@ -41,8 +42,7 @@ class _Vanishing(OfPoints):
 
     def row(self, view):
         d = view.shared(direction, self._ends(view)[0])
-        cross = np.array([[0.0, -d[2], d[1]], [d[2], 0.0, -d[0]], [-d[1], d[0], 0.0]])
-        return np.concatenate([np.zeros(3), cross[self.axis]])
+        return np.concatenate([np.zeros(3), skew(d)[self.axis]])
 
 
 @register_family("vx")
