@@ -61,15 +61,26 @@ class RealArm(unittest.TestCase):
             return np.array([pose.x, pose.y, pose.z])
         return float(np.linalg.norm(place(stamp_a_ns) - place(stamp_b_ns)))
 
+    def tearDown(self):
+        self.fault.publish("")
+
     def begin(self):
-        """A goal, and the arm in motion."""
+        """A goal, and the arm in motion. A goal that is refused because a machine stalls is sent again."""
         type(self).held = True
         wait_until(lambda: self.deadman.get_num_connections() > 0, "the controller")
-        time.sleep(0.5)
-        goal = self.watcher.send_goal("experiment")
-        wait_until(lambda: self.watcher.result or (self.commands and self.commands[-1][1] > 0.02), "motion", LIMIT_S)
+        for _ in range(20):
+            time.sleep(0.5)
+            goal = self.watcher.send_goal("experiment")
+            wait_until(lambda: self.watcher.result or self.commands and self.commands[-1][1] > 0.02, "motion", LIMIT_S)
+            if not self.watcher.result or "the arm must rest" not in self.watcher.result.result.reason:
+                break
         self.assertIsNone(self.watcher.result)
         return goal
+
+    def said(self, text):
+        """Whether a state of the controller said that it rests for want of this."""
+        return any(state.status == Status.STALE_INPUT and text in state.status_text
+                   for state in dict(self.watcher.states).values())
 
     def at_rest_after(self, since_s, within_s):
         wait_until(lambda: rospy.get_time() > since_s + within_s + 0.3, "time", LIMIT_S)
@@ -114,11 +125,11 @@ class RealArm(unittest.TestCase):
     def test_4_joint_states_or_images_that_stop_stop_the_arm_until_they_come(self):
         for fault, timeout_s, text in (("joints", 0.4, "no joint state"), ("images", 0.65, "no features")):
             goal = self.begin()
+            self.watcher.states.clear()
             self.fault.publish(fault)
             since_s = rospy.get_time()
             self.at_rest_after(since_s, timeout_s + WITHIN_S + 0.1)
-            told = [state for state in dict(self.watcher.states).values() if state.status == Status.STALE_INPUT]
-            self.assertTrue(any(text in state.status_text for state in told), [s.status_text for s in told][-3:])
+            wait_until(lambda: self.said(text), f"a state that says: {text}")
             self.assertIsNone(self.watcher.result)
             self.fault.publish("")
             wait_until(lambda: self.watcher.result or self.commands[-1][1] > 0.02, "motion again", LIMIT_S)
