@@ -51,11 +51,16 @@ std::string DepthReader::fault(const DepthView* depth) const {
 }
 
 double DepthReader::at(const DepthView& depth, double x, double y, const ObjectMask* among) const {
+  const int reach = config_.window_px / 2;
+  const double z = within(reach, depth, x, y, among);
+  return std::isnan(z) && among ? within(2 * reach, depth, x, y, among) : z;
+}
+
+double DepthReader::within(int reach, const DepthView& depth, double x, double y, const ObjectMask* among) const {
   const auto [u_px, v_px] = map_.intrinsics().project(x, y);
   if (!(std::abs(u_px) < 1e6 && std::abs(v_px) < 1e6)) return kHole;
   const int u = static_cast<int>(std::lround(u_px)), v = static_cast<int>(std::lround(v_px));
   const bool inside = u >= 0 && v >= 0 && u < map_.width() && v < map_.height();
-  const int reach = config_.window_px / 2;
   if (reach == 0) return inside ? depth.at(u, v) : kHole;
   const double below = !among && inside ? depth.at(u, v) : kHole;
   if (!among && std::isnan(below)) return kHole;

@@ -24,6 +24,9 @@ class DepthReader {
   double at(const DepthView& depth, double x, double y, const ObjectMask* among) const;
 
  private:
+  /** The same from the pixels as far as `reach` along rows and columns. */
+  double within(int reach, const DepthView& depth, double x, double y, const ObjectMask* among) const;
+
   const PixelMap& map_;
   DepthConfig config_;
 };

@@ -112,7 +112,8 @@ std::optional<RigidMotion> findRigidMotion(const Points& goal, const Points& her
     if (!(cost < best_cost)) continue;
     best_cost = cost;
     const double part = static_cast<double>(motion->inliers.size()) / static_cast<double>(goal.size());
-    needed = part < 1.0 ? std::log(1.0 - kConfidence) / std::log(1.0 - part * part * part + 1e-12) : 1.0;
+    const double whole = part * part * part;  // of samples without a wrong match
+    if (whole > 0.0) needed = whole < 1.0 ? std::log(1.0 - kConfidence) / std::log1p(-whole) : 0.0;
     best = std::move(motion);
   }
   if (!best) return std::nullopt;

@@ -68,6 +68,13 @@ TEST(RigidMotion, LeavesOutWrongMatchesAndIsTheSameAgain) {
   EXPECT_EQ(cv::norm(again->t - motion->t, cv::NORM_INF), 0.0);
 }
 
+TEST(RigidMotion, GoesOnWhileNoSampleHasFoundAnythingYet) {
+  const Cloud cloud(false, 0.0, 55);  // of samples of three, every thirtieth is of right matches alone
+  const auto motion = findRigidMotion(cloud.goal, cloud.here, kFocal_px, usual());
+  ASSERT_TRUE(motion);
+  EXPECT_LT(cloud.off(*motion), 1e-12);
+}
+
 TEST(RigidMotion, IsNoneForFewPointsWrongOnesAndALine) {
   const Cloud wrong(false, 0.0, 70);
   EXPECT_FALSE(findRigidMotion(wrong.goal, wrong.here, kFocal_px, usual()));

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kFloat =
     3e-7;  // relative: depths are floats, and a point beside its pixels is further by a few of them
-constexpr float kBehind_m = 2.0F;
+constexpr float kBehind_m = 1.0F;
 const float kHole = std::numeric_limits<float>::quiet_NaN();
 constexpr DepthConfig kUsual{9, 0.05};
 
@@ -76,8 +76,8 @@ TEST(DepthReader, HolesAreFilledFromTheirSurroundingsAndToldWhereNothingIsLeft) 
     EXPECT_NEAR(reader.at(scene.view(), p.x, p.y, &scene.mask), 1.0 / Scene::overZ(p.x, p.y), 1e-6);
     EXPECT_TRUE(std::isnan(reader.at(scene.view(), p.x, p.y, nullptr)));  // the pixel under the point says which depth
   }
-  for (int v = 96; v <= 104; ++v)
-    for (int u = 116; u <= 124; ++u)
+  for (int v = 92; v <= 108; ++v)
+    for (int u = 112; u <= 128; ++u)
       if (v != 98) scene.at(u, v) = kHole;
   EXPECT_TRUE(std::isnan(reader.at(scene.view(), p.x, p.y, &scene.mask)));  // a row alone gives no plane
   EXPECT_TRUE(std::isnan(reader.at(scene.view(), 5.0, 0.0, &scene.mask)));  // outside the image

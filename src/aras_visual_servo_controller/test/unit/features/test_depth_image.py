@@ -187,6 +187,7 @@ def test_a_spoilt_depth_image_stops_the_arm_with_the_reason_and_it_goes_on_when_
     loop = ServoLoop(load_scenario("six_dof_rgbd", {"experiment.settle_s": 0.1, **changes}))
     loop.start()
     while loop.sequence.phase != "servo":
+        assert loop.sequence.phase != "done", loop.sequence.result.reason
         loop.step()
     for _ in range(5):
         assert loop.step()[0].status == Status.SERVOING

@@ -35,6 +35,7 @@ def to_servo(changes):
     loop = ServoLoop(load_scenario("six_dof_matches", {"experiment.settle_s": 0.1, **DEPTH, **changes}))
     loop.start()
     while loop.sequence.phase != "servo":
+        assert loop.sequence.phase != "done", loop.sequence.result.reason
         loop.step()
     return loop
 
