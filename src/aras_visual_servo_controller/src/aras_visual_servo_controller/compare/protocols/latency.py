@@ -36,9 +36,7 @@ class Latency(Protocol):
     source = "this project"
     metric, published_starts = "success", STARTS
 
-    def cases(self, folder, count, board=None):
-        if board is not None:
-            raise ParameterError(f"--board: found {board}, allowed nothing: no picture is seen in this protocol")
+    def cases(self, folder, count):
         return [Case(name, scenario, planned(scenario, count), {"case": name})
                 for name, scenario in ((name, load_scenario(file, changes)) for name, (file, changes) in CASES.items())]
 
