@@ -151,13 +151,6 @@ void bindTimeAndCameras(py::class_<Simulation>& type) {
             return self.cameraTwist(self.cameras().index(camera));
           },
           py::arg("camera") = "camera", "V_WC_C, (6,): twist of C in W expressed in C, [v; w] [m/s; rad/s].")
-      .def(
-          "camera_encoding",
-          [](const Simulation& self, const std::string& camera) {
-            return encodingName(self.cameras()[self.cameras().index(camera)].model().encoding());
-          },
-          py::arg("camera") = "camera",
-          "Encoding of its images: the name in sensor_msgs/image_encodings.h, such as rgb8.")
       .def("camera_info", &cameraInfo, py::arg("camera") = "camera",
            "Intrinsics as sensor_msgs/CameraInfo: dict of width, height, K (9), D, distortion_model, R (9), P (12),\n"
            "frame_id. Matrices row by row; pixel (u, v) covers [u - 1/2, u + 1/2] x [v - 1/2, v + 1/2].");
