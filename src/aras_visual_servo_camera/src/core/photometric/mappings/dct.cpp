@@ -36,7 +36,7 @@ std::vector<std::pair<int, int>> zigZag(int width, int height, int count) {
   return out;
 }
 
-/** Coefficients of the cosine transform of the image, the lowest frequencies (T69). */
+/** Coefficients of the cosine transform of the image, the lowest frequencies (T82). */
 class Dct : public LinearMapping {
  public:
   explicit Dct(const DctConfig& config) : config_(config) {}

@@ -49,7 +49,7 @@ class PhotometricMapping {
   virtual NormalEquations equations(const MappedPixels& pixels, int stage) const = 0;
 };
 
-/** A mapping whose features are sums over the pixels with fixed weights, s = A I: then L_s = A L_I (T68). */
+/** A mapping whose features are sums over the pixels with fixed weights, s = A I: then L_s = A L_I (T80). */
 class LinearMapping : public PhotometricMapping {
  public:
   NormalEquations equations(const MappedPixels& pixels, int stage) const override;

@@ -29,7 +29,7 @@ std::vector<Window> gaussians(int n, double extension) {
   return out;
 }
 
-/** The photometric Gaussian mixture: every pixel is a Gaussian whose height is its grey level (T71).
+/** The photometric Gaussian mixture: every pixel is a Gaussian whose height is its grey level (T83).
  *
  *  What is compared is their sum, at places as far apart as the Gaussians extend: what lies between is known from these
  *  but for less than 1 % (the spectrum of a Gaussian at half the frequency of the places). */

@@ -30,7 +30,7 @@ struct Spline {
   }
 };
 
-/** Mutual information of image and reference, over histograms of cubic B-splines (T72).
+/** Mutual information of image and reference, over histograms of cubic B-splines (T84).
  *
  *  What H and b stand for here: b is the gradient of the information that is missing, less what it is at the goal, and
  * H its Hessian at the goal, both learnt from the reference. The gradient is not quite zero at the goal, because the

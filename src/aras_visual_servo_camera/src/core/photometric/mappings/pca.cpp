@@ -29,7 +29,7 @@ double inner(const std::vector<float>& a, const std::vector<float>& b) {
   return sum;
 }
 
-/** The principal components of views about the goal, which are drawn from the goal's image (T70). */
+/** The principal components of views about the goal, which are drawn from the goal's image (T81). */
 class Pca : public LinearMapping {
  public:
   explicit Pca(const PcaConfig& config) : config_(config) {}
@@ -48,12 +48,13 @@ class Pca : public LinearMapping {
   std::vector<std::vector<float>> draw(const MappedPixels& pixels, const LevelView& view) const {
     std::mt19937 random(static_cast<std::uint32_t>(config_.seed));
     const auto uniform = [&] { return 2.0 * (random() / 4294967295.0) - 1.0; };
+    const std::vector<cv::Vec3d> rays = raysOf(pixels.mask, view);
     std::vector<std::vector<float>> views;
     for (int k = 0; k < config_.views; ++k) {
       cv::Vec3d p, turn;
       for (int i = 0; i < 3; ++i) p[i] = uniform() * config_.spread / view.plane.C;
       for (int i = 0; i < 3; ++i) turn[i] = uniform() * config_.spread;
-      cv::Mat seen = drawn(pixels.reference, view, p, turn);
+      cv::Mat seen = drawn(pixels.reference, rays, view, p, turn);
       seen = seen.mul(pixels.mask);
       views.push_back(rowOf(seen));
     }
@@ -65,22 +66,33 @@ class Pca : public LinearMapping {
     return views;
   }
 
+  // (x, y, 1) of each pixel; (0, 0, 0) where no ray reaches it.
+  static std::vector<cv::Vec3d> raysOf(const cv::Mat& mask, const LevelView& view) {
+    std::vector<cv::Vec3d> out;
+    for (int v = 0; v < mask.rows; ++v) {
+      for (int u = 0; u < mask.cols; ++u) {
+        const auto ray = view.intrinsics.undistort(view.pitch * (u + view.border), view.pitch * (v + view.border));
+        out.push_back(ray.valid ? cv::Vec3d(ray.x, ray.y, 1.0) : cv::Vec3d());
+      }
+    }
+    return out;
+  }
+
   // The reference as a camera displaced by p and turned by `turn` sees it; beyond its rim it is mirrored.
-  static cv::Mat drawn(const cv::Mat& reference, const LevelView& view, const cv::Vec3d& p, const cv::Vec3d& turn) {
+  static cv::Mat drawn(const cv::Mat& reference, const std::vector<cv::Vec3d>& rays, const LevelView& view,
+                       const cv::Vec3d& p, const cv::Vec3d& turn) {
     const cv::Vec3d n(view.plane.A, view.plane.B, view.plane.C);
     const double angle = cv::norm(turn), s = angle > 0.0 ? std::sin(angle) / angle : 1.0;
     const double c = angle > 0.0 ? (1.0 - std::cos(angle)) / (angle * angle) : 0.5;
     cv::Mat at_u(reference.size(), CV_32F), at_v(reference.size(), CV_32F);
     for (int v = 0; v < reference.rows; ++v) {
       for (int u = 0; u < reference.cols; ++u) {
-        const auto ray = view.intrinsics.undistort(view.pitch * (u + view.border), view.pitch * (v + view.border));
-        const cv::Vec3d d(ray.x, ray.y, 1.0), turned = turn.cross(d);
+        const cv::Vec3d d = rays[static_cast<std::size_t>(v) * reference.cols + u], turned = turn.cross(d);
         const cv::Vec3d way = d + s * turned + c * turn.cross(turned);  // Rodrigues' formula
         const double depth = (1.0 - n.dot(p)) / n.dot(way);
         const cv::Vec3d point = p + depth * way;
         std::array<double, 2> px = {-1.0, -1.0};
-        if (ray.valid && depth > 0.0 && point[2] > 0.0)
-          px = view.intrinsics.project(point[0] / point[2], point[1] / point[2]);
+        if (depth > 0.0 && point[2] > 0.0) px = view.intrinsics.project(point[0] / point[2], point[1] / point[2]);
         const auto within = [](double place) { return static_cast<float>(std::clamp(place, -1e4, 1e4)); };
         at_u.at<float>(v, u) = within(px[0] / view.pitch - view.border);
         at_v.at<float>(v, u) = within(px[1] / view.pitch - view.border);
