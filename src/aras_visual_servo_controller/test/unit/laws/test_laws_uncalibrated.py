@@ -284,3 +284,14 @@ def test_an_override_to_a_law_that_cannot_look_then_move_is_refused():
     section = {**SECTION, "law": "ibvs", "mode": "look_then_move"}
     with pytest.raises(ParameterError, match="allowed with law 'broyden': continuous"):
         ServoSettings.from_dict(section).with_overrides(law="broyden")
+
+
+@pytest.mark.parametrize("e", [0.2, -0.2, 0.01])
+def test_the_rate_at_an_instant_is_that_of_the_reaching_law(e):
+    assert _rate(e, 2.0, 6.0, 0.02, 0.0) == pytest.approx(2.0 * e + 6.0 * np.clip(e, -0.02, 0.02), abs=ROUNDING)
+
+
+@pytest.mark.parametrize("dt_s", [0.0, -0.1])
+def test_broyden_refuses_a_twist_that_is_held_for_no_time(dt_s):
+    with pytest.raises(ParameterError, match=f"found dt_s {dt_s}, allowed > 0"):
+        start_law("broyden").step(look_at(view(START, SQUARE).features, dt_s, plane_of(START)))
