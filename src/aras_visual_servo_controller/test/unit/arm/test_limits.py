@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.arm.limits import accelerated, braking_factor, position_factor, velocity_factor
+from aras_visual_servo_controller.arm.limits import (accelerated, braking_factor, joint_bounds,
+                                                     position_factor, velocity_factor)
 
 ROUNDING = 1e-15  # of one division
 LOWER, UPPER = np.array([-1.0, -np.inf]), np.array([1.0, np.inf])
@@ -105,3 +106,11 @@ def test_slowing_down_is_limited_as_speeding_up_is(sign):
                                atol=ROUNDING)
     np.testing.assert_allclose(accelerated(sign * np.array([0.2]), sign * np.array([1.0]), change), [sign * 0.45],
                                atol=ROUNDING)
+
+
+@pytest.mark.filterwarnings("error")
+def test_bounds_of_joints_without_any_limit_are_infinite():
+    none = np.full(2, np.inf)
+    low, high, at_stop, short = joint_bounds(np.zeros(2), np.zeros(2), -none, none, none, none, 0.03, 0.1)
+    np.testing.assert_array_equal([low, high], [-none, none])
+    assert not at_stop.any() and not short.any()
