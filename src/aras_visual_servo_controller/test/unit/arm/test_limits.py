@@ -136,3 +136,11 @@ def test_a_joint_that_cannot_brake_in_time_brakes_as_it_can(sign):
     low, high, _, short = joint_bounds(sign * np.array([0.99]), sign * np.array([3.0]), lower, upper, np.array([5.0]),
                                        np.array([2.0]), 0.1, 0.2)
     assert short.all() and low[0] == high[0] == pytest.approx(sign * 2.8)
+
+
+@pytest.mark.filterwarnings("error")
+def test_bounds_of_joints_without_any_limit_are_infinite():
+    none = np.full(2, np.inf)
+    low, high, at_stop, short = joint_bounds(np.zeros(2), np.zeros(2), -none, none, none, none, 0.03, 0.1)
+    np.testing.assert_array_equal([low, high], [-none, none])
+    assert not at_stop.any() and not short.any()
