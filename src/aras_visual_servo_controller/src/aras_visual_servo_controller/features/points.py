@@ -12,6 +12,7 @@ from math import atan2, hypot
 import numpy as np
 
 from ..ground.errors import DegenerateFeature
+from ..ground.spatial import skew
 from .base import Feature, register_family
 from .palette import COOL, GREENS, PURPLES, WARM
 
@@ -39,15 +40,37 @@ def point_rows(view):
     return np.array(rows)
 
 
+def rays(view):
+    """(N, 3) unit vectors towards the followed points. Raises DegenerateFeature: the view shows none."""
+    ahead = np.array([(x, y, 1.0) for x, y in view.shared(points)])
+    return ahead / np.linalg.norm(ahead, axis=1)[:, None]
+
+
+def ray_rows(view):
+    """L of the rays, (N, 3, 6): [-(1 - s s^T) / r, [s]x], with r the distance of the point (docs/theory.md T72)."""
+    s, depths = view.shared(rays), view.inverse_depths
+    over_r = s @ np.array(view.plane) if depths is None else np.array(depths) * s[:, 2]
+    if len(over_r) != len(s):
+        raise DegenerateFeature(f"points: found {len(s)} in this view, {len(over_r)} at the goal")
+    L = np.empty((len(s), 3, 6))
+    L[:, :, :3] = over_r[:, None, None] * (s[:, :, None] * s[:, None, :] - np.eye(3))
+    L[:, :, 3:] = [skew(one) for one in s]
+    return L
+
+
 class OfPoints(Feature):
     sees_tilt, overlay, also_from = True, "points", ("matches", "tag")
 
     def _ends(self, view):
         """Indices of this point and of the next one. Raises DegenerateFeature: the view shows fewer points."""
         count = len(view.shared(points))
+        return self._index(count), self.number % count
+
+    def _index(self, count):
+        """Index of this point of so many. Raises DegenerateFeature: there are fewer."""
         if self.number > count:
             raise DegenerateFeature(f"{self.name}: found {count} points in this view, needed at least {self.number}")
-        return self.number - 1, self.number % count
+        return self.number - 1
 
 
 @register_family("x")
