@@ -44,6 +44,7 @@ def test_the_operators_that_are_listed_are_those_there_are():
 def test_what_a_reader_sees_is_left_alone():
     source = '"""Two words."""\nx: int = setting(help="at 1", unit="m")\nraise E(f"found {1 + 1}, allowed {-2}")\n'
     assert [operator for operator, _ in operators.mutants(source)] == ["delete"]
+    assert [line for _, line in operators.mutants("plot(x, linewidth=2.0)\nplot(2.0, y)\n")] == [1, 2, 2]
 
 
 def test_mutants_of_every_room_compile_and_differ():

@@ -19,6 +19,7 @@ EXAMPLES = (("vit_vs --starts 60", "60 of the 500 starts of each case, spread ev
             ("vit_vs --board poster.png", "with a picture of your own on the board"),
             ("cns_render --meshes ycb", "with the meshes of a folder of yours, which are dropped on the table first"),
             ("latency --starts 1000", "a map of success over two delays, from the first 1000 of its 10 000 runs"),
+            ("map --starts 54", "every law with every set of features: one page of maps over distance and rotation"),
             ("canonical", "the laws on the canonical tasks, on the free camera and on the arm"))
 
 
@@ -59,7 +60,7 @@ def benchmark_main(argv=None):
 
 
 def _run(protocol, arguments):
-    from ..compare.protocols.runner import as_markdown, run_case, save_table, table
+    from ..compare.protocols.runner import as_markdown, run_case, save_table, table, total
     from ..report.report import create_result_folder
     from ..report.versions import installed_versions
     own = {name: getattr(arguments, name) for name in OWN if getattr(arguments, name) is not None}
@@ -88,9 +89,10 @@ def _run(protocol, arguments):
     lines = table(protocol, results)
     path = save_table(protocol, lines, folder)
     print(as_markdown(protocol, lines))
+    print(f"{'hash':<20}{total(lines)[:16]}")
     print(f"{'table':<20}{path}")
     for picture in protocol.save_pictures(results, folder):
-        print(f"{'picture':<20}{picture}")
+        print(f"{'page' if picture.suffix == '.html' else 'picture':<20}{picture}")
     return EXIT_PASSED
 
 

@@ -1,5 +1,7 @@
 """Laws sliding and broyden on exact pictures: wrong calibration, moving targets, learning, settings."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from views import exponential, look_at, plane_of, tilted_pose, view
@@ -208,6 +210,18 @@ def test_four_features_learn_four_columns():
         assert twist[3] == twist[4] == 0.0
         X = X @ exponential(twist, DT_S)
     assert np.abs(answer.e).max() < 1e-4
+
+
+def test_points_of_a_source_that_says_nothing_of_symmetry_are_learnt_the_same():
+    """Those of keypoints and tags."""
+    def first(seen):
+        law = start_law("broyden")
+        return [law.step(look_at(seen(X), DT_S, plane_of(X), applied=np.full(6, 0.01))).twist for X in (START, GOAL)]
+
+    whole = first(lambda X: view(X, SQUARE).features)
+    bare = first(lambda X: SimpleNamespace(**{name: getattr(view(X, SQUARE).features, name)
+                                              for name in ("point_x", "point_y")}))
+    np.testing.assert_array_equal(whole, bare)
 
 
 def test_moments_can_be_learnt_as_well():

@@ -13,6 +13,8 @@ depend on the speed of the machine.
 from dataclasses import dataclass, field
 from typing import Dict, List, Tuple
 
+import numpy as np
+
 from ...config.plugins import load_room
 from ...ground.errors import ParameterError
 
@@ -104,3 +106,17 @@ def spread(count, total):
     if not 1 <= count <= total:
         raise ParameterError(f"starts: found {count}, allowed 1 to {total}")
     return [0] if count == 1 else [round(i * (total - 1) / (count - 1)) for i in range(count)]
+
+
+def halton(count, bases):
+    """(count, len(bases)) in (0, 1): a Halton sequence without its first point, which covers the cube evenly."""
+    return np.array([[_mirrored(i, base) for base in bases] for i in range(1, count + 1)])
+
+
+def _mirrored(number, base):
+    """Digits of a number to a base, mirrored at the point."""
+    value, place = 0.0, 1.0 / base
+    while number:
+        number, digit = divmod(number, base)
+        value, place = value + digit * place, place / base
+    return value
