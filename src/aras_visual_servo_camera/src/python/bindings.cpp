@@ -115,6 +115,16 @@ PYBIND11_MODULE(_camera, module) {
   aras_visual_servo_common::bindErrors(module);
   bindFeatures(module);
   bindExtractor(module);
+  module.def("in_rgb", &inRgb, py::arg("image"), py::arg("encoding"),
+             R"(The image of a camera as the extractors take it.
+
+Args:
+    image: as the camera gives it.  encoding: of sensor_msgs/image_encodings.h.
+Returns:
+    The same array; of bgr8 and of the four Bayer patterns of 8 bits, whose missing colours are interpolated linearly, a
+    new one of rgb8, (h, w, 3) uint8.
+Raises:
+    ShapeError: an encoding that the extractors do not take, or an image that does not have its shape and type.)");
   bindPhotometric(module);
   bindMatches(module);
   bindTag(module);

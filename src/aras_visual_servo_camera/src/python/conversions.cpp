@@ -5,6 +5,7 @@
 #include <string>
 
 #include "aras_visual_servo_camera/config/errors.hpp"
+#include "aras_visual_servo_camera/extraction/overlay.hpp"
 
 namespace py = pybind11;
 
@@ -51,6 +52,19 @@ DepthView depthOf(const py::array& depth) {
   view.height_px = static_cast<int>(depth.shape(0));
   view.step_bytes = static_cast<std::size_t>(depth.strides(0));
   return view;
+}
+
+py::array inRgb(const py::array& image, const std::string& encoding) {
+  const PixelFormat format = formatNamed(encoding);
+  ImageView view = viewOf(image);
+  if (channels(format) != channels(view.format) || isDeep(format) != isDeep(view.format))
+    throw ShapeError("image: found " + std::string(py::str(image.attr("dtype"))) + " of shape " +
+                     std::string(py::str(image.attr("shape"))) + ", allowed that of " + encoding);
+  if (format != PixelFormat::kBgr8 && !isBayer(format)) return image;
+  view.format = format;
+  py::array_t<std::uint8_t> out({view.height_px, view.width_px, 3});
+  toRgb(view, out.mutable_data());
+  return out;
 }
 
 MomentFeatures toFeatures(const py::object& object) {

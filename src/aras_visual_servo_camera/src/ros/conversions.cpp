@@ -1,7 +1,5 @@
 #include "conversions.hpp"
 
-#include <sensor_msgs/image_encodings.h>
-
 #include <algorithm>
 #include <array>
 
@@ -24,23 +22,8 @@ CameraIntrinsics toIntrinsics(const sensor_msgs::CameraInfo& info) {
 }
 
 ImageView toView(const sensor_msgs::Image& image) {
-  namespace enc = sensor_msgs::image_encodings;
   ImageView view;
-  if (image.encoding == enc::MONO8) {
-    view.format = PixelFormat::kMono8;
-  } else if (image.encoding == enc::RGB8) {
-    view.format = PixelFormat::kRgb8;
-  } else if (image.encoding == enc::BGR8) {
-    view.format = PixelFormat::kBgr8;
-  } else if (image.encoding == enc::RGBA8) {
-    view.format = PixelFormat::kRgba8;
-  } else if (image.encoding == enc::MONO16) {
-    view.format = PixelFormat::kMono16;
-  } else if (image.encoding == enc::RGB16) {
-    view.format = PixelFormat::kRgb16;
-  } else {
-    throw ShapeError("image encoding: found '" + image.encoding + "', allowed rgb8, bgr8, mono8, rgba8, mono16, rgb16");
-  }
+  view.format = formatNamed(image.encoding);
   if (isDeep(view.format) && (image.is_bigendian || image.step % 2 != 0))
     throw ShapeError("image: found is_bigendian " + std::to_string(image.is_bigendian) + " and rows of " +
                      std::to_string(image.step) + " bytes, allowed 0 and an even number with " + image.encoding);

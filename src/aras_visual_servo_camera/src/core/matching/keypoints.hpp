@@ -29,7 +29,8 @@ struct Keypoints {
 };
 
 /** Finds and describes keypoints with OpenCV. It sets OpenCV to one thread, for the whole process: then the order of
- * the keypoints is that of the image, and processes that were forked do not wait for threads that they do not have. */
+ * the keypoints is that of the image, and processes that were forked do not wait for threads that they do not have. It
+ * also lets the process keep up to 256 MiB of freed memory. */
 class KeypointFinder {
  public:
   explicit KeypointFinder(const MatchingConfig& config);

@@ -65,6 +65,12 @@ def known_laws():
     return sorted(_LAWS)
 
 
+def works_on(name):
+    """Names of the features that the law of that name is made for; None: it takes any features. KeyError."""
+    load_room(__package__)
+    return _LAWS[name].works_on
+
+
 def law_settings():
     """Dict of name -> settings class of the laws that have settings of their own, sorted by name."""
     return {name: _LAWS[name].settings_class for name in known_laws() if _LAWS[name].settings_class is not None}
@@ -189,8 +195,7 @@ class Law:
             look = self._foresee(look, s)
         if not (isfinite(sum(s)) and isfinite(look.dt_s)):
             raise NotFiniteError(f"features: found {s} and dt_s {look.dt_s}, allowed finite numbers")
-        symmetric = getattr(look.view.features, "symmetric", False) or self._setup.symmetric_target
-        e = self.features.error(s, self._s_star, symmetric)
+        e = self.features.error(s, self._s_star, self._symmetric(look.view))
         adaptive = self._setup.adaptive_gain
         if adaptive is not None:
             factor = adaptive_factor(max(map(abs, e)), adaptive.infinity_part, adaptive.slope)
@@ -207,6 +212,10 @@ class Law:
         Args: view: `View` of the image.  arm: `Arm`.  twist: (6,) V_C of the answer with what the servo adds to it.
         """
         raise NotImplementedError
+
+    def _symmetric(self, view):
+        """Whether the target is the same after half a turn; not every source of features says so."""
+        return getattr(view.features, "symmetric", False) or self._setup.symmetric_target
 
     def _see(self, look):
         """The look, with what this law knows about the view added to it: here the depths of followed points."""

@@ -8,6 +8,7 @@ import time
 import numpy as np
 
 from ..ground.errors import ParameterError
+from ..ground.images import in_rgb
 from ..arm.robot import kinematics_of
 from .record import RecordBuilder
 from ..config.files import package_paths
@@ -64,6 +65,7 @@ class ServoLoop:
             sim.reset()
         self.sim = sim
         self.camera_info = self.sim.camera_info(self.camera)
+        self._encoding = self.sim.camera_encoding(self.camera)
         believed = scenario.believed_camera_info(self.camera_info)
         self.kinematics = kinematics_of(urdf, scenario.robot)
         self.servo = Servo(self.kinematics, scenario.servo)
@@ -178,7 +180,8 @@ class ServoLoop:
             stamp_ns = self.sim.step_to_image(self.camera)
         frame = self._frame = self.sim.frame(self.camera)
         q = frame.joint_positions
-        return stamp_ns, frame.image, q if self._order is None else q[self._order]
+        image = in_rgb(frame.image, self._encoding)
+        return stamp_ns, image, q if self._order is None else q[self._order]
 
     def camera_pose(self):
         """X_WC, (4, 4), of the instant that the image answered last shows."""
