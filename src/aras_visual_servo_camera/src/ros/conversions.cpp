@@ -1,5 +1,7 @@
 #include "conversions.hpp"
 
+#include <sensor_msgs/image_encodings.h>
+
 #include <algorithm>
 #include <array>
 
