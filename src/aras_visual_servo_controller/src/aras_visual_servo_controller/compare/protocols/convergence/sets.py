@@ -84,6 +84,8 @@ SETS = (
     _followed("rays", "six rays", *(f"{axis}{n}" for n in range(1, 7) for axis in ("us", "vs", "ws"))),
     Set("vanishing", "vanishing points and corners of an AprilTag",
         ("vx1", "vy1", "vz1", "vx2", "vy2", "vz2", "x1", "y1", "x3", "y3"), _TAG),
+    Set("sphere", "sphere moments, vanishing points of an AprilTag",
+        ("is1", "is2", "is3", "is4", "vx1", "vy1", "vz1", "vx2", "vy2", "vz2"), _TAG),
     *_poses("moments", "moments of a known target", {"servo.target_model": f"{_MODEL}l_shape.yaml"}),
     *_poses("points", "six points in the taught plane", {**_CORNERS, "servo.pose_from": "points"}),
     *_poses("keypoints", "ORB keypoints of a picture", _KEYPOINTS, 10.0),
@@ -97,7 +99,12 @@ SETS = (
                                "target_normal_C": [0.0, 0.0, 1.0]}}, ()),
 )
 #: Features that are in no set because others stand for them, or by themselves say too little.
-STANDS_FOR = {f"c{n}": "c1, c2 stand for the invariants" for n in range(1, 11)}
+STANDS_FOR = {
+    **{f"c{n}": "c1, c2 stand for the invariants" for n in range(1, 11)},
+    **dict.fromkeys(("xe", "ye", "e20", "e11", "e02"), "of a circle, whose turn about its axis nobody sees"),
+    **dict.fromkeys(("ox", "oy", "oz"), "of a sphere, whose turns nobody sees"),
+    **dict.fromkeys(("ug", "vg", "wg"), "the rays stand for their middle"),
+    "is": "is1 to is4 stand for it"}
 
 
 class Row(NamedTuple):
