@@ -186,8 +186,19 @@ TEST(JointLimitOverrides, ChangeWhatIsCompleteAndNothingElse) {
   EXPECT_TRUE(joint.limits.has_effort);
 }
 
+TEST(JointLimitOverrides, SoftLimitsThatCrossAreRefused) {
+  RobotModel model = softModel();
+  const std::string text = messageOf<ParameterError>([&] {
+    applyJointLimits(YAML::Load("{joint_limits: {slide: {has_soft_limits: true, k_position: 1, k_velocity: 2,"
+                                " soft_lower_limit: 0.1, soft_upper_limit: 0.05}}}"),
+                     model);
+  });
+  EXPECT_HAS(text, "joint_limits/slide/soft_lower_limit: found 0.100000, allowed <= soft_upper_limit, 0.050000");
+}
+
 TEST(JointLimitOverrides, EachNumberGoesToTheLimitOfItsName) {
   RobotModel model = softModel();
+  model.joints[0].soft = SoftLimits{};  // as where the URDF has none
   applyJointLimits(
       YAML::Load("{joint_limits: {slide: {has_position_limits: true, min_position: -0.1, max_position: 0.2,"
                  " has_velocity_limits: true, max_velocity: 0.5, has_effort_limits: true, max_effort: 9,"
