@@ -16,9 +16,12 @@ class Kinematics(JointVectors):
 
     spare_motion = True
 
-    def __init__(self, urdf_xml: str, base_link: str, tip_link: str):
-        """Raises ModelError: bad URDF, unknown link, tip not below base, joint types the chain cannot represent."""
-        self._chain = ChainKinematics(urdf_xml, base_link, tip_link)
+    def __init__(self, urdf_xml: str, base_link: str, tip_link: str, upwards=False):
+        """Args: upwards: the chain may lead up against joints first, so that the tip need not be below the base.
+
+        Raises ModelError: bad URDF, unknown link, tip not below base, joint types the chain cannot represent.
+        """
+        self._chain = ChainKinematics(urdf_xml, base_link, tip_link, upwards)
         self.joint_names = tuple(self._chain.joint_names)
         self.lower, self.upper, self.velocity = self._chain.lower, self._chain.upper, self._chain.velocity
         #: q -> X_BC, (4, 4) homogeneous. Raises ShapeError, NotFiniteError.
@@ -28,6 +31,10 @@ class Kinematics(JointVectors):
         #: q, length_m, rows of the twist -> (w, (n,) gradient of ln w): Yoshikawa's manipulability of these rows,
         #: linear ones divided by length_m (docs/theory.md T42); (0, zeros) where it vanishes. Same errors.
         self.manipulability = self._chain.manipulability
+
+    def camera(self, q):
+        """X_BC, (4, 4): where the camera is in the robot's base, for those who show it."""
+        return self.pose(q)
 
     @staticmethod
     def way(start, end):
