@@ -56,8 +56,8 @@ def assert_arrives(record):
 
 
 @pytest.mark.parametrize("name", RUNS)
-def test_the_target_arrives_where_it_was_taught_in_the_camera(run, name):
-    record = run(*RUNS[name])
+def test_the_target_arrives_where_it_was_taught_in_the_camera(name):
+    record = run_in_process(load_scenario(*RUNS[name]))
     assert_arrives(record)
     assert (record.X_WC == record.X_WC[0]).all()  # the camera stood still
     goal, last = (inverse(record.X_WC[row]) @ record.target_poses[row] for row in
@@ -89,7 +89,7 @@ def test_with_the_sign_of_a_camera_in_the_hand_the_target_goes_away(name, monkey
     places = record.target_poses[:, :3, 3]
     goal = places[record.rows("teach")[0]]
     away = 1e3 * np.linalg.norm(places[rows] - goal, axis=1)
-    assert away[-1] > 1.2 * away[0] or len(rows) < 2, away[[0, -1]]
+    assert away[-1] > 1.2 * away[0], away[[0, -1]]
     assert not judge(record).converged
 
 
