@@ -60,7 +60,7 @@ TEST(CarriedModels, AreInTheImageAndInTheTruthOfTheFrame) {
   simulation.stepToImage("camera");
   EXPECT_EQ(simulation.render(0).data, before);  // it moves with the camera, so that the camera sees no change
   const FrameState frame = simulation.frameState(0);
-  EXPECT_NEAR((frame.X_WC.inverse() * frame.model_poses.at("target")).p.z(), 0.4, kRounding);
+  EXPECT_NEAR((frame.X_WC.inverse() * frame.models.at("target")).p.z(), 0.4, kRounding);
 }
 
 TEST(CarriedModels, HaveTheTwistOfTheirPlaceOnTheLink) {
