@@ -5,9 +5,8 @@ from xml.etree import ElementTree
 
 from ..config.reader import read
 from ..ground.errors import ModelError
-from .eye_to_hand import EyeToHand
 from .free_camera import FreeCamera, joints_above
-from .kinematics import Kinematics
+from .kinematics import EyeToHand, Kinematics
 from .settings import HandEyeSettings
 
 #: Link that stands for the optical frame of a calibrated camera.

@@ -3,7 +3,7 @@ the camera."""
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.arm.eye_to_hand import EyeToHand
+from aras_visual_servo_controller.arm.kinematics import EyeToHand
 from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.ground.spatial import inverse, rotation_angle
 from aras_visual_servo_controller.run.judge import judge, run_in_process
