@@ -73,6 +73,7 @@ class ServoLoop:
         self.extractor = self.servo_extractor = shown.extractor(believed, scenario.vision)
         if servoed_on is not shown:
             self.servo_extractor = servoed_on.extractor(believed, scenario.vision)
+        self._want_depth = [source.wants_depth(scenario.vision) for source in (shown, servoed_on)]
         self.sequence = ExperimentSequence(self.kinematics, self.servo, scenario.experiment, self._teach_camera)
         self.frame, self.seen = -1, None
         self._placed_ns = 0
@@ -98,10 +99,12 @@ class ServoLoop:
 
     def _see(self, image, stamp_ns):
         """(moments, features that the servo works on) of the image."""
-        features = self.extractor.process(image, stamp_ns)
+        depth = (self.sim.render_depth(self.camera),) if any(self._want_depth) else ()
+        of_shown, of_servo = (depth if wanted else () for wanted in self._want_depth)
+        features = self.extractor.process(image, stamp_ns, *of_shown)
         if self.extractor is self.servo_extractor:
             return features, features
-        return features, self.servo_extractor.process(image, stamp_ns)
+        return features, self.servo_extractor.process(image, stamp_ns, *of_servo)
 
     def place(self, joints, settle_s=0.0):
         """Put the arm at joint positions at once instead of driving it there.

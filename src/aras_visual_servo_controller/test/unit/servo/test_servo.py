@@ -362,10 +362,11 @@ def test_errors_of_views_of_the_goal_are_those_to_the_first_of_them():
     assert errors[1].all() and not errors[0].any() and not errors[2].any()
 
 
-@pytest.mark.parametrize("key", ["law", "gains_per_s", "thresholds"])
-def test_what_must_not_be_empty_is_named(key):
-    with pytest.raises(ParameterError, match=key):
-        Servo(arm(), config(**{key: "" if key == "law" else {}}))
+@pytest.mark.parametrize("key, empty, allowed", [("law", "", "text"), ("gains_per_s", {}, "a table of keys"),
+                                                 ("thresholds", {}, "a table of keys")])
+def test_what_must_not_be_empty_is_named(key, empty, allowed):
+    with pytest.raises(ParameterError, match=f"servo/{key}: found {empty or '({})?'}, allowed {allowed}"):
+        Servo(arm(), config(**{key: empty}))
 
 
 def test_the_schema_of_the_section_has_its_keys_and_those_of_laws_and_features():

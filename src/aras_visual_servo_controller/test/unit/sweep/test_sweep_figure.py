@@ -1,10 +1,13 @@
 """What the figures of a sweep show: which runs are on which panel, the scales of the colours, the cells behind them."""
 
+import json
+
 import numpy as np
 import pytest
 from matplotlib.colors import LogNorm
 
-from aras_visual_servo_controller.sweep.figure import _cell_edges, _limits, _norm, make_figure
+from aras_visual_servo_controller.sweep.figure import AXES, _cell_edges, _limits, _norm, known_axes, make_figure
+from aras_visual_servo_controller.sweep.map import sweep_maps
 
 
 def row(number, outcome="success", **more):
@@ -88,3 +91,17 @@ def test_the_curve_has_a_point_for_each_bin_and_metric_with_its_interval():
 def test_reasons_are_counted_and_without_a_failure_it_is_said():
     assert [text.get_text() for text in make_figure("reasons", [row(1)]).axes[0].texts] == ["every run succeeded"]
     assert "every run succeeded" not in [text.get_text() for text in make_figure("reasons", ROWS).axes[0].texts]
+
+
+def test_axes_are_columns_that_hold_numbers_or_nothing():
+    rows = [row(1, p_noise=1.0, start_J1=None, p_target="a", offset_x=2),
+            row(2, p_noise=None, start_J1=0.5, p_target=None, offset_x=3)]
+    assert known_axes(rows)[-3:] == ["p_noise", "start_J1", "offset_x"] and "p_target" not in known_axes(rows)
+    assert known_axes([]) == list(AXES) == ["x0_mm", "y0_mm", "z0_mm", "distance0_mm", "angle0_deg"]
+
+
+def test_under_the_pointer_a_map_tells_the_result_and_how_far_the_start_was():
+    rows = [dict(one, angle0_deg=1.0) for one in ROWS]
+    facts = json.loads(sweep_maps(rows, ("x0_mm", "y0_mm")))["facts"]
+    assert {one["key"] for one in facts if one["short"]} == {"outcome", "reason", "duration_s", "error_mm",
+                                                             "distance0_mm", "angle0_deg"}

@@ -27,9 +27,9 @@ SCHEMES = {
                                "target_normal_C": [0.0, 0.0, 1.0]},
         "servo.features": ["photometric"], "servo.gains_per_s": {"photometric": 1.5},
         "servo.thresholds": {"photometric": 2.0}, "servo.photometric": {"damping": 0.01}, "servo.stop": None},
-    "moments": {  # of a dark sign on a bright board: a shadow is brighter than the threshold, a thing may be darker
+    "moments": {  # of a dark sign on a bright board; shadows and distractors may be dark too
         "vision.matches": None, "servo.source": None, "servo.pose_from": None, "servo.law": "ibvs",
-        "vision.segmentation": "fixed", "vision.threshold": 90, "vision.component": "most_similar",
+        "vision.segmentation": "coverage", "vision.component": "most_similar",
         "vision.min_area_px": 800, "vision.order": 4, "servo.interaction": "mean",
         "servo.features": list(_MOMENTS), "servo.gains_per_s": {name: 1.5 for name in _MOMENTS},
         "servo.thresholds": {"xn": 0.0005, "yn": 0.0005, "an": 0.0005, "sx": 0.001, "sy": 0.001, "alpha": 0.001},
