@@ -1,4 +1,5 @@
 """A cart whose plugins drive its wheels and publish its sensors, and what pushes it from outside."""
+import numpy
 import pytest
 import yaml
 
@@ -70,6 +71,43 @@ def test_a_laser_sees_a_wall_where_it_is_put(cart):
     assert scan["angle_increment"] == pytest.approx(6.28319 / 359) and scan["range_max"] == 3.5
     assert min(ranges()) == pytest.approx(2.0, abs=0.08), "less the noise"
     assert answer(cart, "/gazebo/delete_model", "{model_name: wall}")["success"]
+
+
+EYE = """<sensor name='%s' type='%s'><update_rate>10</update_rate><camera><horizontal_fov>1.0</horizontal_fov>
+  <image><width>8</width><height>6</height></image><clip><near>0.1</near><far>50</far></clip></camera>%s</sensor>"""
+KINECT = """<plugin name='p' filename='libgazebo_ros_openni_kinect.so'><cameraName>kinect</cameraName>
+  <imageTopicName>rgb/image_raw</imageTopicName><depthImageTopicName>depth/image_raw</depthImageTopicName>
+  <pointCloudTopicName>depth/points</pointCloudTopicName><frameName>eye</frameName></plugin>"""
+REALSENSE = """<gazebo><plugin name='d435' filename='librealsense_gazebo_plugin.so'><prefix>d</prefix>
+  <depthTopicName>depth/image_raw</depthTopicName><colorTopicName>color/image_raw</colorTopicName>
+  <rangeMinDepth>0.2</rangeMinDepth><rangeMaxDepth>10</rangeMaxDepth></plugin></gazebo>"""
+
+
+def test_cameras_that_see_depth_publish_how_far_the_ground_is(cart):
+    seen = EYE % ("eye", "depth", KINECT) + EYE % ("dcolor", "camera", "") + EYE % ("ddepth", "depth", "")
+    urdf = ("<robot name='watcher'><link name='eye'/><gazebo><static>true</static></gazebo><gazebo reference='eye'>"
+            + seen + "</gazebo>" + REALSENSE + "</robot>")
+    down = {"position": {"x": -5.0, "z": 2.0}, "orientation": {"y": 0.7071067811865476, "w": 0.7071067811865476}}
+    told = answer(cart, "/gazebo/spawn_urdf_model", yaml.safe_dump(
+        {"model_name": "watcher", "model_xml": urdf, "initial_pose": down}))
+    assert told["success"], told
+
+    def pixels(topic, encoding, kind):
+        image = message(cart, topic)
+        assert (image["encoding"], image["height"], image["width"]) == (encoding, 6, 8)
+        return numpy.frombuffer(bytes(image["data"]), dtype=kind)
+
+    assert pixels("/kinect/depth/image_raw", "32FC1", "<f4") == pytest.approx(2.0, abs=1e-5)
+    assert set(pixels("/d435/depth/image_raw", "16UC1", "<u2")) <= {1999, 2000}
+    for topic in ("/kinect/rgb/image_raw", "/d435/color/image_raw"):
+        assert len(pixels(topic, "rgb8", "u1")) == 144
+    assert message(cart, "/d435/depth/camera_info")["K"][2] == 4.0
+    cloud = message(cart, "/kinect/depth/points")
+    assert [field["name"] for field in cloud["fields"]] == ["x", "y", "z", "rgb"]
+    points = numpy.frombuffer(bytes(cloud["data"]), dtype="<f4").reshape(6, 8, 4)
+    assert points[..., 2] == pytest.approx(2.0, abs=1e-5)
+    assert points[0, 0, :2] == pytest.approx(2.0 * numpy.array([-3.5, -2.5]) * numpy.tan(0.5) / 4.0, rel=1e-5)
+    assert answer(cart, "/gazebo/delete_model", "{model_name: watcher}")["success"]
 
 
 def test_a_wrench_from_outside_lifts_the_cart_and_ends(cart):

@@ -12,6 +12,7 @@
 #include <visp3/core/vpMomentObject.h>
 #include <visp3/core/vpPoint.h>
 #include <visp3/visual_features/vpFeatureDepth.h>
+#include <visp3/visual_features/vpFeatureEllipse.h>
 #include <visp3/visual_features/vpFeatureLuminance.h>
 #include <visp3/visual_features/vpFeatureMomentCommon.h>
 #include <visp3/visual_features/vpFeaturePoint.h>
@@ -30,6 +31,7 @@
 #include <map>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -211,6 +213,20 @@ void moments(vpServo& task, const YAML::Node& c) {
   answer(task);
 }
 
+// ellipse, ellipse_star: x, y, n20, n11, n02. plane, plane_star: (A, B, C) of 1/Z on the circle, or on the rim of a
+// sphere.
+void ellipse(vpServo& task, const YAML::Node& c) {
+  vpFeatureEllipse s, s_star;
+  for (auto [feature, seen, plane] :
+       {std::tuple(&s, "ellipse", "plane"), std::tuple(&s_star, "ellipse_star", "plane_star")}) {
+    const Numbers e = numbers(c, seen), p = numbers(c, plane);
+    feature->buildFrom(e.at(0), e.at(1), e.at(2), e.at(3), e.at(4));
+    feature->setABC(p.at(0), p.at(1), p.at(2));
+  }
+  task.addFeature(s, s_star);
+  answer(task);
+}
+
 vpImage<unsigned char> image(const YAML::Node& c, const char* key) {
   const auto width = c["width"].as<unsigned int>(), height = c["height"].as<unsigned int>();
   const auto hex = c[key].as<std::string>();
@@ -240,7 +256,8 @@ void luminance(vpServo& task, const YAML::Node& c) {
 
 int main() try {
   const std::map<std::string, std::function<void(vpServo&, const YAML::Node&)>> kinds{
-      {"points", points}, {"pbvs", pbvs}, {"hybrid", hybrid}, {"moments", moments}, {"luminance", luminance}};
+      {"points", points},   {"pbvs", pbvs},       {"hybrid", hybrid},
+      {"moments", moments}, {"ellipse", ellipse}, {"luminance", luminance}};
   const std::string text((std::istreambuf_iterator<char>(std::cin)), std::istreambuf_iterator<char>());
   const YAML::Node cases = YAML::Load(text);
   std::printf("[");

@@ -211,3 +211,14 @@ def test_what_is_no_sdf_is_refused_and_the_world_goes_on():
         read_world(sdf(BOX), False, NoFolders())
     assert list(world.models) == ["one"]
     world.step(10)
+
+
+@pytest.mark.parametrize("is_path", (False, True))
+def test_times_of_a_saved_state_need_no_nanoseconds(tmp_path, is_path):
+    text = ("<sdf version='1.7'><world name='w'><state world_name='w'><sim_time>0</sim_time><real_time> 7 </real_time>"
+            "<wall_time>3 4</wall_time><iterations>66</iterations></state></world></sdf>")
+    path = tmp_path / "saved.world"
+    path.write_text(text, encoding="utf-8")
+    root, _ = expanded(str(path) if is_path else text, is_path, NoFolders())
+    assert [root.findtext("world/state/" + key).split() for key in ("sim_time", "real_time", "wall_time")] == [
+        ["0", "0"], ["7", "0"], ["3", "4"]]

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <memory>
 
@@ -114,8 +115,14 @@ void moments(const CameraIntrinsics& camera, FuzzedDataProvider& bytes) {
 void luminance(const CameraIntrinsics& camera, FuzzedDataProvider& bytes) {
   static const PhotometricConfig kConfigs[] = {
       readPhotometricConfig(YAML::Load("{border_px: 4, min_contrast: 0}")),
-      readPhotometricConfig(YAML::Load("{levels: 2, border_px: 0, smoothing_px: 0.5, illumination: gain_and_offset}"))};
-  PhotometricExtractor extractor(camera, kConfigs[bytes.ConsumeBool()]);
+      readPhotometricConfig(YAML::Load("{levels: 2, border_px: 0, smoothing_px: 0.5, illumination: gain_and_offset}")),
+      readPhotometricConfig(YAML::Load("{border_px: 4, min_contrast: 0, mapping: dct, dct: {coefficients: 9}}")),
+      readPhotometricConfig(
+          YAML::Load("{border_px: 4, min_contrast: 0, mapping: pca, pca: {components: 8, views: 9}}")),
+      readPhotometricConfig(YAML::Load("{border_px: 4, min_contrast: 0, mapping: mixture}")),
+      readPhotometricConfig(YAML::Load("{border_px: 4, min_contrast: 0, mapping: mutual_information}"))};
+  PhotometricExtractor extractor(camera,
+                                 kConfigs[bytes.ConsumeIntegralInRange<std::size_t>(0, std::size(kConfigs) - 1)]);
   const Picture goal(camera, bytes);
   extractor.setReference(goal.view(), Plane{number(bytes), number(bytes), number(bytes)});
   const Picture now(camera, bytes);

@@ -1,17 +1,24 @@
 #!/usr/bin/env python3
 """The laws `qp` and `mpc` beside `ibvs`, from starts where that leaves the view or meets a stop: a table for both arms.
 
-python3 constraints.py [--starts 100] [--laws qp] [--seed 0] [--workers 2] [--write PAGE], with the workspace sourced.
+python3 constraints.py [--starts 100] [--laws qp] [--seed 0] [--workers 2] [--results FILE] [--minutes M]
+[--write PAGE], with the workspace sourced.
 
-Starts are drawn in a ball about the goal until N of them have been found from which `ibvs` loses the target, cuts it at
+Starts are drawn all over the view until N of them have been found from which `ibvs` loses the target, cuts it at
 the border of the image or brings a joint to the end of its way. From each of them the other laws run. At every look
 their constraints are held to what was commanded. A constraint that is violated counts as a violation where HiGHS, a
 linear programming solver that shares nothing with ours, finds joint velocities that keep all of them.
+
+With --results every run is kept in FILE, and the same command goes on where it was interrupted. --minutes ends the
+search after that time: the table then has the starts of each arm that all laws have done.
 """
 import argparse
+import hashlib
+import json
 import os
 import pathlib
 import sys
+import time
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
@@ -44,8 +51,8 @@ ARMS = {
                      {"space": "view", "view": {"u": [-0.95, 0.95], "v": [-0.95, 0.95], "depth_m": [0.3, 0.7],
                                                 "rz_rad": [-1.5, 1.5]}}, 0.25),
 }
-#: Candidates that are drawn for each start that is wanted.
-DRAWN = 60
+#: Candidates that are tried at a time, and that are drawn at first for each start that is wanted.
+BLOCK, DRAWN = 32, 2
 #: Rounding of a row of the constraints, relative to its largest term.
 ROUNDING = 1e-7
 
@@ -123,49 +130,86 @@ def _kinematics_of(arm):
     return _arms[arm]
 
 
-def starts_of(arm, count, seed):
-    """Candidates that can be run, in the order in which they are drawn."""
-    scenario = scenario_of(arm, "ibvs")
-    kinematics = _kinematics_of(arm)
-    settings = SweepSettings.from_scenario(scenario, kinematics, starts=DRAWN * count, seed=seed, method="random")
-    return [start for start in make_starts(settings, scenario, kinematics) if not start.refusal]
+def candidates(arm, count, seed):
+    """Starts that can be run, one after another, always the same ones in the same order; count: about so many."""
+    scenario, kinematics, given, drawn = scenario_of(arm, "ibvs"), _kinematics_of(arm), 0, DRAWN * count
+    while True:
+        settings = SweepSettings.from_scenario(scenario, kinematics, starts=drawn, seed=seed, method="random")
+        yield from (start for start in make_starts(settings, scenario, kinematics)[given:] if not start.refusal)
+        given, drawn = drawn, 2 * drawn
 
 
-def table(arm, laws, count, seed, pool):
-    """Lines of the table of one arm, and the results by law."""
-    hard, alone = [], []
-    for start, (_, found) in _run(pool, [(arm, "ibvs", start) for start in starts_of(arm, count, seed)], count,
-                                  lambda found: found is not None and (found["view"] or found["stop"])):
-        hard.append(start)
-        alone.append(found)
-    results = {"ibvs": alone}
-    for law in laws:
-        results[law] = [found for _, (_, found) in _run(pool, [(arm, law, start) for start in hard])]
-    lines = []
-    for law, found in results.items():
-        tried = [one for one in found if one is not None]
-        won = sum(one["success"] for one in tried)
-        low, high = wilson(won, len(tried))
-        looks = sum(one["looks"] for one in tried)
-        program = f"{looks} | {sum(one['infeasible'] for one in tried)} | {sum(one['violations'] for one in tried)}"
-        lines.append(f"| {arm} | `{law}` | {len(tried)} | {sum(one['view'] for one in tried)} | "
-                     f"{sum(one['beyond'] for one in tried)} | {won} ({100 * low:.0f} to {100 * high:.0f} %) | "
-                     f"{program if looks else '- | - | -'} |")
-    return lines, results
+class Kept:
+    """Results of runs by (arm, law, id of the start), kept in a file if there is one: a line of JSON for each of them.
+
+    Args: path: of the file; None: nothing is kept.  about: what the runs depend on, in the first line of the file.
+    """
+
+    def __init__(self, path, about):
+        self._results, self._file = {}, None
+        if path is None:
+            return
+        whole = path.read_text().rpartition("\n")[0] if path.exists() else ""  # a torn last line is left out
+        head, *lines = whole.splitlines() or [json.dumps(about)]
+        if json.loads(head) != about:
+            raise SystemExit(f"--results: found runs of other scenarios or seeds in {path}, allowed another file")
+        for arm, law, number, result in map(json.loads, lines):
+            self._results[arm, law, number] = result
+        path.write_text("\n".join([head, *lines, ""]))
+        self._file = path.open("a", buffering=1)
+
+    def run(self, jobs, pool):
+        """Results of the jobs, in their order; those that were not kept are run."""
+        left = [job for job in jobs if self._key(job) not in self._results]
+        for job, (_, result) in zip(left, pool.map(run, left) if pool else map(run, left)):
+            self._results[self._key(job)] = result
+            if self._file is not None:
+                print(json.dumps([*self._key(job), result]), file=self._file)
+        return [self._results[self._key(job)] for job in jobs]
+
+    @staticmethod
+    def _key(job):
+        return job[0], job[1], job[2].id
 
 
-def _run(pool, jobs, count=None, wanted=lambda found: True):
-    """(start, (id, result)) of the jobs, in their order, until `count` of them are `wanted`."""
-    found, step = [], 16
-    for first in range(0, len(jobs), step):
-        part = jobs[first:first + step]
-        for job, result in zip(part, pool.map(run, part) if pool else map(run, part)):
-            if wanted(result[1]):
-                found.append((job[2], result))
-        print(f"{jobs[0][0]}, {jobs[0][1]}: {first + len(part)} runs, {len(found)} found", file=sys.stderr)
-        if count is not None and len(found) >= count:
-            return found[:count]
-    return found
+class Search:
+    """The hard starts of one arm, and what each law makes of them.
+
+    Attributes: results: law -> list of results, in the order of the starts.  tried: candidates so far.
+    """
+
+    def __init__(self, arm, laws, count, seed):
+        self.arm, self.tried, self.results = arm, 0, {law: [] for law in ("ibvs", *laws)}
+        self._count, self._candidates = count, candidates(arm, count, seed)
+
+    @property
+    def done(self):
+        return len(self.results["ibvs"]) >= self._count
+
+    def go_on(self, kept, pool):
+        """Try the next candidates, and run all laws from the hard ones of them."""
+        block = [start for start, _ in zip(self._candidates, range(BLOCK))]
+        alone = kept.run([(self.arm, "ibvs", start) for start in block], pool)
+        hard = [(start, found) for start, found in zip(block, alone)
+                if found is not None and (found["view"] or found["stop"])][:self._count - len(self.results["ibvs"])]
+        for law, found in self.results.items():
+            found += kept.run([(self.arm, law, start) for start, _ in hard], pool)
+        self.tried += len(block)
+        print(f"{self.arm}: {self.tried} tried, {len(self.results['ibvs'])} hard starts", file=sys.stderr, flush=True)
+
+    def lines(self):
+        """Lines of the table."""
+        lines = []
+        for law, found in self.results.items():
+            tried = [one for one in found if one is not None]
+            won = sum(one["success"] for one in tried)
+            low, high = wilson(won, len(tried))
+            looks = sum(one["looks"] for one in tried)
+            program = f"{looks} | {sum(one['infeasible'] for one in tried)} | {sum(one['violations'] for one in tried)}"
+            lines.append(f"| {self.arm} | `{law}` | {len(tried)} | {sum(one['view'] for one in tried)} | "
+                         f"{sum(one['beyond'] for one in tried)} | {won} ({100 * low:.1f} to {100 * high:.1f} %) | "
+                         f"{program if looks else '- | - | -'} |")
+        return lines
 
 
 HEAD = ("| arm | law | starts | left the view | beyond a joint's end | arrived (95 %) | looks | infeasible | "
@@ -181,18 +225,28 @@ def main():
     parser.add_argument("--arms", default=",".join(ARMS), help="comma-separated (default: both)")
     parser.add_argument("--seed", type=int, default=0, help="of the starts")
     parser.add_argument("--workers", type=int, default=2, help="processes; 0: this one")
+    parser.add_argument("--results", metavar="FILE", type=pathlib.Path, help="keep every run there, and go on with it")
+    parser.add_argument("--minutes", type=float, default=float("inf"), help="end the search after that time")
     parser.add_argument("--verbose", action="store_true", help="also list how the runs ended")
     parser.add_argument("--write", metavar="PAGE", type=pathlib.Path, help="put the table into this page")
     arguments = parser.parse_args()
-    lines, laws = [], [law for law in arguments.laws.split(",") if law]
+    end_s, laws = time.monotonic() + 60.0 * arguments.minutes, [law for law in arguments.laws.split(",") if law]
+    arms = arguments.arms.split(",")
+    scenarios = repr([scenario_of(arm, law).as_dict() for arm in ARMS for law in ("ibvs", *laws)])
+    kept = Kept(arguments.results, {"seed": arguments.seed, "laws": laws,
+                                    "scenarios": hashlib.sha256(scenarios.encode()).hexdigest()})
     pool = ProcessPoolExecutor(arguments.workers, get_context("spawn")) if arguments.workers else None
-    for arm in arguments.arms.split(","):
-        part, results = table(arm, laws, arguments.starts, arguments.seed, pool)
-        lines += part
-        if arguments.verbose:
-            for law, found in results.items():
+    searches = [Search(arm, laws, arguments.starts, arguments.seed) for arm in arms]
+    while time.monotonic() < end_s and not all(search.done for search in searches):
+        for search in searches:
+            if not search.done:
+                search.go_on(kept, pool)
+    lines = [line for search in searches for line in search.lines()]
+    if arguments.verbose:
+        for search in searches:
+            for law, found in search.results.items():
                 for i, one in enumerate(found):
-                    print(arm, law, i, one)
+                    print(search.arm, law, i, one)
     text = "\n".join([HEAD, *lines])
     print(text)
     if arguments.write:

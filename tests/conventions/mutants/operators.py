@@ -10,6 +10,9 @@ Operators:
     function    min and max, minimum and maximum, any and all, sin and cos, floor and ceil take each other's place
     delete      a statement goes: an assignment to an attribute or entry, an augmented assignment, a call, raise
     return      the value of a return becomes None
+
+Annotations, texts for readers and what only changes how a figure looks (width of lines, size of letters, gaps between
+panels) stay as they are.
 """
 import ast
 import copy
@@ -23,6 +26,9 @@ _PAIRS = [("min", "max"), ("minimum", "maximum"), ("any", "all"), ("sin", "cos")
 _FUNCTIONS = {a: b for pair in _PAIRS for a, b in (pair, pair[::-1])}
 #: Calls whose arguments say what a reader sees, and no behaviour: texts of keys, warnings about versions.
 _TEXTS = ("help", "unit", "symbol", "label", "color", "colour")
+#: Arguments of matplotlib of which no figure is right or wrong.
+_LOOKS = ("alpha", "dpi", "figsize", "fontsize", "ha", "hspace", "labelpad", "linewidth", "linewidths", "markersize",
+          "pad", "s", "va", "wspace", "zorder")
 
 
 def mutants(source):
@@ -84,7 +90,7 @@ def _silent(tree):
             silence(getattr(node, annotation, None))
         for decorator in getattr(node, "decorator_list", []):
             silence(decorator)
-        if isinstance(node, ast.keyword) and node.arg in _TEXTS:
+        if isinstance(node, ast.keyword) and node.arg in (*_TEXTS, *_LOOKS):
             silence(node.value)
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
             silence(node)

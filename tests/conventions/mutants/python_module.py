@@ -1,9 +1,14 @@
 """Runs the unit tests of a room of the controller's package against mutants of its Python source.
 
 The mutants stand, one at a time, in a throw-away copy of the package. Each is tested in a process of its own, forked
-from one that has loaded the libraries already; a mutant that makes the tests run too long counts as killed.
+from one that has loaded the libraries already; a mutant that makes the tests run too long counts as killed. Of the
+room's tests those are run that run the mutant's function (lines.py). A mutant outside functions, which may be the
+default of a key, is also held against the tables of keys in READMEs and docs.
 """
 import importlib
+import importlib.machinery
+import importlib.util
+import json
 import os
 import pathlib
 import random
@@ -14,6 +19,7 @@ import sys
 import tempfile
 import time
 
+import lines
 import operators
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -35,11 +41,8 @@ def sources(module):
 
 
 def tests_of(file):
-    """Test files of the room of a source file, those that import its module first."""
-    stem = file.stem
-    folder = TESTS / file.relative_to(PACKAGE).parts[0]
-    found = sorted(folder.rglob("test_*.py"))
-    return sorted(found, key=lambda path: f"{stem} import" not in path.read_text())
+    """Test files of the room of a source file."""
+    return sorted((TESTS / file.relative_to(PACKAGE).parts[0]).rglob("test_*.py"))
 
 
 def chosen(module, count, seed):
@@ -58,14 +61,18 @@ def run(module, count, seed, say=print):
     with tempfile.TemporaryDirectory(prefix="aras_mutants_") as folder:
         copy = Copy(pathlib.Path(folder))
         everything = sorted({test for file, *_ in drawn for test in tests_of(file)})
-        code, used_s = copy.test(everything, 3600)
-        if code != 0:
+        recorded = copy.record(everything)
+        if recorded is None:
             raise RuntimeError(f"{module}: its tests fail without a mutant")
-        limit_s = max(LEAST_S, round(TOO_LONG * used_s))
         for number, (file, index, operator, line) in enumerate(drawn, start=1):
             source, before, after = operators.mutated(file.read_text(), index)
+            tests = lines.tests_that_run(recorded, copy.place(file), file.read_text(), line)
+            used_s = sum(recorded["seconds"][test] for test in tests)
+            names = tuple({test.split("::")[0] for test in tests})
+            files = [path for path in tests_of(file) if str(path).endswith(names)]
             with copy.holding(file, source):
-                code, _ = copy.test(tests_of(file), limit_s)
+                code, _ = copy.test(files, max(LEAST_S, round(TOO_LONG * used_s)), lines.Order(tests),
+                                    tables=not lines.in_function(file.read_text(), line))
             text = f"{file.relative_to(PACKAGE)}:{line}: {operator}: {before}  ->  {after}"
             if code == 0:
                 survivors.append(text)
@@ -90,7 +97,11 @@ class Copy:
 
     def holding(self, file, source):
         """Context manager: the copy of this file holds this source."""
-        return _Held(self, self._root / file.relative_to(PACKAGE), source, file.read_text())
+        return _Held(self, self.place(file), source, file.read_text())
+
+    def place(self, file):
+        """Where the copy has a source file."""
+        return self._root / file.relative_to(PACKAGE)
 
     def write(self, path, source):
         """Write a file with a time that no compiled file of an earlier text has."""
@@ -98,17 +109,23 @@ class Copy:
         path.write_text(source)
         os.utime(path, (self._stamp, self._stamp))
 
-    def test(self, tests, limit_s):
+    def record(self, tests):
+        """What `lines.Recorder` keeps of these test files; None if one fails."""
+        path = self._folder / "lines.json"
+        code, _ = self.test(tests, 3600, lines.Recorder(self._root, path))
+        return json.loads(path.read_text()) if code == 0 else None
+
+    def test(self, tests, limit_s, plugin, tables=False):
         """(exit code, processor time [s]) of pytest on these files; it may use limit_s of processor time."""
         sys.stdout.flush()
         process = os.fork()
         if process == 0:
-            self._work(tests, limit_s)
+            self._work(tests, limit_s, plugin, tables)
         _, status, used = os.wait4(process, 0)
         for_sure = os.waitstatus_to_exitcode(status)
         return for_sure, used.ru_utime + used.ru_stime
 
-    def _work(self, tests, limit_s):
+    def _work(self, tests, limit_s, plugin, tables):
         code = 1
         try:
             os.setsid()
@@ -123,7 +140,12 @@ class Copy:
             for name in [name for name in sys.modules if name.split(".")[0] == PACKAGE.name]:
                 del sys.modules[name]
             import pytest
-            code = int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", *map(str, tests)]))
+            if tests:
+                code = int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", *map(str, tests)], plugins=[plugin]))
+            else:
+                code = 0
+            if code == 0 and tables:
+                code = _differing_tables()
         finally:
             os._exit(code)
 
@@ -137,6 +159,18 @@ class _Held:
 
     def __exit__(self, *_):
         self._copy.write(self._path, self._before)
+
+
+def _differing_tables():
+    """1 if the tables of keys are not those that the package in sys.modules makes."""
+    loader = importlib.machinery.SourceFileLoader("key_tables", str(ROOT / "script" / "key_tables"))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader("key_tables", loader))
+    sys.dont_write_bytecode = True
+    path = list(sys.path)
+    loader.exec_module(module)
+    sys.path[:] = path  # the copy first
+    sys.argv = ["key_tables", "--check"]
+    return module.main()
 
 
 def preload():

@@ -8,6 +8,7 @@ import pytest
 sys.path.append(str(pathlib.Path(__file__).resolve().parent))
 
 import cpp_module  # noqa: E402
+import lines  # noqa: E402
 import operators  # noqa: E402
 import python_module  # noqa: E402
 
@@ -43,6 +44,7 @@ def test_the_operators_that_are_listed_are_those_there_are():
 def test_what_a_reader_sees_is_left_alone():
     source = '"""Two words."""\nx: int = setting(help="at 1", unit="m")\nraise E(f"found {1 + 1}, allowed {-2}")\n'
     assert [operator for operator, _ in operators.mutants(source)] == ["delete"]
+    assert [line for _, line in operators.mutants("plot(x, linewidth=2.0)\nplot(2.0, y)\n")] == [1, 2, 2]
 
 
 def test_mutants_of_every_room_compile_and_differ():
@@ -55,13 +57,35 @@ def test_mutants_of_every_room_compile_and_differ():
             assert ast.dump(ast.parse(source)) != ast.dump(ast.parse(file.read_text())) and before != after and line > 0
 
 
-def test_tests_of_a_module_are_those_of_its_room_its_own_first():
+def test_tests_of_a_module_are_those_of_its_room():
     [file] = python_module.sources("servo/stop_rule")
     tests = python_module.tests_of(file)
-    assert tests[0].name == "test_stop_rule.py" or "stop_rule import" in tests[0].read_text()
-    assert {test.parent.name for test in tests} == {"servo"}
+    assert "test_stop_rule.py" in {test.name for test in tests} and {test.parent.name for test in tests} == {"servo"}
     with pytest.raises(ValueError, match="found 'lows', allowed .*laws"):
         python_module.sources("lows")
+
+
+def test_tests_that_run_a_line_come_first_then_those_of_its_function():
+    source = "A = 1\n\n\ndef f():\n    if A:\n        return 1\n    return 2\n\n\ndef g():\n    return 3\n"
+    recorded = {"seconds": {"a::slow": 9.0, "b::quick": 0.1, "b::other": 0.2, "c::g": 0.3},
+                "lines": {"file": {"5": ["a::slow", "b::quick", "b::other"], "6": ["a::slow", "b::other"],
+                                   "7": ["b::quick"], "11": ["c::g"]}}}
+    assert lines.tests_that_run(recorded, "file", source, 6) == ["b::other", "a::slow", "b::quick"]
+    assert lines.tests_that_run(recorded, "file", source, 11) == ["c::g"]
+    assert set(lines.tests_that_run(recorded, "file", source, 1)) == set(recorded["seconds"])
+    assert lines.tests_that_run(recorded, "elsewhere", source, 6) == []
+    assert lines.in_function(source, 6) and not lines.in_function(source, 1)
+
+
+def test_a_default_that_no_test_looks_at_is_held_against_the_tables(tmp_path):
+    [file] = python_module.sources("servo/lost_target")
+    source = file.read_text()
+    assert source.count("5, at_least=1, help=\"Recoveries") == 1
+    changed = source.replace("5, at_least=1, help=\"Recoveries", "6, at_least=1, help=\"Recoveries")
+    copy = python_module.Copy(tmp_path)
+    for text, code in ((source, 0), (changed, 1)):
+        with copy.holding(file, text):
+            assert copy.test([], 60, lines.Order([]), tables=True)[0] == code
 
 
 def test_a_test_that_looks_kills_what_one_that_does_not_lets_live(tmp_path, monkeypatch):

@@ -21,6 +21,7 @@ from ._camera import (
     ShapeError,
     TagExtractor,
     TagFeatures,
+    in_rgb,
 )
 
 __all__ = [
@@ -37,4 +38,5 @@ __all__ = [
     "ShapeError",
     "TagExtractor",
     "TagFeatures",
+    "in_rgb",
 ]

@@ -50,6 +50,8 @@ void bindFeatures(py::module_& module) {
       .def_readwrite("mu", &MomentFeatures::mu)
       .def_readwrite("point_x", &MomentFeatures::point_x)
       .def_readwrite("point_y", &MomentFeatures::point_y)
+      .def_readwrite("point_z", &MomentFeatures::point_z)
+      .def_readwrite("depth_fault", &MomentFeatures::depth_fault)
       .def_readwrite("kernel_x", &MomentFeatures::kernel_x)
       .def_readwrite("kernel_y", &MomentFeatures::kernel_y)
       .def("__repr__", &repr);
@@ -74,8 +76,8 @@ void bindExtractor(py::module_& module) {
     config: the `vision` section of a scenario, see schema/vision.yaml of this package.
 Raises:
     ParameterError: every fault of both, one per line.)");
-  bindProcess(extractor, "Features of one image.",
-              "MomentFeatures; an empty view is a value (target_visible False), not an error.");
+  bindDepthProcess(extractor, "Features of one image.",
+                   "MomentFeatures; an empty view is a value (target_visible False), not an error.");
   extractor
       .def(
           "set_reference",
@@ -113,6 +115,16 @@ PYBIND11_MODULE(_camera, module) {
   aras_visual_servo_common::bindErrors(module);
   bindFeatures(module);
   bindExtractor(module);
+  module.def("in_rgb", &inRgb, py::arg("image"), py::arg("encoding"),
+             R"(The image of a camera as the extractors take it.
+
+Args:
+    image: as the camera gives it.  encoding: of sensor_msgs/image_encodings.h.
+Returns:
+    The same array; of bgr8 and of the four Bayer patterns of 8 bits, whose missing colours are interpolated linearly, a
+    new one of rgb8, (h, w, 3) uint8.
+Raises:
+    ShapeError: an encoding that the extractors do not take, or an image that does not have its shape and type.)");
   bindPhotometric(module);
   bindMatches(module);
   bindTag(module);

@@ -3,6 +3,9 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <string>
+
+#include "aras_visual_servo_camera/image/depth_view.hpp"
 #include "aras_visual_servo_camera/image/image_view.hpp"
 #include "aras_visual_servo_camera/moments/moment_features.hpp"
 
@@ -12,6 +15,15 @@ namespace aras_visual_servo_camera {
  *  with contiguous rows.
  *  @throws ShapeError for another shape, type or layout within a row */
 ImageView viewOf(const pybind11::array& image);
+
+/** A view of a float32 [m] or uint16 [mm] array of shape (h, w) with contiguous rows.
+ *  @throws ShapeError for another shape, type or layout within a row */
+DepthView depthOf(const pybind11::array& depth);
+
+/** The image as the extractors take it: itself, or, of bgr8 or a Bayer pattern, a new one of rgb8.
+ *  @param encoding  of the camera, a name of sensor_msgs
+ *  @throws ShapeError for an encoding that formatNamed refuses, or another shape or type than it has */
+pybind11::array inRgb(const pybind11::array& image, const std::string& encoding);
 
 /** A MomentFeatures, or anything with its attributes (the ROS message). */
 MomentFeatures toFeatures(const pybind11::object& object);

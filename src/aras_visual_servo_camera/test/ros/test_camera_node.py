@@ -133,6 +133,11 @@ class CameraNodeTest(unittest.TestCase):
             self.publish_pair(encoding=encoding)
         self.assertTrue(wait_until(lambda: len(self.received) >= 6))
         self.assertEqual(len({tuple(f.m) for f in self.received}), 1)
+        for encoding in ("bayer_rggb8", "bayer_bggr8", "bayer_gbrg8", "bayer_grbg8"):  # grey whichever colour is where
+            self.publish_pair(encoding=encoding)
+        self.assertTrue(wait_until(lambda: len(self.received) >= 10))
+        for features in self.received[6:]:
+            self.assertAlmostEqual(features.area, self.received[0].area, delta=0.05 * features.area)
 
     def test_reference_from_the_current_view(self):
         self.publish_pair()

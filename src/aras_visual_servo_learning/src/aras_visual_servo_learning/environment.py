@@ -13,7 +13,7 @@ from aras_visual_servo_controller.config.files import package_paths
 from aras_visual_servo_controller.config.reader import Names, read
 from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.ground.extras import extra
-from aras_visual_servo_controller.ground.images import eight_bit
+from aras_visual_servo_controller.ground.images import eight_bit, in_rgb
 from aras_visual_servo_controller.run.settings import ExperimentSettings
 from aras_visual_servo_controller.scenario.feasibility import Feasibility
 from aras_visual_servo_controller.scenario.scenario import Scenario, load_scenario
@@ -89,9 +89,10 @@ class ServoEnv(gymnasium.Env):
         self._fastest = self.kinematics.velocity
         self.action_space = spaces.Box(-1.0, 1.0, (len(self._scale),), np.float32)
         info = self.sim.camera_info(self.camera)
-        shape = (info["height"], info["width"]) + (() if self._encoding().startswith("mono") else (3,))
+        self._encoding = self.sim.camera_encoding(self.camera)
+        shape = (info["height"], info["width"]) + (() if self._encoding.startswith("mono") else (3,))
         state = spaces.Box(-FAR, FAR, (2 * len(self._names) + 6,), np.float64)
-        value = np.uint16 if self._encoding().endswith("16") else np.uint8
+        value = np.uint16 if self._encoding.endswith("16") else np.uint8
         image = spaces.Box(0, np.iinfo(value).max, shape, value)
         self.observation_space = {
             "state": state, "image": image,
@@ -136,7 +137,7 @@ class ServoEnv(gymnasium.Env):
         if self.render_mode is None:
             return None
         if self.render_mode == "camera":
-            image = np.array(eight_bit(self.sim.render(self.camera)))
+            image = np.array(eight_bit(self._rendered()))
             return np.repeat(image[..., None], 3, axis=2) if image.ndim == 2 else image
         if self._observer is None:
             from .watching import Watcher
@@ -145,8 +146,9 @@ class ServoEnv(gymnasium.Env):
 
     # --- parts --------------------------------------------------------------------------------------------------
 
-    def _encoding(self):
-        return self.scenario.sim["cameras"][0].get("encoding", "rgb8")
+    def _rendered(self):
+        """The present image, grey or rgb."""
+        return in_rgb(self.sim.render(self.camera), self._encoding)
 
     def _start_ranges(self):
         section = read(SweepSection, self.scenario.sweep, "sweep", Names(joints=self._names), separator=".")
@@ -183,7 +185,7 @@ class ServoEnv(gymnasium.Env):
     def _look(self, draw=False):
         """(q, q_dot, X_CgC) at the next image."""
         self._stamp_ns = self.sim.step_to_image(self.camera)
-        self._image = self.sim.render(self.camera) if self._wants_image or draw else None
+        self._image = self._rendered() if self._wants_image or draw else None
         state = self.sim.frame_state(self.camera)
         q, v = state["joint_positions"], state["joint_velocities"]
         if self._order is not None:

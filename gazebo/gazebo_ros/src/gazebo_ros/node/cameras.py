@@ -1,12 +1,25 @@
-"""Images of the cameras of one model, under the names that their tags give."""
+"""Images, depth and points of the cameras of one model, under the names that their tags give."""
 import rospy
-from sensor_msgs.msg import CameraInfo, Image
+from sensor_msgs.msg import CameraInfo, Image, PointCloud2, PointField
 from std_msgs.msg import Empty
 
 from aras_visual_servo_sim import ArasError
 
 from .beat import NEVER_NS
 from .convert import stamp
+
+
+def image_message(header, image, encoding):
+    return Image(header=header, height=image.shape[0], width=image.shape[1], encoding=encoding, step=image.strides[0],
+                 data=image.tobytes())
+
+
+def cloud_message(header, points):
+    """A sensor_msgs/PointCloud2 of points (h, w, 4) float32: x, y, z, rgb."""
+    fields = [PointField(name=name, offset=4 * k, datatype=PointField.FLOAT32, count=1)
+              for k, name in enumerate(("x", "y", "z", "rgb"))]
+    return PointCloud2(header=header, height=points.shape[0], width=points.shape[1], fields=fields, point_step=16,
+                       row_step=16 * points.shape[1], data=points.tobytes(), is_dense=False)
 
 
 class Cameras:
@@ -22,8 +35,13 @@ class Cameras:
         for name, topics in model.description.cameras.items():
             if name not in model.simulation.camera_names:
                 continue
-            self._topics[name] = (rospy.Publisher(topics.image, Image, queue_size=4),
-                                  rospy.Publisher(topics.info, CameraInfo, queue_size=4))
+            depth = topics.depth
+            self._topics[name] = {
+                kind: rospy.Publisher(topic, message, queue_size=4)
+                for kind, topic, message in (("image", topics.image, Image), ("info", topics.info, CameraInfo),
+                                             ("depth", depth and depth.image, Image),
+                                             ("depth_info", depth and depth.info, CameraInfo),
+                                             ("points", depth and depth.points, PointCloud2)) if topic}
             self._subscribers.append(rospy.Subscriber(topics.trigger, Empty, lambda _, camera=name: work.post(
                 lambda: self._model.simulation.trigger(camera))))
 
@@ -35,38 +53,51 @@ class Cameras:
     def publish(self, now_ns):
         """To be called at every stop of the world."""
         simulation = self._model.simulation
-        for name, (images, infos) in self._topics.items():
+        for name, publishers in self._topics.items():
             if self._model.begun_ns + min(simulation.next_image_ns(name), NEVER_NS) != now_ns:
                 continue
             simulation.step_to_image(name)  # takes the frame of this very tick
-            if not images.get_num_connections() and not infos.get_num_connections():
+            wanted = {kind: publisher for kind, publisher in publishers.items() if publisher.get_num_connections()}
+            if not wanted:
                 continue
             info = simulation.camera_info(name)
             message = CameraInfo(width=info["width"], height=info["height"], D=info["D"], K=info["K"], R=info["R"],
                                  P=info["P"], distortion_model=info["distortion_model"])
             message.header.stamp, message.header.frame_id = stamp(now_ns), info["frame_id"]
-            infos.publish(message)
-            if images.get_num_connections():
-                self._send(name, images, message.header)
+            for kind in {"info", "depth_info"} & set(publishers):
+                publishers[kind].publish(message)
+            self._send(name, wanted, message.header)
 
-    def _send(self, name, images, header):
+    def _send(self, name, wanted, header):
+        if not {"image", "depth", "points"} & set(wanted):
+            return
         self._world.look(self._model)
+        simulation, depth = self._model.simulation, self._model.description.cameras[name].depth
         try:
-            image = self._model.simulation.render(name)
+            if "image" in wanted:
+                image = simulation.render(name)
+                wanted["image"].publish(image_message(header, image, simulation.camera_encoding(name)))
+            if depth is not None and {"depth", "points"} & set(wanted):
+                depth_m = simulation.render_depth(name)
+                if "depth" in wanted:
+                    values = depth.values(depth_m)
+                    wanted["depth"].publish(image_message(header, values, "16UC1" if depth.millimetres else "32FC1"))
+                if "points" in wanted:
+                    colors = simulation.render(depth.colors)
+                    colors = colors[..., ::-1] if simulation.camera_encoding(depth.colors) == "bgr8" else colors
+                    points = depth.cloud(depth_m, simulation.camera_info(name)["K"], colors)
+                    wanted["points"].publish(cloud_message(header, points))
         except ArasError as error:
             rospy.logerr_throttle(10.0, "camera '%s' of model '%s': %s" % (name, self._model.name, error))
             return
         self.sent_ns = self._world.time_ns
-        encoding = self._model.simulation.camera_encoding(name)
-        images.publish(Image(header=header, height=image.shape[0], width=image.shape[1], encoding=encoding,
-                             step=image.strides[0], data=image.tobytes()))
 
     def time_reset(self, _now_ns):
         self.sent_ns = -1
 
     def close(self):
         for publishers in self._topics.values():
-            for publisher in publishers:
+            for publisher in publishers.values():
                 publisher.unregister()
         for subscriber in self._subscribers:
             subscriber.unregister()

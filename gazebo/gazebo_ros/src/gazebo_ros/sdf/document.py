@@ -1,5 +1,6 @@
 """Documents of SDF: what libsdformat makes of them, with what they include, and poses in them."""
 import os
+import re
 import xml.etree.ElementTree as ElementTree
 
 import numpy
@@ -7,6 +8,10 @@ import numpy
 from .. import _sdf
 from ..world.errors import SpawnError
 from ..world.poses import matrix_of, matrix_of_rpy
+
+
+#: A time of a saved <state> without its nanoseconds, which Gazebo's SDF reads and libsdformat 12 does not.
+SECONDS = re.compile(r"(<(sim_time|real_time|wall_time)>\s*\d+)(\s*</\2>)")
 
 
 def expanded(source, is_path, folders):
@@ -19,11 +24,25 @@ def expanded(source, is_path, folders):
     Raises:
         SpawnError: no SDF.
     """
+    source, is_path = with_nanoseconds(source, is_path)
     try:
         text, messages = _sdf.expanded(source, is_path, lambda uri: found(uri, folders))
         return ElementTree.fromstring(text), messages
     except (ValueError, ElementTree.ParseError) as error:
         raise SpawnError("SpawnModel: Failure - entity format is invalid: %s" % error) from error
+
+
+def with_nanoseconds(source, is_path):
+    """(source, is_path) of a document whose times all have nanoseconds: that of a path itself if they have them."""
+    text = source
+    if is_path:
+        try:
+            with open(source, encoding="utf-8") as stream:
+                text = stream.read()
+        except (OSError, UnicodeDecodeError):
+            return source, is_path  # libsdformat says what is wrong with the file
+    whole = SECONDS.sub(r"\1 0\3", text)
+    return (source, is_path) if whole == text else (whole, False)
 
 
 def found(uri, folders):

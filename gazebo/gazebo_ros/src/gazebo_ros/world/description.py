@@ -3,6 +3,7 @@ import dataclasses
 import re
 import xml.etree.ElementTree as ElementTree
 
+from .depth_cameras import is_realsense, read_kinects, read_realsense, sibling
 from .devices import DiffDrive, motorize, read_device
 from .errors import SpawnError
 from .looks import drop_missing_meshes, paint_as_gazebo
@@ -17,10 +18,11 @@ MOVING = {"revolute": 0, "continuous": 1, "prismatic": 2}
 
 @dataclasses.dataclass(frozen=True)
 class CameraTopics:
-    """Topics of one camera, full names."""
+    """Topics of one camera, full names. image and info are "" of a camera that only sees depth."""
     image: str
     info: str
     trigger: str
+    depth: object = None    #: Depth of world/depth_cameras.py, None of a camera that does not see it
 
 
 @dataclasses.dataclass(frozen=True)
@@ -88,6 +90,7 @@ def read_description(xml, namespace, model):
     free_followers(robot, warnings)
     paint_as_gazebo(robot)
     control, devices = "", []
+    seeing = deep_cameras_of(robot, namespace, warnings)
     for gazebo, plugin in [(each, plugin) for each in robot.findall("gazebo") for plugin in each.findall("plugin")]:
         gazebo.remove(plugin)  # the simulator would warn of what is used here
         file = plugin.get("filename", "")
@@ -96,7 +99,7 @@ def read_description(xml, namespace, model):
             control = joined(text_of(plugin, "robotNamespace", namespace or model))
         elif device is not None:
             devices.append(device)
-        elif not any(piece in file for piece in NEEDLESS):
+        elif not is_realsense(plugin) and not any(piece in file for piece in NEEDLESS):
             warnings.append("plugin %s is not simulated: ignored" % file)
     devices += sensors_of(robot, namespace, warnings)
     actuated = tuple(sorted({end.get("name") for end in robot.findall("transmission/joint")}))
@@ -106,7 +109,7 @@ def read_description(xml, namespace, model):
     links = {link.get("name") for link in robot.findall("link")}
     children = {joint.find("child").get("link") for joint in robot.findall("joint") if joint.find("child") is not None}
     # These take out what is used here: the simulator would warn of it.
-    cameras, static = cameras_of(robot, namespace, warnings), is_static(robot)
+    cameras, static = {**cameras_of(robot, namespace, warnings), **seeing}, is_static(robot)
     self_collides, off = self_collides_of(robot), weightless_links(robot)
     heavy = {link.get("name") for link in robot.findall("link") if link.find("inertial") is not None}
     frictions, retros = numbers_of(robot, ("mu1", "mu2")), numbers_of(robot, ("laserRetro", "laser_retro"))
@@ -121,6 +124,18 @@ def read_description(xml, namespace, model):
         parents=ends_of(robot, "parent"), children=ends_of(robot, "child"),
         devices=tuple(devices), frictions=frictions, retros=retros, self_collides=self_collides,
         warnings=tuple(warnings))
+
+
+def deep_cameras_of(robot, namespace, warnings):
+    """dict of camera -> CameraTopics, of the plugins of cameras that see depth. Their sensors become plain cameras."""
+    try:
+        found = read_kinects(robot, namespace)
+        for plugin in filter(is_realsense, robot.findall("gazebo/plugin")):
+            found.update(read_realsense(robot, plugin, warnings))
+    except ValueError as error:
+        raise SpawnError("SpawnModel: plugin of a depth camera: %s" % error) from error
+    return {name: CameraTopics(image, info, sibling(info or depth.info, "image_trigger"), depth)
+            for name, (image, info, depth) in found.items()}
 
 
 def is_static(robot):

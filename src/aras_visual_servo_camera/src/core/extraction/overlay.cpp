@@ -19,8 +19,7 @@ void toRgb(const ImageView& image, std::uint8_t* out) {
       return cv::cvtColor(view, rgb, cv::COLOR_BGR2RGB);
     case PixelFormat::kRgba8:
       return cv::cvtColor(view, rgb, cv::COLOR_RGBA2RGB);
-    case PixelFormat::kRgb8:
-    case PixelFormat::kRgb16:
+    default:
       return view.copyTo(rgb);
   }
 }

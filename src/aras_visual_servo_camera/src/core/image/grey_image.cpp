@@ -30,7 +30,47 @@ void convert(const cv::Mat& view, int code, cv::Mat* grey) {
   }
 }
 
+constexpr int kLeastOfBayer = 3;  // pixels each way, which the interpolation takes its colours from
+
+/** OpenCV names a pattern after its second row. */
+int bayerCode(PixelFormat format) {
+  switch (format) {
+    case PixelFormat::kBayerBggr8:
+      return cv::COLOR_BayerRG2RGB;
+    case PixelFormat::kBayerGbrg8:
+      return cv::COLOR_BayerGR2RGB;
+    case PixelFormat::kBayerGrbg8:
+      return cv::COLOR_BayerGB2RGB;
+    default:
+      return cv::COLOR_BayerBG2RGB;
+  }
+}
+
+struct Name {
+  const char* encoding;
+  PixelFormat format;
+};
+constexpr Name kNames[] = {{"rgb8", PixelFormat::kRgb8},
+                           {"bgr8", PixelFormat::kBgr8},
+                           {"mono8", PixelFormat::kMono8},
+                           {"rgba8", PixelFormat::kRgba8},
+                           {"mono16", PixelFormat::kMono16},
+                           {"rgb16", PixelFormat::kRgb16},
+                           {"bayer_rggb8", PixelFormat::kBayerRggb8},
+                           {"bayer_bggr8", PixelFormat::kBayerBggr8},
+                           {"bayer_gbrg8", PixelFormat::kBayerGbrg8},
+                           {"bayer_grbg8", PixelFormat::kBayerGrbg8}};
+
 }  // namespace
+
+PixelFormat formatNamed(const std::string& encoding) {
+  std::string allowed;
+  for (const Name& name : kNames) {
+    if (encoding == name.encoding) return name.format;
+    allowed += (allowed.empty() ? "" : ", ") + std::string(name.encoding);
+  }
+  throw ShapeError("image encoding: found '" + encoding + "', allowed " + allowed);
+}
 
 cv::Mat bytesIn(const ImageView& image) {
   const int n = bytesOf(image.format);
@@ -42,8 +82,16 @@ cv::Mat bytesIn(const ImageView& image) {
   const int depth = isDeep(image.format) ? CV_16U : CV_8U;
   const cv::Mat view(image.height_px, image.width_px, CV_MAKETYPE(depth, channels(image.format)),
                      const_cast<std::uint8_t*>(image.data), image.step_bytes);
-  if (!isDeep(image.format)) return view;
   cv::Mat bytes;
+  if (isBayer(image.format)) {
+    if (image.width_px < kLeastOfBayer || image.height_px < kLeastOfBayer)
+      throw ShapeError("image: found " + std::to_string(image.width_px) + " x " + std::to_string(image.height_px) +
+                       " pixels of a Bayer pattern, allowed at least " + std::to_string(kLeastOfBayer) + " x " +
+                       std::to_string(kLeastOfBayer));
+    cv::demosaicing(view, bytes, bayerCode(image.format));
+    return bytes;
+  }
+  if (!isDeep(image.format)) return view;
   view.convertTo(bytes, CV_8U, 255.0 / 65535.0);
   return bytes;
 }

@@ -7,7 +7,8 @@
 namespace aras_visual_servo_camera {
 
 /** The pixels of a view, 8 bits a value: its own, or, of values of 16 bits, 255 / 65535 of them, rounded, as cv_bridge
- *  converts them. @throws ShapeError if the view has no pixels, or rows shorter than them */
+ *  converts them, or, of a Bayer pattern, rgb, the missing colours interpolated linearly. @throws ShapeError if the
+ * view has no pixels, or rows shorter than them */
 cv::Mat bytesIn(const ImageView& image);
 
 /** The image as 8-bit grey: the pixels of the view themselves if it is mono8.

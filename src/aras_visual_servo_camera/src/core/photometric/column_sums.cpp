@@ -1,9 +1,8 @@
 #include "photometric/column_sums.hpp"
 
 namespace aras_visual_servo_camera {
-namespace {
 
-float dot(const float* a, const float* b, int n) {
+float dotOf(const float* a, const float* b, int n) {
   float lane[ColumnSums::kLanes] = {};
   for (int u = 0; u < n; u += ColumnSums::kLanes)
     for (int k = 0; k < ColumnSums::kLanes; ++k) lane[k] += a[u + k] * b[u + k];
@@ -12,11 +11,19 @@ float dot(const float* a, const float* b, int n) {
   return lane[0];
 }
 
-}  // namespace
-
 void ColumnSums::add(const float* data, int n) {
   for (int i = 0; i < columns_; ++i)
-    for (int j = i; j < columns_; ++j) sums_[i * kMaxColumns + j] += dot(data + i * n, data + j * n, n);
+    for (int j = i; j < columns_; ++j) sums_[i * kMaxColumns + j] += dotOf(data + i * n, data + j * n, n);
+}
+
+void ColumnSums::add(const std::vector<std::vector<double>>& data) {
+  for (int i = 0; i < columns_; ++i) {
+    for (int j = i; j < columns_; ++j) {
+      double sum = 0.0;
+      for (std::size_t k = 0; k < data[i].size(); ++k) sum += data[i][k] * data[j][k];
+      sums_[i * kMaxColumns + j] += sum;
+    }
+  }
 }
 
 void ColumnSums::eliminate(int k) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "aras_visual_servo_camera/config/photometric_config.hpp"
 
@@ -19,6 +20,9 @@ class ColumnSums {
   /** @param data  columns one after the other, n values each; n a multiple of kLanes */
   void add(const float* data, int n);
 
+  /** @param data  the columns, all of one length */
+  void add(const std::vector<std::vector<double>>& data);
+
   double at(int i, int j) const { return sums_[i < j ? i * kMaxColumns + j : j * kMaxColumns + i]; }
 
   /** Remove from every column the part that column k explains (Schur complement). A column k of zeros removes nothing.
@@ -29,6 +33,9 @@ class ColumnSums {
   int columns_;
   std::array<double, kMaxColumns * kMaxColumns> sums_{};  // i <= j
 };
+
+/** Sum of products of single precision in a fixed order; n a multiple of ColumnSums::kLanes. */
+float dotOf(const float* a, const float* b, int n);
 
 /** n rounded up to a multiple of kLanes. */
 constexpr int padded(int n) { return (n + ColumnSums::kLanes - 1) / ColumnSums::kLanes * ColumnSums::kLanes; }

@@ -103,9 +103,12 @@ void PhotometricExtractor::setReference(const ImageView& image, const Plane& pla
     w.levels[k].setPlane(plane);
     w.levels[k].setReference(w.pyramid[k]);
   }
-  PhotometricLevel& finest = w.levels.front();
-  if (!solve(finest.ofReference(), finest.pixels(), kSmallestChange).solvable)
-    throw DegenerateFeature("photometric reference: found an image in which six motions look alike, allowed a texture");
+  for (PhotometricLevel& level : w.levels) {  // the finest has to do; the others are left out where they do not
+    const bool solvable = solve(level.ofReference(), level.pixels(), kSmallestChange).solvable;
+    if (!solvable && &level == &w.levels.front())
+      throw DegenerateFeature(
+          "photometric reference: found an image in which six motions look alike, allowed a texture");
+  }
   w.pyramid[0].copyTo(w.reference);
   w.reference_hash = hashOf(w.grey);
   w.z_star_m = 1.0 / plane.C;
@@ -134,14 +137,18 @@ const PhotometricFeatures& PhotometricExtractor::process(const ImageView& image,
     next.rms = w.levels.front().rms(w.pyramid[0], w.reference);
     NormalEquations equations;
     GaussNewton newton;
-    for (int k = config_.levels - 1; k >= 0; --k) {
+    bool far = false;
+    for (int k = config_.levels - 1; k >= 0 && !far; --k) {
       PhotometricLevel& level = w.levels[k];
-      equations = level.process(w.pyramid[k]);
-      newton = solve(equations, level.pixels(), kSmallestChange);
+      level.look(w.pyramid[k]);
       next.level = k;
       next.pixels = level.pixels();
-      next.motion_px = newton.solvable ? level.motion(newton.step) : PhotometricFeatures::kNone;
-      if (newton.solvable && next.motion_px >= config_.switch_px) break;
+      for (int stage = level.stages() - 1; stage >= 0 && !far; --stage) {
+        equations = level.equations(stage);
+        newton = solve(equations, level.pixels(), kSmallestChange);
+        next.motion_px = newton.solvable ? level.motion(newton.step, stage) : PhotometricFeatures::kNone;
+        far = newton.solvable && next.motion_px >= config_.switch_px;
+      }
     }
     next.cost = equations.cost;
     next.condition = newton.condition;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <opencv2/imgproc.hpp>
 #include <string>
 
@@ -12,8 +11,7 @@
 namespace aras_visual_servo_camera {
 namespace {
 
-constexpr double kReach = 3.0;         // standard deviations of a Gaussian that its kernel reaches
-constexpr double kMaxCondition = 1e6;  // of L, its columns scaled: beyond, sums of single precision tell nothing
+constexpr double kReach = 3.0;  // standard deviations of a Gaussian that its kernel reaches
 
 int extent(int full, int level) {
   for (int k = 0; k < level; ++k) full = (full + 1) / 2;
@@ -29,35 +27,16 @@ void pointRows(double x, double y, double zeta, double rows[2][6]) {
 
 }  // namespace
 
-GaussNewton solve(const NormalEquations& equations, int pixels, double smallest) {
-  GaussNewton out;
-  out.condition = std::numeric_limits<double>::infinity();
-  cv::Vec6d scale;
-  for (int i = 0; i < 6; ++i) {
-    if (!(equations.H(i, i) > smallest * smallest * pixels)) return out;
-    scale[i] = 1.0 / std::sqrt(equations.H(i, i));
-  }
-  cv::Matx66d scaled, vectors;
-  for (int i = 0; i < 6; ++i)
-    for (int j = 0; j < 6; ++j) scaled(i, j) = scale[i] * equations.H(i, j) * scale[j];
-  cv::Vec6d values;
-  cv::eigen(scaled, values, vectors);  // descending; eigenvectors are rows
-  if (!(values[5] > 0.0)) return out;
-  out.condition = std::sqrt(values[0] / values[5]);
-  out.solvable = out.condition < kMaxCondition;
-  for (int k = 0; k < 6; ++k) {
-    double along = 0.0;
-    for (int i = 0; i < 6; ++i) along += vectors(k, i) * scale[i] * equations.b[i];
-    for (int i = 0; i < 6; ++i) out.step[i] -= vectors(k, i) * scale[i] * along / values[k];
-  }
-  return out;
-}
-
 PhotometricLevel::PhotometricLevel(const CameraIntrinsics& intrinsics, int level, const PhotometricConfig& config)
-    : config_(config), width_(extent(intrinsics.width(), level)), height_(extent(intrinsics.height(), level)) {
-  const double pitch = std::ldexp(1.0, level);  // pixels of the image to one of this level
+    : config_(config),
+      mapping_(makeMapping(config)),
+      view_{intrinsics, Plane{}, std::ldexp(1.0, level), 0},
+      width_(extent(intrinsics.width(), level)),
+      height_(extent(intrinsics.height(), level)) {
+  const double pitch = view_.pitch;
   const int reach = static_cast<int>(std::ceil(kReach * config.smoothing_px));
   border_ = std::max(reach, static_cast<int>(std::ceil(config.border_px / pitch)));
+  view_.border = border_;
   focal_ = {intrinsics.fx() / pitch, intrinsics.fy() / pitch};
   scale_ = std::sqrt(focal_[0] * focal_[1]);
   const cv::Size size(width_, height_);
@@ -99,6 +78,7 @@ PhotometricLevel::PhotometricLevel(const CameraIntrinsics& intrinsics, int level
 }
 
 void PhotometricLevel::setPlane(const Plane& plane) {
+  view_.plane = plane;
   flow_ = cv::Matx66d::zeros();
   for (int v = border_; v < height_ - border_; ++v) {
     for (int u = border_; u < width_ - border_; ++u) {
@@ -117,11 +97,11 @@ void PhotometricLevel::setPlane(const Plane& plane) {
   flow_ *= 1.0 / pixels_;
 }
 
-double PhotometricLevel::motion(const Vector6& step) const {
+double PhotometricLevel::motion(const Vector6& step, int stage) const {
   double square = 0.0;
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j < 6; ++j) square += step[i] * flow_(i, j) * step[j];
-  return scale_ * std::sqrt(std::max(0.0, square));
+  return scale_ * std::sqrt(std::max(0.0, square)) / (mapping_ ? mapping_->pitch(stage) : 1.0);
 }
 
 void PhotometricLevel::smooth(const cv::Mat& image, cv::Mat* out) const {
@@ -160,46 +140,63 @@ void PhotometricLevel::setReference(const cv::Mat& image) {
   differentiate(image, &reference_gradient_);
 }
 
-NormalEquations PhotometricLevel::ofReference() { return sum(reference_gradient_, nullptr); }
+NormalEquations PhotometricLevel::ofReference() {
+  if (!mapping_) return sum(reference_gradient_, reference_);
+  map(reference_gradient_, reference_);
+  mapping_->setReference(mapped_, view_);
+  return mapping_->equations(mapped_, 0);
+}
 
-NormalEquations PhotometricLevel::process(const cv::Mat& image) {
+void PhotometricLevel::look(const cv::Mat& image) {
   smooth(image, &smoothed_);
-  if (config_.interaction == GradientOf::kDesired) return sum(reference_gradient_, &smoothed_);
-  differentiate(image, &gradient_);
+  if (config_.interaction != GradientOf::kDesired) differentiate(image, &gradient_);
   if (config_.interaction == GradientOf::kMean) {
     cv::addWeighted(gradient_.x, 0.5, reference_gradient_.x, 0.5, 0.0, gradient_.x);
     cv::addWeighted(gradient_.y, 0.5, reference_gradient_.y, 0.5, 0.0, gradient_.y);
   }
-  return sum(gradient_, &smoothed_);
+  if (mapping_) map(gradientOfLook(), smoothed_);
+}
+
+const PhotometricLevel::Gradient& PhotometricLevel::gradientOfLook() const {
+  return config_.interaction == GradientOf::kDesired ? reference_gradient_ : gradient_;
+}
+
+NormalEquations PhotometricLevel::equations(int stage) {
+  return mapping_ ? mapping_->equations(mapped_, stage) : sum(gradientOfLook(), smoothed_);
 }
 
 // L = -(gx, gy) L_x, written out: with q = gx x + gy y it is
 // [gx zeta, gy zeta, -q zeta, -gy - y q, gx + x q, x gy - y gx].
-NormalEquations PhotometricLevel::sum(const Gradient& gradient, const cv::Mat* image) {
+void PhotometricLevel::fillRow(int v, const Gradient& gradient, const cv::Mat& image, float* const* column) const {
+  const int width = width_ - 2 * border_, count = illuminationColumns(config_.illumination);
+  const float *gx = gradient.x.ptr<float>(v) + border_, *gy = gradient.y.ptr<float>(v) + border_;
+  const float *x = x_.ptr<float>(v) + border_, *y = y_.ptr<float>(v) + border_, *zeta = zeta_.ptr<float>(v) + border_;
+  const float *star = reference_.ptr<float>(v) + border_, *mask = mask_.ptr<float>(v) + border_;
+  const float* now = image.ptr<float>(v) + border_;
+  float* e = column[6 + count];
+  for (int u = 0; u < width; ++u) {
+    const float q = gx[u] * x[u] + gy[u] * y[u];
+    column[0][u] = gx[u] * zeta[u];
+    column[1][u] = gy[u] * zeta[u];
+    column[2][u] = -q * zeta[u];
+    column[3][u] = -gy[u] - y[u] * q;
+    column[4][u] = gx[u] + x[u] * q;
+    column[5][u] = x[u] * gy[u] - y[u] * gx[u];
+    e[u] = mask[u] * (now[u] - star[u]);
+  }
+  if (count > 0) std::copy_n(mask, width, column[6]);
+  if (count > 1)
+    for (int u = 0; u < width; ++u) column[7][u] = mask[u] * star[u];
+}
+
+NormalEquations PhotometricLevel::sum(const Gradient& gradient, const cv::Mat& image) {
   const int n = padded(width_ - 2 * border_), count = illuminationColumns(config_.illumination);
   std::fill(columns_.begin(), columns_.end(), 0.0f);  // what pads a row adds nothing
   float* column[9];
   for (int k = 0; k < 9; ++k) column[k] = columns_.data() + static_cast<std::size_t>(k) * n;
   ColumnSums sums(7 + count);
   for (int v = border_; v < height_ - border_; ++v) {
-    const float *gx = gradient.x.ptr<float>(v) + border_, *gy = gradient.y.ptr<float>(v) + border_;
-    const float *x = x_.ptr<float>(v) + border_, *y = y_.ptr<float>(v) + border_, *zeta = zeta_.ptr<float>(v) + border_;
-    const float *star = reference_.ptr<float>(v) + border_, *mask = mask_.ptr<float>(v) + border_;
-    const float* now = image == nullptr ? star : image->ptr<float>(v) + border_;
-    float* e = column[6 + count];
-    for (int u = 0; u < width_ - 2 * border_; ++u) {
-      const float q = gx[u] * x[u] + gy[u] * y[u];
-      column[0][u] = gx[u] * zeta[u];
-      column[1][u] = gy[u] * zeta[u];
-      column[2][u] = -q * zeta[u];
-      column[3][u] = -gy[u] - y[u] * q;
-      column[4][u] = gx[u] + x[u] * q;
-      column[5][u] = x[u] * gy[u] - y[u] * gx[u];
-      e[u] = mask[u] * (now[u] - star[u]);
-    }
-    if (count > 0) std::copy_n(mask, width_ - 2 * border_, column[6]);
-    if (count > 1)
-      for (int u = 0; u < width_ - 2 * border_; ++u) column[7][u] = mask[u] * star[u];
+    fillRow(v, gradient, image, column);
     sums.add(columns_.data(), n);
   }
   for (int k = 0; k < count; ++k) sums.eliminate(6 + k);
@@ -210,6 +207,23 @@ NormalEquations PhotometricLevel::sum(const Gradient& gradient, const cv::Mat* i
   }
   out.cost = 0.5 * std::max(0.0, sums.at(6 + count, 6 + count));
   return out;
+}
+
+// The columns of all rows as images, for the mapping. Gradients of pixels without a ray are those of one at (0, 0), so
+// that the mask is laid over them.
+void PhotometricLevel::map(const Gradient& gradient, const cv::Mat& image) {
+  const cv::Rect inside(border_, border_, width_ - 2 * border_, height_ - 2 * border_);
+  mapped_.columns.resize(7 + illuminationColumns(config_.illumination));
+  for (cv::Mat& one : mapped_.columns) one.create(inside.size(), CV_32F);
+  mapped_.image = image(inside);
+  mapped_.reference = reference_(inside);
+  mapped_.mask = mask_(inside);
+  for (int v = 0; v < inside.height; ++v) {
+    float* column[9];
+    for (std::size_t k = 0; k < mapped_.columns.size(); ++k) column[k] = mapped_.columns[k].ptr<float>(v);
+    fillRow(v + border_, gradient, image, column);
+  }
+  for (int k = 0; k < 6; ++k) mapped_.columns[k] = mapped_.columns[k].mul(mapped_.mask);
 }
 
 double PhotometricLevel::rms(const cv::Mat& a, const cv::Mat& b) const {

@@ -1,33 +1,17 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <vector>
 
 #include "aras_visual_servo_camera/config/photometric_config.hpp"
 #include "aras_visual_servo_camera/image/camera_intrinsics.hpp"
 #include "aras_visual_servo_camera/photometric/photometric_extractor.hpp"
+#include "photometric/mappings/mapping.hpp"
+#include "photometric/normal_equations.hpp"
 
 namespace aras_visual_servo_camera {
-
-using Vector6 = std::array<double, 6>;
-
-/** H = L^T L and b = L^T e of one image, after the changes that the illumination explains have been removed. */
-struct NormalEquations {
-  cv::Matx66d H;
-  Vector6 b{};
-  double cost = 0.0;  ///< e^T e / 2, grey levels squared
-};
-
-/** Solution of H step = -b. */
-struct GaussNewton {
-  bool solvable = false;   ///< six motions are told apart
-  double condition = 0.0;  ///< of L, its columns scaled to length 1; infinite if it is singular
-  Vector6 step{};          ///< -H^-1 b [m, rad]
-};
-
-/** @param smallest  a column of L shorter than this, per pixel, tells nothing [grey levels per m, rad] */
-GaussNewton solve(const NormalEquations& equations, int pixels, double smallest);
 
 /** One level of the pyramid: its pixels' rays, the reference, and the sums over the pixels.
  *
@@ -44,13 +28,20 @@ class PhotometricLevel {
   /** @param image  CV_32F of this level, here and below */
   void setReference(const cv::Mat& image);
 
-  /** L^T L of the reference alone; b and cost are 0. */
+  /** H of the reference alone; b and cost are 0. */
   NormalEquations ofReference();
 
-  NormalEquations process(const cv::Mat& image);
+  /** Take an image, which equations() are of from then on. */
+  void look(const cv::Mat& image);
 
-  /** Rms motion of the image that a step of the camera makes, in pixels of this level. */
-  double motion(const Vector6& step) const;
+  /** Of the grey levels, or of the features of the mapping at one of its stages. */
+  NormalEquations equations(int stage);
+
+  /** Stages of the mapping from fine (0) to coarse; 1 without one. */
+  int stages() const { return mapping_ ? mapping_->stages() : 1; }
+
+  /** Rms motion of the image that a step of the camera makes, in pixels of this level, and there of this stage. */
+  double motion(const Vector6& step, int stage) const;
 
   /** Pixels inside the border that a ray reaches. */
   int pixels() const { return pixels_; }
@@ -64,9 +55,15 @@ class PhotometricLevel {
   };
   void smooth(const cv::Mat& image, cv::Mat* out) const;
   void differentiate(const cv::Mat& image, Gradient* out);
-  NormalEquations sum(const Gradient& gradient, const cv::Mat* image);
+  /** L, what explains the illumination, and e of one row of pixels; `column` points to 7 to 9 rows. */
+  void fillRow(int v, const Gradient& gradient, const cv::Mat& image, float* const* column) const;
+  NormalEquations sum(const Gradient& gradient, const cv::Mat& image);
+  void map(const Gradient& gradient, const cv::Mat& image);
+  const Gradient& gradientOfLook() const;
 
   PhotometricConfig config_;
+  std::unique_ptr<PhotometricMapping> mapping_;  ///< null: the grey levels themselves
+  LevelView view_;
   int width_, height_, border_, pixels_ = 0;
   double scale_;          ///< focal length, geometric mean, in pixels of this level
   cv::Mat x_, y_, mask_;  ///< ray of each pixel, CV_32F; mask: 1 where there is one and inside the border, else 0
@@ -78,6 +75,7 @@ class PhotometricLevel {
   cv::Mat reference_, smoothed_, du_, dv_;
   Gradient reference_gradient_, gradient_;
   std::vector<float> columns_;  ///< of one row of pixels: L, illumination, e, one after the other
+  MappedPixels mapped_;         ///< with a mapping
 };
 
 }  // namespace aras_visual_servo_camera

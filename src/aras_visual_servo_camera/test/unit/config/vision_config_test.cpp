@@ -27,7 +27,9 @@ const char kEveryKey[] =
     "asymmetry_threshold: 0.1, orientation_threshold: 0.2, points: blobs, point_count: 5, "
     "kernel: {p: 2, q: 3}, lost_area_px: 4, border_margin_px: 3, switch_ratio: 1.5, switch_images: 7, "
     "photometric: {interaction: current, illumination: offset, levels: 2, switch_px: 0.6, smoothing_px: 1.5, "
-    "border_px: 11, min_contrast: 4, target_normal_C: [0.1, 0.2, 0.9]}, "
+    "border_px: 11, min_contrast: 4, target_normal_C: [0.1, 0.2, 0.9], mapping: dct, "
+    "pca: {components: 12, views: 50, spread: 0.2, seed: 5}, dct: {coefficients: 20}, "
+    "mixture: {extension_px: 30, final_extension_px: 3}, mutual_information: {bins: 10}}, "
     "matches: {detector: akaze, keypoints: 500, ratio: 0.7, inlier_px: 2, min_matches: 9, iterations: 300, seed: 7}, "
     "tag: {family: 25h9, id: 3, size_m: 0.12, min_side_px: 24}}";
 
@@ -50,6 +52,8 @@ TEST(VisionConfig, EveryKeyOfTheSectionsIsRead) {  // by the next test, which ha
   EXPECT_EQ(keysOf(document), keysOf(vision));
   for (const char* part : {"kernel", "photometric", "matches", "tag"})
     EXPECT_EQ(keysOf(document[part]), keysOf(*vision.property(document, part)));
+  for (const char* mapping : {"pca", "dct", "mixture", "mutual_information"})
+    EXPECT_EQ(keysOf(document["photometric"][mapping]), keysOf(schemaSections().section(mapping)));
 }
 
 TEST(VisionConfig, ReadsEveryKey) {
@@ -84,6 +88,15 @@ TEST(VisionConfig, ReadsEveryKey) {
   EXPECT_EQ(p.border_px, 11);
   EXPECT_EQ(p.min_contrast, 4.0);
   EXPECT_EQ(p.target_normal_C, (std::array<double, 3>{0.1, 0.2, 0.9}));
+  EXPECT_EQ(p.mapping, Mapping::kDct);
+  EXPECT_EQ(p.pca.components, 12);
+  EXPECT_EQ(p.pca.views, 50);
+  EXPECT_EQ(p.pca.spread, 0.2);
+  EXPECT_EQ(p.pca.seed, 5);
+  EXPECT_EQ(p.dct.coefficients, 20);
+  EXPECT_EQ(p.mixture.extension_px, 30.0);
+  EXPECT_EQ(p.mixture.final_extension_px, 3.0);
+  EXPECT_EQ(p.mutual_information.bins, 10);
   const MatchingConfig& m = c.matches.value();
   EXPECT_EQ(m.detector, KeypointDetector::kAkaze);
   EXPECT_EQ(m.keypoints, 500);

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
@@ -130,6 +131,26 @@ TEST(Matching, AnotherCameraHasNoGoal) {
   EXPECT_FALSE(extractor.process(board(160, 120, 0).view()).has_reference);
   EXPECT_THROW(extractor.process(board(320, 240, 0).view()), ShapeError);
 }
+
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
+long pageFaults() {
+  rusage used{};
+  getrusage(RUSAGE_SELF, &used);
+  return used.ru_minflt;
+}
+
+TEST(Matching, TakesTheMemoryOfTheLastImage) {
+  MatchingConfig config = usual();
+  config.detector = KeypointDetector::kAkaze;
+  MatchExtractor extractor(cameraOf(640, 480), config);
+  const GreyImage image = board(640, 480, 0);
+  extractor.setReference(image.view(), 0.5);
+  for (int k = 0; k < 3; ++k) extractor.process(image.view());
+  const long before = pageFaults();
+  for (int k = 0; k < 3; ++k) extractor.process(image.view());
+  EXPECT_LT(pageFaults() - before, 3 * 200);  // 28 MB are 7000 pages
+}
+#endif
 
 }  // namespace
 }  // namespace aras_visual_servo_camera

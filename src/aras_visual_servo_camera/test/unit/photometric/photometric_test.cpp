@@ -34,6 +34,7 @@ struct Case {
   int width, height, levels;
   bool distorted;
   Illumination illumination;
+  Mapping mapping = Mapping::kNone;
 };
 
 class Photometric : public ::testing::TestWithParam<Case> {};
@@ -43,6 +44,7 @@ TEST_P(Photometric, SeesAShiftOfTheImageAtAnySize) {
   PhotometricConfig config = testing::usualPhotometric();
   config.levels = c.levels;
   config.illumination = c.illumination;
+  config.mapping = c.mapping;
   PhotometricExtractor extractor(cameraOf(c.width, c.height, c.distorted), config);
   const GreyImage reference = waves(c.width, c.height, 0.0), shifted = waves(c.width, c.height, 1.5);
   extractor.setReference(reference.view(), 0.5);
@@ -62,7 +64,13 @@ INSTANTIATE_TEST_SUITE_P(Sizes, Photometric,
                          ::testing::Values(Case{160, 120, 1, false, Illumination::kConstant},
                                            Case{161, 119, 3, false, Illumination::kOffset},
                                            Case{97, 83, 2, true, Illumination::kGainAndOffset},
-                                           Case{33, 31, 1, true, Illumination::kGainAndOffset}));
+                                           Case{33, 31, 1, true, Illumination::kGainAndOffset},
+                                           Case{97, 83, 2, true, Illumination::kGainAndOffset, Mapping::kPca},
+                                           Case{161, 119, 3, false, Illumination::kOffset, Mapping::kDct},
+                                           Case{97, 83, 1, true, Illumination::kOffset, Mapping::kMixture},
+                                           Case{45, 43, 1, true, Illumination::kConstant, Mapping::kMixture},
+                                           Case{161, 119, 2, false, Illumination::kConstant,
+                                                Mapping::kMutualInformation}));
 
 TEST(Photometric, PixelsThatNoRayReachesAreLeftOut) {
   // The lens polynomial folds over at r = 1: beyond, nothing reaches the pixels.

@@ -195,6 +195,34 @@ TEST(Segmentation, ThresholdItselfBelongsToTheBackground) {
   EXPECT_FALSE(Segmentation(config).process(image.view()).visible);
 }
 
+TEST(Segmentation, ABrightObjectDoesNotHaveTheThresholdEither) {
+  GreyImage image(320, 240, 20);
+  fill(&image, 100, 100, 10, 10, 128);
+  fill(&image, 110, 100, 10, 10, 129);
+  VisionConfig config = with(SegmentationMethod::kFixed);
+  config.object = ObjectShade::kBright;
+  config.threshold = 128;
+  EXPECT_EQ(Segmentation(config).process(image.view()).area_px, 100);
+  config.threshold = 127.5;
+  EXPECT_EQ(Segmentation(config).process(image.view()).area_px, 200);
+}
+
+TEST(Segmentation, AnEdgePixelOfEachBorderThatIsCoveredByMoreThanATenthSaysThatTheObjectGoesOn) {
+  for (int side = 0; side < 4; ++side) {
+    for (const auto& [weight, touches] : {std::pair{0.03, false}, std::pair{0.3, true}, std::pair{0.8, true}}) {
+      GreyImage image(320, 240, kBackgroundGrey);
+      fill(&image, side == 1 ? 279 : 1, side == 3 ? 199 : 1, 40, 40, kObjectGrey);  // one pixel from its border
+      const int u = side == 0 ? 0 : 319, v = side == 2 ? 0 : 239;
+      const auto grey = static_cast<std::uint8_t>(std::lround(kBackgroundGrey - weight / kGreyStep));
+      for (int k = 10; k < 20; ++k) {
+        image.at(side < 2 ? u : 1 + k, side < 2 ? 1 + k : v) = grey;
+      }
+      EXPECT_EQ(Segmentation(testing::usualVision()).process(image.view()).touches_border, touches)
+          << "side " << side << " weight " << weight;
+    }
+  }
+}
+
 TEST(Segmentation, CoverageWeighsAnEdgePixelByItsGrey) {
   GreyImage image(320, 240, kBackgroundGrey);
   fill(&image, 100, 100, 20, 20, kObjectGrey);
@@ -336,6 +364,27 @@ TEST(Otsu, SplitsTwoLevelsInTheMiddleOfTheGap) {
   EXPECT_EQ(otsuThreshold(h).value(), (20 + 229) / 2);
   h[20] = 0;
   EXPECT_FALSE(otsuThreshold(h).has_value());
+}
+
+TEST(Otsu, TheThresholdOfAnImageIsThatOfAllItsPixelsOnce) {
+  // Of three greys the middle one goes to the one side or to the other, as a few pixels more or less decide.
+  for (const int width : {33, 63, 64, 100, 163}) {
+    int taken = 0, left = 0;
+    for (int middle = 60; middle < 200; ++middle) {
+      for (const int rows : {4, 11}) {
+        GreyImage image(width, 40, kBackgroundGrey);
+        fill(&image, 2, 5, width - 4, 10, kObjectGrey);
+        fill(&image, 2, 15, width - 4, rows, static_cast<std::uint8_t>(middle));
+        for (int v = 15; v < 15 + rows; v += 3) image.at(width - 4, v) = static_cast<std::uint8_t>(middle + 1);
+        const double threshold = otsuThreshold(histogramOf(image)).value();
+        const auto wanted = std::count_if(image.data.begin(), image.data.end(), [&](int g) { return g < threshold; });
+        ASSERT_EQ(Segmentation(with(SegmentationMethod::kOtsu)).process(image.view()).area_px, wanted)
+            << width << " " << middle << " " << rows;
+        ++(wanted > 10 * (width - 4) ? taken : left);
+      }
+    }
+    EXPECT_TRUE(taken > 20 && left > 20) << taken << " " << left;
+  }
 }
 
 }  // namespace

@@ -74,5 +74,6 @@ def joint_bounds(q, before, lower, upper, velocity, acceleration, dt_s, horizon_
     at_stop &= np.array([low >= least, high <= most])
     short = (low > most) | (high < least)
     low, high = np.maximum(low, least), np.minimum(high, most)
-    middle = np.clip(0.5 * (low + high), least, most)
+    with np.errstate(invalid="ignore"):  # a joint without limits is never short of room
+        middle = np.clip(0.5 * (low + high), least, most)
     return np.where(short, middle, low), np.where(short, middle, high), at_stop, short

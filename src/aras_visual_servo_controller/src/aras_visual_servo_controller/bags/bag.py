@@ -11,6 +11,8 @@ from .files import BagError, BagFiles
 from ..run.record import STOP_NAMES, RecordBuilder
 from .record_groups import SOURCE_TOPICS, lacking
 from ..config.plugins import load_plugins
+from ..ground.errors import ShapeError
+from ..ground.images import image_of
 from ..ground.spatial import pose_from_quaternion
 from ..ground.types import FEATURE_NAMES
 
@@ -179,19 +181,21 @@ def _images(bags, topic, stamps):
 
 
 def decode(message):
-    """The image of a sensor_msgs/Image, (h, w) or (h, w, 3) rgb, uint8 or, of 16 bits a value, uint16.
+    """The image of a sensor_msgs/Image, as `image_of` gives it. Raises: BagError: another encoding."""
+    try:
+        return image_of(message)
+    except ShapeError as error:
+        raise BagError(str(error)) from None
 
-    Raises: BagError: another encoding.
-    """
-    channels = {"rgb8": 3, "bgr8": 3, "mono8": 1, "rgb16": 3, "mono16": 1}.get(message.encoding)
-    if channels is None:
-        raise BagError(f"image encoding: found '{message.encoding}', allowed rgb8 | bgr8 | mono8 | rgb16 | mono16")
-    value = np.dtype("u1" if message.encoding.endswith("8") else ">u2" if message.is_bigendian else "<u2")
+
+def decode_depth(message):
+    """The depth image of a sensor_msgs/Image, (h, w), float32 [m] or uint16 [mm]. Raises BagError: another encoding."""
+    value = {"32FC1": "f4", "16UC1": "u2"}.get(message.encoding)
+    if value is None:
+        raise BagError(f"depth image encoding: found '{message.encoding}', allowed 32FC1 | 16UC1")
+    value = np.dtype((">" if message.is_bigendian else "<") + value)
     rows = np.frombuffer(message.data, dtype=np.uint8).reshape(message.height, message.step)
-    image = rows[:, :message.width * channels * value.itemsize].copy().view(value)
-    image = image.astype(value.newbyteorder("=")).reshape(message.height, message.width, channels)
-    image = image[..., ::-1] if message.encoding == "bgr8" else image
-    return image[..., 0] if channels == 1 else image
+    return rows[:, :message.width * value.itemsize].copy().view(value).astype(value.newbyteorder("="))
 
 
 def camera_info_of(message):

@@ -12,10 +12,14 @@ from ..ground.errors import ParameterError
 from ..ground.processes import Interrupted
 
 FOLDER = "benchmarks"
+#: What of a user's own may take the place of ours.
+OWN = "board", "meshes"
 EXAMPLES = (("vit_vs --starts 60", "60 of the 500 starts of each case, spread evenly"),
             ("vit_vs --cases orb_plain --name mine", "one case; the same line again goes on where it was interrupted"),
             ("vit_vs --board poster.png", "with a picture of your own on the board"),
+            ("cns_render --meshes ycb", "with the meshes of a folder of yours, which are dropped on the table first"),
             ("latency --starts 1000", "a map of success over two delays, from the first 1000 of its 10 000 runs"),
+            ("map --starts 54", "every law with every set of features: one page of maps over distance and rotation"),
             ("canonical", "the laws on the canonical tasks, on the free camera and on the arm"))
 
 
@@ -28,6 +32,7 @@ def benchmark_main(argv=None):
                         help="starts of each case, spread evenly over those of the protocol (default: all)")
     parser.add_argument("--cases", type=_names, default=(), metavar="A,B,...", help="cases to run (default: all)")
     parser.add_argument("--board", metavar="FILE", help="picture to put on the board in place of our own")
+    parser.add_argument("--meshes", metavar="FOLDER", help="meshes to drop in place of our own")
     parser.add_argument("--workers", type=int, metavar="N",
                         help="number of worker processes (default: one per core; 0: run in this process)")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers do the runs")
@@ -55,15 +60,17 @@ def benchmark_main(argv=None):
 
 
 def _run(protocol, arguments):
-    from ..compare.protocols.runner import as_markdown, run_case, save_table, table
+    from ..compare.protocols.runner import as_markdown, run_case, save_table, table, total
     from ..report.report import create_result_folder
     from ..report.versions import installed_versions
+    own = {name: getattr(arguments, name) for name in OWN if getattr(arguments, name) is not None}
+    protocol.check_own(own)
     root = Path(os.path.expanduser(arguments.output)) / FOLDER
     folder = root / protocol.name / arguments.name if arguments.name else None
     if folder is None or not folder.is_dir():
         folder = create_result_folder(root, protocol.name, arguments.name)
     count = protocol.published_starts if arguments.starts is None else arguments.starts
-    cases = protocol.cases(folder / "files", count, arguments.board)
+    cases = protocol.cases(folder / "files", count, **own)
     unknown = [name for name in arguments.cases if name not in [case.name for case in cases]]
     if unknown:
         raise ParameterError(f"--cases: found {', '.join(unknown)}, allowed {', '.join(case.name for case in cases)}")
@@ -82,16 +89,18 @@ def _run(protocol, arguments):
     lines = table(protocol, results)
     path = save_table(protocol, lines, folder)
     print(as_markdown(protocol, lines))
+    print(f"{'hash':<20}{total(lines)[:16]}")
     print(f"{'table':<20}{path}")
     for picture in protocol.save_pictures(results, folder):
-        print(f"{'picture':<20}{picture}")
+        print(f"{'page' if picture.suffix == '.html' else 'picture':<20}{picture}")
     return EXIT_PASSED
 
 
 def _words(arguments):
     words = [arguments.protocol] + ([f"--starts {arguments.starts}"] if arguments.starts is not None else [])
     words += [f"--cases {','.join(arguments.cases)}"] if arguments.cases else []
-    return " ".join(words + ([f"--board {shlex.quote(arguments.board)}"] if arguments.board else []))
+    words += [f"--{name} {shlex.quote(getattr(arguments, name))}" for name in OWN if getattr(arguments, name)]
+    return " ".join(words)
 
 
 def _names(text):

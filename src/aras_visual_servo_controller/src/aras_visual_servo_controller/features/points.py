@@ -4,7 +4,8 @@
 a list of features stands for x1, y1, ..., x4, y4. `xmN`, `ymN`, `lN` and `alphaN` are the middle, the length and the
 direction of the segment from point N to the next one; the last point's segment ends at the first point.
 
-The inverse depth 1/Z of a point comes from the target's plane, or from the view's `inverse_depths` where it has them.
+The inverse depth 1/Z of a point comes from the target's plane, or from the view's `inverse_depths` where it has them:
+those at the goal, or those of the depth image (`MomentFeatures.point_z`).
 """
 
 from math import atan2, hypot
@@ -12,16 +13,34 @@ from math import atan2, hypot
 import numpy as np
 
 from ..ground.errors import DegenerateFeature
+from ..ground.spatial import skew
 from .base import Feature, register_family
 from .palette import COOL, GREENS, PURPLES, WARM
 
 
 def points(view):
     """[(x, y)], normalised coordinates of the followed points. Raises DegenerateFeature: the view shows none."""
-    x, y = view.features.point_x, view.features.point_y
+    return points_seen(view.features)
+
+
+def points_seen(features):
+    """[(x, y)] of the `Features` of an image. Raises DegenerateFeature: it shows none."""
+    x, y = features.point_x, features.point_y
     if not 0 < len(x) == len(y):
         raise DegenerateFeature(f"points: found {len(x)} x and {len(y)} y in this view, needed at least one of each")
     return list(zip(x, y))
+
+
+def depths_in_image(features):
+    """(N,) depths Z of the followed points by the depth image [m]. Raises DegenerateFeature: one is missing."""
+    count, Z = len(points_seen(features)), np.array(getattr(features, "point_z", ()), dtype=float)
+    if len(Z) != count:
+        raise DegenerateFeature("depth image: " + (getattr(features, "depth_fault", "") or "found no depths of the "
+                                "points; set vision.depth, or vision.matches.depth with source matches"))
+    holes = np.flatnonzero(~(np.isfinite(Z) & (Z > 0.0)))
+    if len(holes):
+        raise DegenerateFeature(f"depth image: a hole at point {', '.join(str(hole + 1) for hole in holes)}")
+    return Z
 
 
 def point_rows(view):
@@ -39,15 +58,37 @@ def point_rows(view):
     return np.array(rows)
 
 
+def rays(view):
+    """(N, 3) unit vectors towards the followed points. Raises DegenerateFeature: the view shows none."""
+    ahead = np.array([(x, y, 1.0) for x, y in view.shared(points)])
+    return ahead / np.linalg.norm(ahead, axis=1)[:, None]
+
+
+def ray_rows(view):
+    """L of the rays, (N, 3, 6): [-(1 - s s^T) / r, [s]x], with r the distance of the point (docs/theory.md T72)."""
+    s, depths = view.shared(rays), view.inverse_depths
+    over_r = s @ np.array(view.plane) if depths is None else np.array(depths) * s[:, 2]
+    if len(over_r) != len(s):
+        raise DegenerateFeature(f"points: found {len(s)} in this view, {len(over_r)} at the goal")
+    L = np.empty((len(s), 3, 6))
+    L[:, :, :3] = over_r[:, None, None] * (s[:, :, None] * s[:, None, :] - np.eye(3))
+    L[:, :, 3:] = [skew(one) for one in s]
+    return L
+
+
 class OfPoints(Feature):
     sees_tilt, overlay, also_from = True, "points", ("matches", "tag")
 
     def _ends(self, view):
         """Indices of this point and of the next one. Raises DegenerateFeature: the view shows fewer points."""
         count = len(view.shared(points))
+        return self._index(count), self.number % count
+
+    def _index(self, count):
+        """Index of this point of so many. Raises DegenerateFeature: there are fewer."""
         if self.number > count:
             raise DegenerateFeature(f"{self.name}: found {count} points in this view, needed at least {self.number}")
-        return self.number - 1, self.number % count
+        return self.number - 1
 
 
 @register_family("x")

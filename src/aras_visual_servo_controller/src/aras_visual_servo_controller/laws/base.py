@@ -31,6 +31,7 @@ from ..config.settings import keys_of, settings_of
 from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError, ShapeError
 from ..features.base import FeatureSet, View
 from ..features.interaction import parallel_condition
+from ..features.points import depths_in_image
 from ..ground.types import FEATURE_NAMES, Reference
 from .look import Answer
 from .setup import INTERACTIONS, POINT_DEPTHS, POSES, LawSetup
@@ -62,6 +63,12 @@ def known_laws():
     """Names of the registered laws, sorted."""
     load_room(__package__)
     return sorted(_LAWS)
+
+
+def works_on(name):
+    """Names of the features that the law of that name is made for; None: it takes any features. KeyError."""
+    load_room(__package__)
+    return _LAWS[name].works_on
 
 
 def law_settings():
@@ -167,6 +174,8 @@ class Law:
         if self._setup.point_depth == "goal":
             view, (A, B, C) = self.taught_view(reference)
             self._inverse_depths = [A * x + B * y + C for x, y in zip(view.point_x, view.point_y)]
+        elif self._setup.point_depth == "image":
+            depths_in_image(self.taught_view(reference)[0])  # a goal without them is refused
 
     def step(self, look):
         """The `Answer` to one `Look`.
@@ -186,8 +195,7 @@ class Law:
             look = self._foresee(look, s)
         if not (isfinite(sum(s)) and isfinite(look.dt_s)):
             raise NotFiniteError(f"features: found {s} and dt_s {look.dt_s}, allowed finite numbers")
-        symmetric = getattr(look.view.features, "symmetric", False) or self._setup.symmetric_target
-        e = self.features.error(s, self._s_star, symmetric)
+        e = self.features.error(s, self._s_star, self._symmetric(look.view))
         adaptive = self._setup.adaptive_gain
         if adaptive is not None:
             factor = adaptive_factor(max(map(abs, e)), adaptive.infinity_part, adaptive.slope)
@@ -205,11 +213,16 @@ class Law:
         """
         raise NotImplementedError
 
+    def _symmetric(self, view):
+        """Whether the target is the same after half a turn; not every source of features says so."""
+        return getattr(view.features, "symmetric", False) or self._setup.symmetric_target
+
     def _see(self, look):
         """The look, with what this law knows about the view added to it: here the depths of followed points."""
-        if self._inverse_depths is None:
-            return look
-        return look._replace(view=View(look.view.features, look.view.plane, None, self._inverse_depths))
+        depths = self._inverse_depths
+        if self._setup.point_depth == "image":
+            depths = 1.0 / depths_in_image(look.view.features)
+        return look if depths is None else look._replace(view=View(look.view.features, look.view.plane, None, depths))
 
     def _foresee(self, look, s):
         """The look, with what this law knows about a view that does not show the target, of which s is foreseen."""
@@ -259,7 +272,8 @@ class Law:
 
     def goal_matrix(self, view, plane):
         """L, (k, 6), at the goal. Args: view: taught `Features`.  plane: its (A, B, C), (3,) [1/m]."""
-        return self.features.matrix(View(view, plane))
+        depths = 1.0 / depths_in_image(view) if self._setup.point_depth == "image" else None
+        return self.features.matrix(View(view, plane, None, depths))
 
     def invert(self, L):
         """Pseudo-inverse, (6, k), of an interaction matrix L, (k, 6), of these features.

@@ -96,7 +96,7 @@ class Broyden(Law):
         if look.applied is None or self._s_last is None:
             return None, None
         motion = look.applied[self._columns] / self._units * self._dt_last
-        return motion, np.array(self.features.error(s, self._s_last, getattr(look.view.features, "symmetric", False)))
+        return motion, np.array(self.features.error(s, self._s_last, self._symmetric(look.view)))
 
     def _learn(self, motion, change):
         """One step of recursive least squares (T32).

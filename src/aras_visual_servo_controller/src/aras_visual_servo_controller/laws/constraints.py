@@ -6,6 +6,7 @@ used up at this rate at most, and one that is violated opens again at this rate.
 """
 
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from typing import Dict, NamedTuple, Optional, Tuple
 
 import numpy as np
@@ -64,6 +65,14 @@ class ConstraintSettings:
         0.001, above=0,
         help="Weight of the change of the joint velocities beside that of the features' rates, both relative.")
 
+    @cached_property
+    def planes(self):
+        """(names of the walls' rooms, their normals of length 1, (k, 3), their offsets, (k,))."""
+        normals = np.array([wall.normal for wall in self.walls.values()], dtype=float)
+        normals /= np.linalg.norm(normals, axis=1)[:, None]
+        offsets = np.array([wall.offset_m for wall in self.walls.values()])
+        return tuple(f"wall '{name}'" for name in self.walls), normals, offsets
+
 
 class Rooms(NamedTuple):
     """m constraints.  names: tuple of texts.  h: (m,) distances.  rows: (m, 6), h_dot = rows V_C."""
@@ -85,7 +94,7 @@ def rooms_of(settings, view, X_BC):
             parts.append(_in_view(view, axis, half - settings.margin, settings.extent))
     parts.append(_deep_enough(view, settings.least_depth_m))
     if settings.walls:
-        parts.append(_before_walls(settings.walls, X_BC))
+        parts.append(_before_walls(settings.planes, X_BC))
     rooms = Rooms(sum((part.names for part in parts), ()), np.concatenate([part.h for part in parts]),
                   np.concatenate([part.rows for part in parts]))
     if not (np.isfinite(rooms.h).all() and np.isfinite(rooms.rows).all()):
@@ -105,7 +114,10 @@ def points_in_space(view, xy):
     over_Z = np.asarray(over_Z, dtype=float)
     if not (np.isfinite(over_Z) & (over_Z > 0.0)).all():
         raise DegenerateFeature(f"constraints: found the inverse depths {over_Z} of the target, allowed > 0")
-    return np.stack([xy[:, 0], xy[:, 1], np.ones(len(xy))]) / over_Z
+    places = np.ones((3, len(xy)))
+    places[:2] = xy.T
+    places /= over_Z
+    return places
 
 
 def _deep_enough(view, least_m):
@@ -115,21 +127,19 @@ def _deep_enough(view, least_m):
     X, Y, Z = points_in_space(view, xy)
     rows = np.zeros((len(xy), 6))
     rows[:, 2], rows[:, 3], rows[:, 4] = -1.0, -Y, X  # Z_dot of a point at rest
-    names = [f"point {i + 1}" for i in range(len(xy))] if followed else ["the object"]
-    return Rooms(tuple(f"{name} before the camera" for name in names), Z - least_m, rows)
+    return Rooms(_names(followed, "before the camera"), Z - least_m, rows)
 
 
 def _in_view(view, axis, half, extent):
     """Rooms to the two borders that x (axis 0) or y (axis 1) may reach, `half` from the middle."""
-    before, beyond = BORDERS[2 * axis], BORDERS[2 * axis + 1]
-    if len(view.features.point_x):
+    followed = len(view.features.point_x)
+    if followed:
         at = np.array([point[axis] for point in view.shared(points)])
-        rows, names = view.shared(point_rows)[axis::2], [f"point {i + 1}" for i in range(len(at))]
+        rows = view.shared(point_rows)[axis::2]
         low, high, L_low, L_high = at, at, rows, rows
     else:
-        names = ["the object"]
         low, high, L_low, L_high = _edges(view, axis, extent)
-    names = tuple([f"{name} at the {border} border" for border in (before, beyond) for name in names])
+    names = _names(followed, *(f"at the {border} border" for border in BORDERS[2 * axis:2 * axis + 2]))
     return Rooms(names, np.concatenate([half + low, half - high]), np.concatenate([L_low, -L_high]))
 
 
@@ -145,10 +155,16 @@ def _edges(view, axis, extent):
     return (np.array([at - spread]), np.array([at + spread]), (L - L_spread)[None], (L + L_spread)[None])
 
 
-def _before_walls(walls, X_BC):
-    """Rooms of the optical centre to walls, dict of name -> `WallSettings`."""
-    normals = np.array([wall.normal for wall in walls.values()], dtype=float)
-    normals /= np.linalg.norm(normals, axis=1)[:, None]
-    offsets = np.array([wall.offset_m for wall in walls.values()])
-    rows = np.hstack([normals @ X_BC[:3, :3], np.zeros((len(normals), 3))])
-    return Rooms(tuple(f"wall '{name}'" for name in walls), normals @ X_BC[:3, 3] - offsets, rows)
+def _before_walls(planes, X_BC):
+    """Rooms of the optical centre to walls. Args: planes: `ConstraintSettings.planes`."""
+    names, normals, offsets = planes
+    rows = np.zeros((len(normals), 6))
+    rows[:, :3] = normals @ X_BC[:3, :3]
+    return Rooms(names, normals @ X_BC[:3, 3] - offsets, rows)
+
+
+@lru_cache(maxsize=64)
+def _names(followed, *wheres):
+    """Names of the rooms of so many followed points at each of these places; of the object, where none is followed."""
+    things = [f"point {i + 1}" for i in range(followed)] if followed else ["the object"]
+    return tuple(f"{thing} {where}" for where in wheres for thing in things)

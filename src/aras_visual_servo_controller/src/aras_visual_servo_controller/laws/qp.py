@@ -1,6 +1,7 @@
 """Law `qp`: the twist of `ibvs` in joint velocities under hard constraints, one quadratic program a look."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -50,8 +51,8 @@ class QuadraticProgram(ImageBased):
         rooms, n = rooms_of(self.settings, view, arm.X_BC), len(arm.q)
         rows = rooms.rows @ arm.jacobian
         H = self.metric(view, arm.jacobian)
-        A = np.vstack([rows, np.eye(n), -np.eye(n)])
-        b = np.concatenate([-np.minimum(self.settings.rate_per_s, 1.0 / arm.dt_s) * rooms.h, arm.low, -arm.high])
+        A = np.concatenate([rows, _bounds(n)])
+        b = np.concatenate([-min(self.settings.rate_per_s, 1.0 / arm.dt_s) * rooms.h, arm.low, -arm.high])
         q_dot, multipliers, _, feasible = self._solve(H, -H @ arm.wanted, A, b)
         if feasible:
             return self._answer(arm, rooms.names, q_dot, multipliers)
@@ -64,11 +65,13 @@ class QuadraticProgram(ImageBased):
         """Hessian of the cost, (n, n): rates of the features, each direction relative to their mean size."""
         L = self.features.matrix(view)
         seen = L.T @ L
-        seen /= max(np.trace(seen), 1e-12) / 6.0
+        seen /= max(seen.trace(), 1e-12) / 6.0
         if not self.features.sees_tilt:  # the servo holds the tilt: as important as the features
             seen[[3, 4], [3, 4]] += 1.0
         H = jacobian.T @ seen @ jacobian
-        return H / max(np.trace(H) / len(H), 1e-12) + self.settings.damping * np.eye(len(H))
+        H /= max(H.trace() / len(H), 1e-12)
+        H.flat[::len(H) + 1] += self.settings.damping
+        return H
 
     def _with_slack(self, arm, rooms, H, A, b):
         """`Joints` that violate view and walls as little as the limits of the joints allow."""
@@ -110,6 +113,12 @@ class QuadraticProgram(ImageBased):
         names += [_joint(name) for name, held in zip(arm.joint_names, binds[m:m + 2 * n].reshape(2, n).any(axis=0))
                   if held]
         return Joints(q_dot, None, f"servoing, held back by {_listed(names)}")
+
+
+@lru_cache(maxsize=16)
+def _bounds(n):
+    """Rows of the lower and the upper bounds of n joints, (2 n, n); not to be written to."""
+    return np.concatenate([np.eye(n), -np.eye(n)])
 
 
 def _joint(name):

@@ -21,7 +21,7 @@ MOST_ROWS = 400
 class Hub:
     """Makes the messages, each once for all viewers.
 
-    Args: runner: `Runner`, or what has its attributes sample, rows, about, encoding and watched.
+    Args: runner: `Runner`, or what has its attributes sample, rows, about and watched.
         notes: what a page is told to begin with, beside what the runner has to say.
     """
 
@@ -37,7 +37,7 @@ class Hub:
         self._runner.watched = True
         viewer.send(_text(self._about_message()))
         if self._goal is not None:
-            viewer.send(_goal_message(self._goal, self._runner.encoding))
+            viewer.send(_goal_message(self._goal))
 
     def remove(self, viewer):
         """A page has gone."""
@@ -79,7 +79,7 @@ class Hub:
             return
         self._number = sample.number
         if sample.goal is not None and (self._goal is None or self._goal[1] is not sample.goal[1]):
-            message = _goal_message(sample.goal, runner.encoding)
+            message = _goal_message(sample.goal)
             for viewer in self._viewers:
                 viewer.send(message)
         self._goal = sample.goal
@@ -118,25 +118,23 @@ class Hub:
 
     def _encoded(self, sample):
         if self._image_number != sample.image_number:
-            self._jpeg, self._image_number = jpeg(sample.image, self._runner.encoding), sample.image_number
+            self._jpeg, self._image_number = jpeg(sample.image), sample.image_number
         return self._jpeg
 
 
-def jpeg(image, encoding):
-    """The bytes of a JPEG of a camera's image, uint8 or uint16, (h, w) or (h, w, 3) of rgb8, rgb16 or bgr8."""
+def jpeg(image):
+    """The bytes of a JPEG of an image, uint8 or uint16, (h, w) grey or (h, w, 3) rgb."""
     import PIL.Image  # OpenCV writes the same bytes, and takes ten times as long to import
-    if encoding == "bgr8":
-        image = image[:, :, ::-1]
     stream = io.BytesIO()
     colour = {"subsampling": "4:2:0"} if image.ndim == 3 else {}
     PIL.Image.fromarray(np.ascontiguousarray(eight_bit(image))).save(stream, "JPEG", quality=QUALITY, **colour)
     return stream.getvalue()
 
 
-def _goal_message(goal, encoding):
+def _goal_message(goal):
     _, image, marks, pose = goal
     text = json.dumps({"type": "goal", "marks": marks, "pose": pose}, separators=(",", ":")).encode()
-    return struct.pack("<I", len(text)) + text + jpeg(image, encoding)
+    return struct.pack("<I", len(text)) + text + jpeg(image)
 
 
 def _text(message):

@@ -68,7 +68,6 @@ class Runner:
         self._row_at_s, self._row_count = -1.0, 0
         self.rows = collections.deque(maxlen=MOST_ROWS)
         self.sample, self.watched, self.about = None, False, run.about()
-        self.encoding = _encoding(run)
         self._thread = threading.Thread(target=self._work, name="live run", daemon=True)
 
     def start(self):
@@ -123,7 +122,6 @@ class Runner:
         if self.about["version"] != self._run.version:
             names = self.about["rows"]
             self.about = self._run.about()
-            self.encoding = _encoding(self._run)
             if self.about["rows"] != names or request.do == "reset":
                 self.rows.clear()
         elif request.do == "set":
@@ -211,8 +209,3 @@ class Runner:
             state.update(status="FAULT", text=self._trouble)
         number = 0 if self.sample is None else self.sample.number + 1
         self.sample = Sample(number, state, self._image, self._image_number, self._marks, self._goal, run.version)
-
-
-def _encoding(run):
-    cameras = run.scenario.sim.get("cameras") or [{}]
-    return next((camera.get("encoding", "rgb8") for camera in cameras if camera.get("name") == run.loop.camera), "rgb8")

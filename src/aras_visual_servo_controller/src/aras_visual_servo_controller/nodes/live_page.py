@@ -23,7 +23,8 @@ from aras_visual_servo_msgs.srv import SetModelMotion, SetTargetPose, Step, Teac
 from . import conversions as convert
 from .calls.services import call_service
 from ..arm.robot import kinematics_of
-from ..ground.errors import ArasError, ParameterError
+from ..ground.errors import ArasError, ParameterError, ShapeError
+from ..ground.images import image_of
 from ..ground.spatial import pose_from_quaternion
 from ..ground.types import Status
 from ..live.about import FOLLOWED, about, has_moved, marks_of, row, saved
@@ -60,7 +61,7 @@ class RosRun:
         self._target = models[0]["name"] if models else None
         self._joints, self._hand = convert.JointReader(self._kinematics.joint_names), Hand(self._kinematics)
         self._pool, self._lock = ThreadPoolExecutor(1), threading.Lock()
-        self.rows, self.sample, self.watched, self.encoding = [], None, False, "rgb8"
+        self.rows, self.sample, self.watched = [], None, False
         self._row_count, self._start_with_page, self._listening = 0, start_with_page, []
         self._q = self._q_all = self._state = self._image = self._features = self._goal = None
         self._X_WC, self._X_WT, self._teach, self._status = None, None, None, SimStatus()
@@ -157,9 +158,11 @@ class RosRun:
             self._send_goal("taught")
 
     def _on_image(self, message):
-        self.encoding = message.encoding
-        shape = (message.height, message.width) + ((3,) if message.encoding.startswith(("rgb", "bgr")) else ())
-        self._image = np.frombuffer(message.data, "<u2" if message.encoding.endswith("16") else np.uint8).reshape(shape)
+        try:
+            self._image = image_of(message)
+        except ShapeError as error:
+            rospy.logwarn_throttle(10.0, "%s", error)
+            return
         self._image_number += 1
 
     def _keep_goal(self, q):

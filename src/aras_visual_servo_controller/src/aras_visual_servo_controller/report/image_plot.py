@@ -60,7 +60,7 @@ def _background(record, difference):
         return ""
     if difference and record.desired_image is not None:
         image = coloured_difference(image, record.desired_image)
-    return "data:image/jpeg;base64," + base64.b64encode(jpeg(image, "mono8" if image.ndim == 2 else "rgb8")).decode()
+    return "data:image/jpeg;base64," + base64.b64encode(jpeg(image)).decode()
 
 
 def _pixels(points):

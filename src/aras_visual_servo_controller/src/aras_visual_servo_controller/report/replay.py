@@ -14,6 +14,7 @@ import numpy as np
 from ..arm.robot import kinematics_of
 from ..config.files import package_paths
 from ..ground.errors import ArasError, ParameterError
+from ..ground.images import in_rgb
 from ..ground.spatial import quaternion_xyzw
 from ..live.about import drawn
 from ..live.hub import jpeg
@@ -109,11 +110,10 @@ def _images(record, scenario, rows, target):
     seen = np.array([row for row in rows if row in record.images], dtype=int)
     again = not len(seen)
     look = _Camera(record, scenario, target) if again else None
-    encoding = (scenario.sim.get("cameras") or [{}])[0].get("encoding", "rgb8") if again else "rgb8"
     rows = rows if again else seen
 
     def encoded(row):
-        return jpeg(look.image(row) if again else record.images[row], encoding)
+        return jpeg(look.image(row) if again else record.images[row])
 
     most = max(LEAST_IMAGES, min(MOST_IMAGES, IMAGE_BYTES // len(encoded(rows[0]))))
     return [(row, encoded(row)) for row in _spread(rows, int(most))], again
@@ -129,11 +129,11 @@ class _Camera:
         self._camera = self._sim.camera_names[0]
 
     def image(self, row):
-        """uint8 image of the row, valid until the next."""
+        """Image of the row, grey or rgb, valid until the next."""
         record, sim = self._record, self._sim
         sim.set_joint_positions({name: float(x) for name, x in zip(record.joint_names, record.q[row])
                                  if math.isfinite(x)})
         X_WT = None if record.target_poses is None else record.target_poses[row]
         if X_WT is not None and np.isfinite(X_WT).all():
             sim.set_model_pose(self._target, X_WT[:3, 3], quaternion_xyzw(X_WT[:3, :3]))
-        return sim.render(self._camera)
+        return in_rgb(sim.render(self._camera), sim.camera_encoding(self._camera))

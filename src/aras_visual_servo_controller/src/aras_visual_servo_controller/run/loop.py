@@ -8,6 +8,7 @@ import time
 import numpy as np
 
 from ..ground.errors import ParameterError
+from ..ground.images import in_rgb
 from ..arm.robot import kinematics_of
 from .record import RecordBuilder
 from ..config.files import package_paths
@@ -65,6 +66,7 @@ class ServoLoop:
             sim.reset()
         self.sim = sim
         self.camera_info = self.sim.camera_info(self.camera)
+        self._encoding = self.sim.camera_encoding(self.camera)
         believed = scenario.believed_camera_info(self.camera_info)
         self.kinematics = kinematics_of(urdf, scenario.robot)
         self.eye_to_hand = scenario.robot.get("target_link") is not None
@@ -73,6 +75,7 @@ class ServoLoop:
         self.extractor = self.servo_extractor = shown.extractor(believed, scenario.vision)
         if servoed_on is not shown:
             self.servo_extractor = servoed_on.extractor(believed, scenario.vision)
+        self._want_depth = [source.wants_depth(scenario.vision) for source in (shown, servoed_on)]
         self.sequence = ExperimentSequence(self.kinematics, self.servo, scenario.experiment, self._teach_camera)
         self.frame, self.seen = -1, None
         self._placed_ns = 0
@@ -99,10 +102,12 @@ class ServoLoop:
 
     def _see(self, image, stamp_ns):
         """(moments, features that the servo works on) of the image."""
-        features = self.extractor.process(image, stamp_ns)
+        depth = (self.sim.render_depth(self.camera),) if any(self._want_depth) else ()
+        of_shown, of_servo = (depth if wanted else () for wanted in self._want_depth)
+        features = self.extractor.process(image, stamp_ns, *of_shown)
         if self.extractor is self.servo_extractor:
             return features, features
-        return features, self.servo_extractor.process(image, stamp_ns)
+        return features, self.servo_extractor.process(image, stamp_ns, *of_servo)
 
     def place(self, joints, settle_s=0.0):
         """Put the arm at joint positions at once instead of driving it there.
@@ -178,7 +183,8 @@ class ServoLoop:
             stamp_ns = self.sim.step_to_image(self.camera)
         frame = self._frame = self.sim.frame(self.camera)
         q = frame.joint_positions
-        return stamp_ns, frame.image, q if self._order is None else q[self._order]
+        image = in_rgb(frame.image, self._encoding)
+        return stamp_ns, image, q if self._order is None else q[self._order]
 
     def camera_pose(self):
         """X_WC, (4, 4), of the instant that the image answered last shows."""

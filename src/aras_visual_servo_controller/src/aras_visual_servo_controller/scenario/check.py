@@ -52,7 +52,19 @@ def _feature_faults(document):
         section = "" if source is None else source_named(source).section
         if section and section not in document["vision"]:
             faults.append(f"vision.{section}: missing, the feature '{name}' is made there; {{}} for its defaults")
-    return faults
+    return faults or _depth_faults(document, chosen or source_of(names[0]))
+
+
+def _depth_faults(document, source):
+    """Faults of depths: who takes them from the depth image needs one."""
+    servo, vision = document["servo"], document["vision"]
+    asked = [f"servo.{key}: {value}" for key, value in (("point_depth", "image"), ("pose_from", "depth"))
+             if servo.get(key) == value]
+    if not asked or source_named(source).wants_depth(vision):
+        return []
+    section = source_named(source).section
+    return [f"vision.{section + '.' if section else ''}depth: missing, {' and '.join(asked)} takes depths from there; "
+            "{} for its defaults"]
 
 
 def _place_faults(document):

@@ -138,6 +138,8 @@ class Perturbations:
         None, help="File of a picture that takes the place of the target's when the goal has been taught.")
     clutter: object = setting(
         None, help="YAML file of `solids` and `lights` that come into the scene when the goal has been taught.")
+    scene: object = setting(
+        None, help="YAML file of `solids` and `lights` that come into the scene before the goal is taught.")
     target_scale: object = setting(
         None, at_least=0.01,
         help="Factor on the size of every model of the scene that has outlines or an image.")

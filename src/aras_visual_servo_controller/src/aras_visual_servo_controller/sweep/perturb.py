@@ -185,7 +185,7 @@ def _check_value(name, value):
         if not isinstance(value, str):
             raise ParameterError(f"found {value}, allowed is the name of a target file")
         resolve_uri(_target_uri(value), key="target")
-    elif name in ("picture", "clutter"):
+    elif name in ("picture", "clutter", "scene"):
         if not isinstance(value, str):
             raise ParameterError(f"found {value}, allowed is the name of a file")
         resolve_uri(value, key=name)

@@ -99,6 +99,8 @@ class Bench:
     @staticmethod
     def _place(loop, builder, start):
         config = ExperimentSettings.from_dict(loop.scenario.experiment, loop.kinematics)
+        if "scene" in start.parameters:
+            put_clutter(loop.sim, loop.scenario, start.parameters["scene"])
         loop.place(config.goal.joints, config.settle_s)
         try:
             for record, features, image in loop.teach(config.z_star_m):
@@ -114,7 +116,7 @@ class Bench:
 
     @staticmethod
     def _drive(loop, builder, start):
-        for name in ("picture", "clutter"):
+        for name in ("picture", "clutter", "scene"):
             if name in start.parameters:
                 raise Infeasible(f"{name}: allowed without drive_to_start, where the bench teaches the goal")
         loop.start()

@@ -218,3 +218,48 @@ def test_a_joint_at_either_limit_moves_no_further_than_its_room(side, room):
     assert found.status == Status.JOINT_LIMIT and "gantry" in found.text
     assert found.q_dot[gantry] == pytest.approx(sign * room / (2.0 * DT_S), abs=1e-12)  # two periods are looked ahead
     assert np.abs(np.delete(found.q_dot, gantry)).max() > 0.01
+
+
+def moving_arm(**changes):
+    bench = Bench(start=GOAL, **changes)
+    arm_motion, q = bench.servo._arm, bench.arm.vector({**GOAL, "J2": -0.5, "J3": 0.9, "J5": -0.4})
+    return arm_motion, q, arm_motion.at(q)
+
+
+def test_after_a_rest_the_next_motion_begins_at_zero():
+    limits = {"joint_acceleration": dict.fromkeys(GOAL, 0.5)}
+    arm_motion, q, at = moving_arm(limits=limits)
+    fresh = moving_arm(limits=limits)[0]
+    twist = np.array([0.05, 0.02, 0.0, 0.0, 0.0, 0.3])
+    first = arm_motion.joint_velocity(q, twist, *at, DT_S)
+    assert np.abs(arm_motion.joint_velocity(q, twist, *at, DT_S).q_dot).max() > 1.5 * np.abs(first.q_dot).max()
+    arm_motion.rest()
+    again, wanted = arm_motion.joint_velocity(q, twist, *at, DT_S), fresh.joint_velocity(q, twist, *at, DT_S)
+    np.testing.assert_array_equal(again.q_dot, wanted.q_dot)
+
+
+def test_the_correction_for_the_turn_of_the_jacobian_is_a_quarter_at_most():
+    arm_motion, _, _ = moving_arm()
+    q = moving_arm()[0]._kinematics.vector({**GOAL, "J2": -0.002, "J3": 0.004, "J5": 0.0})  # next to the stretched arm
+    jacobian, inverse = arm_motion.at(q)
+    q_dot = np.full(6, 1.0)
+    added = arm_motion.turning(q, q_dot, jacobian, inverse, 1.0)
+    assert np.linalg.norm(added) == pytest.approx(0.25 * np.linalg.norm(q_dot), rel=1e-9)
+
+
+@pytest.mark.parametrize("part, near", [(0.05, False), (0.15, True)])
+@pytest.mark.parametrize("size, heard", [(1.0, True), (1e-4, False)])
+def test_near_a_singularity_is_where_a_tenth_of_the_twist_is_lost(part, near, size, heard):
+    """What is lost is put in the place of the inverse's own; below 1 mrad/s it is noise."""
+    arm_motion, q, (jacobian, inverse) = moving_arm()
+    twist = size * np.array([0.01, 0.0, 0.0, 0.0, 0.0, 0.1])
+
+    class Losing:
+        def __getattr__(self, name):
+            return getattr(inverse, name)
+
+        def lost(self, twist):
+            return part * float(np.linalg.norm(twist))
+
+    motion = arm_motion.joint_velocity(q, twist, jacobian, Losing(), DT_S)
+    assert (motion.status == Status.NEAR_SINGULARITY) == (near and heard)

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.arm.limits import accelerated, braking_factor, position_factor, velocity_factor
+from aras_visual_servo_controller.arm.limits import (accelerated, braking_factor, joint_bounds, position_factor,
+                                                     velocity_factor)
 
 ROUNDING = 1e-15  # of one division
 LOWER, UPPER = np.array([-1.0, -np.inf]), np.array([1.0, np.inf])
@@ -105,3 +106,41 @@ def test_slowing_down_is_limited_as_speeding_up_is(sign):
                                atol=ROUNDING)
     np.testing.assert_allclose(accelerated(sign * np.array([0.2]), sign * np.array([1.0]), change), [sign * 0.45],
                                atol=ROUNDING)
+
+
+def bounds(sign, before, room=0.1, acceleration=2.0, velocity=5.0, horizon_s=0.2):
+    """(bound, whether it is that of the end of the way) on the side of `sign`, 0.1 s ahead, and the other bound."""
+    ends = {"lower": -50.0, "upper": 50.0, ("upper" if sign > 0.0 else "lower"): sign * 1.0}
+    low, high, at_stop, short = joint_bounds(
+        np.array([sign * (1.0 - room)]), sign * np.array([before]), np.array([ends["lower"]]),
+        np.array([ends["upper"]]), np.array([velocity]), np.array([acceleration]), 0.1, horizon_s)
+    assert not short.any() and not at_stop[0 if sign > 0.0 else 1].any()
+    found = (high, low)[sign < 0.0][0] * sign
+    return found, bool(at_stop[1 if sign > 0.0 else 0][0]), -sign * (low, high)[sign < 0.0][0]
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_bounds_leave_the_way_that_braking_takes_and_say_what_makes_them(sign):
+    speed, at_stop, other = bounds(sign, before=0.4)
+    assert speed * 0.1 + speed**2 / (2.0 * 2.0) == pytest.approx(0.1, rel=1e-12) and at_stop
+    assert other == pytest.approx(-0.2)  # 0.4 m/s less what 2 m/s^2 change in the period
+    assert bounds(sign, before=0.4, acceleration=np.inf)[:2] == (pytest.approx(0.5), True)  # the horizon
+    assert bounds(sign, before=0.0)[:2] == (pytest.approx(0.2), False)  # the acceleration: 2 m/s^2 for 0.1 s
+    assert bounds(sign, before=0.4, velocity=0.3)[:2] == (pytest.approx(0.3), False)
+    assert bounds(sign, before=0.0, room=-0.1)[:2] == (pytest.approx(0.0), True)  # beyond its end
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_joint_that_cannot_brake_in_time_brakes_as_it_can(sign):
+    lower, upper = (np.array([-1.0]), np.array([50.0])) if sign < 0.0 else (np.array([-50.0]), np.array([1.0]))
+    low, high, _, short = joint_bounds(sign * np.array([0.99]), sign * np.array([3.0]), lower, upper, np.array([5.0]),
+                                       np.array([2.0]), 0.1, 0.2)
+    assert short.all() and low[0] == high[0] == pytest.approx(sign * 2.8)
+
+
+@pytest.mark.filterwarnings("error")
+def test_bounds_of_joints_without_any_limit_are_infinite():
+    none = np.full(2, np.inf)
+    low, high, at_stop, short = joint_bounds(np.zeros(2), np.zeros(2), -none, none, none, none, 0.03, 0.1)
+    np.testing.assert_array_equal([low, high], [-none, none])
+    assert not at_stop.any() and not short.any()

@@ -76,7 +76,7 @@ def test_bars_point_to_the_side_of_the_sign_and_stay_in_the_picture():
     names, still = ("J1", "J2"), np.zeros(2)
     left, right, rest = slice(74, 223), slice(228, 377), draw(names, still, still)
     one, two = draw(names, np.array([0.25, 0.0]), still), draw(names, np.array([1.0, 0.0]), still)
-    assert one.shape == rest.shape and one.dtype == np.uint8
+    assert one.shape == rest.shape == (90 + 2 * 40 + 6, 440, 3) and one.dtype == np.uint8
     assert area(one, CAMERA, right) > 1000 and area(one, CAMERA, left) == area(rest, CAMERA, left)
     assert area(two, CAMERA, right) == pytest.approx(2 * area(one, CAMERA, right), rel=0.05)  # square root of 4
     assert (draw(names, np.array([9.0, 0.0]), still)[:, :377] == two[:, :377]).all()  # longer than the axis: cut there

@@ -39,8 +39,9 @@ def test_it_stops_when_no_key_is_held_and_at_the_stop_key():
     np.testing.assert_array_equal(teleop.velocity(REST, 2.0), REST)
 
 
-@pytest.mark.parametrize("key, row, speed", [("d", 0, 0.05), ("w", 1, -0.05), ("e", 2, 0.05), ("k", 3, -0.2),
-                                             ("l", 4, 0.2), ("o", 5, 0.2)])
+@pytest.mark.parametrize("key, row, speed", [
+    ("d", 0, 0.05), ("a", 0, -0.05), ("s", 1, 0.05), ("w", 1, -0.05), ("e", 2, 0.05), ("q", 2, -0.05), ("i", 3, 0.2),
+    ("k", 3, -0.2), ("l", 4, 0.2), ("j", 4, -0.2), ("o", 5, 0.2), ("u", 5, -0.2)])
 def test_in_camera_mode_the_camera_gets_the_twist_of_the_key(key, row, speed):
     teleop = make()
     teleop.press("\t", 0.0)

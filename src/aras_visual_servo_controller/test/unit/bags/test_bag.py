@@ -9,11 +9,11 @@ import rosbag
 import rospy
 import yaml
 from aras_visual_servo_msgs.msg import RecordingCounts
-from messages import NAMESPACE, messages_of, state_message, write
+from messages import NAMESPACE, image_message, messages_of, state_message, write
 from std_msgs.msg import String
 from synthetic import SETTINGS, blob, make_record
 
-from aras_visual_servo_controller.bags.bag import BagError, read_bag
+from aras_visual_servo_controller.bags.bag import BagError, decode, read_bag
 from aras_visual_servo_controller.cli.run import report_main
 from aras_visual_servo_controller.features import base as features, styles
 from aras_visual_servo_controller.run.judge import judge
@@ -53,6 +53,15 @@ def test_images_are_decoded_whatever_their_encoding_and_row_padding(tmp_path, or
     pick = (lambda image: image[..., 0]) if encoding.startswith("mono") else (lambda image: image)
     assert np.array_equal(record.desired_image, pick(blob(0)))
     assert np.array_equal(record.initial_image, pick(blob(8)))
+
+
+def test_images_of_a_bayer_pattern_are_decoded_and_others_refused_by_name():
+    message = image_message(np.kron(np.ones((4, 4), np.uint8), np.uint8([[200, 90], [90, 30]])), rospy.Time(1.0),
+                            "bayer_rggb8", 3)
+    assert (decode(message) == [200, 90, 30]).all() and decode(message).shape == (8, 8, 3)
+    message.encoding = "bgra16"
+    with pytest.raises(BagError, match="found 'bgra16', allowed rgb8 | bgr8 .* bayer_grbg8"):
+        decode(message)
 
 
 @pytest.mark.parametrize("namespace", ["", "/a", "/a/b/c"])

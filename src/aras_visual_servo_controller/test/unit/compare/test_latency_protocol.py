@@ -24,8 +24,6 @@ def test_delays_cover_the_square_evenly_however_few_there_are():
         assert np.abs(runs - count / 25).max() <= 4  # of a random 2000, one cell would have 25 more or less
     with pytest.raises(ParameterError, match="starts: found 10001, allowed 1 to 10000"):
         protocol_named("latency").cases(None, 10_001)
-    with pytest.raises(ParameterError, match="--board: found a.png, allowed nothing"):
-        protocol_named("latency").cases(None, 1, "a.png")
 
 
 def test_the_first_runs_are_the_same_however_many_there_are_and_each_can_be_tried():

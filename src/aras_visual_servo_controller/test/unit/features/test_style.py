@@ -1,5 +1,6 @@
 """How features are shown: unit, symbol, label and colour of each, distinct colours together, defaults for others."""
 
+import numpy as np
 import pytest
 from matplotlib.mathtext import MathTextParser
 
@@ -128,6 +129,12 @@ def test_an_axis_names_each_unit_once():
 
 def test_a_value_of_a_group_is_that_of_each_of_its_features():
     assert spread({"points2": 3.0, "alpha": 1.0}) == {"x1": 3.0, "y1": 3.0, "x2": 3.0, "y2": 3.0, "alpha": 1.0}
+
+
+def test_white_and_black_are_the_ends_of_the_lightness_and_grey_has_no_hue():
+    np.testing.assert_allclose([oklab("#FFFFFF"), oklab("#000000")], [[1, 0, 0], [0, 0, 0]], atol=1e-6)
+    lightness, a, b = oklab("#808080")
+    assert (a, b) == pytest.approx((0.0, 0.0), abs=1e-6) and lightness == pytest.approx(0.5999, abs=1e-4)
 
 
 def test_a_spare_colour_keeps_its_distance():

@@ -12,7 +12,8 @@ from aras_visual_servo_controller.ground.types import Reference, Status
 from aras_visual_servo_controller.laws.base import LawSetup, make_law
 from aras_visual_servo_controller.laws.constraints import ConstraintSettings, WallSettings, rooms_of
 from aras_visual_servo_controller.laws.look import Arm
-from aras_visual_servo_controller.laws.mpc import MpcSettings, _poses, predicted_points
+from aras_visual_servo_controller.laws.mpc import (CONTOUR, MpcSettings, _contour, _poses, _rooms_of_contour,
+                                                   predicted_points)
 from aras_visual_servo_controller.laws.qp import QpSettings
 
 POINTS, MOMENTS = expand(["points5"]), ("xn", "yn", "an", "sx", "sy", "alpha")
@@ -209,3 +210,44 @@ def test_the_laws_are_for_the_continuous_mode_only():
                "thresholds": {"points4": 0.01}, "time_limit_s": 1.0}
     with pytest.raises(ParameterError, match="allowed with law 'qp': continuous"):
         ServoSettings.from_dict(section)
+
+
+def test_a_point_without_a_finite_rate_is_no_view():
+    far = view(GOAL)
+    far.features.point_x, far.features.point_y = (1e200,) * 5, (1e200,) * 5  # finite, but not their products
+    with pytest.raises(DegenerateFeature, match="no finite place"):
+        rooms_of(ConstraintSettings(**VIEW), View(far.features, (0.0, 0.0, 2.0)), GOAL)
+
+
+def test_after_standing_still_no_earlier_plan_is_followed():
+    bounds = {"half_width": 0.33, "half_height": 0.33, "margin": 0.0, "slack": False}
+    outside = turned(0.0, aside_m=2.0)
+    law, fresh = law_of("mpc", **bounds), law_of("mpc", **bounds)
+    assert asked(law, turned(1.0))[0].q_dot.any()
+    assert not asked(law, outside, velocity=0.1)[0].q_dot.any()
+    before = np.full(6, 0.01)  # moving: a plan that is under way would be taken up again
+    np.testing.assert_array_equal(asked(law, turned(0.8), before)[0].q_dot, asked(fresh, turned(0.8), before)[0].q_dot)
+
+
+def test_the_first_plan_of_mpc_is_about_joints_that_slow_down_as_the_error_does():
+    law, wanted = law_of("mpc", gain=3.0, period_s=0.1, moves=4), np.array([0.1, -0.2, 0.3, 0.4, -0.5, 0.6])
+    nominal = law._nominal(arm_of(GOAL, wanted))
+    np.testing.assert_allclose(nominal, np.exp(-0.3 * np.arange(4))[:, None] * wanted, atol=ROUNDING)
+
+
+def test_a_contour_contains_the_ellipse_of_the_moments_and_its_rooms_are_those_to_the_borders():
+    seen = view(turned(0.3, aside_m=0.02))
+    f, mu = seen.features, seen.mu
+    contour, middle = _contour(seen, 1.5), np.array([f.xg, f.yg])
+    n = np.array([[mu["20"], mu["11"]], [mu["11"], mu["02"]]]) / f.area
+    for angle in np.linspace(0.0, 2.0 * np.pi, 100):
+        towards = np.array([np.cos(angle), np.sin(angle)])
+        reach, ellipse = ((contour - middle) @ towards).max(), 1.5 * np.sqrt(towards @ n @ towards)
+        assert ellipse * (1.0 - ROUNDING) <= reach <= ellipse / np.cos(np.pi / CONTOUR) * (1.0 + ROUNDING)
+    settings = ConstraintSettings(**VIEW)
+    X = turned(0.3, aside_m=0.02)
+    pointless = view(X, plane=plane_of(X))
+    pointless.features.point_x = pointless.features.point_y = ()
+    h = _rooms_of_contour(settings, contour, rooms_of(settings, pointless, X)).h[:4 * CONTOUR].reshape(4, CONTOUR)
+    x, y = contour.T
+    np.testing.assert_allclose(h, [0.55 + x, 0.55 - x, 0.45 + y, 0.45 - y], atol=ROUNDING)

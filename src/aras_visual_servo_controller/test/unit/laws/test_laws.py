@@ -166,3 +166,20 @@ def test_a_registered_law_is_found_by_its_name():
         from aras_visual_servo_controller.laws import base as laws
 
         del laws._LAWS["dummy"]
+
+
+@pytest.mark.parametrize("name, features", [("pbvs", ("tx", "ty", "tz", "rx", "ry", "rz")),
+                                            ("hybrid", ("xr", "yr", "zr", "rx", "ry", "rz"))])
+def test_a_law_that_follows_the_pose_says_which_target_it_needs(name, features):
+    square = ((-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1))
+
+    def made(pose_from, outlines_m=None):
+        target = None if outlines_m is None else SimpleNamespace(outlines_m=outlines_m)
+        return make_law(name, [1.0] * 6, LawSetup(features, pose_from=pose_from, target=target))
+
+    with pytest.raises(ParameterError, match=f"target_model: found nothing, law '{name}' needs"):
+        made("moments")
+    with pytest.raises(ParameterError, match="found 2 outlines, allowed one with pose_from: points"):
+        made("points", [square, square])
+    for allowed in (("moments", [square, square]), ("points", [square]), ("points", None)):
+        assert made(*allowed).needs_pose

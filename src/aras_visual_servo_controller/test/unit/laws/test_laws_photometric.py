@@ -85,6 +85,15 @@ def test_settled_says_that_the_twist_is_small():
         assert law.step(look_at(features(xi), DT_S)).settled is settled, xi
 
 
+@pytest.mark.parametrize("row", range(6))
+def test_each_part_of_the_twist_has_to_rest_in_its_own_unit(row):
+    twist = np.zeros(6)
+    twist[row] = 1.0
+    for translation, turn in ((0.5, 2.0), (2.0, 0.5)):
+        law = law_of(rest=(translation, turn))
+        assert law._settled(twist) == (translation > 1.0 if row < 3 else turn > 1.0)
+
+
 @pytest.mark.parametrize("change, error, text", [
     ({"has_reference": False}, DegenerateFeature, "no reference image"),
     ({"H": []}, DegenerateFeature, "0 numbers in H"),

@@ -1,5 +1,7 @@
 """Laws sliding and broyden on exact pictures: wrong calibration, moving targets, learning, settings."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from views import exponential, look_at, plane_of, tilted_pose, view
@@ -210,6 +212,18 @@ def test_four_features_learn_four_columns():
     assert np.abs(answer.e).max() < 1e-4
 
 
+def test_points_of_a_source_that_says_nothing_of_symmetry_are_learnt_the_same():
+    """Those of keypoints and tags."""
+    def first(seen):
+        law = start_law("broyden")
+        return [law.step(look_at(seen(X), DT_S, plane_of(X), applied=np.full(6, 0.01))).twist for X in (START, GOAL)]
+
+    whole = first(lambda X: view(X, SQUARE).features)
+    bare = first(lambda X: SimpleNamespace(**{name: getattr(view(X, SQUARE).features, name)
+                                              for name in ("point_x", "point_y")}))
+    np.testing.assert_array_equal(whole, bare)
+
+
 def test_moments_can_be_learnt_as_well():
     law = start_law("broyden", MOMENTS)
     assert distance(drive(law, X=GOAL @ exponential([0.03, -0.02, 0.04, 0.03, 0.04, 0.1], 1.0))) < 1e-4
@@ -270,3 +284,14 @@ def test_an_override_to_a_law_that_cannot_look_then_move_is_refused():
     section = {**SECTION, "law": "ibvs", "mode": "look_then_move"}
     with pytest.raises(ParameterError, match="allowed with law 'broyden': continuous"):
         ServoSettings.from_dict(section).with_overrides(law="broyden")
+
+
+@pytest.mark.parametrize("e", [0.2, -0.2, 0.01])
+def test_the_rate_at_an_instant_is_that_of_the_reaching_law(e):
+    assert _rate(e, 2.0, 6.0, 0.02, 0.0) == pytest.approx(2.0 * e + 6.0 * np.clip(e, -0.02, 0.02), abs=ROUNDING)
+
+
+@pytest.mark.parametrize("dt_s", [0.0, -0.1])
+def test_broyden_refuses_a_twist_that_is_held_for_no_time(dt_s):
+    with pytest.raises(ParameterError, match=f"found dt_s {dt_s}, allowed > 0"):
+        start_law("broyden").step(look_at(view(START, SQUARE).features, dt_s, plane_of(START)))

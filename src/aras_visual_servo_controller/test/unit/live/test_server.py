@@ -236,7 +236,7 @@ class FakeRunner:
     """What a hub looks at."""
 
     def __init__(self, rows):
-        self.rows, self.sample, self.watched, self.about, self.encoding = rows, None, False, {"version": 1}, "rgb8"
+        self.rows, self.sample, self.watched, self.about = rows, None, False, {"version": 1}
 
 
 def test_rows_that_a_page_has_missed_are_thinned_evenly():

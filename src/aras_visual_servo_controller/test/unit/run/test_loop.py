@@ -63,6 +63,23 @@ def test_a_camera_of_sixteen_bits_serves_and_what_its_renderer_leaves_out_is_not
     assert record.notes == ("camera 'camera': renderer coverage does not draw emissive of lamp",)
 
 
+@pytest.mark.parametrize("encoding", ("bgr8", "bayer_rggb8", "bayer_bggr8", "bayer_gbrg8", "bayer_grbg8"))
+def test_a_camera_whose_images_are_not_rgb_shows_the_same_colours(encoding):
+    """Before an orange ground, which the values of a pattern, or red taken for blue, would show as another grey."""
+    scene = {"sim.scene.background_rgb": [250, 200, 70]}
+    image = {}
+    for name in ("rgb8", encoding):
+        camera = dict(load_scenario("experiment_1").sim["cameras"][0], encoding=name)
+        loop = ServoLoop(load_scenario("experiment_1", {**scene, "sim.cameras": [camera]}))
+        loop.start()
+        image[name] = np.array(loop.step()[2], dtype=int)
+    assert image[encoding].shape == image["rgb8"].shape and np.ptp(image["rgb8"][..., 0] - image["rgb8"][..., 2]) > 150
+    flat = np.abs(image[encoding] - image["rgb8"]).max(axis=2)
+    assert flat.max() == 0 if encoding == "bgr8" else np.mean(flat > 1) < 0.02  # edges of the object alone differ
+    if encoding == "bayer_rggb8":
+        assert judge(loop.run()).passed
+
+
 def test_a_law_with_the_wrong_sign_does_not_converge(monkeypatch):
     def turned(original):
         class Turned(original):

@@ -231,3 +231,18 @@ def test_a_reference_without_a_view_is_refused():
     servo = Servo(arm(), config(feed_forward={}))
     with pytest.raises(ParameterError, match="feed_forward"):
         servo.set_reference(Reference(np.zeros(4), posture=GOAL))
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_a_turning_target_is_followed_by_a_camera_that_turns_about_it(axis):
+    """v - w x p of the followed point p, all in the camera; gains of zero keep the estimate as it was set."""
+    motion = TargetMotion(FeedForwardSettings(part=1.0), FeatureSet(POSE_FEATURES))
+    X_BC = exponential(np.array([0.1, -0.2, 0.3, 0.4, -0.5, 0.6]))
+    motion._point_G = np.array([0.02, -0.03, 0.5])
+    s, e = np.array([0.01, 0.02, -0.03, 0.1, -0.05, 0.2]), np.zeros(6)
+    motion.twist(0, X_BC, s, e)
+    motion.velocity, motion.turn = np.array([0.01, -0.02, 0.03]), np.eye(3)[axis]
+    motion._places.gains = motion._turns.gains = lambda dt_s: (0.0, 0.0)
+    found = motion.twist(PERIOD_NS, X_BC, s, e)
+    v, w, p = motion.velocity @ X_BC[:3, :3], motion.turn @ X_BC[:3, :3], motion.goal_and_point(s, e)[1]
+    np.testing.assert_allclose(found, np.concatenate([v - np.cross(w, p), w]), atol=1e-12)

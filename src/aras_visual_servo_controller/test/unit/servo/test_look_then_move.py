@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from bench import Bench
+from bench import Bench, config
 from toy_plant import GOAL, pose_error
 
-from aras_visual_servo_controller.ground.types import FEATURE_NAMES
+from aras_visual_servo_controller.ground.types import FEATURE_NAMES, Status
+from aras_visual_servo_controller.servo.servo import Servo
 
 GAINS = dict.fromkeys(FEATURE_NAMES, 50.0)  # half of the error by each look
 TILT_RAD = 0.01
@@ -50,3 +51,16 @@ def test_without_tilt_hold_a_look_leaves_the_tilt():
     bench = tilted("J5", 1.0, tilt_gain_per_s=0.0)
     look_once(bench)
     assert tilt_of(bench) > 0.9 * TILT_RAD
+
+
+def test_a_move_is_called_short_only_where_a_joint_ends_it():
+    free = tilted("J5", 1.0)
+    free.step()
+    assert free.records[-1].status == Status.SERVOING
+    bench = tilted("J5", 1.0)
+    bench.arm.upper[:], bench.arm.lower[:] = bench.set_point + 1e-4, bench.set_point - 1e-4
+    bench.servo = Servo(bench.arm, config(mode="look_then_move", gains_per_s=GAINS))
+    bench.servo.set_reference(free.servo.reference)
+    bench.servo.start(0, bench.set_point)
+    bench.step()
+    assert bench.records[-1].status == Status.JOINT_LIMIT and "at its limit" in bench.records[-1].status_text

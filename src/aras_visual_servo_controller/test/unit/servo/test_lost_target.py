@@ -1,5 +1,7 @@
 """Losing the target: hold, back off, search; occluded objects, an overshooting start, an arm that gives up cleanly."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from bench import Bench, DT_S, config, resting
@@ -7,7 +9,7 @@ from toy_plant import GOAL, START, arm, pose_error
 
 from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.arm.limits import velocity_factor
-from aras_visual_servo_controller.servo.lost_target import LostTargetSettings, search_places
+from aras_visual_servo_controller.servo.lost_target import LostTarget, LostTargetSettings, search_places
 from aras_visual_servo_controller.servo.servo import Servo
 from aras_visual_servo_controller.ground.types import FEATURE_NAMES, Observation, Status
 
@@ -238,3 +240,97 @@ def test_each_ring_of_a_search_goes_round_once_by_eighths_of_a_turn(pattern):
         c, s = size * np.cos(angle), size * np.sin(angle)
         wanted = [c, s, 0, 0, 0, 0] if pattern == "translate" else [0, 0, 0, -s, c, 0]
         np.testing.assert_allclose(place, wanted, atol=ROUNDING)
+
+
+class Line:
+    """Joints that are their own camera: pose, way and Jacobian of a gantry in x, y, z."""
+
+    velocity = np.full(6, 0.4)
+
+    def pose(self, q):
+        X = np.eye(4)
+        X[:3, 3] = q[:3]
+        return X
+
+    def jacobian(self, q):
+        return np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
+
+    def way(self, a, b):
+        return b - a
+
+    def moved(self, q, way, part):
+        return q + part * way
+
+
+def lost(action="back_off", **section):
+    return LostTarget(Line(), None, action, LostTargetSettings(**section))
+
+
+def seen(**features):
+    return SimpleNamespace(**features)
+
+
+def test_of_two_speeds_the_lower_one_holds_and_the_twist_is_that_of_the_camera():
+    for speed, wanted in ((0.1, 0.1), (5.0, 0.4)):  # 0.4 is what the joints can do
+        target = lost(speed=speed, patience_s=0.0)
+        target.servoed(np.zeros(6), seen())
+        answer = target.step(0, np.full(6, 1.0), 0.1, False)
+        np.testing.assert_allclose(answer.q_dot, np.full(6, -wanted), atol=ROUNDING)
+        np.testing.assert_allclose(answer.twist, -wanted * np.arange(1.0, 7.0), atol=ROUNDING)
+
+
+def test_patience_ends_when_its_time_is_over():
+    target = lost(patience_s=0.1)
+    target.servoed(np.zeros(6), seen())
+    for stamp_ns, waits in ((5_000, True), (100_004_999, True), (100_005_000, False)):
+        answer = target.step(stamp_ns, np.full(6, 1.0), 0.1, False)
+        assert answer.text.endswith("waiting") == waits and answer.q_dot.any() != waits
+
+
+def test_a_new_one_has_recovered_from_nothing_and_each_recovery_slows_the_law_down():
+    target = lost(slow_down=0.5, patience_s=0.0, confirm_s=0.0)
+    assert target.recoveries == 0 and target.factor == 1.0
+    for k in (1, 2, 3):
+        target.servoed(np.zeros(6), seen())
+        assert target.recoveries == k - 1
+        target.step(k, np.ones(6), 0.1, False)
+        assert target.found(k)
+        target.servoed(np.zeros(6), seen())
+        assert (target.recoveries, target.factor) == (k, 0.5**k)
+    target.clear()
+    assert target.recoveries == 0
+
+
+@pytest.mark.parametrize("xg, yg, angle", [(0.1, 0.0, 0.0), (0.0, 0.2, 0.5 * np.pi), (-0.1, 0.0, np.pi),
+                                           (0.1, -0.1, -0.25 * np.pi)])
+def test_a_search_begins_in_the_direction_in_which_the_target_was_seen_last(xg, yg, angle):
+    goals = []
+
+    class Arm:
+        def at(self, q):
+            return None, None
+
+        def joint_velocity(self, q, twist, jacobian, inverse, dt_s):
+            goals.append(twist)
+            return SimpleNamespace(q_dot=twist, twist=twist)
+
+    target = LostTarget(Line(), Arm(), "search", LostTargetSettings(patience_s=0.0))
+    target.servoed(np.zeros(6), seen(xg=-yg, yg=xg))  # elsewhere before
+    target.servoed(np.zeros(6), seen(xg=xg, yg=yg))
+    target.step(0, np.zeros(6), 0.01, False)
+    assert np.arctan2(goals[0][1], goals[0][0]) == pytest.approx(angle, abs=ROUNDING)
+
+
+def test_a_place_that_is_not_reached_is_left_after_twice_its_time_and_a_while():
+    """4 cm at 0.1 m/s: 0.4 s for the way, so 2 * 0.4 + 0.3 s."""
+    class Stuck:
+        def at(self, q):
+            return None, None
+
+        def joint_velocity(self, q, twist, jacobian, inverse, dt_s):
+            return SimpleNamespace(q_dot=np.zeros(6), twist=np.zeros(6))
+
+    target = LostTarget(Line(), Stuck(), "search", LostTargetSettings(patience_s=0.0))
+    target.servoed(np.zeros(6), seen(xg=1.0, yg=0.0))
+    for stamp_ns, place in ((0, 1), (1_099_000_000, 1), (1_101_000_000, 2)):
+        assert f"place {place} of 24" in target.step(stamp_ns, np.zeros(6), 0.01, False).text

@@ -329,3 +329,47 @@ def test_overrides_hold_for_the_next_start_and_can_be_taken_back():
 def test_same_observations_give_the_same_bytes():
     answers = [[command.velocity for command in (bench.run(), bench.commands)[1]] for bench in (Bench(), Bench())]
     assert answers[0] == answers[1]
+
+
+def test_the_time_limit_counts_from_the_start_and_is_met_at_its_end():
+    bench = Bench(time_limit_s=3 * DT_S)
+    bench.servo.start(0, bench.set_point)
+    for _ in range(3):
+        assert bench.step()[1].status != Status.TIMED_OUT
+    assert bench.stamp_ns == round(3e9 * DT_S) and bench.step()[1].status == Status.TIMED_OUT
+
+
+def test_a_retuned_servo_has_the_same_goal_and_goes_on():
+    bench = Bench()
+    bench.step()
+    other = bench.servo.retuned(config(gains_per_s=dict.fromkeys(FEATURE_NAMES, 1.0)))
+    assert other.reference is bench.servo.reference and other.status == bench.servo.status
+    q = bench.q
+    _, record = other.step(Observation(bench.stamp_ns, bench.camera.features(bench.arm.pose(q)), q), DT_S)
+    _, before = bench.step()
+    np.testing.assert_array_equal(record.e, before.e)
+    np.testing.assert_array_equal(record.s_star, before.s_star)
+    untaught = Servo(arm(), config())
+    assert untaught.retuned(config()).reference is None
+
+
+def test_errors_of_views_of_the_goal_are_those_to_the_first_of_them():
+    bench = Bench()
+    view, moved = bench.servo.reference.view, bench.look().features
+    errors, poses = bench.servo.goal_errors([view])
+    assert errors.shape == (1, 4) and not errors.any() and (poses is None or not poses.any())
+    errors, _ = bench.servo.goal_errors([view, moved, view])
+    assert errors[1].all() and not errors[0].any() and not errors[2].any()
+
+
+@pytest.mark.parametrize("key, empty, allowed", [("law", "", "text"), ("gains_per_s", {}, "a table of keys"),
+                                                 ("thresholds", {}, "a table of keys")])
+def test_what_must_not_be_empty_is_named(key, empty, allowed):
+    with pytest.raises(ParameterError, match=f"servo/{key}: found {empty or '({})?'}, allowed {allowed}"):
+        Servo(arm(), config(**{key: empty}))
+
+
+def test_the_schema_of_the_section_has_its_keys_and_those_of_laws_and_features():
+    from aras_visual_servo_controller.servo.settings import own_sections, servo_schema
+    described = servo_schema(own_sections())["properties"]
+    assert {"law", "gains_per_s", "lost_target", "sliding", "mpc", "filter"} <= set(described)

@@ -192,3 +192,15 @@ def test_the_servo_rests_where_there_is_nothing_to_correct():
     bench = Bench(thresholds=THRESHOLDS, stop=STOP, start={**GOAL, "gantry": 0.05002})
     _, record = bench.step()
     assert record.status_text == "resting" and not record.twist.any()
+
+
+@pytest.mark.parametrize("row, most", [(0, "position_m"), (1, "position_m"), (2, "position_m"), (3, "rotation_rad"),
+                                       (4, "rotation_rad"), (5, "rotation_rad")])
+def test_close_is_within_five_times_each_threshold(row, most):
+    rule = StopRule(("a",), (0.1,), 0.2, StopSettings(**STOP), False)
+    for part, close in ((0.99, True), (1.01, False)):
+        pose = np.zeros(6)
+        pose[row] = -part * 5.0 * STOP[most]
+        assert rule._is_close((0.0,), 0.0, pose) == close
+        assert rule._is_close((-part * 0.5,), 0.0, None) == close
+        assert rule._is_close((0.0,), part * 5.0 * STOP["tilt_rad"], None) == close

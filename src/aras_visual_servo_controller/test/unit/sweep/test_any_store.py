@@ -2,11 +2,13 @@
 import pathlib
 import shutil
 import sqlite3
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import given, settings, strategies as st
 
 from aras_visual_servo_controller.ground.errors import ArasError
+from aras_visual_servo_controller.sweep import engine
 from aras_visual_servo_controller.sweep.plan import Start
 from aras_visual_servo_controller.sweep.store import FILE, SweepStore
 
@@ -72,3 +74,14 @@ def test_any_bytes_in_the_file_are_read_or_refused(folder, edits):
         data[at:at + len(new)] = new
     (copy / FILE).write_bytes(data)
     read(copy)
+
+
+@pytest.mark.parametrize("workers, runs, started", [(4, 2, 2), (2, 5, 2), (1, 5, 1)])
+def test_no_more_workers_are_started_than_there_are_runs(tmp_path, monkeypatch, workers, runs, started):
+    counts = []
+    monkeypatch.setattr(engine, "run_local", lambda work, setup, chunks, count, *_: counts.append((count, chunks)))
+    starts = [Start(k, {"a": 0.5}) for k in range(1, runs + 1)]
+    with SweepStore.create(tmp_path, {"setup": {}, "settings": {}}, starts) as store:
+        engine.run_pending(store, {}, workers, progress=SimpleNamespace(add=None, end=lambda: None))
+    [(count, chunks)] = counts
+    assert count == started and [start["id"] for chunk in chunks for start in chunk] == list(range(1, runs + 1))

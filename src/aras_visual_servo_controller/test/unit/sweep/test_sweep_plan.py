@@ -155,3 +155,14 @@ def test_the_runs_of_a_sweep_get_every_value(scenario, kinematics):
     values = ["blob", "l_shape", "rectangle"]
     starts = plan(scenario, kinematics, {"perturb": {"target": {"values": values}}}, starts=9, seed=3)
     assert sorted(start.parameters["target"] for start in starts) == sorted(values * 3)
+
+
+def test_without_a_dimension_every_start_is_the_same_place():
+    for method in METHODS:
+        assert sample(method, 5, 0, [1, 2]).shape == (5, 0)
+
+
+@pytest.mark.parametrize("path", ["servo", "nothing.at_all", "experiment.start.joints.J1", "servo.gains_per_s"])
+def test_what_is_no_plain_value_of_a_scenario_cannot_vary(scenario, kinematics, path):
+    with pytest.raises(ParameterError, match=f"{path}: unknown, known are"):
+        SweepSettings.from_scenario(with_sweep(scenario, {"perturb": {path: [0.0, 1.0]}}), kinematics)

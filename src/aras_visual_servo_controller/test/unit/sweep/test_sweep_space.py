@@ -127,3 +127,13 @@ def test_faults_of_the_new_sections_are_named(tilted):
         SweepSettings.from_scenario(scenario, kinematics)
     assert "sweep.ball.distance_m: found [0.3, 0.2]" in str(caught.value)
     assert "sweep.goal.tilt_rad: found [0.5, 0.2]" in str(caught.value)
+
+
+@pytest.mark.parametrize("place, expected", [
+    ((1.0, 0.5, 0.0), (0.2, 0.0, 0.0)), ((1.0, 0.5, 0.25), (0.0, 0.2, 0.0)), ((1.0, 0.5, 0.5), (-0.2, 0.0, 0.0)),
+    ((1.0, 0.0, 0.3), (0.0, 0.0, 0.2)), ((1.0, 1.0, 0.3), (0.0, 0.0, -0.2)), ((0.0, 0.5, 0.0), (0.1, 0.0, 0.0)),
+    ((0.5, 0.5, 0.0), (0.0045 ** (1.0 / 3.0), 0.0, 0.0))])
+def test_a_place_in_a_ball_is_a_radius_and_two_angles(place, expected):
+    ranges = {"distance_m": (0.1, 0.2), "angle_rad": (0.1, 0.2)}
+    both = list(in_ball(ranges, (*place, *place)).values())
+    np.testing.assert_allclose(both, [*expected, *expected], atol=ROUNDING)

@@ -109,3 +109,20 @@ def test_a_name_without_a_letter_is_of_the_last_sweep():
     numbers = numbers_of([[row(1)], [row(1, 0)]])
     assert (numbers["A.success"], numbers["B.success"], numbers["success"]) == (1.0, 0.0, 0.0)
     assert "A.mcnemar_p" not in numbers and numbers["B.mcnemar_p"] == 1.0
+
+
+def test_parts_of_times_and_errors_are_those_of_the_runs_that_succeeded():
+    rows = [row(k, time_s=float(k), error_mm=0.1 * k) for k in range(1, 22)] + [row(22, 0, time_s=99.0, error_mm=9.0)]
+    numbers = aggregate(rows)
+    assert (numbers["time_median_s"], numbers["time_p95_s"], numbers["time_max_s"]) == (11.0, 20.0, 21.0)
+    assert (numbers["error_median_mm"], numbers["error_max_mm"]) == (pytest.approx(1.1), pytest.approx(2.1))
+    assert (numbers["failures"], numbers["success"]) == (1, pytest.approx(21 / 22))
+
+
+def test_one_run_has_an_interval_too():
+    assert wilson(1, 1) == (pytest.approx(1.0 / (1.0 + 1.959963984540054**2)), 1.0)
+
+
+def test_every_bin_of_the_curve_has_its_edges_and_the_last_run_is_in_the_last_bin():
+    curve = success_curve([0.0, 1.0, 10.0], [1, 1, 0], bins=5)
+    assert [(point["low"], point["high"], point["count"]) for point in curve] == [(0.0, 2.0, 2), (8.0, 10.0, 1)]

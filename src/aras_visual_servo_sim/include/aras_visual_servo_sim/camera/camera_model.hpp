@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -69,7 +70,10 @@ class CameraModel {
   /** Rays (as unproject's) through the corners of the pixels, (u - 1/2, v - 1/2) for u = 0 .. width, v = 0 .. height,
    *  row by row; beyond lensAngle() some ray or other. Made at the first call, shared by copies of this camera.
    *  Thread-safe. */
-  const std::vector<Eigen::Vector3d>& cornerRays() const;
+  const std::vector<Eigen::Vector3d>& cornerRays() const {
+    if (!rays_->has_corners.load(std::memory_order_acquire)) makeCornerRays();  // asked for by every pixel
+    return rays_->corners;
+  }
 
   /** For each block of kBlock x kBlock pixels, row by row, a cone that holds every ray through it; blocks at the right
    *  and at the bottom may be narrower. Made and shared as cornerRays. */
@@ -128,6 +132,7 @@ class CameraModel {
   void findLensRadius();
   void findImageRadius(FaultList& faults);
   void findImageAngle(FaultList& faults);
+  void makeCornerRays() const;
 
   CameraConfig config_;
   Lens lens_ = Lens::kNone;
@@ -140,6 +145,7 @@ class CameraModel {
   double image_angle_ = 0.0;
   bool shows_lens_circle_ = false;
   struct Rays {
+    std::atomic<bool> has_corners{false};
     std::once_flag corners_once, centers_once, cones_once;
     std::vector<RayCone> cones;
     std::vector<Eigen::Vector3d> corners, centers;

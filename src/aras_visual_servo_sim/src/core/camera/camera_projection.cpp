@@ -191,7 +191,7 @@ Eigen::Vector3d CameraModel::unproject(double u, double v) const {
   return fisheye ? fisheyeRay(u, v) : Eigen::Vector3d(xy->x(), xy->y(), 1.0);
 }
 
-const std::vector<Eigen::Vector3d>& CameraModel::cornerRays() const {
+void CameraModel::makeCornerRays() const {
   std::call_once(rays_->corners_once, [this] {
     rays_->corners.reserve(std::size_t(width() + 1) * (height() + 1));
     for (int v = 0; v <= height(); ++v) {
@@ -200,8 +200,8 @@ const std::vector<Eigen::Vector3d>& CameraModel::cornerRays() const {
                                                              : unproject(u - 0.5, v - 0.5));
       }
     }
+    rays_->has_corners.store(true, std::memory_order_release);
   });
-  return rays_->corners;
 }
 
 const std::vector<RayCone>& CameraModel::blockCones() const {

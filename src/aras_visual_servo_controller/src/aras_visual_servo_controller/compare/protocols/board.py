@@ -9,13 +9,13 @@ WIDTH, HEIGHT = 1500, 1125
 SHAPES = 900
 
 
-def draw(seed):
-    """A board, (HEIGHT, WIDTH, 3) uint8: rectangles, discs and triangles of many sizes and colours over each other."""
-    rng = np.random.default_rng(seed)
-    image = np.full((HEIGHT, WIDTH, 3), rng.integers(60, 200, 3), np.uint8)
-    v, u = np.mgrid[0:HEIGHT, 0:WIDTH].astype(np.float32)
-    for size in np.sort(np.exp(rng.uniform(np.log(6.0), np.log(180.0), SHAPES)))[::-1]:
-        middle, colour = rng.uniform((0, 0), (WIDTH, HEIGHT)), rng.integers(0, 256, 3)
+def draw(seed, size_px=(WIDTH, HEIGHT), shapes=SHAPES, largest_px=180.0):
+    """A board, (height, width, 3) uint8: rectangles, discs and triangles of many sizes and colours over each other."""
+    rng, (width, height) = np.random.default_rng(seed), size_px
+    image = np.full((height, width, 3), rng.integers(60, 200, 3), np.uint8)
+    v, u = np.mgrid[0:height, 0:width].astype(np.float32)
+    for size in np.sort(np.exp(rng.uniform(np.log(6.0), np.log(largest_px), shapes)))[::-1]:
+        middle, colour = rng.uniform((0, 0), (width, height)), rng.integers(0, 256, 3)
         kind, turn, narrow = rng.integers(3), rng.uniform(0.0, 2.0 * np.pi), rng.uniform(0.3, 1.0)
         window = tuple(slice(max(int(m - 1.5 * size), 0), int(m + 1.5 * size) + 1) for m in middle[::-1])
         du, dv = u[window] - middle[0], v[window] - middle[1]
@@ -23,6 +23,17 @@ def draw(seed):
         inside = (np.maximum(np.abs(a), np.abs(b)) < size, np.hypot(a, b) < size,
                   (a > -0.5 * size) & (a + 1.7 * np.abs(b) < size))[kind]
         image[window][inside] = colour
+    return image
+
+
+def sign(outlines_m, size_m, grey=20, ground=250):
+    """A board of size_m, (HEIGHT, WIDTH, 3) uint8, of one grey, with outlines of another about its middle."""
+    from matplotlib.path import Path  # slow to import
+    v, u = np.mgrid[0:HEIGHT, 0:WIDTH]
+    x, y = ((u + 0.5) / WIDTH - 0.5) * size_m[0], (0.5 - (v + 0.5) / HEIGHT) * size_m[1]
+    places, image = np.stack([x.ravel(), y.ravel()], axis=1), np.full((HEIGHT, WIDTH, 3), ground, np.uint8)
+    for outline in outlines_m:
+        image[Path(outline).contains_points(places).reshape(HEIGHT, WIDTH)] = grey
     return image
 
 

@@ -16,7 +16,7 @@ class Canonical(Protocol):
               "application to partitioned approaches to visual servo control\", IJRR 22(10-11), 2003")
     metric, published_starts = "strict", TASKS
 
-    def cases(self, folder, count, board=None):
+    def cases(self, folder, count):
         cases = []
         for robot, scenario in ROBOTS.items():
             comparison = load_comparison("canonical", scenario=scenario)

@@ -31,7 +31,7 @@ class CnsAffine(Protocol):
     title = "CNS, affine scenes: 150 goals and starts above a picture"
     source = ("A. Chen, H. Yu, Y. Wang, R. Xiong, \"CNS: Correspondence encoded neural image servo policy\", ICRA "
               "2024; poses as in github.com/hhcaz/CNS (BenchmarkEnvAffine)")
-    metric, published_starts = "cns", STARTS
+    metric, published_starts, takes = "cns", STARTS, ("board",)
 
     def cases(self, folder, count, board=None):
         folder.mkdir(parents=True, exist_ok=True)
@@ -55,14 +55,13 @@ def pairs(count=STARTS):
     """
     rng, goals, starts = np.random.RandomState(SEED), [], []
     while len(goals) < STARTS:
-        goal = _drawn(rng, GOAL_DEG, GOAL_TURNS_DEG)
-        start = _drawn(rng, START_DEG, START_TURNS_DEG)
+        goal = drawn(rng, DISTANCE_M, GOAL_DEG, GOAL_TURNS_DEG)
+        start = drawn(rng, DISTANCE_M, START_DEG, START_TURNS_DEG)
         turn = rotation_vector(start[:3, :3].T @ goal[:3, :3])[2]
         most = math.radians(MOST_TURN_DEG)
         if abs(turn) > most:
             start[:3, :3] = start[:3, :3] @ rotation(np.array([0.0, 0.0, turn - most if turn >= 0.0 else turn + most]))
-        apart = rotation_angle(goal[:3, :3].T @ start[:3, :3])
-        if apart >= math.radians(1.0) or np.linalg.norm(goal[:3, 3] - start[:3, 3]) >= 0.002:
+        if apart(goal, start):
             goals.append(goal)
             starts.append(start)
     chosen = spread(count, STARTS)
@@ -86,9 +85,18 @@ def planned(scenario, count):
     return starts
 
 
-def _drawn(rng, above_deg, turns_deg):
-    """X_WC, (4, 4), that looks at the origin from above: the order of the draws is that of the protocol."""
-    distance = rng.uniform(*DISTANCE_M)
+def apart(goal, start):
+    """Whether two poses differ by 2 mm or 1 degree, as those of a pair have to."""
+    return (rotation_angle(goal[:3, :3].T @ start[:3, :3]) >= math.radians(1.0)
+            or np.linalg.norm(goal[:3, 3] - start[:3, 3]) >= 0.002)
+
+
+def drawn(rng, distance_m, above_deg, turns_deg):
+    """X_WC, (4, 4), that looks at the origin from above: the order of the draws is that of the protocol.
+
+    Args: ranges of the distance [m] and of the angle above the table; largest turns about z, y, x [deg].
+    """
+    distance = rng.uniform(*distance_m)
     around = rng.uniform(-np.pi, np.pi)
     z = rng.uniform(*np.sin(np.radians(above_deg)))
     above = math.asin(z)

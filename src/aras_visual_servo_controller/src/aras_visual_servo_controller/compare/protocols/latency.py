@@ -6,7 +6,7 @@ from ...arm.robot import kinematics_of
 from ...ground.errors import ParameterError
 from ...scenario.scenario import load_scenario
 from ...sweep.plan import Start, SweepSettings, make_starts
-from .base import Case, Protocol, register_protocol
+from .base import Case, Protocol, halton, register_protocol
 from .delay_map import save_map
 
 STARTS, MOST_S, SEED = 10_000, 0.5, 0
@@ -36,9 +36,7 @@ class Latency(Protocol):
     source = "this project"
     metric, published_starts = "success", STARTS
 
-    def cases(self, folder, count, board=None):
-        if board is not None:
-            raise ParameterError(f"--board: found {board}, allowed nothing: no picture is seen in this protocol")
+    def cases(self, folder, count):
         return [Case(name, scenario, planned(scenario, count), {"case": name})
                 for name, scenario in ((name, load_scenario(file, changes)) for name, (file, changes) in CASES.items())]
 
@@ -56,8 +54,8 @@ class Latency(Protocol):
 
 
 def delays(count):
-    """(count, 2) delays of image and command [s]: a Halton sequence of bases 2 and 3, without its first point."""
-    return MOST_S * np.array([[_inverse(i, base) for base in (2, 3)] for i in range(1, count + 1)])
+    """(count, 2) delays of image and command [s]: a Halton sequence."""
+    return MOST_S * halton(count, (2, 3))
 
 
 def planned(scenario, count):
@@ -77,12 +75,3 @@ def planned(scenario, count):
 def _gain(scenario):
     """The largest gain of the scenario [1/s]: the loop of its feature is the first to swing."""
     return max(scenario.servo["gains_per_s"].values())
-
-
-def _inverse(number, base):
-    """Digits of a number to a base, mirrored at the point."""
-    value, place = 0.0, 1.0 / base
-    while number:
-        number, digit = divmod(number, base)
-        value, place = value + digit * place, place / base
-    return value

@@ -70,11 +70,22 @@ def digest(rows):
     return hashlib.sha256(text.encode()).hexdigest()
 
 
+def total(lines):
+    """SHA-256 over the hashes of all lines of a table with what they are of, hexadecimal: that of the whole benchmark.
+
+    Args: lines: of `table`.
+    """
+    extra = len(lines[0]) - len(HEADINGS)
+    text = "\n".join(" ".join([*line[:extra], line[-1]]) for line in lines[1:])
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
 def as_markdown(protocol, lines):
     """The table and its source as text."""
     body = [lines[0], ["---"] * len(lines[0]), *lines[1:]]
     return "\n".join([f"# {protocol.title}", "", *("| " + " | ".join(line) + " |" for line in body), "",
-                      f"Success as metric `{protocol.metric}` has it. Source: {protocol.source}."]) + "\n"
+                      f"Success as metric `{protocol.metric}` has it. Source: {protocol.source}.", "",
+                      f"Hash of the whole table: {total(lines)[:16]}"]) + "\n"
 
 
 def save_table(protocol, lines, folder):

@@ -33,7 +33,7 @@ class VitVs(Protocol):
     source = ("A. Scherl, S. Thalhammer, B. Neuberger, W. Woeber, J. Garcia-Rodriguez, \"ViT-VS: On the applicability "
               "of pretrained vision transformer features for generalizable visual servoing\", 2025, arXiv 2503.04545; "
               "starts and perturbations as in github.com/AlessandroScherl/ViT-VS")
-    metric, published_starts = "vit_vs", STARTS
+    metric, published_starts, takes = "vit_vs", STARTS, ("board",)
 
     def cases(self, folder, count, board=None):
         picture, perturbed = _pictures(folder, board, spread(count, STARTS))

@@ -16,15 +16,15 @@ from ...ground.errors import DegenerateFeature
 from ...ground.spatial import skew
 from ..base import register_family
 from ..palette import COOL, GREENS, WARM
-from ..points import OfPoints, points
+from ..points import OfPoints, rays
 
 
 def direction(view, first):
     """(3,) unit vector of sides `first` and `first + 2`. Raises DegenerateFeature: not four points, or one line."""
-    seen = view.shared(points)
+    seen = view.shared(rays)
     if len(seen) != 4:
         raise DegenerateFeature(f"vanishing points: found {len(seen)} points in this view, needed 4")
-    corners = [np.array([*seen[(first + k) % 4], 1.0]) for k in range(4)]
+    corners = np.roll(seen, -first, axis=0)
     planes = np.cross(corners[0], corners[1]), np.cross(corners[2], corners[3])
     d = np.cross(*planes)
     size = float(np.linalg.norm(d))
@@ -38,10 +38,10 @@ class _Vanishing(OfPoints):
     axis = 0
 
     def value(self, view):
-        return float(view.shared(direction, self._ends(view)[0])[self.axis])
+        return float(view.shared(direction, self._index(len(view.shared(rays))))[self.axis])
 
     def row(self, view):
-        d = view.shared(direction, self._ends(view)[0])
+        d = view.shared(direction, self._index(len(view.shared(rays))))
         return np.concatenate([np.zeros(3), skew(d)[self.axis]])
 
 

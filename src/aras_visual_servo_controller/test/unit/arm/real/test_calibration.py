@@ -16,7 +16,7 @@ from aras_visual_servo_controller.arm.real.calibration.target import target_plan
 from aras_visual_servo_controller.arm.robot import kinematics_of, robot_kinematics
 from aras_visual_servo_controller.cli.calibrate import calibrate_main
 from aras_visual_servo_controller.ground.errors import ParameterError
-from aras_visual_servo_controller.ground.spatial import inverse, rotation_angle, rotation_vector
+from aras_visual_servo_controller.ground.spatial import inverse, rotation_angle, rotation_rpy, rotation_vector
 from aras_visual_servo_controller.run.judge import judge, run_in_process
 from aras_visual_servo_controller.scenario.scenario import load_scenario
 
@@ -179,3 +179,38 @@ def test_a_file_that_is_no_calibration_is_named():
         CameraCalibration.from_yaml("{}", "mine.yaml")
     with pytest.raises(ParameterError, match="allowed plumb_bob"):
         CameraCalibration.from_yaml(seen("circles")[3].as_yaml().replace("plumb_bob", "equidistant"))
+
+
+def exact_camera(stddev=None):
+    K = np.array([[200.0, 0.0, 160.0], [0.0, 250.0, 120.0], [0.0, 0.0, 1.0]])
+    return CameraCalibration(320, 240, K, np.zeros(5), 0.1, (), np.zeros(9) if stddev is None else stddev)
+
+
+def test_what_the_intrinsics_cost_is_their_part_of_the_depth():
+    cost = exact_camera(np.array([2.0, 5.0, 0.4, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0])).cost(0.5)
+    assert cost == {"taught goal": 0.0, "goal in numbers, x": pytest.approx(500.0 * 0.4 / 200.0),
+                    "goal in numbers, y": pytest.approx(500.0 * 0.5 / 250.0),
+                    "goal in numbers, depth": pytest.approx(500.0 * 0.5 * (0.01 + 0.02))}
+
+
+def test_a_calibration_of_another_program_says_nothing_of_its_errors():
+    content = yaml.safe_load(exact_camera().as_yaml())
+    del content["calibration"]
+    read = CameraCalibration.from_yaml(yaml.safe_dump(content))
+    assert read.stddev.shape == (9,) and np.isnan(read.stddev).all() and np.isnan(read.residual_px)
+    assert (read.K == exact_camera().K).all()
+
+
+def test_the_spread_of_depth_and_tilt_is_about_what_is_said():
+    """Of one view with pixels that are off by 0.1 px, forty times."""
+    board, camera, random = Board("circles", *BOARDS["circles"]), exact_camera(), np.random.default_rng(1)
+    X_CO = np.eye(4)
+    X_CO[:3, :3] = rotation_rpy((0.4, 0.3, 0.2))
+    X_CO[:3, 3] = [-0.05, -0.04, 0.4]
+    view = projected(X_CO, board, camera)
+    planes = [target_plane(view + random.normal(0.0, 0.1, view.shape), board, camera) for _ in range(40)]
+    spread, said = np.std([plane.z_star_m for plane in planes]), np.mean([plane.stddev_z_m for plane in planes])
+    assert said == pytest.approx(spread, rel=0.4)
+    tilts = [np.linalg.norm(np.cross(plane.normal_C, X_CO[:3, 2])) for plane in planes]
+    said = np.mean([plane.stddev_tilt_rad for plane in planes])  # along the worse of two axes
+    assert 0.5 * said < np.sqrt(np.mean(np.square(tilts))) < 2.0 * said

@@ -156,3 +156,26 @@ def test_a_view_of_something_else_is_refused():
     bar = np.array([[-0.3, -0.004], [0.3, -0.004], [0.3, 0.004], [-0.3, 0.004]])
     with pytest.raises(DegenerateFeature, match="the best pose leaves a residual"):
         law.step(look_at(look(goal, bar), DT_S, X_CgC=np.eye(4)))
+
+
+def test_guesses_face_the_camera_upright_and_tilted_to_four_sides_in_eight_turns():
+    normal, t = np.array([0.3, -0.2, 0.9]), np.array([0.1, 0.2, 0.5])
+    guesses = list(target_pose._guesses(normal, t))
+    axes = np.array([-X[:3, 2] for X in guesses]).reshape(5, 8, 3)
+    assert len(guesses) == 40 and all((X[:3, 3] == t).all() for X in guesses)
+    np.testing.assert_allclose(axes, np.broadcast_to(axes[:, :1], axes.shape), atol=ROUNDING)  # turns keep the face
+    np.testing.assert_allclose(axes[0, 0], normal / np.linalg.norm(normal), atol=ROUNDING)
+    np.testing.assert_allclose(axes[1:, 0] @ axes[0, 0], np.cos(target_pose.GUESS_TILT_RAD), atol=ROUNDING)
+    np.testing.assert_allclose(axes[1, 0] + axes[2, 0], axes[3, 0] + axes[4, 0], atol=ROUNDING)  # opposite pairs
+    assert abs((axes[1, 0] - axes[2, 0]) @ (axes[3, 0] - axes[4, 0])) < ROUNDING
+    for k in range(8):
+        turned = rotation_vector(guesses[0][:3, :3].T @ guesses[k][:3, :3])
+        assert np.linalg.norm(turned) == pytest.approx(min(k, 8 - k) * np.pi / 4.0, abs=1e-7)
+
+
+def test_a_step_tells_the_largest_residual_and_the_condition_of_its_matrix():
+    X_CT = pose_of(tilted_pose(1))
+    measures, L = TARGET.predicted(X_CT)
+    off = np.linspace(-1e-4, 2e-4, 10)
+    _, residual, condition = TARGET.improve(X_CT, measures + off)
+    assert residual == pytest.approx(2e-4, rel=1e-6) and condition == pytest.approx(np.linalg.cond(L), rel=1e-6)

@@ -17,6 +17,12 @@ constexpr double kBias = 1e-6;  // in units of near_m / Z, 250 roundings of a fl
 
 Eigen::Vector3f colorOf(const Rgb& color) { return {float(color.r), float(color.g), float(color.b)}; }
 
+/** A point of the image from its upper left corner, where floor() gives the pixel, however far outside [px]. */
+Eigen::Array2d placed(const Eigen::Vector2d& px) {
+  constexpr double kFar = 1e9;
+  return {held(px.x() + 0.5, -kFar, kFar), held(px.y() + 0.5, -kFar, kFar)};
+}
+
 /** How far the image of the middle of an edge lies beside its chord [px]. */
 double bow(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Eigen::Vector2d& middle) {
   const Eigen::Vector2d chord = to - from, off = middle - from;
@@ -210,9 +216,6 @@ void TriangleList::addSpans() {
   constexpr int kTile = CameraModel::kBlock;
   const int rows = (camera_->height() + kTile - 1) / kTile, columns = (camera_->width() + kTile - 1) / kTile;
   const double infinity = std::numeric_limits<double>::infinity();
-  rows_.assign(static_cast<std::size_t>(rows), {infinity, -infinity});
-  first_row_ = rows;
-  last_row_ = 0;
   low_.setConstant(infinity);
   high_.setConstant(-infinity);
   bool is_short = true;
@@ -220,6 +223,10 @@ void TriangleList::addSpans() {
     is_short = is_short && (corners_[i].px - corners_[j].px).squaredNorm() < kShort * kShort;
   }
   margin_ = is_short ? kShortMargin : kMargin;
+  if (is_short && addSpanOfOneRow(rows, columns)) return;
+  rows_.assign(static_cast<std::size_t>(rows), {infinity, -infinity});
+  first_row_ = rows;
+  last_row_ = 0;
   for (std::size_t i = 0, j = corners_.size() - 1; i < corners_.size(); j = i++) {
     if (is_short) {
       widenRows(corners_[j].px, corners_[i].px);
@@ -235,6 +242,25 @@ void TriangleList::addSpans() {
     const int last = static_cast<int>(held(std::floor((high + margin_) / kTile) + 1.0, 0.0, double(columns)));
     if (first < last) spans_.push_back({triangle, row, first, last});
   }
+}
+
+/** As addSpans, of an outline of short edges that lies in one row of tiles, as most of a mesh's triangles do: no need
+ * to follow its edges. @return false if it lies in several */
+bool TriangleList::addSpanOfOneRow(int rows, int columns) {
+  constexpr double kTile = CameraModel::kBlock;
+  for (const Corner& corner : corners_) {
+    const Eigen::Array2d place = placed(corner.px);
+    low_ = low_.min(place);
+    high_ = high_.max(place);
+  }
+  const double row = std::floor((low_.y() - margin_) / kTile);
+  if (row != std::floor((high_.y() + margin_) / kTile)) return false;
+  widenExtent(margin_);
+  if (row < 0.0 || row >= rows) return true;
+  const int first = static_cast<int>(held(std::floor((low_.x() - margin_) / kTile), 0.0, double(columns)));
+  const int last = static_cast<int>(held(std::floor((high_.x() + margin_) / kTile) + 1.0, 0.0, double(columns)));
+  if (first < last) spans_.push_back({static_cast<std::uint32_t>(size()), static_cast<int>(row), first, last});
+  return true;
 }
 
 void TriangleList::widenExtent(double margin) {
@@ -261,11 +287,11 @@ void TriangleList::bendEdge(const Corner& from, const Corner& to, int depth) {
 
 /** Notes the columns of a piece of an outline in the rows of tiles that it may touch. */
 void TriangleList::widenRows(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
-  constexpr double kTile = CameraModel::kBlock, kFar = 1e9;
-  const auto place = [](double x) { return held(x + 0.5, -kFar, kFar); };
-  double x0 = place(from.x()), y0 = place(from.y()), x1 = place(to.x()), y1 = place(to.y());
-  low_ = low_.min(Eigen::Array2d(std::min(x0, x1), std::min(y0, y1)));
-  high_ = high_.max(Eigen::Array2d(std::max(x0, x1), std::max(y0, y1)));
+  constexpr double kTile = CameraModel::kBlock;
+  const Eigen::Array2d a_px = placed(from), b_px = placed(to);
+  low_ = low_.min(a_px.min(b_px));
+  high_ = high_.max(a_px.max(b_px));
+  double x0 = a_px.x(), y0 = a_px.y(), x1 = b_px.x(), y1 = b_px.y();
   if (y0 > y1) {
     std::swap(x0, x1);
     std::swap(y0, y1);

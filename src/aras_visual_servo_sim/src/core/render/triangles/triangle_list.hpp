@@ -63,6 +63,7 @@ class TriangleList {
   Corner corner(const Eigen::Vector3d& p_C) const;
   void addVertices(const std::array<Corner, 3>& corners, const Seams& seams);
   void addSpans();
+  bool addSpanOfOneRow(int rows, int columns);
   void bendEdge(const Corner& from, const Corner& to, int depth);
   void widenRows(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
   void widenExtent(double margin);

@@ -98,10 +98,15 @@ bool ViewCell::excludes(const Eigen::Vector3d* points_C, std::size_t count) cons
 }
 
 void ViewCell::clip(std::vector<Eigen::Vector3d>& polygon_C, std::vector<char>* seams) const {
-  thread_local std::vector<Eigen::Vector3d> kept;  // their memory is used again
-  thread_local std::vector<char> seams_kept;
+  thread_local std::vector<Eigen::Vector3d> kept_of_thread;  // their memory is used again
+  thread_local std::vector<char> seams_of_thread;
+  std::vector<Eigen::Vector3d>& kept = kept_of_thread;  // asking for what is a thread's takes a call each time
+  std::vector<char>& seams_kept = seams_of_thread;
   for (const Plane& plane : *this) {
-    if (polygon_C.empty()) return;
+    if (std::all_of(polygon_C.begin(), polygon_C.end(),
+                    [&plane](const Eigen::Vector3d& point) { return plane.normal.dot(point) - plane.offset >= 0.0; })) {
+      continue;
+    }
     kept.clear();
     seams_kept.clear();
     const auto keep = [&](const Eigen::Vector3d& point, bool seam) {

@@ -1,0 +1,177 @@
+"""Plugins of cameras that see depth, read with their keys and defaults: that of Intel's RealSense, which looks for
+four sensors of its model by their names, and those of a Kinect, which stand in a sensor of type depth.
+
+What they publish was read from gazebo_ros_realsense.cpp of pal-robotics/realsense_gazebo_plugin, and from
+gazebo_ros_openni_kinect.cpp and gazebo_ros_depth_camera.cpp of ros-simulation/gazebo_ros_pkgs.
+"""
+import dataclasses
+import math
+import xml.etree.ElementTree as ElementTree
+
+import numpy
+
+REALSENSE = "librealsense_gazebo_plugin.so"
+KINECT = "libgazebo_ros_openni_kinect.so", "libgazebo_ros_depth_camera.so"
+CAMERA = "libgazebo_ros_camera.so"
+#: Sensors of a RealSense by the end of their name: the keys of their topic and of their optical frame.
+EYES = {"color": ("colorTopicName", "colorOpticalframeName"),
+        "ired1": ("infrared1TopicName", "infrared1OpticalframeName"),
+        "ired2": ("infrared2TopicName", "infrared2OpticalframeName")}
+DEPTH = "depth"
+#: Keys of a Kinect's plugin that are not those of a camera's.
+KINECT_KEYS = ("depthImageTopicName", "depthImageCameraInfoTopicName", "pointCloudTopicName", "pointCloudCutoff",
+               "pointCloudCutoffMax", "reflectanceImageTopicName", "reflectanceTopicName", "normalsTopicName",
+               "clipping", "useDepth16UC1Format")
+
+
+@dataclasses.dataclass(frozen=True)
+class Depth:
+    """What is published of a camera's depth. Topics are full names.
+
+    Attributes:
+        image, info, points: topics; points is "" for none.
+        millimetres: values are uint16 [mm], 0 where nothing is in range; else float32 [m], NaN there.
+        range_m: nearest and farthest depth of the image.  points_m: the same of the points.
+        colors: name of the camera whose image gives the points their colours.
+    """
+    image: str
+    info: str
+    points: str
+    millimetres: bool
+    range_m: tuple
+    points_m: tuple
+    colors: str
+
+    def values(self, depth_m):
+        """The pixels to send of a depth image, (h, w) float32 [m] with NaN where there is nothing."""
+        near, far = self.range_m
+        inside = (depth_m >= near) & (depth_m <= far)  # NaN is not
+        if self.millimetres:
+            inside &= depth_m <= 0.001 * numpy.iinfo(numpy.uint16).max
+            return numpy.where(inside, depth_m.astype(numpy.float64) / 0.001, 0.0).astype(numpy.uint16)
+        return numpy.where(inside, depth_m, numpy.float32(numpy.nan))
+
+    def cloud(self, depth_m, K, colors):
+        """Points (h, w, 4) float32 in the optical frame: x, y, z [m], NaN where nothing is in range, and the colour as
+        the bits 0x00rrggbb.
+
+        Args: depth_m: (h, w).  K: (9,) of the camera_info.  colors: (h, w) or (h, w, 3) uint8; others: black.
+        """
+        height, width = depth_m.shape
+        near, far = self.points_m
+        z = numpy.where((depth_m > near) & (depth_m < far), depth_m, numpy.float32(numpy.nan))
+        # As the plugins do it: about the middle of the image, whatever the camera_info says.
+        u, v = numpy.arange(width) - 0.5 * (width - 1), numpy.arange(height) - 0.5 * (height - 1)
+        points = numpy.zeros((height, width, 4), dtype=numpy.float32)
+        points[..., 0], points[..., 1], points[..., 2] = z * u / K[0], z * v[:, None] / K[0], z
+        if colors.shape[:2] == depth_m.shape and colors.dtype == numpy.uint8:
+            rgb = numpy.repeat(colors[..., None], 3, axis=2) if colors.ndim == 2 else colors
+            bits = rgb.astype(numpy.uint32)
+            points[..., 3] = (bits[..., 0] << 16 | bits[..., 1] << 8 | bits[..., 2]).view(numpy.float32)
+        return points
+
+
+def joined(*parts):
+    return "/" + "/".join(part.strip("/") for part in parts if part.strip("/"))
+
+
+def text(element, key, otherwise=""):
+    child = element.find(key)
+    return child.text.strip() if child is not None and child.text else otherwise
+
+
+def number(element, key, otherwise):
+    found = text(element, key)
+    value = float(found) if found else otherwise
+    if not math.isfinite(value):
+        raise ValueError("<%s> is %s, allowed is a finite number" % (key, found))
+    return value
+
+
+def sibling(topic, name):
+    """Another topic beside one, as image_transport places camera_info beside an image."""
+    return topic.rpartition("/")[0] + "/" + name
+
+
+def is_realsense(plugin):
+    return plugin.get("filename", "").rpartition("/")[2] == REALSENSE
+
+
+def read_realsense(robot, plugin, warnings):
+    """The cameras of a RealSense. Their sensors become such as the simulator reads.
+
+    Args: robot: element of the URDF.  plugin: the element.  warnings: gets a line for each sensor that is not there.
+    Returns: dict of the name of the camera -> (topic of its image, topic of its camera_info, Depth or None); both
+        topics are "" for the one that sees depth.
+    Raises: ValueError: a number that is none.
+    """
+    place, prefix = plugin.get("name", ""), text(plugin, "prefix")
+    sensors = {sensor.get("name"): sensor for sensor in robot.findall("gazebo/sensor")}
+    cameras = {}
+    for end, (topic_key, frame_key) in EYES.items():
+        sensor = sensors.get(prefix + end)
+        if sensor is None:
+            warnings.append("plugin %s: there is no sensor '%s%s'" % (REALSENSE, prefix, end))
+            continue
+        image = joined(place, text(plugin, topic_key, end + "/image_raw"))
+        cameras[prefix + end] = (image, sibling(image, "camera_info"), None)
+        become_camera(sensor, text(plugin, frame_key))
+    sensor = sensors.get(prefix + DEPTH)
+    if sensor is None:
+        warnings.append("plugin %s: there is no sensor '%s%s'" % (REALSENSE, prefix, DEPTH))
+        return cameras
+    image = joined(place, text(plugin, "depthTopicName", "depth/image_raw"))
+    points = text(plugin, "pointCloud").lower() in ("true", "1")
+    cameras[prefix + DEPTH] = ("", "", Depth(
+        image=image, info=sibling(image, "camera_info"), millimetres=True,
+        points=joined(place, text(plugin, "pointCloudTopicName", "points")) if points else "",
+        range_m=(number(plugin, "rangeMinDepth", 0.0), number(plugin, "rangeMaxDepth", 65.535)),
+        points_m=(number(plugin, "pointCloudCutoff", 0.0), number(plugin, "pointCloudCutoffMax", 5.0)),
+        colors=prefix + "color" if prefix + "color" in cameras else prefix + DEPTH))
+    become_camera(sensor, text(plugin, "depthOpticalframeName"))
+    return cameras
+
+
+def become_camera(sensor, frame):
+    """A sensor of a RealSense as the simulator reads cameras; its camera_info is that of the plugin: the middle of the
+    image is half its width and height."""
+    sensor.set("type", "camera")
+    camera = sensor.find("camera")
+    image = None if camera is None else camera.find("image")
+    plugin = ElementTree.SubElement(sensor, "plugin", {"name": sensor.get("name"), "filename": CAMERA})
+    keys = {"cameraName": sensor.get("name"), "frameName": frame}
+    if image is not None:
+        keys.update(Cx=str(0.5 * float(text(image, "width", "0"))), Cy=str(0.5 * float(text(image, "height", "0"))))
+    for key, value in keys.items():
+        ElementTree.SubElement(plugin, key).text = value
+
+
+def read_kinects(robot, namespace):
+    """The cameras of the plugins of Kinects, whose sensors become such as the simulator reads.
+
+    Returns: dict as `read_realsense`; an image comes from the same sensor.
+    Raises: ValueError: a number that is none.
+    """
+    cameras = {}
+    for sensor in robot.findall("gazebo/sensor"):
+        for plugin in sensor.findall("plugin"):
+            if plugin.get("filename", "").rpartition("/")[2] not in KINECT:
+                continue
+            name = text(plugin, "cameraName", sensor.get("name", "")).lstrip("/")
+            place = joined(text(plugin, "robotNamespace", namespace), name)
+            nearest, farthest = number(plugin, "pointCloudCutoff", 0.4), number(plugin, "pointCloudCutoffMax", 5.0)
+            if plugin.get("filename", "").endswith(KINECT[1]):  # has no farthest depth
+                farthest = math.inf
+            short = text(plugin, "useDepth16UC1Format").lower() in ("true", "1")
+            depth = Depth(image=joined(place, text(plugin, "depthImageTopicName", "depth/image_raw")),
+                          info=joined(place, text(plugin, "depthImageCameraInfoTopicName", "depth/camera_info")),
+                          points=joined(place, text(plugin, "pointCloudTopicName", "points")), millimetres=short,
+                          range_m=(nearest, farthest), points_m=(nearest, farthest), colors=name)
+            cameras[name] = (joined(place, text(plugin, "imageTopicName", "image_raw")),
+                             joined(place, text(plugin, "cameraInfoTopicName", "camera_info")), depth)
+            sensor.set("type", "camera")
+            plugin.set("filename", CAMERA)
+            for key in KINECT_KEYS:
+                for element in plugin.findall(key):
+                    plugin.remove(element)
+    return cameras
