@@ -31,28 +31,58 @@ std::unique_ptr<Extractor> makeExtractor(const pybind11::dict& camera_info, cons
   return std::make_unique<Extractor>(*intrinsics, *settings);
 }
 
-/** What every extractor does with an image. @param first, returns  sentences of its docstring */
+/** What every extractor does with an image, but for `process`. */
 template <typename Extractor>
-void bindProcess(pybind11::class_<Extractor>& extractor, const std::string& first, const std::string& returns) {
-  const std::string doc = first + R"(
+void bindFeaturesOf(pybind11::class_<Extractor>& extractor) {
+  extractor.def("clear_reference", &Extractor::clearReference)
+      .def_property_readonly("features", &Extractor::features, pybind11::return_value_policy::copy,
+                             "Of the last image.");
+}
+
+/** The docstring of `process`. @param first, returns  sentences of it. @param more  lines about further arguments */
+inline std::string processDoc(const std::string& first, const std::string& returns, const std::string& more) {
+  return first + R"(
 
 Args:
     image: uint8, shape (h, w) grey, (h, w, 3) rgb or (h, w, 4) rgba, or uint16 of the first two, rows contiguous.
     stamp_ns: of the image; with one, `teach` finds it while it is among the last 32.
-Returns:
-    )" + returns + R"(
+)" + more +
+         R"(Returns:
+    )" + returns +
+         R"(
 Raises:
     ShapeError: another type, shape or size than camera_info.)";
-  extractor
-      .def(
-          "process",
-          [](Extractor& self, const pybind11::array& image, std::int64_t stamp_ns) {
-            return self.process(viewOf(image), stamp_ns);
-          },
-          pybind11::arg("image"), pybind11::arg("stamp_ns") = kNoStamp, doc.c_str())
-      .def("clear_reference", &Extractor::clearReference)
-      .def_property_readonly("features", &Extractor::features, pybind11::return_value_policy::copy,
-                             "Of the last image.");
+}
+
+/** `process` and what comes of it. @param first, returns  sentences of its docstring */
+template <typename Extractor>
+void bindProcess(pybind11::class_<Extractor>& extractor, const std::string& first, const std::string& returns) {
+  extractor.def(
+      "process",
+      [](Extractor& self, const pybind11::array& image, std::int64_t stamp_ns) {
+        return self.process(viewOf(image), stamp_ns);
+      },
+      pybind11::arg("image"), pybind11::arg("stamp_ns") = kNoStamp, processDoc(first, returns, "").c_str());
+  bindFeaturesOf(extractor);
+}
+
+/** The same of an extractor that can use a depth image. */
+template <typename Extractor>
+void bindDepthProcess(pybind11::class_<Extractor>& extractor, const std::string& first, const std::string& returns) {
+  const std::string depth =
+      R"(    depth: float32 [m] or uint16 [mm], shape (h, w), rows contiguous: Z of the pixels, with holes of 0 or NaN; read
+        where the section `depth` asks for it. One of another size, or None, is told in `depth_fault`.
+)";
+  extractor.def(
+      "process",
+      [](Extractor& self, const pybind11::array& image, std::int64_t stamp_ns,
+         const std::optional<pybind11::array>& depth) {
+        const DepthView view = depth ? depthOf(*depth) : DepthView{};
+        return self.process(viewOf(image), stamp_ns, depth ? &view : nullptr);
+      },
+      pybind11::arg("image"), pybind11::arg("stamp_ns") = kNoStamp, pybind11::arg("depth") = pybind11::none(),
+      processDoc(first, returns, depth).c_str());
+  bindFeaturesOf(extractor);
 }
 
 /** How an extractor whose goal is a whole image gets one. @param raises  what `set_reference` says of its errors */

@@ -28,8 +28,11 @@ void bindFeatures(py::module_& module) {
       .def_readwrite("yg", &F::yg)
       .def_readwrite("point_x", &F::point_x)
       .def_readwrite("point_y", &F::point_y)
+      .def_readwrite("point_z", &F::point_z)
+      .def_readwrite("depth_fault", &F::depth_fault)
       .def_readwrite("as_goal_x", &F::as_goal_x)
       .def_readwrite("as_goal_y", &F::as_goal_y)
+      .def_readwrite("as_goal_z", &F::as_goal_z)
       .def_readwrite("homography", &F::homography)
       .def_readwrite("match_x", &F::match_x)
       .def_readwrite("match_y", &F::match_y)
@@ -54,8 +57,8 @@ void bindMatches(py::module_& module) {
     config: the section `vision.matches` of a scenario, see schema/matches.yaml of this package.
 Raises:
     ParameterError: every fault, one per line.)");
-  bindProcess(extractor, "Features of one image, relative to the goal image.",
-              "MatchFeatures; too few matches are a value (valid False, the reason in fault), not an error.");
+  bindDepthProcess(extractor, "Features of one image, relative to the goal image.",
+                   "MatchFeatures; too few matches are a value (valid False, the reason in fault), not an error.");
   bindGoalImage(extractor,
                 "Raises DegenerateFeature (too few keypoints), ParameterError, ShapeError; there is no goal then.");
 }

@@ -50,6 +50,8 @@ void bindFeatures(py::module_& module) {
       .def_readwrite("mu", &MomentFeatures::mu)
       .def_readwrite("point_x", &MomentFeatures::point_x)
       .def_readwrite("point_y", &MomentFeatures::point_y)
+      .def_readwrite("point_z", &MomentFeatures::point_z)
+      .def_readwrite("depth_fault", &MomentFeatures::depth_fault)
       .def_readwrite("kernel_x", &MomentFeatures::kernel_x)
       .def_readwrite("kernel_y", &MomentFeatures::kernel_y)
       .def("__repr__", &repr);
@@ -74,8 +76,8 @@ void bindExtractor(py::module_& module) {
     config: the `vision` section of a scenario, see schema/vision.yaml of this package.
 Raises:
     ParameterError: every fault of both, one per line.)");
-  bindProcess(extractor, "Features of one image.",
-              "MomentFeatures; an empty view is a value (target_visible False), not an error.");
+  bindDepthProcess(extractor, "Features of one image.",
+                   "MomentFeatures; an empty view is a value (target_visible False), not an error.");
   extractor
       .def(
           "set_reference",

@@ -38,6 +38,22 @@ ImageView viewOf(const py::array& image) {
   return view;
 }
 
+DepthView depthOf(const py::array& depth) {
+  DepthView view;
+  view.millimetres = py::isinstance<py::array_t<std::uint16_t>>(depth);
+  if (!(view.millimetres || py::isinstance<py::array_t<float>>(depth)) || depth.ndim() != 2 ||
+      (depth.shape(1) > 1 && depth.strides(1) != depth.itemsize()) ||
+      depth.strides(0) < depth.shape(1) * depth.itemsize())
+    throw ShapeError("depth: found " + std::string(py::str(depth.attr("dtype"))) + " of shape " +
+                     std::string(py::str(depth.attr("shape"))) +
+                     ", allowed float32 [m] or uint16 [mm] of shape (h, w) with contiguous rows");
+  view.data = static_cast<const std::uint8_t*>(depth.data());
+  view.width_px = static_cast<int>(depth.shape(1));
+  view.height_px = static_cast<int>(depth.shape(0));
+  view.step_bytes = static_cast<std::size_t>(depth.strides(0));
+  return view;
+}
+
 py::array inRgb(const py::array& image, const std::string& encoding) {
   const PixelFormat format = formatNamed(encoding);
   ImageView view = viewOf(image);

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "aras_visual_servo_camera/image/depth_view.hpp"
 #include "aras_visual_servo_camera/image/image_view.hpp"
 #include "aras_visual_servo_camera/moments/moment_features.hpp"
 
@@ -14,6 +15,10 @@ namespace aras_visual_servo_camera {
  *  with contiguous rows.
  *  @throws ShapeError for another shape, type or layout within a row */
 ImageView viewOf(const pybind11::array& image);
+
+/** A view of a float32 [m] or uint16 [mm] array of shape (h, w) with contiguous rows.
+ *  @throws ShapeError for another shape, type or layout within a row */
+DepthView depthOf(const pybind11::array& depth);
 
 /** The image as the extractors take it: itself, or, of bgr8 or a Bayer pattern, a new one of rgb8.
  *  @param encoding  of the camera, a name of sensor_msgs

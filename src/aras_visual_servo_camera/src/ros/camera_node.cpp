@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kQueue = 100;  // images that may wait: none is dropped in normal running
 constexpr std::chrono::seconds kThrottlePeriod{10};
+constexpr double kDepthPeriod_s = 0.05;  // wall time between looks at images that wait for depth
 constexpr double kReportPeriod_s = 2.0;  // wall time without a pair after which the cause is reported
 
 sensor_msgs::Image emptyImage(const std_msgs::Header& header, const ImageView& view, const std::string& encoding,
@@ -50,6 +51,17 @@ CameraNode::CameraNode(ros::NodeHandle node, const ros::NodeHandle& private_node
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   info_sub_.subscribe(node, "camera/camera_info", kQueue, hints);
   image_sub_.subscribe(node, "camera/image_raw", kQueue, hints);
+  if (config_.depth || (config_.matches && config_.matches->depth)) {
+    depths_ = std::make_unique<DepthPairing>(
+        [this](const auto& image, const auto& info, const auto& depth) { process(image, info, depth); });
+    depth_sub_ = node.subscribe<Image>(
+        "camera/depth/image_raw", kQueue,
+        [this](const sensor_msgs::ImageConstPtr& depth) { depths_->addDepth(depth, DepthPairing::Clock::now()); },
+        ros::VoidConstPtr(), hints);
+    depth_timer_ = node.createWallTimer(ros::WallDuration(kDepthPeriod_s), [this](const ros::WallTimerEvent&) {
+      depths_->look(DepthPairing::Clock::now());
+    });
+  }
   synchronizer_.connectInput(image_sub_, info_sub_);
   synchronizer_.registerCallback(&CameraNode::onPair, this);
   image_sub_.registerCallback([this](const sensor_msgs::ImageConstPtr&) { ++images_since_report_; });
@@ -85,13 +97,33 @@ void CameraNode::useIntrinsics(const CameraInfo& info) {
 
 void CameraNode::onPair(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info) {
   ++pairs_since_report_;
+  if (depths_) {
+    depths_->addImage(image, info, DepthPairing::Clock::now());
+  } else {
+    process(image, info, nullptr);
+  }
+}
+
+std::optional<DepthView> CameraNode::depthOf(const sensor_msgs::ImageConstPtr& depth) {
+  try {
+    if (depth) return toDepthView(*depth);
+    if (depths_) throttle_.error("images without depth: none of their stamp comes on " + depth_sub_.getTopic());
+  } catch (const ShapeError& error) {
+    throttle_.error(error.what());
+  }
+  return std::nullopt;
+}
+
+void CameraNode::process(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info,
+                         const sensor_msgs::ImageConstPtr& depth_image) {
   try {
     useIntrinsics(*info);
     if (image->header.stamp < last_stamp_) extractor_->forgetPrevious();  // the simulator was reset
     const ImageView view = toView(*image);
-    extractor_->process(view, nanoseconds(image->header.stamp));
+    const std::optional<DepthView> depth = depthOf(depth_image);
+    extractor_->process(view, nanoseconds(image->header.stamp), depth ? &*depth : nullptr);
     if (photometric_) photometric_->process(view, nanoseconds(image->header.stamp));
-    if (matches_) matches_->process(view, nanoseconds(image->header.stamp));
+    if (matches_) matches_->process(view, nanoseconds(image->header.stamp), depth ? &*depth : nullptr);
     if (tag_) tag_->process(view, nanoseconds(image->header.stamp));
     last_stamp_ = image->header.stamp;
     publish(*image, view);

@@ -9,12 +9,14 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "aras_visual_servo_camera/extraction/moment_extractor.hpp"
 #include "aras_visual_servo_camera/matching/match_extractor.hpp"
 #include "aras_visual_servo_camera/photometric/photometric_extractor.hpp"
 #include "aras_visual_servo_camera/tags/tag_extractor.hpp"
+#include "depth_pairing.hpp"
 
 namespace aras_visual_servo_camera {
 
@@ -30,6 +32,8 @@ class Throttle {
 
 /** camera/image_raw and camera/camera_info of the same stamp in; camera/features out, one per pair, in order.
  *
+ *  Where the configuration asks for depths, an image waits for the one of the same stamp on camera/depth/image_raw.
+ *
  *  Also camera/converted_image (what the moments saw) and camera/overlay, made only when somebody listens, and the
  *  service camera/set_reference. Without valid intrinsics nothing is published and the reason is logged. All callbacks
  *  run on the queue of the node handle, one at a time. */
@@ -43,6 +47,11 @@ class CameraNode {
   using CameraInfo = sensor_msgs::CameraInfo;
 
   void onPair(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info);
+  /** @param depth  null: none is asked for, or none came */
+  void process(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info,
+               const sensor_msgs::ImageConstPtr& depth);
+  /** The depth image, if there is one that can be read. */
+  std::optional<DepthView> depthOf(const sensor_msgs::ImageConstPtr& depth);
   void useIntrinsics(const CameraInfo& info);
   void publish(const Image& image, const ImageView& view);
   void reportUnpaired(const ros::WallTimerEvent& event);
@@ -65,7 +74,9 @@ class CameraNode {
   message_filters::Subscriber<Image> image_sub_;
   message_filters::Subscriber<CameraInfo> info_sub_;
   message_filters::TimeSynchronizer<Image, CameraInfo> synchronizer_;
-  ros::WallTimer timer_;
+  ros::WallTimer timer_, depth_timer_;
+  ros::Subscriber depth_sub_;
+  std::unique_ptr<DepthPairing> depths_;  // null when no depths are asked for
 };
 
 }  // namespace aras_visual_servo_camera

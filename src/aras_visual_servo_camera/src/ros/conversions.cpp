@@ -1,5 +1,7 @@
 #include "conversions.hpp"
 
+#include <sensor_msgs/image_encodings.h>
+
 #include <algorithm>
 #include <array>
 
@@ -38,6 +40,24 @@ ImageView toView(const sensor_msgs::Image& image) {
   return view;
 }
 
+DepthView toDepthView(const sensor_msgs::Image& image) {
+  namespace enc = sensor_msgs::image_encodings;
+  DepthView view;
+  view.millimetres = image.encoding == enc::TYPE_16UC1 || image.encoding == enc::MONO16;
+  if (!view.millimetres && image.encoding != enc::TYPE_32FC1)
+    throw ShapeError("depth image encoding: found '" + image.encoding + "', allowed 32FC1 [m], 16UC1 [mm]");
+  const std::size_t row = static_cast<std::size_t>(image.width) * (view.millimetres ? 2 : 4);
+  if (image.is_bigendian || image.step < row || image.data.size() < static_cast<std::size_t>(image.step) * image.height)
+    throw ShapeError("depth image: found is_bigendian " + std::to_string(image.is_bigendian) + " and " +
+                     std::to_string(image.data.size()) + " bytes in rows of " + std::to_string(image.step) +
+                     ", allowed 0 and at least " + std::to_string(row * image.height));
+  view.data = image.data.data();
+  view.width_px = static_cast<int>(image.width);
+  view.height_px = static_cast<int>(image.height);
+  view.step_bytes = image.step;
+  return view;
+}
+
 aras_visual_servo_msgs::MomentFeatures toMessage(const MomentFeatures& f) {
   aras_visual_servo_msgs::MomentFeatures msg;
   msg.target_visible = f.target_visible;
@@ -64,6 +84,8 @@ aras_visual_servo_msgs::MomentFeatures toMessage(const MomentFeatures& f) {
   msg.mu = f.mu;
   msg.point_x = f.point_x;
   msg.point_y = f.point_y;
+  msg.point_z = f.point_z;
+  msg.depth_fault = f.depth_fault;
   msg.kernel_x = f.kernel_x;
   msg.kernel_y = f.kernel_y;
   return msg;
@@ -107,8 +129,11 @@ aras_visual_servo_msgs::MatchFeatures toMessage(const MatchFeatures& f) {
   msg.yg = f.yg;
   msg.point_x = f.point_x;
   msg.point_y = f.point_y;
+  msg.point_z = f.point_z;
+  msg.depth_fault = f.depth_fault;
   msg.as_goal_x = f.as_goal_x;
   msg.as_goal_y = f.as_goal_y;
+  msg.as_goal_z = f.as_goal_z;
   msg.homography = f.homography;
   msg.match_x = f.match_x;
   msg.match_y = f.match_y;

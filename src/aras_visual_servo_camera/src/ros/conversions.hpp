@@ -8,6 +8,7 @@
 #include <sensor_msgs/Image.h>
 
 #include "aras_visual_servo_camera/image/camera_intrinsics.hpp"
+#include "aras_visual_servo_camera/image/depth_view.hpp"
 #include "aras_visual_servo_camera/image/image_view.hpp"
 #include "aras_visual_servo_camera/matching/match_features.hpp"
 #include "aras_visual_servo_camera/moments/moment_features.hpp"
@@ -22,6 +23,10 @@ CameraIntrinsics toIntrinsics(const sensor_msgs::CameraInfo& info);
 /** A view into the message. @throws ShapeError for an encoding that formatNamed refuses, 16 bits with the upper
  *  byte first, or too few bytes */
 ImageView toView(const sensor_msgs::Image& image);
+
+/** A view into a depth image. @throws ShapeError for an encoding other than 32FC1 and 16UC1, upper bytes first, or too
+ *  few bytes */
+DepthView toDepthView(const sensor_msgs::Image& image);
 
 /** Everything but header and age_s. */
 aras_visual_servo_msgs::MomentFeatures toMessage(const MomentFeatures& features);

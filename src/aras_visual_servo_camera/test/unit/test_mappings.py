@@ -13,7 +13,7 @@ TILTED = (0.25, -0.4, 1.6)  # of 1/Z [1/m]: 16 deg
 SMALL = np.array([0.002, -0.0015, 0.0025, 0.003, -0.004, 0.005])
 # Of b along an axis: pictures rounded to 8 bits, a gradient from a kernel of finite width, and the depth of the plane,
 # which is that of the reference view.
-PICTURES = 0.03
+PICTURES = 0.05
 # The same, of logarithms of a histogram, which pixels on the rim change as much as motion does.
 INFORMATION = 0.1
 SINGLE = 1e-5  # sums of single precision, as in test_photometric.py

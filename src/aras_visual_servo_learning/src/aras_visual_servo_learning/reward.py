@@ -4,6 +4,7 @@ import numpy as np
 
 from aras_visual_servo_controller.features.base import FeatureSet, View
 from aras_visual_servo_controller.features.sources import source_named
+from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.servo.servo import Servo
 
 #: One radian away costs as much as this distance [m]: about that of the target in the shipped scenarios.
@@ -41,6 +42,9 @@ class FeatureReward:
         self._z_star_m = scenario.experiment["z_star_m"]
         self._info = self._camera_info(scenario)
         self._source = source_named(self._features.source)
+        if self._source.wants_depth(scenario.vision):
+            raise ParameterError("vision/depth: found with a reward by features, allowed without it: rewards see "
+                                 "images alone")
 
     @staticmethod
     def _camera_info(scenario):

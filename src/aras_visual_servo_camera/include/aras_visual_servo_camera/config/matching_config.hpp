@@ -1,5 +1,9 @@
 #pragma once
 
+#include <optional>
+
+#include "aras_visual_servo_camera/config/depth_config.hpp"
+
 namespace YAML {
 class Node;
 }
@@ -18,6 +22,7 @@ struct MatchingConfig {
   int min_matches{};
   int iterations{};
   int seed{};
+  std::optional<DepthConfig> depth;
 };
 
 /** @param node  a map as schema/matches.yaml describes it

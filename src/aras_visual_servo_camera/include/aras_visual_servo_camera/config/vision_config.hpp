@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "aras_visual_servo_camera/config/depth_config.hpp"
 #include "aras_visual_servo_camera/config/matching_config.hpp"
 #include "aras_visual_servo_camera/config/photometric_config.hpp"
 #include "aras_visual_servo_camera/config/tag_config.hpp"
@@ -42,6 +43,7 @@ struct VisionConfig {
     double p, q;
   };
   std::optional<Kernel> kernel;
+  std::optional<DepthConfig> depth;
   std::optional<PhotometricConfig> photometric;
   std::optional<MatchingConfig> matches;
   std::optional<TagConfig> tag;

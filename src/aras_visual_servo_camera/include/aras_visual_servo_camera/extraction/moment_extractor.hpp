@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "aras_visual_servo_camera/image/depth_view.hpp"
 #include "aras_visual_servo_camera/image/image_view.hpp"
 #include "aras_visual_servo_camera/image/last_views.hpp"
 #include "aras_visual_servo_camera/image/pixel_map.hpp"
@@ -11,6 +12,7 @@
 
 namespace aras_visual_servo_camera {
 
+class DepthReader;
 class KernelProjection;
 class PointFeatures;
 
@@ -22,8 +24,10 @@ class MomentExtractor {
   ~MomentExtractor();
 
   /** @param stamp_ns  of the image; with one it can be taught while it is among the last (LastViews)
+   *  @param depth  depth image of the same stamp, for VisionConfig::depth; null: there is none
    *  @throws ShapeError if the image is not the size of the intrinsics */
-  const MomentFeatures& process(const ImageView& image, std::int64_t stamp_ns = kNoStamp);
+  const MomentFeatures& process(const ImageView& image, std::int64_t stamp_ns = kNoStamp,
+                                const DepthView* depth = nullptr);
 
   /** Features of the last image. Before the first image the target is not visible. */
   const MomentFeatures& features() const { return features_; }
@@ -54,6 +58,7 @@ class MomentExtractor {
   FeatureBuilder builder_;
   std::unique_ptr<KernelProjection> kernel_;
   std::unique_ptr<PointFeatures> points_;  // null when no points are asked for
+  std::unique_ptr<DepthReader> depths_;    // null when no depths are
   MomentFeatures features_;
   LastViews<MomentFeatures> last_views_;
   std::int64_t reference_stamp_ns_ = kNoStamp;

@@ -24,8 +24,9 @@ struct MatchFeatures {
   double rms_px = kNone;
   double xg = kNone;
   double yg = kNone;
-  std::vector<double> point_x, point_y;
-  std::vector<double> as_goal_x, as_goal_y;
+  std::vector<double> point_x, point_y, point_z;
+  std::string depth_fault;
+  std::vector<double> as_goal_x, as_goal_y, as_goal_z;
   std::vector<double> homography;
   std::vector<double> match_x, match_y;
   std::vector<double> match_goal_x, match_goal_y;

@@ -34,7 +34,8 @@ struct MomentFeatures {
   std::vector<std::string> moment_names;
   std::vector<double> m;
   std::vector<double> mu;
-  std::vector<double> point_x, point_y;
+  std::vector<double> point_x, point_y, point_z;
+  std::string depth_fault;
   std::vector<double> kernel_x, kernel_y;
 };
 

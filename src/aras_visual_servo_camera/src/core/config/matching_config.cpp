@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "config/read_depth.hpp"
 #include "config/read_matching.hpp"
 #include "schema_sections.hpp"
 
@@ -20,6 +21,7 @@ MatchingConfig readMatching(YamlReader reader) {
   c.min_matches = reader.get<int>("min_matches");
   c.iterations = reader.get<int>("iterations");
   c.seed = reader.get<int>("seed");
+  if (reader.has("depth")) c.depth = readDepth(reader.section("depth"));
   if (c.keypoints < c.min_matches)
     reader.fault("keypoints", std::to_string(c.keypoints), ">= min_matches, " + std::to_string(c.min_matches));
   return c;

@@ -3,6 +3,7 @@
 #include <aras_visual_servo_common/yaml_reader.hpp>
 #include <string>
 
+#include "config/read_depth.hpp"
 #include "config/read_matching.hpp"
 #include "config/read_photometric.hpp"
 #include "config/read_tag.hpp"
@@ -78,6 +79,11 @@ VisionConfig readVisionConfig(const YAML::Node& node) {
   readSegmentation(reader, config);
   readSelection(reader, config);
   readFeatures(reader, config);
+  if (reader.has("depth")) {
+    config.depth = readDepth(reader.section("depth"));
+    if (config.points == PointSource::kNone)
+      reader.fault("depth", "a section with points none", "with points corners or blobs");
+  }
   if (reader.has("photometric")) config.photometric = readPhotometric(reader.section("photometric"));
   if (reader.has("matches")) config.matches = readMatching(reader.section("matches"));
   if (reader.has("tag")) config.tag = readTag(reader.section("tag"));

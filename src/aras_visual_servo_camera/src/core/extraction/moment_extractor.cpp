@@ -1,6 +1,7 @@
 #include "aras_visual_servo_camera/extraction/moment_extractor.hpp"
 
 #include "aras_visual_servo_camera/config/errors.hpp"
+#include "image/depth_reader.hpp"
 #include "moments/kernel_projection.hpp"
 #include "points/point_features.hpp"
 
@@ -21,6 +22,7 @@ void MomentExtractor::setIntrinsics(const CameraIntrinsics& intrinsics) {
   segmentation_.setMap(*map_);
   accumulator_ = std::make_unique<MomentAccumulator>(*map_, config_.order);
   if (config_.kernel) kernel_ = std::make_unique<KernelProjection>(*map_, config_.kernel->p, config_.kernel->q);
+  if (config_.depth) depths_ = std::make_unique<DepthReader>(*map_, *config_.depth);
   if (config_.points != PointSource::kNone) {
     auto points = std::make_unique<PointFeatures>(config_, *map_);
     if (points_) points->takeReference(*points_);
@@ -33,7 +35,7 @@ void MomentExtractor::setIntrinsics(const CameraIntrinsics& intrinsics) {
   features_ = builder_.build({false, false, 0}, {});
 }
 
-const MomentFeatures& MomentExtractor::process(const ImageView& image, std::int64_t stamp_ns) {
+const MomentFeatures& MomentExtractor::process(const ImageView& image, std::int64_t stamp_ns, const DepthView* depth) {
   if (image.width_px != map_->width() || image.height_px != map_->height())
     throw ShapeError("image: found " + std::to_string(image.width_px) + " x " + std::to_string(image.height_px) +
                      ", allowed " + std::to_string(map_->width()) + " x " + std::to_string(map_->height()) +
@@ -45,6 +47,11 @@ const MomentFeatures& MomentExtractor::process(const ImageView& image, std::int6
   const int hard_area_px = mask_->soft_edges ? 0 : mask_->area_px;
   features_ = builder_.build({mask_->visible, cut, mask_->components, mask_->ambiguous, hard_area_px}, m);
   if (points_) points_->write(builder_.reference(), &features_);
+  if (depths_) {
+    features_.depth_fault = depths_->fault(depth);
+    for (std::size_t k = 0; features_.depth_fault.empty() && k < features_.point_x.size(); ++k)
+      features_.point_z.push_back(depths_->at(*depth, features_.point_x[k], features_.point_y[k], mask_));
+  }
   if (kernel_) kernel_->write(*mask_, &features_);
   features_.reference_stamp_ns = reference_stamp_ns_;
   if (stamp_ns != kNoStamp) last_views_.add(stamp_ns) = features_;

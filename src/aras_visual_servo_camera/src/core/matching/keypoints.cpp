@@ -61,6 +61,19 @@ bool Keypoints::operator==(const Keypoints& other) const {
          std::memcmp(descriptors.data, other.descriptors.data, descriptors.total() * descriptors.elemSize()) == 0;
 }
 
+int Keypoints::withDepth() const {
+  return static_cast<int>(std::count_if(z.begin(), z.end(), [](double one) { return !std::isnan(one); }));
+}
+
+double Keypoints::medianDepth() const {
+  std::vector<double> known;
+  std::copy_if(z.begin(), z.end(), std::back_inserter(known), [](double one) { return !std::isnan(one); });
+  if (known.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
+  std::nth_element(known.begin(), middle, known.end());
+  return *middle;
+}
+
 std::array<cv::Point2d, 4> Keypoints::box() const {
   const cv::Point2d middle = std::accumulate(xy.begin(), xy.end(), cv::Point2d()) / static_cast<double>(count());
   cv::Point2d squares;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <opencv2/features2d.hpp>
+#include <string>
 #include <vector>
 
 #include "aras_visual_servo_camera/config/matching_config.hpp"
@@ -13,6 +14,8 @@ namespace aras_visual_servo_camera {
 struct Keypoints {
   std::vector<cv::Point2d> xy;  ///< normalised coordinates
   cv::Mat descriptors;          ///< a row for each
+  std::vector<double> z;        ///< depth of each [m], NaN in holes; empty where no depth image is asked for
+  std::string depth_fault;      ///< why there are none
 
   int count() const { return static_cast<int>(xy.size()); }
   bool operator==(const Keypoints& other) const;
@@ -20,6 +23,9 @@ struct Keypoints {
   /** Corners of the box about the middle of the keypoints, as far from it as their standard deviation, clockwise from
    *  the upper left. Needs a keypoint. */
   std::array<cv::Point2d, 4> box() const;
+  /** How many have a depth, and the median of these depths [m]; NaN where none has. */
+  int withDepth() const;
+  double medianDepth() const;
 };
 
 /** Finds and describes keypoints with OpenCV. It sets OpenCV to one thread, for the whole process: then the order of

@@ -1,40 +1,59 @@
 #include "aras_visual_servo_camera/matching/match_extractor.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "aras_visual_servo_camera/config/errors.hpp"
+#include "image/depth_reader.hpp"
 #include "image/grey_image.hpp"
 #include "matching/keypoints.hpp"
 #include "matching/plane_homography.hpp"
+#include "matching/rigid_motion.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
 
 const char* const kNames[] = {"orb", "akaze", "sift"};
 
+std::string lacksDepth(const Keypoints& seen, int least) {
+  if (!seen.depth_fault.empty()) return seen.depth_fault;
+  return "the depth image has holes: of " + std::to_string(seen.count()) + " keypoints " +
+         std::to_string(seen.withDepth()) + " have a depth, needed at least " + std::to_string(least);
+}
+
 }  // namespace
 
 struct MatchExtractor::Work {
-  Work(const CameraIntrinsics& camera, const MatchingConfig& config) : intrinsics(camera), finder(config) {}
+  Work(const CameraIntrinsics& camera, const MatchingConfig& config) : intrinsics(camera), finder(config) {
+    if (!config.depth) return;
+    map = std::make_unique<PixelMap>(camera);
+    depths = std::make_unique<DepthReader>(*map, *config.depth);
+  }
 
   CameraIntrinsics intrinsics;
   KeypointFinder finder;
+  std::unique_ptr<PixelMap> map;  // of the depth reader
+  std::unique_ptr<DepthReader> depths;
   cv::Mat buffer;
   Keypoints seen, goal;
   LastViews<Keypoints> last_views;
   std::int64_t reference_stamp_ns = kNoStamp;
   double z_star_m = MatchFeatures::kNone;  // NaN: no reference
 
-  void look(const ImageView& image);
+  void look(const ImageView& image, const DepthView* depth);
   void adopt(const Keypoints& view, double z_m, int least);  // as the goal
 };
 
-void MatchExtractor::Work::look(const ImageView& image) {
+void MatchExtractor::Work::look(const ImageView& image, const DepthView* depth) {
   if (image.width_px != intrinsics.width() || image.height_px != intrinsics.height())
     throw ShapeError("image: found " + std::to_string(image.width_px) + " x " + std::to_string(image.height_px) +
                      ", allowed " + std::to_string(intrinsics.width()) + " x " + std::to_string(intrinsics.height()) +
                      ", the size in camera_info");
   finder.find(greyOf(image, &buffer), intrinsics, &seen);
+  seen.z.clear();
+  seen.depth_fault = depths ? depths->fault(depth) : "";
+  if (!depths || !seen.depth_fault.empty()) return;
+  for (const cv::Point2d& p : seen.xy) seen.z.push_back(depths->at(*depth, p.x, p.y, nullptr));
 }
 
 MatchExtractor::MatchExtractor(const CameraIntrinsics& intrinsics, const MatchingConfig& config) : config_(config) {
@@ -57,9 +76,9 @@ void MatchExtractor::clearReference() {
   work_->z_star_m = MatchFeatures::kNone;
 }
 
-void MatchExtractor::setReference(const ImageView& image, double z_star_m) {
+void MatchExtractor::setReference(const ImageView& image, double z_star_m, const DepthView* depth) {
   clearReference();
-  work_->look(image);
+  work_->look(image, depth);
   work_->adopt(work_->seen, z_star_m, config_.min_matches);
 }
 
@@ -76,17 +95,21 @@ void MatchExtractor::Work::adopt(const Keypoints& view, double z_m, int least) {
   if (view.count() < least)
     throw DegenerateFeature("matches reference: found an image with " + std::to_string(view.count()) +
                             " keypoints, allowed at least min_matches, " + std::to_string(least));
+  if (depths && view.withDepth() < least) throw DegenerateFeature("matches reference: " + lacksDepth(view, least));
   goal.xy = view.xy;
+  goal.z = view.z;
   goal.descriptors = view.descriptors.clone();
-  z_star_m = z_m;
+  z_star_m = depths ? view.medianDepth() : z_m;
 }
 
-const MatchFeatures& MatchExtractor::process(const ImageView& image, std::int64_t stamp_ns) {
+const MatchFeatures& MatchExtractor::process(const ImageView& image, std::int64_t stamp_ns, const DepthView* depth) {
   Work& w = *work_;
-  w.look(image);
+  w.look(image, depth);
   if (stamp_ns != kNoStamp) {
     Keypoints& kept = w.last_views.add(stamp_ns);
     kept.xy = w.seen.xy;
+    kept.z = w.seen.z;
+    kept.depth_fault = w.seen.depth_fault;
     w.seen.descriptors.copyTo(kept.descriptors);
   }
   MatchFeatures next;
@@ -96,13 +119,17 @@ const MatchFeatures& MatchExtractor::process(const ImageView& image, std::int64_
   next.goal_keypoints = w.goal.count();
   next.z_star_m = w.z_star_m;
   next.reference_stamp_ns = w.reference_stamp_ns;
-  if (w.seen.count() >= config_.min_matches) {
+  next.depth_fault = w.seen.depth_fault;
+  if (w.depths && w.seen.count() >= config_.min_matches && w.seen.withDepth() < config_.min_matches) {
+    next.fault = lacksDepth(w.seen, config_.min_matches);
+  } else if (w.seen.count() >= config_.min_matches) {
     for (const cv::Point2d& p : w.seen.box()) {
       next.as_goal_x.push_back(p.x);
       next.as_goal_y.push_back(p.y);
+      if (w.depths) next.as_goal_z.push_back(w.seen.medianDepth());
     }
     next.target_visible = next.valid = true;
-    if (next.has_reference) match(&next);
+    if (next.has_reference) w.depths ? matchInSpace(&next) : match(&next);
   } else {
     next.fault = "the image has " + std::to_string(next.keypoints) + " keypoints, needed at least " +
                  std::to_string(config_.min_matches);
@@ -152,6 +179,58 @@ void MatchExtractor::match(MatchFeatures* features) const {
   features->xg = middle.x;
   features->yg = middle.y;
   features->homography.assign(plane->H.val, plane->H.val + 9);
+}
+
+void MatchExtractor::matchInSpace(MatchFeatures* features) const {
+  const Work& w = *work_;
+  std::vector<cv::Vec3d> here, there;
+  for (const auto& [mine, goals] : w.finder.match(w.seen, w.goal)) {
+    ++features->matches;
+    const auto i = static_cast<std::size_t>(mine), k = static_cast<std::size_t>(goals);
+    if (std::isnan(w.seen.z[i]) || std::isnan(w.goal.z[k])) continue;
+    here.emplace_back(w.seen.z[i] * w.seen.xy[i].x, w.seen.z[i] * w.seen.xy[i].y, w.seen.z[i]);
+    there.emplace_back(w.goal.z[k] * w.goal.xy[k].x, w.goal.z[k] * w.goal.xy[k].y, w.goal.z[k]);
+  }
+  std::optional<RigidMotion> motion;
+  if (w.seen == w.goal) {  // the goal image itself, as in match()
+    motion = RigidMotion{};
+    for (std::size_t i = 0; i < here.size(); ++i) motion->inliers.push_back(static_cast<int>(i));
+  } else {
+    motion = findRigidMotion(there, here, std::sqrt(w.intrinsics.fx() * w.intrinsics.fy()), config_);
+  }
+  std::vector<cv::Vec3d> points;
+  cv::Vec3d middle;
+  for (const cv::Point2d& p : w.goal.box()) {
+    points.push_back(motion ? motion->apply(w.z_star_m * cv::Vec3d(p.x, p.y, 1.0)) : cv::Vec3d());
+    middle += 0.25 * points.back();
+  }
+  const bool ahead = std::all_of(points.begin(), points.end(), [](const cv::Vec3d& P) { return P[2] > 0.0; });
+  features->target_visible = features->valid = motion && ahead;
+  if (!features->valid) {
+    features->fault = "of " + std::to_string(features->matches) + " matches, " + std::to_string(here.size()) +
+                      " with a depth in both images, fewer than " + std::to_string(config_.min_matches) +
+                      " agree on where the target is";
+    return;
+  }
+  features->inliers = static_cast<int>(motion->inliers.size());
+  features->rms_px = motion->rms_px;
+  for (int i : motion->inliers) {
+    const cv::Vec3d &P = here[static_cast<std::size_t>(i)], &Q = there[static_cast<std::size_t>(i)];
+    features->match_x.push_back(P[0] / P[2]);
+    features->match_y.push_back(P[1] / P[2]);
+    features->match_goal_x.push_back(Q[0] / Q[2]);
+    features->match_goal_y.push_back(Q[1] / Q[2]);
+  }
+  for (const cv::Vec3d& P : points) {
+    features->point_x.push_back(P[0] / P[2]);
+    features->point_y.push_back(P[1] / P[2]);
+    features->point_z.push_back(P[2]);
+  }
+  features->xg = middle[0] / middle[2];
+  features->yg = middle[1] / middle[2];
+  cv::Matx33d H = motion->R;  // + t n^T / d of the plane of the four points, n = (0, 0, 1)
+  for (int row = 0; row < 3; ++row) H(row, 2) += motion->t[row] / w.z_star_m;
+  features->homography.assign(H.val, H.val + 9);
 }
 
 }  // namespace aras_visual_servo_camera

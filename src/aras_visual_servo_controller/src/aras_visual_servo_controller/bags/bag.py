@@ -188,6 +188,16 @@ def decode(message):
         raise BagError(str(error)) from None
 
 
+def decode_depth(message):
+    """The depth image of a sensor_msgs/Image, (h, w), float32 [m] or uint16 [mm]. Raises BagError: another encoding."""
+    value = {"32FC1": "f4", "16UC1": "u2"}.get(message.encoding)
+    if value is None:
+        raise BagError(f"depth image encoding: found '{message.encoding}', allowed 32FC1 | 16UC1")
+    value = np.dtype((">" if message.is_bigendian else "<") + value)
+    rows = np.frombuffer(message.data, dtype=np.uint8).reshape(message.height, message.step)
+    return rows[:, :message.width * value.itemsize].copy().view(value).astype(value.newbyteorder("="))
+
+
 def camera_info_of(message):
     """A sensor_msgs/CameraInfo as the dict of `Simulation.camera_info`."""
     return {"width": message.width, "height": message.height, "K": list(message.K), "D": list(message.D),

@@ -8,11 +8,12 @@ import math
 from dataclasses import dataclass
 
 from ..features.sources import known_sources
-from .bag import camera_info_of, decode, find_topics, settings_of
+from .bag import camera_info_of, decode, decode_depth, find_topics, settings_of
 from .files import BagError, BagFiles
 
 ALWAYS = "camera/features"              # the camera node makes these of every image
 NEEDED = ("camera/image_raw", ALWAYS, "camera/camera_info")
+DEPTH = "camera/depth/image_raw"        # where a source wants depths; it comes before the image of the same stamp
 # age_s is a matter of when the node ran; a reference taught before the bag begins is known by its numbers only.
 NOT_COMPARED = ("header", "age_s", "reference_stamp_ns")
 
@@ -79,10 +80,19 @@ def replay(paths, namespace=None, scenario=None):
         vision = settings["vision"]
         compared = {source.topic: _Comparison(source, source.extractor(info, vision), recorded[source.topic])
                     for source in sources if not source.section or source.section in vision}
-        for _, message in bags.messages([topics["camera/image_raw"]]):
+        image_topic, depth, depth_ns = topics["camera/image_raw"], None, None
+        depth_topic = image_topic[:-len("camera/image_raw")] + DEPTH
+        wanted = [source.topic for source in sources if source.topic in compared and source.wants_depth(vision)]
+        if wanted and depth_topic not in bags.topics:
+            raise BagError(f"replay of '{bags.name}': not recorded: {DEPTH}; record the group depth, too")
+        for topic, message in bags.messages([image_topic, depth_topic] if wanted else [image_topic]):
+            stamp_ns = message.header.stamp.to_nsec()
+            if topic != image_topic:
+                depth, depth_ns = decode_depth(message), stamp_ns
+                continue
             image = decode(message)
-            for comparison in compared.values():
-                comparison.add(message.header.stamp.to_nsec(), image)
+            for name, comparison in compared.items():
+                comparison.add(stamp_ns, image, *((depth,) if name in wanted and depth_ns == stamp_ns else ()))
     differences = tuple(difference for comparison in compared.values() for difference in comparison.differences)
     always = compared[ALWAYS]
     return Replay(always.images, differences, always.alone + len(recorded[ALWAYS]) - always.images)
@@ -96,15 +106,15 @@ class _Comparison:
         self._reference = None
         self.images, self.alone, self.differences = 0, 0, []
 
-    def add(self, stamp_ns, image):
-        """Compare the features of the next image with the recorded ones of its stamp."""
+    def add(self, stamp_ns, image, *depth):
+        """Compare the features of the next image with the recorded ones of its stamp. Args: depth: its depth image."""
         message = self._recorded.get(stamp_ns)
         if message is None:
             self.alone += 1
-            self._extractor.process(image, stamp_ns)
+            self._extractor.process(image, stamp_ns, *depth)
             return
         self._follow_reference(message)
-        features = self._extractor.process(image, stamp_ns)
+        features = self._extractor.process(image, stamp_ns, *depth)
         self.images += 1
         for name in message.__slots__:
             if name not in NOT_COMPARED:

@@ -4,7 +4,8 @@
 a list of features stands for x1, y1, ..., x4, y4. `xmN`, `ymN`, `lN` and `alphaN` are the middle, the length and the
 direction of the segment from point N to the next one; the last point's segment ends at the first point.
 
-The inverse depth 1/Z of a point comes from the target's plane, or from the view's `inverse_depths` where it has them.
+The inverse depth 1/Z of a point comes from the target's plane, or from the view's `inverse_depths` where it has them:
+those at the goal, or those of the depth image (`MomentFeatures.point_z`).
 """
 
 from math import atan2, hypot
@@ -19,10 +20,27 @@ from .palette import COOL, GREENS, PURPLES, WARM
 
 def points(view):
     """[(x, y)], normalised coordinates of the followed points. Raises DegenerateFeature: the view shows none."""
-    x, y = view.features.point_x, view.features.point_y
+    return points_seen(view.features)
+
+
+def points_seen(features):
+    """[(x, y)] of the `Features` of an image. Raises DegenerateFeature: it shows none."""
+    x, y = features.point_x, features.point_y
     if not 0 < len(x) == len(y):
         raise DegenerateFeature(f"points: found {len(x)} x and {len(y)} y in this view, needed at least one of each")
     return list(zip(x, y))
+
+
+def depths_in_image(features):
+    """(N,) depths Z of the followed points by the depth image [m]. Raises DegenerateFeature: one is missing."""
+    count, Z = len(points_seen(features)), np.array(getattr(features, "point_z", ()), dtype=float)
+    if len(Z) != count:
+        raise DegenerateFeature("depth image: " + (getattr(features, "depth_fault", "") or "found no depths of the "
+                                "points; set vision.depth, or vision.matches.depth with source matches"))
+    holes = np.flatnonzero(~(np.isfinite(Z) & (Z > 0.0)))
+    if len(holes):
+        raise DegenerateFeature(f"depth image: a hole at point {', '.join(str(hole + 1) for hole in holes)}")
+    return Z
 
 
 def point_rows(view):

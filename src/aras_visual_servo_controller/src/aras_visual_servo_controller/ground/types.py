@@ -74,6 +74,8 @@ class Features:
     mu: Sequence[float] = ()
     point_x: Sequence[float] = ()
     point_y: Sequence[float] = ()
+    point_z: Sequence[float] = ()
+    depth_fault: str = ""
     kernel_x: Sequence[float] = ()
     kernel_y: Sequence[float] = ()
     age_s: float = nan
@@ -187,7 +189,7 @@ class Reference:
             result["view"].update({key: [float(value) for value in getattr(self.view, key)] for key in ("m", "mu")})
             result["view"].update({key: float(getattr(self.view, key)) for key in VIEW_FIELDS})
             for key in VIEW_POINTS:
-                if len(getattr(self.view, key)):
+                if len(getattr(self.view, key)) and np.isfinite(getattr(self.view, key)).all():  # holes of depth: NaN
                     result["view"][key] = [float(value) for value in getattr(self.view, key)]
         return result
 
@@ -216,8 +218,9 @@ class Reference:
 #: Fields of the taught view that a reference keeps, beside its moments.
 VIEW_FIELDS = ("xn", "yn", "an", "alpha", "z_star_m", "area_star")
 #: ... and the followed points and the kernel projections, where there are any.
-VIEW_POINTS = ("point_x", "point_y", "kernel_x", "kernel_y")
-_OPTIONAL = {"ambiguous": False, "reference_stamp_ns": -1, **dict.fromkeys(VIEW_POINTS, ()), "age_s": nan}
+VIEW_POINTS = ("point_x", "point_y", "point_z", "kernel_x", "kernel_y")
+_OPTIONAL = {"ambiguous": False, "reference_stamp_ns": -1, "depth_fault": "", **dict.fromkeys(VIEW_POINTS, ()),
+             "age_s": nan}
 
 
 def _view(source, faults):
@@ -231,8 +234,8 @@ def _view(source, faults):
     m, mu = (_vector(source, key, len(names), faults) for key in ("m", "mu"))
     numbers = {key: float(_vector({key: [source[key]]}, key, 1, faults)[0]) for key in VIEW_FIELDS}
     points = {}
-    for key in VIEW_POINTS:  # x and y come as a pair: both or neither
-        count = len(source.get(key[:-1] + "x", ()))
+    for key in VIEW_POINTS:  # x and y come as a pair: both or neither; z may be missing
+        count = len(source.get(key[:-1] + "x", ())) if key in source or not key.endswith("z") else 0
         points[key] = _vector(source, key, count, faults).tolist() if count else ()
     return Features(target_visible=True, valid=True, has_reference=True, moment_names=names, m=m.tolist(),
                     mu=mu.tolist(), **numbers, **points)

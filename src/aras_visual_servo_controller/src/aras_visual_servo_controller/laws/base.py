@@ -31,6 +31,7 @@ from ..config.settings import keys_of, settings_of
 from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError, ShapeError
 from ..features.base import FeatureSet, View
 from ..features.interaction import parallel_condition
+from ..features.points import depths_in_image
 from ..ground.types import FEATURE_NAMES, Reference
 from .look import Answer
 from .setup import INTERACTIONS, POINT_DEPTHS, POSES, LawSetup
@@ -173,6 +174,8 @@ class Law:
         if self._setup.point_depth == "goal":
             view, (A, B, C) = self.taught_view(reference)
             self._inverse_depths = [A * x + B * y + C for x, y in zip(view.point_x, view.point_y)]
+        elif self._setup.point_depth == "image":
+            depths_in_image(self.taught_view(reference)[0])  # a goal without them is refused
 
     def step(self, look):
         """The `Answer` to one `Look`.
@@ -216,9 +219,10 @@ class Law:
 
     def _see(self, look):
         """The look, with what this law knows about the view added to it: here the depths of followed points."""
-        if self._inverse_depths is None:
-            return look
-        return look._replace(view=View(look.view.features, look.view.plane, None, self._inverse_depths))
+        depths = self._inverse_depths
+        if self._setup.point_depth == "image":
+            depths = 1.0 / depths_in_image(look.view.features)
+        return look if depths is None else look._replace(view=View(look.view.features, look.view.plane, None, depths))
 
     def _foresee(self, look, s):
         """The look, with what this law knows about a view that does not show the target, of which s is foreseen."""
@@ -268,7 +272,8 @@ class Law:
 
     def goal_matrix(self, view, plane):
         """L, (k, 6), at the goal. Args: view: taught `Features`.  plane: its (A, B, C), (3,) [1/m]."""
-        return self.features.matrix(View(view, plane))
+        depths = 1.0 / depths_in_image(view) if self._setup.point_depth == "image" else None
+        return self.features.matrix(View(view, plane, None, depths))
 
     def invert(self, L):
         """Pseudo-inverse, (6, k), of an interaction matrix L, (k, 6), of these features.

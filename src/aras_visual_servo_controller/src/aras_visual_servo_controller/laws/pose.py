@@ -6,6 +6,7 @@ from ..ground.errors import DegenerateFeature, ParameterError
 from ..features.base import View
 from .base import Law, LawSetup, register, sampled_gains
 from ..features.target.points_pose import PlanarPoints, find_corners
+from ..features.target.solid_points import SolidPoints
 from ..ground.spatial import inverse, rotation, rotation_vector
 
 
@@ -14,7 +15,8 @@ class PoseLaw(Law):
 
     For each image the joint positions predict the pose, and the image corrects it. With `pose_from: moments` the pose
     is that of the known target (T24). With `pose_from: points` it is that of the target's corners or, if no target is
-    known, of points that lie in the taught plane where the goal's view shows them (T29).
+    known, of points that lie in the taught plane where the goal's view shows them (T29). With `pose_from: depth` it is
+    that of the same points, but the depth image says how far each of them is, here and in the goal's view (T73).
 
     `_twist` of a subclass finds the camera's pose X_CgC, (4, 4), as the image gives it in `look.X_CgC`, and the pose of
     the target's frame T in the camera in `self._X_CT`. Without a known target T is the camera frame at the goal.
@@ -26,10 +28,10 @@ class PoseLaw(Law):
         super().__init__(gains_per_s, setup)
         if setup.target is None and setup.pose_from == "moments":
             raise ParameterError(f"target_model: found nothing, law '{self.name}' needs the file of the known target, "
-                                 "or pose_from: points")
-        if setup.target is not None and setup.pose_from == "points" and len(setup.target.outlines_m) != 1:
+                                 "or pose_from: points or depth")
+        if setup.target is not None and setup.pose_from != "moments" and len(setup.target.outlines_m) != 1:
             raise ParameterError(f"target_model: found {len(setup.target.outlines_m)} outlines, allowed one "
-                                 "with pose_from: points")
+                                 f"with pose_from: {setup.pose_from}")
         self._seen = setup.target
         self._X_CgT = self._X_CT = self._X_CgC_then = None
 
@@ -42,6 +44,8 @@ class PoseLaw(Law):
         view, plane = self.taught_view(reference)
         if self._setup.pose_from == "moments":
             self._X_CgT = self._seen.find(view, self._setup.target_normal_C)
+        elif self._setup.pose_from == "depth":
+            self._seen, self._X_CgT = self._solid_points(view)
         else:
             self._seen, self._X_CgT = self._taught_points(PlanarPoints.measured(view), plane)
         self._X_CT, self._X_CgC_then = self._X_CgT, np.eye(4)
@@ -55,6 +59,15 @@ class PoseLaw(Law):
             return find_corners(self._setup.target.outlines_m[0], xy)
         rays = np.concatenate([xy, np.ones((len(xy), 1))], axis=1)
         return PlanarPoints(rays / (rays @ plane)[:, None]), np.eye(4)
+
+    def _solid_points(self, view):
+        """(`SolidPoints`, X_CgT): the known corners and their pose, or the points seen at the goal and 1."""
+        points_Cg = SolidPoints.measured(view)
+        if self._setup.target is None:
+            return SolidPoints(points_Cg), np.eye(4)
+        corners, _ = find_corners(self._setup.target.outlines_m[0], PlanarPoints.measured(view))
+        seen = SolidPoints(corners.points_T)
+        return seen, seen.find(points_Cg)
 
     def _see(self, look):
         seen, features = self._seen, look.view.features

@@ -8,8 +8,8 @@ from ..ground.types import FEATURE_NAMES
 from ..features.target.target_pose import PlanarTarget
 
 INTERACTIONS = ("desired", "current", "mean")
-POINT_DEPTHS = ("plane", "goal")
-POSES = ("moments", "points")
+POINT_DEPTHS = ("plane", "goal", "image")
+POSES = ("moments", "points", "depth")
 AWAY = ("z > 0 (away from the camera)", lambda normal: normal[2] > 0.0)
 
 
@@ -54,7 +54,7 @@ class LawSetup:
     point_depth: str = setting(
         "plane", choices=POINT_DEPTHS,
         help="Depth of followed points in the matrix of the current view: `plane` takes the target's plane as the "
-             "joint positions place it, `goal` the depths at the goal.")
+             "joint positions place it, `goal` the depths at the goal, `image` those of the depth image.")
     target_model: str = setting(
         "", not_empty=True,
         help="For `pbvs` and `hybrid`: file of the known planar target. The pose of a target with central symmetry is "
@@ -62,7 +62,8 @@ class LawSetup:
     pose_from: str = setting(
         "moments", choices=POSES,
         help="From what `pbvs` and `hybrid` find the pose: `moments` of the known target, or followed `points`, which "
-             "are its corners or, without `target_model`, points in the taught plane.")
+             "are its corners or, without `target_model`, points in the taught plane; or `depth`, the same points "
+             "where the depth image puts them.")
     symmetric_target: bool = setting(
         False,
         help="The target is the same after half a turn (rectangle, ellipse): alpha is servoed on modulo half a turn, "

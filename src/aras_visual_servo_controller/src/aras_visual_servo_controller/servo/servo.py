@@ -180,7 +180,7 @@ class Servo:
     def set_reference(self, reference: Reference) -> None:
         """Use a reference taught before."""
         self._law.reset(reference)
-        self._goal_pose = GoalPose(self._features, reference)
+        self._goal_pose = GoalPose(self._features, reference, self.config.point_depth)
         self._s_star = np.array(reference.s_star, dtype=float)
         if self._target_motion is not None:
             self._target_motion.set_reference(reference)

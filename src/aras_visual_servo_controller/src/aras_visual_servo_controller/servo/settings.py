@@ -145,6 +145,9 @@ class ServoSettings(LawSetup):
             raise ParameterError(f"mode: found {self.mode}, allowed with law '{name}': continuous")
         if self.filter is not None and not law.foresees:
             raise ParameterError(f"filter: found with law '{name}', which needs more of an image than its features")
+        if self.filter is not None and self.point_depth == "image":
+            raise ParameterError("filter: found with point_depth image, allowed with depths that can be foreseen: "
+                                 "plane, goal")
 
     def with_overrides(self, law="", gains_per_s=(), thresholds=(), time_limit_s=0.0):
         """Copy with the values of a goal of VisualServo.action; empty or 0 keeps. Raises ParameterError."""

@@ -22,6 +22,7 @@ import numpy as np
 
 from ..config.settings import setting
 from ..features.base import View
+from ..features.points import depths_in_image
 from ..ground.errors import DegenerateFeature
 from ..laws.base import MAX_CONDITION
 
@@ -71,13 +72,14 @@ UNKNOWN = (nan, nan, nan)
 class GoalPose:
     """From the error of the features to the displacement of the camera from the goal, (6,), [p_CgC; theta u] (T60)."""
 
-    def __init__(self, features, reference):
-        """Args: features: `FeatureSet`. reference: `Reference`."""
+    def __init__(self, features, reference, point_depth="plane"):
+        """Args: features: `FeatureSet`. reference: `Reference`. point_depth: of followed points (`LawSetup`)."""
         self._sees_tilt, self._inverse, self._with_tilt = features.sees_tilt, None, None
         if reference.view is None or reference.plane_C is None:
             return
         try:
-            L = features.matrix(View(reference.view, reference.plane_C))
+            depths = 1.0 / depths_in_image(reference.view) if point_depth == "image" else None
+            L = features.matrix(View(reference.view, reference.plane_C, None, depths))
         except DegenerateFeature:
             return
         U, sigmas, Vt = np.linalg.svd(L if self._sees_tilt else L[:, OTHER_COLUMNS], full_matrices=False)

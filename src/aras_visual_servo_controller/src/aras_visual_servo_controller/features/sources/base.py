@@ -88,6 +88,10 @@ class Source:
         """
         raise NotImplementedError
 
+    def wants_depth(self, vision):
+        """Whether `process` of the extractor also takes the depth image of the camera. Args: as of `extractor`."""
+        return False
+
     def why_lost(self, features):
         """Text that says why the arm cannot be servoed on these features; "" if it can."""
         if features.target_visible and features.valid:
@@ -109,6 +113,12 @@ class Source:
     def mean(self, views):
         """The mean of several views of one goal, for sources whose `Taught` holds a view."""
         return views[0]
+
+    @staticmethod
+    def mean_depths(views):
+        """(N,) mean of the depths of the followed points in those views that have them all; () where none has."""
+        whole = [view.point_z for view in views if len(view.point_z) and np.isfinite(view.point_z).all()]
+        return tuple(np.mean(whole, axis=0).tolist()) if whole else ()
 
     def follow(self, extractor, features):
         """Give an extractor the reference that these recorded features had, as far as their fields tell it.

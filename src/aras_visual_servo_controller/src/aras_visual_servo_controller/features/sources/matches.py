@@ -19,31 +19,40 @@ class Matches(Source):
         from aras_visual_servo_camera import MatchExtractor  # here: this module can be imported without C++
         return MatchExtractor(camera_info, vision[self.section])
 
+    def wants_depth(self, vision):
+        return "depth" in vision[self.section]
+
     def why_lost(self, features):
         if features.target_visible and features.valid:
             return ""
         return features.fault or super().why_lost(features)
 
     def taught(self, features, z_star_m, normal_C):
-        """As of `Source`. The points are those that the camera package says it will follow."""
-        view = points_view(features, features.as_goal_x, features.as_goal_y, float(z_star_m))
+        """As of `Source`. The points are those that the camera package says it will follow.
+
+        Where keypoints have depths, these tell how far the points' plane is, and it is parallel to the image.
+        """
+        if len(features.as_goal_z):
+            z_star_m, normal_C = features.as_goal_z[0], (0.0, 0.0, 1.0)
+        view = points_view(features, features.as_goal_x, features.as_goal_y, float(z_star_m), features.as_goal_z)
         return Taught(view, view, plane_from_pose(normal_C, [0.0, 0.0, view.z_star_m]))
 
     def kept(self, features):
-        return points_view(features, features.point_x, features.point_y, features.z_star_m)
+        return points_view(features, features.point_x, features.point_y, features.z_star_m, features.point_z)
 
     def mean(self, views):
         """The points one by one, and their middle."""
-        x, y = (np.mean([getattr(view, name) for view in views], axis=0).tolist() for name in ("point_x", "point_y"))
+        x, y = (tuple(np.mean([getattr(view, name) for view in views], axis=0).tolist())
+                for name in ("point_x", "point_y"))
         middle = {name: float(np.mean([getattr(view, name) for view in views])) for name in ("xg", "yg", "xn", "yn")}
-        return replace(views[0], point_x=tuple(x), point_y=tuple(y), **middle)
+        return replace(views[0], point_x=x, point_y=y, point_z=self.mean_depths(views), **middle)
 
 
-def points_view(features, x, y, z_star_m):
+def points_view(features, x, y, z_star_m, z=()):
     """`Features` with these points and the place of their middle: what laws on points and teaching read."""
     view = Features(target_visible=True, valid=True, has_reference=True, z_star_m=z_star_m,
                     reference_stamp_ns=features.reference_stamp_ns)
-    view.point_x, view.point_y = tuple(x), tuple(y)
+    view.point_x, view.point_y, view.point_z = tuple(x), tuple(y), tuple(z)
     view.xg, view.yg = sum(0.25 * value for value in x), sum(0.25 * value for value in y)
     view.xn, view.yn, view.an = z_star_m * view.xg, z_star_m * view.yg, z_star_m  # where the plane's middle is [m]
     return view

@@ -21,6 +21,9 @@ class Moments(Source):
         from aras_visual_servo_camera import MomentExtractor  # here, so that this module can be imported without C++
         return MomentExtractor(camera_info, vision)
 
+    def wants_depth(self, vision):
+        return "depth" in vision
+
     def why_lost(self, features):
         if features.target_visible and features.valid:
             return ""
@@ -42,7 +45,9 @@ class Moments(Source):
         """Moments, points and features one by one; alpha the short way round from the first view's."""
         mean, first = replace(views[0]), views[0]
         for name in ("m", "mu", *VIEW_POINTS):
-            setattr(mean, name, tuple(np.mean([getattr(view, name) for view in views], axis=0).tolist()))
+            if name != "point_z":
+                setattr(mean, name, tuple(np.mean([getattr(view, name) for view in views], axis=0).tolist()))
+        mean.point_z = self.mean_depths(views)
         for name in ("area", "xg", "yg", "xn", "yn", "an"):
             setattr(mean, name, float(np.mean([getattr(view, name) for view in views])))
         mean.alpha = first.alpha + float(np.mean([remainder(view.alpha - first.alpha, pi) for view in views]))

@@ -17,6 +17,9 @@ class Tag(Matches):
         from aras_visual_servo_camera import TagExtractor  # here: this module can be imported without C++
         return TagExtractor(camera_info, vision[self.section])
 
+    def wants_depth(self, vision):
+        return False
+
     def taught(self, features, z_star_m, normal_C):
         """As of `Source`. A tag of known size says itself how its plane lies; normal_C is for one of unknown size."""
         view = self.kept(features, float(z_star_m))
