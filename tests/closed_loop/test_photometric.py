@@ -53,6 +53,53 @@ def test_without_the_pyramid_the_same_start_is_too_far(run):
     assert Status.CONVERGED not in record.status and not judge(record).passed
 
 
+@pytest.mark.parametrize("mapping, levels", [("pca", 4), ("dct", 4), ("mixture", 1)])
+def test_arrives_by_features_made_of_all_pixels(run, mapping, levels):
+    changes = {"vision.photometric.mapping": mapping, "vision.photometric.levels": levels}
+    judgement = judge(run("six_dof_photometric", changes))
+    assert_arrives(judgement)
+    assert judgement.initial_error["angle_deg"] > 15.0 and abs(judgement.initial_error["x_mm"]) > 50.0
+
+
+def dimmed(image):
+    """A curve of the grey levels, as another exposure makes it."""
+    return np.rint(180.0 * (image / 255.0) ** 1.7).astype(np.uint8)
+
+
+def covered(image):
+    """More than a fifth of the view behind something dark."""
+    out = image.copy()
+    out[60:180, 40:180] = 20
+    return out
+
+
+def from_nearby(mapping, seen):
+    """Judgement of a run from a quarter of the way, whose images are changed once the goal has been taught."""
+    from aras_visual_servo_controller.run.loop import ServoLoop
+    from aras_visual_servo_controller.scenario.scenario import load_scenario
+    goal, start = (load_scenario("six_dof_photometric").experiment[name]["joints"] for name in ("goal", "start"))
+    loop = ServoLoop(load_scenario("six_dof_photometric", {
+        "experiment.start.joints": {name: goal[name] + 0.25 * (start[name] - goal[name]) for name in goal},
+        "vision.photometric.mapping": mapping, "vision.photometric.interaction": "current",
+        "vision.photometric.mutual_information": {"bins": 16}, "vision.photometric.levels": 1,
+        "servo.thresholds": {"photometric": 255.0}, "servo.time_limit_s": 8.0}))
+    see = loop._see
+    loop._see = lambda image, stamp_ns: see(seen(image) if loop.sequence.phase == "servo" else image, stamp_ns)
+    return judge(loop.run())
+
+
+def test_arrives_by_mutual_information():
+    assert_arrives(from_nearby("mutual_information", lambda image: image))
+
+
+@pytest.mark.parametrize("seen", [dimmed, covered])
+def test_information_stays_near_the_goal_where_grey_levels_lead_away(seen):
+    near_mm = 12.0
+    off = {mapping: np.linalg.norm([from_nearby(mapping, seen).final_error[axis] for axis in ("x_mm", "y_mm", "z_mm")])
+           for mapping in ("mutual_information", "none")}
+    assert off["mutual_information"] < near_mm and off["none"] > 10.0 * near_mm, off
+
+
 def test_arrives_through_a_distorting_lens(run):
     from aras_visual_servo_controller.scenario.scenario import load_scenario
     cameras = load_scenario("six_dof_photometric").sim["cameras"]

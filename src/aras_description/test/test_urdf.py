@@ -53,8 +53,15 @@ def camera_position(q):
 
 def test_joints_connect_their_parents_and_children(robot, arm):
     found = {(name, joint.get("type"), joint.find("parent").get("link"), joint.find("child").get("link"))
-             for name, joint in arm.joints.items() if name != "rail_mount"}
+             for name, joint in arm.joints.items() if name not in ("rail_mount", "stand_optical_joint")}
     assert found == set(CHAINS[robot])
+
+
+def test_place_of_a_camera_under_the_arm_hangs_on_nothing_that_moves(arm):
+    joint = arm.joints["stand_optical_joint"]
+    assert (joint.get("type"), joint.find("parent").get("link"), joint.find("child").get("link")) == (
+        "fixed", "world", "stand_optical_frame")
+    assert joint.find("origin").get("rpy") == "0 0 0"  # z, along which it looks, is up
 
 
 def test_robot_carries_its_file_s_name(robot, arm):

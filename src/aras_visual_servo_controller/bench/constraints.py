@@ -28,7 +28,7 @@ import numpy as np
 
 from aras_visual_servo_controller.ground.types import Status
 from aras_visual_servo_controller.scenario.scenario import load_scenario
-from aras_visual_servo_controller.arm.robot import robot_kinematics
+from aras_visual_servo_controller.arm.robot import kinematics_of
 from aras_visual_servo_controller.sweep.plan import SweepSettings, make_starts
 from aras_visual_servo_controller.sweep.run import Bench
 from aras_visual_servo_controller.sweep.statistics import wilson
@@ -65,7 +65,7 @@ def scenario_of(arm, law):
     joints = [joint for joint in JOINTS if joint in base.experiment["goal"]["joints"]]
     changes["servo.limits.joint_acceleration"] = {joint: ACCELERATION[joint] for joint in joints}
     if law != "ibvs":
-        kinematics = robot_kinematics(base.urdf_xml(), base.robot["base_link"], base.robot["tip_link"])
+        kinematics = kinematics_of(base.urdf_xml(), base.robot, calibrated=False)
         height = float(kinematics.pose(base.goal_posture(kinematics))[2, 3])
         changes["servo.law"] = law
         changes[f"servo.{law}"] = dict(VIEW, walls={"table": {"normal": [0.0, 0.0, 1.0], "offset_m": height - below_m}})
@@ -126,7 +126,7 @@ _benches, _arms = {}, {}
 def _kinematics_of(arm):
     if arm not in _arms:
         base = scenario_of(arm, "ibvs")
-        _arms[arm] = robot_kinematics(base.urdf_xml(), base.robot["base_link"], base.robot["tip_link"])
+        _arms[arm] = kinematics_of(base.urdf_xml(), base.robot, calibrated=False)
     return _arms[arm]
 
 

@@ -1,18 +1,19 @@
 #!/usr/bin/env python3
 """How far from the goal photometric servoing may begin: `vision.photometric.mapping` beside the grey levels alone.
 
-python3 photometric_domain.py [--starts 40] [--seed 0] [--workers 2] [--write PAGE], with the workspace sourced; one
+python3 photometric_domain.py [--starts 16] [--seed 0] [--workers 2] [--write PAGE], with the workspace sourced; one
 table.
 
-A free-flying camera of 160 x 120 px sees a picture that fills its view. Each start is a displacement along all six axes
-whose direction is drawn; it is made so large that the points of the image move by the radius, rms, in parts of the
-image's width. A run succeeds when the camera has been within 3 mm and 0.3 deg of the goal for half a second before the
-time is up. All ways have the same starts.
+A free-flying camera of 160 x 120 px sees a board of many small shapes, another for each seed, that fills its view. Each
+start is a displacement along all six axes whose direction is drawn; it is made so large that the points of the image
+move by the radius, rms, in parts of the image's width. A run succeeds when the camera has been within 3 mm and 0.3 deg
+of the goal for half a second before the time is up. All ways have the same starts.
 """
 import argparse
 import os
 import pathlib
 import sys
+import tempfile
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
@@ -20,6 +21,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
+from aras_visual_servo_controller.compare.protocols import board as boards
 from aras_visual_servo_controller.ground.spatial import exponential, inverse, pose_from_rpy, rotation_angle, rpy_of
 from aras_visual_servo_controller.run.loop import ServoLoop
 from aras_visual_servo_controller.run.settings import ExperimentSettings
@@ -36,18 +38,19 @@ WAYS = {
     "`mutual_information`": {"mapping": "mutual_information"},
     "`mutual_information`, `levels: 4`": {"mapping": "mutual_information", "levels": 4},
 }
-RADII = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4)  # of the image's width
+RADII = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3)  # of the image's width
 WIDTH_PX, HEIGHT_PX, FIELD_RAD, Z_STAR_M, RATE_HZ = 160, 120, 1.1344640138, 0.6, 10.0
+BOARD_M = [1.6, 1.2]
 LIMIT_S, HELD_S, NEAR_M, NEAR_RAD = 10.0, 0.5, 0.003, np.radians(0.3)
 
 
-def scenario(photometric):
-    """The scene of `vit_vs` with a picture that fills the view, servoed on by its grey levels."""
+def scenario(photometric, picture_file):
+    """The scene of `vit_vs` with a board that fills the view, servoed on by its grey levels."""
     template = load_scenario("vit_vs")
     document = template.as_dict()
     camera, picture = document["sim"]["cameras"][0], document["sim"]["scene"]["models"][0]
     camera.update(width=WIDTH_PX, height=HEIGHT_PX, horizontal_fov_rad=FIELD_RAD, rate_hz=RATE_HZ, encoding="mono8")
-    picture["image"] = dict(picture["image"], size_m=[1.6, 1.2])
+    picture["image"] = {"file": str(picture_file), "size_m": BOARD_M}
     del document["vision"]["matches"]
     document["vision"]["photometric"] = photometric
     for key in ("source", "pose_from", "stop"):
@@ -88,9 +91,9 @@ def displacement(random, radius):
 
 
 def run(job):
-    """(way, radius, [whether each start arrived]) of one job: (way, radius, starts, seed)."""
-    way, radius, starts, seed = job
-    loop = ServoLoop(scenario(WAYS[way]))
+    """(way, radius, [whether each start arrived]) of one job: (way, radius, starts, seed, board)."""
+    way, radius, starts, seed, board = job
+    loop = ServoLoop(scenario(WAYS[way], board))
     experiment = dict(loop.scenario.experiment)
     goal = experiment["goal"]["camera"]
     X_WG = pose_from_rpy(goal["position_m"], goal["rpy_rad"])
@@ -148,19 +151,30 @@ def table(results):
     return "\n".join(lines)
 
 
+def done(jobs, workers):
+    """The results of the jobs in their order, as they come."""
+    if not workers:
+        yield from map(run, jobs)
+        return
+    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
+        yield from pool.map(run, jobs)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--starts", type=int, default=40, help="of each way and radius (default: 40)")
+    parser.add_argument("--starts", type=int, default=16, help="of each way and radius (default: 16)")
     parser.add_argument("--seed", type=int, default=0, help="of the displacements")
     parser.add_argument("--workers", type=int, default=2, help="processes; 0: this one")
     parser.add_argument("--write", metavar="PAGE", type=pathlib.Path, help="put the table into this page")
     arguments = parser.parse_args()
-    jobs = [(way, radius, arguments.starts, arguments.seed) for way in WAYS for radius in RADII]
-    if arguments.workers:
-        with ProcessPoolExecutor(arguments.workers, get_context("spawn")) as pool:
-            results = list(pool.map(run, jobs))
-    else:
-        results = list(map(run, jobs))
+    results = []
+    with tempfile.TemporaryDirectory() as folder:
+        board = pathlib.Path(folder) / "board.png"
+        boards.save(board, boards.draw(arguments.seed))
+        jobs = [(way, radius, arguments.starts, arguments.seed, board) for way in WAYS for radius in RADII]
+        for result in done(jobs, arguments.workers):
+            print(*result, file=sys.stderr, flush=True)
+            results.append(result)
     text = table(results)
     print(text)
     if arguments.write:

@@ -49,8 +49,8 @@ PYBIND11_MODULE(_kinematics, module) {
     }
   });
   py::class_<ChainKinematics>(module, "ChainKinematics")
-      .def(py::init<const std::string&, const std::string&, const std::string&>(), py::arg("urdf_xml"),
-           py::arg("base_link"), py::arg("tip_link"))
+      .def(py::init<const std::string&, const std::string&, const std::string&, bool>(), py::arg("urdf_xml"),
+           py::arg("base_link"), py::arg("tip_link"), py::arg("upwards") = false)
       .def_property_readonly("joint_names", &ChainKinematics::jointNames)
       .def_property_readonly("lower", [](const ChainKinematics& self) { return Eigen::VectorXd(self.lower()); })
       .def_property_readonly("upper", [](const ChainKinematics& self) { return Eigen::VectorXd(self.upper()); })

@@ -62,10 +62,34 @@ bool isMoving(const urdf::Joint& joint) {
   return true;
 }
 
+/** The links from this one up to the root. */
+std::vector<urdf::LinkConstSharedPtr> wayUp(const urdf::ModelInterface& model, const std::string& from) {
+  std::vector<urdf::LinkConstSharedPtr> way{model.getLink(from)};
+  while (way.back()->parent_joint) way.push_back(model.getLink(way.back()->parent_joint->parent_link_name));
+  return way;
+}
+
+/** The joints that move between two links, from the first to the second: up to where their ways meet, then down. */
+std::vector<urdf::JointConstSharedPtr> movingBetween(const urdf::ModelInterface& model, const std::string& base_link,
+                                                     const std::string& tip_link) {
+  std::vector<urdf::LinkConstSharedPtr> up = wayUp(model, base_link), down = wayUp(model, tip_link);
+  while (!up.empty() && !down.empty() && up.back() == down.back()) {
+    up.pop_back();
+    down.pop_back();
+  }
+  std::vector<urdf::JointConstSharedPtr> moving;
+  const auto add = [&moving](const urdf::LinkConstSharedPtr& link) {
+    if (isMoving(*link->parent_joint)) moving.push_back(link->parent_joint);
+  };
+  std::for_each(up.begin(), up.end(), add);
+  std::for_each(down.rbegin(), down.rend(), add);
+  return moving;
+}
+
 }  // namespace
 
-ChainKinematics::ChainKinematics(const std::string& urdf_xml, const std::string& base_link,
-                                 const std::string& tip_link) {
+ChainKinematics::ChainKinematics(const std::string& urdf_xml, const std::string& base_link, const std::string& tip_link,
+                                 bool upwards) {
   const urdf::ModelInterfaceSharedPtr model = parse(urdf_xml);
   requireLink(*model, base_link);
   requireLink(*model, tip_link);
@@ -76,13 +100,11 @@ ChainKinematics::ChainKinematics(const std::string& urdf_xml, const std::string&
     if (!kdl_parser::treeFromUrdfModel(*model, tree))
       throw ModelError("robot '" + model->getName() + "': " + log.cause("no kinematic tree"));
   }
-  // KDL would also walk upwards, against the joints: the base has to be an ancestor of the tip.
-  std::vector<urdf::JointConstSharedPtr> moving;
-  for (auto link = model->getLink(tip_link); link->name != base_link;
-       link = model->getLink(link->parent_joint->parent_link_name)) {
-    if (!link->parent_joint) throw ModelError("link '" + tip_link + "' is not below link '" + base_link + "'");
-    if (isMoving(*link->parent_joint)) moving.insert(moving.begin(), link->parent_joint);
-  }
+  const std::vector<urdf::LinkConstSharedPtr> above = wayUp(*model, tip_link);
+  const auto is_base = [&](const urdf::LinkConstSharedPtr& link) { return link->name == base_link; };
+  if (!upwards && std::none_of(above.begin(), above.end(), is_base))
+    throw ModelError("link '" + tip_link + "' is not below link '" + base_link + "'");
+  const std::vector<urdf::JointConstSharedPtr> moving = movingBetween(*model, base_link, tip_link);
   if (moving.empty()) throw ModelError("no moving joint between '" + base_link + "' and '" + tip_link + "'");
   if (!tree.getChain(base_link, tip_link, chain_))
     throw ModelError("no kinematic chain from '" + base_link + "' to '" + tip_link + "'");

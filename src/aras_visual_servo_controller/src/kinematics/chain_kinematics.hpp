@@ -23,9 +23,12 @@ class ChainKinematics {
   using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
   using Joints = Eigen::Ref<const Eigen::VectorXd>;
 
-  /** @throws ModelError  bad XML, unknown link, tip not below base, no moving joint between them, or a joint that is
+  /** @param upwards  the chain may lead up against joints first and then down, as from a gripper to a camera that
+   *                  stands beside the robot; else the tip has to be below the base
+   *  @throws ModelError  bad XML, unknown link, tip not below base, no moving joint between them, or a joint that is
    *                      neither revolute, continuous, prismatic nor fixed, or mimics another one */
-  ChainKinematics(const std::string& urdf_xml, const std::string& base_link, const std::string& tip_link);
+  ChainKinematics(const std::string& urdf_xml, const std::string& base_link, const std::string& tip_link,
+                  bool upwards = false);
 
   const std::vector<std::string>& jointNames() const { return joint_names_; }
   /** Limits [m or rad; m/s or rad/s]; infinite where the URDF has none (continuous joints). */

@@ -8,7 +8,7 @@ from math import atan2, sqrt
 
 import numpy as np
 
-from aras_visual_servo_controller.arm.robot import robot_kinematics
+from aras_visual_servo_controller.arm.robot import kinematics_of
 from aras_visual_servo_controller.config.files import package_paths
 from aras_visual_servo_controller.config.reader import Names, read
 from aras_visual_servo_controller.ground.errors import ParameterError
@@ -71,7 +71,7 @@ class ServoEnv(gymnasium.Env):
         urdf = scenario.urdf_xml()
         self.sim = Simulation(urdf, scenario.sim, scenario.controllers(), package_paths())
         self.camera = scenario.sim["cameras"][0]["name"]
-        self.kinematics = robot_kinematics(urdf, scenario.robot["base_link"], scenario.robot["tip_link"])
+        self.kinematics = kinematics_of(urdf, scenario.robot, calibrated=False)
         self._names = tuple(self.kinematics.joint_names)
         sim_names = list(self.sim.joint_names)
         self._order = None if sim_names == list(self._names) else [sim_names.index(name) for name in self._names]

@@ -60,6 +60,8 @@ class FreeCamera(JointVectors):
         """X_BC, (4, 4) homogeneous, at coordinates q, (6,). Raises ShapeError, NotFiniteError."""
         return _pose(self._checked(q)) @ self._X_LC
 
+    camera = pose  # as of `Kinematics`
+
     def jacobian(self, q):
         """J_BC_C, (6, 6): twist of C in B, at C's origin and in its axes, [v; w]; the same at every q."""
         self._checked(q)

@@ -1,6 +1,10 @@
-"""Kinematics of the chain from the robot base B to the camera C (KDL, through the C++ module `_kinematics`)."""
+"""Kinematics of the chain from the robot base B to the camera C (KDL, through the C++ module `_kinematics`), and of an
+arm that carries the target before a camera that stands still."""
+
+import numpy as np
 
 from .._kinematics import ChainKinematics
+from ..ground.errors import ModelError
 from .joint_vectors import JointVectors
 
 
@@ -16,9 +20,12 @@ class Kinematics(JointVectors):
 
     spare_motion = True
 
-    def __init__(self, urdf_xml: str, base_link: str, tip_link: str):
-        """Raises ModelError: bad URDF, unknown link, tip not below base, joint types the chain cannot represent."""
-        self._chain = ChainKinematics(urdf_xml, base_link, tip_link)
+    def __init__(self, urdf_xml: str, base_link: str, tip_link: str, upwards=False):
+        """Args: upwards: the chain may lead up against joints first, so that the tip need not be below the base.
+
+        Raises ModelError: bad URDF, unknown link, tip not below base, joint types the chain cannot represent.
+        """
+        self._chain = ChainKinematics(urdf_xml, base_link, tip_link, upwards)
         self.joint_names = tuple(self._chain.joint_names)
         self.lower, self.upper, self.velocity = self._chain.lower, self._chain.upper, self._chain.velocity
         #: q -> X_BC, (4, 4) homogeneous. Raises ShapeError, NotFiniteError.
@@ -29,6 +36,10 @@ class Kinematics(JointVectors):
         #: linear ones divided by length_m (docs/theory.md T42); (0, zeros) where it vanishes. Same errors.
         self.manipulability = self._chain.manipulability
 
+    def camera(self, q):
+        """X_BC, (4, 4): where the camera is in the robot's base, for those who show it."""
+        return self.pose(q)
+
     @staticmethod
     def way(start, end):
         """(n,) velocities that, held for one second, bring the joints from start to end, (n,) each."""
@@ -38,3 +49,34 @@ class Kinematics(JointVectors):
     def moved(q, q_dot, dt_s):
         """(n,) joint positions after the velocities q_dot were held for dt_s at q, (n,) each."""
         return q + dt_s * q_dot
+
+
+class EyeToHand(Kinematics):
+    """An arm that carries the target in front of a camera that stands still (eye-to-hand).
+
+    All laws, and all that the servo knows of the target, go by the pose of the camera in a frame in which the
+    target is at rest, and by the twist of the camera there. With the camera in the hand that frame is the robot's
+    base B. Here it is the frame E of the link that carries the target. When the joints move this link with the
+    twist V_BE_E, the camera moves in it with V_EC_C = -Ad(X_CE) V_BE_E, so that s_dot = L V_EC_C = -L Ad(X_CE)
+    J_BE_E q_dot: the minus of eye-to-hand stands in this Jacobian and nowhere else. What the other modules call
+    X_BC and J_BC_C is X_EC and J_EC_C here.
+
+    Reference: F. Chaumette and S. Hutchinson, Visual servo control, part II: advanced approaches, IEEE RAM 14(1), 2007.
+
+    It is the chain target_link -> base_link -> tip_link of a URDF.
+    """
+
+    def __init__(self, urdf_xml: str, base_link: str, tip_link: str, target_link: str):
+        """Raises ModelError: as `Kinematics`, or the camera does not stand still in the base."""
+        carrier = Kinematics(urdf_xml, base_link, target_link)
+        super().__init__(urdf_xml, target_link, tip_link, upwards=True)
+        if self.joint_names != carrier.joint_names:
+            differing = sorted(set(self.joint_names) ^ set(carrier.joint_names))
+            raise ModelError(f"camera '{tip_link}': found that it moves in '{base_link}' with the joints "
+                             f"{', '.join(differing)}, allowed with target_link a camera that stands still there")
+        q = np.zeros(len(self.joint_names))
+        self._X_BC = carrier.pose(q) @ self.pose(q)
+
+    def camera(self, q):
+        """X_BC, (4, 4), which no joint changes."""
+        return self._X_BC

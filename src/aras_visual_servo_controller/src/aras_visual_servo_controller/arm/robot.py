@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 from ..config.reader import read
 from ..ground.errors import ModelError
 from .free_camera import FreeCamera, joints_above
-from .kinematics import Kinematics
+from .kinematics import EyeToHand, Kinematics
 from .settings import HandEyeSettings
 
 #: Link that stands for the optical frame of a calibrated camera.
@@ -14,25 +14,31 @@ CALIBRATED_LINK = "hand_eye_optical_frame"
 
 
 @lru_cache(maxsize=8)  # runs of a sweep share one object, which nobody changes: reading a URDF takes a millisecond
-def robot_kinematics(urdf_xml: str, base_link: str, tip_link: str):
-    """`FreeCamera` where a floating joint carries the tip, else `Kinematics`; both have the same interface.
+def robot_kinematics(urdf_xml: str, base_link: str, tip_link: str, target_link=None):
+    """`EyeToHand` where a link carries the target, `FreeCamera` where a floating joint carries the tip, else
+    `Kinematics`; all have the same interface.
 
     Raises ModelError: bad URDF, unknown link, tip not below base, joint types that cannot be represented.
     """
+    if target_link is not None:
+        return EyeToHand(urdf_xml, base_link, tip_link, target_link)
     if any(joint.get("type") == "floating" for joint in joints_above(urdf_xml, base_link, tip_link)):
         return FreeCamera(urdf_xml, base_link, tip_link)
     return Kinematics(urdf_xml, base_link, tip_link)
 
 
-def kinematics_of(urdf_xml, robot):
-    """`robot_kinematics` of a scenario's section `robot` (dict): to its tip_link, or to where hand_eye has the camera.
+def kinematics_of(urdf_xml, robot, calibrated=True):
+    """`robot_kinematics` of a scenario's section `robot` (dict).
 
+    Args: calibrated: to where hand_eye has the camera, if the section has it; else to its tip_link.
     Raises ModelError, ParameterError.
     """
-    if robot.get("hand_eye") is None:
-        return robot_kinematics(urdf_xml, robot["base_link"], robot["tip_link"])
+    target_link = robot.get("target_link")
+    if robot.get("hand_eye") is None or not calibrated:
+        return robot_kinematics(urdf_xml, robot["base_link"], robot["tip_link"], target_link)
     hand_eye = read(HandEyeSettings, robot["hand_eye"], "robot/hand_eye")
-    return robot_kinematics(with_camera(urdf_xml, hand_eye), robot["base_link"], CALIBRATED_LINK)
+    return robot_kinematics(with_camera(urdf_xml, hand_eye), robot["base_link"], CALIBRATED_LINK,
+                            target_link)
 
 
 def with_camera(urdf_xml, hand_eye):

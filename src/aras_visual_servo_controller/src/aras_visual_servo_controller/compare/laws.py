@@ -15,7 +15,7 @@ from ..config.reader import read
 from ..ground.errors import ParameterError
 from ..ground.processes import end_with_parent
 from ..scenario.feasibility import Feasibility
-from ..arm.robot import robot_kinematics
+from ..arm.robot import kinematics_of
 from ..features.target.outline import Outline
 from ..arm.reach import reach
 from ..scenario.scenario import load_scenario
@@ -131,7 +131,7 @@ def _run_law(job):
 
 def starts_of(scenario, tasks):
     """One `Start` for each `Task`, or the reason why the robot cannot begin there. Ids count from 1."""
-    kinematics = robot_kinematics(scenario.urdf_xml(), scenario.robot["base_link"], scenario.robot["tip_link"])
+    kinematics = kinematics_of(scenario.urdf_xml(), scenario.robot, calibrated=False)
     goal, starts = scenario.goal_posture(kinematics), []
     feasibility = Feasibility(scenario, kinematics)
     for number, task in enumerate(tasks):
@@ -164,6 +164,6 @@ def _target(scenario):
     outline = Outline.of(scenario)
     if outline is None:
         raise ParameterError(f"scenario '{scenario.name}': a task with tilt needs a flat target of known outline")
-    kinematics = robot_kinematics(scenario.urdf_xml(), scenario.robot["base_link"], scenario.robot["tip_link"])
+    kinematics = kinematics_of(scenario.urdf_xml(), scenario.robot, calibrated=False)
     goal = scenario.goal_posture(kinematics)
     return np.linalg.solve(kinematics.pose(goal), outline.X_WT)[:3, 3]

@@ -16,7 +16,7 @@ from mpl_toolkits.mplot3d import Axes3D
 from ..run.judge import judge, run_in_process
 from ..features.palette import GREY
 from ..report.figure import STYLE, draw_panel
-from ..arm.robot import robot_kinematics
+from ..arm.robot import kinematics_of
 from .laws_figure import COLOURS, FLOOR_DEG, FLOOR_MM
 from .laws_report import TABLE, cells
 from ..features.target.outline import Outline
@@ -58,7 +58,7 @@ def read_run(source):
     else:
         scenario = load_scenario(source)
         record, label = run_in_process(scenario), scenario.name
-    kinematics = robot_kinematics(scenario.urdf_xml(), scenario.robot["base_link"], scenario.robot["tip_link"])
+    kinematics = kinematics_of(scenario.urdf_xml(), scenario.robot, calibrated=False)
     limits = [dict(zip(kinematics.joint_names, ends)) for ends in (kinematics.lower, kinematics.upper)]
     lower, upper = (np.array([ends.get(name, sign * np.inf) for name in record.joint_names])
                     for ends, sign in zip(limits, (-1.0, 1.0)))

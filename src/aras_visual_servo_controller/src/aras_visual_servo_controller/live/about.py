@@ -90,7 +90,7 @@ def saved(scenario, name, X_WT, target, start):
         given = scenario.robot[key]
         values[f"robot.{key}"] = given if given.startswith("package://") else str(path.resolve())
     for i, model in enumerate(scenario.sim.get("scene", {}).get("models", [])):
-        if model["name"] == target and "motion" not in model:
+        if model["name"] == target and {"motion", "attached_to"}.isdisjoint(model):
             values[f"sim.scene.models.{i}.position_m"] = [round(float(x), 6) for x in X_WT[:3, 3]]
             values[f"sim.scene.models.{i}.rpy_rad"] = [round(x, 7) for x in rpy_of(X_WT[:3, :3])]
     if start is not None:

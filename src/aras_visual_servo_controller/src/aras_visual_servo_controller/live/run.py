@@ -37,7 +37,8 @@ class LiveRun:
 
     def __init__(self, scenario):
         self.scenario, self.version, self.images = scenario, 0, 0
-        self._follow, self._waiting = True, set()
+        # A target that the arm carries moves with every motion of the arm: nobody has to follow it.
+        self._follow, self._waiting = scenario.robot.get("target_link") is None, set()
         self._marked, self._marks = -1, None  # image whose marks were made last, and these
         self._build(None)
 

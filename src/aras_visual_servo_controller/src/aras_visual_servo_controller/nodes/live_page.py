@@ -22,7 +22,7 @@ from aras_visual_servo_msgs.srv import SetModelMotion, SetTargetPose, Step, Teac
 
 from . import conversions as convert
 from .calls.services import call_service
-from ..arm.robot import robot_kinematics
+from ..arm.robot import kinematics_of
 from ..ground.errors import ArasError, ParameterError, ShapeError
 from ..ground.images import image_of
 from ..ground.spatial import pose_from_quaternion
@@ -55,8 +55,7 @@ class RosRun:
         document = rospy.get_param("scenario")
         self._scenario = scenario_from_dict(document)
         self.urdf_xml = self._scenario.urdf_xml()
-        robot = self._scenario.robot
-        self._kinematics = robot_kinematics(self.urdf_xml, robot["base_link"], robot["tip_link"])
+        self._kinematics = kinematics_of(self.urdf_xml, self._scenario.robot, calibrated=False)
         self._servo = Servo(self._kinematics, self._scenario.servo)
         models = self._scenario.sim.get("scene", {}).get("models", [])
         self._target = models[0]["name"] if models else None
@@ -67,7 +66,8 @@ class RosRun:
         self._q = self._q_all = self._state = self._image = self._features = self._goal = None
         self._X_WC, self._X_WT, self._teach, self._status = None, None, None, SimStatus()
         self._image_number, self._shown, self._ready_s, self._taught = 0, -1.0, 0.0, False
-        self._speed, self._follow, self._ended_at = float(self._scenario.time.get("real_time_factor", 0.0)), True, None
+        self._speed, self._ended_at = float(self._scenario.time.get("real_time_factor", 0.0)), None
+        self._follow = self._scenario.robot.get("target_link") is None  # one that the arm carries moves with the arm
         info = rospy.wait_for_message("camera/camera_info", CameraInfo, timeout=60.0)
         self._info = {"width": info.width, "height": info.height, "K": list(info.K), "D": list(info.D),
                       "distortion_model": info.distortion_model}
@@ -78,8 +78,8 @@ class RosRun:
             rospy.Subscriber("servo_state", ServoState, self._on_state, tcp_nodelay=True),
             rospy.Subscriber("sim/status", SimStatus, self._on_status),
             rospy.Subscriber("ground_truth/target_pose", PoseStamped, self._on_target)]
-        at_C = self._kinematics.pose(np.clip(np.zeros(len(self._kinematics.joint_names)), self._kinematics.lower,
-                                             self._kinematics.upper))[:3, 3]
+        at_C = self._kinematics.camera(np.clip(np.zeros(len(self._kinematics.joint_names)), self._kinematics.lower,
+                                               self._kinematics.upper))[:3, 3]
         self._at_C, self.about = at_C, None
         self._tell()
 
@@ -169,7 +169,7 @@ class RosRun:
         """The image that came last is the one that was taught."""
         self._taught = True
         if self._image is not None and np.isfinite(q).all():
-            self._goal = self._image_number, self._image, self._marks(), pose_numbers(self._kinematics.pose(q))
+            self._goal = self._image_number, self._image, self._marks(), pose_numbers(self._kinematics.camera(q))
 
     def _on_features(self, message):
         self._features = message
@@ -199,7 +199,7 @@ class RosRun:
         state, status = self._state, self._status
         code = Status(state.status) if state is not None else Status.IDLE
         shown = {"t": round(convert.stamp_ns(self._q_all.header) * 1e-9, 4), "q": [round(float(x), 6) for x in self._q],
-                 "camera": pose_numbers(self._kinematics.pose(self._q)), "target": pose_numbers(self._X_WT),
+                 "camera": pose_numbers(self._kinematics.camera(self._q)), "target": pose_numbers(self._X_WT),
                  "status": code.name, "text": state.status_text if state else "",
                  "phase": state.phase if state else "idle", "taught": self._taught,
                  "frame": status.frames, "follow": self._follow, "paused": status.paused, "speed": self._speed,

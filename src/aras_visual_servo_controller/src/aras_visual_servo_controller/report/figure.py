@@ -161,10 +161,10 @@ def _draw_velocity(record, axes):
 
 def _draw_path(record, axes):
     rows = record.servo_rows
-    p = record.X_WC[rows, :3, 3]
+    p = record.X_WM[rows, :3, 3]
     p = p[np.all(np.isfinite(p), axis=1)]
     taught = record.rows("teach")
-    goal = record.X_WC[taught[-1], :3, 3] if len(taught) else np.full(3, np.nan)
+    goal = record.X_WM[taught[-1], :3, 3] if len(taught) else np.full(3, np.nan)
     if len(p):
         axes.plot(*p.T, color=BLUE)
         axes.plot(*p[:1].T, linestyle="", marker="o", markersize=7, markerfacecolor="none", markeredgewidth=1.6,

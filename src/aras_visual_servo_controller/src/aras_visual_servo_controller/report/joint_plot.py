@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from ..arm.robot import robot_kinematics
+from ..arm.robot import kinematics_of
 from ..features.palette import PALETTE
 from ..ground.errors import ArasError
 from ..scenario.scenario import scenario_from_dict
@@ -21,7 +21,7 @@ def joint_plot(record):
     rows = record.servo_rows
     try:
         scenario = scenario_from_dict(record.settings)
-        kinematics = robot_kinematics(scenario.urdf_xml(), scenario.robot["base_link"], scenario.robot["tip_link"])
+        kinematics = kinematics_of(scenario.urdf_xml(), scenario.robot, calibrated=False)
     except (ArasError, RuntimeError, KeyError, TypeError, AttributeError):  # a record of another place
         return None
     if not len(rows) or not set(kinematics.joint_names) <= set(record.joint_names):

@@ -63,11 +63,12 @@ class Observer:
         config = dict(scenario.sim, cameras=[{
             "name": NAME, "frame": NAME, "width": width, "height": height, "horizontal_fov_rad": FIELD_RAD,
             "rate_hz": 30.0, "near_m": 0.05, "far_m": 60.0, "renderer": _renderer(), "quality": "high"}])
+        carried = scenario.robot.get("target_link") is not None
         table_m = at_T[2] - 0.0015
         floor = _slab("floor", 80.0, 0.01, [at_T[0], at_T[1], min(0.0, table_m - 0.05)], FLOOR_RGB)
         table = _slab("table", 1.2, 0.02, [at_T[0], at_T[1], table_m], TABLE_RGB)
         scene = dict(scenario.sim["scene"], background_rgb=BACKGROUND_RGB)
-        scene["solids"] = [floor, table, *scene.get("solids", [])]
+        scene["solids"] = [floor, *([] if carried else [table]), *scene.get("solids", [])]
         if not scene.get("lighting", {}).get("lights"):
             scene["lighting"] = LIGHTING
         config["scene"] = scene

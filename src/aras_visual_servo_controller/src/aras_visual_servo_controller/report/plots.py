@@ -166,18 +166,18 @@ def _runs(t, ys):
 
 
 def _path_plot(record, rows, t_s):
-    p = record.X_WC[rows, :3, 3]
+    p = record.X_WM[rows, :3, 3]
     known = np.all(np.isfinite(p), axis=1)
     taught = record.rows("teach")
-    goal = record.X_WC[taught[-1], :3, 3] if len(taught) else np.full(3, np.nan)
+    goal = record.X_WM[taught[-1], :3, 3] if len(taught) else np.full(3, np.nan)
     if not known.any():
         return None
     data = {"t": [number(t) for t in t_s[known]], "p": [[number(x) for x in point] for point in p[known]],
             "goal": [number(x) for x in goal] if np.all(np.isfinite(goal)) else None, "colors": PATH_COLORS}
     words = {"path": "path", "start": "○ start", "goal": "★ goal (taught)"}
     legend = [{"name": words[part], "sub": "", "color": color, "dash": ""} for part, color in PATH_COLORS.items()]
-    return {"id": "path", "kind": "path", "title": "path of the camera in the world, to scale", "legend": legend,
-            "data": data, "svg": _path_svg(data)}
+    title = f"path of the {'target' if record.eye_to_hand else 'camera'} in the world, to scale"
+    return {"id": "path", "kind": "path", "title": title, "legend": legend, "data": data, "svg": _path_svg(data)}
 
 
 def path_box(data):

@@ -11,7 +11,7 @@ import re
 
 import numpy as np
 
-from ..arm.robot import robot_kinematics
+from ..arm.robot import kinematics_of
 from ..config.files import package_paths
 from ..ground.errors import ArasError, ParameterError
 from ..ground.images import in_rgb
@@ -65,7 +65,7 @@ def _closed(text):
 def _data(record):
     scenario = scenario_from_dict(record.settings)
     urdf, rows = scenario.urdf_xml(), record.servo_rows
-    kinematics = robot_kinematics(urdf, scenario.robot["base_link"], scenario.robot["tip_link"])
+    kinematics = kinematics_of(urdf, scenario.robot, calibrated=False)
     rows = rows[np.isfinite(record.q[rows]).all(axis=1)]
     if not len(rows):
         raise ParameterError("no row of the servo phase has joint positions")

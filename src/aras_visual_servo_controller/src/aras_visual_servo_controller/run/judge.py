@@ -10,7 +10,7 @@ import numpy as np
 
 from ..features.base import spread
 from ..ground.errors import ArasError
-from ..ground.spatial import rotation_angle
+from ..ground.spatial import inverse, rotation_angle
 from ..ground.types import FEATURE_NAMES, Status
 
 # A decay is fitted while the error is above this share of its largest value ...
@@ -34,7 +34,8 @@ class Judgement:
         passed: one of both, and the true final error is within the scenario's `experiment.judge`.
         faults: why the run did not pass, one line each.
         duration_s: simulated seconds from the first servo image to the one that ended it.
-        final_error: x_mm, y_mm, z_mm of p_CgC in the goal camera frame Cg and the total angle_deg of R_CgC.
+        final_error: x_mm, y_mm, z_mm of p_CgC in the goal camera frame Cg and the total angle_deg of R_CgC; eye-to-hand
+            of the target in the camera against the taught one, see `true_error`.
         initial_error: the same at the first servo image.
         final_feature_error: feature name -> e at the end, in its unit (features.styles).
         decay_per_s: feature name -> rate of the fitted exponential [1/s], NaN where the error is too small for a fit.
@@ -89,7 +90,7 @@ def judge(record):
     first, last = rows[0], rows[-1]
     converged = bool(record.status[last] == Status.CONVERGED)
     stopped_by_rule = bool(record.status[last] == Status.STOPPED_BY_RULE)
-    final_error = pose_error(goal_pose(record, last), record.X_WC[last])
+    final_error = true_error(record, last)
     limits = dict(record.settings.get("experiment", {}).get("judge", {}))
     reason = str(record.status_text[last]) or Status(record.status[last]).name
     faults = [] if converged or stopped_by_rule else [f"not converged: {reason}"]
@@ -99,7 +100,7 @@ def judge(record):
     return Judgement(
         converged=converged, reason=reason, passed=not faults, faults=tuple(faults),
         duration_s=float((record.stamp_ns[last] - record.stamp_ns[first]) * 1e-9),
-        final_error=final_error, initial_error=pose_error(goal_pose(record, first), record.X_WC[first]),
+        final_error=final_error, initial_error=true_error(record, first),
         final_feature_error=dict(zip(record.feature_names, record.e[_last_finite(record.e, rows)].tolist())),
         decay_per_s=fit_decay(record), gains_per_s=_promised_rates(record), limits=limits, images=len(rows),
         stopped_by_rule=stopped_by_rule)
@@ -130,6 +131,20 @@ def goal_pose(record, row):
     return X_WCg if np.array_equal(then, now) else now @ np.linalg.solve(then, X_WCg)
 
 
+def true_error(record, row):
+    """True error at an image, a dict as of `pose_error`.
+
+    With the camera in the hand that of the camera against its goal, relative to the target. Eye-to-hand that of the
+    target in the camera against the taught one: p_CT - p_CTg in the axes of the camera, and the angle of R_TgT.
+    """
+    if not record.eye_to_hand or record.target_poses is None:
+        return pose_error(goal_pose(record, row), record.X_WC[row])
+    goal, here = (inverse(record.X_WC[at]) @ record.target_poses[at] for at in (taught_row(record), row))
+    x_mm, y_mm, z_mm = (1e3 * (here[:3, 3] - goal[:3, 3])).tolist()
+    return {"x_mm": x_mm, "y_mm": y_mm, "z_mm": z_mm,
+            "angle_deg": math.degrees(rotation_angle(goal[:3, :3].T @ here[:3, :3]))}
+
+
 def tracking(record):
     """How well a moving goal was followed: root mean squares over the second half of the servo images.
 
@@ -138,7 +153,7 @@ def tracking(record):
     """
     rows = record.servo_rows
     rows = rows[len(rows) // 2:-1]  # the last one is the stop
-    errors = [pose_error(goal_pose(record, row), record.X_WC[row]) for row in rows]
+    errors = [true_error(record, row) for row in rows]
     squares = [[sum(error[axis]**2 for axis in ("x_mm", "y_mm", "z_mm")), error["angle_deg"]**2] for error in errors]
     position_mm, angle_deg = np.sqrt(np.mean(squares, axis=0)).tolist() if len(rows) else (math.nan, math.nan)
     e = np.sqrt(np.nanmean(np.square(record.e[rows]), axis=0)).tolist() if len(rows) else []

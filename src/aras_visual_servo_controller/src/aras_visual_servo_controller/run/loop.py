@@ -49,6 +49,7 @@ class ServoLoop:
         sim, extractor, kinematics, servo, sequence: the parts.  extractor: makes the moments that the record shows.
         servo_extractor: makes the features that the servo works on; where these are moments, it is `extractor`.
         frame: index of the image answered last, -1 before the first.
+        eye_to_hand: whether the arm carries the target, and the camera stands still.
         seen: the last answered `Observation`, None before the first.
     """
 
@@ -68,6 +69,7 @@ class ServoLoop:
         self._encoding = self.sim.camera_encoding(self.camera)
         believed = scenario.believed_camera_info(self.camera_info)
         self.kinematics = kinematics_of(urdf, scenario.robot)
+        self.eye_to_hand = scenario.robot.get("target_link") is not None
         self.servo = Servo(self.kinematics, scenario.servo)
         shown, servoed_on = source_named(SHOWN), self.servo.source
         self.extractor = self.servo_extractor = shown.extractor(believed, scenario.vision)
@@ -79,7 +81,8 @@ class ServoLoop:
         self._placed_ns = 0
         self._frame = None  # taken last: image, joints, poses of camera and models at its stamp
         target = next(iter(scenario.sim.get("scene", {}).get("models", [])), None)
-        self._target, self._target_moves = target and target["name"], target is not None and "motion" in target
+        self._target = target and target["name"]
+        self._target_moves = target is not None and not {"motion", "attached_to"}.isdisjoint(target)
         names = list(self.sim.joint_names)
         missing = [name for name in self.kinematics.joint_names if name not in names]
         if missing:

@@ -7,13 +7,13 @@ from math import inf
 
 import numpy as np
 
-from .judge import taught_pose
+from .judge import taught_row
 
 #: Columns of a sweep, and what they are.
 MEASURES = {
-    "path_mm": "length of the camera's path [mm]",
-    "detour_mm": "largest distance of the camera from the straight line between start and goal [mm]",
-    "farthest_mm": "largest distance of the camera from the goal [mm]",
+    "path_mm": "length of the path of what the arm carries, camera or target [mm]",
+    "detour_mm": "its largest distance from the straight line between start and goal [mm]",
+    "farthest_mm": "its largest distance from the goal [mm]",
     "joint_room": "least distance of any joint from a limit, in halves of its range: 1 in the middle, 0 at the limit",
     "border_px": "least distance of the target's outline from the image border, negative where it is cut [px]",
 }
@@ -27,14 +27,14 @@ def measures(record, lower, upper, outline=None):
         outline: `Outline` of its target, or None.
     """
     rows, found = record.servo_rows, dict.fromkeys(MEASURES)
-    X_WCg, X_WC = taught_pose(record), record.X_WC[rows]
-    if np.isfinite(X_WC).all() and np.isfinite(X_WCg).all():
-        p, goal = 1e3 * X_WC[:, :3, 3], 1e3 * X_WCg[:3, 3]
+    X_WMg, X_WM = record.X_WM[taught_row(record)], record.X_WM[rows]
+    if np.isfinite(X_WM).all() and np.isfinite(X_WMg).all():
+        p, goal = 1e3 * X_WM[:, :3, 3], 1e3 * X_WMg[:3, 3]
         found["path_mm"] = float(np.linalg.norm(np.diff(p, axis=0), axis=1).sum())
         found["detour_mm"] = float(distance_from_segment(p, p[0], goal).max())
         found["farthest_mm"] = float(np.linalg.norm(p - goal, axis=1).max())
         if outline is not None:
-            border_px = outline.border_px(X_WC)
+            border_px = outline.border_px(record.X_WC[rows], X_WM if record.eye_to_hand else None)
             found["border_px"] = border_px if border_px > -inf else None
     lower, upper = np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)
     limited, q = np.isfinite(lower) & np.isfinite(upper), record.q[rows]

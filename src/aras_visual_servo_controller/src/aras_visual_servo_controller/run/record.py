@@ -90,6 +90,16 @@ class RunRecord:
         return len(self.stamp_ns)
 
     @property
+    def eye_to_hand(self):
+        """Whether the arm carried the target and the camera stood still."""
+        return bool(self.settings.get("robot", {}).get("target_link"))
+
+    @cached_property
+    def X_WM(self):
+        """(n, 4, 4), true pose in the world of what the arm moves: the camera, or eye-to-hand the target."""
+        return self.target_poses if self.eye_to_hand and self.target_poses is not None else self.X_WC
+
+    @property
     def t_s(self):
         """(n,) simulated time of each image [s]."""
         return self.stamp_ns * 1e-9

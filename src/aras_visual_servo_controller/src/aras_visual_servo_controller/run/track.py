@@ -5,7 +5,7 @@ from math import degrees
 
 import numpy as np
 
-from ..ground.spatial import rotation_angle
+from ..ground.spatial import inverse, rotation_angle
 
 
 @dataclass
@@ -13,7 +13,8 @@ class Track:
     """What a figure shows of a run's servo phase, (n,) each.
 
     Attributes:
-        t_s: time since its first image.  distance_mm, angle_deg: of the camera from the goal.
+        t_s: time since its first image.  distance_mm, angle_deg: of the camera from the goal, as a
+            target at rest sees it.
         retreat_mm: how far the camera is behind the goal along the goal's optical axis, away from the target.
         u_px, v_px: middle of the target's outline in the image.
     """
@@ -29,12 +30,14 @@ class Track:
 def track_of(record, outline=None):
     """`Track` of a RunRecord with a taught view and servo rows."""
     rows = record.servo_rows
-    X_CgC = np.linalg.inv(record.X_WC[record.rows("teach")[-1]]) @ record.X_WC[rows]
+    taught = record.rows("teach")[-1]
+    X_WC = record.X_WC if not record.eye_to_hand else inverse(record.X_WM) @ record.X_WC  # from a target at rest
+    X_CgC = np.linalg.inv(X_WC[taught]) @ X_WC[rows]
     p = 1e3 * X_CgC[:, :3, 3]
     track = Track((record.t_s[rows] - record.t_s[rows[0]]).tolist(), np.linalg.norm(p, axis=1).tolist(),
                   [degrees(rotation_angle(X[:3, :3])) for X in X_CgC], (-p[:, 2]).tolist())
     if outline is not None:
-        pixels = [outline.pixels(X) for X in record.X_WC[rows]]
+        pixels = [outline.pixels(record.X_WC[row], record.X_WM[row] if record.eye_to_hand else None) for row in rows]
         middle = [(np.nan, np.nan) if p is None else 0.5 * (p.min(axis=0) + p.max(axis=0)) for p in pixels]
         track.u_px, track.v_px = np.transpose(middle).tolist()
     return track

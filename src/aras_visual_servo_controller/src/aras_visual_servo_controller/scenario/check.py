@@ -25,7 +25,7 @@ def check(document):
     if faults:  # a missing plugin may be the cause; if it is the only fault, setting up the servo reports it
         faults += [f"servo.{fault}" for fault in missing]
     return sorted(set(faults or _feature_faults(document) + _latency_faults(document, schema)
-                      + _place_faults(document)))
+                      + _place_faults(document) + _eye_to_hand_faults(document)))
 
 
 def _plugins(document):
@@ -74,6 +74,27 @@ def _place_faults(document):
         given = [key for key in ("joints", "camera") if document["experiment"][name].get(key)]
         if len(given) != 1:
             faults.append(f"experiment.{name}: found {' and '.join(given) or 'neither'}, allowed joints or camera")
+    return faults
+
+
+def _eye_to_hand_faults(document):
+    """Faults of a scenario in which the arm carries the target: it is not where `robot.target_link` says, or something
+    is asked for that has no meaning when the camera stands still."""
+    link, servo = document["robot"].get("target_link"), document["servo"]
+    if link is None:
+        return []
+    models, faults = document["sim"].get("scene", {}).get("models", []), []
+    if models and models[0].get("attached_to") != link:
+        faults.append(f"sim.scene.models[0].attached_to: found {models[0].get('attached_to', 'nothing')}, allowed "
+                      f"{link}, the robot.target_link that carries the target")
+    if servo.get("feed_forward") is not None:
+        faults.append("servo.feed_forward: found with robot.target_link, allowed without: a target in the hand has no "
+                      "motion of its own")
+    faults += [f"servo.{law}.walls: found with robot.target_link, allowed without: walls are for a camera that moves"
+               for law in ("qp", "mpc") if (servo.get(law) or {}).get("walls")]
+    whole = [name for name in expand(servo.get("features", FEATURE_NAMES)) if source_of(name) == "photometric"]
+    faults += [f"servo.features: found {name} with robot.target_link, allowed features of the target alone: what "
+               "stands behind the target does not move with it" for name in whole]
     return faults
 
 

@@ -27,11 +27,18 @@ class RobotSettings:
 
     urdf: str = setting(not_empty=True, help="File of the robot's URDF.")
     controllers: str = setting(not_empty=True, help="File of its joint controllers, in ros_control's layout.")
-    base_link: str = setting(not_empty=True, help="Link where the chain begins that carries the camera.")
-    tip_link: str = setting(not_empty=True, help="Optical frame of the camera, where it ends.")
+    base_link: str = setting(
+        not_empty=True, help="Link where the chain begins that carries the camera, or the target.")
+    tip_link: str = setting(
+        not_empty=True, help="Optical frame of the camera, where the chain ends if the arm carries the camera.")
+    target_link: Optional[str] = setting(
+        None, not_empty=True,
+        help="Eye-to-hand: the link that carries the target before a camera that stands still. Poses of the camera, as "
+             "in experiment.goal.camera, are then in the frame of this link. Left out: the arm carries the camera.")
     hand_eye: Optional[HandEyeSettings] = setting(
         None,
-        help="Where a calibration found the camera on the arm; the controller then goes by this and not by tip_link.")
+        help="Where a calibration found the camera on the arm, or beside it; the controller then goes by this and "
+             "not by tip_link.")
 
 
 def sources():

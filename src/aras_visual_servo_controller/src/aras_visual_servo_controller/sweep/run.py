@@ -12,7 +12,7 @@ import numpy as np
 
 from ..ground.errors import ArasError, ParameterError
 from ..run.judge import pose_error
-from ..arm.robot import robot_kinematics
+from ..arm.robot import kinematics_of
 from ..run.loop import DEFAULT_LIMIT_S, ServoLoop
 from ..features.target.outline import Outline
 from ..run.record import RecordBuilder
@@ -129,7 +129,7 @@ class Bench:
         while not loop.sequence.done:
             record, features, image = loop.step()
             X_WC = loop.camera_pose()
-            too_far = factor is not None and 1e3 * np.linalg.norm(X_WC[:3, 3] - X_WCg[:3, 3]) > farthest_mm
+            too_far = factor is not None and self._distance_mm(loop, X_WCg) > farthest_mm
             if too_far:
                 record.status, record.status_text = Status.STOPPED, f"farther than {factor:g} times the start"
             builder.add_answer(record, X_WC, features, image, loop.moving_target_pose())
@@ -164,6 +164,11 @@ class Bench:
             pass  # the distance is unknown; the row tells already why there was no run
         return row
 
+    def _distance_mm(self, loop, X_WCg):
+        """Distance of the camera, at the last image, from where the kinematics have the goal [mm]."""
+        X_WC = self._kinematics.pose(loop.seen.q) if loop.eye_to_hand else loop.camera_pose()
+        return 1e3 * np.linalg.norm(X_WC[:3, 3] - X_WCg[:3, 3])
+
     def _planned_error(self, start):
         """`pose_error` of the start by kinematics."""
         goal = self._goal_pose(start)
@@ -172,8 +177,7 @@ class Bench:
     def _goal_pose(self, start):
         """X_WCg, (4, 4), by kinematics."""
         if self._kinematics is None:
-            robot = self.scenario.robot
-            self._kinematics = robot_kinematics(self.scenario.urdf_xml(), robot["base_link"], robot["tip_link"])
+            self._kinematics = kinematics_of(self.scenario.urdf_xml(), self.scenario.robot, calibrated=False)
         return self._kinematics.pose(placed(self.scenario, start).goal_posture(self._kinematics))
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arm.kinematics import Kinematics
 from ..ground.types import Status
-from ..run.judge import goal_pose, pose_error
+from ..run.judge import true_error
 from ..scenario.scenario import load_scenario
 from .perturb import perturbed
 from .plan import Planner, Start, SweepSettings, sample
@@ -126,7 +126,7 @@ def run_case(case):
     rows = record.servo_rows
     hold_ns = round(1e9 * scenario.servo.get("hold_s", 0.2))
     last = rows[record.stamp_ns[rows] >= record.stamp_ns[rows[-1]] - hold_ns]
-    errors = [pose_error(goal_pose(record, at), record.X_WC[at]) for at in last]
+    errors = [true_error(record, at) for at in last]
     judge = scenario.experiment["judge"]
     found["inside"] = all(abs(error[key]) <= limit for error in errors for key, limit in judge.items())
     found["worst"] = max(abs(error[key]) / limit for error in errors for key, limit in judge.items())

@@ -73,7 +73,8 @@ def test_five_faults_in_five_sections_are_all_listed(document):
     del document["experiment"]["goal"]
     assert check(document) == [
         "experiment.goal: missing",
-        "robot.wheels: unknown key, known are base_link, controllers, hand_eye, tip_link, urdf",
+        "robot.wheels: unknown key, known are base_link, controllers, hand_eye, target_link, "
+        "tip_link, urdf",
         "servo.inverse.damping: found 'some', allowed a finite number",
         "sim.period_s: found 0, allowed >= 1e-06",
         "vision.order: found 2, allowed >= 3"]

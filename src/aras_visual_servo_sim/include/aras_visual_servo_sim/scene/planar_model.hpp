@@ -52,7 +52,9 @@ class PlanarModel {
   /** The same of the picture. @pre picture() */
   const Polygon& pictureCorners() const { return picture_corners_; }
 
-  Pose X_WM;  ///< pose of the model in the world
+  Pose X_WM;            ///< pose of the model in the world
+  std::string carrier;  ///< link of the robot that carries it; empty: none
+  Pose X_LM;            ///< where it is on that link
   bool visible = true;
 
  private:

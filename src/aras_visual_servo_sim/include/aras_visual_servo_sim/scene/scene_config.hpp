@@ -35,7 +35,8 @@ struct ModelEntry {
   std::string name;
   std::string file;  ///< the target file that has its shape; empty: `shape`
   PlanarShape shape;
-  Pose X_WM;
+  Pose X_WM;            ///< in the frame of the link that carries it, if one does
+  std::string carrier;  ///< that link; empty: it stands in the world
   bool visible = true;
   std::optional<ModelMotion> motion;
 };

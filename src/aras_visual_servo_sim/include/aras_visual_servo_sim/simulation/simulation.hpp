@@ -141,6 +141,7 @@ class Simulation {
     if (!V_WB_W.allFinite()) throw NotFiniteError("setBase: found a twist that is not finite, must be finite");
     world_->setBasePose(X_WB);
     if (!world_->drivenBase()) world_->setBaseTwist(V_WB_W);
+    models_.carry(*world_);
     cameras_.forgetPast();
   }
 
@@ -152,16 +153,19 @@ class Simulation {
   void spawnModel(const YAML::Node& entry, const std::optional<Pose>& X_WM = std::nullopt);
   /** Removes a model; one of the configuration is back after a reset. @throws UnknownNameError */
   void deleteModel(const std::string& model);
-  /** True if some model has a motion, or is a free body. */
-  bool modelsMove() const { return !models_.motions().empty() || !config_.world.contacts.free_bodies.empty(); }
-  /** Places a model, which then stays there: a motion it had ends.
+  /** True if some model has a motion, is carried by a link, or is a free body. */
+  bool modelsMove() const {
+    return !models_.motions().empty() || models_.anyCarried() || !config_.world.contacts.free_bodies.empty();
+  }
+  /** Places a model, which then stays there, or there on the link that carries it: a motion it had ends.
    *  @throws UnknownNameError naming the models there are, NotFiniteError */
   void setModelPose(const std::string& model, const Pose& X_WM);
-  /** Moves a model from now and from where it is; nothing: it stays where it is. @throws UnknownNameError */
+  /** Moves a model from now and from where it is; nothing: it stays where it is.
+   *  @throws UnknownNameError, ParameterError if a link carries it */
   void setModelMotion(const std::string& model, const std::optional<ModelMotion>& motion) {
     models_.setMotion(model, motion, timeNs());
   }
-  /** V_WM_W at the present tick, as in ModelPlacement; zero for a model without motion or mass.
+  /** V_WM_W at the present tick, as in ModelPlacement; zero for a model without motion, mass or carrier.
    *  @throws UnknownNameError */
   Twist modelTwist(const std::string& model) const;
 
@@ -192,6 +196,8 @@ class Simulation {
   void makeWorld();
   Moment present(const Camera& camera);
   void startModels();
+  void moveModels();
+  Twist carriedTwist(const std::string& link, const Pose& X_WM) const;
   void change(ModelSet next);
   void tellUndrawn();
   void restoreWorld(const std::string& state, const ModelSet& models, const std::vector<Camera::State>& cameras);

@@ -51,7 +51,10 @@ ModelEntry readModel(YamlReader& reader) {
   entry.file = reader.find<std::string>("file").value_or("");
   entry.X_WM = readPose(reader);
   entry.visible = reader.get<bool>("visible");
+  entry.carrier = reader.find<std::string>("attached_to").value_or("");
   entry.motion = readMotion(reader);
+  if (entry.motion && !entry.carrier.empty())
+    reader.fault("motion", "it together with attached_to", "one of the two, because the link moves the model");
   entry.shape = readPlanarShape(reader);
   for (const char* key : {"color_rgb", "outlines_m", "image", "board"}) {
     if (reader.has("file") && reader.has(key))

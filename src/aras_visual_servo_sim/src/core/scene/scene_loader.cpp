@@ -29,7 +29,8 @@ PlanarModel modelOf(const ModelEntry& entry, const PackagePaths& packages) {
 
 void add(const ModelEntry& entry, const PackagePaths& packages, Scene& scene) {
   scene.models.push_back(modelOf(entry, packages));
-  scene.models.back().X_WM = entry.X_WM;
+  scene.models.back().X_WM = scene.models.back().X_LM = entry.X_WM;
+  scene.models.back().carrier = entry.carrier;
   scene.models.back().visible = entry.visible;
   if (entry.motion) scene.motions.emplace(entry.name, *entry.motion);
 }

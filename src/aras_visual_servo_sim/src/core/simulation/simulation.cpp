@@ -37,6 +37,7 @@ Simulation::Simulation(RobotModel model, SimulationConfig config, const YAML::No
   if (config_.gazebo_cameras) whiten(model_);
   faults.collect([&] { models_ = Models(config_.scene, model_, packages); });
   if (faults.empty()) faults.collect([&] { checkLights(models_.set(), model_); });
+  if (faults.empty()) faults.collect([&] { models_.set().checkCarriers(model_); });
   if (faults.empty()) faults.collect([&] { contacts_.begin(models_.set(), config_.scene.solids); });
   faults.collect([&] { start_.check(model_, config_.world); });
   if (config_.cameras.empty()) {
@@ -74,7 +75,7 @@ void Simulation::step(std::int64_t n) {
     }
     for (Camera& camera : cameras_) camera.passTo(ticks());
   }
-  models_.move(timeNs());
+  moveModels();
   if (n > 0) expose();
 }
 
@@ -124,7 +125,7 @@ void stepTogether(const std::vector<Simulation*>& simulations, std::int64_t n) {
     n -= span;
   }
   for (Simulation* each : simulations) {
-    each->models_.move(each->timeNs());
+    each->moveModels();
     each->expose();
   }
 }
@@ -227,16 +228,24 @@ void Simulation::setTwist(const Twist& V_WL_L, const std::string& link, std::opt
 
 void Simulation::setJointPositions(const std::map<std::string, double>& positions) {
   world_->setJointPositions(positions);
+  models_.carry(*world_);
   commands_.drop();
   cameras_.forgetPast();
 }
 
 // --- models ---------------------------------------------------------------------------------------------------------
 
+/** Puts the models that move, or that links carry, where they are now. */
+void Simulation::moveModels() {
+  models_.move(timeNs());
+  models_.carry(*world_);
+}
+
 /** To be called after models were added or removed. */
 void Simulation::change(ModelSet next) {
   cameras_.keepModels(models_.set());
   models_.become(std::move(next));
+  models_.carry(*world_);
   cameras_.forgetPast();
   tellUndrawn();
 }
@@ -264,7 +273,11 @@ void Simulation::spawnModel(const YAML::Node& node, const std::optional<Pose>& X
   YAML::Emitter text;
   text << YAML::Flow << node;
   const std::string& name = nameOf(entry);
-  ModelSet next = models_.with(entry, text.c_str(), X_WM);
+  const auto* flat = std::get_if<ModelEntry>(&entry);
+  std::optional<Pose> X_AM = X_WM;
+  if (X_WM && flat && !flat->carrier.empty()) X_AM = world_->linkPose(flat->carrier).inverse() * *X_WM;
+  ModelSet next = models_.with(entry, text.c_str(), X_AM);
+  next.checkCarriers(model_);
   if (next.solids.count(name) > 0) {
     contacts_.check(name, next);
     contacts_.change(next, *world_);
@@ -282,7 +295,10 @@ void Simulation::deleteModel(const std::string& model) {
 
 void Simulation::setModelPose(const std::string& model, const Pose& X_WM) {
   checkPlace("model '" + model + "'", X_WM);
-  models_.place(model, {X_WM.p, X_WM.q.normalized()});
+  const Pose placed{X_WM.p, X_WM.q.normalized()};
+  const std::string link = models_.carrier(model);
+  models_.place(model, link.empty() ? placed : world_->linkPose(link).inverse() * placed);
+  models_.carry(*world_);
   setModelMotion(model, std::nullopt);
   contacts_.place(model, models_, *world_);
   cameras_.forgetPast();
@@ -291,7 +307,18 @@ void Simulation::setModelPose(const std::string& model, const Pose& X_WM) {
 Twist Simulation::modelTwist(const std::string& model) const {
   models_.pose(model);  // throws
   if (models_.hasMotion(model)) return models_.motionTwist(model, timeNs());
+  if (const std::string& link = models_.carrier(model); !link.empty()) return carriedTwist(link, models_.pose(model));
   return contacts_.has(model) ? world_->obstacleTwist(model) : Twist(Twist::Zero());
+}
+
+/** V_WM_W of a model at X_WM that moves with a link. */
+Twist Simulation::carriedTwist(const std::string& link, const Pose& X_WM) const {
+  const Pose X_WL = world_->linkPose(link);
+  const Twist V_WL_L = world_->linkTwist(link);
+  Twist twist;
+  twist.tail<3>() = X_WL.q * V_WL_L.tail<3>();
+  twist.head<3>() = X_WL.q * V_WL_L.head<3>() + twist.tail<3>().cross(X_WM.p - X_WL.p);
+  return twist;
 }
 
 // --- starting again -------------------------------------------------------------------------------------------------
@@ -299,7 +326,7 @@ Twist Simulation::modelTwist(const std::string& model) const {
 void Simulation::startModels() {
   models_.start(timeNs());
   for (const std::string& model : models_.names()) contacts_.place(model, models_, *world_);
-  models_.move(timeNs());
+  moveModels();
 }
 
 void Simulation::resetWorld() {

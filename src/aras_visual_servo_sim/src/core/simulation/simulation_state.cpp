@@ -132,6 +132,7 @@ void Simulation::restoreState(const std::string& state) {
   }
   const auto compose = [this](const std::vector<SavedModel>& saved) { return models_.composed(saved); };
   ModelSet models = in.getSet(compose);
+  models.checkCarriers(model_);
   std::map<std::string, MotionRun> motions = in.getMotions(models);
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     if (!cameras_[static_cast<int>(k)].blurs()) continue;
@@ -155,6 +156,7 @@ void Simulation::restoreState(const std::string& state) {
   commands_.restoreHeld(std::move(held));
   for (std::size_t k = 0; k < cameras.size(); ++k) cameras_[static_cast<int>(k)].restore(std::move(cameras[k]));
   models_.become(std::move(models), std::move(motions));
+  models_.carry(*world_);
 }
 
 }  // namespace aras_visual_servo_sim

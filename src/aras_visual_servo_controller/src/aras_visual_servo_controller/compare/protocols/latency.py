@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...arm.robot import robot_kinematics
+from ...arm.robot import kinematics_of
 from ...ground.errors import ParameterError
 from ...scenario.scenario import load_scenario
 from ...sweep.plan import Start, SweepSettings, make_starts
@@ -62,8 +62,7 @@ def planned(scenario, count):
     """The first `count` runs, list of `Start`; a start that cannot be tried gives its place to the next one."""
     if not 1 <= count <= STARTS:
         raise ParameterError(f"starts: found {count}, allowed 1 to {STARTS}")
-    robot = scenario.robot
-    kinematics = robot_kinematics(scenario.urdf_xml(), robot["base_link"], robot["tip_link"])
+    kinematics = kinematics_of(scenario.urdf_xml(), scenario.robot, calibrated=False)
     drawn, found = 16 + count + count // 2, []
     while len(found) < count:
         settings = SweepSettings.from_scenario(scenario, kinematics, starts=drawn, method="random", seed=SEED)

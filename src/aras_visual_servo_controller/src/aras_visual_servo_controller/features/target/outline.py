@@ -16,7 +16,8 @@ class Outline:
     """Outline of the first model of a scene and the camera that looks at it.
 
     Attributes:
-        X_WT: (4, 4) pose of the target in the world, as the scenario places it.  points_T: (n, 3), z = 0 [m].
+        X_WT: (4, 4) pose of the target in the world, as the scenario places it; of a target that a link carries, in the
+            frame of this link, as the poses of `EyeToHand`.  points_T: (n, 3), z = 0 [m].
         half: (x, y): half of the image in normalised coordinates, for a camera without a lens.
     """
 
@@ -34,11 +35,14 @@ class Outline:
 
     @classmethod
     def of(cls, scenario):
-        """`Outline` of a scenario; None where it is unknown: no flat model, a moving one, a lens but plumb_bob."""
+        """`Outline` of a scenario; None where it is unknown: no flat model, a moving one, one that another link than
+        `robot.target_link` carries, a lens but plumb_bob."""
         models = scenario.sim.get("scene", {}).get("models", [])
         camera = scenario.sim["cameras"][0]
         outlines = _outlines(models[0], scenario) if models else None
-        if not outlines or "motion" in models[0] or not ("horizontal_fov_rad" in camera or "fx_px" in camera):
+        if not outlines or "motion" in models[0] or models[0].get("attached_to") != scenario.robot.get("target_link"):
+            return None
+        if not ("horizontal_fov_rad" in camera or "fx_px" in camera):
             return None
         if camera.get("distortion_model", "none") not in ("none", "plumb_bob"):
             return None

@@ -29,8 +29,12 @@ def scene_of(scenario):
             notes.append(f"not drawn: solid '{solid['name']}', of a mesh or URDF")
             continue
         solids.append({"name": solid["name"], "pose": _pose(solid), "color": solid.get("color_rgb", GREY), **shape})
+    models = section.get("models", [])
+    for carried in [model for model in models[1:] if "attached_to" in model]:  # where the first is, pages are told
+        notes.append(f"not drawn: model '{carried['name']}', which a link carries")
+    models = [model for number, model in enumerate(models) if number == 0 or "attached_to" not in model]
     return {"background": section.get("background_rgb", BACKGROUND), "solids": solids, "notes": notes,
-            "models": [_model(model, base, notes) for model in section.get("models", [])]}
+            "models": [_model(model, base, notes) for model in models]}
 
 
 def pose_numbers(X):

@@ -20,14 +20,14 @@ struct TouchableSolid {
 /** A model in a saved state. */
 struct SavedModel {
   std::string name, entry;  ///< entry: its YAML if it was spawned, else empty
-  Pose X_WM, X_WM0;         ///< where it is, where it started
+  Pose X_AM, X_AM0;         ///< where it is, where it started, see ModelSet::anchored
 };
 
 /** The models that are present. The scene holds the robot's links among its bodies too. */
 struct ModelSet {
   Scene scene;
   std::vector<int> body_links;         ///< link of each body of the scene, -1 for solids
-  std::map<std::string, Pose> starts;  ///< of each model
+  std::map<std::string, Pose> starts;  ///< of each model, see anchored
   std::map<std::string, TouchableSolid> solids;
   std::map<std::string, std::string> spawned;  ///< entry, as YAML, of each model that was spawned
 
@@ -36,6 +36,13 @@ struct ModelSet {
   /** @return X_WM of a model, to be read or set @throws UnknownNameError naming the models there are */
   Pose& place(const std::string& model);
   const Pose& place(const std::string& model) const;
+  /** X_AM of a model in its anchor A, to be read or set: the link that carries it, else the world. @throws as place */
+  Pose& anchored(const std::string& model);
+  const Pose& anchored(const std::string& model) const;
+  /** The link of the robot that carries a model, empty if none does. @throws as place */
+  const std::string& carrier(const std::string& model) const;
+  /** @throws ParameterError naming a model whose carrier is no link of the robot, and the links */
+  void checkCarriers(const RobotModel& robot) const;
   /** X_WM of every model by name. */
   std::map<std::string, Pose> poses() const;
   /** Removes a model, and the lights that it carries. */

@@ -39,6 +39,9 @@ class Models {
   /** X_WM. @throws UnknownNameError naming the models there are */
   const Pose& pose(const std::string& model) const { return set_.place(model); }
   const std::map<std::string, MotionRun>& motions() const { return motions_; }
+  /** The link of the robot that carries a model, empty if none does. @throws as pose */
+  const std::string& carrier(const std::string& model) const { return set_.carrier(model); }
+  bool anyCarried() const;
   bool hasMotion(const std::string& model) const { return motions_.count(model) > 0; }
   /** V_WM_W of a model that has a motion. @throws std::out_of_range if it has none */
   Twist motionTwist(const std::string& model, std::int64_t now_ns) const {
@@ -49,18 +52,22 @@ class Models {
   void start(std::int64_t now_ns);
   /** Puts the models that move where they are now. */
   void move(std::int64_t now_ns);
-  /** Puts the robot's bodies where its links are, and the lights where their carriers are. */
+  /** Puts the models that links carry where these are. */
+  void carry(const MultibodyWorld& world);
+  /** The same, and the robot's bodies where its links are, and the lights where their carriers are. */
   void follow(const MultibodyWorld& world);
-  /** Places a model. A motion that it has goes on. @throws UnknownNameError */
-  void place(const std::string& model, const Pose& X_WM) { set_.place(model) = X_WM; }
-  /** Moves a model from now and from where it is; nothing: it stays where it is. @throws UnknownNameError */
+  /** Places a model in what carries it: a link of the robot, else the world. A motion that it has goes on.
+   *  @throws UnknownNameError */
+  void place(const std::string& model, const Pose& X_AM) { set_.anchored(model) = X_AM; }
+  /** Moves a model from now and from where it is; nothing: it stays where it is.
+   *  @throws UnknownNameError, ParameterError if a link carries it */
   void setMotion(const std::string& model, const std::optional<ModelMotion>& motion, std::int64_t now_ns);
 
   // --- adding and removing models: first a new set is made and checked, then it replaces the present one
   /** A set of the present models and one more.
-   *  @param yaml  what the entry was read from, for saved states  @param X_WM  in place of the entry's own pose
+   *  @param yaml  what the entry was read from, for saved states  @param X_AM  in place of the entry's own pose
    *  @throws ParameterError if a model or link has its name, NotFiniteError, ModelError */
-  ModelSet with(const SceneEntry& entry, const std::string& yaml, const std::optional<Pose>& X_WM) const;
+  ModelSet with(const SceneEntry& entry, const std::string& yaml, const std::optional<Pose>& X_AM) const;
   /** A set of the present models without this one. @throws UnknownNameError */
   ModelSet without(const std::string& model) const;
   /** A set of the models of a saved state. @throws StateError if one is neither configured nor was spawned */

@@ -31,6 +31,36 @@ Pose& ModelSet::place(const std::string& model) {
   return const_cast<Pose&>(static_cast<const ModelSet*>(this)->place(model));
 }
 
+const Pose& ModelSet::anchored(const std::string& model) const {
+  for (const PlanarModel& planar : scene.models) {
+    if (planar.name() == model && !planar.carrier.empty()) return planar.X_LM;
+  }
+  return place(model);
+}
+
+Pose& ModelSet::anchored(const std::string& model) {
+  return const_cast<Pose&>(static_cast<const ModelSet*>(this)->anchored(model));
+}
+
+const std::string& ModelSet::carrier(const std::string& model) const {
+  static const std::string kNone;
+  for (const PlanarModel& planar : scene.models) {
+    if (planar.name() == model) return planar.carrier;
+  }
+  place(model);  // throws
+  return kNone;
+}
+
+void ModelSet::checkCarriers(const RobotModel& robot) const {
+  std::string known;
+  for (const Link& link : robot.links) known += (known.empty() ? "" : ", ") + link.name;
+  for (const PlanarModel& model : scene.models) {
+    const auto carries = [&](const Link& link) { return link.name == model.carrier; };
+    if (model.carrier.empty() || std::any_of(robot.links.begin(), robot.links.end(), carries)) continue;
+    throw ParameterError("model '" + model.name() + "': attached_to: found " + model.carrier + ", allowed " + known);
+  }
+}
+
 std::map<std::string, Pose> ModelSet::poses() const {
   std::map<std::string, Pose> poses;
   for (const PlanarModel& model : scene.models) poses[model.name()] = model.X_WM;
@@ -63,7 +93,7 @@ std::vector<SavedModel> ModelSet::saved() const {
   std::vector<SavedModel> models;
   for (const std::string& name : names()) {
     const auto entry = spawned.find(name);
-    models.push_back({name, entry == spawned.end() ? "" : entry->second, place(name), starts.at(name)});
+    models.push_back({name, entry == spawned.end() ? "" : entry->second, anchored(name), starts.at(name)});
   }
   return models;
 }

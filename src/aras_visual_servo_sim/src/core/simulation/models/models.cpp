@@ -32,11 +32,11 @@ Models::Models(const SceneConfig& config, const RobotModel& robot, const Package
   for (std::size_t k = set_.body_links.size(); k < set_.scene.bodies.size(); ++k) {
     set_.body_links.push_back(robot.linkIndex(set_.scene.bodies[k].name));
   }
-  set_.starts = set_.poses();
+  for (const std::string& name : set_.names()) set_.starts[name] = set_.anchored(name);
 }
 
 void Models::start(std::int64_t now_ns) {
-  for (const auto& [name, X_WM] : set_.starts) place(name, X_WM);
+  for (const auto& [name, X_AM] : set_.starts) place(name, X_AM);
   motions_.clear();
   for (const auto& [name, motion] : set_.scene.motions) {
     motions_.emplace(name, MotionRun{motion, set_.starts.at(name), now_ns});
@@ -75,7 +75,19 @@ void Models::setLighting(const SceneConfig& before, const SceneConfig& next, con
   set_ = std::move(present);
 }
 
+bool Models::anyCarried() const {
+  const auto& models = set_.scene.models;
+  return std::any_of(models.begin(), models.end(), [](const PlanarModel& model) { return !model.carrier.empty(); });
+}
+
+void Models::carry(const MultibodyWorld& world) {
+  for (PlanarModel& model : set_.scene.models) {
+    if (!model.carrier.empty()) model.X_WM = world.linkPose(model.carrier) * model.X_LM;
+  }
+}
+
 void Models::follow(const MultibodyWorld& world) {
+  carry(world);
   for (std::size_t k = 0; k < set_.body_links.size(); ++k) {
     if (set_.body_links[k] >= 0) set_.scene.bodies[k].X_WB = world.linkPose(set_.body_links[k]);
   }
@@ -88,6 +100,11 @@ void Models::follow(const MultibodyWorld& world) {
 
 void Models::setMotion(const std::string& model, const std::optional<ModelMotion>& motion, std::int64_t now_ns) {
   const Pose& X_WM = pose(model);
+  if (motion && !carrier(model).empty()) {
+    throw ParameterError("model '" + model +
+                         "': found a motion, allowed of a model that no link carries; this one is " + "attached to '" +
+                         carrier(model) + "'");
+  }
   motions_.erase(model);
   if (!motion) return;
   motions_.emplace(model, MotionRun{*motion, X_WM, now_ns});
@@ -103,17 +120,17 @@ void Models::add(ModelSet& set, const SceneEntry& entry, const std::string& yaml
   set.spawned[nameOf(entry)] = yaml;
 }
 
-ModelSet Models::with(const SceneEntry& entry, const std::string& yaml, const std::optional<Pose>& X_WM) const {
+ModelSet Models::with(const SceneEntry& entry, const std::string& yaml, const std::optional<Pose>& X_AM) const {
   const std::string& name = nameOf(entry);
   const std::vector<std::string> taken = names();
   if (std::find(taken.begin(), taken.end(), name) != taken.end() || scene().findBody(name)) {
     throw ParameterError("model '" + name + "': a model or link of this name exists, allowed: another name");
   }
-  if (X_WM) checkPlace("model '" + name + "'", *X_WM);
+  if (X_AM) checkPlace("model '" + name + "'", *X_AM);
   ModelSet next = set_;
   add(next, entry, yaml);
-  if (X_WM) next.place(name) = *X_WM;
-  next.starts[name] = next.place(name);
+  if (X_AM) next.anchored(name) = *X_AM;
+  next.starts[name] = next.anchored(name);
   return next;
 }
 
@@ -136,9 +153,9 @@ ModelSet Models::composed(const std::vector<SavedModel>& saved) const {
     } else if (built().starts.count(model.name) == 0) {
       throw StateError("saved state: found model '" + model.name + "', which is not in this scene");
     }
-    set.starts[model.name] = model.X_WM0;
+    set.starts[model.name] = model.X_AM0;
   }
-  for (const SavedModel& model : saved) set.place(model.name) = model.X_WM;
+  for (const SavedModel& model : saved) set.anchored(model.name) = model.X_AM;
   return set;
 }
 

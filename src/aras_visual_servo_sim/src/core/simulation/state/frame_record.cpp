@@ -12,8 +12,8 @@ void StateWriter::putModels(const std::vector<SavedModel>& models) {
   for (const SavedModel& model : models) {
     putText(model.name);
     putText(model.entry);
-    putPose(model.X_WM);
-    putPose(model.X_WM0);
+    putPose(model.X_AM);
+    putPose(model.X_AM0);
   }
 }
 
@@ -23,8 +23,8 @@ std::vector<SavedModel> StateReader::getModels() {
     SavedModel model;
     model.name = getText();
     model.entry = getText();
-    model.X_WM = getPose();
-    model.X_WM0 = getPose();
+    model.X_AM = getPose();
+    model.X_AM0 = getPose();
     models.push_back(std::move(model));
   }
   return models;

@@ -186,6 +186,40 @@ TEST(JointLimitOverrides, ChangeWhatIsCompleteAndNothingElse) {
   EXPECT_TRUE(joint.limits.has_effort);
 }
 
+TEST(JointLimitOverrides, SoftLimitsThatCrossAreRefused) {
+  RobotModel model = softModel();
+  const std::string text = messageOf<ParameterError>([&] {
+    applyJointLimits(YAML::Load("{joint_limits: {slide: {has_soft_limits: true, k_position: 1, k_velocity: 2,"
+                                " soft_lower_limit: 0.1, soft_upper_limit: 0.05}}}"),
+                     model);
+  });
+  EXPECT_HAS(text, "joint_limits/slide/soft_lower_limit: found 0.100000, allowed <= soft_upper_limit, 0.050000");
+}
+
+TEST(JointLimitOverrides, EachNumberGoesToTheLimitOfItsName) {
+  RobotModel model = softModel();
+  model.joints[0].soft = SoftLimits{};  // as where the URDF has none
+  applyJointLimits(
+      YAML::Load("{joint_limits: {slide: {has_position_limits: true, min_position: -0.1, max_position: 0.2,"
+                 " has_velocity_limits: true, max_velocity: 0.5, has_effort_limits: true, max_effort: 9,"
+                 " has_acceleration_limits: true, max_acceleration: 3, has_soft_limits: true, k_position: 1,"
+                 " k_velocity: 2, soft_lower_limit: -0.05, soft_upper_limit: 0.06}}}"),
+      model);
+  const JointLimits& limits = model.movingJoint(0).enforced;
+  const SoftLimits& soft = model.movingJoint(0).soft;
+  EXPECT_TRUE(limits.has_position && limits.has_velocity && limits.has_effort && limits.has_acceleration);
+  EXPECT_EQ(limits.lower, -0.1);
+  EXPECT_EQ(limits.upper, 0.2);
+  EXPECT_EQ(limits.velocity, 0.5);
+  EXPECT_EQ(limits.effort, 9.0);
+  EXPECT_EQ(limits.acceleration, 3.0);
+  EXPECT_TRUE(soft.present);
+  EXPECT_EQ(soft.k_position, 1.0);
+  EXPECT_EQ(soft.k_velocity, 2.0);
+  EXPECT_EQ(soft.lower, -0.05);
+  EXPECT_EQ(soft.upper, 0.06);
+}
+
 TEST(JointLimitOverrides, WhatIsIncompleteIsPassedOverWithAWarning) {
   RobotModel model = softModel();
   const std::size_t before = model.warnings.size();

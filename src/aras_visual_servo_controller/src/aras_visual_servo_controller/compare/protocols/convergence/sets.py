@@ -1,11 +1,12 @@
 """What the protocol `map` maps: each registered law with each set of features that it works on.
 
-A new law appears by itself. A new feature is listed as left out until a set of SETS has it; where one of a kind stands
-for all of them, or where there is a reason, STANDS_FOR says so.
+A new law appears by itself, and so does a new mapping of the grey levels. A new feature is listed as left out until a
+set of SETS has it; where one of a kind stands for all of them, or where there is a reason, STANDS_FOR says so.
 """
 
 from typing import Dict, NamedTuple, Optional, Tuple
 
+from ....config.schema import yaml_section
 from ....features.base import FeatureSet, expand, feature_class, known_features
 from ....ground.errors import ParameterError
 from ....laws.base import known_laws, works_on
@@ -69,6 +70,20 @@ _TAG = {**_in_place("tag.yaml"), "vision.tag": {"family": "36h11", "id": 0, "siz
         "servo.pose_from": "points"}  # a rectangle's corners would be the same ones after half a turn
 _SLOW = "an image takes as long as forty of an outline, and the points are those of the homography"
 
+
+def _luminance(mapping):
+    """The grey levels of a picture (`none`), or what one of the camera package's mappings makes of them."""
+    levels = {} if mapping == "mixture" else {"levels": 4, "switch_px": 0.5}  # widens and narrows by itself
+    matrix = "current" if mapping == "mutual_information" else "mean"  # the only one that it has
+    plain = mapping == "none"
+    return Set("photometric" if plain else f"photometric_{mapping}",
+               "luminance of a picture" + ("" if plain else f", {mapping.replace('_', ' ')}"), ("photometric",), {
+                   "sim.scene.models": [_PICTURE], "servo.interaction": "desired",
+                   "servo.photometric": {"damping": 0.01, "rest_m_per_s": 0.0005, "rest_rad_per_s": 0.001},
+                   "vision.photometric": {"interaction": matrix, **levels, **({} if plain else {"mapping": mapping}),
+                                          "target_normal_C": [0.0, 0.0, 1.0]}}, ())
+
+
 SETS = (
     Set("moments_4", "moments, tilt held by the joints", ("xn", "yn", "an", "alpha"), {}),
     Set("moments_s", "moments, tilt by sx, sy", ("xn", "yn", "an", "sx", "sy", "alpha"), {}),
@@ -92,11 +107,7 @@ SETS = (
     *_poses("tag", "AprilTag", _TAG),
     Set("keypoints", "four points of ORB keypoints", ("points4",), _KEYPOINTS, ("ibvs",), _SLOW, 10.0),
     Set("tag", "four points of an AprilTag", ("points4",), _TAG, ("ibvs",), _SLOW),
-    Set("photometric", "luminance of a picture", ("photometric",), {
-        "sim.scene.models": [_PICTURE], "servo.interaction": "desired",
-        "servo.photometric": {"damping": 0.01, "rest_m_per_s": 0.0005, "rest_rad_per_s": 0.001},
-        "vision.photometric": {"interaction": "mean", "levels": 4, "switch_px": 0.5,
-                               "target_normal_C": [0.0, 0.0, 1.0]}}, ()),
+    *map(_luminance, yaml_section("aras_visual_servo_camera", "photometric")["properties"]["mapping"]["enum"]),
 )
 #: Features that are in no set because others stand for them, or by themselves say too little.
 STANDS_FOR = {
