@@ -81,7 +81,8 @@ def from_nearby(mapping, seen):
     loop = ServoLoop(load_scenario("six_dof_photometric", {
         "experiment.start.joints": {name: goal[name] + 0.25 * (start[name] - goal[name]) for name in goal},
         "vision.photometric.mapping": mapping, "vision.photometric.interaction": "current",
-        "vision.photometric.levels": 1, "servo.thresholds": {"photometric": 255.0}, "servo.time_limit_s": 8.0}))
+        "vision.photometric.mutual_information": {"bins": 16}, "vision.photometric.levels": 1,
+        "servo.thresholds": {"photometric": 255.0}, "servo.time_limit_s": 8.0}))
     see = loop._see
     loop._see = lambda image, stamp_ns: see(seen(image) if loop.sequence.phase == "servo" else image, stamp_ns)
     return judge(loop.run())
