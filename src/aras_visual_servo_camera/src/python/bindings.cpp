@@ -52,6 +52,9 @@ void bindFeatures(py::module_& module) {
       .def_readwrite("point_y", &MomentFeatures::point_y)
       .def_readwrite("point_z", &MomentFeatures::point_z)
       .def_readwrite("depth_fault", &MomentFeatures::depth_fault)
+      .def_readwrite("ray_x", &MomentFeatures::ray_x)
+      .def_readwrite("ray_y", &MomentFeatures::ray_y)
+      .def_readwrite("ray_z", &MomentFeatures::ray_z)
       .def_readwrite("kernel_x", &MomentFeatures::kernel_x)
       .def_readwrite("kernel_y", &MomentFeatures::kernel_y)
       .def("__repr__", &repr);

@@ -81,6 +81,11 @@ MomentFeatures toFeatures(const py::object& object) {
     f.point_x = object.attr("point_x").cast<std::vector<double>>();
     f.point_y = object.attr("point_y").cast<std::vector<double>>();
   }
+  if (py::hasattr(object, "ray_x")) {
+    f.ray_x = object.attr("ray_x").cast<std::vector<double>>();
+    f.ray_y = object.attr("ray_y").cast<std::vector<double>>();
+    f.ray_z = object.attr("ray_z").cast<std::vector<double>>();
+  }
   return f;
 }
 

@@ -86,6 +86,9 @@ aras_visual_servo_msgs::MomentFeatures toMessage(const MomentFeatures& f) {
   msg.point_y = f.point_y;
   msg.point_z = f.point_z;
   msg.depth_fault = f.depth_fault;
+  msg.ray_x = f.ray_x;
+  msg.ray_y = f.ray_y;
+  msg.ray_z = f.ray_z;
   msg.kernel_x = f.kernel_x;
   msg.kernel_y = f.kernel_y;
   return msg;

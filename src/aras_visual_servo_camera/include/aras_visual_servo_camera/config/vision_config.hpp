@@ -39,6 +39,7 @@ struct VisionConfig {
   double orientation_threshold{};  ///< of MomentFeatures::orientation_condition
   PointSource points{};
   int point_count{};
+  bool rays{};
   struct Kernel {
     double p, q;
   };

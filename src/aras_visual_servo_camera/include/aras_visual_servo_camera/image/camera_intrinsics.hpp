@@ -21,6 +21,9 @@ class CameraIntrinsics {
    * object that reaches there has no features. */
   static constexpr double kWidestAngle = 80.0 * 3.14159265358979323846 / 180.0;
 
+  /** Largest angle of a ray on the unit sphere, 100 degrees [rad]: a view 200 degrees wide. */
+  static constexpr double kWidestRay = 100.0 * 3.14159265358979323846 / 180.0;
+
   /** @param K  row-major 3 x 3 [px]: fx, 0, cx, 0, fy, cy, 0, 0, 1; cx, cy may lie outside the image
    *  @param distortion_model  "" or "none" (D empty or zero), "plumb_bob" (k1 k2 p1 p2 [k3]),
    *      "rational_polynomial" (k1 k2 p1 p2 k3 k4 k5 k6) or "equidistant" (k1 k2 k3 k4)
@@ -49,6 +52,16 @@ class CameraIntrinsics {
   /** The ray of a pixel position; Newton's method on the lens model, to rounding. */
   Undistorted undistort(double u_px, double v_px) const;
 
+  /** A unit vector, z along the optical axis. */
+  struct Ray {
+    double x = 0.0, y = 0.0, z = 1.0;
+    double solid_angle = 0.0;  ///< that a pixel there covers [sr]; 0: there is no ray
+  };
+
+  /** The ray of a pixel position: through a fisheye as far as kWidestRay, else
+   * where undistort() has one. */
+  Ray rayOf(double u_px, double v_px) const;
+
   /** Pixel position of the ray (x, y, 1): the lens model itself. */
   std::array<double, 2> project(double x, double y) const;
 
@@ -59,7 +72,7 @@ class CameraIntrinsics {
   void distort(double x, double y, double xd[2], double J[4]) const;
   void distortPolynomial(double x, double y, double xd[2], double J[4]) const;
   void distortEquidistant(double x, double y, double xd[2], double J[4]) const;
-  double angleOf(double rd) const;
+  double angleOf(double rd, double widest) const;
 
   int width_, height_;
   double fx_ = 0.0, fy_ = 0.0, cx_ = 0.0, cy_ = 0.0;

@@ -10,7 +10,8 @@ namespace aras_visual_servo_camera {
  *  else, without resampling the image. */
 class PixelMap {
  public:
-  explicit PixelMap(const CameraIntrinsics& intrinsics);
+  /** @param rays  whether rays() are asked for, as far as a fisheye sees */
+  explicit PixelMap(const CameraIntrinsics& intrinsics, bool rays = false);
 
   const CameraIntrinsics& intrinsics() const { return intrinsics_; }
   int width() const { return intrinsics_.width(); }
@@ -40,6 +41,15 @@ class PixelMap {
     return {between(&Pixel::x), between(&Pixel::y), between(&Pixel::area)};
   }
 
+  /** Whether the pixel has a ray: one with coordinates or, in a map with rays,
+   * any. */
+  bool sees(int u, int v) const {
+    if (rays_.empty()) return at(u, v).area > 0.0;
+    return rays_[static_cast<std::size_t>(v) * width() + u].solid_angle > 0.0;
+  }
+  /** Maps with rays only. */
+  const CameraIntrinsics::Ray& ray(int u, int v) const { return rays_[static_cast<std::size_t>(v) * width() + u]; }
+
   /** Separable maps only. */
   const std::vector<double>& xOfU() const { return x_of_u_; }
   double yOfV(int v) const { return y_of_v_[v]; }
@@ -50,6 +60,7 @@ class PixelMap {
   double area_ = 0.0;
   std::vector<double> x_of_u_, y_of_v_;  // separable
   std::vector<Pixel> pixels_;            // distorted, row-major
+  std::vector<CameraIntrinsics::Ray> rays_;
 };
 
 }  // namespace aras_visual_servo_camera

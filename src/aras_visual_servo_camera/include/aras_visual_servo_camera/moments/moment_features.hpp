@@ -36,6 +36,7 @@ struct MomentFeatures {
   std::vector<double> mu;
   std::vector<double> point_x, point_y, point_z;
   std::string depth_fault;
+  std::vector<double> ray_x, ray_y, ray_z;
   std::vector<double> kernel_x, kernel_y;
 };
 

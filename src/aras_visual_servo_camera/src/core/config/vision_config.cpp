@@ -66,6 +66,8 @@ void readFeatures(YamlReader& reader, VisionConfig& c) {
       c.points == PointSource::kNone ? reader.find<int>("point_count").value_or(0) : reader.get<int>("point_count");
   if (c.points == PointSource::kCorners && reader.has("point_count") && c.point_count < kMinCorners)
     reader.fault("point_count", std::to_string(c.point_count), ">= 3 corners");
+  c.rays = reader.get<bool>("rays");
+  if (c.rays && c.points != PointSource::kBlobs) reader.fault("rays", "true", "false, or true with points blobs");
   if (!reader.has("kernel")) return;
   YamlReader kernel = reader.section("kernel");
   c.kernel = VisionConfig::Kernel{kernel.get<double>("p"), kernel.get<double>("q")};

@@ -18,7 +18,7 @@ MomentExtractor::MomentExtractor(const CameraIntrinsics& intrinsics, const Visio
 MomentExtractor::~MomentExtractor() = default;
 
 void MomentExtractor::setIntrinsics(const CameraIntrinsics& intrinsics) {
-  map_ = std::make_unique<PixelMap>(intrinsics);
+  map_ = std::make_unique<PixelMap>(intrinsics, config_.rays);
   segmentation_.setMap(*map_);
   accumulator_ = std::make_unique<MomentAccumulator>(*map_, config_.order);
   if (config_.kernel) kernel_ = std::make_unique<KernelProjection>(*map_, config_.kernel->p, config_.kernel->q);
@@ -45,7 +45,12 @@ const MomentFeatures& MomentExtractor::process(const ImageView& image, std::int6
   const std::vector<double>& m = accumulator_->process(*mask_);
   const bool cut = mask_->touches_border || accumulator_->leftTheLens();
   const int hard_area_px = mask_->soft_edges ? 0 : mask_->area_px;
-  features_ = builder_.build({mask_->visible, cut, mask_->components, mask_->ambiguous, hard_area_px}, m);
+  const bool beyond = config_.rays && accumulator_->leftTheLens();  // no moments, but the points may have rays
+  features_ = builder_.build({mask_->visible && !beyond, cut, mask_->components, mask_->ambiguous, hard_area_px}, m);
+  if (beyond) {
+    features_.target_visible = mask_->visible;
+    features_.touches_border = mask_->touches_border;
+  }
   if (points_) points_->write(builder_.reference(), &features_);
   if (depths_) {
     features_.depth_fault = depths_->fault(depth);
@@ -65,9 +70,14 @@ void MomentExtractor::teach(std::int64_t stamp_ns, double z_star_m) {
 
 void MomentExtractor::setReference(double z_star_m, const MomentFeatures& features) {
   if (points_ && features.valid) points_->check(features);
-  builder_.setReference(z_star_m, features);
+  if (features.valid && config_.rays && !(features.area > 0.0)) {
+    builder_.setReference(Reference{z_star_m, 1.0, 0.0});  // of a view that has no moments
+    segmentation_.clearReferenceShape();
+  } else {
+    builder_.setReference(z_star_m, features);
+    segmentation_.setReferenceShape(features.area, features.mu);
+  }
   reference_stamp_ns_ = kNoStamp;
-  segmentation_.setReferenceShape(features.area, features.mu);
   if (points_) points_->setReference(features);
 }
 

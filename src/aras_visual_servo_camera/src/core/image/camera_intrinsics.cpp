@@ -135,7 +135,7 @@ std::array<double, 2> CameraIntrinsics::project(double x, double y) const {
 
 /** The angle from the axis at which the equidistant lens draws at rd, or infinity: steps up to where it would pass rd,
  *  fold over or leave the widest angle, then bisection. */
-double CameraIntrinsics::angleOf(double rd) const {
+double CameraIntrinsics::angleOf(double rd, double widest) const {
   constexpr double kStep = 0.02;  // [rad]
   const auto drawn = [this](double theta) {
     const double t2 = theta * theta;
@@ -143,7 +143,7 @@ double CameraIntrinsics::angleOf(double rd) const {
   };
   double low = 0.0, high = kStep;
   while (drawn(high) < rd) {
-    if (high > kWidestAngle || drawn(high) <= drawn(low)) return std::numeric_limits<double>::infinity();
+    if (high > widest || drawn(high) <= drawn(low)) return std::numeric_limits<double>::infinity();
     low = high;
     high += kStep;
   }
@@ -161,7 +161,7 @@ CameraIntrinsics::Undistorted CameraIntrinsics::undistort(double u_px, double v_
   out.y = yd;
   if (lens_ ==
       Lens::kEquidistant) {  // the angle, found by itself, is the solution to rounding; what follows polishes it
-    const double rd = std::hypot(xd, yd), theta = angleOf(rd);
+    const double rd = std::hypot(xd, yd), theta = angleOf(rd, kWidestAngle);
     if (theta > kWidestAngle) return out;
     if (rd > 0.0) {
       out.x *= std::tan(theta) / rd;
@@ -182,6 +182,22 @@ CameraIntrinsics::Undistorted CameraIntrinsics::undistort(double u_px, double v_
     out.y += (J[0] * ey - J[2] * ex) / det;
   }
   return out;
+}
+
+CameraIntrinsics::Ray CameraIntrinsics::rayOf(double u_px, double v_px) const {
+  if (lens_ != Lens::kEquidistant) {
+    const Undistorted at = undistort(u_px, v_px);
+    if (!at.valid) return Ray{};
+    const double length = std::sqrt(at.x * at.x + at.y * at.y + 1.0);
+    const double area = at.jacobian[0] * at.jacobian[3] - at.jacobian[1] * at.jacobian[2];
+    return {at.x / length, at.y / length, 1.0 / length, area / (length * length * length)};
+  }
+  const double xd = (u_px - cx_) / fx_, yd = (v_px - cy_) / fy_, rd = std::hypot(xd, yd);
+  const double theta = angleOf(rd, kWidestRay), t2 = theta * theta;
+  if (!(theta <= kWidestRay)) return Ray{};
+  const double slope = 1.0 + t2 * (3.0 * D_[0] + t2 * (5.0 * D_[1] + t2 * (7.0 * D_[2] + t2 * 9.0 * D_[3])));
+  const double scale = rd > 0.0 ? std::sin(theta) / rd : 1.0;  // d(solid angle) = sin(theta) d(theta) d(direction)
+  return {scale * xd, scale * yd, std::cos(theta), scale / (slope * fx_ * fy_)};
 }
 
 CameraIntrinsics readCameraInfo(const YAML::Node& node) {

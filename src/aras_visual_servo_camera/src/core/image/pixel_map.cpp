@@ -2,7 +2,9 @@
 
 namespace aras_visual_servo_camera {
 
-PixelMap::PixelMap(const CameraIntrinsics& intrinsics) : intrinsics_(intrinsics) {
+PixelMap::PixelMap(const CameraIntrinsics& intrinsics, bool rays) : intrinsics_(intrinsics) {
+  for (int v = 0; rays && v < height(); ++v)
+    for (int u = 0; u < width(); ++u) rays_.push_back(intrinsics.rayOf(u, v));
   if (separable()) {
     area_ = 1.0 / (intrinsics.fx() * intrinsics.fy());
     for (int u = 0; u < width(); ++u) x_of_u_.push_back((u - intrinsics.cx()) / intrinsics.fx());

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "aras_visual_servo_camera/config/errors.hpp"
+#include "points/sphere_chart.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
@@ -25,7 +27,9 @@ void sortByRow(std::vector<Pixels>* pixels) {
 }  // namespace
 
 PointFeatures::PointFeatures(const VisionConfig& config, const PixelMap& map)
-    : source_(config.points),
+    : map_(map),
+      with_rays_(config.rays),
+      source_(config.points),
       count_(static_cast<std::size_t>(config.point_count)),
       corners_(map, config.point_count),
       centroids_(map, 1),
@@ -41,12 +45,39 @@ const ObjectMask& PointFeatures::find(const ObjectMask& chosen, const std::vecto
   return together_;
 }
 
+/** The middle of the rays of its pixels, weighed by the solid angle of what the object covers of each. */
+std::optional<CameraIntrinsics::Ray> PointFeatures::middleRay(const ObjectMask& object) const {
+  double x = 0.0, y = 0.0, z = 0.0;
+  bool whole = true;
+  const auto add = [&](const CameraIntrinsics::Ray& ray, double weight) {
+    whole = whole && ray.solid_angle > 0.0;
+    x += weight * ray.solid_angle * ray.x;
+    y += weight * ray.solid_angle * ray.y;
+    z += weight * ray.solid_angle * ray.z;
+  };
+  for (const Span& span : object.spans)
+    for (int u = span.u_begin; u < span.u_end; ++u) add(map_.ray(u, span.v), 1.0);
+  for (const EdgePixel& e : object.edge) add(map_.intrinsics().rayOf(e.u + e.du, e.v + e.dv), e.weight);
+  const double length = std::sqrt(x * x + y * y + z * z);
+  if (!whole || !(length > 0.0)) return std::nullopt;
+  return CameraIntrinsics::Ray{x / length, y / length, z / length, 0.0};
+}
+
 // The centroid of an object that is cut by the border is not the object's, so such an object is not used.
 void PointFeatures::findBlobs(const std::vector<ObjectMask>& objects) {
   found_.clear();
+  rays_.clear();
   object_of_.clear();
   for (std::size_t k = 0; k < objects.size(); ++k) {
     if (objects[k].touches_border) continue;
+    if (with_rays_) {
+      if (const auto ray = middleRay(objects[k])) {
+        rays_.push_back(*ray);
+        found_.push_back(chartOf(*ray));
+        object_of_.push_back(k);
+      }
+      continue;
+    }
     const std::vector<double>& m = centroids_.process(objects[k]);
     if (!(m[0] > 0.0) || centroids_.leftTheLens()) continue;
     found_.push_back({m[momentIndex(1, 0)] / m[0], m[momentIndex(0, 1)] / m[0]});
@@ -62,9 +93,11 @@ void PointFeatures::findBlobs(const std::vector<ObjectMask>& objects) {
   std::sort(by_area.begin(), by_area.end());
   for (std::size_t k = 0; k < count_; ++k) {
     found_[k] = found_[by_area[k]];
+    if (with_rays_) rays_[k] = rays_[by_area[k]];
     object_of_[k] = object_of_[by_area[k]];
   }
   found_.resize(count_);
+  if (with_rays_) rays_.resize(count_);
   object_of_.resize(count_);
 }
 
@@ -80,6 +113,7 @@ void PointFeatures::unite(const ObjectMask& chosen, const std::vector<ObjectMask
   together_.spans.clear();
   together_.edge.clear();
   std::vector<ImagePoint> points;
+  std::vector<CameraIntrinsics::Ray> rays;
   for (const int k : matched) {
     const ObjectMask& object = objects[object_of_[k]];
     append(object.spans, &together_.spans);
@@ -88,8 +122,10 @@ void PointFeatures::unite(const ObjectMask& chosen, const std::vector<ObjectMask
     together_.v_px += object.area_px * object.v_px;
     together_.area_px += object.area_px;
     points.push_back(found_[k]);
+    if (with_rays_) rays.push_back(rays_[k]);
   }
   found_ = std::move(points);
+  rays_ = std::move(rays);
   if (!together_.visible) return;
   together_.u_px /= together_.area_px;
   together_.v_px /= together_.area_px;
@@ -103,27 +139,49 @@ void PointFeatures::write(const std::optional<Reference>& reference, MomentFeatu
   features->point_x.clear();
   features->point_y.clear();
   for (const int k : tracker_.match(found_, turn)) {
-    features->point_x.push_back(found_[k].x);
-    features->point_y.push_back(found_[k].y);
+    if (!with_rays_) {
+      features->point_x.push_back(found_[k].x);
+      features->point_y.push_back(found_[k].y);
+      continue;
+    }
+    features->ray_x.push_back(rays_[k].x);
+    features->ray_y.push_back(rays_[k].y);
+    features->ray_z.push_back(rays_[k].z);
   }
-  features->valid = features->target_visible && !features->touches_border && !features->point_x.empty();
+  const double least = std::cos(CameraIntrinsics::kWidestAngle);
+  const std::vector<double>& z = features->ray_z;
+  if (std::all_of(z.begin(), z.end(), [least](double one) { return one > least; })) {
+    for (std::size_t k = 0; k < z.size(); ++k) {
+      features->point_x.push_back(features->ray_x[k] / z[k]);
+      features->point_y.push_back(features->ray_y[k] / z[k]);
+    }
+  }
+  const bool found = with_rays_ ? !z.empty() : !features->point_x.empty();
+  features->valid = features->target_visible && !features->touches_border && found;
 }
 
 void PointFeatures::check(const MomentFeatures& features) const {
-  const std::size_t n = std::min(features.point_x.size(), features.point_y.size());
-  if (n != count_ || features.point_x.size() != features.point_y.size())
+  const auto& [x, y] =
+      with_rays_ ? std::tie(features.ray_x, features.ray_y) : std::tie(features.point_x, features.point_y);
+  const std::size_t n = std::min(x.size(), y.size());
+  if (n != count_ || x.size() != y.size() || (with_rays_ && features.ray_z.size() != n))
     throw ShapeError("reference/points: found " + std::to_string(n) + ", allowed " + std::to_string(count_) +
                      ", vision.point_count");
   for (std::size_t k = 0; k < n; ++k)
-    if (!std::isfinite(features.point_x[k]) || !std::isfinite(features.point_y[k]))
+    if (!std::isfinite(x[k]) || !std::isfinite(y[k]))
       throw ParameterError("reference/points: found a coordinate that is not finite, allowed finite numbers");
 }
 
 void PointFeatures::setReference(const MomentFeatures& features) {
   std::vector<ImagePoint> points;
-  for (std::size_t k = 0; k < features.point_x.size(); ++k)
-    points.push_back({features.point_x[k], features.point_y[k]});
+  const std::size_t count = with_rays_ ? features.ray_x.size() : features.point_x.size();
+  for (std::size_t k = 0; k < count; ++k) points.push_back(placeOf(features, k));
   tracker_.setReference(points);
+}
+
+ImagePoint PointFeatures::placeOf(const MomentFeatures& features, std::size_t k) const {
+  if (!with_rays_) return {features.point_x[k], features.point_y[k]};
+  return chartOf({features.ray_x[k], features.ray_y[k], features.ray_z[k], 0.0});
 }
 
 }  // namespace aras_visual_servo_camera

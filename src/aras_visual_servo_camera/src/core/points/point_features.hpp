@@ -38,15 +38,21 @@ class PointFeatures {
   void forgetPrevious() { tracker_.forgetPrevious(); }
 
  private:
+  std::optional<CameraIntrinsics::Ray> middleRay(const ObjectMask& object) const;
   void findBlobs(const std::vector<ObjectMask>& objects);
   void unite(const ObjectMask& chosen, const std::vector<ObjectMask>& objects);
 
+  ImagePoint placeOf(const MomentFeatures& features, std::size_t k) const;
+
+  const PixelMap& map_;
+  bool with_rays_;
   PointSource source_;
   std::size_t count_;
   CornerFinder corners_;
   MomentAccumulator centroids_;
   PointTracker tracker_;
-  std::vector<ImagePoint> found_;
+  std::vector<ImagePoint> found_;  // with rays: their places in the chart
+  std::vector<CameraIntrinsics::Ray> rays_;
   std::vector<std::size_t> object_of_;  // blobs: which object each point is the centroid of
   ObjectMask together_;
 };

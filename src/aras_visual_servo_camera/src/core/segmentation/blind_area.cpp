@@ -10,7 +10,7 @@ BlindArea::BlindArea(const PixelMap& map) {
   blind_ = cv::Mat::zeros(map.height(), map.width(), CV_8UC1);
   for (int v = 0; v < map.height(); ++v) {
     for (int u = 0; u < map.width(); ++u) {
-      if (map.at(u, v).area > 0.0) continue;
+      if (map.sees(u, v)) continue;
       blind_.at<std::uint8_t>(v, u) = 255;
       ++count_;
     }

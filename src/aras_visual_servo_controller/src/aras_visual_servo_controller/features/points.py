@@ -59,7 +59,14 @@ def point_rows(view):
 
 
 def rays(view):
-    """(N, 3) unit vectors towards the followed points. Raises DegenerateFeature: the view shows none."""
+    """(N, 3) unit vectors towards the followed points, which a wide lens may see beside and behind the camera, too.
+
+    Raises DegenerateFeature: the view shows none.
+    """
+    seen = getattr(view.features, "ray_x", ())
+    if len(seen):
+        s = np.array([seen, view.features.ray_y, view.features.ray_z]).T
+        return s / np.linalg.norm(s, axis=1)[:, None]
     ahead = np.array([(x, y, 1.0) for x, y in view.shared(points)])
     return ahead / np.linalg.norm(ahead, axis=1)[:, None]
 

@@ -76,6 +76,9 @@ class Features:
     point_y: Sequence[float] = ()
     point_z: Sequence[float] = ()
     depth_fault: str = ""
+    ray_x: Sequence[float] = ()
+    ray_y: Sequence[float] = ()
+    ray_z: Sequence[float] = ()
     kernel_x: Sequence[float] = ()
     kernel_y: Sequence[float] = ()
     age_s: float = nan
@@ -218,7 +221,7 @@ class Reference:
 #: Fields of the taught view that a reference keeps, beside its moments.
 VIEW_FIELDS = ("xn", "yn", "an", "alpha", "z_star_m", "area_star")
 #: ... and the followed points and the kernel projections, where there are any.
-VIEW_POINTS = ("point_x", "point_y", "point_z", "kernel_x", "kernel_y")
+VIEW_POINTS = ("point_x", "point_y", "point_z", "ray_x", "ray_y", "ray_z", "kernel_x", "kernel_y")
 _OPTIONAL = {"ambiguous": False, "reference_stamp_ns": -1, "depth_fault": "", **dict.fromkeys(VIEW_POINTS, ()),
              "age_s": nan}
 

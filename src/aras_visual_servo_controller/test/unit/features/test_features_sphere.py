@@ -5,6 +5,7 @@ import pytest
 import round_views as rounds
 from views import assert_same, differences, exponential, parallel_pose, plane_of, tilted_pose, view
 
+from aras_visual_servo_controller.features import source_named
 from aras_visual_servo_controller.features.base import FeatureSet, View
 from aras_visual_servo_controller.ground.errors import DegenerateFeature
 from aras_visual_servo_controller.ground.types import Features, Reference
@@ -25,6 +26,21 @@ def seen(X):
     return view(X, QUADRILATERAL, plane_of(X))
 
 
+def seen_by_rays(X):
+    """The corners of a board, and more of it, seen from a camera within it: some corners lie behind the image plane."""
+    corners = np.c_[8.0 * QUADRILATERAL, np.zeros(4), np.ones(4)] @ np.linalg.inv(X).T
+    s = corners[:, :3] / np.linalg.norm(corners[:, :3], axis=1)[:, None]
+    return View(Features(ray_x=s[:, 0].tolist(), ray_y=s[:, 1].tolist(), ray_z=s[:, 2].tolist()), plane_of(X))
+
+
+def aslant(seed):
+    """A camera low above the board that looks along it."""
+    rng = np.random.default_rng(seed)
+    X = tilted_pose(seed) @ exponential([0, 0, 0.45, *rng.uniform(0.5, 0.7, 2), 0], 1.0)
+    assert (np.array(seen_by_rays(X).features.ray_z) < 0.0).any()
+    return X
+
+
 def circle_seen(X):
     return rounds.as_view(rounds.circle(X, RADIUS_M, CENTRE[:2]), plane_of(X))
 
@@ -43,6 +59,37 @@ VIEWS = {**dict.fromkeys((*MOMENTS, *INVARIANTS), seen), **dict.fromkeys(CIRCLE,
 def test_row_is_the_derivative(name, seed):
     X, one, look = tilted_pose(seed), FeatureSet([name]), VIEWS[name]
     assert_same(one.matrix(look(X)), differences(lambda X: one.values(look(X)), X))
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("name", ["us1", "vs2", "ws3", "ws4", *MOMENTS, *INVARIANTS, "vx1", "vy2", "vz1"])
+def test_rows_by_rays_are_derivatives_also_behind_the_image_plane(name, seed):
+    X, one = aslant(seed), FeatureSet([name])
+    assert_same(one.matrix(seen_by_rays(X)), differences(lambda X: one.values(seen_by_rays(X)), X))
+
+
+def test_rays_behind_the_image_plane_bring_the_camera_home():
+    names, goal = tuple(f"{axis}s{n}" for n in (1, 2, 3, 4) for axis in "uvw"), aslant(2)
+    law = make_law("ibvs", [2.0] * 12, LawSetup(names, "current"))
+    law.reset(Reference(FeatureSet(names).values(seen_by_rays(goal)), view=seen_by_rays(goal).features,
+                        plane_C=plane_of(goal)))
+    X = goal @ exponential([0.02, -0.01, -0.02, 0.1, -0.2, 0.4], 1.0)
+    for _ in range(400):
+        X = X @ exponential(law.step(Look(seen_by_rays(X), 1.0 / 30.0)).twist, 1.0 / 30.0)
+    np.testing.assert_allclose(X, goal, atol=1e-6)
+
+
+def test_a_goal_without_moments_has_its_plane_through_the_middle_of_the_rays():
+    source, view = source_named("moments"), Features(ray_x=(0.6, -0.6, 0.0, 0.8), ray_y=(0.0, 0.6, -1.0, 0.6))
+    view.ray_z = (0.8, 0.53, -0.1, 0.0)
+    taught = source.taught(view, 0.5, (0.0, 0.0, 1.0))
+    middle = np.mean([view.ray_x, view.ray_y, view.ray_z], axis=1)
+    assert taught.plane_C @ (0.5 * middle / middle[2]) == pytest.approx(1.0)
+    kept = Reference(np.zeros(1), view=taught.view)
+    assert Reference.from_dict(kept.to_dict()).view.ray_z == pytest.approx(view.ray_z)
+    view.ray_z = [-z for z in view.ray_z]
+    with pytest.raises(DegenerateFeature, match="the middle of the points is not before the camera"):
+        source.taught(view, 0.5, (0.0, 0.0, 1.0))
 
 
 def test_invariants_do_not_change_in_a_turn_and_grow_with_the_distance():

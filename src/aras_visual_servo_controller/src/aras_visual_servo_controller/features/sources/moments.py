@@ -5,6 +5,7 @@ from math import pi, remainder
 
 import numpy as np
 
+from ...ground.errors import DegenerateFeature
 from ...ground.types import VIEW_POINTS, Features
 from ..interaction import plane_from_pose
 from .base import Source, Taught, register_source
@@ -34,6 +35,8 @@ class Moments(Source):
     def taught(self, features, z_star_m, normal_C):
         """As of `Source`. A view that is its own reference has an = Z*, xn = Z* xg and yn = Z* yg (T4)."""
         view = Features.from_object(features)
+        if len(view.ray_x) and not view.area > 0.0:
+            _without_moments(view)
         view.has_reference, view.z_star_m, view.area_star = True, float(z_star_m), view.area
         view.an, view.xn, view.yn = view.z_star_m, view.z_star_m * view.xg, view.z_star_m * view.yg
         return Taught(view, view, plane_from_pose(normal_C, view.z_star_m * np.array([view.xg, view.yg, 1.0])))
@@ -56,3 +59,16 @@ class Moments(Source):
     def follow(self, extractor, features):
         """As of `Source`. Area and orientation come from the features; the orientation may be half a turn off."""
         extractor.set_reference(features.z_star_m, features.area_star, features.alpha)
+
+
+def _without_moments(view):
+    """Give a view of points beside and behind the camera the place of their middle: what it has instead of moments.
+
+    Raises DegenerateFeature: the middle is not before the camera, so that it has no depth.
+    """
+    x, y, z = (float(np.mean(values)) for values in (view.ray_x, view.ray_y, view.ray_z))
+    if not z > 0.0:
+        raise DegenerateFeature("the middle of the points is not before the camera, where it would have the depth "
+                                "z_star_m")
+    view.xg, view.yg, view.area, view.alpha = x / z, y / z, 1.0, 0.0
+    view.moment_names = view.m = view.mu = ()
