@@ -42,7 +42,7 @@ def report_html(record, summary, command=None, film=None):
         "report.html.j2", summary=summary, images=_images(record), plots=drawn, film=film and _film(film),
         replay=shown_again, no_replay=why_not, script=source("report.js") if drawn else "",
         rows=comparison_rows(summary), stop=stop_rows(summary), features=_feature_rows(summary),
-        settings=flat_settings(record),
+        settings=flat_settings(record), eye_to_hand=record.eye_to_hand,
         recorded=[(topic, f"{count['in_bag']} of {count['published']} messages published")
                   for topic, count in record.recorded.items()],
         scenario=scenario, scenario_src=data_uri(scenario.encode(), "text/yaml"),

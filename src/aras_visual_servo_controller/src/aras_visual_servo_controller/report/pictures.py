@@ -6,6 +6,8 @@ PANELS = ("desired", "initial", "difference", "errors", "velocity", "path")
 TITLES = {"desired": "desired image", "initial": "initial image", "difference": "difference, final $-$ desired",
           "errors": "feature errors", "velocity": "camera velocity", "path": "path of the camera",
           "start": "difference at the start, initial $-$ desired"}
+#: Instead, where the arm carries the target and the camera stands still.
+EYE_TO_HAND = {"velocity": "camera velocity, seen from the target", "path": "path of the target"}
 
 
 def panel_title(record, panel):
@@ -13,7 +15,7 @@ def panel_title(record, panel):
     servo = record.settings.get("servo", {})
     if panel == "velocity" and servo.get("mode") == "look_then_move":
         return f"velocity of the law, T = {servo.get('sample_time_s', 0.01):g} s per look"
-    return TITLES[panel]
+    return EYE_TO_HAND.get(panel, TITLES[panel]) if record.eye_to_hand else TITLES[panel]
 
 
 def image_of(record, panel):

@@ -222,7 +222,7 @@ def trace_csv(record):
 def format_summary(summary):
     """The summary as a table for the terminal, ASCII, at most 79 columns wide, str."""
     lines = [f"{summary['scenario']}: {'PASSED' if summary['passed'] else 'FAILED'} ({summary['reason']})", ""]
-    lines.append(f"{'final camera pose error':<31}{'x [mm]':>10}{'y [mm]':>10}{'z [mm]':>10}{'angle [deg]':>14}")
+    lines.append(f"{'final pose error':<31}{'x [mm]':>10}{'y [mm]':>10}{'z [mm]':>10}{'angle [deg]':>14}")
     for row in comparison_rows(summary):
         cells = zip(row["cells"], (10, 10, 10, 14))
         lines.append(f"{row['label']:<31}" + "".join(f"{cell:>{width}}" for cell, width in cells))

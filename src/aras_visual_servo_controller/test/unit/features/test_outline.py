@@ -71,8 +71,8 @@ def test_what_is_not_before_the_camera_has_no_place():
     assert outline().pixels(within) is None
 
 
-def scenario_of(models, camera=CAMERA, base=None):
-    return SimpleNamespace(sim={"scene": {"models": models}, "cameras": [camera]}, _base=base)
+def scenario_of(models, camera=CAMERA, base=None, **robot):
+    return SimpleNamespace(sim={"scene": {"models": models}, "cameras": [camera]}, robot=robot, _base=base)
 
 
 def test_the_outline_of_a_scenario_stands_in_it_or_in_the_file_of_its_first_model(tmp_path):
@@ -93,3 +93,9 @@ def test_where_it_cannot_be_known_there_is_none(models, camera, tmp_path):
     assert Outline.of(scenario_of(models, camera, tmp_path)) is None
     known = {**CAMERA, "distortion_model": "plumb_bob"}
     assert Outline.of(scenario_of([{"outlines_m": OUTLINES}], known, tmp_path)) is not None
+
+
+def test_a_target_that_the_arm_carries_is_that_of_the_scenario_where_it_says_so():
+    carried = [{"outlines_m": OUTLINES, "attached_to": "tool"}]
+    assert Outline.of(scenario_of(carried)) is None and Outline.of(scenario_of(carried, target_link="other")) is None
+    assert Outline.of(scenario_of(carried, target_link="tool")) is not None

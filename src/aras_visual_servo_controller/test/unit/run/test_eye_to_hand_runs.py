@@ -6,7 +6,11 @@ import pytest
 from aras_visual_servo_controller.arm.kinematics import EyeToHand
 from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.ground.spatial import inverse, rotation_angle
+from aras_visual_servo_controller.report.page import report_html
+from aras_visual_servo_controller.report.pictures import panel_title
+from aras_visual_servo_controller.report.report import summarise
 from aras_visual_servo_controller.run.judge import judge, run_in_process
+from aras_visual_servo_controller.run.measures import measures
 from aras_visual_servo_controller.scenario.scenario import load_scenario
 
 #: What the scenarios promise. Dry friction leaves a few tenths of a millimetre, a tag's corners as much again.
@@ -64,6 +68,15 @@ def test_the_target_arrives_where_it_was_taught_in_the_camera(name):
                   (record.rows("teach")[0], record.servo_rows[-1]))
     assert 1e3 * np.linalg.norm(last[:3, 3] - goal[:3, 3]) < 1.8
     assert np.degrees(rotation_angle(goal[:3, :3].T @ last[:3, :3])) < MM_DEG["angle_deg"]
+
+
+def test_the_report_shows_what_moved():
+    record = run_in_process(load_scenario("eye_to_hand", {"servo.time_limit_s": 0.2}))
+    assert panel_title(record, "path") == "path of the target"
+    page = report_html(record, summarise(record))
+    assert "Where the target ended" in page and "path of the target in the world" in page
+    moved = np.linalg.norm(np.diff(record.target_poses[record.servo_rows][:, :3, 3], axis=0), axis=1).sum()
+    assert measures(record, *np.full((2, 6), np.inf))["path_mm"] == pytest.approx(1e3 * moved)
 
 
 @pytest.mark.parametrize("law", LAWS)
