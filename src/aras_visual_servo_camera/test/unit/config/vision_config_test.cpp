@@ -30,7 +30,8 @@ const char kEveryKey[] =
     "border_px: 11, min_contrast: 4, target_normal_C: [0.1, 0.2, 0.9], mapping: dct, "
     "pca: {components: 12, views: 50, spread: 0.2, seed: 5}, dct: {coefficients: 20}, "
     "mixture: {extension_px: 30, final_extension_px: 3}, mutual_information: {bins: 10}}, "
-    "matches: {detector: akaze, keypoints: 500, ratio: 0.7, inlier_px: 2, min_matches: 9, iterations: 300, seed: 7}, "
+    "matches: {detector: akaze, keypoints: 500, ratio: 0.7, inlier_px: 2, min_matches: 9, iterations: 300, seed: 7, "
+    "depth: {window_px: 5}}, rays: true, depth: {window_px: 11, max_step: 0.1}, "
     "tag: {family: 25h9, id: 3, size_m: 0.12, min_side_px: 24}}";
 
 std::vector<std::string> keysOf(const YAML::Node& map) {
@@ -50,7 +51,7 @@ TEST(VisionConfig, EveryKeyOfTheSectionsIsRead) {  // by the next test, which ha
   const YAML::Node document = YAML::Load(kEveryKey);
   const auto& vision = schemaSections().section("vision");
   EXPECT_EQ(keysOf(document), keysOf(vision));
-  for (const char* part : {"kernel", "photometric", "matches", "tag"})
+  for (const char* part : {"kernel", "depth", "photometric", "matches", "tag"})
     EXPECT_EQ(keysOf(document[part]), keysOf(*vision.property(document, part)));
   for (const char* mapping : {"pca", "dct", "mixture", "mutual_information"})
     EXPECT_EQ(keysOf(document["photometric"][mapping]), keysOf(schemaSections().section(mapping)));
@@ -73,6 +74,10 @@ TEST(VisionConfig, ReadsEveryKey) {
   EXPECT_EQ(c.orientation_threshold, 0.2);
   EXPECT_EQ(c.points, PointSource::kBlobs);
   EXPECT_EQ(c.point_count, 5);
+  EXPECT_TRUE(c.rays);
+  EXPECT_EQ(c.depth.value().window_px, 11);
+  EXPECT_EQ(c.depth.value().max_step, 0.1);
+  EXPECT_EQ(c.matches.value().depth.value().window_px, 5);
   EXPECT_EQ(c.kernel.value().p, 2.0);
   EXPECT_EQ(c.kernel.value().q, 3.0);
   EXPECT_EQ(c.lost_area_px.value(), 4);
