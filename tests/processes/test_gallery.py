@@ -5,8 +5,8 @@ import cv2
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-#: Pictures that script/docs/growth.py makes.
-OTHERS = {"growth.png", "frame_budget.png"}
+#: Pictures that script/docs/growth.py and `benchmark map` make.
+OTHERS = {"growth.png", "frame_budget.png", "convergence.png"}
 LAWS, TASKS, SHORT = ("points_goal", "pbvs"), ("turn_90",), {"servo.time_limit_s": 0.2}
 
 

@@ -1,8 +1,8 @@
 """Checks before anything moves whether a run can be done at all, by kinematics and the target's outline. No ROS.
 
 A run is refused, with its reason, when goal or start are outside joint limits, when the image does not show the whole
-target at the goal or at the start, or when the wrist would have to pass its limits because the shorter turn home leads
-beyond them.
+target at the goal or at the start (unless the servo works on keypoints, for which a part is enough), or when the wrist
+would have to pass its limits because the shorter turn home leads beyond them.
 """
 
 from math import pi
@@ -11,6 +11,7 @@ import numpy as np
 
 from ..ground.errors import ParameterError
 from ..arm.robot import kinematics_of
+from ..features.sources.base import source_named
 from ..features.target.outline import Outline
 from ..arm.reach import outside_limits
 
@@ -25,8 +26,10 @@ OTHERS_TURN = 0.02
 def check_feasible(scenario):
     """Raises ParameterError, naming the reason, if the scenario's experiment cannot be done as it stands."""
     kinematics = kinematics_of(scenario.urdf_xml(), scenario.robot)
-    refusal = Feasibility(scenario, kinematics).refusal(scenario.goal_posture(kinematics),
-                                                        scenario.start_posture(kinematics))
+    source = scenario.servo.get("source")
+    whole = not source or not source_named(source).sees_parts
+    feasibility = Feasibility(scenario, kinematics, look=whole)
+    refusal = feasibility.refusal(scenario.goal_posture(kinematics), scenario.start_posture(kinematics))
     if refusal:
         raise ParameterError(f"scenario '{scenario.name}' refused, nothing has moved: {refusal}")
 

@@ -33,7 +33,8 @@ def test_container_has_the_fields_of_its_message(message, container, extra):
 
 
 def test_features_copy_any_object_and_give_moments_by_name():
-    source = SimpleNamespace(**{field.name: 0.0 for field in fields(Features) if field.name != "age_s"})
+    source = SimpleNamespace(**{field.name: () if field.default == () else 0.0 for field in fields(Features)
+                                if field.name != "age_s"})
     source.moment_names, source.m, source.mu = ["00", "10"], [2.0, 3.0], [2.0, 0.0]
     source.point_x, source.point_y = [0.1, 0.2], [0.3, 0.4]
     source.kernel_x, source.kernel_y = [1.0], [2.0]

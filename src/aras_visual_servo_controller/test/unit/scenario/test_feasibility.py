@@ -11,6 +11,7 @@ from aras_visual_servo_controller.arm.kinematics import Kinematics
 from aras_visual_servo_controller.run.loop import ServoLoop
 from aras_visual_servo_controller.features.target.outline import Outline
 from aras_visual_servo_controller.arm.reach import reach
+from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.ground.spatial import rotation
 from aras_visual_servo_controller.scenario.scenario import load_scenario, scenario_from_dict
 from aras_visual_servo_controller.scenario.files import scenario_names
@@ -156,3 +157,12 @@ def test_a_run_that_cannot_be_done_is_refused_before_anything_moves(tmp_path, ca
 @pytest.mark.parametrize("name", scenario_names())
 def test_the_scenarios_that_come_along_can_be_run(name):
     check_feasible(load_scenario(name))
+
+
+def test_keypoints_need_no_more_than_a_part_of_the_target_in_view():
+    large = load_scenario("cns_render")
+    assert large.servo["source"] == "matches"
+    check_feasible(large)
+    whole = load_scenario("cns_render", {"servo.source": "tag", "vision.tag": {"family": "36h11", "id": 0}})
+    with pytest.raises(ParameterError, match="target not in view at the goal"):
+        check_feasible(whole)

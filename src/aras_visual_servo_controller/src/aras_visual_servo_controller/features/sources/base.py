@@ -74,9 +74,11 @@ class Source:
         topic, message: ROS topic and type of its features; they are recorded with the group `features`.
         tell_reference: names of the fields in which features with different references differ.
         section: key of the scenario's section `vision` that makes the camera node publish them; "" if no key is needed.
+        sees_parts: a part of the target in view is enough.
     """
 
     name, topic, message, section = "", "", "", ""
+    sees_parts = False
     tell_reference = ("reference_stamp_ns", "z_star_m")
 
     def extractor(self, camera_info, vision):

@@ -14,6 +14,7 @@ class Matches(Source):
     """Four points of the goal's plane, which the homography between both images moves; the pose follows from them."""
 
     topic, message, section = "camera/matches", "aras_visual_servo_msgs/MatchFeatures", "matches"
+    sees_parts = True
 
     def extractor(self, camera_info, vision):
         from aras_visual_servo_camera import MatchExtractor  # here: this module can be imported without C++
