@@ -1,7 +1,9 @@
-"""Puts the packages' shared test helpers, exact pictures of polygons and textures, where these tests find them."""
+"""Puts what these tests share, and the packages' exact pictures of polygons and textures, where they are found."""
 import pathlib
 import sys
 
-SOURCES = pathlib.Path(__file__).resolve().parents[2] / "src"
+HERE = pathlib.Path(__file__).resolve().parent
+SOURCES = HERE.parents[1] / "src"
+sys.path.insert(0, str(HERE / "support"))
 sys.path.insert(0, str(SOURCES / "aras_visual_servo_controller/test/support"))
 sys.path.append(str(SOURCES / "aras_visual_servo_camera/test/unit"))  # textured_plane

@@ -19,7 +19,7 @@ import textwrap
 
 import numpy as np
 
-THEORY = pathlib.Path(__file__).resolve().parents[2] / "docs" / "theory.md"
+THEORY = pathlib.Path(__file__).resolve().parents[3] / "docs" / "theory.md"
 #: Of the largest entry that is compared: some hundred operations in double precision.
 ROUNDING = 1e-10
 #: Formulas and tests by the number of their equation.
