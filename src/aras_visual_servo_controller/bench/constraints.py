@@ -33,6 +33,9 @@ from aras_visual_servo_controller.sweep.plan import SweepSettings, make_starts
 from aras_visual_servo_controller.sweep.run import Bench
 from aras_visual_servo_controller.sweep.statistics import wilson
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[3] / "script" / "docs"))
+import marked
+
 POINTS = {"vision.points": "corners", "vision.point_count": 4, "vision.order": 3,
           "servo.features": ["points4"], "servo.gains_per_s": {"points4": 2.0},
           "servo.thresholds": {"points4": 0.0005}, "servo.interaction": "current"}
@@ -250,12 +253,7 @@ def main():
     text = "\n".join([HEAD, *lines])
     print(text)
     if arguments.write:
-        page = arguments.write.read_text()
-        before, begin, rest = page.partition(BEGIN + "\n")
-        _, end, after = rest.partition(END)
-        if not (begin and end):
-            raise SystemExit(f"constraints: allowed a page with '{BEGIN}' and '{END}'")
-        arguments.write.write_text(f"{before}{begin}{text}\n{end}{after}")
+        arguments.write.write_text(marked.replaced(arguments.write.read_text(), BEGIN + "\n", END, text + "\n"))
 
 
 if __name__ == "__main__":

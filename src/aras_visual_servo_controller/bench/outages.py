@@ -24,6 +24,9 @@ from aras_visual_servo_controller.run.settings import ExperimentSettings
 from aras_visual_servo_controller.scenario.scenario import load_scenario
 from aras_visual_servo_controller.sweep.statistics import wilson
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[3] / "script" / "docs"))
+import marked
+
 LENGTHS_S = (0.25, 0.5, 1.0, 2.0)
 #: Way: what it changes in the scenario. Search and backing off begin after 0.1 s.
 WAYS = {
@@ -109,11 +112,7 @@ def main():
     text = table(results)
     print(text)
     if arguments.write:
-        before, begin, rest = arguments.write.read_text().partition(BEGIN + "\n")
-        _, end, after = rest.partition(END)
-        if not (begin and end):
-            sys.exit(f"outages: allowed a page with '{BEGIN}' and '{END}'")
-        arguments.write.write_text(f"{before}{begin}{text}\n{end}{after}")
+        arguments.write.write_text(marked.replaced(arguments.write.read_text(), BEGIN + "\n", END, text + "\n"))
 
 
 if __name__ == "__main__":

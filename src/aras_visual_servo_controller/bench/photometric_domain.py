@@ -28,6 +28,9 @@ from aras_visual_servo_controller.run.settings import ExperimentSettings
 from aras_visual_servo_controller.scenario.scenario import load_scenario, scenario_from_dict
 from aras_visual_servo_controller.sweep.statistics import wilson
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[3] / "script" / "docs"))
+import marked
+
 #: Way: its `vision.photometric`.
 WAYS = {
     "`none`": {},
@@ -178,11 +181,7 @@ def main():
     text = table(results)
     print(text)
     if arguments.write:
-        before, begin, rest = arguments.write.read_text().partition(BEGIN + "\n")
-        _, end, after = rest.partition(END)
-        if not (begin and end):
-            sys.exit(f"photometric_domain: allowed a page with '{BEGIN}' and '{END}'")
-        arguments.write.write_text(f"{before}{begin}{text}\n{end}{after}")
+        arguments.write.write_text(marked.replaced(arguments.write.read_text(), BEGIN + "\n", END, text + "\n"))
 
 
 if __name__ == "__main__":

@@ -74,6 +74,7 @@ class Cameras:
         self._world.look(self._model)
         simulation, depth = self._model.simulation, self._model.description.cameras[name].depth
         try:
+            image = None
             if "image" in wanted:
                 image = simulation.render(name)
                 wanted["image"].publish(image_message(header, image, simulation.camera_encoding(name)))
@@ -83,7 +84,7 @@ class Cameras:
                     values = depth.values(depth_m)
                     wanted["depth"].publish(image_message(header, values, "16UC1" if depth.millimetres else "32FC1"))
                 if "points" in wanted:
-                    colors = simulation.render(depth.colors)
+                    colors = image if image is not None and depth.colors == name else simulation.render(depth.colors)
                     colors = colors[..., ::-1] if simulation.camera_encoding(depth.colors) == "bgr8" else colors
                     points = depth.cloud(depth_m, simulation.camera_info(name)["K"], colors)
                     wanted["points"].publish(cloud_message(header, points))

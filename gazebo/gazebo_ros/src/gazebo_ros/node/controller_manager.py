@@ -10,7 +10,7 @@ from controller_manager_msgs.srv import (ListControllers, ListControllersRespons
 from aras_visual_servo_sim import ArasError, Simulation
 
 from ..controllers import adapter_of, parameters_of, types_of_adapters
-from ..world.description import joined
+from ..world.devices import joined
 from .beat import NEVER_NS
 
 BASE_CLASS = "controller_interface::ControllerBase"

@@ -10,6 +10,8 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 
+from .devices import joined, number, text
+
 REALSENSE = "librealsense_gazebo_plugin.so"
 KINECT = "libgazebo_ros_openni_kinect.so", "libgazebo_ros_depth_camera.so"
 CAMERA = "libgazebo_ros_camera.so"
@@ -71,20 +73,11 @@ class Depth:
         return points
 
 
-def joined(*parts):
-    return "/" + "/".join(part.strip("/") for part in parts if part.strip("/"))
-
-
-def text(element, key, otherwise=""):
-    child = element.find(key)
-    return child.text.strip() if child is not None and child.text else otherwise
-
-
-def number(element, key, otherwise):
-    found = text(element, key)
-    value = float(found) if found else otherwise
+def finite(element, key, otherwise):
+    """The number of a key. Raises: ValueError: it is none, or not finite."""
+    value = number(element, key, otherwise)
     if not math.isfinite(value):
-        raise ValueError("<%s> is %s, allowed is a finite number" % (key, found))
+        raise ValueError("<%s> is %s, allowed is a finite number" % (key, value))
     return value
 
 
@@ -125,8 +118,8 @@ def read_realsense(robot, plugin, warnings):
     cameras[prefix + DEPTH] = ("", "", Depth(
         image=image, info=sibling(image, "camera_info"), millimetres=True,
         points=joined(place, text(plugin, "pointCloudTopicName", "points")) if points else "",
-        range_m=(number(plugin, "rangeMinDepth", 0.0), number(plugin, "rangeMaxDepth", 65.535)),
-        points_m=(number(plugin, "pointCloudCutoff", 0.0), number(plugin, "pointCloudCutoffMax", 5.0)),
+        range_m=(finite(plugin, "rangeMinDepth", 0.0), finite(plugin, "rangeMaxDepth", 65.535)),
+        points_m=(finite(plugin, "pointCloudCutoff", 0.0), finite(plugin, "pointCloudCutoffMax", 5.0)),
         colors=prefix + "color" if prefix + "color" in cameras else prefix + DEPTH))
     become_camera(sensor, text(plugin, "depthOpticalframeName"))
     return cameras
@@ -159,7 +152,7 @@ def read_kinects(robot, namespace):
                 continue
             name = text(plugin, "cameraName", sensor.get("name", "")).lstrip("/")
             place = joined(text(plugin, "robotNamespace", namespace), name)
-            nearest, farthest = number(plugin, "pointCloudCutoff", 0.4), number(plugin, "pointCloudCutoffMax", 5.0)
+            nearest, farthest = finite(plugin, "pointCloudCutoff", 0.4), finite(plugin, "pointCloudCutoffMax", 5.0)
             if plugin.get("filename", "").endswith(KINECT[1]):  # has no farthest depth
                 farthest = math.inf
             short = text(plugin, "useDepth16UC1Format").lower() in ("true", "1")

@@ -4,7 +4,7 @@ import re
 import xml.etree.ElementTree as ElementTree
 
 from .depth_cameras import is_realsense, read_kinects, read_realsense, sibling
-from .devices import DiffDrive, motorize, read_device
+from .devices import DiffDrive, joined, motorize, read_device
 from .errors import SpawnError
 from .looks import drop_missing_meshes, paint_as_gazebo
 
@@ -45,11 +45,6 @@ class Description:
     self_collides: frozenset  #: links that touch others of the model that do so too
     retros: dict            #: link -> laserRetro of its <gazebo>, the intensity that lasers see
     warnings: tuple         #: what is ignored, a line each
-
-
-def joined(*parts):
-    """A full name of its parts, each with or without slashes: joined("/a/", "b") is "/a/b", of nothing "/"."""
-    return "/" + "/".join(part.strip("/") for part in parts if part.strip("/"))
 
 
 def text_of(element, key, otherwise=""):

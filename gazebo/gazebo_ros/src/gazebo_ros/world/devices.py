@@ -137,6 +137,11 @@ class Laser(Device):
         return (self.link,)
 
 
+def joined(*parts):
+    """A full name of its parts, each with or without slashes: joined("/a/", "b") is "/a/b", of nothing "/"."""
+    return "/" + "/".join(part.strip("/") for part in parts if part.strip("/"))
+
+
 def text(element, key, otherwise=""):
     child = None if element is None else element.find(key)
     return child.text.strip() if child is not None and child.text and child.text.strip() else otherwise

@@ -70,19 +70,28 @@ def pairs(count=STARTS):
 
 def planned(scenario, count):
     """The starts, list of `Start`, each with a goal of its own; their id is that of the protocol, from 1 to 150."""
+    return starts_of(scenario, spread(count, STARTS), *pairs(count),
+                     lambda _, X_WCg: {"experiment.z_star_m": float(np.linalg.norm(X_WCg[:3, 3]))})
+
+
+def starts_of(scenario, indices, goals, starts, parameters):
+    """List of `Start` from camera poses above the plane z = 0, each with a goal of its own.
+
+    Args: indices: of the pairs in the protocol, from 0; an id counts from 1.  goals, starts: X_WC, (n, 4, 4).
+        parameters: function of id and X_WC at the goal, gives what the run's scenario has for itself (dict).
+    """
     robot = scenario.robot
     kinematics = robot_kinematics(scenario.urdf_xml(), robot["base_link"], robot["tip_link"])
 
     def joints(X_WC):
         return kinematics.by_name(kinematics.coordinates(X_WC))
 
-    starts = []
-    for index, X_WCg, X_WC in zip(spread(count, STARTS), *pairs(count)):
-        normal = (X_WCg[:3, :3].T @ [0.0, 0.0, -1.0]).tolist()  # of the picture, away from the camera
+    found = []
+    for index, X_WCg, X_WC in zip(indices, goals, starts):
+        normal = (X_WCg[:3, :3].T @ [0.0, 0.0, -1.0]).tolist()  # of the plane, away from the camera
         goal = {"joints": joints(X_WCg), "target_normal_C": normal}
-        starts.append(Start(index + 1, joints(X_WC), {}, {
-            "experiment.z_star_m": float(np.linalg.norm(X_WCg[:3, 3]))}, "", goal))
-    return starts
+        found.append(Start(index + 1, joints(X_WC), {}, parameters(index + 1, X_WCg), "", goal))
+    return found
 
 
 def apart(goal, start):

@@ -3,12 +3,10 @@
 import numpy as np
 import yaml
 
-from ...arm.robot import robot_kinematics
 from ...config.files import share_dir
 from ...scenario.scenario import load_scenario
-from ...sweep.plan import Start
 from .base import Case, Protocol, register_protocol, spread
-from .cns_affine import apart, drawn
+from .cns_affine import apart, drawn, starts_of
 from .props import save_props
 from .settled import SCENES, load_scenes, meshes_in, settle
 
@@ -59,19 +57,11 @@ def planned(scenario, count, scenes):
 
     Args: scenes: {id: path of the file with the things}.
     """
-    robot = scenario.robot
-    kinematics = robot_kinematics(scenario.urdf_xml(), robot["base_link"], robot["tip_link"])
-
-    def joints(X_WC):
-        return kinematics.by_name(kinematics.coordinates(X_WC))
-
-    starts = []
-    for index, X_WCg, X_WC in zip(spread(count, SCENES), *pairs(count)):
-        goal = {"joints": joints(X_WCg), "target_normal_C": (X_WCg[:3, :3].T @ [0.0, 0.0, -1.0]).tolist()}
+    def parameters(number, X_WCg):
         depth_m = float(-X_WCg[2, 3] / X_WCg[2, 2])  # of the table along the axis
-        starts.append(Start(index + 1, joints(X_WC), {}, {"experiment.z_star_m": depth_m,
-                                                          "scene": str(scenes[index + 1])}, "", goal))
-    return starts
+        return {"experiment.z_star_m": depth_m, "scene": str(scenes[number])}
+
+    return starts_of(scenario, spread(count, SCENES), *pairs(count), parameters)
 
 
 def saved_scenes(folder, numbers, meshes=None):
