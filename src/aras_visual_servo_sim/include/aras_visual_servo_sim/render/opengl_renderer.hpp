@@ -43,6 +43,7 @@ class OpenGlRenderer : public Renderer {
   /** What the last frame took, and all so far: to test and to measure. */
   struct Statistics {
     int views = 0;               ///< pictures that the last image was made of
+    long sampled_px = 0;         ///< of them, those that were drawn with as many samples as the camera takes
     bool redrawn_flats = false;  ///< a solid stood before a flat target, so that OpenGL drew targets too
     long shadow_maps = 0;        ///< begun so far
     long shadow_triangles = 0;   ///< drawn into them so far

@@ -19,7 +19,7 @@ void halve(const std::vector<Pixel>& from, int width, std::vector<Pixel>& to) {
 
 }  // namespace
 
-CameraViews::CameraViews(const GlFunctions& gl, const CameraModel& camera, bool fine) {
+CameraViews::CameraViews(const GlFunctions& gl, const CameraModel& camera, bool fine) : gl_(gl), fine_(fine) {
   const bool centers = camera.sampling() == CameraModel::Sampling::kCenter;
   const bool high = camera.config().quality == "high" && !centers;
   if (camera.lens() == CameraModel::Lens::kNone) {
@@ -32,6 +32,15 @@ CameraViews::CameraViews(const GlFunctions& gl, const CameraModel& camera, bool 
   for (const PinholeView& view : views_) {
     canvases_.push_back(std::make_unique<Canvas>(gl, view.width, view.height, !centers, fine));
   }
+}
+
+const Canvas& CameraViews::singleSampled() {
+  if (!single_sampled_) {
+    const PinholeView& view = views_[0];
+    single_sampled_ =
+        std::make_unique<Canvas>(gl_, view.width, view.height, /*multisampled=*/false, fine_, /*deep=*/false);
+  }
+  return *single_sampled_;
 }
 
 template <typename Pixel>

@@ -17,6 +17,8 @@ class CameraViews {
 
   const std::vector<PinholeView>& views() const { return views_; }
   const Canvas& canvas(std::size_t k) const { return *canvases_[k]; }
+  /** As large as the first picture, with one sample a pixel and without a depth. */
+  const Canvas& singleSampled();
   /** Reads what was drawn. @param image  as many pixels as the camera has, r, g, b, a: 8 bits each, or 16 if fine */
   void read(std::vector<std::uint32_t>& image) { readWith(pictures_, image); }
   void read(std::vector<std::uint64_t>& image) { readWith(fine_pictures_, image); }
@@ -33,10 +35,13 @@ class CameraViews {
   template <typename Pixel>
   void readWith(std::vector<std::vector<Pixel>>& pictures, std::vector<Pixel>& image);
 
+  const GlFunctions& gl_;
+  const bool fine_;
   std::unique_ptr<LensMap> lens_;  // none: one picture, of as many pixels or of twice as many each way
   int factor_ = 1;
   std::vector<PinholeView> views_;
   std::vector<std::unique_ptr<Canvas>> canvases_;
+  std::unique_ptr<Canvas> single_sampled_;  // made when it is needed
   std::vector<std::vector<std::uint32_t>> pictures_;
   std::vector<std::vector<std::uint64_t>> fine_pictures_;
 };

@@ -203,13 +203,16 @@ class OpenGlRenderer::Implementation {
     parts_->store.clean();
   }
 
-  void clear(const Rgb& color) {
+  void clear(const PixelPart& part, const Rgb& color) {
     const GlFunctions& gl = context_->gl();
+    gl.Enable(GL_SCISSOR_TEST);
+    gl.Scissor(part.left, part.top, part.right - part.left, part.bottom - part.top);
     gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     gl.DepthMask(GL_TRUE);
     gl.ClearColor(color.r / 255.0f, color.g / 255.0f, color.b / 255.0f, 0.0f);
     gl.ClearDepth(0.0);
     gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    gl.Disable(GL_SCISSOR_TEST);
   }
 
   template <typename Value>
@@ -219,38 +222,70 @@ class OpenGlRenderer::Implementation {
     SolidPainter& solids = parts_->solids;
     FlatPainter& flats = parts_->flats;
     CameraViews& views = viewsOf(camera, sizeof(Value) > 1);
-    solids.begin(camera, X_WC, scene, views.views());
+    solids.begin(camera, X_WC, scene, views.views(), std::numeric_limits<Value>::max());
     flats.begin(planar_, X_CW, camera.nearM());
     const bool exact = camera.config().exact_targets && !solids.anyTransparent() && !flats.empty();
-    // Where nothing is, no sample of the background has to be drawn, read and averaged.
-    const bool in_part = flats.empty() && views.readsInParts();
-    const PixelPart part = in_part ? solids.covered(0) : PixelPart{0, 0, camera.width(), camera.height()};
-    for (std::size_t k = 0; k < views.views().size() && !part.empty(); ++k) {
-      const PinholeView& view = views.views()[k];
-      views.canvas(k).bind();
-      clear(scene.background);
-      solids.drawSky(view);
-      solids.drawOpaque(k);
-      if (exact) {
-        flats.mark(view);
-      } else {
-        flats.draw(view);
-        solids.drawTransparent(k);
-      }
-    }
     auto& pixels = pixelsOf<Value>();
-    if (in_part) {
-      using Pixel = typename PixelFor<Value>::Type;
-      const Rgb& color = scene.background;
-      pixels.assign(std::size_t(camera.width()) * camera.height(), Packed<Pixel>::of(color.r, color.g, color.b));
-      if (!part.empty()) views.read({part.left, part.top, part.right, part.bottom}, pixels);
+    long sampled_px = 0;
+    if (flats.empty() && views.readsInParts()) {
+      sampled_px = drawInParts(scene, views, pixels);
     } else {
+      for (std::size_t k = 0; k < views.views().size(); ++k) {
+        const PinholeView& view = views.views()[k];
+        const PixelPart all{0, 0, view.width, view.height};
+        views.canvas(k).bind();
+        clear(all, scene.background);
+        solids.drawIn(all);
+        solids.drawSky(view);
+        solids.drawOpaque(k);
+        if (exact) {
+          flats.mark(view);
+        } else {
+          flats.draw(view);
+          solids.drawTransparent(k);
+        }
+        sampled_px += static_cast<long>(all.area());
+      }
       views.read(pixels);
     }
     convert(pixels, out);
-    statistics_ = {static_cast<int>(views.views().size()), false, solids.shadows().drawn(),
+    statistics_ = {static_cast<int>(views.views().size()), sampled_px, false, solids.shadows().drawn(),
                    solids.shadows().triangles()};
     if (exact) layTargetsOver(camera, views, out);
+  }
+
+  /** Bodies and sky with several samples only where they can differ: elsewhere one shows the same, and costs a
+   *  fraction. @return how many pixels have several */
+  template <typename Pixel>
+  long drawInParts(const Scene& scene, CameraViews& views, std::vector<Pixel>& pixels) {
+    SolidPainter& solids = parts_->solids;
+    const PinholeView& view = views.views()[0];
+    const SolidPainter::Plan plan = solids.planOf(0);
+    if (plan.sky || plan.backdrop) {
+      const PixelPart all{0, 0, view.width, view.height};
+      views.singleSampled().bind();
+      clear(all, scene.background);
+      solids.drawIn(all, plan.sampled);
+      solids.drawSky(view);
+      if (plan.backdrop) solids.drawBackdrop(0, *plan.backdrop);
+      views.singleSampled().read(pixels);
+    } else {
+      const Rgb& color = scene.background;
+      pixels.assign(std::size_t(view.width) * view.height, Packed<Pixel>::of(color.r, color.g, color.b));
+    }
+    const Canvas& canvas = views.canvas(0);
+    canvas.bind();
+    long sampled_px = 0;
+    for (const auto& part : plan.sampled) {
+      if (!part.filled) clear(part, scene.background);
+      solids.drawIn(part);
+      if (!part.filled) solids.drawSky(view);
+      solids.drawOpaque(0, part.filled ? plan.backdrop : std::nullopt);
+      solids.drawTransparent(0);
+      sampled_px += static_cast<long>(part.area());
+    }
+    for (const auto& part : plan.sampled) canvas.read({part.left, part.top, part.right, part.bottom}, pixels);
+    return sampled_px;
   }
 
   /** Flat targets by their exact coverage; where a solid stands before one, or two of them cut each other, as OpenGL

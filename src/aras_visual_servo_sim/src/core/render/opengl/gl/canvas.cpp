@@ -6,7 +6,7 @@
 
 namespace aras_visual_servo_sim {
 
-Canvas::Canvas(const GlFunctions& gl, int width, int height, bool multisampled, bool fine)
+Canvas::Canvas(const GlFunctions& gl, int width, int height, bool multisampled, bool fine, bool deep)
     : gl_(gl), width_(width), height_(height) {
   GLint most = 0;
   gl_.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &most);
@@ -24,7 +24,7 @@ Canvas::Canvas(const GlFunctions& gl, int width, int height, bool multisampled, 
   gl_.GenFramebuffers(1, &drawn_);
   gl_.BindFramebuffer(GL_FRAMEBUFFER, drawn_);
   storage(color_, format, multisampled ? kSamples : 0, GL_COLOR_ATTACHMENT0);
-  storage(depth_, GL_DEPTH_COMPONENT32F, multisampled ? kSamples : 0, GL_DEPTH_ATTACHMENT);
+  if (deep) storage(depth_, GL_DEPTH_COMPONENT32F, multisampled ? kSamples : 0, GL_DEPTH_ATTACHMENT);
   GLenum status = gl_.CheckFramebufferStatus(GL_FRAMEBUFFER);
   if (multisampled && status == GL_FRAMEBUFFER_COMPLETE) {
     gl_.GenFramebuffers(1, &resolved_);

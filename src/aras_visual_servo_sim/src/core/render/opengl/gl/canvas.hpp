@@ -8,13 +8,14 @@
 
 namespace aras_visual_servo_sim {
 
-/** A picture of fixed size to draw into, with a depth of 32 bits and, if wanted, several samples a pixel. */
+/** A picture of fixed size to draw into, with a depth of 32 bits and several samples a pixel if wanted. */
 class Canvas {
  public:
   static constexpr int kSamples = 4;  ///< llvmpipe has no more
 
-  /** @param fine  16 bits a channel, else 8  @throws RenderError naming the size if OpenGL has no such picture */
-  Canvas(const GlFunctions& gl, int width, int height, bool multisampled, bool fine);
+  /** @param fine  16 bits a channel, else 8  @param deep  without a depth whatever is drawn is seen
+   *  @throws RenderError naming the size if OpenGL has no such picture */
+  Canvas(const GlFunctions& gl, int width, int height, bool multisampled, bool fine, bool deep = true);
   ~Canvas();
   Canvas(const Canvas&) = delete;
   Canvas& operator=(const Canvas&) = delete;

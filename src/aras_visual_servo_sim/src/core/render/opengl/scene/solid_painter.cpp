@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "backdrop.hpp"
 #include "picture_taps.hpp"
 
 namespace aras_visual_servo_sim {
@@ -26,13 +27,16 @@ SolidPainter::~SolidPainter() {
 }
 
 void SolidPainter::begin(const CameraModel& camera, const Pose& X_WC, const Scene& scene,
-                         const std::vector<PinholeView>& views) {
+                         const std::vector<PinholeView>& views, int levels) {
   ++frame_;
   camera_ = &camera;
   scene_ = &scene;
   X_WC_ = X_WC;
   lights_ = std::make_unique<LightSet>(scene);
   letters_ = lightLetters(*lights_);
+  most_highlight_.setZero();
+  for (const Light& light : lights_->lights) most_highlight_ += light.specular;
+  least_highlight_ = 0.5 / levels;
   opaque_.clear();
   transparent_.clear();
   const Pose X_CW = X_WC.inverse();
@@ -85,16 +89,56 @@ std::vector<SolidPainter::Sight> SolidPainter::sightsOf(const std::vector<Item>&
   return sights;
 }
 
-PixelPart SolidPainter::covered(std::size_t view) const {
+std::optional<std::size_t> SolidPainter::backdropOf(const Seen& seen) const {
+  constexpr double kMuch = 0.25;  // of the picture
+  std::optional<std::size_t> largest;
+  double most = kMuch * seen.view->width * seen.view->height;
+  for (std::size_t k = 0; k < seen.opaque.size(); ++k) {
+    const Shape& shape = *seen.opaque[k].item->shape;
+    if (seen.opaque[k].covered.area() <= most || shape.material.two_sided || !canBeBackdrop(*shape.mesh)) continue;
+    most = seen.opaque[k].covered.area();
+    largest = k;
+  }
+  return largest;
+}
+
+bool SolidPainter::isFilled(const Seen& seen, std::size_t backdrop, const PixelPart& part) const {
+  const Item& item = *seen.opaque[backdrop].item;
+  return fills(*item.shape->mesh, item.X_CS, *seen.view, camera_->nearM(), camera_->farM(), part);
+}
+
+SolidPainter::Plan SolidPainter::planOf(std::size_t view) const {
+  constexpr double kWorthwhile = 0.7;   // of the pixels: beyond that, drawing the rest another way saves nothing
+  constexpr std::size_t kHeavy = 1000;  // triangles: those are not drawn for one part after another
   const Seen& seen = seen_[view];
-  if (scene_->lighting.zenith) return {0, 0, seen.view->width, seen.view->height};
-  PixelPart part;
+  const PixelPart all{0, 0, seen.view->width, seen.view->height};
+  Plan plan;
+  plan.sky = scene_->lighting.zenith.has_value();
+  plan.backdrop = backdropOf(seen);
+  PixelParts parts(all);
+  PixelPart covered;
   for (const std::vector<Sight>* sights : {&seen.opaque, &seen.transparent}) {
     for (const Sight& sight : *sights) {
-      part = part.with(sight.covered);
+      covered = covered.with(sight.covered);
+      const bool smooth = plan.backdrop && &sight == &seen.opaque[*plan.backdrop];
+      if (!smooth) parts.add(sight.covered);
     }
   }
-  return part;
+  if (plan.backdrop) {
+    const Item& item = *seen.opaque[*plan.backdrop].item;
+    addEdges(*item.shape->mesh, item.X_CS, *seen.view, camera_->nearM(), camera_->farM(), parts);
+  }
+  for (const std::vector<Sight>* sights : {&seen.opaque, &seen.transparent}) {
+    for (const Sight& sight : *sights) {
+      if (sight.item->shape->mesh->triangles.size() > kHeavy) parts.join(sight.covered);
+    }
+  }
+  if (plan.sky || plan.backdrop) covered = all;
+  if (parts.area() > kWorthwhile * covered.area()) return {{{covered}}, false, std::nullopt};
+  for (const PixelPart& part : parts.parts()) {
+    plan.sampled.push_back({part, plan.backdrop && isFilled(seen, *plan.backdrop, part)});
+  }
+  return plan;
 }
 
 /** Whether the eye is in the midst of a solid, all of whose faces look away. */
@@ -126,11 +170,28 @@ bool SolidPainter::isSeen(const Item& item, const PinholeView& view) const {
          !outside(p.y(), bottom, 1.0) && !isAroundEye(item);
 }
 
-void SolidPainter::drawOpaque(std::size_t view) {
+void SolidPainter::prepareOpaque() {
   gl_.DepthMask(GL_TRUE);
   gl_.DepthFunc(GL_GEQUAL);
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  for (const Sight& sight : seen_[view].opaque) draw(sight, *seen_[view].view);
+}
+
+void SolidPainter::drawOpaque(std::size_t view, std::optional<std::size_t> filled) {
+  const Seen& seen = seen_[view];
+  prepareOpaque();
+  if (filled) {
+    gl_.DepthFunc(GL_ALWAYS);
+    draw(seen.opaque[*filled], *seen.view);
+    gl_.DepthFunc(GL_GEQUAL);
+  }
+  for (std::size_t k = 0; k < seen.opaque.size(); ++k) {
+    if (k != filled) draw(seen.opaque[k], *seen.view);
+  }
+}
+
+void SolidPainter::drawBackdrop(std::size_t view, std::size_t place) {
+  prepareOpaque();
+  draw(seen_[view].opaque[place], *seen_[view].view);
 }
 
 void SolidPainter::drawTransparent(std::size_t view) {
@@ -153,6 +214,8 @@ void SolidPainter::addShadowed(const Item& item, std::size_t k, const PinholeVie
 }
 
 void SolidPainter::draw(const Sight& sight, const PinholeView& view) {
+  const PixelPart all = sight.covered.within(limit_);
+  if (all.empty()) return;
   const Item& item = *sight.item;
   const Shape& shape = *item.shape;
   const Eigen::RowVector3d axis = view.R_FC.row(2);
@@ -171,7 +234,6 @@ void SolidPainter::draw(const Sight& sight, const PinholeView& view) {
   constexpr GLsizei kFew = 3 * 1000;  // indices: drawing their points again costs less than shadows all over
   constexpr double kSmallPart = 0.7;  // of the pixels
   const bool few = mesh.index_count <= kFew;
-  const PixelPart& all = sight.covered;
   std::string shaded = sight.letters, plain = sight.letters;
   PixelParts parts(all);
   for (std::size_t k = 0; k < shaded.size(); ++k) {
@@ -185,15 +247,18 @@ void SolidPainter::draw(const Sight& sight, const PinholeView& view) {
       parts.add(all);
     }
   }
+  gl_.Enable(GL_SCISSOR_TEST);
   const auto drawIn = [&](const PixelPart& where, const std::string& letters) {
     if (!where.empty()) draw(item, view, mesh, letters, where, few);
   };
   // What is drawn again with its shadows replaces what was there: its depth is the same. What lets light through is
   // drawn once.
   if (shaded != plain && few && shape.material.opacity >= 1.0 && parts.area() < kSmallPart * all.area()) {
-    gl_.Enable(GL_SCISSOR_TEST);
     drawIn(all, plain);
-    for (const PixelPart& part : parts.parts()) drawIn(part, shaded);
+    for (const PixelPart& part : parts.parts()) {
+      const auto holds = [&part](const PixelPart& other) { return part.within(other).area() == part.area(); };
+      if (std::none_of(drawn_again_.begin(), drawn_again_.end(), holds)) drawIn(part, shaded);
+    }
   } else {
     drawIn(all, shaded);
   }
@@ -204,11 +269,9 @@ void SolidPainter::draw(const Sight& sight, const PinholeView& view) {
 void SolidPainter::draw(const Item& item, const PinholeView& view, const GlMesh& mesh, const std::string& letters,
                         const PixelPart& where, bool split) {
   for (const MeshPart& part : mesh.parts) {
-    const std::vector<TapRows> all = tapRowsOf(part, item.X_CS, view, where, split);
-    if (all.size() > 1) gl_.Enable(GL_SCISSOR_TEST);
-    for (const TapRows& rows : all) {
+    for (const TapRows& rows : tapRowsOf(part, item.X_CS, view, where, split)) {
       const PixelPart& box = rows.where;
-      if (split) gl_.Scissor(box.left, box.top, box.right - box.left, box.bottom - box.top);
+      gl_.Scissor(box.left, box.top, box.right - box.left, box.bottom - box.top);
       draw(item, view, mesh, part, letters, rows.taps);
     }
   }
@@ -257,8 +320,9 @@ SolidPainter::Program& SolidPainter::programOf(const Item& item, const GlMesh& m
   traits.textured = picture != nullptr;
   if (picture) traits.taps = taps;
   traits.bumpy = picture && picture->normals;
-  traits.specular = !shape.material.specular.isZero();
+  traits.specular = most_highlight_.cwiseProduct(shape.material.specular).maxCoeff() >= least_highlight_;
   traits.sharp = traits.specular && shape.material.shininess != 1.0;
+  traits.by_root = traits.specular && shape.material.shininess == 1.5;
   traits.fog = scene_->lighting.fog.has_value();
   traits.two_sided = shape.material.two_sided;
   traits.faceted = mesh.faceted && !traits.two_sided && !traits.bumpy;
@@ -365,7 +429,10 @@ void SolidPainter::drawSky(const PinholeView& view) {
   gl_.DepthFunc(GL_GEQUAL);
   gl_.DepthMask(GL_FALSE);
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  gl_.Enable(GL_SCISSOR_TEST);
+  gl_.Scissor(limit_.left, limit_.top, limit_.right - limit_.left, limit_.bottom - limit_.top);
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+  gl_.Disable(GL_SCISSOR_TEST);
   gl_.DepthMask(GL_TRUE);
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,15 +24,35 @@ class SolidPainter {
   ~SolidPainter();
 
   /** Takes a frame of one or more views, which must live until it is done. Draws shadow maps: bind the canvas
-   *  afterwards. */
-  void begin(const CameraModel& camera, const Pose& X_WC, const Scene& scene, const std::vector<PinholeView>& views);
+   *  afterwards. @param levels  of a channel: highlights that stay below half a level are left out */
+  void begin(const CameraModel& camera, const Pose& X_WC, const Scene& scene, const std::vector<PinholeView>& views,
+             int levels);
   /** Whether some of it lets light through. */
   bool anyTransparent() const { return !transparent_.empty(); }
-  /** The pixels of a view, of the frame, that solids or the sky may cover. */
-  PixelPart covered(std::size_t view) const;
-  void drawSky(const PinholeView& view);
+  /** How to draw a view so that several samples are taken only where they can differ. */
+  struct Plan {
+    struct Part : PixelPart {
+      bool filled = false;  ///< nothing behind the backdrop is seen in it
+    };
+    std::vector<Part> sampled;            ///< where they can differ
+    bool sky = false;                     ///< whether the sky is seen elsewhere, else the colour of the background,
+    std::optional<std::size_t> backdrop;  ///< and whether one large body is before it: its place among the opaque ones
+  };
   /** @param view  which one of the frame */
-  void drawOpaque(std::size_t view);
+  Plan planOf(std::size_t view) const;
+  /** What is drawn from here on is drawn only in this part of the view, and its shadows not in those that are drawn
+   *  once more. */
+  void drawIn(const PixelPart& part, const std::vector<Plan::Part>& drawn_again = {}) {
+    limit_ = part;
+    drawn_again_ = drawn_again;
+  }
+
+  void drawSky(const PinholeView& view);
+  /** @param filled  by the backdrop at this place, which is drawn first, over whatever is there */
+  void drawOpaque(std::size_t view, std::optional<std::size_t> filled = std::nullopt);
+  /** One body alone, into a canvas that needs no depth: of a convex body no face hides another.
+   *  @param place  among the opaque ones */
+  void drawBackdrop(std::size_t view, std::size_t place);
   /** Over all that is there, the farthest first. */
   void drawTransparent(std::size_t view);
 
@@ -50,6 +71,11 @@ class SolidPainter {
     PixelPart covered;    ///< the pixels that it can cover
     std::string letters;  ///< of the lights, capitals where something can throw a shadow on it
   };
+  /** What of the frame is seen in one view. */
+  struct Seen {
+    const PinholeView* view;
+    std::vector<Sight> opaque, transparent;
+  };
   /** A program and where its uniforms are. */
   struct Program {
     std::unique_ptr<ShaderProgram> shader;
@@ -61,14 +87,14 @@ class SolidPainter {
     std::vector<OfLight> lights;
     long frame = -1;  ///< of which the lights are set
   };
+  void prepareOpaque();
   /** What a view sees of these items, and the boxes on the maps of directional lights that this takes. */
   std::vector<Sight> sightsOf(const std::vector<Item>& items, const PinholeView& view);
   /** Draws without shadows where there can be none, for they cost most of it. */
   void draw(const Sight& sight, const PinholeView& view);
   /** Adds where, of a view, it can lie in the shadow that light k makes. */
   void addShadowed(const Item& item, std::size_t k, const PinholeView& view, PixelParts& parts) const;
-  /** Draws within these pixels, if the scissor is on. @param split  whether in rows, each with a scissor, which is on
-   *  afterwards if there were several */
+  /** Draws within these pixels. @pre the scissor is on  @param split  whether in rows */
   void draw(const Item& item, const PinholeView& view, const GlMesh& mesh, const std::string& letters,
             const PixelPart& where, bool split);
   void draw(const Item& item, const PinholeView& view, const GlMesh& mesh, const MeshPart& part,
@@ -79,6 +105,9 @@ class SolidPainter {
   void setLights(Program& program);
   bool isSeen(const Item& item, const PinholeView& view) const;
   bool isAroundEye(const Item& item) const;
+  /** Of the opaque ones the place of the one that can be a backdrop, if it covers much of the view. */
+  std::optional<std::size_t> backdropOf(const Seen& seen) const;
+  bool isFilled(const Seen& seen, std::size_t backdrop, const PixelPart& part) const;
 
   const GlFunctions& gl_;
   GlStore& store_;
@@ -92,13 +121,13 @@ class SolidPainter {
   Pose X_WC_;
   std::unique_ptr<LightSet> lights_;
   std::string letters_;
+  Eigen::Vector3d most_highlight_;  // of a material of specular 1 that all lights meet
+  double least_highlight_ = 0.0;    // that is drawn
   std::vector<Item> opaque_, transparent_;
-  struct Seen {
-    const PinholeView* view;
-    std::vector<Sight> opaque, transparent;
-  };
   std::vector<Seen> seen_;                   // by the views of the frame
   std::vector<std::vector<MapBox>> shaded_;  // by light, what can be seen of the items
+  PixelPart limit_;
+  std::vector<Plan::Part> drawn_again_;
   long frame_ = 0;
 };
 

@@ -30,9 +30,8 @@ std::string wholeLightText(char letter, const std::string& k) {
     text += "    left = shadow(map" + k + ", on_map" + k + ", texel_of_map[" + k + "]);\n    light += left * whole" +
             k + ";\n";
   }
-  return text + "#ifdef SPECULAR\n    if (dot(n, place[" + k +
-         "]) > 0.0) {\n      float glint = halfway(dot(n, place[" + k + "]), n_v, dot(place[" + k +
-         "], v));\n      shine += (left * SHARP(glint)) * bright[" + k + "];\n    }\n#endif\n  }\n";
+  return text + "#ifdef SPECULAR\n    float glint = halfway(slope" + k + ", n_v, dot(place[" + k +
+         "], v));\n    shine += (left * SHARP(glint)) * facing" + k + ";\n#endif\n  }\n";
 }
 
 /** Of the fragment shader: the direction to light k, what is left of it at the point, and its part of the sum. */
@@ -72,8 +71,8 @@ std::string lightUniforms(std::size_t count) {
   std::string text = "uniform vec3 ambient;\nuniform vec4 shape_color;\n";
   if (count == 0) return text;
   const std::string n = "[" + std::to_string(count) + "];\n";
-  return text + "uniform vec3 place" + n + "uniform vec3 diffuse" + n + "uniform mat4 shadow_of" + n +
-         "uniform float lift" + n;
+  return text + "uniform vec3 place" + n + "uniform vec3 diffuse" + n + "uniform vec3 bright" + n +
+         "uniform mat4 shadow_of" + n + "uniform float lift" + n;
 }
 
 /** What the vertex shader hands to the fragment shader. @param way  "in" or "out" */
@@ -85,8 +84,11 @@ std::string handedOver(const ShaderTraits& traits, const std::string& way) {
   if (!traits.faceted) return text;
   text += "flat " + way + " vec3 whole;\n";
   for (std::size_t k = 0; k < traits.lights.size(); ++k) {
-    if (traits.lights[k] != 'D') continue;
     const std::string i = std::to_string(k);
+    if (traits.specular && isWholeLight(traits, k)) {
+      text += "flat " + way + " float slope" + i + ";\nflat " + way + " vec3 facing" + i + ";\n";
+    }
+    if (traits.lights[k] != 'D') continue;
     text += "flat " + way + " vec3 whole" + i + ";\n" + way + " vec3 on_map" + i + ";\n";
   }
   return text;
@@ -175,6 +177,9 @@ float shadow_around(samplerCubeShadow map, vec3 ray, vec2 reach, vec2 texel_of_m
 std::string ShaderTraits::name() const {
   return "solid " + lights + (clamps_light ? " clamped" : "") + (textured ? " textured" : "") +
          (taps > 1 ? " taps " + std::to_string(taps) : "") + (bumpy ? " bumpy" : "") + (specular ? " specular" : "") +
+         (by_root ? " by root"
+          : sharp ? " sharp"
+                  : "") +
          (fog ? " fog" : "") + (faceted ? " faceted" : "") + (two_sided ? " two-sided" : "") +
          (painted ? " painted" : "");
 }
@@ -214,6 +219,10 @@ std::string solidVertexShader(const ShaderTraits& traits) {
   for (std::size_t k = 0; k < traits.lights.size(); ++k) {
     if (!isWholeLight(traits, k)) continue;
     const std::string i = std::to_string(k);
+    if (traits.specular) {
+      text += "  slope" + i + " = dot(n_C, place[" + i + "]);\n  facing" + i + " = slope" + i + " > 0.0 ? bright[" + i +
+              "] : vec3(0.0);\n";
+    }
     const std::string slope = "dot(n_C, place[" + i + "])", light = "max(0.0, " + slope + ") * diffuse[" + i + "];\n";
     if (traits.lights[k] == 'd') {
       text += "  whole += " + light;
@@ -234,16 +243,18 @@ std::string solidFragmentShader(const ShaderTraits& traits) {
     return text + handedOver(traits, "in") +
            "out vec4 pixel;\nuniform float opacity;\nvoid main() { pixel = vec4(whole, opacity); }\n";
   }
-  if (traits.specular) text += "#define SPECULAR\n";
-  if (traits.specular) text += traits.sharp ? "#define SHARP(x) pow(x, shininess)\n" : "#define SHARP(x) (x)\n";
+  if (traits.specular) {
+    text += "#define SPECULAR\n#define SHARP(x) ";
+    text += traits.by_root ? "((x) * sqrt(x))\n" : traits.sharp ? "pow(x, shininess)\n" : "(x)\n";
+  }
   text += handedOver(traits, "in") + "out vec4 pixel;\n" + lightUniforms(count);
   text += "uniform vec3 emissive;\nuniform float opacity;\nuniform vec3 highlight;\n";
   text += "uniform float shininess;\nuniform sampler2D picture;\nuniform vec4 fog;\n";
   bool shaded = false, shaded_around = false;
   if (count > 0) {
     const std::string n = "[" + std::to_string(count) + "];\n";
-    text += "uniform vec3 axis" + n + "uniform vec3 cone" + n + "uniform vec4 fade" + n + "uniform vec3 bright" + n +
-            "uniform vec2 reach" + n + "uniform vec2 texel_of_map" + n;
+    text += "uniform vec3 axis" + n + "uniform vec3 cone" + n + "uniform vec4 fade" + n + "uniform vec2 reach" + n +
+            "uniform vec2 texel_of_map" + n;
     for (std::size_t k = 0; k < count; ++k) {
       if (!std::isupper(traits.lights[k])) continue;
       const bool around = traits.lights[k] == 'P';

@@ -14,6 +14,7 @@ struct ShaderTraits {
   int taps = 1;                              ///< of textured ones: how many of the picture each pixel takes
   static constexpr double kTapLength = 2.0;  ///< how long the piece of a strip is for one tap, over the strip's width
   bool sharp = false;                        ///< of specular ones: the highlight has an exponent other than 1
+  bool by_root = false;                      ///< of specular ones: the exponent is 3/2, as most of Gazebo's are
   bool faceted = false;                      ///< each triangle has one normal and one colour, and its back is not drawn
   bool two_sided = false;                    ///< the back is drawn, lit as a front
   bool painted = false;                      ///< the mesh has colours of its own

@@ -70,7 +70,7 @@ PixelPart PixelPart::within(const PixelPart& other) const {
 }
 
 void PixelParts::add(const PixelPart& added) {
-  constexpr double kPartCost = 1500.0;  // [px] that take as long to shade as one more part takes to begin
+  constexpr double kPartCost = 3000.0;  // [px] that take as long to shade as one more part takes to begin
   constexpr std::size_t kMost = 12;
   PixelPart part = added.within(within_);
   if (part.empty()) return;
@@ -88,6 +88,16 @@ void PixelParts::add(const PixelPart& added) {
     parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(best));
   }
   parts_.push_back(part);
+}
+
+void PixelParts::join(const PixelPart& part) {
+  PixelPart joined;
+  const auto meets = [&](const PixelPart& other) { return !other.within(part).empty(); };
+  for (const PixelPart& other : parts_) {
+    if (meets(other)) joined = joined.with(other);
+  }
+  parts_.erase(std::remove_if(parts_.begin(), parts_.end(), meets), parts_.end());
+  if (!joined.empty()) parts_.push_back(joined);
 }
 
 double PixelParts::area() const {

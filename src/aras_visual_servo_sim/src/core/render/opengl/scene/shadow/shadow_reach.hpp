@@ -30,6 +30,8 @@ class PixelParts {
   explicit PixelParts(const PixelPart& within) : within_(within) {}
 
   void add(const PixelPart& part);
+  /** Takes together those that share pixels with this. */
+  void join(const PixelPart& part);
   const std::vector<PixelPart>& parts() const { return parts_; }
   /** Of the parts, those that overlap counted twice [px]. */
   double area() const;
