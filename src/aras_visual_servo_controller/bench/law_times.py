@@ -2,7 +2,7 @@
 """How long each law's control step takes: python3 law_times.py [--steps N], with the workspace sourced; one table.
 
 An L goes by in front of the six-axis arm, whose joints do what they are told. Medians over the steps of one servo: of
-the law alone (features in, twist out), of the whole `Servo.step` (features and joints in, joint velocities out), and
+the law alone (features in, twist out, of `qp` and `mpc` joint velocities), of the whole `Servo.step` (features and joints in, joint velocities out), and
 the law in units of numpy's own SVD of a 6 x 6 matrix, to compare machines by.
 """
 import argparse
@@ -36,6 +36,8 @@ POINTS = ("x1", "y1", "x2", "y2", "x4", "y4")
 POSE, HYBRID = ("tx", "ty", "tz", "rx", "ry", "rz"), ("xr", "yr", "zr", "rx", "ry", "rz")
 HERE, MEAN, SEEN = {"interaction": "current"}, {"interaction": "mean"}, {"pose_from": "points"}
 KNOWN = {"target_model": TARGET}
+#: Of the camera of 320 x 240 px and the points: what `qp` and `mpc` keep in view.
+VIEW = {"half_width": 0.849, "half_height": 0.636, "margin": 0.05}
 #: Law, features, other keys of the section `servo`.
 ROWS = (
     ("paper", FOUR, {}), ("decoupled", FOUR, {}), ("ibvs", SIX, {}), ("ibvs", SIX, HERE), ("ibvs", SIX, MEAN),
@@ -43,7 +45,8 @@ ROWS = (
     ("ibvs", POINTS, {**HERE, "point_depth": "goal"}), ("ibvs", POINTS, MEAN), ("ibvs", expand(["points4"]), HERE),
     ("ibvs", ("xm1", "ym1", "l1", "alpha1", "xm2", "ym2"), HERE), ("ibvs", ("xg", "yg", "n20", "n11", "n02"), HERE),
     ("pbvs", POSE, KNOWN), ("pbvs", POSE, SEEN), ("hybrid", HYBRID, KNOWN), ("hybrid", HYBRID, SEEN),
-    ("sliding", POINTS, HERE), ("broyden", POINTS, {}))
+    ("sliding", POINTS, HERE), ("broyden", POINTS, {}),
+    ("qp", POINTS, {**HERE, "qp": VIEW}), ("mpc", POINTS, {**HERE, "mpc": VIEW}))
 
 #: What the table calls settings whose value is a file.
 KNOWN_AS = {"target_model": "moments of the known target"}
@@ -129,6 +132,18 @@ def _time_the_law(servo, durations):
 
     servo._law.step = step
 
+    if not servo._law.moves_joints:
+        return
+    motion = servo._law.joint_velocity
+
+    def joint_velocity(*arguments):
+        begin = time.perf_counter()
+        answer = motion(*arguments)
+        durations[-1] += time.perf_counter() - begin
+        return answer
+
+    servo._law.joint_velocity = joint_velocity
+
 
 def svd_s(repeats=2000):
     """Median seconds of an SVD of a 6 x 6 matrix."""
@@ -142,7 +157,7 @@ def svd_s(repeats=2000):
 
 def label(law, features, more):
     """The first two cells of a row of the table."""
-    notes = [KNOWN_AS.get(key, value.rsplit("/", 1)[-1]) for key, value in more.items()]
+    notes = [KNOWN_AS.get(key, value.rsplit("/", 1)[-1]) for key, value in more.items() if isinstance(value, str)]
     return f"| `{law}` | `{', '.join(features)}`{''.join(', ' + note for note in notes)} |"
 
 
@@ -170,7 +185,7 @@ def main():
     for law, features, more in ROWS:
         alone, whole = times(kinematics, law, features, more, steps)
         rows.append(f"{label(law, features, more)} {1e6 * alone:.0f} | {alone / unit:.1f} | {1e6 * whole:.0f} |")
-        notes = [value.rsplit("/", 1)[-1] for value in more.values()]
+        notes = [value.rsplit("/", 1)[-1] for value in more.values() if isinstance(value, str)]
         text = " ".join(features) + (f" ({', '.join(notes)})" if notes else "")
         print(f"{law:<10} {text:<58} {1e6 * alone:>9.0f} {alone / unit:>6.1f} {1e6 * whole:>16.0f}")
     untimed = sorted(set(known_laws()) - {law for law, _, _ in ROWS})
