@@ -68,6 +68,7 @@ class Edges {
   /** In pieces, for the box about a slanted line is large. */
   void addSeen(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
     constexpr double kPiece = 16.0;  // [px]
+    if (!a.allFinite() || !b.allFinite()) return parts_.add({0, 0, view_.width, view_.height});
     const int pieces = 1 + static_cast<int>((b - a).cwiseAbs().maxCoeff() / kPiece);
     for (int k = 0; k < pieces; ++k) {
       const Eigen::Vector2d from = a + (b - a) * k / pieces, to = a + (b - a) * (k + 1) / pieces;
@@ -88,6 +89,7 @@ class Edges {
 
 bool canBeBackdrop(const TriangleMesh& mesh) {
   if (mesh.round || mesh.triangles.size() > kFewTriangles) return false;
+  if (mesh.neighbours.size() != mesh.triangles.size()) return false;  // nobody has called finish()
   const double slack = kRounding * (mesh.box_max - mesh.box_min).cast<double>().norm();
   return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
     const Eigen::Vector3d n = normalOf(mesh, t), p = mesh.points[t[0]].cast<double>();
