@@ -2,8 +2,8 @@
 """How long each law's control step takes: python3 law_times.py [--steps N], with the workspace sourced; one table.
 
 An L goes by in front of the six-axis arm, whose joints do what they are told. Medians over the steps of one servo: of
-the law alone (features in, twist out, of `qp` and `mpc` joint velocities), of the whole `Servo.step` (features and joints in, joint velocities out), and
-the law in units of numpy's own SVD of a 6 x 6 matrix, to compare machines by.
+the law alone (features in, twist out; `qp` and `mpc` give joint velocities), of the whole `Servo.step` (features and
+joints in, joint velocities out), and the law in units of numpy's own SVD of a 6 x 6 matrix, to compare machines by.
 """
 import argparse
 import os
