@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <vector>
 
 namespace aras_visual_servo_sim {
@@ -11,13 +10,25 @@ namespace {
 constexpr std::size_t kFewTriangles = 24;
 constexpr double kRounding = 1e-5;  // of a length: meshes have single precision
 
-using Triangle = std::array<std::uint32_t, 3>;
+using Corners = std::array<Eigen::Vector3d, 3>;
 
-Eigen::Vector3d normalOf(const TriangleMesh& mesh, const Triangle& t) {
-  const Eigen::Vector3d p = mesh.points[t[0]].cast<double>();
-  const Eigen::Vector3d a = mesh.points[t[1]].cast<double>() - p;
-  const Eigen::Vector3d b = mesh.points[t[2]].cast<double>() - p;
-  return a.cross(b).normalized();
+Corners cornersOf(const TriangleMesh& mesh, std::size_t t) {
+  Corners corners;
+  for (int k = 0; k < 3; ++k) corners[k] = mesh.points[mesh.triangles[t][k]].cast<double>();
+  return corners;
+}
+
+Eigen::Vector3d normalOf(const Corners& p) { return (p[1] - p[0]).cross(p[2] - p[0]).normalized(); }
+
+/** All triangles of a mesh, in the frame of a pinhole. */
+std::vector<Corners> placed(const TriangleMesh& mesh, const Eigen::Matrix4d& X_CS, const PinholeView& view) {
+  const Eigen::Matrix<double, 3, 4> X_FS = view.R_FC * X_CS.topRows<3>();
+  std::vector<Corners> all;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    all.push_back(cornersOf(mesh, t));
+    for (Eigen::Vector3d& p : all.back()) p = X_FS * p.homogeneous();
+  }
+  return all;
 }
 
 /** Whether a face goes on beyond edge k of triangle t, so that a picture does not show this edge. */
@@ -25,8 +36,7 @@ bool goesOn(const TriangleMesh& mesh, std::size_t t, int k) {
   const std::uint32_t next = mesh.neighbours[t][k];
   if (next == TriangleMesh::kNone) return false;
   if (!mesh.picture_of.empty() && mesh.picture_of[t] != mesh.picture_of[next]) return false;
-  const Eigen::Vector3d n = normalOf(mesh, mesh.triangles[t]), beyond = normalOf(mesh, mesh.triangles[next]);
-  return (n - beyond).norm() < kRounding;
+  return (normalOf(cornersOf(mesh, t)) - normalOf(cornersOf(mesh, next))).norm() < kRounding;
 }
 
 /** Adds the pixels along segments, which are given in the frame of a pinhole. */
@@ -72,11 +82,7 @@ class Edges {
     const int pieces = 1 + static_cast<int>((b - a).cwiseAbs().maxCoeff() / kPiece);
     for (int k = 0; k < pieces; ++k) {
       const Eigen::Vector2d from = a + (b - a) * k / pieces, to = a + (b - a) * (k + 1) / pieces;
-      const auto pixel = [](double value, int size) { return static_cast<int>(std::clamp(value, 0.0, double(size))); };
-      parts_.add({pixel(std::floor(std::min(from.x(), to.x()) - kRim), view_.width),
-                  pixel(std::floor(std::min(from.y(), to.y()) - kRim), view_.height),
-                  pixel(std::ceil(std::max(from.x(), to.x()) + kRim) + 1.0, view_.width),
-                  pixel(std::ceil(std::max(from.y(), to.y()) + kRim) + 1.0, view_.height)});
+      parts_.add(pixelsAbout(from.cwiseMin(to).array(), from.cwiseMax(to).array(), view_));
     }
   }
 
@@ -91,20 +97,21 @@ bool canBeBackdrop(const TriangleMesh& mesh) {
   if (mesh.round || mesh.triangles.size() > kFewTriangles) return false;
   if (mesh.neighbours.size() != mesh.triangles.size()) return false;  // nobody has called finish()
   const double slack = kRounding * (mesh.box_max - mesh.box_min).cast<double>().norm();
-  return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
-    const Eigen::Vector3d n = normalOf(mesh, t), p = mesh.points[t[0]].cast<double>();
-    return std::all_of(mesh.points.begin(), mesh.points.end(),
-                       [&](const Eigen::Vector3f& point) { return n.dot(point.cast<double>() - p) <= slack; });
-  });
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Corners corners = cornersOf(mesh, t);
+    const Eigen::Vector3d n = normalOf(corners);
+    const auto beyond = [&](const Eigen::Vector3f& p) { return n.dot(p.cast<double>() - corners[0]) > slack; };
+    if (std::any_of(mesh.points.begin(), mesh.points.end(), beyond)) return false;
+  }
+  return true;
 }
 
 void addEdges(const TriangleMesh& mesh, const Eigen::Matrix4d& X_CS, const PinholeView& view, double near_m,
               double far_m, PixelParts& parts) {
   Edges edges(view, near_m, far_m, parts);
-  const Eigen::Matrix<double, 3, 4> X_FS = view.R_FC * X_CS.topRows<3>();
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    std::array<Eigen::Vector3d, 3> corners;
-    for (int k = 0; k < 3; ++k) corners[k] = X_FS * mesh.points[mesh.triangles[t][k]].cast<double>().homogeneous();
+  const std::vector<Corners> triangles = placed(mesh, X_CS, view);
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const Corners& corners = triangles[t];
     for (const double depth : {near_m, far_m}) {
       std::vector<Eigen::Vector3d> cuts;
       for (int k = 0; k < 3; ++k) {
@@ -123,18 +130,16 @@ bool fills(const TriangleMesh& mesh, const Eigen::Matrix4d& X_CS, const PinholeV
            const PixelPart& part) {
   // What is seen of one face is convex: it fills the part if it is seen in the four corners.
   constexpr double kRim = 2.0;  // [px]
-  const Eigen::Matrix<double, 3, 4> X_FS = view.R_FC * X_CS.topRows<3>();
+  const std::vector<Corners> triangles = placed(mesh, X_CS, view);
   Eigen::Vector3d face = Eigen::Vector3d::Zero();
   for (int corner = 0; corner < 4; ++corner) {
     const Eigen::Vector3d ray(((corner & 1 ? part.right + kRim : part.left - kRim) - 0.5 - view.cx) / view.fx,
                               ((corner & 2 ? part.bottom + kRim : part.top - kRim) - 0.5 - view.cy) / view.fy, 1.0);
-    const bool seen = std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
-      std::array<Eigen::Vector3d, 3> p;
-      for (int k = 0; k < 3; ++k) p[k] = X_FS * mesh.points[t[k]].cast<double>().homogeneous();
+    const bool seen = std::any_of(triangles.begin(), triangles.end(), [&](const Corners& p) {
       for (int k = 0; k < 3; ++k) {
         if (ray.dot(p[k].cross(p[(k + 1) % 3])) > 0.0) return false;  // beside it, or it looks away
       }
-      const Eigen::Vector3d n = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
+      const Eigen::Vector3d n = normalOf(p);
       if (corner == 0) face = n;
       const double depth = n.dot(p[0]) / n.dot(ray);
       return depth > near_m && depth < far_m && (n - face).norm() < kRounding;

@@ -37,11 +37,7 @@ class Outline {
   PixelPart part() const {
     if (everywhere_) return {0, 0, view_.width, view_.height};
     if (!(low_.x() <= high_.x())) return {};
-    constexpr double kRim = 2.0;  // [px] for rounding and for samples beside the pixel's centre
-    const auto within = [](double value, int size) { return static_cast<int>(std::clamp(value, 0.0, double(size))); };
-    return {within(std::floor(low_.x() - kRim), view_.width), within(std::floor(low_.y() - kRim), view_.height),
-            within(std::ceil(high_.x() + kRim) + 1.0, view_.width),
-            within(std::ceil(high_.y() + kRim) + 1.0, view_.height)};
+    return pixelsAbout(low_, high_, view_);
   }
 
  private:
@@ -67,6 +63,13 @@ PixelPart PixelPart::within(const PixelPart& other) const {
   both.top = std::clamp(top, other.top, other.bottom);
   both.bottom = std::clamp(bottom, both.top, other.bottom);
   return both;
+}
+
+PixelPart pixelsAbout(const Eigen::Array2d& low, const Eigen::Array2d& high, const PinholeView& view) {
+  constexpr double kRim = 2.0;  // [px] for rounding and for samples beside the pixel's centre
+  const auto within = [](double value, int size) { return static_cast<int>(std::clamp(value, 0.0, double(size))); };
+  return {within(std::floor(low.x() - kRim), view.width), within(std::floor(low.y() - kRim), view.height),
+          within(std::ceil(high.x() + kRim) + 1.0, view.width), within(std::ceil(high.y() + kRim) + 1.0, view.height)};
 }
 
 void PixelParts::add(const PixelPart& added) {

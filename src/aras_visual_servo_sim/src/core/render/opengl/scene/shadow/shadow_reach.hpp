@@ -22,6 +22,9 @@ struct PixelPart {
   PixelPart within(const PixelPart& other) const;
 };
 
+/** The pixels that something inside this box, in pixels, may touch. */
+PixelPart pixelsAbout(const Eigen::Array2d& low, const Eigen::Array2d& high, const PinholeView& view);
+
 /** A few parts of a picture that hold all that was added: what lies close together is taken together, for each part
  *  costs about as much as drawing some pixels more. */
 class PixelParts {
