@@ -10,6 +10,7 @@ import os
 import pathlib
 import re
 import statistics
+import sys
 import time
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # one core, as stated
@@ -26,6 +27,9 @@ from aras_visual_servo_controller.servo.servo import Servo
 from aras_visual_servo_controller.ground.spatial import exponential
 from aras_visual_servo_controller.features.target.target_pose import ORDER, PlanarTarget
 from aras_visual_servo_controller.ground.types import Features, Observation
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[3] / "script" / "docs"))
+import marked
 
 DT_S, Z_STAR_M = 1.0 / 30.0, 0.6
 GOAL = {"gantry": 0.05, "J1": 0.0, "J2": -0.5, "J3": 0.9, "J4": 0.0, "J5": -0.4, "J6": 0.0}
@@ -163,12 +167,11 @@ def label(law, features, more):
 
 def write(page, rows, unit_s):
     """The text of a page with the table between the lines BEGIN and END, and what an SVD takes, made anew."""
-    before, found, rest = page.partition(BEGIN + "\n")
-    _, ended, after = rest.partition(END)
+    before, _, after = marked.parts(page, BEGIN + "\n", END)
     before, count = re.subn(SVD, f"which is {1e6 * unit_s:.1f} us here", before)
-    if not (found and ended and count == 1):
-        raise SystemExit(f"law_times: allowed a page with '{BEGIN}', '{END}' and once '{SVD}' before them")
-    return "".join([before, BEGIN, "\n", HEAD, *(row + "\n" for row in rows), END, after])
+    if count != 1:
+        raise SystemExit(f"law_times: found {count} times '{SVD}' before the table, allowed once")
+    return "".join([before, HEAD, *(row + "\n" for row in rows), after])
 
 
 def main():
