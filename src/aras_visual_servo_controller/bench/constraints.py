@@ -6,8 +6,9 @@ python3 constraints.py [--starts 100] [--laws qp] [--seed 0] [--workers 2] [--re
 
 Starts are drawn all over the view until N of them have been found from which `ibvs` loses the target, cuts it at
 the border of the image or brings a joint to the end of its way. From each of them the other laws run. At every look
-their constraints are held to what was commanded. A constraint that is violated counts as a violation where HiGHS, a
-linear programming solver that shares nothing with ours, finds joint velocities that keep all of them.
+each answer of their solver is held to the constraints. One that is violated, or said to be impossible to keep, counts
+as a violation where HiGHS, a linear programming solver that shares nothing with ours, finds joint velocities that keep
+all of them. Infeasible are the looks at which a law itself says that it cannot keep them.
 
 With --results every run is kept in FILE, and the same command goes on where it was interrupted. --minutes ends the
 search after that time: the table then has the starts of each arm that all laws have done.
@@ -79,11 +80,10 @@ class Witness:
     """Stands between a law and its solver, and asks HiGHS what the solver says."""
 
     def __init__(self, solve):
-        self._solve, self.looks, self.wrong, self.infeasible, self.violations = solve, 0, 0, 0, 0
+        self._solve, self.violations = solve, 0
 
     def __call__(self, H, g, A, b):
         answer = self._solve(H, g, A, b)
-        self.looks += 1
         scale = 1.0 + np.abs(b[np.isfinite(b)]).max(initial=0.0)
         kept = bool((A @ answer[0] - b).min(initial=0.0) > -ROUNDING * scale)
         if answer[3] and kept:
@@ -91,7 +91,6 @@ class Witness:
         from scipy.optimize import linprog
         n, bound = len(g), np.isfinite(b)
         possible = linprog(np.zeros(n), A_ub=-A[bound], b_ub=-b[bound], bounds=[(None, None)] * n).status == 0
-        self.infeasible += not possible
         self.violations += possible
         return answer
 
@@ -110,7 +109,7 @@ def run(job):
     if record is None:
         return start.id, None
     rows, kinematics = record.servo_rows, _kinematics_of(arm)
-    q, status = record.q[rows], record.status[rows]
+    q, status, texts = record.q[rows], record.status[rows], [record.status_text[row] for row in rows]
     lower, upper = kinematics.lower, kinematics.upper
     lost = bool((status == Status.TARGET_LOST).any())
     return start.id, {
@@ -118,9 +117,10 @@ def run(job):
         "view": lost or (row["border_px"] is not None and row["border_px"] < 0.0),
         "stop": bool((status == Status.JOINT_LIMIT).any()),
         "beyond": bool((q < lower - 1e-9).any() or (q > upper + 1e-9).any()),
-        "border_px": row["border_px"], "looks": witness.looks, "infeasible": witness.infeasible,
+        "border_px": row["border_px"], "looks": len(texts),
+        "infeasible": sum("infeasible" in text or "standing still" in text for text in texts),
         "violations": witness.violations,
-        "texts": sorted({text.split(" by ")[0] for text in record.status_text[rows] if "infeasible" in text})[:3]}
+        "texts": sorted({text.split(" by ")[0] for text in texts if "infeasible" in text})[:3]}
 
 
 _benches, _arms = {}, {}
@@ -211,7 +211,7 @@ class Search:
             program = f"{looks} | {sum(one['infeasible'] for one in tried)} | {sum(one['violations'] for one in tried)}"
             lines.append(f"| {self.arm} | `{law}` | {len(tried)} | {sum(one['view'] for one in tried)} | "
                          f"{sum(one['beyond'] for one in tried)} | {won} ({100 * low:.1f} to {100 * high:.1f} %) | "
-                         f"{program if looks else '- | - | -'} |")
+                         f"{program if law != 'ibvs' else '- | - | -'} |")
         return lines
 
 

@@ -10,6 +10,8 @@ from math import asin, atan2, cos, sin, sqrt
 import numpy as np
 
 _EYE = np.eye(4)
+#: (3, 9): v @ _SKEW are the rows of [v]x, one after another.
+_SKEW = np.array([[0, 0, 0, 0, 0, -1, 0, 1, 0], [0, 0, 1, 0, 0, 0, -1, 0, 0], [0, -1, 0, 1, 0, 0, 0, 0, 0]], float)
 #: Below this angle third-order terms of the series are smaller than rounding errors [rad].
 _SMALL_RAD = 1e-5
 #: Below this cosine the sine of the angle is too small to find the axis from it, so the quaternion is used [-].
@@ -33,6 +35,22 @@ def exponential(twist):
     X = _EYE.copy()
     X[:3, :3] += A * W + B * WW
     X[:3, 3] = v + B * (W @ v) + C * (WW @ v)
+    return X
+
+
+def exponentials(twists):
+    """`exponential` of each of N twists, (N, 6): (N, 4, 4)."""
+    v, w = twists[:, :3, None], twists[:, 3:]
+    angle = np.sqrt(np.einsum("ij,ij->i", w, w))[:, None, None]
+    turns, safe = angle >= _SMALL_RAD, np.maximum(angle, _SMALL_RAD)
+    A, B, C = np.sin(safe) / safe, (1.0 - np.cos(safe)) / safe**2, (safe - np.sin(safe)) / safe**3
+    A, B, C = np.where(turns, A, 1.0), np.where(turns, B, 0.5), np.where(turns, C, 1.0 / 6.0)
+    W = (w @ _SKEW).reshape(-1, 3, 3)
+    WW = W @ W
+    X = np.zeros((len(twists), 4, 4))
+    X[:, :3, :3] = np.eye(3) + A * W + B * WW
+    X[:, :3, 3:] = v + B * (W @ v) + C * (WW @ v)
+    X[:, 3, 3] = 1.0
     return X
 
 
@@ -68,6 +86,14 @@ def adjoint(X):
     """(6, 6): a twist [v; w] in the frame that has the pose X, (4, 4), as a twist in the frame that X is given in."""
     R = X[:3, :3]
     return np.block([[R, skew(X[:3, 3]) @ R], [np.zeros((3, 3)), R]])
+
+
+def adjoints(X):
+    """`adjoint` of each of N poses, (N, 4, 4): (N, 6, 6)."""
+    R, turned = X[:, :3, :3], np.zeros((len(X), 6, 6))
+    turned[:, :3, :3] = turned[:, 3:, 3:] = R
+    turned[:, :3, 3:] = (X[:, :3, 3] @ _SKEW).reshape(-1, 3, 3) @ R
+    return turned
 
 
 def rotation(vector):

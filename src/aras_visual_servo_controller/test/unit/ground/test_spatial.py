@@ -9,9 +9,9 @@ import pytest
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
-from aras_visual_servo_controller.ground.spatial import (adjoint, exponential, inverse, logarithm,
-                                                         pose_from_quaternion, quaternion_xyzw, rotation,
-                                                         rotation_angle, rotation_rpy, rotation_vector, skew)
+from aras_visual_servo_controller.ground.spatial import (adjoint, adjoints, exponential, exponentials, inverse,
+                                                         logarithm, pose_from_quaternion, quaternion_xyzw,
+                                                         rotation, rotation_angle, rotation_rpy, rotation_vector, skew)
 
 SEEDS = range(40)
 #: Some tens of operations on numbers near one.
@@ -152,3 +152,11 @@ def test_skew_is_the_cross_product_and_adjoint_moves_a_twist_to_the_other_frame(
     np.testing.assert_allclose(skew(v) @ w, np.cross(v, w), rtol=0, atol=ROUNDING)
     moved = exponential(adjoint(X) @ twist)
     np.testing.assert_allclose(moved, X @ exponential(twist) @ inverse(X), rtol=0, atol=2e-13)
+
+
+def test_of_many_twists_and_poses_come_the_same_values_as_of_each():
+    twists = np.vstack([np.random.default_rng(0).normal(0.0, 2.0, (20, 6)), np.zeros(6), np.full(6, 1e-7),
+                        [1.0, 2.0, 3.0, 0.0, 0.0, 1e-5]])
+    poses = np.array([exponential(twist) for twist in twists])
+    np.testing.assert_allclose(exponentials(twists), poses, rtol=0.0, atol=1e-14)
+    np.testing.assert_allclose(adjoints(poses), [adjoint(X) for X in poses], rtol=0.0, atol=1e-14)
