@@ -167,6 +167,18 @@ void nameMovingJoints(RobotModel& model) {
   }
 }
 
+/** @throws ModelError  urdfdom, which reads with a parser of its own, knows a link or joint by another name than this
+ */
+void requireSameNames(const UrdfSource& source, const tinyxml2::XMLElement& robot, const urdf::ModelInterface& parsed) {
+  for (const auto* element = robot.FirstChildElement(); element; element = element->NextSiblingElement()) {
+    const std::string kind = element->Name();
+    if (kind != "link" && kind != "joint") continue;
+    const std::string name = element->Attribute("name");
+    if (kind == "link" ? bool(parsed.getLink(name)) : bool(parsed.getJoint(name))) continue;
+    source.fail(*element, kind + " '" + name + "': found a name that urdfdom reads otherwise, must be plain text");
+  }
+}
+
 }  // namespace
 
 RobotModel loadRobotModel(const std::string& urdf_xml, const std::string& source_name) {
@@ -199,6 +211,7 @@ RobotModel loadRobotModel(const std::string& urdf_xml, const std::string& source
     throw ModelError(text);
   }
   for (const auto& message : messages) model.warnings.push_back(source_name + ": " + message);
+  requireSameNames(source, *robot, *parsed);
   model.name = parsed->getName();
   appendTree(*parsed->getRoot(), -1, model);
   nameMovingJoints(model);

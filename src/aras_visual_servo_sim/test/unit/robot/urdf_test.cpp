@@ -226,5 +226,17 @@ TEST(RobotModel, UnknownNamesListTheKnownOnes) {
   EXPECT_HAS(messageOf<UnknownNameError>([&] { model.linkIndex("hand"); }), "link 'hand'");
 }
 
+TEST(UrdfLoader, ANameThatUrdfdomReadsOtherwiseIsRefused) {
+  const std::string head =
+      "<robot name='r'><link name='a'/><link name='b'/><link name='c'/><joint name='j' type='prismatic'>"
+      "<parent link='a'/><child link='b'/><limit lower='-1' upper='1' effort='9' velocity='2'/></joint>";
+  const auto with = [&](const std::string& name) {
+    return head + "<joint name='" + name +
+           "' type='continuous'><parent link='b'/><child link='c'/><mimic joint='j'/></joint></robot>";
+  };
+  EXPECT_HAS(refusal(with("k\x88&\x88\x88\x88k")), "found a name that urdfdom reads otherwise, must be plain text");
+  for (const std::string name : {"k", "k &amp; l", "\xc3\xa4", "k/1"}) EXPECT_EQ(modelOf(with(name)).dofs(), 2) << name;
+}
+
 }  // namespace
 }  // namespace aras_visual_servo_sim
