@@ -5,7 +5,7 @@ import cv2
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-#: Pictures that script/docs/growth.py and `benchmark map` make.
+#: Pictures that script/docs/growth.py, `benchmark map` and `benchmark latency` make.
 OTHERS = {"growth.png", "frame_budget.png", "convergence.png", "latency.png"}
 LAWS, TASKS, SHORT = ("points_goal", "pbvs"), ("turn_90",), {"servo.time_limit_s": 0.2}
 

@@ -66,6 +66,14 @@ class ConstraintSettings:
         help="Weight of the change of the joint velocities beside that of the features' rates, both relative.")
 
     @cached_property
+    def borders(self):
+        """(axis, sign, half less margin, name) of each border that is kept: x (axis 0) or y (axis 1) has the room
+        half less margin plus sign times itself there."""
+        return tuple((axis, sign, half - self.margin, BORDERS[2 * axis + k])
+                     for axis, half in enumerate((self.half_width, self.half_height)) if half is not None
+                     for k, sign in enumerate((1.0, -1.0)))
+
+    @cached_property
     def planes(self):
         """(names of the walls' rooms, their normals of length 1, (k, 3), their offsets, (k,))."""
         normals = np.array([wall.normal for wall in self.walls.values()], dtype=float)

@@ -14,18 +14,18 @@ from ..ground.errors import DegenerateFeature
 from ..ground.spatial import adjoints, exponentials, inverse, logarithm
 from ..ground.types import Status
 from .base import LawSetup, register
-from .constraints import BORDERS, ConstraintSettings, Rooms, points_in_space, rooms_of
+from .constraints import ConstraintSettings, Rooms, points_in_space, rooms_of
 from .look import Joints
 from .qp import SLACK_WEIGHT, TOLD, QuadraticProgram
 
 #: Depths below it are predicted as if they were this one [m].
 LEAST_DEPTH_M = 0.02
-#: A plan by which the camera moves this much otherwise than by the one about which it was linearised is predicted once
-#: more without [m, rad].
+#: A new plan is checked without linearisation when the camera moves by it this much otherwise than by the plan about
+#: which it was linearised [m, rad].
 STRAIGHT = 0.03
-#: It is made anew where a room misses more than this then [normalised image coordinates, m].
+#: A plan that violates a room by more than this in that check is not used [normalised image coordinates, m].
 CURVED = 0.02
-#: What is made anew is halved this often at most.
+#: A plan that was made about braking is halved this often at most until it passes the check.
 HALVINGS = 5
 #: Points of the contour by which an object without followed points is predicted.
 CONTOUR = 8
@@ -161,10 +161,8 @@ class Predictive(QuadraticProgram):
 
     def _rooms_along(self, ahead, seen, poses):
         """(N, m) rooms along poses (N, 4, 4). Args: seen: `predicted_points` of them."""
-        config, h = self.settings, []
-        for axis, half in enumerate((config.half_width, config.half_height)):
-            for sign in (1.0, -1.0) if half is not None else ():
-                h.append(half - config.margin + sign * seen[:, axis::3])
+        config = self.settings
+        h = [half + sign * seen[:, axis::3] for axis, sign, half, _ in config.borders]
         h.append(seen[:, 2::3] - config.least_depth_m)
         if config.walls:
             normals = ahead.rooms.rows[-len(config.walls):, :3]  # in the camera frame
@@ -227,8 +225,7 @@ class Predictive(QuadraticProgram):
             screws, back = np.array([logarithm(X) for X in poses]), np.array([inverse(X) for X in poses])
             parts.append((straight @ adjoints(back), self._worth[:, None] * (straight @ twist) - screws @ straight.T))
         ways, lack = (np.concatenate(part, axis=1) for part in zip(*parts))
-        rows = [sign * L_seen[:, axis::3] for axis, half in enumerate((config.half_width, config.half_height))
-                for sign in ((1.0, -1.0) if half is not None else ())]
+        rows = [sign * L_seen[:, axis::3] for axis, sign, _, _ in config.borders]
         rows.append(L_seen[:, 2::3])
         if config.walls:
             normals = ahead.rooms.rows[-len(config.walls):, :3]
@@ -293,10 +290,9 @@ def _contour(view, extent):
 def _rooms_of_contour(config, xy, plain):
     """`Rooms` now of the points of a contour, with the walls of `plain`; their rows are those of the walls alone."""
     names, h = [], []
-    for axis, half in enumerate((config.half_width, config.half_height)):
-        for sign, border in zip((1.0, -1.0), BORDERS[2 * axis:2 * axis + 2]) if half is not None else ():
-            names += [f"the object at the {border} border"] * len(xy)
-            h.append(half - config.margin + sign * xy[:, axis])
+    for axis, sign, half, border in config.borders:
+        names += [f"the object at the {border} border"] * len(xy)
+        h.append(half + sign * xy[:, axis])
     names += ["the object before the camera"] * len(xy)
     walls, depth = len(config.walls), plain.h[-len(config.walls) - 1]
     h += [np.full(len(xy), depth), plain.h[len(plain.h) - walls:]]

@@ -167,8 +167,7 @@ void nameMovingJoints(RobotModel& model) {
   }
 }
 
-/** @throws ModelError  urdfdom, which reads with a parser of its own, knows a link or joint by another name than this
- */
+/** urdfdom reads with a parser of its own. @throws ModelError  it read the name of a link or joint otherwise */
 void requireSameNames(const UrdfSource& source, const tinyxml2::XMLElement& robot, const urdf::ModelInterface& parsed) {
   for (const auto* element = robot.FirstChildElement(); element; element = element->NextSiblingElement()) {
     const std::string kind = element->Name();
