@@ -55,6 +55,11 @@ def test_executions_add_up_and_a_finding_begins_anew(tmp_path, monkeypatch):
     assert page.read_text().startswith("before\n") and page.read_text().endswith("after\n")
 
 
+def test_no_time_means_what_is_in_the_corpus_alone():
+    assert (fuzz.how_long(0.0), fuzz.how_long(0.2), fuzz.how_long(60.0)) == \
+        ("-runs=0", "-max_total_time=1", "-max_total_time=60")
+
+
 def test_an_unknown_target_is_refused_with_those_there_are(capsys):
     with pytest.raises(SystemExit, match="found the target nobody, allowed .*urdf"):
         fuzz.chosen(["nobody"])

@@ -39,73 +39,131 @@ bool same(const YAML::Node& a, const YAML::Node& b) {
 
 bool isScalar(Type type) { return type != Type::kAny && type != Type::kObject && type != Type::kArray; }
 
-/** What is allowed instead of a value that is no map and no list; empty when the value is as it should be. */
-std::string scalarFault(const YAML::Node& value, const Schema& schema) {
-  if (!fitsType(value, schema.type)) return schema.text();
+/** Where faults go. Without a list only whether there is one is asked for: no text is made, and `enough` after the
+ *  first. */
+class Findings {
+ public:
+  explicit Findings(FaultList* list = nullptr) : list_(list) {}
+
+  /** `found` and `allowed` make the texts. */
+  template <typename Found, typename Allowed>
+  void add(const std::string& where, const Found& found, const Allowed& allowed) {
+    count();
+    if (list_) list_->add(where.empty() ? "document" : where, found(), allowed());
+  }
+
+  /** A fault without words. */
+  void count() { any_ = true; }
+
+  bool any() const { return any_; }
+  bool silent() const { return !list_; }
+  bool enough() const { return any_ && silent(); }
+
+  /** Name of a key, or of `[k]`, in messages; empty when there are none. */
+  std::string keyOf(const std::string& where, const std::string& key) const {
+    return !list_ || where.empty() ? key : where + "/" + key;
+  }
+  std::string elementOf(const std::string& where, std::size_t k) const {
+    return list_ ? where + "[" + std::to_string(k) + "]" : "";
+  }
+
+ private:
+  FaultList* list_;
+  bool any_ = false;
+};
+
+void checkValue(const YAML::Node& value, const Schema& schema, const std::string& where, Findings& findings);
+
+/** What is wrong with a value that is no map and no list. */
+enum class Fault { kNone, kType, kChoice, kRange, kLength, kPattern };
+
+Fault faultOf(const YAML::Node& value, const Schema& schema) {
+  if (!fitsType(value, schema.type)) return Fault::kType;
   const auto equal = [&value](const YAML::Node& choice) { return same(value, choice); };
   if (!schema.choices.empty() && std::none_of(schema.choices.begin(), schema.choices.end(), equal))
-    return schema.text();
+    return Fault::kChoice;
   if (schema.type == Type::kNumber || schema.type == Type::kInteger)
-    return schema.range.contains(*numberOf(value)) ? "" : schema.range.text();
-  if (schema.type != Type::kString) return "";
-  if (value.Scalar().size() < schema.min_length)
-    return schema.min_length == 1 ? "a text that is not empty"
-                                  : "a text of at least " + std::to_string(schema.min_length) + " characters";
-  if (schema.pattern && !schema.matches(value.Scalar())) return "a text of the form " + *schema.pattern;
-  return "";
+    return schema.range.contains(*numberOf(value)) ? Fault::kNone : Fault::kRange;
+  if (schema.type != Type::kString) return Fault::kNone;
+  if (value.Scalar().size() < schema.min_length) return Fault::kLength;
+  return schema.pattern && !schema.matches(value.Scalar()) ? Fault::kPattern : Fault::kNone;
 }
 
-void checkObject(const YAML::Node& map, const Schema& schema, const std::string& where, FaultList& faults) {
-  const std::string prefix = where.empty() ? "" : where + "/";
+/** What is allowed instead. */
+std::string allowedInstead(Fault fault, const Schema& schema) {
+  switch (fault) {
+    case Fault::kRange:
+      return schema.range.text();
+    case Fault::kLength:
+      return schema.min_length == 1 ? "a text that is not empty"
+                                    : "a text of at least " + std::to_string(schema.min_length) + " characters";
+    case Fault::kPattern:
+      return "a text of the form " + *schema.pattern;
+    case Fault::kNone:
+    case Fault::kType:
+    case Fault::kChoice:
+      break;
+  }
+  return schema.text();
+}
+
+void checkObject(const YAML::Node& map, const Schema& schema, const std::string& where, Findings& findings) {
   for (const std::string& key : schema.required) {
-    const SchemaPtr wanted = schema.property(map, key);
     if (map.IsMap() && map[key].IsDefined()) continue;
-    faults.add(prefix + key, "nothing", (wanted ? wanted->text() : std::string("it")) + " (required)");
+    const auto allowed = [&] {
+      const SchemaPtr wanted = schema.property(map, key);
+      return (wanted ? wanted->text() : std::string("it")) + " (required)";
+    };
+    findings.add(
+        findings.keyOf(where, key), [] { return "nothing"; }, allowed);
   }
   if (!map.IsMap()) return;
   for (const auto& item : map) {
+    if (findings.enough()) return;
     const std::string key = item.first.IsScalar() ? item.first.Scalar() : shown(item.first);
     const auto known = schema.properties.find(key);
     if (known != schema.properties.end()) {
-      known->second->check(item.second, prefix + key, faults);
+      checkValue(item.second, *known->second, findings.keyOf(where, key), findings);
     } else if (schema.additional) {
-      schema.additional->check(item.second, prefix + key, faults);
+      checkValue(item.second, *schema.additional, findings.keyOf(where, key), findings);
     } else if (schema.closed) {
-      std::vector<std::string> names;
-      for (const auto& property : schema.properties) names.push_back(property.first);
-      faults.add(prefix + key, "an unknown key", names.empty() ? "none" : joined(names));
+      const auto names = [&schema] {
+        std::vector<std::string> words;
+        for (const auto& property : schema.properties) words.push_back(property.first);
+        return words.empty() ? "none" : joined(words);
+      };
+      findings.add(
+          findings.keyOf(where, key), [] { return "an unknown key"; }, names);
     }
   }
 }
 
-void checkArray(const YAML::Node& list, const Schema& schema, const std::string& where, FaultList& faults) {
+void checkArray(const YAML::Node& list, const Schema& schema, const std::string& where, Findings& findings) {
   const std::size_t size = list.IsNull() ? 0 : list.size();
+  const auto whole = [&list] { return shown(list); };
   if (size < schema.min_items || (schema.max_items && size > *schema.max_items))
-    return faults.add(where, shown(list), schema.text());
+    return findings.add(where, whole, [&schema] { return schema.text(); });
   if (!schema.items) return;
-  std::set<std::string> said;  // each fault of the whole list once: showing it takes as long as the list
-  for (std::size_t k = 0; k < size; ++k) {
+  std::set<Fault> said;  // each fault of the whole list once: showing it takes as long as the list
+  for (std::size_t k = 0; k < size && !findings.enough(); ++k) {
     if (!isScalar(schema.items->type)) {
-      schema.items->check(list[k], where + "[" + std::to_string(k) + "]", faults);
+      checkValue(list[k], *schema.items, findings.elementOf(where, k), findings);
       continue;
     }
-    const std::string allowed = scalarFault(list[k], *schema.items);  // said of the whole list, which is short
-    if (allowed.empty() || !said.insert(allowed).second) continue;
-    faults.add(where, shown(list), allowed == schema.items->text() ? schema.text() : allowed);
+    const Fault fault = faultOf(list[k], *schema.items);  // said of the whole list, which is short
+    if (fault == Fault::kNone || !said.insert(fault).second) continue;
+    findings.add(where, whole, [&] {
+      const std::string allowed = allowedInstead(fault, *schema.items);
+      return allowed == schema.items->text() ? schema.text() : allowed;
+    });
   }
-}
-
-bool fitsWhole(const YAML::Node& value, const Schema& schema) {
-  FaultList faults;
-  schema.check(value, "", faults);
-  return faults.empty();
 }
 
 /** A map is told by the keys whose value the schema fixes with `const`, other values by their choices and their type.
  */
 bool isMeant(const YAML::Node& value, const Schema& schema) {
   if (!fitsType(value, schema.type)) return false;
-  if (!value.IsMap()) return schema.choices.empty() || scalarFault(value, schema).empty();
+  if (!value.IsMap()) return schema.choices.empty() || faultOf(value, schema) == Fault::kNone;
   return std::all_of(schema.properties.begin(), schema.properties.end(), [&value](const auto& property) {
     const auto& choices = property.second->choices;
     return choices.size() != 1 || same(value[property.first], choices.front());
@@ -139,11 +197,14 @@ std::string tellingKey(const std::vector<SchemaPtr>& alternatives) {
 
 /** None of the alternatives is meant by the value of the key that tells them apart. */
 void addTellingFault(const YAML::Node& map, const std::string& key, const std::vector<SchemaPtr>& alternatives,
-                     const std::string& where, FaultList& faults) {
-  std::vector<std::string> known;
-  for (const SchemaPtr& each : alternatives) known.push_back(shown(each->properties.at(key)->choices.front()));
-  faults.add(where.empty() ? key : where + "/" + key, shown(map[key]),
-             "one of " + joined(known) + (map[key].IsDefined() ? "" : " (required)"));
+                     const std::string& where, Findings& findings) {
+  const auto allowed = [&] {
+    std::vector<std::string> known;
+    for (const SchemaPtr& each : alternatives) known.push_back(shown(each->properties.at(key)->choices.front()));
+    return "one of " + joined(known) + (map[key].IsDefined() ? "" : " (required)");
+  };
+  findings.add(
+      findings.keyOf(where, key), [&] { return shown(map[key]); }, allowed);
 }
 
 std::vector<std::string> textsOf(const std::vector<SchemaPtr>& alternatives) {
@@ -152,30 +213,46 @@ std::vector<std::string> textsOf(const std::vector<SchemaPtr>& alternatives) {
   return texts;
 }
 
-void checkAlternatives(const YAML::Node& value, const std::vector<SchemaPtr>& alternatives, bool one_only,
-                       const std::string& where, FaultList& faults) {
+/** How many of the alternatives fit a value; two stand for more. */
+std::size_t fittingOf(const YAML::Node& value, const std::vector<SchemaPtr>& alternatives) {
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < alternatives.size() && count < 2; ++k) count += alternatives[k]->fits(value) ? 1 : 0;
+  return count;
+}
+
+/** Says what is wrong with a value that none, or too many, of the alternatives fit. */
+void addAlternativesFault(const YAML::Node& value, const std::vector<SchemaPtr>& alternatives, bool one_only,
+                          const std::string& where, Findings& findings) {
   std::vector<SchemaPtr> fitting, meant;
   for (const SchemaPtr& each : alternatives) {
-    if (fitsWhole(value, *each)) fitting.push_back(each);
-  }
-  if (fitting.size() == 1 || (fitting.size() > 1 && !one_only)) return;
-  for (const SchemaPtr& each : alternatives) {
+    if (each->fits(value)) fitting.push_back(each);
     if (isMeant(value, *each)) meant.push_back(each);
   }
   const std::vector<std::string> keys = keysAskedFor(alternatives);
-  const std::string what = where.empty() ? "document" : where;
   if (!keys.empty()) {
-    faults.add(what, std::to_string(fitting.size()) + " of these keys",
-               std::string(one_only ? "one" : "one or more") + " of " + joined(keys));
+    findings.add(
+        where, [&] { return std::to_string(fitting.size()) + " of these keys"; },
+        [&] { return std::string(one_only ? "one" : "one or more") + " of " + joined(keys); });
   } else if (fitting.size() > 1) {
-    faults.add(what, shown(value) + ", which is " + joined(textsOf(fitting), " and "), "only one of them");
+    findings.add(
+        where, [&] { return shown(value) + ", which is " + joined(textsOf(fitting), " and "); },
+        [] { return "only one of them"; });
   } else if (meant.size() == 1) {
-    meant.front()->check(value, where, faults);
+    checkValue(value, *meant.front(), where, findings);
   } else if (value.IsMap() && !tellingKey(alternatives).empty()) {
-    addTellingFault(value, tellingKey(alternatives), alternatives, where, faults);
+    addTellingFault(value, tellingKey(alternatives), alternatives, where, findings);
   } else {
-    faults.add(what, shown(value), joined(textsOf(alternatives), " or "));
+    findings.add(
+        where, [&] { return shown(value); }, [&] { return joined(textsOf(alternatives), " or "); });
   }
+}
+
+void checkAlternatives(const YAML::Node& value, const std::vector<SchemaPtr>& alternatives, bool one_only,
+                       const std::string& where, Findings& findings) {
+  const std::size_t fitting = fittingOf(value, alternatives);
+  if (fitting == 1 || (fitting > 1 && !one_only)) return;
+  if (findings.silent()) return findings.count();
+  addAlternativesFault(value, alternatives, one_only, where, findings);
 }
 
 SchemaPtr propertyOfAlternatives(const std::vector<SchemaPtr>& alternatives, const YAML::Node& map,
@@ -191,7 +268,7 @@ SchemaPtr propertyOfAlternatives(const std::vector<SchemaPtr>& alternatives, con
   if (properties.size() == 1 || !map.IsDefined()) return properties.front();
   // Several describe the key: the first that fits the whole map, else the first that the map is meant to be.
   for (std::size_t k = 0; k < properties.size(); ++k) {
-    if (fitsWhole(map, *describing[k])) return properties[k];
+    if (describing[k]->fits(map)) return properties[k];
   }
   for (std::size_t k = 0; k < properties.size(); ++k) {
     if (isMeant(map, *describing[k])) return properties[k];
@@ -199,50 +276,32 @@ SchemaPtr propertyOfAlternatives(const std::vector<SchemaPtr>& alternatives, con
   return properties.front();
 }
 
-std::string several(const Schema& schema) {
-  if (!schema.choices.empty()) return "values, each " + schema.text();
-  switch (schema.type) {
-    case Type::kObject:
-      return "maps";
-    case Type::kArray:
-      return "lists, each " + schema.text();
-    case Type::kNumber:
-      return "numbers";
-    case Type::kInteger:
-      return "integers";
-    case Type::kBoolean:
-      return "true or false";
-    case Type::kString:
-      return "texts";
-    case Type::kAny:
-      break;
-  }
-  return schema.any_of.empty() && schema.one_of.empty() ? "values" : "values, each " + schema.text();
-}
-
-std::string listText(const Schema& schema) {
-  std::string count;
-  if (schema.max_items && schema.min_items == *schema.max_items) {
-    count = std::to_string(schema.min_items) + " ";
-  } else if (schema.max_items) {
-    count = std::to_string(schema.min_items) + " to " + std::to_string(*schema.max_items) + " ";
-  } else if (schema.min_items > 0) {
-    count = std::to_string(schema.min_items) + " or more ";
-  }
-  return "a list of " + count + (schema.items ? several(*schema.items) : "values");
+void checkValue(const YAML::Node& value, const Schema& schema, const std::string& where, Findings& findings) {
+  if (!value.IsDefined()) return checkValue(YAML::Node(), schema, where, findings);
+  const Fault fault = faultOf(value, schema);
+  if (fault != Fault::kNone)
+    return findings.add(
+        where, [&value] { return shown(value); }, [&] { return allowedInstead(fault, schema); });
+  const bool of_map = schema.type == Type::kObject ||
+                      (schema.type == Type::kAny && !(schema.properties.empty() && schema.required.empty()));
+  if (of_map) checkObject(value, schema, where, findings);
+  if (schema.type == Type::kArray) checkArray(value, schema, where, findings);
+  if (findings.enough()) return;
+  if (!schema.any_of.empty()) checkAlternatives(value, schema.any_of, false, where, findings);
+  if (!schema.one_of.empty()) checkAlternatives(value, schema.one_of, true, where, findings);
 }
 
 }  // namespace
 
 void Schema::check(const YAML::Node& value, const std::string& where, FaultList& faults) const {
-  if (!value.IsDefined()) return check(YAML::Node(), where, faults);
-  const std::string allowed = scalarFault(value, *this);
-  if (!allowed.empty()) return faults.add(where.empty() ? "document" : where, shown(value), allowed);
-  const bool of_map = type == Type::kObject || (type == Type::kAny && (!properties.empty() || !required.empty()));
-  if (of_map) checkObject(value, *this, where, faults);
-  if (type == Type::kArray) checkArray(value, *this, where, faults);
-  if (!any_of.empty()) checkAlternatives(value, any_of, false, where, faults);
-  if (!one_of.empty()) checkAlternatives(value, one_of, true, where, faults);
+  Findings findings(&faults);
+  checkValue(value, *this, where, findings);
+}
+
+bool Schema::fits(const YAML::Node& value) const {
+  Findings findings;
+  checkValue(value, *this, "", findings);
+  return !findings.any();
 }
 
 SchemaPtr Schema::property(const YAML::Node& map, const std::string& key) const {
@@ -251,39 +310,6 @@ SchemaPtr Schema::property(const YAML::Node& map, const std::string& key) const 
   if (SchemaPtr found = propertyOfAlternatives(one_of, map, key)) return found;
   if (SchemaPtr found = propertyOfAlternatives(any_of, map, key)) return found;
   return additional;
-}
-
-std::string Schema::text() const {
-  if (!choices.empty()) {
-    std::vector<std::string> words;
-    for (const YAML::Node& choice : choices) words.push_back(shown(choice));
-    return words.size() == 1 ? words.front() : "one of " + joined(words);
-  }
-  if (type == Type::kArray) return listText(*this);
-  if (type == Type::kObject) return "a map";
-  if (type == Type::kNumber) return "a number";
-  if (type == Type::kInteger) return "an integer";
-  if (type == Type::kBoolean) return "true or false";
-  if (type == Type::kString) return "a text";
-  std::vector<std::string> ways;
-  for (const SchemaPtr& each : any_of) ways.push_back(each->text());
-  for (const SchemaPtr& each : one_of) ways.push_back(each->text());
-  return ways.empty() ? "a value" : joined(ways, " or ");
-}
-
-std::string shown(const YAML::Node& value) {
-  constexpr std::size_t kLongest = 60;
-  if (!value.IsDefined() || value.IsNull()) return "nothing";
-  const bool quoted = value.IsScalar() && value.Tag() == "!";
-  if (quoted) {
-    const YAML::Node plain(value.Scalar());
-    return numberOf(plain) || boolOf(plain) || value.Scalar().empty() ? "'" + value.Scalar() + "'" : value.Scalar();
-  }
-  YAML::Emitter out;
-  out << YAML::Flow << value;
-  std::string text = out.c_str();
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text.size() > kLongest ? text.substr(0, kLongest - 3) + "..." : text;
 }
 
 }  // namespace aras_visual_servo_common

@@ -3,11 +3,17 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 
 namespace aras_visual_servo_common {
 namespace {
 
 bool plain(const YAML::Node& value) { return value.IsDefined() && value.IsScalar() && value.Tag() != "!"; }
+
+/** Words do not: they need no stream to be told from numbers. .inf and .nan are numbers. */
+bool beginsLikeNumber(const std::string& text) {
+  return !text.empty() && (std::isdigit(static_cast<unsigned char>(text[0])) || std::strchr("+-.", text[0]));
+}
 
 /** Reads a number as most are written, -12.5e-3, without a stream. Nothing for other ways, which YAML knows. */
 std::optional<double> decimalOf(const std::string& text) {
@@ -23,7 +29,7 @@ std::optional<double> decimalOf(const std::string& text) {
 
 std::optional<double> numberOf(const YAML::Node& value) {
   double number = 0.0;
-  if (!plain(value)) return std::nullopt;
+  if (!plain(value) || !beginsLikeNumber(value.Scalar())) return std::nullopt;
   if (const auto decimal = decimalOf(value.Scalar())) return decimal;
   if (YAML::convert<double>::decode(value, number)) return number;
   const auto integer = integerOf(value);  // one written in another base
@@ -34,7 +40,7 @@ std::optional<std::int64_t> integerOf(const YAML::Node& value) {
   constexpr double kExact = 9007199254740992.0;  // 2^53: up to here a double holds every integer
   std::int64_t integer = 0;
   double number = 0.0;
-  if (!plain(value)) return std::nullopt;
+  if (!plain(value) || !beginsLikeNumber(value.Scalar())) return std::nullopt;
   if (YAML::convert<std::int64_t>::decode(value, integer)) return integer;
   if (!YAML::convert<double>::decode(value, number)) return std::nullopt;
   if (number != std::floor(number) || std::abs(number) > kExact) return std::nullopt;

@@ -54,6 +54,9 @@ struct Schema {
   /** Adds a fault for everything in a value that is not as it should be; `where` names it in the messages. */
   void check(const YAML::Node& value, const std::string& where, FaultList& faults) const;
 
+  /** Whether check() would find nothing, sooner: the first fault is enough. */
+  bool fits(const YAML::Node& value) const;
+
   /** The schema of a key of this map. It comes from the section itself, else from the alternative that the map fits or
    *  from any other alternative that has the key, else it is that of all other keys. Null when the section does not
    *  describe the key. */

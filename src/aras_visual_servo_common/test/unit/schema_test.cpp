@@ -20,11 +20,14 @@ std::string sectionOf(const std::string& key_schema) {
 
 std::string schemaFault(const std::string& key_schema) { return folderFault({{"toy", sectionOf(key_schema)}}, "toy"); }
 
-/** What is said of a document whose key `k` has this value. */
+/** What is said of a document whose key `k` has this value. It fits its section when nothing is said. */
 std::string valueFault(const std::string& key_schema, const std::string& value) {
   const SchemaFolder folder({{"toy", sectionOf(key_schema)}});
-  YamlReader reader(YAML::Load("{k: " + value + "}"), folder.section("toy"), "toy");
-  return textOf<ParameterError>([&] { reader.finish(); });
+  const YAML::Node document = YAML::Load("{k: " + value + "}");
+  YamlReader reader(document, folder.section("toy"), "toy");
+  const std::string fault = textOf<ParameterError>([&] { reader.finish(); });
+  EXPECT_EQ(folder.section("toy").fits(document), fault.empty()) << value;
+  return fault;
 }
 
 struct Word {
@@ -52,6 +55,7 @@ INSTANTIATE_TEST_SUITE_P(
     Values, EachWord,
     ::testing::Values(
         Word{"type: number", "1.5", "text", "a number"}, Word{"type: number", "1", "'1'", "a number"},
+        Word{"type: number", "+.5", "+", "a number"}, Word{"type: number, minimum: -2", "-.5", "-.inf", ">= -2"},
         Word{"type: number", "-1e3", ".nan", "finite"}, Word{"type: number", "0x10", ".inf", "finite"},
         Word{"type: integer", "3", "1.5", "an integer"}, Word{"type: integer", "2.0", "[2]", "an integer"},
         Word{"type: boolean", "true", "1", "true or false"}, Word{"type: boolean", "false", "'true'", "true or false"},
