@@ -41,8 +41,7 @@ def test_the_process_that_draws_does_other_work_side_by_side():
 
 @pytest.mark.parametrize("mode, user, kept", [(0o700, 0, True), (0o755, 0, True), (0o775, 0, False), (0o757, 0, False),
                                               (0o700, 1, False)])
-def test_compiled_templates_are_run_only_from_a_folder_that_nobody_else_can_write(tmp_path, monkeypatch, mode, user,
-                                                                                 kept):
+def test_compiled_templates_are_run_only_from_a_folder_of_ones_own(tmp_path, monkeypatch, mode, user, kept):
     folder = tmp_path / "aras_visual_servo"
     folder.mkdir()
     folder.chmod(mode)

@@ -1,4 +1,4 @@
-"""Runs on the workers of a Dask scheduler: the rows of this process, and clear words where there is nobody to do them."""
+"""Runs on the workers of a Dask scheduler: the rows of this process, and clear words where nobody can do them."""
 from types import SimpleNamespace
 
 import pytest
