@@ -105,3 +105,9 @@ def test_under_the_pointer_a_map_tells_the_result_and_how_far_the_start_was():
     facts = json.loads(sweep_maps(rows, ("x0_mm", "y0_mm")))["facts"]
     assert {one["key"] for one in facts if one["short"]} == {"outcome", "reason", "duration_s", "error_mm",
                                                              "distance0_mm", "angle0_deg"}
+
+
+def test_axes_of_a_map_have_the_names_of_their_columns():
+    panels = [axes for axes in make_figure("map", ROWS, ("distance0_mm", "y0_mm")).axes if axes.get_title(loc="left")]
+    assert {(panel.get_xlabel(), panel.get_ylabel()) for panel in panels} == {("initial distance [mm]",
+                                                                              "initial $y$ [mm]")}

@@ -174,3 +174,19 @@ def test_memory_is_kept_where_dask_would_return_it_and_the_system_takes_both_bou
     assert asked == calls
     for parameter in (-1, -3):
         library.mallopt(parameter, 128 << 10)  # as before
+
+
+@pytest.mark.parametrize("name, where", [("clutter", "start"), ("scene", "goal")])
+def test_what_stands_in_the_way_comes_before_or_after_teaching_and_for_one_run(bench, tmp_path, name, where):
+    (tmp_path / "cover.yaml").write_text("solids: [{name: cover, box_m: [2.0, 2.0, 0.01], color_rgb: [230, 230, 230], "
+                                         "position_m: [0.0, 0.0, 0.25]}]")
+    row, _ = bench.run(Start(13, NEAR, parameters={name: str(tmp_path / "cover.yaml")}))
+    assert (row["outcome"], row["reason"]) == ("infeasible", f"target not in view at the {where}")
+    assert bench.run(Start(1, NEAR))[0]["outcome"] == "success"
+
+
+def test_a_servo_that_does_not_end_is_given_up(bench, monkeypatch):
+    monkeypatch.setattr("aras_visual_servo_controller.sweep.run.DEFAULT_LIMIT_S", 1.5)
+    row, record = bench.run(Start(14, FAR))
+    assert record is None and (row["outcome"], row["reason"]) == ("error", "error: ArasError")
+    assert row["detail"].startswith("given up after 1.5 s of simulated time in phase ")
