@@ -1,4 +1,4 @@
-"""Runs that are ended because the camera goes too far, and pictures that replace the target's after teaching."""
+"""Runs that are ended because the camera goes too far; pictures and clutter that come after teaching."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from aras_visual_servo_controller.arm.robot import robot_kinematics
 from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.ground.spatial import exponential
 from aras_visual_servo_controller.scenario.scenario import load_scenario
-from aras_visual_servo_controller.sweep.perturb import read_perturbations, swap_picture
+from aras_visual_servo_controller.sweep.perturb import put_clutter, read_perturbations, swap_picture
 from aras_visual_servo_controller.sweep.plan import Start
 from aras_visual_servo_controller.sweep.run import Bench
 
@@ -15,16 +15,12 @@ PICTURE = "package://aras_description/targets/photo.png"
 
 
 class Recorder:
-    """What `swap_picture` asks of a Simulation."""
+    """What `swap_picture` and `put_clutter` ask of a Simulation."""
 
     def __init__(self):
-        self.asked = []
-
-    def delete_model(self, name):
-        self.asked.append(name)
-
-    def spawn_model(self, entry):
-        self.asked.append(entry)
+        self.asked, self.lights = [], []
+        self.delete_model = self.spawn_model = self.asked.append
+        self.set_light = self.lights.append
 
 
 def test_a_run_that_goes_too_far_is_ended():
@@ -59,3 +55,13 @@ def test_a_picture_that_is_no_file_is_refused_before_the_sweep():
     assert read_perturbations({"picture": {"values": [PICTURE]}}, scenario)[0].name == "picture"
     with pytest.raises(ParameterError, match="sweep.perturb.picture: .*no such file"):
         read_perturbations({"picture": {"values": ["/nowhere.png"]}}, scenario)
+
+
+@pytest.mark.parametrize("text, solids, lights", [
+    ("solids: [{name: a}, {name: b}]", ["a", "b"], []), ("lights: [{name: key}, {name: fill}]", [], ["key", "fill"]),
+    ("{solids: [{name: a}], lights: [{name: key}]}", ["a"], ["key"])])
+def test_clutter_puts_every_solid_and_light_of_its_file_into_the_scene(tmp_path, text, solids, lights):
+    (tmp_path / "clutter.yaml").write_text(text)
+    scenario, sim = load_scenario("experiment_1"), Recorder()
+    put_clutter(sim, scenario, str(tmp_path / "clutter.yaml"))
+    assert [one["name"] for one in sim.asked] == solids and [one["name"] for one in sim.lights] == lights

@@ -18,7 +18,6 @@ from aras_visual_servo_controller.sweep import engine as sweep_engine
 from aras_visual_servo_controller.sweep import worker as sweep_worker
 from aras_visual_servo_controller.cli.sweep import compare_main, rerun_main, sweep_main
 from aras_visual_servo_controller.ground.processes import Interrupted
-from aras_visual_servo_controller.sweep.engine import Progress
 from aras_visual_servo_controller.sweep.store import SweepStore
 
 SCRIPTS = pathlib.Path(__file__).resolve().parents[3] / "scripts"
@@ -263,15 +262,6 @@ def test_a_name_that_is_taken_is_refused(undisturbed, capsys):
 def test_runs_outside_the_sweep_are_refused(undisturbed, capsys):
     assert rerun_main(["99", "--sweep", str(undisturbed)]) == 3
     assert "no run 99, there are 1 to 40" in capsys.readouterr().err
-
-
-def test_progress_tells_rate_and_time_left(capsys):
-    now = iter([0.0, 5.0, 5.0, 10.0, 10.0, 10.0])
-    before = [{"outcome": "success"}] * 20
-    progress = Progress(100, before, stream=sys.stderr, every_s=5.0, clock=lambda: next(now))
-    progress.add([{"outcome": "success"}] * 9 + [{"outcome": "failure"}])
-    assert "30/100 runs" in progress.line()
-    assert "1.0 runs/s  1 min 10 s left  29 success, 1 failure" in progress.line()
 
 
 def deadly_chunk(setup, starts):

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.colors import LogNorm
 
 from aras_visual_servo_controller.sweep.figure import AXES, _cell_edges, _limits, _norm, known_axes, make_figure
-from aras_visual_servo_controller.sweep.map import sweep_maps
+from aras_visual_servo_controller.sweep.map import start_facts, sweep_maps
 
 
 def row(number, outcome="success", **more):
@@ -54,6 +54,7 @@ def test_where_every_run_succeeds_there_is_no_map_of_it():
 
 @pytest.mark.parametrize("column, values, log, low, high", [
     ("error_mm", [0.1, 100.0], True, 0.1, 100.0), ("error_mm", [1.0, 100.0], False, 1.0, 100.0),
+    ("error_mm", [1.0, 100.1], True, 1.0, 100.1),
     ("error_mm", [0.0, 1e-9], True, 1e-6, 2e-6), ("duration_s", [0.1, 100.0], False, 0.1, 100.0),
     ("duration_s", [2.0, 2.0], False, 2.0, 2.0 + 1e-9)])
 def test_errors_a_hundred_times_apart_have_a_logarithmic_scale(column, values, log, low, high):
@@ -105,3 +106,19 @@ def test_under_the_pointer_a_map_tells_the_result_and_how_far_the_start_was():
     facts = json.loads(sweep_maps(rows, ("x0_mm", "y0_mm")))["facts"]
     assert {one["key"] for one in facts if one["short"]} == {"outcome", "reason", "duration_s", "error_mm",
                                                              "distance0_mm", "angle0_deg"}
+
+
+def test_axes_of_a_map_have_the_names_of_their_columns():
+    panels = [axes for axes in make_figure("map", ROWS, ("distance0_mm", "y0_mm")).axes if axes.get_title(loc="left")]
+    assert {(panel.get_xlabel(), panel.get_ylabel()) for panel in panels} == {("initial distance [mm]",
+                                                                              "initial $y$ [mm]")}
+
+
+def test_a_start_is_told_with_the_digits_of_each_length_and_angle_and_joints_by_their_own_names():
+    rows = [{"start_J1": 0.1, "start_start_x": None, "offset_x_m": 0.2, "p_target": "blob"}]
+    found = [(one["key"], one["label"], one["unit"], one["digits"]) for one in start_facts(rows)]
+    assert found == [
+        ("distance0_mm", "initial distance", "mm", 1), ("angle0_deg", "initial angle", "deg", 2),
+        ("x0_mm", "initial x", "mm", 2), ("y0_mm", "initial y", "mm", 2), ("z0_mm", "initial z", "mm", 2),
+        ("start_J1", "start, J1", "", 4), ("start_start_x", "start, start_x", "", 4),
+        ("offset_x_m", "offset_x_m", "", 4), ("p_target", "target", "", None)]

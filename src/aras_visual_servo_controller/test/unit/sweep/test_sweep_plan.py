@@ -1,5 +1,7 @@
 """Sampling of starts and perturbations; camera poses to joints."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -166,3 +168,26 @@ def test_without_a_dimension_every_start_is_the_same_place():
 def test_what_is_no_plain_value_of_a_scenario_cannot_vary(scenario, kinematics, path):
     with pytest.raises(ParameterError, match=f"{path}: unknown, known are"):
         SweepSettings.from_scenario(with_sweep(scenario, {"perturb": {path: [0.0, 1.0]}}), kinematics)
+
+
+@pytest.mark.parametrize("count, dimensions, shape", [
+    (3, 2, (2, 1)), (5, 3, (2, 2, 1)), (2, 3, (2, 1, 1)), (7, 2, (3, 2)), (11, 2, (3, 3)), (23, 3, (3, 3, 2)),
+    (8, 3, (2, 2, 2)), (5, 1, (5,))])
+def test_axes_of_a_grid_have_equally_many_places_and_the_first_ones_what_is_left(count, dimensions, shape):
+    points = sample("grid", count, dimensions, 0)
+    for column, places in zip(points.T, shape):
+        np.testing.assert_allclose(sorted(set(column)), (np.arange(places) + 0.5) / places)
+    assert len({tuple(point) for point in points}) == len(points) == math.prod(shape)
+
+
+@pytest.mark.parametrize("parameters, later_s", [
+    ({"noise_stddev": 1.5}, 0.0), ({"latency_images": 2}, 2 / 30), ({"latency_s": 0.01}, 0.01),
+    ({"latency_images": 1, "latency_s": 0.01}, 0.01 + 1 / 30)])
+@pytest.mark.parametrize("before_s", [None, 0.02])
+def test_images_come_later_by_what_was_asked_and_by_nothing_else(scenario, parameters, later_s, before_s):
+    if before_s is not None:
+        [camera] = scenario.sim["cameras"]
+        scenario = scenario.with_overrides({"sim.cameras": [dict(camera, latency_s=before_s)]})
+    [camera] = perturbed(scenario, parameters).sim["cameras"]
+    assert camera.get("latency_s", 0.0) == pytest.approx((before_s or 0.0) + later_s)
+    assert camera["noise_stddev"] == parameters.get("noise_stddev", 0.0)

@@ -1,6 +1,8 @@
 """One run of a sweep with the real simulator: outcomes, reuse of the simulator, the result folder of a run."""
 
+import ctypes
 import json
+import math
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from aras_visual_servo_controller.run.judge import judge
 from aras_visual_servo_controller.run.loop import ServoLoop
 from aras_visual_servo_controller.report.report import save_results
 from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo_controller.sweep import worker
 from aras_visual_servo_controller.sweep.perturb import perturbed
 from aras_visual_servo_controller.sweep.plan import Start
 from aras_visual_servo_controller.sweep.judge import trace_hash
@@ -141,3 +144,49 @@ def test_workers_rebuild_the_scenario_and_refuse_other_files(scenario):
     assert run_chunk(setup, [start])[0][0]["outcome"] == "infeasible"
     with pytest.raises(RuntimeError, match="differ from those"):
         run_chunk(dict(setup, files="0"), [start])
+
+
+def test_a_refused_start_tells_from_where_it_would_have_begun(bench):
+    offset = {"x_m": 0.003, "y_m": -0.004, "z_m": 0.012, "rx_rad": 0.03, "ry_rad": -0.04, "rz_rad": 0.12}
+    row, _ = bench.run(Start(1, None, offset, refusal="camera pose out of reach: far"))
+    assert (row["x0_mm"], row["y0_mm"], row["z0_mm"]) == pytest.approx((3.0, -4.0, 12.0))
+    assert (row["distance0_mm"], row["angle0_deg"]) == pytest.approx((13.0, math.degrees(0.13)))
+    row, _ = bench.run(Start(1, None, refusal="goal out of reach: far"))
+    assert row["x0_mm"] is row["distance0_mm"] is row["angle0_deg"] is None
+
+
+@pytest.mark.parametrize("variable, calls", [({}, []),
+                                             ({"MALLOC_TRIM_THRESHOLD_": "65536"}, [(-1, 256 << 20), (-3, 32 << 20)])])
+def test_memory_is_kept_where_dask_would_return_it_and_the_system_takes_both_bounds(monkeypatch, variable, calls):
+    library, asked = ctypes.CDLL(None), []
+
+    class Library:
+        @staticmethod
+        def mallopt(parameter, value):
+            asked.append((parameter, value))
+            return library.mallopt(parameter, value)
+
+    monkeypatch.delenv("MALLOC_TRIM_THRESHOLD_", raising=False)
+    for name, value in variable.items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr(worker.ctypes, "CDLL", lambda _: Library)
+    worker._keep_memory()
+    assert asked == calls
+    for parameter in (-1, -3):
+        library.mallopt(parameter, 128 << 10)  # as before
+
+
+@pytest.mark.parametrize("name, where", [("clutter", "start"), ("scene", "goal")])
+def test_what_stands_in_the_way_comes_before_or_after_teaching_and_for_one_run(bench, tmp_path, name, where):
+    (tmp_path / "cover.yaml").write_text("solids: [{name: cover, box_m: [2.0, 2.0, 0.01], color_rgb: [230, 230, 230], "
+                                         "position_m: [0.0, 0.0, 0.25]}]")
+    row, _ = bench.run(Start(13, NEAR, parameters={name: str(tmp_path / "cover.yaml")}))
+    assert (row["outcome"], row["reason"]) == ("infeasible", f"target not in view at the {where}")
+    assert bench.run(Start(1, NEAR))[0]["outcome"] == "success"
+
+
+def test_a_servo_that_does_not_end_is_given_up(bench, monkeypatch):
+    monkeypatch.setattr("aras_visual_servo_controller.sweep.run.DEFAULT_LIMIT_S", 1.5)
+    row, record = bench.run(Start(14, FAR))
+    assert record is None and (row["outcome"], row["reason"]) == ("error", "error: ArasError")
+    assert row["detail"].startswith("given up after 1.5 s of simulated time in phase ")

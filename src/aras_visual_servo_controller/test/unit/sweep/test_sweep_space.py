@@ -137,3 +137,16 @@ def test_a_place_in_a_ball_is_a_radius_and_two_angles(place, expected):
     ranges = {"distance_m": (0.1, 0.2), "angle_rad": (0.1, 0.2)}
     both = list(in_ball(ranges, (*place, *place)).values())
     np.testing.assert_allclose(both, [*expected, *expected], atol=ROUNDING)
+
+
+@pytest.mark.parametrize("turn_rad", [0.0, 0.5 * np.pi])
+def test_a_target_must_fit_into_the_image_along_both_of_its_sides(wide, turn_rad):
+    _, X_WCg = parts(wide)
+    view = View(wide, X_WCg)
+    size = np.ptp(view._points @ pose_of({"rz_rad": turn_rad})[:3, :3], axis=0)[:2]
+    place = {"u": 0.0, "v": 0.0, "rz_rad": turn_rad}
+    least_m = (size / (2.0 * view._half)).max()  # depth at which the tighter side fits
+    assert least_m > 1.05 * (size / (2.0 * view._half)).min(), "one side alone is too long"
+    assert offset_of(pose_of(view.offset({**place, "depth_m": 1.01 * least_m})))["rz_rad"] == pytest.approx(turn_rad)
+    with pytest.raises(ParameterError, match="target does not fit into the image: at depth"):
+        view.offset({**place, "depth_m": 0.99 * least_m})
