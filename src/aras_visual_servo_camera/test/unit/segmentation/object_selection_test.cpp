@@ -6,7 +6,6 @@
 #include "aras_visual_servo_camera/config/errors.hpp"
 #include "aras_visual_servo_camera/extraction/moment_extractor.hpp"
 #include "coverage_image.hpp"
-#include "moments/shape.hpp"
 #include "usual_vision.hpp"
 
 namespace aras_visual_servo_camera {
@@ -202,24 +201,6 @@ TEST(Selection, DegenerateShapesAreFlagged) {
   EXPECT_NO_THROW(extractor.process(line.image.view()));
   EXPECT_NO_THROW(extractor.process(Scene().image.view()));
   EXPECT_FALSE(extractor.features().valid);
-}
-
-TEST(Shape, SignatureIsThatOfTheShapeFromAnyDistanceAndSide) {
-  constexpr double kAffine = 0.05;  // what of a perspective of this size is not affine
-  const Polygon ell{{-0.06, -0.06}, {-0.02, -0.06}, {-0.02, 0.02}, {0.04, 0.02}, {0.04, 0.06}, {-0.06, 0.06}};
-  const auto of = [](const Polygon& p) {
-    return *shapeOf(testing::polygonMoments(p, 0)[0], testing::polygonCentredMoments(p, 3));
-  };
-  const ShapeSignature reference = of(testing::project(ell, {0, 0, 0.5, 0, 0, 0}));
-  EXPECT_LT(dissimilarity(reference, of(testing::project(ell, {0.1, 0.05, 1.5, 2.0, 0, 0}))), 1e-9);
-  EXPECT_LT(dissimilarity(reference, of(testing::project(ell, {0.0, 0.05, 0.8, 2.0, 0.5, -0.3}))), kAffine);
-  const ShapeSignature disc = of(testing::ellipse(0.2, 0.1, 0.4, {0.1, 0.0}, 720)),
-                       slab = of(testing::rectangle(0.3, 0.1));
-  EXPECT_NEAR(disc.spread, 1.0, 1e-4);
-  EXPECT_NEAR(slab.spread, 4.0 * 3.14159265358979323846 / 12.0, 1e-9);
-  EXPECT_LT(slab.c21 + slab.c30 + disc.c21 + disc.c30, 1e-6);
-  EXPECT_GT(dissimilarity(reference, disc), 0.3);
-  EXPECT_FALSE(shapeOf(0.0, testing::polygonCentredMoments(ell, 3)).has_value());
 }
 
 }  // namespace

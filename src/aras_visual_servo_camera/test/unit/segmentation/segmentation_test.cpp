@@ -7,23 +7,19 @@
 #include <numeric>
 
 #include "aras_visual_servo_camera/config/errors.hpp"
-#include "coverage_image.hpp"
+#include "fill.hpp"
 #include "usual_vision.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
 
+using testing::fill;
 using testing::GreyImage;
 using testing::kBackgroundGrey;
 using testing::kObjectGrey;
 
 constexpr double kRounding = 1e-12;  // sums of at most 77 k weights
 constexpr double kGreyStep = 1.0 / (kBackgroundGrey - kObjectGrey);
-
-void fill(GreyImage* image, int u0, int v0, int width, int height, std::uint8_t grey) {
-  for (int v = v0; v < v0 + height; ++v)
-    for (int u = u0; u < u0 + width; ++u) image->at(u, v) = grey;
-}
 
 VisionConfig with(SegmentationMethod method) {
   VisionConfig config = testing::usualVision();
@@ -318,73 +314,6 @@ TEST(Segmentation, ImageWithoutPixelsIsAShapeError) {
   EXPECT_THROW(segmentation.process(ImageView()), ShapeError);
   const GreyImage image(8, 8, 0);
   EXPECT_THROW(segmentation.process({image.data.data(), 8, 8, 7, PixelFormat::kMono8}), ShapeError);
-}
-
-std::array<int, 256> histogramOf(const GreyImage& image) {
-  std::array<int, 256> h{};
-  for (std::uint8_t g : image.data) ++h[g];
-  return h;
-}
-
-TEST(GreyLevels, AreFoundWhateverTheShareOfTheObject) {
-  constexpr double kLevel = 0.5;  // sigma 5 over 150 pixels and more: 0.4
-  std::mt19937 random(3);
-  for (int side : {12, 60, 200}) {
-    GreyImage image(320, 240, kBackgroundGrey);
-    fill(&image, 20, 20, side, side, kObjectGrey + 40);
-    testing::addNoise(5.0, &random, &image);
-    const auto levels = estimateGreyLevels(histogramOf(image), ObjectShade::kDark, 50, 25.0);
-    ASSERT_TRUE(levels.has_value());
-    EXPECT_NEAR(levels->object, kObjectGrey + 40, 4 * kLevel) << side;
-    EXPECT_NEAR(levels->background, kBackgroundGrey, kLevel) << side;
-  }
-}
-
-TEST(GreyLevels, AreExactInACleanImage) {
-  constexpr double kEdgePixels = 0.05;  // levels: a few edge pixels fall into the window of 2 levels
-  const GreyImage image = testing::coverageImage(testing::project(testing::blob(0.1), {0.0, 0.0, 0.5, 0.3, 0.0, 0.0}),
-                                                 testing::testCamera());
-  const auto levels = estimateGreyLevels(histogramOf(image), ObjectShade::kDark, 50, 25.0);
-  ASSERT_TRUE(levels.has_value());
-  EXPECT_NEAR(levels->object, kObjectGrey, kEdgePixels);
-  EXPECT_NEAR(levels->background, kBackgroundGrey, kEdgePixels);
-}
-
-TEST(GreyLevels, NoiseAloneIsNotTwoLevels) {
-  std::mt19937 random(4);
-  GreyImage image(320, 240, 128);
-  testing::addNoise(12.0, &random, &image);
-  EXPECT_FALSE(estimateGreyLevels(histogramOf(image), ObjectShade::kDark, 50, 25.0).has_value());
-}
-
-TEST(Otsu, SplitsTwoLevelsInTheMiddleOfTheGap) {
-  std::array<int, 256> h{};
-  h[20] = 500;
-  h[230] = 70000;
-  EXPECT_EQ(otsuThreshold(h).value(), (20 + 229) / 2);
-  h[20] = 0;
-  EXPECT_FALSE(otsuThreshold(h).has_value());
-}
-
-TEST(Otsu, TheThresholdOfAnImageIsThatOfAllItsPixelsOnce) {
-  // Of three greys the middle one goes to the one side or to the other, as a few pixels more or less decide.
-  for (const int width : {33, 63, 64, 100, 163}) {
-    int taken = 0, left = 0;
-    for (int middle = 60; middle < 200; ++middle) {
-      for (const int rows : {4, 11}) {
-        GreyImage image(width, 40, kBackgroundGrey);
-        fill(&image, 2, 5, width - 4, 10, kObjectGrey);
-        fill(&image, 2, 15, width - 4, rows, static_cast<std::uint8_t>(middle));
-        for (int v = 15; v < 15 + rows; v += 3) image.at(width - 4, v) = static_cast<std::uint8_t>(middle + 1);
-        const double threshold = otsuThreshold(histogramOf(image)).value();
-        const auto wanted = std::count_if(image.data.begin(), image.data.end(), [&](int g) { return g < threshold; });
-        ASSERT_EQ(Segmentation(with(SegmentationMethod::kOtsu)).process(image.view()).area_px, wanted)
-            << width << " " << middle << " " << rows;
-        ++(wanted > 10 * (width - 4) ? taken : left);
-      }
-    }
-    EXPECT_TRUE(taken > 20 && left > 20) << taken << " " << left;
-  }
 }
 
 }  // namespace
