@@ -152,6 +152,13 @@ TEST(MomentAngles, OfAnUprightAxisIsAQuarterTurnAndNotMinusThat) {
   }
 }
 
+TEST(MomentAngles, OfOnePixelAreNone) {
+  // A hard-edged pixel in the middle of the image is a point.
+  const MomentFeatures f = builder().build(kSeen, {1e-4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0});
+  EXPECT_TRUE(f.target_visible && f.symmetric && !f.valid);
+  EXPECT_TRUE(std::isnan(f.alpha) && std::isnan(f.asymmetry));
+}
+
 TEST(MomentAngles, TheConditionIsThatOfTheAxesWhateverTheirDirection) {
   constexpr double kCorners = 1e-4;  // an ellipse of 720 corners
   for (const double angle : {0.0, 0.4, kPi / 4, 1.9, -kPi / 4}) {

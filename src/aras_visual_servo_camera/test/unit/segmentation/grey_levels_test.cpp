@@ -54,6 +54,13 @@ TEST(GreyLevels, NoiseAloneIsNotTwoLevels) {
   EXPECT_FALSE(estimateGreyLevels(histogramOf(image), ObjectShade::kDark, 50, 25.0).has_value());
 }
 
+TEST(GreyLevels, OfAnImageSmallerThanAnObjectAreNone) {
+  std::array<int, 256> h{};
+  h[20] = h[230] = 10;
+  EXPECT_FALSE(estimateGreyLevels(h, ObjectShade::kDark, 50, 25.0).has_value());
+  EXPECT_TRUE(estimateGreyLevels(h, ObjectShade::kDark, 15, 25.0).has_value());
+}
+
 TEST(Otsu, SplitsTwoLevelsInTheMiddleOfTheGap) {
   std::array<int, 256> h{};
   h[20] = 500;

@@ -5,7 +5,7 @@
 
 #include "aras_visual_servo_camera/config/errors.hpp"
 #include "aras_visual_servo_camera/extraction/moment_extractor.hpp"
-#include "coverage_image.hpp"
+#include "fill.hpp"
 #include "usual_vision.hpp"
 
 namespace aras_visual_servo_camera {
@@ -172,17 +172,25 @@ TEST(Selection, AFlickeringObjectIsKeptDownToTheLowerThreshold) {
   EXPECT_FALSE(visible(&kept, 6));  // 7 x 7
 }
 
-TEST(Selection, AnObjectAtTheBorderCountsAsCutUntilItIsClear) {
+TEST(Selection, AnObjectAtABorderCountsAsCutUntilItIsClearOfTheMargin) {
   VisionConfig config = testing::usualVision();
   config.border_margin_px = 5;
-  MomentExtractor extractor(testing::testCamera(), config);
-  const auto valid = [&](double u) { return extractor.process(Scene().box(u, 100, 60, 30).image.view()).valid; };
-  EXPECT_TRUE(valid(32)) << "two pixels from the border, never cut";
-  EXPECT_FALSE(valid(28));
-  EXPECT_FALSE(valid(32));
-  EXPECT_FALSE(valid(34));
-  EXPECT_TRUE(valid(36));
-  EXPECT_TRUE(valid(32));
+  for (int side = 0; side < 4; ++side) {
+    MomentExtractor extractor(testing::testCamera(), config);
+    const auto valid = [&](int away_px) {  // so many pixels are between the object and this border
+      const int u = side == 0 ? away_px : side == 1 ? 320 - 60 - away_px : 130;
+      const int v = side == 2 ? away_px : side == 3 ? 240 - 30 - away_px : 100;
+      Scene scene;
+      testing::fill(&scene.image, u, v, 60, 30, kObjectGrey);
+      return extractor.process(scene.image.view()).valid;
+    };
+    EXPECT_TRUE(valid(2)) << side << ": near the border, but never cut";
+    EXPECT_FALSE(valid(0)) << side;
+    EXPECT_FALSE(valid(2)) << side;
+    EXPECT_FALSE(valid(4)) << side;
+    EXPECT_TRUE(valid(5)) << side;
+    EXPECT_TRUE(valid(2)) << side;
+  }
 }
 
 // Nothing throws, nothing is valid that has no orientation or is cut, whatever is in view.
