@@ -55,7 +55,7 @@ class SelectionRules : public ::testing::Test {
     ASSERT_EQ(see({kTarget}), 0);
     std::vector<Candidate> all = others;
     all.push_back(kTarget);
-    if (!others.empty()) ASSERT_EQ(see(all), static_cast<int>(others.size()));
+    ASSERT_EQ(see(all), static_cast<int>(others.size()));
   }
 
   std::unique_ptr<ObjectSelector> selector_;
