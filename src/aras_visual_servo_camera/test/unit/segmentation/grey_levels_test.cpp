@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "aras_visual_servo_camera/segmentation/segmentation.hpp"
 #include "fill.hpp"
@@ -61,6 +63,37 @@ TEST(GreyLevels, OfAnImageSmallerThanAnObjectAreNone) {
   EXPECT_TRUE(estimateGreyLevels(h, ObjectShade::kDark, 15, 25.0).has_value());
 }
 
+/** Levels of these counts of the dark and of 70000 pixels of 230, and of the same upside down. */
+void expectLevel(const std::vector<std::pair<int, int>>& counts, double level) {
+  constexpr double kRounding = 1e-9;
+  for (const ObjectShade shade : {ObjectShade::kDark, ObjectShade::kBright}) {
+    const auto grey = [shade](int g) { return shade == ObjectShade::kDark ? g : 250 - g; };
+    std::array<int, 256> h{};
+    h[grey(230)] = 70000;
+    for (const auto& [g, count] : counts) h[grey(g)] = count;
+    const double wanted = shade == ObjectShade::kDark ? level : 250.0 - level;
+    EXPECT_NEAR(estimateGreyLevels(h, shade, 50, 25.0).value().object, wanted, kRounding);
+  }
+}
+
+TEST(GreyLevels, AreMeansOfAWindowThatNoEdgePixelReaches) {
+  expectLevel({{20, 600}, {21, 400}}, 20.4);  // between two greys
+  std::vector<std::pair<int, int>> noisy{{18, 400}, {19, 700}, {20, 1000}, {21, 700}, {22, 400}};
+  for (int g = 30; g < 50; ++g) noisy.emplace_back(g, 50);
+  expectLevel(noisy, 20.0);
+}
+
+TEST(GreyLevels, AreThoseOfMoreThanHalfTheLeastObject) {
+  for (const ObjectShade shade : {ObjectShade::kDark, ObjectShade::kBright}) {
+    for (const auto& [few, found] : {std::pair(25, false), std::pair(26, true)}) {
+      std::array<int, 256> h{};
+      h[20] = shade == ObjectShade::kDark ? few : 70000;
+      h[230] = shade == ObjectShade::kDark ? 70000 : few;
+      EXPECT_EQ(estimateGreyLevels(h, shade, 50, 25.0).has_value(), found) << few;
+    }
+  }
+}
+
 TEST(Otsu, SplitsTwoLevelsInTheMiddleOfTheGap) {
   std::array<int, 256> h{};
   h[20] = 500;
@@ -68,6 +101,22 @@ TEST(Otsu, SplitsTwoLevelsInTheMiddleOfTheGap) {
   EXPECT_EQ(otsuThreshold(h).value(), (20 + 229) / 2);
   h[20] = 0;
   EXPECT_FALSE(otsuThreshold(h).has_value());
+}
+
+TEST(Otsu, TheGreyOfTheSplitItselfIsDark) {
+  // Each grey from 51 to 150 is as frequent: the split is 100, the means of the classes are 75.5 and 125.5.
+  GreyImage ramp(100, 40, 0);
+  for (int u = 0; u < 100; ++u) fill(&ramp, u, 0, 1, 40, static_cast<std::uint8_t>(51 + u));
+  ASSERT_EQ(otsuThreshold(histogramOf(ramp)).value(), 100);
+  VisionConfig config = testing::usualVision();
+  config.segmentation = SegmentationMethod::kOtsu;
+  for (const ObjectShade shade : {ObjectShade::kDark, ObjectShade::kBright}) {
+    config.object = shade;
+    config.min_contrast = 49.9;
+    EXPECT_EQ(Segmentation(config).process(ramp.view()).area_px, 50 * 40);
+    config.min_contrast = 50.1;
+    EXPECT_FALSE(Segmentation(config).process(ramp.view()).visible);
+  }
 }
 
 TEST(Otsu, TheThresholdOfAnImageIsThatOfAllItsPixelsOnce) {

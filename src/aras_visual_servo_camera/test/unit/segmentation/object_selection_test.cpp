@@ -193,6 +193,25 @@ TEST(Selection, AnObjectAtABorderCountsAsCutUntilItIsClearOfTheMargin) {
   }
 }
 
+TEST(Selection, AnObjectThatABorderCutsIsNotLeftForALargerOne) {
+  const VisionConfig config = testing::usualVision();
+  for (int side = 0; side < 4; ++side) {
+    Segmentation segmentation(config);
+    const auto area_px = [&](int away_px, bool beside_a_larger_one) {
+      const int u = side == 0 ? away_px : side == 1 ? 300 - away_px : 150;
+      const int v = side == 2 ? away_px : side == 3 ? 220 - away_px : 110;
+      Scene scene;
+      testing::fill(&scene.image, u, v, 20, 20, kObjectGrey);
+      if (beside_a_larger_one) testing::fill(&scene.image, side < 2 ? 130 : 230, 60, 60, 60, kObjectGrey);
+      return segmentation.process(scene.image.view()).area_px;
+    };
+    EXPECT_EQ(area_px(0, false), 400) << side;
+    for (int k = 0; k < 2 * config.switch_images; ++k) EXPECT_EQ(area_px(0, true), 400) << side;
+    for (int k = 1; k < config.switch_images; ++k) EXPECT_EQ(area_px(1, true), 400) << side;
+    EXPECT_EQ(area_px(1, true), 3600) << side;
+  }
+}
+
 // Nothing throws, nothing is valid that has no orientation or is cut, whatever is in view.
 TEST(Selection, DegenerateShapesAreFlagged) {
   VisionConfig config = choosing(ComponentChoice::kMostSimilar);

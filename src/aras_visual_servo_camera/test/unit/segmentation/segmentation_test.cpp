@@ -236,6 +236,24 @@ TEST(Segmentation, SmallSpecksBesideTheObjectDoNotWeigh) {
   EXPECT_NEAR(weightOf(Segmentation(testing::usualVision()).process(image.view())), 400.0, kRounding);
 }
 
+TEST(Segmentation, ForBlobsEveryObjectIsKeptAndNoSpeck) {
+  GreyImage image(320, 240, kBackgroundGrey);
+  fill(&image, 10, 10, 7, 7, kObjectGrey);  // one pixel too few
+  fill(&image, 100, 100, 20, 20, kObjectGrey);
+  fill(&image, 200, 120, 30, 30, kObjectGrey);
+  VisionConfig config = testing::usualVision();
+  Segmentation one(config);
+  one.process(image.view());
+  EXPECT_TRUE(one.objects().empty());
+  config.points = PointSource::kBlobs;
+  Segmentation all(config);
+  EXPECT_FALSE(all.process(image.view()).visible) << "none of them is the target";
+  ASSERT_EQ(all.objects().size(), 2u);
+  EXPECT_EQ(all.objects()[0].area_px, 400);
+  EXPECT_EQ(all.objects()[1].area_px, 900);
+  EXPECT_NEAR(weightOf(all.objects()[1]), 900.0, kRounding);
+}
+
 TEST(Segmentation, NearestToPreviousFollowsTheObjectItChose) {
   VisionConfig config = testing::usualVision();
   config.component = ComponentChoice::kNearestToPrevious;
@@ -249,6 +267,15 @@ TEST(Segmentation, NearestToPreviousFollowsTheObjectItChose) {
   EXPECT_EQ(segmentation.process(second.view()).area_px, 400);
   segmentation.forgetPrevious();
   EXPECT_EQ(segmentation.process(second.view()).area_px, 3600);
+}
+
+TEST(Segmentation, AdaptiveFindsNothingAlongTheBordersOfAnImageOfOneGrey) {
+  for (const ObjectShade shade : {ObjectShade::kDark, ObjectShade::kBright}) {
+    VisionConfig config = with(SegmentationMethod::kAdaptive);
+    config.object = shade;
+    for (const std::uint8_t grey : {0, 150, 255})
+      EXPECT_FALSE(Segmentation(config).process(GreyImage(320, 240, grey).view()).visible) << int{grey};
+  }
 }
 
 TEST(Segmentation, AdaptiveThresholdCopesWithAGradientThatNoGlobalOneDoes) {
