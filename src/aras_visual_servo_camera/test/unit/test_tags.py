@@ -109,6 +109,13 @@ def test_a_view_without_a_usable_tag_is_a_value_that_says_why(case, fault):
     assert not extractor.process(tag_at(FACING, info)).has_reference
 
 
+def test_a_tag_beyond_the_fold_of_the_lens_is_a_value_that_says_why():
+    image = tag_at(FACING, camera_info(*SIZE))
+    seen = camera.TagExtractor(camera_info(*SIZE, lens=(-30.0, 0.0, 0.0, 0.0, 0.0))).process(image)
+    assert (seen.fault, seen.tags) == ("tag 0 of 36h11 lies where the lens shows nothing", 1)
+    assert not seen.valid and not seen.target_visible and seen.point_x == []
+
+
 def test_same_images_give_the_same_bits_and_bad_settings_are_listed():
     info = camera_info(*SIZE)
     image = tag_at(FACING @ exponential((0.0, 0.0, 0.0, 0.3, 0.2, 0.1)), info)

@@ -134,6 +134,22 @@ TEST(VisionConfig, PointsRequireTheirNumber) {
       std::string::npos);
 }
 
+TEST(VisionConfig, WhatOnlyGoesWithPointsIsRefusedWithoutThem) {
+  const std::string usual = "{object: dark, segmentation: coverage, ";
+  EXPECT_EQ(faultsOf(usual + "points: corners, point_count: 3, depth: {}}"), "");
+  EXPECT_EQ(faultsOf(usual + "depth: {}}"),
+            "vision/depth: found a section with points none, allowed with points corners or blobs");
+  EXPECT_EQ(faultsOf(usual + "points: blobs, point_count: 1, rays: true}"), "");
+  for (const char* points : {"none", "corners"})
+    EXPECT_EQ(faultsOf(usual + "points: " + points + ", point_count: 4, rays: true}"),
+              "vision/rays: found true, allowed false, or true with points blobs");
+}
+
+TEST(VisionConfig, WindowsOfDepthHaveAPixelInTheMiddle) {
+  EXPECT_EQ(faultsOf("{object: dark, segmentation: coverage, points: blobs, point_count: 1, depth: {window_px: 4}}"),
+            "vision/depth/window_px: found 4, allowed an odd number");
+}
+
 TEST(VisionConfig, GreysAreEstimatedUnlessGiven) {
   const VisionConfig c = readVisionConfig(YAML::Load("{object: dark, segmentation: coverage}"));
   EXPECT_FALSE(c.object_grey.has_value());

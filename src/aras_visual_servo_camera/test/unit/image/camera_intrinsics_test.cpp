@@ -156,6 +156,24 @@ TEST(CameraIntrinsics, PrincipalPointOutsideTheImageIsAllowed) {
   EXPECT_EQ(faultsOf(K, "none", {}), "");
 }
 
+TEST(CameraIntrinsics, AreEqualIfEveryNumberIs) {
+  const auto camera = [](int width, int height, double fx, double fy, double cx, double cy, const char* model,
+                         std::vector<double> D) {
+    return CameraIntrinsics(width, height, {fx, 0, cx, 0, fy, cy, 0, 0, 1}, model, D);
+  };
+  const CameraIntrinsics one = camera(320, 240, 200, 210, 160, 120, "plumb_bob", {0.1, 0, 0, 0});
+  EXPECT_TRUE(one == camera(320, 240, 200, 210, 160, 120, "rational_polynomial", {0.1, 0, 0, 0, 0, 0, 0, 0}));
+  for (const CameraIntrinsics& other : {camera(321, 240, 200, 210, 160, 120, "plumb_bob", {0.1, 0, 0, 0}),
+                                        camera(320, 241, 200, 210, 160, 120, "plumb_bob", {0.1, 0, 0, 0}),
+                                        camera(320, 240, 201, 210, 160, 120, "plumb_bob", {0.1, 0, 0, 0}),
+                                        camera(320, 240, 200, 211, 160, 120, "plumb_bob", {0.1, 0, 0, 0}),
+                                        camera(320, 240, 200, 210, 161, 120, "plumb_bob", {0.1, 0, 0, 0}),
+                                        camera(320, 240, 200, 210, 160, 121, "plumb_bob", {0.1, 0, 0, 0}),
+                                        camera(320, 240, 200, 210, 160, 120, "equidistant", {0.1, 0, 0, 0}),
+                                        camera(320, 240, 200, 210, 160, 120, "plumb_bob", {0.1, 0, 0, 0.01})})
+    EXPECT_FALSE(one == other);
+}
+
 TEST(CameraInfo, IsReadFromAMapping) {
   const auto node = YAML::Load(
       "{width: 320, height: 240, K: [195.05, 0, 150, 0, 190, 130, 0, 0, 1], D: [], distortion_model: plumb_bob, "

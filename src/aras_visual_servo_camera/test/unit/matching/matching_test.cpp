@@ -8,76 +8,20 @@
 
 #include "aras_visual_servo_camera/config/errors.hpp"
 #include "aras_visual_servo_camera/matching/match_extractor.hpp"
-#include "coverage_image.hpp"
+#include "board.hpp"
 #include "matching/hamming.hpp"
-#include "matching/plane_homography.hpp"
 
-// Images of a plane are held against true poses by test_matches.py; here the homography alone, and what memory and
-// sizes are about, under sanitizers too.
+// Images of a plane are held against true poses by test_matches.py; here what memory and sizes are about, under
+// sanitizers too.
 namespace aras_visual_servo_camera {
 namespace {
 
+using testing::board;
+using testing::cameraOf;
 using testing::GreyImage;
-
-constexpr double kFocal_px = 200.0;
-constexpr double kSingle = 1e-5;  // OpenCV fits in single precision: 2^-24 of 200 px, and as much again of the solution
+using testing::kFocal_px;
 
 MatchingConfig usual() { return readMatchingConfig(YAML::Node()); }
-
-GreyImage board(int width, int height, int shift_px) {
-  std::mt19937 random(3);
-  GreyImage image(width, height, 128);
-  for (int k = 0; k < 300; ++k) {
-    const int u0 = static_cast<int>(random() % static_cast<unsigned>(width)) + shift_px;
-    const int v0 = static_cast<int>(random() % static_cast<unsigned>(height));
-    const int w = static_cast<int>(random() % 30), h = static_cast<int>(random() % 30);
-    const auto grey = static_cast<std::uint8_t>(random() % 256);
-    for (int v = v0; v < std::min(v0 + h, height); ++v)
-      for (int u = std::max(u0, 0); u < std::min(u0 + w, width); ++u) image.at(u, v) = grey;
-  }
-  return image;
-}
-
-CameraIntrinsics cameraOf(int width, int height) {
-  return CameraIntrinsics(width, height, {kFocal_px, 0, 0.5 * width, 0, kFocal_px, 0.5 * height, 0, 0, 1}, "", {});
-}
-
-/** Points of a goal and where H puts them, every `wrong`-th of them somewhere else. */
-void makeMatches(const cv::Matx33d& H, int count, int wrong, std::vector<cv::Point2d>* goal,
-                 std::vector<cv::Point2d>* image) {
-  std::mt19937 random(5);
-  std::uniform_real_distribution<double> within(-0.5, 0.5);
-  for (int i = 0; i < count; ++i) {
-    goal->push_back({within(random), within(random)});
-    image->push_back(PlaneHomography{H, {}, 0.0}.apply(goal->back()));
-    if (i % wrong == 0) image->back() = {within(random), within(random)};
-  }
-}
-
-TEST(PlaneHomography, IsFoundAmongWrongMatches) {
-  const cv::Matx33d H(0.9, -0.3, 0.05, 0.25, 0.8, -0.1, 0.1, -0.2, 1.0);
-  std::vector<cv::Point2d> goal, image;
-  makeMatches(H, 120, 2, &goal, &image);
-  const auto found = findHomography(goal, image, kFocal_px, usual());
-  ASSERT_TRUE(found);
-  EXPECT_GE(found->inliers.size(), 60u);
-  for (const cv::Point2d& p : goal)
-    EXPECT_LT(cv::norm(found->apply(p) - PlaneHomography{H, {}, 0.0}.apply(p)),
-              10 * kSingle + found->rms_px / kFocal_px);
-  cv::Vec3d sigmas;
-  cv::SVD::compute(found->H, sigmas, cv::noArray(), cv::noArray());
-  EXPECT_NEAR(sigmas[1], 1.0, 1e-12);
-}
-
-TEST(PlaneHomography, IsNotFoundWhereThePlaneWouldBeSeenFromBehindOrTooFewAgree) {
-  std::vector<cv::Point2d> goal, image;
-  makeMatches(cv::Matx33d(-1, 0, 0, 0, 1, 0, 0, 0, 1), 60, 100, &goal, &image);
-  EXPECT_FALSE(findHomography(goal, image, kFocal_px, usual()));
-  goal.clear();
-  image.clear();
-  makeMatches(cv::Matx33d::eye(), 11, 100, &goal, &image);
-  EXPECT_FALSE(findHomography(goal, image, kFocal_px, usual()));
-}
 
 TEST(NearestByBits, FindsWhatAComparisonBitByBitFinds) {
   std::mt19937 random(7);

@@ -99,12 +99,61 @@ TEST(Moments, SoftMasksHaveTheSecondMomentsOfTheirPixels) {
   EXPECT_NEAR(soft[5] - hard[5], pixels, kRounding * hard[0]);
 }
 
-TEST(Moments, MaskOfAnotherSizeIsAShapeError) {
+TEST(Moments, TheExtentOfPixelsAddsToEachOrderWhatTheCentroidsHad) {
+  const CameraIntrinsics camera = testing::testCamera();
+  const PixelMap map(camera);
+  MomentAccumulator accumulator(map, 4);
+  ObjectMask mask = maskOf(camera, {{120, 158, 162}, {121, 158, 164}});
+  const std::vector<double> hard = accumulator.process(mask);
+  mask.soft_edges = true;
+  const std::vector<double> soft = accumulator.process(mask);
+  const double variance = 1.0 / 12.0 / (camera.fx() * camera.fx());
+  const auto at = [&hard](int i, int j) { return i < 0 || j < 0 ? 0.0 : hard[momentIndex(i, j)]; };
+  for (int i = 0; i <= 4; ++i) {
+    for (int j = 0; i + j <= 4; ++j) {
+      const double added = 0.5 * variance * (i * (i - 1) * at(i - 2, j) + j * (j - 1) * at(i, j - 2));
+      const double largest = hard[0] * std::pow(4.0 / camera.fx(), i + j);
+      EXPECT_NEAR(soft[momentIndex(i, j)] - at(i, j), added, kRounding * largest) << i << j;
+    }
+  }
+}
+
+TEST(Moments, WeightsThatNoiseTookBelowZeroHaveNoExtent) {
+  const CameraIntrinsics camera = testing::testCamera();
+  const PixelMap map(camera);
+  MomentAccumulator accumulator(map, 3);
+  ObjectMask mask = maskOf(camera, {}, {{50, 100, 0.2}, {51, 101, -0.5}});
+  const std::vector<double> hard = accumulator.process(mask);
+  mask.soft_edges = true;
+  EXPECT_EQ(accumulator.process(mask), hard);
+}
+
+TEST(Moments, AnObjectHasLeftTheLensInTheImagesInWhichItDoes) {
+  // With this lens the corners of the image lie beyond the fold, where nothing has coordinates.
+  const CameraIntrinsics camera(320, 240, {195.05, 0, 159.5, 0, 195.05, 119.5, 0, 0, 1}, "plumb_bob", {-0.8, 0, 0, 0});
+  const PixelMap map(camera);
+  ASSERT_FALSE(map.sees(2, 2));
+  MomentAccumulator accumulator(map, 3);
+  const std::vector<Span> whole{{120, 150, 160}};
+  const std::vector<double> inside = accumulator.process(maskOf(camera, whole));
+  EXPECT_FALSE(accumulator.leftTheLens());
+  for (const ObjectMask& mask :
+       {maskOf(camera, {{2, 2, 3}, whole[0]}), maskOf(camera, whole, {{2, 2, 0.5}, {237, 317, 0.1}})}) {
+    EXPECT_EQ(accumulator.process(mask), inside) << "what has no coordinates has no moments";
+    EXPECT_TRUE(accumulator.leftTheLens());
+    accumulator.process(maskOf(camera, whole));
+    EXPECT_FALSE(accumulator.leftTheLens());
+  }
+}
+
+TEST(Moments, MaskOfAnotherWidthOrHeightIsAShapeError) {
   const PixelMap map(testing::testCamera());
-  ObjectMask mask;
-  mask.width_px = 10;
-  mask.height_px = 10;
-  EXPECT_THROW(MomentAccumulator(map, 3).process(mask), ShapeError);
+  for (const auto& [width, height] : {std::pair(319, 240), std::pair(320, 241)}) {
+    ObjectMask mask;
+    mask.width_px = width;
+    mask.height_px = height;
+    EXPECT_THROW(MomentAccumulator(map, 3).process(mask), ShapeError) << width;
+  }
 }
 
 TEST(Moments, EmptyMaskGivesZeros) {

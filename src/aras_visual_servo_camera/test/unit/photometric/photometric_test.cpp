@@ -95,6 +95,37 @@ TEST(Photometric, AnotherCameraHasNoReference) {
   EXPECT_EQ(extractor.features().reference_hash, 0u);
 }
 
+template <class Act>
+std::string refusalOf(Act act) {
+  try {
+    act();
+  } catch (const ParameterError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Photometric, APlaneThatIsNotInFrontOfEveryPixelIsRefused) {
+  PhotometricExtractor extractor(cameraOf(160, 120, false), testing::usualPhotometric());
+  const GreyImage image = waves(160, 120, 0.0);
+  EXPECT_EQ(refusalOf([&] { extractor.setReference(image.view(), Plane{0.5, 0.5, 1.0}); }), "");
+  for (const Plane& plane : {Plane{2.0, 0.0, 1.0}, Plane{-2.0, 0.0, 1.0}, Plane{0.0, 3.0, 1.0}, Plane{0.0, -3.0, 1.0},
+                             Plane{0.0, 0.0, std::nan("")}, Plane{0.0, 0.0, INFINITY}})
+    EXPECT_EQ(refusalOf([&] { extractor.setReference(image.view(), plane); }),
+              "photometric reference: found a plane that is not in front of every pixel, allowed 1/Z > 0")
+        << plane.A << " " << plane.B << " " << plane.C;
+  EXPECT_FALSE(extractor.process(image.view()).has_reference);
+}
+
+TEST(Photometric, MoreLevelsThanLeavePixelsAreRefused) {
+  PhotometricConfig config = testing::usualPhotometric();
+  config.levels = 5;
+  EXPECT_EQ(refusalOf([&] {
+              PhotometricExtractor(cameraOf(33, 31, false), config);
+            }).find("vision/photometric/levels: found 5, allowed so many that pixels are left"),
+            0u);
+}
+
 TEST(Photometric, VisionReadsItsSection) {
   EXPECT_FALSE(readVisionConfig(YAML::Load("{object: dark, segmentation: otsu}")).photometric);
   const VisionConfig config = readVisionConfig(

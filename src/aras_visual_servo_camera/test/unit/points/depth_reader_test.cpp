@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -94,6 +95,20 @@ TEST(DepthReader, MillimetresAndOnePixelWindows) {
   EXPECT_NEAR(DepthReader(scene.map, kUsual).at(view, p.x, p.y, &scene.mask), 1.0 / Scene::overZ(p.x, p.y), 2e-4);
   EXPECT_EQ(DepthReader(scene.map, {1, 0.05}).at(view, p.x, p.y, nullptr),
             1e-3 * z[100 * static_cast<std::size_t>(scene.map.width()) + 120]);
+}
+
+TEST(DepthReader, OutsideTheImageThereIsNoDepthOnEverySide) {
+  const Scene scene(testing::testCamera(false));
+  const CameraIntrinsics& camera = scene.map.intrinsics();
+  for (const auto& [u, v, inside] :
+       {std::tuple(0, 0, true), std::tuple(319, 239, true), std::tuple(-1, 100, false), std::tuple(320, 100, false),
+        std::tuple(100, -1, false), std::tuple(100, 240, false)}) {
+    const double x = (u - camera.cx()) / camera.fx(), y = (v - camera.cy()) / camera.fy();
+    for (const DepthConfig& config : {kUsual, DepthConfig{1, 0.05}})
+      EXPECT_EQ(std::isnan(DepthReader(scene.map, config).at(scene.view(), x, y, nullptr)), !inside) << u << " " << v;
+  }
+  const double far = 2e6 / camera.fx();  // no pixel has such a number
+  EXPECT_TRUE(std::isnan(DepthReader(scene.map, kUsual).at(scene.view(), 0.0, far, nullptr)));
 }
 
 TEST(DepthReader, CornersOfAnImageGetTheirDepthsAndTheFaultOfADepthImageOfAnotherSize) {

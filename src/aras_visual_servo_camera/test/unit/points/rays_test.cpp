@@ -131,6 +131,53 @@ TEST(Rays, BlobsBeforeTheCameraHaveCoordinatesAndMomentsToo) {
   EXPECT_GT(seen.area, 0.0);
 }
 
+TEST(Rays, MoreBlobsThanWantedNeedToBeClearlySmaller) {
+  const CameraIntrinsics camera = fisheye();
+  MomentExtractor extractor(camera, withRays(2));
+  const std::vector<Vector> two{direction(60, 10), direction(60, 130)};
+  testing::GreyImage image = discs(camera, two);
+  for (int v = 118; v < 126; ++v)
+    for (int u = 118; u < 126; ++u) image.at(u, v) = testing::kObjectGrey;  // 64 pixels of some hundred
+  const MomentFeatures& seen = extractor.process(image.view());
+  EXPECT_EQ(seen.components, 3);
+  ASSERT_EQ(seen.ray_x.size(), 2u);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto near = [&](const Vector& d) {
+      return seen.ray_x[k] * d[0] + seen.ray_y[k] * d[1] + seen.ray_z[k] * d[2] > 0.9999;
+    };
+    EXPECT_TRUE(near(two[0]) || near(two[1]));
+  }
+  EXPECT_FALSE(extractor.process(discs(camera, {two[0], two[1], direction(60, 250)}).view()).valid) << "equal ones";
+}
+
+TEST(Rays, OfAReferenceAreAsManyAsAskedFor) {
+  const CameraIntrinsics camera = fisheye();
+  MomentExtractor extractor(camera, withRays(2));
+  const MomentFeatures whole = extractor.process(discs(camera, {direction(40, 10), direction(90, 130)}).view());
+  ASSERT_TRUE(whole.valid);
+  for (std::vector<double> MomentFeatures::*values :
+       {&MomentFeatures::ray_x, &MomentFeatures::ray_y, &MomentFeatures::ray_z}) {
+    MomentFeatures f = whole;
+    (f.*values).pop_back();
+    EXPECT_THROW(extractor.setReference(0.5, f), ShapeError);
+  }
+  extractor.setReference(0.5, whole);
+}
+
+TEST(Rays, OfABlobInTheMiddleIsTheAxis) {
+  const CameraIntrinsics camera(241, 241, {60, 0, 120, 0, 60, 120, 0, 0, 1}, "equidistant", {0.02, -0.003, 0.0, 0.0});
+  MomentExtractor extractor(camera, withRays(1));
+  testing::GreyImage image(241, 241, testing::kBackgroundGrey);
+  for (int v = 114; v <= 126; ++v)
+    for (int u = 114; u <= 126; ++u) image.at(u, v) = testing::kObjectGrey;
+  const MomentFeatures& seen = extractor.process(image.view(), 1);
+  ASSERT_EQ(seen.ray_z.size(), 1u);
+  EXPECT_NEAR(seen.ray_z[0], 1.0, kRounding);
+  EXPECT_NEAR(seen.point_x[0], 0.0, kRounding);
+  extractor.teach(1, 0.5);
+  EXPECT_TRUE(extractor.process(image.view(), 2).valid);
+}
+
 TEST(Rays, WithoutThemABlobBesideTheCameraIsNoPoint) {
   const CameraIntrinsics camera = fisheye();
   MomentExtractor extractor(camera, testing::withPoints(PointSource::kBlobs, 2));

@@ -20,12 +20,13 @@ CameraIntrinsics fisheye() {
       kSize_px, kSize_px, {kFocal_px, 0, kCentre_px, 0, kFocal_px, kCentre_px, 0, 0, 1}, "equidistant", {0, 0, 0, 0}};
 }
 
-/** A dark disc of 12 px on a bright ground, all that is blind black. */
-testing::GreyImage discAt(double u, double v) {
-  testing::GreyImage image(kSize_px, kSize_px, testing::kBackgroundGrey);
+/** A disc of 12 px on a ground of another grey, all that is blind black. */
+testing::GreyImage discAt(double u, double v, std::uint8_t disc = testing::kObjectGrey,
+                          std::uint8_t ground = testing::kBackgroundGrey) {
+  testing::GreyImage image(kSize_px, kSize_px, ground);
   for (int row = 0; row < kSize_px; ++row) {
     for (int column = 0; column < kSize_px; ++column) {
-      if (std::hypot(column - u, row - v) < 12.0) image.at(column, row) = testing::kObjectGrey;
+      if (std::hypot(column - u, row - v) < 12.0) image.at(column, row) = disc;
       if (std::hypot(column - kCentre_px, row - kCentre_px) > kSeen_px) image.at(column, row) = 0;
     }
   }
@@ -53,10 +54,25 @@ TEST_P(Method, BlackBeyondTheLensIsNoObject) {
   EXPECT_NEAR(std::hypot(f.xg, f.yg), std::tan(theta), 0.05 * std::tan(theta));
 }
 
+// The blind pixels are as many as those of the ground: as a grey of the image they would make the ground an object.
+TEST_P(Method, BlindPixelsDoNotCountAmongTheGreys) {
+  for (const ObjectShade shade : {ObjectShade::kDark, ObjectShade::kBright}) {
+    const bool dark = shade == ObjectShade::kDark;
+    VisionConfig vision = config(GetParam());
+    vision.object = shade;
+    vision.threshold = 140.0;
+    MomentExtractor extractor(fisheye(), vision);
+    const auto image = discAt(kCentre_px + 10.0, kCentre_px, dark ? 120 : 160, dark ? 160 : 120);
+    const MomentFeatures f = extractor.process(image.view());
+    EXPECT_TRUE(f.target_visible && !f.touches_border) << dark;
+    EXPECT_LT(f.area, 0.2) << dark;  // the disc has 0.13, the ground some 40
+  }
+}
+
 TEST_P(Method, AnObjectThatReachesIntoTheBlindAreaIsCutOnEverySide) {
   for (const auto& [x, y] : {std::pair(1, 0), std::pair(-1, 0), std::pair(0, 1), std::pair(0, -1)}) {
     MomentExtractor extractor(fisheye(), config(GetParam()));
-    const auto at = [&](double radius_px) {
+    const auto at = [&, x = x, y = y](double radius_px) {  // which clang does not capture by itself
       return extractor.process(discAt(kCentre_px + x * radius_px, kCentre_px + y * radius_px).view());
     };
     const MomentFeatures inside = at(kSeen_px - 20.0), cut = at(kSeen_px - 8.0);

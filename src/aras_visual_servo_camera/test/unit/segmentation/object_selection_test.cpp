@@ -5,8 +5,7 @@
 
 #include "aras_visual_servo_camera/config/errors.hpp"
 #include "aras_visual_servo_camera/extraction/moment_extractor.hpp"
-#include "coverage_image.hpp"
-#include "moments/shape.hpp"
+#include "fill.hpp"
 #include "usual_vision.hpp"
 
 namespace aras_visual_servo_camera {
@@ -173,17 +172,44 @@ TEST(Selection, AFlickeringObjectIsKeptDownToTheLowerThreshold) {
   EXPECT_FALSE(visible(&kept, 6));  // 7 x 7
 }
 
-TEST(Selection, AnObjectAtTheBorderCountsAsCutUntilItIsClear) {
+TEST(Selection, AnObjectAtABorderCountsAsCutUntilItIsClearOfTheMargin) {
   VisionConfig config = testing::usualVision();
   config.border_margin_px = 5;
-  MomentExtractor extractor(testing::testCamera(), config);
-  const auto valid = [&](double u) { return extractor.process(Scene().box(u, 100, 60, 30).image.view()).valid; };
-  EXPECT_TRUE(valid(32)) << "two pixels from the border, never cut";
-  EXPECT_FALSE(valid(28));
-  EXPECT_FALSE(valid(32));
-  EXPECT_FALSE(valid(34));
-  EXPECT_TRUE(valid(36));
-  EXPECT_TRUE(valid(32));
+  for (int side = 0; side < 4; ++side) {
+    MomentExtractor extractor(testing::testCamera(), config);
+    const auto valid = [&](int away_px) {  // so many pixels are between the object and this border
+      const int u = side == 0 ? away_px : side == 1 ? 320 - 60 - away_px : 130;
+      const int v = side == 2 ? away_px : side == 3 ? 240 - 30 - away_px : 100;
+      Scene scene;
+      testing::fill(&scene.image, u, v, 60, 30, kObjectGrey);
+      return extractor.process(scene.image.view()).valid;
+    };
+    EXPECT_TRUE(valid(2)) << side << ": near the border, but never cut";
+    EXPECT_FALSE(valid(0)) << side;
+    EXPECT_FALSE(valid(2)) << side;
+    EXPECT_FALSE(valid(4)) << side;
+    EXPECT_TRUE(valid(5)) << side;
+    EXPECT_TRUE(valid(2)) << side;
+  }
+}
+
+TEST(Selection, AnObjectThatABorderCutsIsNotLeftForALargerOne) {
+  const VisionConfig config = testing::usualVision();
+  for (int side = 0; side < 4; ++side) {
+    Segmentation segmentation(config);
+    const auto area_px = [&](int away_px, bool beside_a_larger_one) {
+      const int u = side == 0 ? away_px : side == 1 ? 300 - away_px : 150;
+      const int v = side == 2 ? away_px : side == 3 ? 220 - away_px : 110;
+      Scene scene;
+      testing::fill(&scene.image, u, v, 20, 20, kObjectGrey);
+      if (beside_a_larger_one) testing::fill(&scene.image, side < 2 ? 130 : 230, 60, 60, 60, kObjectGrey);
+      return segmentation.process(scene.image.view()).area_px;
+    };
+    EXPECT_EQ(area_px(0, false), 400) << side;
+    for (int k = 0; k < 2 * config.switch_images; ++k) EXPECT_EQ(area_px(0, true), 400) << side;
+    for (int k = 1; k < config.switch_images; ++k) EXPECT_EQ(area_px(1, true), 400) << side;
+    EXPECT_EQ(area_px(1, true), 3600) << side;
+  }
 }
 
 // Nothing throws, nothing is valid that has no orientation or is cut, whatever is in view.
@@ -202,24 +228,6 @@ TEST(Selection, DegenerateShapesAreFlagged) {
   EXPECT_NO_THROW(extractor.process(line.image.view()));
   EXPECT_NO_THROW(extractor.process(Scene().image.view()));
   EXPECT_FALSE(extractor.features().valid);
-}
-
-TEST(Shape, SignatureIsThatOfTheShapeFromAnyDistanceAndSide) {
-  constexpr double kAffine = 0.05;  // what of a perspective of this size is not affine
-  const Polygon ell{{-0.06, -0.06}, {-0.02, -0.06}, {-0.02, 0.02}, {0.04, 0.02}, {0.04, 0.06}, {-0.06, 0.06}};
-  const auto of = [](const Polygon& p) {
-    return *shapeOf(testing::polygonMoments(p, 0)[0], testing::polygonCentredMoments(p, 3));
-  };
-  const ShapeSignature reference = of(testing::project(ell, {0, 0, 0.5, 0, 0, 0}));
-  EXPECT_LT(dissimilarity(reference, of(testing::project(ell, {0.1, 0.05, 1.5, 2.0, 0, 0}))), 1e-9);
-  EXPECT_LT(dissimilarity(reference, of(testing::project(ell, {0.0, 0.05, 0.8, 2.0, 0.5, -0.3}))), kAffine);
-  const ShapeSignature disc = of(testing::ellipse(0.2, 0.1, 0.4, {0.1, 0.0}, 720)),
-                       slab = of(testing::rectangle(0.3, 0.1));
-  EXPECT_NEAR(disc.spread, 1.0, 1e-4);
-  EXPECT_NEAR(slab.spread, 4.0 * 3.14159265358979323846 / 12.0, 1e-9);
-  EXPECT_LT(slab.c21 + slab.c30 + disc.c21 + disc.c30, 1e-6);
-  EXPECT_GT(dissimilarity(reference, disc), 0.3);
-  EXPECT_FALSE(shapeOf(0.0, testing::polygonCentredMoments(ell, 3)).has_value());
 }
 
 }  // namespace

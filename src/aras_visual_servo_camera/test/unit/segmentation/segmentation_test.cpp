@@ -6,24 +6,19 @@
 #include <cmath>
 #include <numeric>
 
-#include "aras_visual_servo_camera/config/errors.hpp"
-#include "coverage_image.hpp"
+#include "fill.hpp"
 #include "usual_vision.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
 
+using testing::fill;
 using testing::GreyImage;
 using testing::kBackgroundGrey;
 using testing::kObjectGrey;
 
 constexpr double kRounding = 1e-12;  // sums of at most 77 k weights
 constexpr double kGreyStep = 1.0 / (kBackgroundGrey - kObjectGrey);
-
-void fill(GreyImage* image, int u0, int v0, int width, int height, std::uint8_t grey) {
-  for (int v = v0; v < v0 + height; ++v)
-    for (int u = u0; u < u0 + width; ++u) image->at(u, v) = grey;
-}
 
 VisionConfig with(SegmentationMethod method) {
   VisionConfig config = testing::usualVision();
@@ -241,6 +236,24 @@ TEST(Segmentation, SmallSpecksBesideTheObjectDoNotWeigh) {
   EXPECT_NEAR(weightOf(Segmentation(testing::usualVision()).process(image.view())), 400.0, kRounding);
 }
 
+TEST(Segmentation, ForBlobsEveryObjectIsKeptAndNoSpeck) {
+  GreyImage image(320, 240, kBackgroundGrey);
+  fill(&image, 10, 10, 7, 7, kObjectGrey);  // one pixel too few
+  fill(&image, 100, 100, 20, 20, kObjectGrey);
+  fill(&image, 200, 120, 30, 30, kObjectGrey);
+  VisionConfig config = testing::usualVision();
+  Segmentation one(config);
+  one.process(image.view());
+  EXPECT_TRUE(one.objects().empty());
+  config.points = PointSource::kBlobs;
+  Segmentation all(config);
+  EXPECT_FALSE(all.process(image.view()).visible) << "none of them is the target";
+  ASSERT_EQ(all.objects().size(), 2u);
+  EXPECT_EQ(all.objects()[0].area_px, 400);
+  EXPECT_EQ(all.objects()[1].area_px, 900);
+  EXPECT_NEAR(weightOf(all.objects()[1]), 900.0, kRounding);
+}
+
 TEST(Segmentation, NearestToPreviousFollowsTheObjectItChose) {
   VisionConfig config = testing::usualVision();
   config.component = ComponentChoice::kNearestToPrevious;
@@ -256,6 +269,15 @@ TEST(Segmentation, NearestToPreviousFollowsTheObjectItChose) {
   EXPECT_EQ(segmentation.process(second.view()).area_px, 3600);
 }
 
+TEST(Segmentation, AdaptiveFindsNothingAlongTheBordersOfAnImageOfOneGrey) {
+  for (const ObjectShade shade : {ObjectShade::kDark, ObjectShade::kBright}) {
+    VisionConfig config = with(SegmentationMethod::kAdaptive);
+    config.object = shade;
+    for (const std::uint8_t grey : {0, 150, 255})
+      EXPECT_FALSE(Segmentation(config).process(GreyImage(320, 240, grey).view()).visible) << int{grey};
+  }
+}
+
 TEST(Segmentation, AdaptiveThresholdCopesWithAGradientThatNoGlobalOneDoes) {
   GreyImage image(320, 240, 0);
   for (int v = 0; v < 240; ++v)
@@ -265,126 +287,6 @@ TEST(Segmentation, AdaptiveThresholdCopesWithAGradientThatNoGlobalOneDoes) {
       image.at(u, v) = static_cast<std::uint8_t>(image.at(u, v) - 60);  // brighter than the left
   EXPECT_EQ(Segmentation(with(SegmentationMethod::kAdaptive)).process(image.view()).area_px, 900);
   EXPECT_NE(Segmentation(with(SegmentationMethod::kOtsu)).process(image.view()).area_px, 900);
-}
-
-TEST(Segmentation, ColourImagesGiveTheMaskOfTheirGrey) {
-  GreyImage image(64, 48, kBackgroundGrey);
-  fill(&image, 20, 15, 13, 11, kObjectGrey);
-  for (PixelFormat format : {PixelFormat::kRgb8, PixelFormat::kBgr8, PixelFormat::kRgba8}) {
-    const int n = channels(format);
-    const std::size_t step = 64 * n + 5;  // padded rows
-    std::vector<std::uint8_t> data(step * 48, 3);
-    for (int v = 0; v < 48; ++v)
-      for (int u = 0; u < 64; ++u)
-        for (int k = 0; k < n; ++k) data[v * step + u * n + k] = image.at(u, v);
-    const ObjectMask mask = Segmentation(testing::usualVision()).process({data.data(), 64, 48, step, format});
-    EXPECT_EQ(mask.area_px, 143);
-    EXPECT_DOUBLE_EQ(mask.u_px, 26.0);
-  }
-}
-
-TEST(Segmentation, SixteenBitsGiveTheMaskOfTheirUpperEight) {
-  GreyImage image(64, 48, kBackgroundGrey);
-  fill(&image, 20, 15, 13, 11, kObjectGrey);
-  for (PixelFormat format : {PixelFormat::kMono16, PixelFormat::kRgb16}) {
-    const int n = channels(format);
-    ASSERT_EQ(bytesOf(format), 2 * n);
-    const std::size_t step = 64 * n + 3;  // padded rows, in values
-    std::vector<std::uint16_t> data(step * 48, 700);
-    for (int v = 0; v < 48; ++v)
-      for (int u = 0; u < 64; ++u)
-        for (int k = 0; k < n; ++k) data[v * step + u * n + k] = static_cast<std::uint16_t>(257 * image.at(u, v) + 90);
-    const auto* bytes = reinterpret_cast<const std::uint8_t*>(data.data());
-    const ObjectMask mask = Segmentation(testing::usualVision()).process({bytes, 64, 48, 2 * step, format});
-    const ObjectMask same = Segmentation(testing::usualVision()).process(image.view());
-    EXPECT_EQ(mask.area_px, 143);
-    EXPECT_EQ(mask.u_px, same.u_px);
-    EXPECT_THROW(Segmentation(testing::usualVision()).process({bytes, 64, 48, std::size_t(2 * 64 * n - 2), format}),
-                 ShapeError);
-  }
-}
-
-TEST(Segmentation, RedAndBlueAreToldApartByTheFormat) {
-  std::vector<std::uint8_t> data(3 * 40 * 40, 0);
-  for (std::size_t k = 0; k < data.size(); k += 3) data[k] = 255;  // red in rgb8: grey 76; blue in bgr8: grey 29
-  VisionConfig config = with(SegmentationMethod::kFixed);
-  config.threshold = 50;
-  EXPECT_FALSE(Segmentation(config).process({data.data(), 40, 40, 120, PixelFormat::kRgb8}).visible);
-  EXPECT_TRUE(Segmentation(config).process({data.data(), 40, 40, 120, PixelFormat::kBgr8}).visible);
-}
-
-TEST(Segmentation, ImageWithoutPixelsIsAShapeError) {
-  Segmentation segmentation{testing::usualVision()};
-  EXPECT_THROW(segmentation.process(ImageView()), ShapeError);
-  const GreyImage image(8, 8, 0);
-  EXPECT_THROW(segmentation.process({image.data.data(), 8, 8, 7, PixelFormat::kMono8}), ShapeError);
-}
-
-std::array<int, 256> histogramOf(const GreyImage& image) {
-  std::array<int, 256> h{};
-  for (std::uint8_t g : image.data) ++h[g];
-  return h;
-}
-
-TEST(GreyLevels, AreFoundWhateverTheShareOfTheObject) {
-  constexpr double kLevel = 0.5;  // sigma 5 over 150 pixels and more: 0.4
-  std::mt19937 random(3);
-  for (int side : {12, 60, 200}) {
-    GreyImage image(320, 240, kBackgroundGrey);
-    fill(&image, 20, 20, side, side, kObjectGrey + 40);
-    testing::addNoise(5.0, &random, &image);
-    const auto levels = estimateGreyLevels(histogramOf(image), ObjectShade::kDark, 50, 25.0);
-    ASSERT_TRUE(levels.has_value());
-    EXPECT_NEAR(levels->object, kObjectGrey + 40, 4 * kLevel) << side;
-    EXPECT_NEAR(levels->background, kBackgroundGrey, kLevel) << side;
-  }
-}
-
-TEST(GreyLevels, AreExactInACleanImage) {
-  constexpr double kEdgePixels = 0.05;  // levels: a few edge pixels fall into the window of 2 levels
-  const GreyImage image = testing::coverageImage(testing::project(testing::blob(0.1), {0.0, 0.0, 0.5, 0.3, 0.0, 0.0}),
-                                                 testing::testCamera());
-  const auto levels = estimateGreyLevels(histogramOf(image), ObjectShade::kDark, 50, 25.0);
-  ASSERT_TRUE(levels.has_value());
-  EXPECT_NEAR(levels->object, kObjectGrey, kEdgePixels);
-  EXPECT_NEAR(levels->background, kBackgroundGrey, kEdgePixels);
-}
-
-TEST(GreyLevels, NoiseAloneIsNotTwoLevels) {
-  std::mt19937 random(4);
-  GreyImage image(320, 240, 128);
-  testing::addNoise(12.0, &random, &image);
-  EXPECT_FALSE(estimateGreyLevels(histogramOf(image), ObjectShade::kDark, 50, 25.0).has_value());
-}
-
-TEST(Otsu, SplitsTwoLevelsInTheMiddleOfTheGap) {
-  std::array<int, 256> h{};
-  h[20] = 500;
-  h[230] = 70000;
-  EXPECT_EQ(otsuThreshold(h).value(), (20 + 229) / 2);
-  h[20] = 0;
-  EXPECT_FALSE(otsuThreshold(h).has_value());
-}
-
-TEST(Otsu, TheThresholdOfAnImageIsThatOfAllItsPixelsOnce) {
-  // Of three greys the middle one goes to the one side or to the other, as a few pixels more or less decide.
-  for (const int width : {33, 63, 64, 100, 163}) {
-    int taken = 0, left = 0;
-    for (int middle = 60; middle < 200; ++middle) {
-      for (const int rows : {4, 11}) {
-        GreyImage image(width, 40, kBackgroundGrey);
-        fill(&image, 2, 5, width - 4, 10, kObjectGrey);
-        fill(&image, 2, 15, width - 4, rows, static_cast<std::uint8_t>(middle));
-        for (int v = 15; v < 15 + rows; v += 3) image.at(width - 4, v) = static_cast<std::uint8_t>(middle + 1);
-        const double threshold = otsuThreshold(histogramOf(image)).value();
-        const auto wanted = std::count_if(image.data.begin(), image.data.end(), [&](int g) { return g < threshold; });
-        ASSERT_EQ(Segmentation(with(SegmentationMethod::kOtsu)).process(image.view()).area_px, wanted)
-            << width << " " << middle << " " << rows;
-        ++(wanted > 10 * (width - 4) ? taken : left);
-      }
-    }
-    EXPECT_TRUE(taken > 20 && left > 20) << taken << " " << left;
-  }
 }
 
 }  // namespace

@@ -1,0 +1,147 @@
+// Images of every format: their grey, their colour, and which ones are refused.
+#include "image/grey_image.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "aras_visual_servo_camera/config/errors.hpp"
+#include "aras_visual_servo_camera/extraction/overlay.hpp"
+
+namespace aras_visual_servo_camera {
+namespace {
+
+constexpr int kWidth = 6, kHeight = 5;
+constexpr std::array<std::uint8_t, 3> kColour{200, 40, 90};  // rgb
+// Of the eye's response to it, 0.299 r + 0.587 g + 0.114 b.
+const int kGrey = static_cast<int>(std::lround(0.299 * kColour[0] + 0.587 * kColour[1] + 0.114 * kColour[2]));
+
+struct Format {
+  const char* name;
+  const char* channels;  // which one each value of a pixel is; of a Bayer pattern, which one each of 2 x 2 pixels is
+};
+constexpr Format kColours[] = {{"rgb8", "rgb"},         {"bgr8", "bgr"},         {"rgba8", "rgba"},
+                               {"rgb16", "rgb"},        {"bayer_rggb8", "rggb"}, {"bayer_bggr8", "bggr"},
+                               {"bayer_gbrg8", "gbrg"}, {"bayer_grbg8", "grbg"}};
+
+std::uint8_t valueOf(char channel) {
+  return channel == 'r' ? kColour[0] : channel == 'g' ? kColour[1] : channel == 'b' ? kColour[2] : 255;
+}
+
+/** An image of one colour that owns its bytes. */
+struct Picture {
+  explicit Picture(const Format& format) : kind(formatNamed(format.name)) {
+    for (int v = 0; v < kHeight; ++v)
+      for (int u = 0; u < kWidth; ++u)
+        for (int k = 0; k < channels(kind); ++k) {
+          const std::uint8_t value = valueOf(format.channels[isBayer(kind) ? v % 2 * 2 + u % 2 : k]);
+          bytes.push_back(value);
+          if (isDeep(kind)) bytes.push_back(value);  // 257 times the value
+        }
+  }
+  ImageView view() const {
+    return {bytes.data(), kWidth, kHeight, static_cast<std::size_t>(kWidth) * bytesOf(kind), kind};
+  }
+
+  PixelFormat kind;
+  std::vector<std::uint8_t> bytes;
+};
+
+class EachColour : public ::testing::TestWithParam<Format> {};
+INSTANTIATE_TEST_SUITE_P(Formats, EachColour, ::testing::ValuesIn(kColours));
+
+TEST_P(EachColour, HasItsGreyAndItsColourInEveryPixel) {
+  const Picture picture(GetParam());
+  cv::Mat buffer;
+  const cv::Mat grey = greyOf(picture.view(), &buffer);
+  std::vector<std::uint8_t> rgb(3 * kWidth * kHeight);
+  toRgb(picture.view(), rgb.data());
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      EXPECT_EQ(grey.at<std::uint8_t>(v, u), kGrey) << GetParam().name;
+      for (int k = 0; k < 3; ++k) EXPECT_EQ(rgb[3 * (v * kWidth + u) + k], kColour[k]) << GetParam().name << k;
+    }
+  }
+}
+
+TEST(GreyFormats, AreTheirOwnGreyAndThreeTimesThatInColour) {
+  for (const Format format : {Format{"mono8", "g"}, Format{"mono16", "g"}}) {
+    const Picture picture(format);
+    cv::Mat buffer;
+    const cv::Mat grey = greyOf(picture.view(), &buffer);
+    std::vector<std::uint8_t> rgb(3 * kWidth * kHeight);
+    toRgb(picture.view(), rgb.data());
+    EXPECT_EQ(cv::countNonZero(grey != kColour[1]), 0) << format.name;
+    EXPECT_EQ(rgb, std::vector<std::uint8_t>(rgb.size(), kColour[1])) << format.name;
+  }
+}
+
+TEST(ColourImages, RowsOfOneGreyAmongOthersStayWhereTheyAre) {
+  for (const std::vector<int>& coloured : {std::vector<int>{0, 1}, {2}, {4}, {0, 2, 3}}) {
+    Picture picture(kColours[0]);
+    std::vector<int> wanted(kHeight, 77);
+    for (int v = 0; v < kHeight; ++v) std::fill_n(picture.bytes.begin() + 3 * kWidth * v, 3 * kWidth, 77);
+    for (const int v : coloured) {
+      for (int k = 0; k < 3 * kWidth; ++k) picture.bytes[3 * kWidth * v + k] = kColour[k % 3];
+      wanted[v] = kGrey;
+    }
+    cv::Mat buffer;
+    const cv::Mat grey = greyOf(picture.view(), &buffer);
+    for (int v = 0; v < kHeight; ++v)
+      for (int u = 0; u < kWidth; ++u) EXPECT_EQ(grey.at<std::uint8_t>(v, u), wanted[v]) << coloured[0] << v;
+  }
+}
+
+std::string refusalOf(const ImageView& view) {
+  cv::Mat buffer;
+  try {
+    greyOf(view, &buffer);
+  } catch (const ShapeError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Images, WithoutPixelsOrWithShortRowsAreRefused) {
+  const Picture picture(kColours[0]);
+  ImageView view = picture.view();
+  EXPECT_EQ(refusalOf(view), "");
+  view.data = nullptr;
+  EXPECT_NE(refusalOf(view), "");
+  view = picture.view();
+  view.width_px = 0;
+  EXPECT_NE(refusalOf(view).find("found 0 x 5 pixels"), std::string::npos);
+  view = picture.view();
+  view.height_px = 0;
+  EXPECT_NE(refusalOf(view).find("found 6 x 0 pixels"), std::string::npos);
+  view = picture.view();
+  --view.step_bytes;
+  EXPECT_EQ(refusalOf(view), "image: found 6 x 5 pixels, 17 bytes a row, allowed at least 1 x 1 and 3 bytes a pixel");
+}
+
+TEST(Images, OfABayerPatternHaveThreePixelsEachWay) {
+  const Picture picture(kColours[4]);
+  for (const auto& [width, height] : {std::pair(2, 5), std::pair(6, 2)}) {
+    ImageView view = picture.view();
+    view.width_px = width;
+    view.height_px = height;
+    EXPECT_EQ(refusalOf(view), "image: found " + std::to_string(width) + " x " + std::to_string(height) +
+                                   " pixels of a Bayer pattern, allowed at least 3 x 3");
+  }
+}
+
+TEST(Images, OfAnUnknownEncodingAreRefusedWithThoseThatAreKnown) {
+  try {
+    formatNamed("yuv422");
+    FAIL() << "taken";
+  } catch (const ShapeError& error) {
+    const std::string text = error.what();
+    EXPECT_EQ(text.find("image encoding: found 'yuv422', allowed rgb8, bgr8, "), 0u) << text;
+    for (const Format& format : kColours) EXPECT_NE(text.find(format.name), std::string::npos) << text;
+  }
+}
+
+}  // namespace
+}  // namespace aras_visual_servo_camera
