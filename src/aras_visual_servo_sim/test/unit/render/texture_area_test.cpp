@@ -6,7 +6,9 @@
 #include <cmath>
 #include <random>
 
-namespace aras_visual_servo_sim {
+#include "tools/texel_means.hpp"
+
+namespace aras_visual_servo_sim::testing {
 namespace {
 
 using Polygon = std::vector<Eigen::Vector2d>;
@@ -14,60 +16,6 @@ using Polygon = std::vector<Eigen::Vector2d>;
 // [grey levels] Slivers of up to 1e-9 texels^2 are left out of areas of a twentieth of a texel at least, and are at
 // most 255 levels off: two of them.
 constexpr double kRounding = 1e-5;
-
-TexturePtr noise(int width, int height) {
-  std::mt19937 random(5);
-  std::vector<std::uint8_t> rgb;
-  for (int k = 0; k < 3 * width * height; ++k) rgb.push_back(static_cast<std::uint8_t>(random() % 256));
-  return std::make_shared<Texture>("noise", width, height, rgb);
-}
-
-double areaOf(const Polygon& polygon) {
-  double twice = 0.0;
-  for (std::size_t k = 1; k + 1 < polygon.size(); ++k) {
-    const Eigen::Vector2d a = polygon[k] - polygon[0], b = polygon[k + 1] - polygon[0];
-    twice += a.x() * b.y() - a.y() * b.x();
-  }
-  return 0.5 * std::abs(twice);
-}
-
-/** What lies of a polygon where sign * coordinate >= sign * limit. */
-Polygon cut(const Polygon& polygon, int axis, double sign, double limit) {
-  Polygon kept;
-  for (std::size_t k = 0; k < polygon.size(); ++k) {
-    const Eigen::Vector2d &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
-    const double da = sign * (a[axis] - limit), db = sign * (b[axis] - limit);
-    if (da >= 0.0) kept.push_back(a);
-    if (da * db < 0.0) kept.push_back((a * db - b * da) / (db - da));
-  }
-  return kept;
-}
-
-/** Index of the texel that stands for the i-th of a row without end. */
-int indexOf(Wrap wrap, int i, int size) {
-  if (wrap == Wrap::kClamp) return std::min(std::max(i, 0), size - 1);
-  const int period = wrap == Wrap::kMirror ? 2 * size : size;
-  const int k = (i % period + period) % period;
-  return k < size ? k : 2 * size - 1 - k;
-}
-
-Eigen::Vector3d truth(const MeshPicture& picture, const Polygon& polygon) {
-  Eigen::Vector2d low = polygon[0], high = polygon[0];
-  for (const Eigen::Vector2d& point : polygon) {
-    low = low.cwiseMin(point);
-    high = high.cwiseMax(point);
-  }
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (int j = static_cast<int>(std::floor(low.y())); j < high.y(); ++j) {
-    const Polygon row = cut(cut(polygon, 1, 1.0, j), 1, -1.0, j + 1);
-    for (int i = static_cast<int>(std::floor(low.x())); i < high.x(); ++i) {
-      const std::uint8_t* rgb = picture.texture->texel(indexOf(picture.wrap_s, i, picture.texture->width()),
-                                                       indexOf(picture.wrap_t, j, picture.texture->height()));
-      sum += areaOf(cut(cut(row, 0, 1.0, i), 0, -1.0, i + 1)) * Eigen::Vector3d(rgb[0], rgb[1], rgb[2]);
-    }
-  }
-  return sum / areaOf(polygon);
-}
 
 Eigen::Vector3d found(const MeshPicture& picture, Polygon polygon) {
   TextureArea tool;
@@ -98,7 +46,7 @@ TEST(TextureArea, OfAFewTexelsIsExactInEveryRepetition) {
       for (int k = 0; k < 300; ++k) {
         const Polygon polygon = randomPolygon(random, {place(random), place(random)}, 0.3 + 1.15 * (k % 10) / 9.0);
         if (areaOf(polygon) < 0.05) continue;
-        EXPECT_LT((found(picture, polygon) - truth(picture, polygon)).cwiseAbs().maxCoeff(), kRounding) << k;
+        EXPECT_LT((found(picture, polygon) - meanOfTexels(picture, polygon)).cwiseAbs().maxCoeff(), kRounding) << k;
       }
     }
   }
@@ -117,7 +65,7 @@ TEST(TextureArea, BeyondAPictureThatIsHeldItsEdgesGoOn) {
       for (int k = 0; k < 50; ++k) {
         const Eigen::Vector2d middle = rgb == columns ? Eigen::Vector2d(along, 2.5) : Eigen::Vector2d(2.5, along);
         const Polygon polygon = randomPolygon(random, middle, 1.4);
-        EXPECT_LT((found(picture, polygon) - truth(picture, polygon)).cwiseAbs().maxCoeff(), kRounding);
+        EXPECT_LT((found(picture, polygon) - meanOfTexels(picture, polygon)).cwiseAbs().maxCoeff(), kRounding);
       }
     }
   }
@@ -138,7 +86,7 @@ TEST(TextureArea, FlatEdgesSeeTheWholeOfTheirRow) {
   for (const Polygon& polygon :
        {Polygon{{5.0, 0.1}, {45.0, 0.5}, {45.0, 0.9}, {5.0, 0.5}}, Polygon{{5.0, 0.9}, {45.0, 0.5}, {45.0, 0.9}},
         Polygon{{5.0, 0.1}, {45.0, 0.1}, {5.0, 0.9}}}) {
-    EXPECT_LT((found(picture, polygon) - truth(picture, polygon)).cwiseAbs().maxCoeff(), 2.0);
+    EXPECT_LT((found(picture, polygon) - meanOfTexels(picture, polygon)).cwiseAbs().maxCoeff(), 2.0);
   }
 }
 
@@ -146,7 +94,7 @@ TEST(TextureArea, FlatEdgesSeeTheWholeOfTheirRow) {
 TEST(TextureArea, OfManyRowsIsThatOfTheMergedOnes) {
   const MeshPicture picture{noise(64, 64)};
   const Polygon polygon = {{3.3, 8.0}, {40.7, 8.0}, {40.7, 48.0}, {3.3, 48.0}};
-  EXPECT_LT((found(picture, polygon) - truth(picture, polygon)).cwiseAbs().maxCoeff(), kRounding);
+  EXPECT_LT((found(picture, polygon) - meanOfTexels(picture, polygon)).cwiseAbs().maxCoeff(), kRounding);
 }
 
 TEST(TextureArea, OfWhiteIsNeverBrighterThanWhite) {
@@ -169,4 +117,4 @@ TEST(TextureArea, OfALineIsTheTexelInItsMiddle) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::testing
