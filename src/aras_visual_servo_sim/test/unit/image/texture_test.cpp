@@ -38,6 +38,13 @@ TEST(Texture, OfAFileIsRefusedBeforeItIsRead) {
              "found 60000 x 60000 texels, allowed 1 .. ");
 }
 
+TEST(Texture, OfAFileThatIsNoPictureIsRefusedWithTheReason) {
+  const std::string text = "no picture";
+  EXPECT_HAS(
+      messageOf<ModelError>([&] { loadTexture("t", reinterpret_cast<const std::uint8_t*>(text.data()), text.size()); }),
+      "picture 't': unknown image type");
+}
+
 TEST(Texture, OfAFileThatIsMissingIsAnErrorOfTheModel) {
   EXPECT_HAS(messageOf<ModelError>([] { loadTexture("nowhere/picture.png"); }), "nowhere/picture.png");
 }

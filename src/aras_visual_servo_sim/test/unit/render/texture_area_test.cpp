@@ -111,6 +111,20 @@ TEST(TextureArea, OfMoreRepetitionsThanCanBeCountedIsThePicturesMean) {
   EXPECT_EQ(found(picture, {{0.5, 0.5}, {60.0, 0.5}, {60.0, 40.0}}), Eigen::Vector3d(mean.r, mean.g, mean.b));
 }
 
+TEST(TextureArea, AtAPointIsTheTexelOfItsRepetition) {
+  const TexturePtr texture = noise(3, 2);
+  for (const Wrap wrap_s : {Wrap::kClamp, Wrap::kRepeat, Wrap::kMirror}) {
+    for (const Wrap wrap_t : {Wrap::kClamp, Wrap::kRepeat, Wrap::kMirror}) {
+      for (int k = 0; k < 20 * 20; ++k) {
+        const int i = k % 20 - 10, j = k / 20 - 10;
+        const std::uint8_t* rgb = texture->texel(texelAt(wrap_s, i, 3), texelAt(wrap_t, j, 2));
+        EXPECT_EQ(TextureArea::at({texture, wrap_s, wrap_t}, {i + 0.5, j + 0.5}),
+                  Eigen::Vector3d(rgb[0], rgb[1], rgb[2]));
+      }
+    }
+  }
+}
+
 TEST(TextureArea, OfALineIsTheTexelInItsMiddle) {
   const MeshPicture picture{noise(3, 2)};
   EXPECT_EQ(found(picture, {{0.5, 0.5}, {600.5, 0.5}, {300.5, 0.5}}), TextureArea::at(picture, {300.5, 0.5}));

@@ -232,6 +232,17 @@ TEST(JointDrive, SoftLimitsDoNotBoundTheEffortOfAServo) {
   for (const double effort : {-50.0, 50.0}) EXPECT_EQ(graph.actuatorEffort(0.0, effort), effort);
 }
 
+TEST(JointDrive, ASoftlyLimitedServoGoesOnFromItsCommandWhereTheJointLagsBehind) {
+  Joint joint = slide();
+  joint.soft = SoftLimits{true, 12.0, 25.0, -0.9, 1.4};
+  for (const double sign : {-1.0, 1.0}) {
+    JointDrive drive = driveOf(ControllerType::kPosition, {}, Drive::kImplicit, joint);
+    drive.commandPosition(sign * 0.5);
+    for (int k = 0; k < 3; ++k) graphAt(drive);  // held at 0 while the command moves on
+    EXPECT_NEAR(servoVelocity(drive, sign * 0.07), sign * (4 * kVelocity * kDt - 0.07) / kDt, kRounding * 1e2);
+  }
+}
+
 TEST(JointDrive, AnImplicitEffortMayActOnceAJointThatWasTooFastIsSlower) {
   for (const double sign : {-1.0, 1.0}) {
     JointDrive drive = driveOf(ControllerType::kEffort);
