@@ -79,6 +79,18 @@ TEST(WorldContacts, APlacedBodyIsAtRest) {
   EXPECT_EQ(world.obstacleTwist("box"), Twist::Zero());
 }
 
+TEST(WorldContacts, ThingsStayWhereTheyWerePutWhenOthersCome) {
+  WorldConfig config = tilted({boxAt("table", 1.0, 0.0, 0.0)});
+  config.contacts.ground = GroundPlane{0.0, 0.8};
+  MultibodyWorld world(sliderModel(), config);
+  Pose moved;
+  moved.p = {0.5, 1.5, 0.25};
+  world.setObstaclePose("table", moved);
+  config.contacts.obstacles.push_back(boxAt("box", 3.0, 0.5, 0.5));
+  world.setContacts(config.contacts);
+  EXPECT_EQ(world.obstaclePose("table").p, moved.p);
+}
+
 TEST(WorldContacts, AResetPutsBodiesBackAtRest) {
   WorldConfig config = tilted({boxAt("box", 1.0, 0.5, 0.5)});
   config.contacts.ground = GroundPlane{0.0, 0.8};
