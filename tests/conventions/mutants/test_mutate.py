@@ -116,3 +116,35 @@ def test_every_mutant_of_a_list_has_one_place(name):
         assert set(mutant) == {"file", "old", "new", "why"}, mutant
         text = (ROOT / "src" / listed["package"] / mutant["file"]).read_text()
         assert text.count(mutant["old"]) == 1 and mutant["new"] != mutant["old"], mutant
+
+
+class FakeCore(cpp_module.Core):
+    """A core whose tests take ten seconds, and fail where its text has a fault."""
+    fault, limits_s = "nowhere", []
+
+    def __init__(self, package, folder):
+        self.source = ROOT / "src" / package
+
+    def link(self, file, text):
+        self._text = text
+        return True
+
+    def test(self, tests, limit_s):
+        self.limits_s.append(limit_s)
+        return int(self.fault in self._text), 10.0
+
+
+def test_a_mutant_has_a_multiple_of_the_time_that_its_file_as_it_is_takes_when_compiled_alike(monkeypatch):
+    monkeypatch.setattr(cpp_module, "Core", FakeCore)
+    monkeypatch.setattr(FakeCore, "limits_s", [])
+    cpp_module.run("pid", lambda text: None)
+    files = {mutant["file"] for mutant in cpp_module.load("pid")["mutants"]}
+    assert sorted(set(FakeCore.limits_s)) == [10.0 * cpp_module.TOO_LONG, cpp_module.LIMIT_S]
+    assert FakeCore.limits_s.count(cpp_module.LIMIT_S) == len(files)
+
+
+def test_tests_that_fail_without_a_mutant_are_refused_by_the_name_of_the_file(monkeypatch):
+    monkeypatch.setattr(cpp_module, "Core", FakeCore)
+    monkeypatch.setattr(FakeCore, "fault", "")
+    with pytest.raises(RuntimeError, match="pid.cpp: the tests fail without a mutant"):
+        cpp_module.run("pid", lambda text: None)

@@ -96,6 +96,39 @@ TEST(ContactIsland, WhatCannotMoveSidewaysIsNotDragged) {
   EXPECT_EQ(island.lambda.tail<2>(), Eigen::Vector2d(0.0, 0.0));
 }
 
+/** Rigid points in one place that are to part at different speeds: Newton's equations have no solution, sweeps do. */
+TEST(ContactIsland, OfTwoRigidPointsInOnePlaceTheFasterOneCarriesAll) {
+  ContactIsland island;
+  island.resize(2);
+  island.D.setZero();
+  for (const int i : {0, 3}) {
+    for (const int j : {0, 3}) island.D(i, j) = 2.0;
+  }
+  island.u << -1.0, 0.0, 0.0, -1.0, 0.0, 0.0;
+  island.lambda.setZero();
+  island.wanted = {0.0, 0.1};
+  island.compliance.assign(2, 0.0);
+  island.friction.assign(2, 1.0);
+  EXPECT_TRUE(island.solve());
+  EXPECT_NEAR(island.lambda[0], 0.0, 1e-12);
+  EXPECT_NEAR(island.lambda[3], 0.55, 1e-12);
+}
+
+TEST(ContactIsland, AStiffAndAWeakDirectionAcrossAPointAreSweptToRest) {
+  ContactIsland island;
+  island.resize(1);
+  island.D = Eigen::Vector3d(1.0, 0.1, 4.0).asDiagonal();
+  island.u << -1.0, 0.01, 0.4;
+  island.lambda << 1.0, 0.001, 0.001;  // no first step of Newton's
+  island.u += island.D * island.lambda;
+  island.wanted.assign(1, 0.0);
+  island.compliance.assign(1, 0.01);
+  island.friction.assign(1, 2.0);
+  EXPECT_TRUE(island.solve());
+  EXPECT_NEAR(island.lambda[1], -0.1, 1e-6);
+  EXPECT_NEAR(island.lambda[2], -0.1, 1e-6);
+}
+
 std::vector<ContactPoint> pointsAt(const std::vector<Eigen::Vector3d>& places) {
   std::vector<ContactPoint> points;
   for (const Eigen::Vector3d& place : places) points.push_back({0, 1, place, Eigen::Vector3d::UnitZ(), 1e-6, 0.5});
@@ -126,6 +159,20 @@ TEST(ContactPoints, ALineHasTwoEndsAndAPointIsKept) {
   std::vector<ContactPoint> one = pointsAt({{0.3, 0, 0}, {0.3, 1e-8, 0}});
   keepCorners(one, 0);
   EXPECT_EQ(one.size(), 1u);
+}
+
+TEST(ContactPoints, APointLessThanAMicrometreOffAnEdgeIsNoCorner) {
+  std::vector<ContactPoint> points = pointsAt({{1, 1, 0}, {-1, 1, 0}, {-1, -1, 0}, {1, -1, 0}, {0.1, -1.0000005, 0}});
+  keepCorners(points, 0);
+  EXPECT_EQ(points.size(), 4u);
+}
+
+TEST(ContactPoints, UpToEightOfAFaceAreKept) {
+  for (const std::size_t count : {5, 8}) {
+    std::vector<ContactPoint> points = pointsAt(std::vector<Eigen::Vector3d>(count, Eigen::Vector3d::Zero()));
+    thinOut(points, 0);
+    EXPECT_EQ(points.size(), count);
+  }
 }
 
 TEST(ContactPoints, ManyAreThinnedToFourFarApart) {

@@ -5,7 +5,7 @@
 #include "aras_visual_servo_sim/robot/joint_limits.hpp"
 #include "aras_visual_servo_sim/robot/joint_limits_reader.hpp"
 #include "physics/drive/joint_graph.hpp"
-#include "tools/physics_tools.hpp"
+#include "tools/soft_slider.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -14,16 +14,6 @@ constexpr double kEps = 2.2e-16;
 constexpr double kDt = 0.001;
 constexpr double kVelocity = 2.0, kEffort = 40.0;
 constexpr double kPosition = 12.0, kGain = 25.0, kLower = -0.2, kUpper = 0.3;
-
-/** The slider with a safety controller. */
-RobotModel softModel() {
-  std::string urdf = readUrdf("slider.urdf");
-  urdf = replaced(urdf, "lower=\"-100\" upper=\"100\"", "lower=\"-0.25\" upper=\"0.35\"");
-  urdf = replaced(urdf, "effort=\"1000\" velocity=\"1000\"", "effort=\"40\" velocity=\"2\"");
-  return modelOf(replaced(urdf, "</joint>",
-                          "<safety_controller k_position=\"12\" k_velocity=\"25\" soft_lower_limit=\"-0.2\" "
-                          "soft_upper_limit=\"0.3\"/></joint>"));
-}
 
 double sat(double value, double low, double high) { return std::min(std::max(value, low), high); }
 
@@ -43,16 +33,18 @@ WorldConfig drivenBy(ControllerType type, Drive drive = Drive::kImplicit) {
 }
 
 TEST(SoftLimits, ExplicitEffortIsThatOfTheStateAtTheBeginningOfTheStep) {
-  MultibodyWorld world(softModel(), drivenBy(ControllerType::kEffort, Drive::kExplicit));
-  world.setEffort("slide", 30.0);
-  bool bounded = false;
-  for (int k = 0; k < 600; ++k) {
-    const double expected = softEffort(30.0, world.jointPositions()[0], world.jointVelocities()[0]);
-    world.step();
-    ASSERT_EQ(world.jointEfforts()[0], expected) << k;
-    bounded = bounded || expected != 30.0;
+  for (const double effort : {-30.0, 30.0}) {
+    MultibodyWorld world(softModel(), drivenBy(ControllerType::kEffort, Drive::kExplicit));
+    world.setEffort("slide", effort);
+    bool bounded = false;
+    for (int k = 0; k < 600; ++k) {
+      const double expected = softEffort(effort, world.jointPositions()[0], world.jointVelocities()[0]);
+      world.step();
+      ASSERT_EQ(world.jointEfforts()[0], expected) << k;
+      bounded = bounded || expected != effort;
+    }
+    EXPECT_TRUE(bounded);
   }
-  EXPECT_TRUE(bounded);
 }
 
 TEST(SoftLimits, ImplicitEffortIsThatOfTheVelocityAtTheEndOfTheStep) {
@@ -166,98 +158,6 @@ TEST(SoftLimits, WhatTheyNeedIsAskedFor) {
   EXPECT_HAS(messageOf<ParameterError>([&] { MultibodyWorld(model, drivenBy(ControllerType::kEffort)); }),
              "joint 'slide': has soft limits and no effort limit");
   MultibodyWorld(model, drivenBy(ControllerType::kPosition));
-}
-
-TEST(JointLimitOverrides, ChangeWhatIsCompleteAndNothingElse) {
-  RobotModel model = softModel();
-  applyJointLimits(
-      YAML::Load("{joint_limits: {slide: {has_position_limits: true, min_position: -0.1, max_position: 0.1,"
-                 " has_velocity_limits: true, max_velocity: 0.5, has_effort_limits: false, max_effort: 9,"
-                 " has_soft_limits: true, k_position: 1, k_velocity: 2, soft_lower_limit: -0.05,"
-                 " soft_upper_limit: 0.05}}}"),
-      model);
-  const Joint& joint = model.movingJoint(0);
-  EXPECT_EQ(joint.enforced.lower, -0.1);
-  EXPECT_EQ(joint.enforced.velocity, 0.5);
-  EXPECT_FALSE(joint.enforced.has_effort);
-  EXPECT_EQ(joint.soft.upper, 0.05);
-  EXPECT_EQ(joint.soft.k_velocity, 2.0);
-  EXPECT_EQ(joint.limits.lower, -0.25);  // the stop stays
-  EXPECT_TRUE(joint.limits.has_effort);
-}
-
-TEST(JointLimitOverrides, SoftLimitsThatCrossAreRefused) {
-  RobotModel model = softModel();
-  const std::string text = messageOf<ParameterError>([&] {
-    applyJointLimits(YAML::Load("{joint_limits: {slide: {has_soft_limits: true, k_position: 1, k_velocity: 2,"
-                                " soft_lower_limit: 0.1, soft_upper_limit: 0.05}}}"),
-                     model);
-  });
-  EXPECT_HAS(text, "joint_limits/slide/soft_lower_limit: found 0.100000, allowed <= soft_upper_limit, 0.050000");
-}
-
-TEST(JointLimitOverrides, EachNumberGoesToTheLimitOfItsName) {
-  RobotModel model = softModel();
-  model.joints[0].soft = SoftLimits{};  // as where the URDF has none
-  applyJointLimits(
-      YAML::Load("{joint_limits: {slide: {has_position_limits: true, min_position: -0.1, max_position: 0.2,"
-                 " has_velocity_limits: true, max_velocity: 0.5, has_effort_limits: true, max_effort: 9,"
-                 " has_acceleration_limits: true, max_acceleration: 3, has_soft_limits: true, k_position: 1,"
-                 " k_velocity: 2, soft_lower_limit: -0.05, soft_upper_limit: 0.06}}}"),
-      model);
-  const JointLimits& limits = model.movingJoint(0).enforced;
-  const SoftLimits& soft = model.movingJoint(0).soft;
-  EXPECT_TRUE(limits.has_position && limits.has_velocity && limits.has_effort && limits.has_acceleration);
-  EXPECT_EQ(limits.lower, -0.1);
-  EXPECT_EQ(limits.upper, 0.2);
-  EXPECT_EQ(limits.velocity, 0.5);
-  EXPECT_EQ(limits.effort, 9.0);
-  EXPECT_EQ(limits.acceleration, 3.0);
-  EXPECT_TRUE(soft.present);
-  EXPECT_EQ(soft.k_position, 1.0);
-  EXPECT_EQ(soft.k_velocity, 2.0);
-  EXPECT_EQ(soft.lower, -0.05);
-  EXPECT_EQ(soft.upper, 0.06);
-}
-
-TEST(JointLimitOverrides, WhatIsIncompleteIsPassedOverWithAWarning) {
-  RobotModel model = softModel();
-  const std::size_t before = model.warnings.size();
-  applyJointLimits(YAML::Load("{joint_limits: {slide: {has_position_limits: true, min_position: -0.1, max_velocity: 1,"
-                              " has_soft_limits: false, k_position: 3, has_jerk_limits: true, max_jerk: 4},"
-                              " elbow: {has_effort_limits: false}}}"),
-                   model);
-  EXPECT_EQ(model.movingJoint(0).enforced.lower, -0.25);
-  EXPECT_EQ(model.movingJoint(0).enforced.velocity, 2.0);
-  EXPECT_EQ(model.movingJoint(0).soft.k_position, 12.0);
-  std::string all;
-  for (std::size_t k = before; k < model.warnings.size(); ++k) all += model.warnings[k] + "\n";
-  EXPECT_HAS(all, "joint_limits/slide: has_position_limits is true and its numbers are not all there");
-  EXPECT_HAS(all, "joint_limits/slide: has_jerk_limits is ignored");
-  EXPECT_HAS(all, "joint_limits/elbow: no moving joint of that name");
-}
-
-TEST(JointLimitOverrides, GainsOfTheSimulatedHardwareAreWarnedAbout) {
-  RobotModel model = sliderModel();
-  const std::size_t before = model.warnings.size();
-  applyJointLimits(YAML::Load("{gazebo_ros_control: {pid_gains: {slide: {p: 100.0}}}}"), model);
-  ASSERT_EQ(model.warnings.size(), before + 1);
-  EXPECT_HAS(model.warnings.back(), "gazebo_ros_control/pid_gains (slide): ignored");
-  applyJointLimits(YAML::Load("{gazebo_ros_control: 3}"), model);
-  EXPECT_EQ(model.warnings.size(), before + 1);
-}
-
-TEST(JointLimitOverrides, FaultsAreListed) {
-  RobotModel model = softModel();
-  const std::string text = messageOf<ParameterError>([&] {
-    applyJointLimits(YAML::Load("{joint_limits: {slide: {has_position_limits: true, min_position: 2, max_position: 1,"
-                                " max_speed: 3, has_velocity_limits: perhaps, max_effort: .nan}}}"),
-                     model);
-  });
-  EXPECT_HAS(text, "joint_limits/slide/min_position: found 2.000000, allowed <= max_position");
-  EXPECT_HAS(text, "joint_limits/slide/max_speed: found an unknown key");
-  EXPECT_HAS(text, "joint_limits/slide/has_velocity_limits: found perhaps, allowed true or false");
-  EXPECT_HAS(text, "joint_limits/slide/max_effort: found .nan");
 }
 
 TEST(AngularDistance, TakesTheShorterWayThatStaysWithinTheLimits) {

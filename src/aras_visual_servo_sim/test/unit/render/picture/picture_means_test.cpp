@@ -4,21 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
-#include "render/picture/texture_area.hpp"
 #include "tools/render_tools.hpp"
+#include "tools/texel_means.hpp"
 
 namespace aras_visual_servo_sim::testing {
 namespace {
-
-/** No two texels alike: the hardest picture there is. */
-TexturePtr noise(int width, int height) {
-  std::mt19937 random(5);
-  std::vector<std::uint8_t> rgb;
-  for (int k = 0; k < 3 * width * height; ++k) rgb.push_back(static_cast<std::uint8_t>(random() % 256));
-  return std::make_shared<Texture>("noise", width, height, rgb);
-}
 
 /** A tilted picture: pixel (u, v) sees texels by this matrix. @param texels  to a pixel, about */
 Eigen::Matrix3d picturePlane(double texels, double turn, const Eigen::Vector2d& middle) {
@@ -27,35 +18,6 @@ Eigen::Matrix3d picturePlane(double texels, double turn, const Eigen::Vector2d& 
   pixels.row(2) << 1e-3, -2e-3, 1.0;
   pixels.topRightCorner<2, 1>() = middle;
   return pixels;
-}
-
-/** Mean colour of what a quadrangle covers: cut along the sides of each texel that it touches. */
-Eigen::Vector3d meanOfTexels(const MeshPicture& picture, const std::vector<Eigen::Vector2d>& outline) {
-  Eigen::Vector2d low = outline[0], high = outline[0];
-  for (const Eigen::Vector2d& corner : outline) {
-    low = low.cwiseMin(corner);
-    high = high.cwiseMax(corner);
-  }
-  TextureArea tool;
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  double covered = 0.0;
-  for (double t = std::floor(low.y()); t < high.y(); ++t) {
-    for (double s = std::floor(low.x()); s < high.x(); ++s) {
-      std::vector<Eigen::Vector2d> part = outline;
-      tool.clip(part, {1.0, 0.0}, s);
-      tool.clip(part, {-1.0, 0.0}, -s - 1.0);
-      tool.clip(part, {0.0, 1.0}, t);
-      tool.clip(part, {0.0, -1.0}, -t - 1.0);
-      double area = 0.0;
-      for (std::size_t k = 2; k < part.size(); ++k) {
-        const Eigen::Vector2d a = part[k - 1] - part[0], b = part[k] - part[0];
-        area += 0.5 * (a.x() * b.y() - a.y() * b.x());
-      }
-      sum += area * TextureArea::at(picture, {s + 0.5, t + 0.5});
-      covered += area;
-    }
-  }
-  return sum / covered;
 }
 
 struct Worst {
