@@ -28,9 +28,9 @@ def of_cpp(build):
     """{(package, room): (branches taken, branches)} of the cores in C++."""
     found, counts = {}, build / "counts.profdata"
     subprocess.run(["llvm-profdata", "merge", "-o", counts, *build.glob("*.profraw")], check=True)
-    programs = [*build.glob("*/*_unit_tests"), *build.glob("*/devel/lib/*.so")]
-    said = subprocess.run(["llvm-cov", "export", "-summary-only", f"-instr-profile={counts}",
-                           *(f"-object={program}" for program in programs),
+    program, *others = [*build.glob("*/*_unit_tests"), *build.glob("*/devel/lib/*.so")]
+    said = subprocess.run(["llvm-cov", "export", "-summary-only", f"-instr-profile={counts}", program,
+                           *(f"-object={other}" for other in others),
                            *ROOT.glob("src/*/src"), *ROOT.glob("src/*/include")], check=True, stdout=subprocess.PIPE)
     for file in json.loads(said.stdout)["data"][0]["files"]:
         package, room = _place(pathlib.Path(file["filename"]).relative_to(ROOT).parts)
