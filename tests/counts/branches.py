@@ -2,9 +2,12 @@
 
     python3 tests/counts/branches.py BUILD FILE      # called by script/test coverage, see there
 
-BUILD holds the C++ cores, compiled with --coverage, after the unit tests have run, in both languages. FILE is what
-coverage.py wrote meanwhile. Branches of C++ that only an exception of a library takes are not counted (gcovr's
---exclude-throw-branches), nor are nodes and bindings, which are tested in a graph of ROS and from Python.
+BUILD holds the C++ cores, compiled by clang with -fcoverage-mapping, and the counts that the unit tests of both
+languages left there (*.profraw). FILE is what coverage.py wrote meanwhile. Nodes and bindings are not counted: they
+are tested in a graph of ROS and from Python.
+A branch of C++ is one way that a condition of the source goes, each operand of && and || by itself; what the compiler
+adds, as clean-up for exceptions, is none. A function in a header counts once, however many programs hold it, and a
+template as that one of its instances of which the tests take most; one that nobody instantiates does not count.
 """
 import json
 import pathlib
@@ -23,17 +26,18 @@ WIRING = ("nodes", "ros", "bindings", "python")
 
 def of_cpp(build):
     """{(package, room): (branches taken, branches)} of the cores in C++."""
-    found = {}
-    with tempfile.TemporaryDirectory() as folder:
-        out = pathlib.Path(folder) / "summary.json"
-        subprocess.run(["gcovr", "--root", ROOT, "--filter", str(ROOT / "src") + "/[^/]*/(src|include)/",
-                        "--exclude-throw-branches", "--exclude-unreachable-branches", "-j", "2",
-                        "--json-summary", out, build], check=True)
-        for file in json.loads(out.read_text())["files"]:
-            package, room = _place(pathlib.PurePath(file["filename"]).parts)
-            if room in WIRING:
-                continue
-            _add(found, package + " (C++)", room, file["branch_covered"], file["branch_total"])
+    found, counts = {}, build / "counts.profdata"
+    subprocess.run(["llvm-profdata", "merge", "-o", counts, *build.glob("*.profraw")], check=True)
+    program, *others = [*build.glob("*/*_unit_tests"), *build.glob("*/devel/lib/*.so")]
+    said = subprocess.run(["llvm-cov", "export", "-summary-only", f"-instr-profile={counts}", program,
+                           *(f"-object={other}" for other in others),
+                           *ROOT.glob("src/*/src"), *ROOT.glob("src/*/include")], check=True, stdout=subprocess.PIPE)
+    for file in json.loads(said.stdout)["data"][0]["files"]:
+        package, room = _place(pathlib.Path(file["filename"]).relative_to(ROOT).parts)
+        if room in WIRING:
+            continue
+        branches = file["summary"]["branches"]
+        _add(found, package + " (C++)", room, branches["covered"], branches["count"])
     return found
 
 
@@ -81,7 +85,7 @@ def report(found):
 
 
 def main(build, file):
-    lines, low = report({**of_cpp(build), **of_python(file)})
+    lines, low = report({**of_cpp(pathlib.Path(build)), **of_python(file)})
     print("\n".join(lines))
     for package in low:
         print(f"branches: {package}: found less than {100 * LEAST:.0f} % of the branches taken, allowed more")

@@ -78,6 +78,10 @@ TEST_F(Files, OfOtherKindsAreRefusedWithoutWaiting) {
 TEST_F(Files, ThatAreMissingOrTooBigAreNamed) {
   EXPECT_EQ(errorOf([&] { readFile(path("none"), 10); }),
             "'" + path("none") + "': cannot be read: No such file or directory");
+  EXPECT_EQ(errorOf([&] { checkFile(path("none"), 10); }),
+            "'" + path("none") + "': cannot be read: No such file or directory");
+  EXPECT_EQ(errorOf([&] { writeFile(path("none/file"), ""); }),
+            "'" + path("none/file") + "': cannot be written: No such file or directory");
   writeFile(path("file"), "12345");
   EXPECT_TRUE(contains(errorOf([&] { readFile(path("file"), 4); }), "found 5 bytes, allowed <= 4"));
   EXPECT_TRUE(contains(errorOf([&] { checkFile(path("file"), 4); }), "found 5 bytes, allowed <= 4"));

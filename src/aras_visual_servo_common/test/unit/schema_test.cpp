@@ -88,7 +88,24 @@ INSTANTIATE_TEST_SUITE_P(
         Word{"anyOf: [{type: number}, {type: integer}]", "1", "x", "a number or an integer"},
         Word{"oneOf: [{type: number, minimum: 0}, {type: array}]", "1", "{}", "a number or a list of values"},
         Word{"oneOf: [{type: number}, {type: integer}]", "1.5", "1", "only one of them"},
-        Word{"type: number, unit: m, default: 1", "2", "x", "a number"}));
+        Word{"type: number, unit: m, default: 1", "2", "x", "a number"},
+        Word{"type: number, minimum: 1.0e-6, maximum: 1.0e+6", "1", "1e999", "a number"},
+        Word{"type: integer", "1e3", "1e300", "an integer"},
+        Word{"type: number, default: 0x1e", "1", "1.5m", "a number"},
+        Word{"type: string, default: 'off'", "'on'", "{}", "a text"},
+        Word{"type: object, additionalProperties: false", "{}", "{b: 1}", "none"},
+        Word{"type: object, additionalProperties: {type: number}", "{[1]: 2}", "{[1]: x}", "a number"},
+        Word{"enum: [auto, 5]", "5", "fast", "one of auto, 5"}, Word{"const: 5", "5.0", "[5]", "5"},
+        Word{"type: array, items: {enum: [red, green]}", "[red]", "1", "a list of values, each one of red, green"},
+        Word{"type: array, items: {type: object, additionalProperties: true}", "[{}]", "1", "a list of maps"},
+        Word{"type: array, items: {type: array}", "[[]]", "1", "a list of lists, each a list of values"},
+        Word{"type: array, items: {description: Any.}", "[a, [1]]", "1", "a list of values"},
+        Word{"type: array, items: {anyOf: [{type: number}, {const: all}]}", "[1, all]", "1",
+             "a list of values, each a number or all"},
+        Word{"type: array, items: {oneOf: [{type: number}, {type: string, pattern: '^[a-z]+$'}]}", "[1, a]", "1",
+             "a list of values, each a number or a text"},
+        Word{"type: object, additionalProperties: {description: Any.}, required: [a]", "{a: 1}", "{}",
+             "a value (required)"}));
 
 struct BadSchema {
   const char* schema;  ///< of the key
@@ -138,6 +155,21 @@ INSTANTIATE_TEST_SUITE_P(
         BadSchema{"{type: object, description: A., additionalProperties: false, required: [a], properties: {a: {type: "
                   "number, description: A., default: 1}}}",
                   "schema toy/k/a/default: found it of a required key"},
+        BadSchema{"{[1]: 2}", "schema toy/k/[1]: found an unknown word"},
+        BadSchema{"{type: [number], description: A.}", "schema toy/k/type: found [number], allowed one of array"},
+        BadSchema{"{description: A., enum: 1}", "schema toy/k/enum: found 1, allowed a list of values"},
+        BadSchema{"{type: object, description: A., additionalProperties: true, required: 1}",
+                  "schema toy/k/required: found 1, allowed a list of keys"},
+        BadSchema{"{type: object, description: A., additionalProperties: true, minimum: 1}",
+                  "schema toy/k/minimum: found it, allowed words that go with this type"},
+        BadSchema{"{type: array, description: A., minLength: 1}",
+                  "schema toy/k/minLength: found it, allowed words that go with this type"},
+        BadSchema{"{type: object, description: A., additionalProperties: false, properties: {a: {const: 1}, a: {const: "
+                  "2}}}",
+                  "schema toy/k/properties/a: found it twice, allowed it once"},
+        BadSchema{"{$ref: [toy]}", "schema toy/k/$ref: found [toy], allowed one of toy"},
+        BadSchema{"{$ref: toy, minimum: 1}",
+                  "schema toy/k/minimum: found it beside $ref, allowed description and default"},
         BadSchema{"{type: number, type: number, description: A.}", "schema toy/k/type: found it twice"},
         BadSchema{"{$ref: nowhere}", "schema toy/k/$ref: found nowhere, allowed one of toy"},
         BadSchema{"{$ref: toy}", "schema toy/k/$ref: found toy, allowed a section that does not lead back to it"}));
@@ -147,6 +179,11 @@ TEST(Schema, AllFaultsOfASectionAreListedAtOnce) {
   EXPECT_HAS(faults, "toy/k/type");
   EXPECT_HAS(faults, "toy/k/minimun");
   EXPECT_HAS(faults, "toy/k/description");
+}
+
+TEST(Schema, ASectionSaysWhatItMeans) {
+  EXPECT_EQ(folderFault({{"toy", "{type: number}"}}, "toy"),
+            "schema toy/description: found nothing, allowed one line that says what it means");
 }
 
 TEST(Schema, AReferenceKeepsWhatIsSaidBesideIt) {
@@ -188,6 +225,24 @@ TEST(Schema, OneOfSeveralKeysIsCounted) {
   EXPECT_EQ(valueFault(schema, "{a: 1}"), "");
   EXPECT_EQ(valueFault(schema, "{d: 1}"), "toy/k: found 0 of these keys, allowed one of a, b with c");
   EXPECT_EQ(valueFault(schema, "{a: 1, b: 1, c: 1}"), "toy/k: found 2 of these keys, allowed one of a, b with c");
+}
+
+TEST(Schema, AtLeastOneOfSeveralKeysIsAskedFor) {
+  const std::string schema =
+      "{type: object, description: A., additionalProperties: true, anyOf: [{required: [a]}, {required: [b, c]}]}";
+  EXPECT_EQ(valueFault(schema, "{a: 1, b: 1, c: 1}"), "");
+  EXPECT_EQ(valueFault(schema, "{b: 1}"), "toy/k: found 0 of these keys, allowed one or more of a, b with c");
+}
+
+TEST(Schema, AValueWithoutANameIsCalledADocument) {
+  const SchemaFolder folder(
+      {{"toy", "{description: A toy., anyOf: [{type: number}, {const: all}]}"}, {"shape", kShapes}});
+  const auto fault = [&](const std::string& section, const std::string& text) {
+    YamlReader reader(YAML::Load(text), folder.section(section));
+    return textOf<ParameterError>([&] { reader.finish(); });
+  };
+  EXPECT_EQ(fault("toy", "[]"), "document: found [], allowed a number or all");
+  EXPECT_EQ(fault("shape", "{type: star}"), "type: found star, allowed one of circle, square");
 }
 
 TEST(Schema, ANullIsAnEmptyMapOrList) {

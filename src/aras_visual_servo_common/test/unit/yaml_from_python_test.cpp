@@ -32,7 +32,8 @@ TEST_F(Python, ValuesKeepTheirTypeAndEveryBit) {
   const YAML::Node node = yamlFromPython(
       py::eval(
           "{'truth': True, 'count': -3, 'third': 1 / 3, 'tenth': 0.1, 'text': '1', 'none': None, 'list': [1, 2.5], "
-          "'tuple': ('a',), 'map': {'inner': 'word'}, 'far': float('-inf')}"),
+          "'tuple': ('a',), 'map': {'inner': 'word'}, 'far': float('inf'), 'back': float('-inf'), "
+          "'off': False}"),
       "toy");
   EXPECT_TRUE(boolOf(node["truth"]).value());
   EXPECT_EQ(integerOf(node["count"]), -3);
@@ -43,7 +44,9 @@ TEST_F(Python, ValuesKeepTheirTypeAndEveryBit) {
   EXPECT_EQ(numberOf(node["list"][1]), 2.5);
   EXPECT_EQ(node["tuple"][0].Scalar(), "a");
   EXPECT_EQ(node["map"]["inner"].Scalar(), "word");
-  EXPECT_TRUE(std::isinf(numberOf(node["far"]).value()));
+  EXPECT_EQ(numberOf(node["far"]), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(numberOf(node["back"]), -std::numeric_limits<double>::infinity());
+  EXPECT_FALSE(boolOf(node["off"]).value());
 }
 
 TEST_F(Python, NumpyIsReadAsNumbersAndLists) {

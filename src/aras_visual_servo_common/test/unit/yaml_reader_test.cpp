@@ -217,6 +217,68 @@ oneOf:
   EXPECT_EQ(faultsOf(wrong), "toy/size: found x, allowed a number");
 }
 
+TEST_F(ReadToy, AListIsReadOnlyOfAList) {
+  YamlReader wrong = reader("{name: box, wheels: 4}");
+  const std::string said = faultsOf(wrong);
+  EXPECT_EQ(said, "toy/wheels: found 4, allowed a list of maps");
+  EXPECT_TRUE(wrong.list("wheels").empty());
+  EXPECT_EQ(faultsOf(wrong), said);
+}
+
+TEST_F(ReadToy, AListOfReadersNeedsASectionThatSaysWhatItHolds) {
+  YamlReader toy = reader("{name: box, numbers: [1]}", R"(
+type: object
+description: A toy.
+additionalProperties: true
+properties: {numbers: {type: array, description: A.}}
+)");
+  EXPECT_TRUE(toy.list("numbers").empty());
+  EXPECT_EQ(faultsOf(toy), "toy/numbers: is read as a list, but schema toy/numbers allows a list of values");
+}
+
+TEST_F(ReadToy, AListWithANumberThatDoesNotFitIsRefused) {
+  const std::string counts = R"(
+type: object
+description: A toy.
+additionalProperties: false
+properties: {counts: {type: array, items: {type: integer}, description: A.}}
+)";
+  YamlReader toy = reader("{counts: [1, -3000000000]}", counts);
+  EXPECT_EQ(toy.get<std::vector<std::int64_t>>("counts"), (std::vector<std::int64_t>{1, -3000000000}));
+  toy.get<std::vector<int>>("counts");
+  EXPECT_EQ(faultsOf(toy), "toy/counts: found [1, -3000000000], allowed a list, each element an integer of 32 bits");
+  EXPECT_TRUE(reader("{counts: }", counts).get<std::vector<int>>("counts").empty());
+}
+
+TEST_F(ReadToy, ALengthThatTheSectionLeavesOpenCannotBeAskedFor) {
+  YamlReader toy = reader("{name: box, numbers: [1, 2]}");
+  toy.get<Eigen::Vector2d>("numbers");
+  toy.get<std::array<double, 2>>("pairs");
+  toy.get<std::vector<double>>("names");
+  const std::string faults = faultsOf(toy);
+  EXPECT_HAS(faults, "toy/numbers: is read as a list of 2, each element a number, but schema");
+  EXPECT_HAS(faults, "toy/pairs: is read as a list of 2, each element a number, but schema");
+  EXPECT_HAS(faults, "toy/names: is read as a list, each element a number, but schema");
+}
+
+TEST_F(ReadToy, AChoiceThatIsNotDescribedIsAFault) {
+  YamlReader toy = reader("{name: box}");
+  EXPECT_EQ(toy.choice<Color>("none", {{"red", Color::kRed}}), Color::kRed);
+  EXPECT_EQ(faultsOf(toy), "toy/none: is read, but not described in schema toy");
+}
+
+TEST_F(ReadToy, AFaultyValueWithoutADefaultReadsAsZero) {
+  YamlReader toy = reader("{name: box, grip: {force_n: strong}}");
+  EXPECT_EQ(toy.section("grip").get<double>("force_n"), 0.0);
+  EXPECT_EQ(faultsOf(toy), "toy/grip/force_n: found strong, allowed a number");
+}
+
+TEST_F(ReadToy, OnlyAMapHasKeysAndOnlyThoseThatAreTexts) {
+  EXPECT_TRUE(reader("{name: box}").section("joints").keys().empty());
+  EXPECT_TRUE(reader("{name: box, joints: 3}").section("joints").keys().empty());
+  EXPECT_EQ(reader("{name: box, joints: {[1]: 2, j1: 1}}").section("joints").keys(), std::vector<std::string>{"j1"});
+}
+
 TEST_F(ReadToy, AnythingButAMapIsRefused) {
   YamlReader list = reader("[1, 2]");
   list.get<std::string>("name");

@@ -113,8 +113,9 @@ TEST(Sensor, PatternsStayInEveryFrameAndBelongToTheSensor) {
   const std::string keys = "shot_noise: false, system_gain_dn_per_e: 0.02, black_level_dn: 20, ";
   Sensor plain = sensorOf(keys + "prnu: 0.05"), again = sensorOf(keys + "prnu: 0.05", Encoding::kMono8, 0.0, 2);
   const auto deviation = [](const Image& image) {
+    const double mean = meanOf(image);
     double sum = 0.0;
-    for (const std::uint8_t x : image.data) sum += std::pow(x - meanOf(image), 2);
+    for (const std::uint8_t x : image.data) sum += std::pow(x - mean, 2);
     return std::sqrt(sum / static_cast<double>(image.data.size()));
   };
   const auto near = [](double expected) {
