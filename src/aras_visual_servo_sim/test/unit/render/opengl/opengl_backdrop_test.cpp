@@ -52,8 +52,10 @@ Found compare(const Scene& scene, const CameraConfig& config = plainTargets(), i
   std::uniform_real_distribution<double> share(-1.0, 1.0);
   Found found;
   for (int n = 0; n < count; ++n) {
+    // One after the other: compilers evaluate arguments in different orders.
+    const double roll = 3.0 * share(generator), tilt_y = 0.5 * share(generator), tilt_x = 1.6 * share(generator);
     const Pose X_WC = lookingDown({0.5 * share(generator), 0.5 * share(generator), 0.8 + 0.5 * share(generator)},
-                                  1.6 * share(generator), 0.5 * share(generator), 3.0 * share(generator));
+                                  tilt_x, tilt_y, roll);
     const Image in_parts = renderOpenGl(camera, X_WC, scene);
     const double sampled = double(sharedOpenGl().statistics().sampled_px) / (camera.width() * camera.height());
     const Image whole = renderOpenGl(camera, X_WC, withMark(scene, camera, X_WC));
