@@ -12,7 +12,6 @@ pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="chromium is not instal
 LIVE = Path(__file__).resolve().parents[3] / "scripts" / "live"
 READY = "document.body.classList.contains('ready') && aras.model.state && aras.model.image"
 LIMIT_S = 60.0
-#: A change on the page acts within this wall time [s].
 
 
 @pytest.fixture
