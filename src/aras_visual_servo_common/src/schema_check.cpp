@@ -109,7 +109,7 @@ std::string allowedInstead(Fault fault, const Schema& schema) {
 
 void checkObject(const YAML::Node& map, const Schema& schema, const std::string& where, Findings& findings) {
   for (const std::string& key : schema.required) {
-    if (map.IsMap() && map[key].IsDefined()) continue;
+    if (valueOf(map, key)) continue;
     const auto allowed = [&] {
       const SchemaPtr wanted = schema.property(map, key);
       return (wanted ? wanted->text() : std::string("it")) + " (required)";
@@ -120,7 +120,7 @@ void checkObject(const YAML::Node& map, const Schema& schema, const std::string&
   if (!map.IsMap()) return;
   for (const auto& item : map) {
     if (findings.enough()) return;
-    const std::string key = item.first.IsScalar() ? item.first.Scalar() : shown(item.first);
+    const std::string key = nameIn(item.first);
     const auto known = schema.properties.find(key);
     if (known != schema.properties.end()) {
       checkValue(item.second, *known->second, findings.keyOf(where, key), findings);

@@ -87,11 +87,11 @@ SchemaPtr SchemaParser::parseSection(const std::string& section, const std::stri
 
 /** Takes over the other section; `description` and `default` beside the `$ref` take precedence over those of it. */
 SchemaPtr SchemaParser::parseReference(const YAML::Node& node, const std::string& name) {
-  const std::string section = node["$ref"].IsScalar() ? node["$ref"].Scalar() : shown(node["$ref"]);
+  const std::string section = nameIn(node["$ref"]);
   Schema schema = *parseSection(section, name);
   schema.name = section;
   for (const auto& entry : node) {
-    const std::string word = entry.first.Scalar();
+    const std::string word = nameIn(entry.first);
     if (word == "description" || word == "default") {
       parseWord(word, entry.second, schema);
     } else if (word != "$ref") {
@@ -113,7 +113,7 @@ SchemaPtr SchemaParser::parseNode(const YAML::Node& node, const std::string& nam
   parseType(node, schema);
   std::set<std::string> seen;
   for (const auto& entry : node) {
-    const std::string word = entry.first.IsScalar() ? entry.first.Scalar() : shown(entry.first);
+    const std::string word = nameIn(entry.first);
     if (!seen.insert(word).second) faults_.add("schema " + name + "/" + word, "it twice", "it once");
     parseWord(word, entry.second, schema);
   }
@@ -175,13 +175,13 @@ bool SchemaParser::parseObjectWord(const std::string& word, const YAML::Node& va
   const std::string where = "schema " + schema.name + "/" + word;
   if (word == "properties" && value.IsMap()) {
     for (const auto& entry : value) {
-      const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : shown(entry.first);
+      const std::string key = nameIn(entry.first);
       const SchemaPtr property = parseNode(entry.second, schema.name + "/" + key);
       checkKey(*property);
       if (!schema.properties.emplace(key, property).second) faults_.add(where + "/" + key, "it twice", "it once");
     }
   } else if (word == "required" && value.IsSequence()) {
-    for (const YAML::Node& key : value) schema.required.push_back(key.IsScalar() ? key.Scalar() : shown(key));
+    for (const YAML::Node& key : value) schema.required.push_back(nameIn(key));
   } else if (word == "additionalProperties") {
     if (const auto open = boolOf(value)) {
       schema.closed = !*open;
@@ -229,7 +229,7 @@ bool SchemaParser::parseTextWord(const std::string& word, const YAML::Node& valu
   if (word == "minLength") {
     schema.min_length = count(word, value, schema);
   } else if (word == "pattern") {
-    const std::string pattern = value.IsScalar() ? value.Scalar() : shown(value);
+    const std::string pattern = nameIn(value);
     try {
       schema.matches = [expression = std::regex(pattern)](const std::string& text) {
         return std::regex_search(text, expression);

@@ -78,4 +78,13 @@ std::string shown(const YAML::Node& value) {
   return text.size() > kLongest ? text.substr(0, kLongest - 3) + "..." : text;
 }
 
+std::string nameIn(const YAML::Node& key) { return key.IsScalar() ? key.Scalar() : shown(key); }
+
+std::optional<YAML::Node> valueOf(const YAML::Node& map, const std::string& key) {
+  if (!map.IsDefined() || !map.IsMap()) return std::nullopt;
+  for (const auto& item : map)
+    if (item.first.IsScalar() && item.first.Scalar() == key) return item.second;
+  return std::nullopt;
+}
+
 }  // namespace aras_visual_servo_common

@@ -32,28 +32,18 @@ SchemaPtr YamlReader::described(const std::string& key) const {
   return found;
 }
 
-YAML::Node YamlReader::node(const std::string& key) const {
-  const YAML::Node& map = level_->node;  // the const operator[] does not insert
-  return map.IsDefined() && map.IsMap() ? map[key] : YAML::Node(YAML::NodeType::Undefined);
-}
-
-bool YamlReader::has(const std::string& key) const { return described(key) && node(key).IsDefined(); }
+bool YamlReader::has(const std::string& key) const { return described(key) && valueOf(level_->node, key); }
 
 YamlReader::Asked YamlReader::ask(const std::string& key, const std::string& type, bool (*fits)(const Schema&)) {
   const SchemaPtr schema = described(key);
-  if (!schema) return {Asked::kFaulty, {}};
+  if (!schema) return {false, {}};
   if (!fits(*schema)) {
     faults().add(path(key) + ": is read as " + type + ", but schema " + schema->name + " allows " + schema->text());
-    return {Asked::kFaulty, {}};
+    return {false, {}};
   }
-  const YAML::Node value = node(key);
-  if (!value.IsDefined()) {
-    if (!schema->default_value) return {Asked::kAbsent, {}};
-    return {Asked::kValue, *schema->default_value};
-  }
-  if (schema->fits(value)) return {Asked::kValue, value};  // what is wrong was listed when the reader was made
-  if (schema->default_value) return {Asked::kValue, *schema->default_value};
-  return {Asked::kFaulty, {}};
+  const auto value = valueOf(level_->node, key);
+  if (value && schema->fits(*value)) return {false, value};  // what is wrong was listed when the reader was made
+  return {!value && !schema->default_value, schema->default_value};
 }
 
 void YamlReader::missing(const std::string& key) {
@@ -74,31 +64,31 @@ void YamlReader::requireWords(const std::string& key, const std::vector<std::str
 
 YamlReader YamlReader::section(const std::string& key) {
   static const Schema kAnything;
+  static const YAML::Node kNothing;
   const SchemaPtr schema = described(key);
-  const YAML::Node value = node(key);
   return YamlReader(
-      std::make_shared<Level>(Level{value.IsDefined() ? value : YAML::Node(), schema ? schema.get() : &kAnything,
+      std::make_shared<Level>(Level{valueOf(level_->node, key).value_or(kNothing), schema ? schema.get() : &kAnything,
                                     schema, path(key), level_->faults}));
 }
 
 std::vector<YamlReader> YamlReader::list(const std::string& key) {
   std::vector<YamlReader> readers;
   const SchemaPtr schema = described(key);
-  const YAML::Node value = node(key);
-  if (!schema || !value.IsDefined() || !value.IsSequence()) return readers;
+  const auto value = valueOf(level_->node, key);
+  if (!schema || !value || !value->IsSequence()) return readers;
   if (!schema->items) {
     faults().add(path(key) + ": is read as a list, but schema " + schema->name + " allows " + schema->text());
     return readers;
   }
-  for (std::size_t k = 0; k < value.size(); ++k)
+  for (std::size_t k = 0; k < std::min(value->size(), schema->max_items.value_or(value->size())); ++k)
     readers.push_back(YamlReader(std::make_shared<Level>(Level{
-        value[k], schema->items.get(), schema->items, path(key) + "[" + std::to_string(k) + "]", level_->faults})));
+        (*value)[k], schema->items.get(), schema->items, path(key) + "[" + std::to_string(k) + "]", level_->faults})));
   return readers;
 }
 
 YAML::Node YamlReader::raw(const std::string& key) {
   described(key);
-  return node(key);
+  return valueOf(level_->node, key).value_or(YAML::Node(YAML::NodeType::Undefined));
 }
 
 std::vector<std::string> YamlReader::keys() const {

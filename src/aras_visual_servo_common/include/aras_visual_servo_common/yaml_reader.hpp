@@ -39,10 +39,10 @@ class YamlReader {
   template <typename T>
   std::optional<T> find(const std::string& key) {
     const Asked asked = ask(key, YamlValue<T>::text(), &YamlValue<T>::fits);
-    if (asked.state == Asked::kAbsent) return std::nullopt;
+    if (asked.absent) return std::nullopt;
     std::optional<T> value;
-    if (asked.state == Asked::kValue) value = YamlValue<T>::read(asked.value);
-    if (asked.state == Asked::kValue && !value) fault(key, shown(asked.value), YamlValue<T>::text());
+    if (asked.value) value = YamlValue<T>::read(*asked.value);
+    if (asked.value && !value) fault(key, shown(*asked.value), YamlValue<T>::text());
     return value ? value : YamlValue<T>::zero();
   }
 
@@ -70,7 +70,8 @@ class YamlReader {
   /** Reader of a nested map; of an empty one, which has the section's defaults, when the key is absent. */
   YamlReader section(const std::string& key);
 
-  /** Readers of the maps in a list; none when the key is absent. */
+  /** Readers of the maps in a list; none when the key is absent. Those beyond the longest list that is allowed, which is a
+   *  fault, are not read. */
   std::vector<YamlReader> list(const std::string& key);
 
   /** Node of a key as the document has it; undefined when the key is absent. */
@@ -94,14 +95,13 @@ class YamlReader {
  private:
   struct Level;
   struct Asked {
-    enum State { kAbsent, kFaulty, kValue } state;
-    YAML::Node value;
+    bool absent;                      ///< neither in the document nor a default
+    std::optional<YAML::Node> value;  ///< what to read; none of what is faulty
   };
 
   explicit YamlReader(std::shared_ptr<Level> level);
   /** Schema of a key; null, and a fault, when the section does not describe it. */
   SchemaPtr described(const std::string& key) const;
-  YAML::Node node(const std::string& key) const;
   Asked ask(const std::string& key, const std::string& type, bool (*fits)(const Schema&));
   void missing(const std::string& key);
   void requireWords(const std::string& key, const std::vector<std::string>& words);

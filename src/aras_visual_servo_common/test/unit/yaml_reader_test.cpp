@@ -31,6 +31,7 @@ properties:
   wheels:
     type: array
     description: A.
+    maxItems: 4
     items:
       type: object
       additionalProperties: false
@@ -102,6 +103,15 @@ TEST_F(ReadToy, WhatIsLeftOutHasTheDefaultOfTheSection) {
   EXPECT_TRUE(toy.list("wheels").empty());
   EXPECT_FALSE(toy.raw("pairs").IsDefined());
   EXPECT_NO_THROW(toy.finish());
+}
+
+TEST_F(ReadToy, OfAListThatIsTooLongTheEntriesBeyondAreNotRead) {
+  YamlReader whole = reader("{name: box, wheels: [{}, {}, {}, {}]}");
+  EXPECT_EQ(whole.list("wheels").size(), 4u);
+  EXPECT_NO_THROW(whole.finish());
+  YamlReader longer = reader("{name: box, wheels: [{}, {}, {}, {}, {}]}");
+  EXPECT_EQ(longer.list("wheels").size(), 4u);
+  EXPECT_HAS(faultsOf(longer), "toy/wheels: found [ {}, {}, {}, {}, {}], allowed a list of 0 to 4 maps");
 }
 
 TEST_F(ReadToy, AllFaultsOfAllLevelsAreListedAtOnceWithTheirFullPath) {
@@ -220,7 +230,7 @@ oneOf:
 TEST_F(ReadToy, AListIsReadOnlyOfAList) {
   YamlReader wrong = reader("{name: box, wheels: 4}");
   const std::string said = faultsOf(wrong);
-  EXPECT_EQ(said, "toy/wheels: found 4, allowed a list of maps");
+  EXPECT_EQ(said, "toy/wheels: found 4, allowed a list of 0 to 4 maps");
   EXPECT_TRUE(wrong.list("wheels").empty());
   EXPECT_EQ(faultsOf(wrong), said);
 }

@@ -7,6 +7,7 @@ namespace aras_visual_servo_sim {
 
 namespace {
 
+using aras_visual_servo_common::nameIn;
 using aras_visual_servo_common::shown;
 
 /** Reads the limits of one joint; a limit counts when `has_` is true and its numbers are there. */
@@ -97,7 +98,7 @@ void applyJointLimits(const YAML::Node& node, RobotModel& model) {
     throw ParameterError("joint_limits: found " + shown(limits) + ", allowed a map of joints by name");
   FaultList faults;
   for (const auto& item : limits) {
-    const auto name = item.first.as<std::string>();
+    const std::string name = nameIn(item.first);
     Joint* joint = nullptr;
     for (Joint& each : model.joints) {
       if (each.name == name && each.moves()) joint = &each;

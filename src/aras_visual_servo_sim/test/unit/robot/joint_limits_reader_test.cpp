@@ -95,6 +95,15 @@ TEST(JointLimitOverrides, GainsOfTheSimulatedHardwareAreWarnedAbout) {
   EXPECT_EQ(model.warnings.size(), before + 1);
 }
 
+TEST(JointLimitOverrides, ANameThatIsAListOrAMapIsNoJoint) {
+  RobotModel model = sliderModel();
+  const std::size_t before = model.warnings.size();
+  applyJointLimits(YAML::Load("{joint_limits: {[slide]: {max_effort: 1}, {slide: 1}: 2}}"), model);
+  ASSERT_EQ(model.warnings.size(), before + 2);
+  EXPECT_HAS(model.warnings[before], "joint_limits/[slide]: no moving joint of that name, ignored");
+  EXPECT_HAS(model.warnings.back(), "joint_limits/{slide: 1}: no moving joint of that name, ignored");
+}
+
 TEST(JointLimitOverrides, FaultsAreListed) {
   RobotModel model = softModel();
   const std::string text = messageOf<ParameterError>([&] {

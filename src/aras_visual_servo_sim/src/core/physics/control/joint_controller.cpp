@@ -108,7 +108,7 @@ std::vector<ControllerConfig> parseControllers(const YAML::Node& node, const Rob
   for (const auto& item : node) {
     if (!item.second.IsMap() || !item.second["type"].IsDefined()) continue;
     ControllerConfig config;
-    config.name = item.first.as<std::string>();
+    config.name = aras_visual_servo_common::nameIn(item.first);
     YamlReader reader(item.second, sectionOf("controller"), config.name);
     const std::string type = reader.find<std::string>("type").value_or("");
     for (const auto& known : knownTypes()) {

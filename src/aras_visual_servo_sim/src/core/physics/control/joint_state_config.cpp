@@ -21,9 +21,10 @@ JointStateConfig readJointStates(YamlReader& reader, const RobotModel& model) {
 }
 
 JointStateConfig parseJointStates(const YAML::Node& controllers, const RobotModel& model) {
+  if (!controllers.IsMap()) return {};
   for (const auto& item : controllers) {
     if (!item.second.IsMap() || !item.second["type"].IsDefined()) continue;
-    YamlReader reader(item.second, sectionOf("controller"), item.first.as<std::string>());
+    YamlReader reader(item.second, sectionOf("controller"), aras_visual_servo_common::nameIn(item.first));
     if (reader.find<std::string>("type") != kJointStateType) continue;
     const JointStateConfig config = readJointStates(reader, model);
     reader.finish();

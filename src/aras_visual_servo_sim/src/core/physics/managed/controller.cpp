@@ -59,7 +59,7 @@ YAML::Node describedKeys(const YAML::Node& map, const Schema& section, const std
                          std::vector<std::string>& warnings) {
   YAML::Node kept(YAML::NodeType::Map);
   for (const auto& item : map) {
-    const std::string key = item.first.as<std::string>();
+    const std::string key = aras_visual_servo_common::nameIn(item.first);
     if (section.property(map, key)) {
       kept[key] = item.second;
     } else {

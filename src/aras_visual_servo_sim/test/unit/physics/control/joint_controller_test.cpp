@@ -110,5 +110,11 @@ g: {type: effort_controllers/JointVelocityController, joint: a_slide, pid: {p: 1
 
 TEST(Controllers, ADocumentThatIsNoMapIsRefused) { EXPECT_HAS(refusal("[1, 2]"), "allowed a map of controllers"); }
 
+TEST(Controllers, ANameThatIsAListIsAName) {
+  const auto configs = parsed("{[a, b]: {type: position_controllers/JointPositionController, joint: a_slide}}");
+  ASSERT_EQ(configs.size(), 1u);
+  EXPECT_EQ(configs[0].name, "[a, b]");
+}
+
 }  // namespace
 }  // namespace aras_visual_servo_sim

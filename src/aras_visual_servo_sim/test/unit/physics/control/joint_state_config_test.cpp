@@ -45,5 +45,12 @@ TEST(JointStateConfig, FaultsNameTheKey) {
   }
 }
 
+TEST(JointStateConfig, ANameThatIsAListIsReadAndAListOfControllersHasNone) {
+  const RobotModel model = modelOf(readUrdf("two_link_full.urdf"));
+  EXPECT_EQ(parseJointStates(YAML::Load("{[a, b]: {" + kType + ", publish_rate: 20}}"), model).publish_rate_hz, 20.0);
+  EXPECT_FALSE(parseJointStates(YAML::Load("[{" + kType + ", publish_rate: 20}]"), model).publish_rate_hz);
+  EXPECT_FALSE(parseJointStates(YAML::Node(), model).publish_rate_hz);
+}
+
 }  // namespace
 }  // namespace aras_visual_servo_sim

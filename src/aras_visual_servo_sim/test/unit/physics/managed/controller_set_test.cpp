@@ -161,5 +161,15 @@ TEST(ControllerSet, ASavedStateOfOtherControllersIsRestoredWithThem) {
   EXPECT_THROW(other.restoreState(cut), StateError);
 }
 
+TEST(ControllerSet, AParameterWhoseNameIsAListIsIgnoredByName) {
+  std::vector<std::string> warnings;
+  const auto controller =
+      makeController("pan", YAML::Load("{type: effort_controllers/JointPositionController, joint: a, pid: {p: 500}, [d]: 20}"),
+                     twoJoints("EffortJointInterface"), warnings);
+  EXPECT_EQ(controller->name(), "pan");
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_HAS(warnings[0], "pan/[d]: ignored, this type of controller has no such parameter");
+}
+
 }  // namespace
 }  // namespace aras_visual_servo_sim
