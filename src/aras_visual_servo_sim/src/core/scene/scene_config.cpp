@@ -1,6 +1,7 @@
 #include "aras_visual_servo_sim/scene/scene_config.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include "aras_visual_servo_sim/config/section.hpp"
 #include "planar_shape.hpp"
@@ -92,13 +93,13 @@ SolidEntry readSolid(YamlReader& reader) {
   return entry;
 }
 
+/** Two of one name are a fault; that a name is missing was said already. */
 template <typename Entry>
 void requireDistinct(const std::vector<Entry>& entries, const char* key, YamlReader& reader) {
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      if (entries[i].name == entries[j].name)
-        reader.fault(key, "two named '" + entries[i].name + "'", "distinct names");
-    }
+  std::set<std::string> names;
+  for (const Entry& entry : entries) {
+    if (!entry.name.empty() && !names.insert(entry.name).second)
+      reader.fault(key, "two named '" + entry.name + "'", "distinct names");
   }
 }
 
