@@ -87,12 +87,12 @@ class SchemaFolder {
 /** A value as messages show it: on one line, cut after 60 characters. */
 std::string shown(const YAML::Node& value);
 
-/** The name that a key of a map, or another value that should be a text, stands for: its text, or as messages show it when
- *  it is a list or a map, which YAML allows for a key. */
+/** The name that a key of a map, or another value that should be a text, stands for: its text, or as messages show it
+ * when it is a list or a map, which YAML allows for a key. */
 std::string nameIn(const YAML::Node& key);
 
-/** The value of a key, if this is a map that has the key. `map[key]` of yaml-cpp makes a stream for each key that is not
- *  there, which takes most of the time of reading a section. */
+/** The value of a key, if this is a map that has the key. `map[key]` of yaml-cpp makes a stream for each key that is
+ * not there, which takes most of the time of reading a section. */
 std::optional<YAML::Node> valueOf(const YAML::Node& map, const std::string& key);
 
 }  // namespace aras_visual_servo_common

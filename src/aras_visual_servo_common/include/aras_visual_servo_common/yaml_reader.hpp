@@ -70,8 +70,8 @@ class YamlReader {
   /** Reader of a nested map; of an empty one, which has the section's defaults, when the key is absent. */
   YamlReader section(const std::string& key);
 
-  /** Readers of the maps in a list; none when the key is absent. Those beyond the longest list that is allowed, which is a
-   *  fault, are not read. */
+  /** Readers of the maps in a list; none when the key is absent. Those beyond the longest list that is allowed, which
+   * is a fault, are not read. */
   std::vector<YamlReader> list(const std::string& key);
 
   /** Node of a key as the document has it; undefined when the key is absent. */

@@ -163,9 +163,9 @@ TEST(ControllerSet, ASavedStateOfOtherControllersIsRestoredWithThem) {
 
 TEST(ControllerSet, AParameterWhoseNameIsAListIsIgnoredByName) {
   std::vector<std::string> warnings;
-  const auto controller =
-      makeController("pan", YAML::Load("{type: effort_controllers/JointPositionController, joint: a, pid: {p: 500}, [d]: 20}"),
-                     twoJoints("EffortJointInterface"), warnings);
+  const auto controller = makeController(
+      "pan", YAML::Load("{type: effort_controllers/JointPositionController, joint: a, pid: {p: 500}, [d]: 20}"),
+      twoJoints("EffortJointInterface"), warnings);
   EXPECT_EQ(controller->name(), "pan");
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_HAS(warnings[0], "pan/[d]: ignored, this type of controller has no such parameter");
