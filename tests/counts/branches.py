@@ -7,7 +7,8 @@ languages left there (*.profraw). FILE is what coverage.py wrote meanwhile. Node
 are tested in a graph of ROS and from Python.
 A branch of C++ is one way that a condition of the source goes, each operand of && and || by itself; what the compiler
 adds, as clean-up for exceptions, is none. A function in a header counts once, however many programs hold it, and a
-template as that one of its instances of which the tests take most; one that nobody instantiates does not count.
+template as that one of its instances of which the tests take most; one that nobody instantiates does not count. The
+functions that llvm-cov calls mismatched are those of headers, in files that include and do not use them.
 """
 import json
 import pathlib
