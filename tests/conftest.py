@@ -4,12 +4,21 @@ import importlib
 import json
 import os
 import pathlib
+import signal
 import sys
 
 import numpy as np
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture
+def hang_up_is_heard():
+    """A hang-up is not ignored, as it is by all that nohup starts, nor by the programs that the test starts."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGHUP, before)
 
 
 @functools.lru_cache(maxsize=None)

@@ -83,6 +83,7 @@ def check_bag(watched):
         assert bag.get_message_count() > 0
 
 
+@pytest.mark.usefixtures("hang_up_is_heard")
 @pytest.mark.parametrize("number, moment", [
     (signal.SIGTERM, roslaunch_starts), (signal.SIGTERM, nodes_start), (signal.SIGTERM, recording),
     (signal.SIGTERM, closing), (signal.SIGHUP, recording), (signal.SIGINT, recording), (signal.SIGQUIT, recording),

@@ -17,6 +17,7 @@ from aras_visual_servo_controller.ground.processes import (EXIT_SIGNALLED, SIGNA
 PATIENCE_S = 60.0
 
 
+@pytest.mark.usefixtures("hang_up_is_heard")
 @pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
 def test_a_signal_raises_and_says_what_to_end_with(number):
     before = signal.getsignal(number)
@@ -47,6 +48,7 @@ def test_a_second_signal_counts_when_closing_takes_too_long(monkeypatch):
     assert caught.value.exit_code == EXIT_SIGNALLED + signal.SIGINT
 
 
+@pytest.mark.usefixtures("hang_up_is_heard")
 def test_what_was_swallowed_is_raised_when_asked():
     with pytest.raises(Interrupted) as caught, signals_raise():
         check_signals()

@@ -141,6 +141,7 @@ def test_a_sweep_without_a_scheduler_listens_nowhere(tmp_path):
     assert not sockets
 
 
+@pytest.mark.usefixtures("hang_up_is_heard")
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGKILL],
                          ids=lambda number: number.name)
 def test_a_signal_ends_a_sweep_and_all_it_started(tmp_path, number):

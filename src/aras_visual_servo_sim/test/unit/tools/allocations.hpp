@@ -7,6 +7,9 @@ namespace aras_visual_servo_sim {
 /** Allocations of this process since its start, by whatever way: operator new, malloc, Eigen's, Bullet's. */
 std::size_t allocations();
 
+/** Adds one to them. */
+void countAllocation();
+
 /** Allocations that an action makes. */
 template <typename Action>
 std::size_t allocationsOf(const Action& action) {
