@@ -1,5 +1,7 @@
 #include "aras_visual_servo_sim/physics/managed/controller_set.hpp"
 
+#include <aras_visual_servo_common/files.hpp>
+
 #include <algorithm>
 #include <utility>
 
@@ -8,6 +10,9 @@
 
 namespace aras_visual_servo_sim {
 namespace {
+
+using aras_visual_servo_common::kMostFileYaml;
+using aras_visual_servo_common::parseYaml;
 
 std::string quoted(const std::string& name) { return "'" + name + "'"; }
 
@@ -106,7 +111,7 @@ ControllerSet ControllerSet::restored(MemoryReader& in, const RobotModel& model)
       std::string name, parameters;
       in.get(name);
       in.get(parameters);
-      set.load(name, YAML::Load(parameters), model);
+      set.load(name, parseYaml(parameters, kMostFileYaml), model);
       Entry& entry = set.entries_.back();
       in.get(entry.running);
       in.get(entry.ran);

@@ -1,5 +1,7 @@
 #include "aras_visual_servo_sim/simulation/models/models.hpp"
 
+#include <aras_visual_servo_common/files.hpp>
+
 #include <algorithm>
 #include <utility>
 
@@ -141,6 +143,18 @@ ModelSet Models::without(const std::string& model) const {
   return next;
 }
 
+namespace {
+
+YAML::Node descriptionOf(const SavedModel& model) {
+  try {
+    return aras_visual_servo_common::parseYaml(model.entry, aras_visual_servo_common::kMostFileYaml);
+  } catch (const ArasError& error) {
+    throw StateError("saved state: description of model '" + model.name + "': " + error.what());
+  }
+}
+
+}  // namespace
+
 ModelSet Models::composed(const std::vector<SavedModel>& saved) const {
   ModelSet set = built();
   for (const std::string& name : built().names()) {
@@ -149,7 +163,7 @@ ModelSet Models::composed(const std::vector<SavedModel>& saved) const {
   }
   for (const SavedModel& model : saved) {
     if (!model.entry.empty()) {
-      add(set, sceneEntryFromYaml(YAML::Load(model.entry)), model.entry);
+      add(set, sceneEntryFromYaml(descriptionOf(model)), model.entry);
     } else if (built().starts.count(model.name) == 0) {
       throw StateError("saved state: found model '" + model.name + "', which is not in this scene");
     }

@@ -69,6 +69,20 @@ TEST(Forged, ATimeIsWithinThirtyYears) {
   }
 }
 
+TEST(Forged, ADescriptionThatIsNoYamlNamesItsModel) {
+  Simulation simulation = fixture::panLift();
+  simulation.spawnModel(YAML::Load("{name: ball, sphere_m: 0.125}"));
+  const std::string state = simulation.saveState();
+  const std::size_t place = state.find("0.125");
+  ASSERT_NE(place, std::string::npos);
+  std::int64_t bytes = 0;
+  std::memcpy(&bytes, state.data() + place, sizeof(bytes));
+  std::memcpy(&bytes, "\"\\(\"}", 5);  // there is no such escape
+  EXPECT_HAS(messageOf<StateError>([&] { simulation.restoreState(forged(state, place, bytes)); }),
+             "saved state: description of model 'ball': yaml-cpp: error at line 1");
+  EXPECT_EQ(simulation.saveState(), state);
+}
+
 TEST(Forged, ATruthValueOfASavedWorldIsTrueOrFalse) {
   const std::string bytes("\x07\x00\x01", 3);
   StateReader reader(bytes, 0);
