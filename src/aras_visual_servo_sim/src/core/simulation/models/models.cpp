@@ -1,8 +1,7 @@
 #include "aras_visual_servo_sim/simulation/models/models.hpp"
 
-#include <aras_visual_servo_common/files.hpp>
-
 #include <algorithm>
+#include <aras_visual_servo_common/files.hpp>
 #include <utility>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
