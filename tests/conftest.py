@@ -15,7 +15,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 
 @pytest.fixture
 def hang_up_is_heard():
-    """A hang-up is not ignored, as it is by all that nohup starts, nor by the programs that the test starts."""
+    """SIGHUP ends a program again during the test, also those that it starts. Under nohup all of them would ignore it."""
     before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
     yield
     signal.signal(signal.SIGHUP, before)

@@ -80,7 +80,8 @@ std::vector<YamlReader> YamlReader::list(const std::string& key) {
     faults().add(path(key) + ": is read as a list, but schema " + schema->name + " allows " + schema->text());
     return readers;
   }
-  for (std::size_t k = 0; k < std::min(value->size(), schema->max_items.value_or(value->size())); ++k)
+  const std::size_t count = std::min(value->size(), schema->max_items.value_or(value->size()));
+  for (std::size_t k = 0; k < count; ++k)
     readers.push_back(YamlReader(std::make_shared<Level>(Level{
         (*value)[k], schema->items.get(), schema->items, path(key) + "[" + std::to_string(k) + "]", level_->faults})));
   return readers;
@@ -88,7 +89,8 @@ std::vector<YamlReader> YamlReader::list(const std::string& key) {
 
 YAML::Node YamlReader::raw(const std::string& key) {
   described(key);
-  return valueOf(level_->node, key).value_or(YAML::Node(YAML::NodeType::Undefined));
+  const auto value = valueOf(level_->node, key);
+  return value ? *value : YAML::Node(YAML::NodeType::Undefined);
 }
 
 std::vector<std::string> YamlReader::keys() const {

@@ -1,4 +1,4 @@
-"""Puts the folder of the shared test helpers, test/support, where the tests of every room find it."""
+"""What the tests of every room use: the folder of the shared helpers, test/support, in their path, and a fixture."""
 import pathlib
 import signal
 import sys
@@ -10,7 +10,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 
 @pytest.fixture
 def hang_up_is_heard():
-    """A hang-up is not ignored, as it is by all that nohup starts, nor by the programs that the test starts."""
+    """SIGHUP ends a program again during the test, also those that it starts. Under nohup all of them would ignore it."""
     before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
     yield
     signal.signal(signal.SIGHUP, before)

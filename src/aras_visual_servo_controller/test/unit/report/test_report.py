@@ -178,7 +178,7 @@ def test_a_full_disk_is_noticed_before_the_run(tmp_path):
             "resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)); "  # files of a full disk grow no more
             "from aras_visual_servo_controller.report.report import create_result_folder; "
             "create_result_folder(sys.argv[1], 'experiment_1')")
-    # Nor would the counts of coverage.py, which shares their file with other processes.
+    # coverage.py would write its counts, cut off like all files here, into a file that other processes use too.
     uncounted = {name: value for name, value in os.environ.items() if not name.startswith("COV_CORE")}
     done = subprocess.run([sys.executable, "-c", code, str(tmp_path)], env=uncounted, stderr=subprocess.PIPE, text=True,
                           check=False)

@@ -7,7 +7,7 @@ namespace aras_visual_servo_sim {
 /** Allocations of this process since its start, by whatever way: operator new, malloc, Eigen's, Bullet's. */
 std::size_t allocations();
 
-/** Adds one to them. */
+/** Counts one more, of which somebody else has told. */
 void countAllocation();
 
 /** Allocations that an action makes. */

@@ -1,5 +1,5 @@
 // Counts allocations in place of the C library's functions, which those of all libraries here end in. It is a library
-// of its own, since what a program defines comes before the address sanitizer, which then could not start.
+// of its own: the malloc of a program would come before that of a preloaded address sanitizer, which then cannot start.
 #include <atomic>
 #include <cerrno>
 

@@ -19,6 +19,14 @@ TouchableSolid touchable(const SolidEntry& solid, const PackagePaths& packages) 
   return {solid.mass_kg, collisionsOf(solid, packages), solid.touches};
 }
 
+YAML::Node descriptionOf(const SavedModel& model) {
+  try {
+    return aras_visual_servo_common::parseYaml(model.entry, aras_visual_servo_common::kMostFileYaml);
+  } catch (const ArasError& error) {
+    throw StateError("saved state: description of model '" + model.name + "': " + error.what());
+  }
+}
+
 }  // namespace
 
 Models::Models(const SceneConfig& config, const RobotModel& robot, const PackagePaths& packages) : packages_(packages) {
@@ -141,18 +149,6 @@ ModelSet Models::without(const std::string& model) const {
   next.remove(model);
   return next;
 }
-
-namespace {
-
-YAML::Node descriptionOf(const SavedModel& model) {
-  try {
-    return aras_visual_servo_common::parseYaml(model.entry, aras_visual_servo_common::kMostFileYaml);
-  } catch (const ArasError& error) {
-    throw StateError("saved state: description of model '" + model.name + "': " + error.what());
-  }
-}
-
-}  // namespace
 
 ModelSet Models::composed(const std::vector<SavedModel>& saved) const {
   ModelSet set = built();
