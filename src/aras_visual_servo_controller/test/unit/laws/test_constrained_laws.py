@@ -1,71 +1,18 @@
-"""Laws qp and mpc on exact pictures and a camera that flies as it is told: constraints, slack, prediction, arrival."""
+"""Laws qp and mpc on exact pictures and a camera that flies as it is told: constraints, slack, tilt, arrival."""
 
 import numpy as np
 import pytest
+from constrained import DT_S, GOAL, MOMENTS, POINTS, ROUNDING, VIEW, arm_of, asked, fly, law_of, turned
 from views import assert_same, differences, look_at, plane_of, tilted_pose, view
 
-from aras_visual_servo_controller.arm.limits import joint_bounds
-from aras_visual_servo_controller.features.base import FeatureSet, View, expand
+from aras_visual_servo_controller.features.base import View
 from aras_visual_servo_controller.ground.errors import DegenerateFeature, ParameterError
 from aras_visual_servo_controller.ground.spatial import exponential
-from aras_visual_servo_controller.ground.types import Reference, Status
-from aras_visual_servo_controller.laws.base import LawSetup, make_law
+from aras_visual_servo_controller.ground.types import Status
 from aras_visual_servo_controller.laws.constraints import ConstraintSettings, WallSettings, rooms_of
-from aras_visual_servo_controller.laws.look import Arm
-from aras_visual_servo_controller.laws.mpc import (CONTOUR, MpcSettings, _contour, _poses, _rooms_of_contour,
-                                                   predicted_points)
-from aras_visual_servo_controller.laws.qp import QpSettings
 
-POINTS, MOMENTS = expand(["points5"]), ("xn", "yn", "an", "sx", "sy", "alpha")
-NAMES = ("a", "b", "c", "d", "e", "f")
-DT_S = 1.0 / 30.0
-#: Of a program of six unknowns with a condition number below 10^4.
-ROUNDING = 1e-8
 #: A point's coordinate is linear in the motion of a period but for this part of the view: (0.1 rad)^2.
 CURVED = 0.01
-VIEW = {"half_width": 0.6, "half_height": 0.5, "margin": 0.05}
-SETTINGS = {"qp": QpSettings, "mpc": MpcSettings}
-GOAL = tilted_pose(1)
-
-
-def law_of(name, features=POINTS, gain=2.0, interaction="current", **settings):
-    setup = LawSetup(features, interaction, settings={name: SETTINGS[name](**settings)})
-    law, goal = make_law(name, [gain] * len(features), setup), view(GOAL)
-    law.reset(Reference(FeatureSet(features).values(goal), view=goal.features, plane_C=plane_of(GOAL)))
-    return law
-
-
-def arm_of(X, wanted, before=None, q=None, lower=-np.inf, upper=np.inf, velocity=5.0, acceleration=np.inf):
-    """A camera that six joints move along and about its own axes."""
-    q, before = np.zeros(6) if q is None else q, np.zeros(6) if before is None else before
-    limits = [np.full(6, limit) if np.isscalar(limit) else limit for limit in (lower, upper, velocity, acceleration)]
-    low, high, at_stop, short = joint_bounds(q, before, *limits, DT_S, 2.0 * DT_S)
-    return Arm(NAMES, q, before, X, np.eye(6), wanted, low, high, at_stop,
-               tuple(name for name, late in zip(NAMES, short) if late), *limits, DT_S)
-
-
-def asked(law, X, before=None, **limits):
-    """(`Joints`, `Arm`, `Rooms`, twist) of a look from X."""
-    seen = view(X, plane=plane_of(X))
-    twist = law.step(look_at(seen.features, DT_S, plane_of(X))).twist
-    arm = arm_of(X, twist, before, **limits)
-    return law.joint_velocity(seen, arm, twist), arm, rooms_of(law.settings, seen, X), twist
-
-
-def fly(law, X, seconds, **limits):
-    """(last X, (n, m) rooms on the way, texts) of a camera that does what the law says."""
-    before, rooms, texts = np.zeros(6), [], []
-    for _ in range(round(seconds / DT_S)):
-        joints, _, room, _ = asked(law, X, before, **limits)
-        before = joints.q_dot
-        X = X @ exponential(DT_S * before)
-        rooms.append(room.h)
-        texts.append(joints.text)
-    return X, np.array(rooms), texts
-
-
-def turned(angle_rad, aside_m=0.0):
-    return GOAL @ exponential(np.array([aside_m, 0.0, 0.0, 0.0, 0.0, angle_rad]))
 
 
 @pytest.mark.parametrize("points", [True, False])
@@ -86,22 +33,6 @@ def test_rates_of_the_rooms_are_those_of_central_differences(points, seed):
         np.testing.assert_allclose(rows[4], expected[4], atol=CURVED)
         rows, expected = np.delete(rows, 4, axis=0), np.delete(expected, 4, axis=0)
     assert_same(rows, expected)
-
-
-def test_predicted_points_and_their_rows_are_those_of_the_moved_camera():
-    X, plan = tilted_pose(3), np.random.default_rng(0).normal(0.0, 0.1, (4, 6))
-    P = np.random.default_rng(1).uniform((-0.1, -0.1, 0.4), (0.1, 0.1, 0.8), (5, 3)).T
-
-    def picture(pose):
-        x, y, Z = (np.linalg.inv(pose) @ np.vstack([P, np.ones(5)]))[:3]
-        return np.ravel([x / Z, y / Z, Z], order="F")
-
-    poses = _poses(np.eye(6), plan, 0.1, 6)
-    at, rows = predicted_points(P, poses)
-    for pose, here, row in zip(poses, at, rows):
-        np.testing.assert_allclose(here, picture(pose), atol=ROUNDING)
-        # A twist in the first frame comes before the way: X exp(twist) X^-1 pose, with X = 1.
-        assert_same(row, differences(lambda Y: picture(np.linalg.inv(X) @ Y @ pose), X))
 
 
 def test_where_nothing_binds_qp_commands_the_joint_velocities_of_ibvs():
@@ -192,10 +123,6 @@ def test_a_joint_that_cannot_brake_in_time_is_named():
     np.testing.assert_allclose(joints.q_dot, 0.5 - DT_S, atol=ROUNDING)
 
 
-def test_a_horizon_shorter_than_its_moves_is_refused():
-    assert list(MpcSettings(horizon=3, moves=4).check()) == ["moves: found 4, allowed at most horizon, 3"]
-
-
 @pytest.mark.parametrize("name", ["qp", "mpc"])
 @pytest.mark.parametrize("C", [-1.0, np.nan])
 def test_a_depth_that_is_not_known_is_a_view_without_features(name, C):
@@ -219,68 +146,6 @@ def test_a_point_without_a_finite_rate_is_no_view():
         rooms_of(ConstraintSettings(**VIEW), View(far.features, (0.0, 0.0, 2.0)), GOAL)
 
 
-def test_after_standing_still_no_earlier_plan_is_followed():
-    bounds = {"half_width": 0.33, "half_height": 0.33, "margin": 0.0, "slack": False}
-    outside = turned(0.0, aside_m=2.0)
-    law, fresh = law_of("mpc", **bounds), law_of("mpc", **bounds)
-    assert asked(law, turned(1.0))[0].q_dot.any()
-    assert not asked(law, outside, velocity=0.1)[0].q_dot.any()
-    before = np.full(6, 0.01)  # moving: a plan that is under way would be taken up again
-    np.testing.assert_array_equal(asked(law, turned(0.8), before)[0].q_dot, asked(fresh, turned(0.8), before)[0].q_dot)
-
-
-def test_the_first_plan_of_mpc_is_about_joints_that_slow_down_as_the_error_does():
-    law, wanted = law_of("mpc", gain=3.0, period_s=0.1, moves=4, horizon=10), np.array([0.1, -0.2, 0.3, 0.4, -0.5, 0.6])
-    nominal = law._nominal(arm_of(GOAL, wanted))
-    came = -np.expm1(-3.0 * np.array([0.0, 0.1, 0.2, 0.3, 1.0])) / 3.0  # the way of the error, of a rate of 3 per s
-    mean = np.diff(came) / [0.1, 0.1, 0.1, 0.7]  # the last move is held for seven steps
-    np.testing.assert_allclose(nominal, mean[:, None] * wanted, atol=ROUNDING)
-
-
-def test_a_contour_contains_the_ellipse_of_the_moments_and_its_rooms_are_those_to_the_borders():
-    seen = view(turned(0.3, aside_m=0.02))
-    f, mu = seen.features, seen.mu
-    contour, middle = _contour(seen, 1.5), np.array([f.xg, f.yg])
-    n = np.array([[mu["20"], mu["11"]], [mu["11"], mu["02"]]]) / f.area
-    for angle in np.linspace(0.0, 2.0 * np.pi, 100):
-        towards = np.array([np.cos(angle), np.sin(angle)])
-        reach, ellipse = ((contour - middle) @ towards).max(), 1.5 * np.sqrt(towards @ n @ towards)
-        assert ellipse * (1.0 - ROUNDING) <= reach <= ellipse / np.cos(np.pi / CONTOUR) * (1.0 + ROUNDING)
-    settings = ConstraintSettings(**VIEW)
-    X = turned(0.3, aside_m=0.02)
-    pointless = view(X, plane=plane_of(X))
-    pointless.features.point_x = pointless.features.point_y = ()
-    h = _rooms_of_contour(settings, contour, rooms_of(settings, pointless, X)).h[:4 * CONTOUR].reshape(4, CONTOUR)
-    x, y = contour.T
-    np.testing.assert_allclose(h, [0.55 + x, 0.55 - x, 0.45 + y, 0.45 - y], atol=ROUNDING)
-
-
-@pytest.mark.parametrize("features", [POINTS, MOMENTS])
-def test_a_plan_about_which_nothing_is_possible_is_made_anew_about_braking(features):
-    law = law_of("mpc", features, **VIEW)
-    X, before = turned(0.3), np.full(6, 0.01)
-    law._plan = np.tile([0.0, 0.0, 3.0, 0.0, 0.0, 0.0], (law.settings.moves, 1))  # through the object and far beyond
-    seen = view(X, plane=plane_of(X))
-    if features is MOMENTS:
-        seen.features.point_x = seen.features.point_y = ()
-    twist = np.array([0.0, 0.0, 0.1, 0.0, 0.0, 0.2])
-    arm = arm_of(X, twist, before, acceleration=1.0)
-    ahead, braking = law._ahead(seen, arm), law._braking(arm)
-    assert not law._solve(*law._program(seen, arm, twist, law._plan, ahead))[3]
-    joints = law.joint_velocity(seen, arm, twist)
-    assert "infeasible" not in joints.text and joints.q_dot[5] > before[5]
-    law._plan = braking
-    np.testing.assert_array_equal(law.joint_velocity(seen, arm, twist).q_dot, joints.q_dot)
-
-
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_braking_ends_at_rest_and_keeps_the_accelerations(sign):
-    law = law_of("mpc", period_s=0.1, moves=4)
-    braking = law._braking(arm_of(GOAL, np.zeros(6), before=np.full(6, 0.25 * sign), acceleration=1.0))
-    expected = np.maximum(0.25 - DT_S - 0.1 * np.arange(4), 0.0)  # the first move is commanded for one image's period
-    np.testing.assert_allclose(braking, sign * np.tile(expected, (6, 1)).T, atol=ROUNDING)
-
-
 @pytest.mark.parametrize("name", ["qp", "mpc"])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_the_tilt_is_held_where_a_blocked_joint_would_be_made_up_for_by_turning_the_camera(name, sign):
@@ -290,78 +155,3 @@ def test_the_tilt_is_held_where_a_blocked_joint_would_be_made_up_for_by_turning_
     depth_m = 1.0 / plane_of(X)[2]
     assert abs(arm.wanted[0]) > 0.1
     assert abs(joints.q_dot[4]) < 0.7 * abs(arm.wanted[0]) / depth_m
-
-
-def missed_rooms(law, X, plan):
-    """Names of the rooms that a plan, (4, 6), leaves by, when it was linearised about standing still."""
-    seen, arm = view(X, plane=plane_of(X)), arm_of(X, np.zeros(6))
-    ahead = law._ahead(seen, arm)
-    return {ahead.names[place] for place in law._missed(arm, ahead, plan.ravel(), np.zeros((4, 6)))}
-
-
-@pytest.mark.parametrize("features", [POINTS, MOMENTS])
-def test_what_is_linearised_wrongly_is_found_out_and_less_of_the_plan_is_commanded(features):
-    X = turned(0.0)
-    size = np.abs([view(X).features.point_x, view(X).features.point_y]).max() + 0.05
-    law, seen = law_of("mpc", features, half_width=size, half_height=size, margin=0.0), view(X, plane=plane_of(X))
-    if features is MOMENTS:
-        seen.features.point_x = seen.features.point_y = ()
-    twist = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 12.0])  # a point's straight way on leaves the circle that it is seen on
-    before, acceleration = np.array([0.2] + [0.01] * 5), np.array([2.0] + [np.inf] * 5)  # the first joint has to brake
-    arm = arm_of(X, twist, before=before, acceleration=acceleration)
-    law._plan = np.tile([0.0, 0.0, 3.0, 0.0, 0.0, 0.0], (4, 1))  # through the object: nothing is possible about it
-    ahead, stop = law._ahead(seen, arm), law._braking(arm)
-    whole = law._solve(*law._program(seen, arm, twist, stop, ahead))[0]
-    assert law._missed(arm, ahead, whole, stop) and not law._missed(arm, ahead, stop.ravel(), stop)
-    joints = law.joint_velocity(seen, arm, twist)
-    assert not law._missed(arm, ahead, law._plan.ravel(), stop)
-    missed = {ahead.names[place] for place in law._missed(arm, ahead, 2.0 * law._plan.ravel(), stop)}
-    assert missed and all(name in joints.text for name in missed) and joints.text.startswith("servoing, held back by")
-    slower = [stop[0] + 0.5**k * (whole[:6] - stop[0]) for k in range(1, 6)]
-    assert min(np.abs(joints.q_dot - part).max() for part in slower) < ROUNDING
-    assert (joints.q_dot > arm.low - ROUNDING).all() and (joints.q_dot < arm.high + ROUNDING).all()
-
-
-@pytest.mark.parametrize("angle_rad", [1.5, -1.5])
-def test_a_plan_that_only_seems_possible_is_made_anew(angle_rad):
-    X = turned(angle_rad)
-    size = max(np.abs([view(Y).features.point_x, view(Y).features.point_y]).max() for Y in (X, GOAL)) + 0.1
-    law = law_of("mpc", MOMENTS, gain=5.0, interaction="mean", half_width=size, half_height=size, margin=0.0)
-    seen = view(X, plane=plane_of(X))
-    twist = law.step(look_at(seen.features, DT_S, plane_of(X))).twist
-    seen.features.point_x = seen.features.point_y = ()
-    arm = arm_of(X, twist, velocity=50.0)
-    ahead, plan = law._ahead(seen, arm), law._nominal(arm)
-    x, _, _, feasible = law._solve(*law._program(seen, arm, twist, plan, ahead))
-    assert feasible and law._missed(arm, ahead, x, plan)
-    law.joint_velocity(seen, arm, twist)
-    assert not law._missed(arm, ahead, law._plan.ravel(), np.zeros_like(plan))
-
-
-@pytest.mark.parametrize("axis, at, border", [
-    (0, -0.7, "left"), (0, 0.7, "right"), (1, -0.6, "upper"), (1, 0.6, "lower")])
-def test_the_border_that_a_plan_would_leave_by_is_named(axis, at, border):
-    law, X, plan = law_of("mpc", **VIEW), turned(0.0), np.zeros((4, 6))
-    plan[:, axis] = -at / plane_of(X)[2]  # in a second the picture moves so far
-    missed = missed_rooms(law, X, plan)
-    assert missed and {name.split()[-2] for name in missed} == {border}
-
-
-def test_a_plan_through_a_wall_or_too_near_to_the_object_is_found_out():
-    X, plan = turned(0.0), np.zeros((4, 6))
-    wall = WallSettings((0.0, 0.0, 1.0), float(X[2, 3]) - 0.1)
-    law = law_of("mpc", walls={"table": wall}, least_depth_m=0.2)
-    plan[:, :3] = X[:3, :3].T @ (0.0, 0.0, -0.15)
-    assert missed_rooms(law, X, plan) == {"wall 'table'"}
-    plan[:] = 0.0
-    plan[:, 2] = 1.0 / plane_of(X)[2] - 0.15
-    assert "point 1 before the camera" in missed_rooms(law, X, plan)
-
-
-@pytest.mark.parametrize("interaction", ["current", "mean"])
-@pytest.mark.parametrize("angle_rad", [0.5, 2.5, -2.5])
-def test_where_nothing_binds_mpc_begins_as_ibvs_does_also_in_large_turns(interaction, angle_rad):
-    law = law_of("mpc", gain=1.0, interaction=interaction, half_width=50.0, half_height=50.0, least_depth_m=0.01)
-    joints, arm, _, _ = asked(law, turned(angle_rad), velocity=50.0)
-    begins = law._fall[0] * arm.wanted
-    assert np.abs(joints.q_dot - begins).max() < 0.05 * np.abs(begins).max()
