@@ -65,7 +65,7 @@ class Servo:
         self._set(state(START))
         for _ in range(IMAGES):
             self._step((self.look() - goal).ravel(), L)
-        rospy.ServiceProxy("/gazebo/pause_physics", Empty)()
+        self.look()  # after which the world waits, so that it is told where the camera is at that time
         return self._told()
 
     def _step(self, error, L):

@@ -89,10 +89,12 @@ def test_the_target_is_dragged_in_the_view_and_the_arm_follows(serve, tmp_path):
 
 
 def test_a_page_that_is_reloaded_goes_on_where_the_run_is(serve, tmp_path):
-    address = serve()
+    address = serve("--idle")  # a run that began before the browser is there may be over by then
     with Browser(tmp_path) as browser:
         browser.open(address)
-        browser.wait(READY + " && aras.model.state.status === 'SERVOING'")
+        browser.wait(READY)
+        browser.click("#start")
+        browser.wait("aras.model.state.status === 'SERVOING'")
         t = browser.value("aras.model.state.t")
         browser.call("Page.reload")
         browser.wait(f"{READY} && aras.model.state.t > {t} && aras.model.rows[0][0] < {t} && aras.model.goal")
