@@ -15,7 +15,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 
 @pytest.fixture
 def hang_up_is_heard():
-    """SIGHUP ends every program again during the test. Under nohup a program and those that it starts would ignore it."""
+    """SIGHUP ends a program again during the test. Under nohup the program and those that it starts would ignore it."""
     before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
     yield
     signal.signal(signal.SIGHUP, before)

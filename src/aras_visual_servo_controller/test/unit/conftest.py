@@ -10,7 +10,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 
 @pytest.fixture
 def hang_up_is_heard():
-    """SIGHUP ends every program again during the test. Under nohup a program and those that it starts would ignore it."""
+    """SIGHUP ends a program again during the test. Under nohup the program and those that it starts would ignore it."""
     before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
     yield
     signal.signal(signal.SIGHUP, before)
