@@ -89,7 +89,8 @@ def test_the_target_is_dragged_in_the_view_and_the_arm_follows(serve, tmp_path):
 
 
 def test_a_page_that_is_reloaded_goes_on_where_the_run_is(serve, tmp_path):
-    address = serve("--idle")  # a run that began before the browser is there may be over by then
+    # A run that began before the browser is there, or that converges while the page is slow, would be over too early.
+    address = serve("--idle", "--set", "servo.hold_s=300", "--set", "servo.time_limit_s=600")
     with Browser(tmp_path) as browser:
         browser.open(address)
         browser.wait(READY)

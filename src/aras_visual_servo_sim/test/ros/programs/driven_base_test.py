@@ -55,15 +55,14 @@ class DrivenBase(unittest.TestCase):
         service("sim/unpause", Empty)()
         status.newer(lambda s: not s.paused, "time goes on")
         twists.publish(twist_message(rospy.Time(0, 1), "eye_optical_frame"))  # arms the lockstep
-        held_at = status.newer(lambda s: s.holding, "the simulator waits for an answer").header.stamp
-        start = len(poses.messages)
+        armed_at = status.newer(lambda s: s.holding, "the simulator waits for an answer").header.stamp
         self.assertIn("joint_command", status.messages[-1].held_by)
-        for k in range(IMAGES):
-            before = len(poses.messages)
+        held_at = armed_at  # poses of the time before may still be under way
+        for _ in range(IMAGES):
             twists.publish(twist_message(held_at, "eye_optical_frame"))
-            until(lambda: len(poses.messages) > before, "the next image")
-            held_at = poses.messages[-1].header.stamp
-        path = poses.messages[start:]
+            later = until(lambda: [p for p in poses.messages if p.header.stamp > held_at], "the next image")
+            held_at = later[-1].header.stamp
+        path = [p for p in poses.messages if p.header.stamp > armed_at]
         self.assertEqual(len(path), IMAGES, "one image an answer")
         for before, after in zip(path, path[1:]):
             dt_s = (after.header.stamp - before.header.stamp).to_sec()
