@@ -4,21 +4,12 @@ import importlib
 import json
 import os
 import pathlib
-import signal
 import sys
 
 import numpy as np
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-
-
-@pytest.fixture
-def hang_up_is_heard():
-    """SIGHUP ends a program again during the test. Under nohup the program and those that it starts would ignore it."""
-    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
-    yield
-    signal.signal(signal.SIGHUP, before)
 
 
 @functools.lru_cache(maxsize=None)

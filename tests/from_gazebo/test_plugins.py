@@ -119,7 +119,8 @@ def test_a_wrench_from_outside_lifts_the_cart_and_ends(cart):
     assert answer(cart, "/gazebo/apply_body_wrench", lift)["success"]
     cart.until(lambda: place(cart)["z"] > 0.2, "it rises")
     cart.output("rosservice", "call", "/gazebo/clear_body_wrenches", "cart::base_link")
-    # How high it is by now depends on how fast the machine asks. It has to fall, and to come down when put there.
+    # How high the cart has risen by now depends on how fast the machine is, and so does how long it falls. This test
+    # sees that it falls, then puts it at 0.3 m and sees it come down to the ground.
     cart.until(lambda: state(cart)["twist"]["linear"]["z"] < 0.0, "it falls")
     raised = "{model_state: {model_name: cart, pose: {position: {z: 0.3}}}}"
     assert answer(cart, "/gazebo/set_model_state", raised)["success"]

@@ -1,9 +1,16 @@
-"""A run that takes its time."""
+"""A run that takes its time, and what the tests of programs need of the machine."""
 import os
 import pathlib
 import subprocess
+import sys
 
 import pytest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "src/aras_visual_servo_controller/test/support"))
+
+from hang_up import hang_up_is_heard
+
+__all__ = ["hang_up_is_heard", "own_master", "slow_scenario"]
 
 
 @pytest.fixture

@@ -27,7 +27,7 @@ FLAGS = ("--headless=new", "--no-sandbox", "--disable-quic", "--no-first-run", "
 #: WebGL without a GPU.
 SOFTWARE_WEBGL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist")
 NO_WEBGL = ("--disable-gpu", "--disable-3d-apis")
-LIMIT_S = 180.0
+LIMIT_S = 60.0
 
 
 class Browser:

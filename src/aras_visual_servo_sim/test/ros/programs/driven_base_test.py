@@ -11,7 +11,7 @@ from std_srvs.srv import Empty
 
 from aras_visual_servo_msgs.msg import SimStatus
 from aras_visual_servo_msgs.srv import SetJointPositions
-from listening import Listener, command_publisher, service, until
+from listening import Listener, command_publisher, service
 
 TWIST = [0.1, -0.2, 0.05, 0.6, -0.4, 1.2]  # of the eye, in its own axes
 ROUNDING = 1e-12  # of some ten steps of numbers near one
@@ -60,8 +60,7 @@ class DrivenBase(unittest.TestCase):
         held_at = armed_at  # poses of the time before may still be under way
         for _ in range(IMAGES):
             twists.publish(twist_message(held_at, "eye_optical_frame"))
-            later = until(lambda: [p for p in poses.messages if p.header.stamp > held_at], "the next image")
-            held_at = later[-1].header.stamp
+            held_at = poses.later(held_at, "the next image").header.stamp
         path = [p for p in poses.messages if p.header.stamp > armed_at]
         self.assertEqual(len(path), IMAGES, "one image an answer")
         for before, after in zip(path, path[1:]):
@@ -75,20 +74,17 @@ class DrivenBase(unittest.TestCase):
 
         for frame, words in (("world", "a link that the driven base carries"), ("elbow", "does not exist")):
             count = status.messages[-1].refused_commands
-            before = len(poses.messages)
             twists.publish(twist_message(held_at, frame))
             refused = status.newer(lambda s: s.refused_commands > count, "the command is refused")
             self.assertIn(words, refused.last_refusal)
-            until(lambda: len(poses.messages) > before, "a refused command answers its image too")
-            held_at = poses.messages[-1].header.stamp
+            held_at = poses.later(held_at, "a refused command answers its image too").header.stamp
         rest = [matrix(message.pose) for message in poses.messages[-2:]]
         np.testing.assert_array_equal(rest[0], rest[1])
 
         place = service("sim/set_joint_positions", SetJointPositions)
         self.assertTrue(place(["px", "rx", "ry", "rz"], [0.7, 0.0, np.pi, 0.0]).success)
-        before = len(poses.messages)
         twists.publish(twist_message(held_at, "", [0.0] * 6))
-        until(lambda: len(poses.messages) > before, "the next image")
+        poses.later(held_at, "the next image")
         np.testing.assert_allclose(joints.messages[-1].position[3:], [0.0, np.pi, 0.0], atol=ROUNDING)
         self.assertEqual(joints.messages[-1].position[0], 0.7)
         answer = place(["J1"], [0.0])

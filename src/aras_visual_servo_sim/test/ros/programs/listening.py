@@ -35,6 +35,10 @@ class Listener:
         start = len(self.messages)
         return until(lambda: next((m for m in self.messages[start:] if condition(m)), None), what)
 
+    def later(self, stamp, what):
+        """The last message, once there is one that is stamped later than this. It may have come before this call."""
+        return until(lambda: [m for m in list(self.messages) if m.header.stamp > stamp], what)[-1]
+
     def stamps(self):
         return [message.header.stamp.to_nsec() for message in list(self.messages)]
 
