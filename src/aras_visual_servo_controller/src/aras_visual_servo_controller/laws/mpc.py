@@ -16,7 +16,7 @@ from ..ground.types import Status
 from .base import LawSetup, register
 from .constraints import ConstraintSettings, Rooms, points_in_space, rooms_of
 from .look import Joints
-from .qp import SLACK_WEIGHT, TOLD, QuadraticProgram
+from .qp import QuadraticProgram, asked, told
 
 #: Depths below it are predicted as if they were this one [m].
 LEAST_DEPTH_M = 0.02
@@ -123,7 +123,7 @@ class Predictive(QuadraticProgram):
                 multipliers[:len(ahead.which)] = np.isin(ahead.which, list(missed))
         if not feasible:
             if not self.settings.slack:
-                return self._stand(arm, f"no motion keeps {', '.join(self._asked(ahead.now, None, b, arm))}")
+                return self._stand(arm, f"no motion keeps {', '.join(asked(ahead.now, b))}")
             return self._least(arm, ahead, H, g, A, b)
         self._plan = x.reshape(-1, n)
         held = np.bincount(ahead.which, multipliers[:len(ahead.which)], len(ahead.names))
@@ -255,20 +255,12 @@ class Predictive(QuadraticProgram):
 
     def _least(self, arm, ahead, H, g, A, b):
         """`Joints` of the plan that violates view and walls least; one slack for each name, over the whole horizon."""
-        names, which, size = ahead.names, ahead.which, len(g)
-        m = len(names)
-        H_s = np.zeros((size + m, size + m))
-        H_s[:size, :size], H_s[size:, size:] = H, SLACK_WEIGHT * np.eye(m)
-        A_s = np.zeros((len(b) + m, size + m))
-        A_s[:len(b), :size], A_s[len(b):, size:] = A, np.eye(m)
-        A_s[np.arange(len(which)), size + which] = 1.0
-        x, _, _, feasible = self._solve(H_s, np.concatenate([g, np.zeros(m)]), A_s, np.concatenate([b, np.zeros(m)]))
+        u, slacks, _, feasible = self.relaxed(H, g, A, b, ahead.which)
         if not feasible:  # the joints cannot brake before their ends within the horizon
             return self._stand(arm, "the limits of the joints contradict each other over the horizon")
-        self._plan = x[:size].reshape(-1, len(arm.q))
-        slack = [f"{name} by {most:.2g}" for name, most in zip(names, x[size:]) if most > TOLD]
+        self._plan = u.reshape(-1, len(arm.q))
         return Joints(np.clip(self._plan[0], arm.low, arm.high), Status.JOINT_LIMIT,
-                      f"infeasible, slack within the horizon: {', '.join(slack)}")
+                      f"infeasible, slack within the horizon: {told(ahead.names, slacks)}")
 
     def _stand(self, arm, why):
         self._plan = None

@@ -58,7 +58,7 @@ class QuadraticProgram(ImageBased):
             return self._answer(arm, rooms.names, q_dot, multipliers)
         if not self.settings.slack:
             return Joints(np.clip(0.0, arm.low, arm.high), Status.JOINT_LIMIT,
-                          f"standing still, no motion keeps {_listed(self._asked(rooms, rows, b, arm))}")
+                          f"standing still, no motion keeps {_listed(asked(rooms, b))}")
         return self._with_slack(arm, rooms, H, A, b)
 
     def metric(self, view, jacobian):
@@ -73,27 +73,33 @@ class QuadraticProgram(ImageBased):
         H.flat[::len(H) + 1] += self.settings.damping
         return H
 
-    def _with_slack(self, arm, rooms, H, A, b):
-        """`Joints` that violate view and walls as little as the limits of the joints allow."""
-        n, m = len(arm.q), len(rooms.h)
+    def relaxed(self, H, g, A, b, which):
+        """Solve min 0.5 x^T H x + g^T x + 0.5 SLACK_WEIGHT |s|^2 over A x >= b, whose first rows have slacks s >= 0.
+
+        Args:
+            H, g, A, b: the program, (n, n), (n,), (k, n), (k,).
+            which: for each of the first rows of A, the place of its slack in s. Rows of one room may have one slack.
+        Returns:
+            (x, s, multipliers of the rows of A and then of s >= 0, whether the rows without slack can be kept).
+        """
+        n, k, m = len(g), len(b), int(which.max(initial=-1)) + 1
         H_s = np.zeros((n + m, n + m))
         H_s[:n, :n], H_s[n:, n:] = H, SLACK_WEIGHT * np.eye(m)
-        A_s = np.zeros((2 * m + 2 * n, n + m))
-        A_s[:m + 2 * n, :n], A_s[:m, n:], A_s[m + 2 * n:, n:] = A, np.eye(m), np.eye(m)
-        g = np.concatenate([-H @ arm.wanted, np.zeros(m)])
-        x, multipliers, _, feasible = self._solve(H_s, g, A_s, np.concatenate([b, np.zeros(m)]))
+        A_s = np.zeros((k + m, n + m))
+        A_s[:k, :n], A_s[k:, n:], A_s[np.arange(len(which)), n + which] = A, np.eye(m), 1.0
+        x, multipliers, _, feasible = self._solve(H_s, np.concatenate([g, np.zeros(m)]), A_s,
+                                                  np.concatenate([b, np.zeros(m)]))
+        return x[:n], x[n:], multipliers, feasible
+
+    def _with_slack(self, arm, rooms, H, A, b):
+        """`Joints` that violate view and walls as little as the limits of the joints allow."""
+        q_dot, slacks, multipliers, feasible = self.relaxed(H, -H @ arm.wanted, A, b, np.arange(len(rooms.h)))
         if not feasible:
             return Joints(np.clip(0.0, arm.low, arm.high), Status.JOINT_LIMIT,
                           "standing still, the limits of the joints contradict each other")
-        slack = [f"{name} by {size:.2g}" for name, size in zip(rooms.names, x[n:]) if size > TOLD]
-        joints = self._answer(arm, rooms.names, x[:n], multipliers)
-        text = f"infeasible, slack per second: {_listed(slack)}"
+        joints = self._answer(arm, rooms.names, q_dot, multipliers)
+        text = f"infeasible, slack per second: {told(rooms.names, slacks)}"
         return Joints(np.clip(joints.q_dot, arm.low, arm.high), Status.JOINT_LIMIT, text)
-
-    def _asked(self, rooms, rows, b, arm):
-        """Names of the rooms that joint velocities at rest would violate, else of those violated most."""
-        asks = [name for name, most in zip(rooms.names, b) if most > 0.0]
-        return asks or ["the view and the walls within the limits of the joints"]
 
     def _answer(self, arm, rooms, q_dot, multipliers):
         """`Joints`, with the names of the constraints that bind. Args: rooms: names.  multipliers: of them, then of the
@@ -113,6 +119,17 @@ class QuadraticProgram(ImageBased):
         names += [_joint(name) for name, held in zip(arm.joint_names, binds[m:m + 2 * n].reshape(2, n).any(axis=0))
                   if held]
         return Joints(q_dot, None, f"servoing, held back by {_listed(names)}")
+
+
+def told(names, slacks):
+    """In words, which slacks are above rounding, and how large they are."""
+    return _listed(f"{name} by {size:.2g}" for name, size in zip(names, slacks) if size > TOLD)
+
+
+def asked(rooms, b):
+    """Names of the rooms that joint velocities at rest would violate, else of all that is to be kept."""
+    asks = [name for name, most in zip(rooms.names, b) if most > 0.0]
+    return asks or ["the view and the walls within the limits of the joints"]
 
 
 @lru_cache(maxsize=16)
