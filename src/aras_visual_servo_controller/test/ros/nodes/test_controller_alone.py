@@ -66,7 +66,8 @@ class ControllerAlone(unittest.TestCase):
 
     def assert_stands_still(self, state):
         """The command that goes with this state moves no joint. It has a connection of its own, and may come later."""
-        command = wait_until(lambda: self.watcher.commands.get(state.header.stamp.to_nsec()), "the command of this state")
+        stamp_ns = state.header.stamp.to_nsec()
+        command = wait_until(lambda: self.watcher.commands.get(stamp_ns), "the command of this state")
         self.assertEqual(max(map(abs, command.velocity), default=0.0), 0.0, state.status_text)
 
     def test_answers_every_image_while_idle_with_an_empty_command(self):
