@@ -34,7 +34,7 @@ from .settings import ServoSettings
 from .stop_rule import GoalPose, StopRule
 from ..ground.types import FINAL, Command, Observation, Reference, ServoRecord, Status
 from .visibility import keep_in_view
-from .why import Hindrance, moved_target
+from .why import Hindrance, displaced_target
 
 _MOVING_STATUSES = (Status.SERVOING, Status.JOINT_LIMIT, Status.NEAR_SINGULARITY)
 
@@ -63,7 +63,7 @@ class Servo:
         self._filter = self.config.filter and FeatureFilter(self.config.filter, self._features, symmetric)
         self.reference: Optional[Reference] = None
         self._law, self._stop, self._goal_pose = self._make_law(), self._make_stop_rule(), None
-        self._hindrance, self._moved = Hindrance(), ""
+        self._hindrance, self._displaced = Hindrance(), ""
         self._creep = CreepCompensation(self.config.creep_rate_per_s)
         self._creeps = not (self.config.creep_rate_per_s == 0.0 or self.follows)
         self._no_velocity = dict.fromkeys(names, 0.0)
@@ -235,7 +235,7 @@ class Servo:
         if stamp_ns - self._start_ns >= 1e9 * self.config.time_limit_s:
             if self.config.track and self._below_ns is not None:
                 return self._rest(stamp_ns, Status.CONVERGED, "followed to the end, every error below its threshold")
-            reasons = [self._stop.why_not(), self._hindrance.words(stamp_ns), self._moved]
+            reasons = [self._stop.why_not(), self._hindrance.words(stamp_ns), self._displaced]
             return self._rest(stamp_ns, Status.TIMED_OUT,
                               f"not converged after {self.config.time_limit_s} s: {'; '.join(filter(None, reasons))}")
         foresees = self._filter is not None and self._filter.foresees(stamp_ns) and gap_s <= self.config.input_timeout_s
@@ -290,10 +290,10 @@ class Servo:
         self.status, self._text = Status.SERVOING, "servoing"
         if not seen:
             self._stop.clear()
-            self._below_ns, self._moved = None, ""
+            self._below_ns, self._displaced = None, ""
             self._text = f"servoing on foreseen features, target not seen for {tracker.unseen_s(stamp_ns):.2f} s"
-        if self._moved:
-            self._text = f"servoing; {self._moved}"
+        if self._displaced:
+            self._text = f"servoing; {self._displaced}"
         if self._creeps and not look_then_move:
             if self._stop.resting and answer.settled:
                 twist, target_C, self._text = np.zeros(6), None, "resting"
@@ -343,7 +343,7 @@ class Servo:
         of_law = answer.pose is not None
         arrived = self._stop.arrived(stamp_ns, self._e, tilt, pose, X_BC, of_law) and answer.settled
         published = self.config.stop.rule == "published"
-        self._moved = self._moved_target(X_BC, pose) if self._stop.close else ""
+        self._displaced = self._displaced_target(X_BC, pose) if self._stop.close else ""
         if published:
             below = answer.settled and all([abs(e) < most for e, most in zip(self._e, self.config.thresholds)])
         else:
@@ -361,13 +361,13 @@ class Servo:
         return below, None
 
     def _arrive(self, stamp_ns, status, text):
-        return self._rest(stamp_ns, status, f"{text}; {self._moved}" if self._moved else text)
+        return self._rest(stamp_ns, status, f"{text}; {self._displaced}" if self._displaced else text)
 
-    def _moved_target(self, X_BC, pose):
-        """How far the target has been moved, in words, where that can be told: see `moved_target`."""
+    def _displaced_target(self, X_BC, pose):
+        """How far from where it was taught the target is found, in words: see `displaced_target`."""
         if self.follows or self._X_CgB is None or self.config.symmetric_target:
             return ""
-        return moved_target(self._displacement(X_BC), pose, self.config.stop)
+        return displaced_target(self._displacement(X_BC), pose, self.config.stop)
 
     def _plane(self, X_BC):
         """(A, B, C) of the target, at rest, in the frame of a camera at X_BC: the taught one, moved there (T21)."""
@@ -433,7 +433,7 @@ class Servo:
     # --- common -------------------------------------------------------------------------------------------------
 
     def _clear(self, stamp_ns, set_point):
-        self._text = self._moved = ""
+        self._text = self._displaced = ""
         self._hindrance.clear()
         self._start_ns, self._last_ns, self._below_ns = stamp_ns, None, None
         self._moves.clear(set_point)

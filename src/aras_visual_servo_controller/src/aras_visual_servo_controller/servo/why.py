@@ -1,12 +1,12 @@
-"""What a servo run has to say beside its status: what holds the arm back, and that the target has been moved."""
+"""What a servo run has to say beside its status: what holds the arm back, and a target that is not where it was."""
 
 from math import atan2, degrees
 
 #: Without a hindrance for this long the arm counts as free again [s].
 FREE_S = 0.5
-#: The target counts as moved when the camera at the goal stands further from the taught place than so many times what
-#: the stop rule allows.
-MOVED = 4.0
+#: The target counts as displaced when the camera at the goal stands further from the taught place than so many times
+#: what the stop rule allows.
+DISPLACED = 4.0
 
 
 class Hindrance:
@@ -33,11 +33,12 @@ class Hindrance:
                f"({self._text})"
 
 
-def moved_target(X_CgC, pose, stop):
-    """How far the target has been moved since it was taught, in words; an empty text if it has not.
+def displaced_target(X_CgC, pose, stop):
+    """How far the target is found from where it was taught, in words; an empty text if it is found there.
 
     A camera that sees a target at rest as it was taught stands where it was taught. The joints say where it stands, the
-    image says how far it is from the view that was taught; what is left between the two is the target's own motion.
+    image says how far it is from the view that was taught. What is left between the two is how far the target has been
+    moved, or what the arm, its model or the camera's calibration err by: from here the two cannot be told apart.
     Args:
         X_CgC: (4, 4) pose of the camera by the joints, relative to the taught one.
         pose: (6,) displacement from the taught view by the image, small [m, rad]; None: not known.
@@ -50,7 +51,6 @@ def moved_target(X_CgC, pose, stop):
     distance_m = ((x - px) ** 2 + (y - py) ** 2 + (z - pz) ** 2) ** 0.5
     sines = 0.5 * (zy - yz) - wx, 0.5 * (xz - zx) - wy, 0.5 * (yx - xy) - wz
     angle_rad = atan2(sum([sine * sine for sine in sines]) ** 0.5, 0.5 * (xx + yy + zz - 1.0))
-    if distance_m <= MOVED * stop.position_m and angle_rad <= MOVED * stop.rotation_rad:
+    if distance_m <= DISPLACED * stop.position_m and angle_rad <= DISPLACED * stop.rotation_rad:
         return ""
-    return f"the target has been moved since it was taught: its view is found {1e3 * distance_m:.1f} mm and " \
-           f"{degrees(angle_rad):.1f} deg from there"
+    return f"the target is found {1e3 * distance_m:.1f} mm and {degrees(angle_rad):.1f} deg from where it was taught"

@@ -1,4 +1,4 @@
-"""What the servo says beside its status: what held the arm back, and that the target was moved."""
+"""What the servo says beside its status: what held the arm back, and that the target is not where it was taught."""
 
 import re
 
@@ -9,20 +9,20 @@ from bench import Bench
 from aras_visual_servo_controller.ground.spatial import exponential, rotation
 from aras_visual_servo_controller.ground.types import Status
 from aras_visual_servo_controller.servo.stop_rule import StopSettings
-from aras_visual_servo_controller.servo.why import FREE_S, MOVED, Hindrance, moved_target
+from aras_visual_servo_controller.servo.why import DISPLACED, FREE_S, Hindrance, displaced_target
 
 STOP = {"tilt_rad": 0.0003, "position_m": 0.0002, "rotation_rad": 0.0004}
 THRESHOLDS = {"xn": 0.0001, "yn": 0.0002, "an": 0.0001, "alpha": 0.0003}
 
 
 def in_words(text):
-    """(mm, deg) of the sentence about a moved target."""
-    found = re.search(r"target has been moved since it was taught: .* ([0-9.]+) mm and ([0-9.]+) deg", text)
+    """(mm, deg) of the sentence about a displaced target."""
+    found = re.search(r"the target is found ([0-9.]+) mm and ([0-9.]+) deg from where it was taught", text)
     return None if found is None else tuple(map(float, found.groups()))
 
 
 @pytest.mark.parametrize("axis, sign", [(0, 1.0), (1, 1.0), (1, -1.0)])
-def test_the_result_says_that_the_target_was_moved_and_how_far(axis, sign):
+def test_the_result_says_how_far_the_target_is_from_where_it_was_taught(axis, sign):
     bench = Bench(thresholds=THRESHOLDS, stop=STOP)
     for _ in range(20):
         bench.step()
@@ -43,7 +43,7 @@ def test_a_turned_target_is_told_by_its_angle():
 
 def test_a_target_at_rest_is_not_spoken_of():
     last = Bench(thresholds=THRESHOLDS, stop=STOP).run()
-    assert last.status == Status.CONVERGED and "moved" not in last.status_text
+    assert last.status == Status.CONVERGED and "target is found" not in last.status_text
 
 
 def test_a_goal_that_may_move_or_looks_the_same_from_two_sides_is_not_spoken_of():
@@ -51,27 +51,27 @@ def test_a_goal_that_may_move_or_looks_the_same_from_two_sides_is_not_spoken_of(
         bench = Bench(thresholds=THRESHOLDS, stop=STOP, **changes)
         bench.camera.X_WT[0, 3] += 0.02
         last = bench.run()
-        assert last.status == Status.CONVERGED and "moved" not in last.status_text, changes
+        assert last.status == Status.CONVERGED and "target is found" not in last.status_text, changes
 
 
 @pytest.mark.parametrize("part, told", [(0.99, False), (1.01, True)])
 @pytest.mark.parametrize("index, unit", [(0, "position_m"), (1, "position_m"), (2, "position_m"),
                                          (3, "rotation_rad"), (4, "rotation_rad"), (5, "rotation_rad")])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_the_motion_that_counts_as_moved(index, unit, part, told, sign):
+def test_the_displacement_that_is_told(index, unit, part, told, sign):
     stop = StopSettings(**STOP)
     twist = np.zeros(6)
-    twist[index] = sign * part * MOVED * getattr(stop, unit)
-    assert bool(moved_target(exponential(twist), np.zeros(6), stop)) is told
+    twist[index] = sign * part * DISPLACED * getattr(stop, unit)
+    assert bool(displaced_target(exponential(twist), np.zeros(6), stop)) is told
     # The same displacement, seen in the image too, is the camera's own.
-    assert moved_target(exponential(twist), twist, stop) == ""
-    assert moved_target(exponential(twist), None, stop) == ""
+    assert displaced_target(exponential(twist), twist, stop) == ""
+    assert displaced_target(exponential(twist), None, stop) == ""
 
 
 def test_half_a_turn_is_told_whole():
     stop = StopSettings(**STOP)
     X = np.diag([-1.0, -1.0, 1.0, 1.0])
-    assert in_words(moved_target(X, np.zeros(6), stop))[1] == pytest.approx(180.0)
+    assert in_words(displaced_target(X, np.zeros(6), stop))[1] == pytest.approx(180.0)
 
 
 def test_a_goal_out_of_the_joints_reach_ends_with_the_joint_and_for_how_long():
@@ -110,14 +110,14 @@ def test_the_servo_says_it_while_it_servos():
     assert any(record.status == Status.SERVOING and in_words(record.status_text) for record in bench.records)
 
 
-@pytest.mark.parametrize("given", [("lacking",), ("held",), ("moved",), ("lacking", "held"),
-                                   ("lacking", "held", "moved")])
+@pytest.mark.parametrize("given", [("lacking",), ("held",), ("displaced",), ("lacking", "held"),
+                                   ("lacking", "held", "displaced")])
 def test_a_servo_that_runs_out_of_time_gives_every_reason_and_no_empty_one(given):
     bench = Bench(time_limit_s=0.2)
     bench.step()
     bench.servo._stop.why_not = lambda: "lacking" if "lacking" in given else ""
     bench.servo._hindrance.words = lambda stamp_ns: "held" if "held" in given else ""
-    bench.servo._moved = "moved" if "moved" in given else ""
+    bench.servo._displaced = "displaced" if "displaced" in given else ""
     bench.stamp_ns = 210_000_000
     _, record = bench.step()
     assert record.status_text == f"not converged after 0.2 s: {'; '.join(given)}"
