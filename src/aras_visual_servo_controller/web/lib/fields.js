@@ -46,11 +46,14 @@ export class Fields {
       pending.flying = true;
       const sent = pending.value;
       this.page.ask({ do: "set", values: { [path]: sent } })
-        .then(() => notice(path, ""), (error) => { this.fault(path, error.message); this.refresh(null); })
-        .finally(() => { pending.flying = false; if (pending.value !== sent) this.send(path, pending.value); });
+        .then(() => notice(path, ""), (error) => this.fault(path, error.message))
+        .finally(() => { pending.flying = false; if (pending.value !== sent) this.send(path, pending.value); else this.refresh([path]); });
     }, pending.last && performance.now() - pending.last < SEND_MS ? SEND_MS : 0);
     pending.last = performance.now();
   }
+
+  /** Whether the run has not yet answered to the newest value of a path: until then the page shows what was asked for. */
+  sending(path) { const pending = this.waiting.get(path); return Boolean(pending && (pending.timer || pending.flying)); }
 
   fault(path, text) {
     notice(path, text);
@@ -99,7 +102,7 @@ export class Fields {
     const box = el("input", { type: "number", step: "any", "aria-label": label });
     const show = () => {
       const value = this.value(path, schema);
-      if (held || document.activeElement === box) return;
+      if (held || this.sending(path) || document.activeElement === box) return;
       box.value = value === undefined || value === null ? "" : short(value, schema);
       if (value !== undefined && value !== null && (scale.to(value) < 0 || scale.to(value) > 1)) scale = scaleOf(schema, value);
       slider.value = value === undefined || value === null ? 0 : scale.to(value);

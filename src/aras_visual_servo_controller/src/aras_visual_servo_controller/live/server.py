@@ -195,10 +195,10 @@ class Socket(Guarded, tornado.websocket.WebSocketHandler):
         try:
             number, request = parse(message)
             answer = await asyncio.wrap_future(self.server.runner.submit(request))
-            self.send(json.dumps({"type": "answer", "id": number, "ok": True, **answer}))
-            if request.do == "set":
+            if request.do == "set":  # told before it is answered: who has the answer knows the values
                 self.server.hub.tell({"type": "set", "by": self.name, "values": request.values,
                                       "waiting": self.server.runner.about["waiting"]})
+            self.send(json.dumps({"type": "answer", "id": number, "ok": True, **answer}))
         except RuntimeError as error:  # ours, and the simulator's
             if isinstance(error, ArasError) and number is None:
                 number = getattr(error, "id", None)

@@ -66,6 +66,32 @@ def test_a_gain_that_is_moved_while_it_servoes_acts_at_once(serve, tmp_path):
         assert browser.said == []
 
 
+def test_a_setting_shows_what_was_asked_for_until_the_run_has_answered(serve, tmp_path):
+    path = "servo.gains_per_s.xn"
+    shown = f"Number(document.querySelector('[data-path=\"{path}\"] input[type=number]').value)"
+    with Browser(tmp_path, webgl=False) as browser:
+        browser.open(serve())
+        browser.wait(READY)
+        browser.value("window.held = []; const ask = aras.ask.bind(aras); aras.ask = (request) => request.do !== 'set' "
+                      "? ask(request) : new Promise((answer) => held.push({ request, answer })); 1")
+        asked = slide(browser, path, 0.75)
+        browser.wait("held.length === 1")
+
+        def told(value):
+            return browser.value(f"aras.model.values_are({{'{path}': {value}}}, aras.model.waiting); {shown}")
+
+        assert told(0.6) == asked  # an older value of the same drag: the run is behind the hand
+        browser.value("held[0].answer({}); 1")
+        browser.wait("held.length === 2")
+        assert browser.value(f"held[1].request.values['{path}']") == asked
+        assert told(0.8) == asked
+        told(asked)
+        browser.value("held[1].answer({}); 1")
+        browser.wait(f"aras.model.values.servo.gains_per_s.xn === {asked} && {shown} === {asked}")
+        assert told(1.25) == 1.25  # another page's
+        assert browser.said == []
+
+
 def test_the_target_is_dragged_in_the_view_and_the_arm_follows(serve, tmp_path):
     with Browser(tmp_path) as browser:
         browser.open(serve("--speed", "4"))

@@ -157,6 +157,16 @@ def test_two_pages_that_fight_over_a_slider_end_with_the_same_value():
     served(work)
 
 
+def test_a_page_is_told_of_its_value_before_it_has_the_answer():
+    async def work(server):
+        viewer = await page(server)
+        await viewer.ask("set", values={"servo.gains_per_s.xn": 1.5})
+        kinds = [message["type"] for message in viewer.messages if message["type"] in ("set", "answer")]
+        assert kinds[-2:] == ["set", "answer"]
+
+    served(work)
+
+
 def test_a_refused_value_is_told_to_the_page_that_asked():
     async def work(server):
         viewer = await page(server)
