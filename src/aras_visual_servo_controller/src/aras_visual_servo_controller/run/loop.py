@@ -121,6 +121,14 @@ class ServoLoop:
         self.sim.step(round(settle_s * 1e9 / self.sim.period_ns))
         self._placed_ns = self.sim.time_ns
 
+    def go_on_from(self, state):
+        """Go on from a state of the simulator that was saved right after `place`, as if the arm were put there again.
+
+        Args: state: bytes of `sim.save_state()`.  Raises: StateError: they are of another simulator.
+        """
+        self.sim.restore_state(state)
+        self._placed_ns = self.sim.time_ns
+
     def teach(self, z_star_m):
         """Make the next images the reference, as many as their noise asks for, outside an experiment.
 

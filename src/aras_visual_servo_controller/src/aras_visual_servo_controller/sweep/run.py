@@ -17,7 +17,6 @@ from ..run.loop import DEFAULT_LIMIT_S, ServoLoop
 from ..features.target.outline import Outline
 from ..run.record import RecordBuilder
 from ..run.measures import measures
-from ..run.settings import ExperimentSettings
 from .judge import COLUMNS, initial_columns, judge_row
 from .metrics import judge_by
 from .perturb import perturbed, put_clutter, simulator_key, swap_picture
@@ -33,6 +32,26 @@ class Infeasible(ArasError):
     """The start cannot be run, which is not the fault of the law."""
 
 
+class _Shared:
+    """A simulator that runs use in turn, each after a reset. It knows its state at rest at the goal of the last run.
+
+    The way from a reset to there is the same for every run to this goal, and takes as long as ten images of servoing.
+    """
+
+    def __init__(self, sim):
+        self.sim = sim
+        self._goal = self._state = None
+
+    def settle(self, loop, joints, settle_s):
+        """As `loop.place`, of a loop that has just been made of `sim` and has no other models than its scenario."""
+        goal = (dict(joints), settle_s)
+        if goal == self._goal:
+            loop.go_on_from(self._state)
+            return
+        loop.place(joints, settle_s)
+        self._goal, self._state = goal, self.sim.save_state()
+
+
 class Bench:
     """Runs starts of one scenario, one after another.
 
@@ -44,7 +63,7 @@ class Bench:
     def __init__(self, scenario, drive_to_start=False):
         self.scenario = scenario
         self.drive_to_start = drive_to_start
-        self._simulators = OrderedDict()
+        self._simulators = OrderedDict()  # key -> _Shared
         self._kinematics = None
 
     def run(self, start):
@@ -62,14 +81,17 @@ class Bench:
                 parameters.setdefault("sim.seed", self.scenario.sim.get("seed", 0) + start.id)
             scenario = perturbed(self.scenario, parameters)
             scenario = placed(scenario, start)
-            loop = ServoLoop(scenario, sim=self._simulator(scenario, parameters))
+            shared = self._simulator(scenario, parameters)
+            loop = ServoLoop(scenario, sim=shared.sim)
             builder = RecordBuilder(scenario.name, loop.kinematics.joint_names, settings=scenario.as_dict(),
                                     feature_names=loop.servo.feature_names)
             builder.note(f"start {start.id} of a sweep, the arm {'driven' if self.drive_to_start else 'placed'} there")
             for name, value in parameters.items():
                 builder.note(f"sweep: {name} {value}")
-            drive = self._drive if self.drive_to_start else self._place
-            drive(loop, builder, start)
+            if self.drive_to_start:
+                self._drive(loop, start)
+            else:
+                self._place(loop, builder, start, shared)
             self._servo(loop, builder, start)
             record = builder.finish(run_hash=loop.sim.run_hash, camera_info=loop.camera_info,
                                     X_WT=loop.target_pose(), opengl=loop.sim.opengl)
@@ -86,7 +108,7 @@ class Bench:
     def _simulator(self, scenario, parameters):
         key = simulator_key(scenario, parameters)
         if key not in self._simulators:
-            self._simulators[key] = ServoLoop(scenario).sim
+            self._simulators[key] = _Shared(ServoLoop(scenario).sim)
             while len(self._simulators) > KEPT_SIMULATORS:
                 self._simulators.popitem(last=False)
         self._simulators.move_to_end(key)
@@ -97,11 +119,13 @@ class Bench:
         return parameters.get("noise_stddev", max(stddevs)) > 0.0
 
     @staticmethod
-    def _place(loop, builder, start):
-        config = ExperimentSettings.from_dict(loop.scenario.experiment, loop.kinematics)
+    def _place(loop, builder, start, shared):
+        config = loop.sequence.config
         if "scene" in start.parameters:
             put_clutter(loop.sim, loop.scenario, start.parameters["scene"])
-        loop.place(config.goal.joints, config.settle_s)
+            loop.place(config.goal.joints, config.settle_s)
+        else:
+            shared.settle(loop, config.goal.joints, config.settle_s)
         try:
             for record, features, image in loop.teach(config.z_star_m):
                 builder.add_answer(record, loop.camera_pose(), features, image, loop.moving_target_pose())
@@ -115,7 +139,7 @@ class Bench:
         loop.start(servo_only=True)
 
     @staticmethod
-    def _drive(loop, builder, start):
+    def _drive(loop, start):
         for name in ("picture", "clutter", "scene"):
             if name in start.parameters:
                 raise Infeasible(f"{name}: allowed without drive_to_start, where the bench teaches the goal")

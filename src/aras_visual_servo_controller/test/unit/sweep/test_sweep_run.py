@@ -46,6 +46,32 @@ def test_a_reset_simulator_gives_the_bytes_of_a_new_one(scenario, bench):
     assert first["trace_hash"] == trace_hash(record) and len(first["run_hash"]) == 16
 
 
+def test_a_goal_that_was_reached_before_is_gone_on_from_and_another_is_not_taken_for_it(scenario, monkeypatch):
+    placed = []
+    place = ServoLoop.place
+
+    def counted(self, joints, settle_s=0.0):
+        placed.append(dict(joints))
+        place(self, joints, settle_s)
+
+    monkeypatch.setattr(ServoLoop, "place", counted)
+    other = {"joints": {**GOAL, "gantry": 0.03, "J6": 0.02}, "target_normal_C": [0.0, 0.0, 1.0]}
+    starts = [Start(1, NEAR), Start(2, NEAR, goal=other), Start(3, FAR, goal=other), Start(4, NEAR)]
+    shared = Bench(scenario)
+    rows = [shared.run(start)[0] for start in starts]
+    assert placed == [GOAL, NEAR, other["joints"], NEAR, FAR, GOAL, NEAR]
+    assert rows == [Bench(scenario).run(start)[0] for start in starts]
+    assert rows[0]["run_hash"] == rows[3]["run_hash"] != rows[1]["run_hash"]
+    assert {row["outcome"] for row in rows} == {"success"}
+
+
+def test_images_of_the_time_before_a_goal_that_is_gone_on_from_are_not_looked_at(scenario):
+    bench, late = Bench(scenario), {"latency_s": 0.1, "servo.time_limit_s": 0.5}
+    first, again = (bench.run(Start(1, NEAR, parameters=late)) for _ in range(2))
+    assert first[0] == again[0] and first[0]["outcome"] == "failure"
+    assert again[1].stamp_ns[0] >= 1e9 * bench.scenario.experiment["settle_s"]
+
+
 def test_driven_runs_give_the_trace_of_a_whole_experiment(scenario):
     row, record = Bench(scenario, drive_to_start=True).run(Start(1, dict(scenario.experiment["start"]["joints"])))
     whole = ServoLoop(scenario).run(closing_s=0.0)

@@ -25,6 +25,7 @@ class Outline:
         """Args: outlines_m: polygons (n, 2) [m]. X_WT: (4, 4). camera: dict of section sim.cameras."""
         corners = np.concatenate([np.asarray(outline, dtype=float) for outline in outlines_m])
         self.points_T = np.column_stack([corners, np.zeros(len(corners))])
+        self._in_plane = np.column_stack([corners, np.ones(len(corners))]).T.copy()
         self.X_WT = np.array(X_WT, dtype=float)
         self._width, self._height = camera["width"], camera["height"]
         fx = camera.get("fx_px") or 0.5 * self._width / tan(0.5 * camera["horizontal_fov_rad"])
@@ -55,18 +56,25 @@ class Outline:
 
         X_WC may be a stack of m poses, (m, 4, 4): (m, n, 2), None if a corner is not before one of them.
         """
-        points = inverse(X_WC) @ (self.X_WT if X_WT is None else X_WT)
-        points = self.points_T @ points[..., :3, :3].swapaxes(-1, -2) + points[..., None, :3, 3]
-        if not points[..., 2].min() > 0.0:
+        seen = self._seen(X_WC, X_WT)
+        return seen and np.stack([f * x + c for f, x, c in zip(self._f, seen, self._c)], axis=-1)
+
+    def _seen(self, X_WC, X_WT):
+        """(x, y), (n,) or (m, n) each: the corners in the distorted image in normalised coordinates; else as `pixels`."""
+        X_CT = inverse(X_WC) @ (self.X_WT if X_WT is None else X_WT)
+        plane = X_CT[..., :3, [0, 1, 3]]  # z of all corners is 0: one product serves all poses
+        points = (plane.reshape(-1, 3) @ self._in_plane).reshape(*plane.shape[:-1], -1)
+        z = points[..., 2, :]
+        if not z.min() > 0.0:
             return None
-        x, y = points[..., 0] / points[..., 2], points[..., 1] / points[..., 2]
+        x, y = points[..., 0, :] / z, points[..., 1, :] / z
         k1, k2, p1, p2, k3 = self._lens
         if any(self._lens):
             r2 = x * x + y * y
             radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
             x, y = (x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
                     y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y)
-        return np.stack([self._f[0] * x + self._c[0], self._f[1] * y + self._c[1]], axis=-1)
+        return x, y
 
     def border_px(self, X_WC, X_WT=None):
         """Distance of the outline from the image border [px]: negative where it is cut, -inf behind the camera.
@@ -74,11 +82,12 @@ class Outline:
         Args: X_WC: (4, 4); or (m, 4, 4), of which the least distance is returned.
         The image reaches from -1/2 to w - 1/2 (docs/conventions.md).
         """
-        pixels = self.pixels(X_WC, X_WT)
-        if pixels is None:
+        seen = self._seen(X_WC, X_WT)
+        if seen is None:
             return -inf
-        low, high = pixels.reshape(-1, 2).min(axis=0), pixels.reshape(-1, 2).max(axis=0)
-        return float(min(low.min() + 0.5, self._width - 0.5 - high[0], self._height - 0.5 - high[1]))
+        rooms = [min(f * x.min() + c + 0.5, size - 0.5 - (f * x.max() + c))
+                 for f, x, c, size in zip(self._f, seen, self._c, (self._width, self._height))]
+        return float(min(rooms))
 
 
 def _outlines(model, scenario):
