@@ -72,7 +72,9 @@ void ForeignTopics::onMessage(const std::string& topic, const Event& event) {
   const Arrival arrival{topic, event.getConstMessage(), event.getConnectionHeaderPtr()};
   const std::string& publisher = event.getPublisherName();
   Sequence& sequence = sequences_[topic];
+  const bool latched = arrival.header && isLatched(*arrival.header);
   if (sequence.published == 0) sequence.numbered = hasHeader(arrival.message->getMessageDefinition());
+  if (latched) sequence.numbered = false;
   std::uint64_t sent = 1;
   if (sequence.numbered) {
     const std::uint32_t number = sequenceOf(*arrival.message);
@@ -82,7 +84,7 @@ void ForeignTopics::onMessage(const std::string& topic, const Event& event) {
     sequence.last[publisher] = number;
   }
   sequence.published += sent;
-  if (arrival.header && isLatched(*arrival.header)) latched_[{topic, publisher}] = arrival;
+  if (latched) latched_[{topic, publisher}] = arrival;
   arrived_(arrival);
 }
 

@@ -13,7 +13,8 @@ namespace aras_visual_servo_sim {
 
 /** Topics that other nodes publish, of any type: hands on what arrives and counts what was sent.
  *
- *  A publisher numbers its messages that have a header: a number left out is a message that its queue dropped. */
+ *  A publisher numbers its messages that have a header: a number left out is a message that its queue dropped. On a
+ *  latched topic it need not be: rospy numbers anew the message that it sends to a newcomer alone. */
 class ForeignTopics {
  public:
   struct Arrival {
@@ -24,7 +25,7 @@ class ForeignTopics {
   struct Count {
     std::string topic;
     std::uint64_t published;
-    bool by_sequence;  ///< false: the messages have no number, counted are those that arrived
+    bool by_sequence;  ///< false: the messages have no number or are latched, counted are those that arrived
   };
 
   /** @param arrived  called for each message, on the queue of the node handle */

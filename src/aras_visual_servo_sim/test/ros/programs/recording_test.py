@@ -89,6 +89,24 @@ class Recording(unittest.TestCase):
         told = {topic: (n, counted) for topic, n, counted in zip(counts.topics, counts.published, counts.counted)}
         self.assertEqual((told["/elsewhere"], told["/told"]), ((9, True), (5, False)))
 
+    def test_what_a_latched_topic_sends_to_a_newcomer_alone_is_not_taken_for_lost(self):
+        publisher = rospy.Publisher("/kept", PointStamped, queue_size=10, latch=True)
+        self.addCleanup(publisher.unregister)
+        self.assertTrue(self.start("latched.bag", ["/kept"]).success)
+        until(publisher.get_num_connections, "the recording listens")
+        publisher.publish(PointStamped())
+        newcomer = Listener("/kept", PointStamped)
+        self.addCleanup(newcomer.subscriber.unregister)
+        newcomer.wait(1)
+        publisher.publish(PointStamped())
+        self.assertEqual([message.header.seq for message in newcomer.wait(2)], [2, 3])
+        self.pass_time(1.0)
+        self.assertTrue(self.stop().success)
+        messages = self.read("latched.bag")
+        self.assertEqual([message.header.seq for message in messages["/kept"]], [1, 3])
+        [counts] = messages["/recording/sim/recording"]
+        self.assertEqual([*zip(counts.topics, counts.published, counts.counted)], [("/kept", 2, False)])
+
     def test_every_part_of_a_split_recording_has_the_latched_messages(self):
         self.assertTrue(self.start("split.bag", ["/recording/camera/image_raw", "/recording/scene_markers"], "none",
                                    split_mib=1).success)
