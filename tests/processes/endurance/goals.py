@@ -3,10 +3,12 @@
     goals.py COUNT FOLDER      in a graph of servo.launch with experiment:=false and start_paused:=true
 
 It prints `ready` once the graph stands, then of each goal `goal RUN_HASH TRACE_HASH`: the hash that the simulator gives
-of the joint trajectory and of every image, and that of trace.csv, which is made from the bag. The bag is deleted then.
+of the joint trajectory and of every image, and that of trace.csv, which is made from the bag. The bag is deleted then,
+unless the goal has other hashes than the first one of its graph: then both are kept in log/endurance, to be compared.
 """
 import hashlib
 import os
+import shutil
 import sys
 import tempfile
 from pathlib import Path
@@ -21,13 +23,15 @@ from aras_visual_servo_controller.report.report import trace_csv
 
 __all__ = ["Goals", "RunError", "end", "hashes"]
 
+KEPT = Path(__file__).resolve().parents[3] / "log" / "endurance"
+
 
 class Goals(ExperimentNode):
     """The experiment node, which goes on with the next goal instead of writing a report."""
 
     def __init__(self, folder):
         super().__init__()
-        self._folder = folder
+        self._folder, self._first = Path(folder), None
         self._subscribe()
         self._reset = rospy.ServiceProxy("sim/reset", Empty)
         self._wait("the nodes", self._missing_parts, self._startup_timeout_s)
@@ -45,7 +49,21 @@ class Goals(ExperimentNode):
                 self._drive()
             finally:
                 self._recording.stop()
-            return read_bag(self._recording.bags(), rospy.get_namespace())
+            record = read_bag(self._recording.bags(), rospy.get_namespace())
+            self._keep_another(record)
+            return record
+
+    def _keep_another(self, record):
+        """Keep the bag if its hashes are not those of the first goal."""
+        [bag], found = self._recording.bags(), hashes(record)
+        first = self._folder / "first.bag"
+        if self._first is None:
+            self._first = found
+            shutil.copy(bag, first)
+        elif found != self._first:
+            KEPT.mkdir(parents=True, exist_ok=True)
+            for name, path in zip(("first", "other"), (first, bag)):
+                shutil.copy(path, KEPT / f"{os.getpid()}_{found[0]}_{name}.bag")
 
     def _is_reset(self):
         return self._status.paused and self._status.ticks == 0 and not self._status.lockstep_armed

@@ -213,6 +213,8 @@ class ExperimentNode:
             elif now_s - moved_s > self._stall_timeout_s:
                 raise RunError(f"simulated time stands still at {stamp.to_sec():.3f} s, held by "
                                f"{self._status.held_by or 'nobody'}")
+        if lockstep:
+            self._wait("the answer to the last image", lambda: [] if self._answered() else ["a later time"], 10.0)
         self._pause()
         wall_s = now_s - started_s
         if self._recording is not None and self._drawing is not None:
@@ -260,6 +262,10 @@ class ExperimentNode:
         self._send_goal(reference)
         return now
 
+    def _answered(self):
+        """Whether the simulator has the command that ends the servo, which may come after the result."""
+        return self._done_ns is not None and self._status.header.stamp.to_nsec() > self._done_ns
+
     def _close_run(self):
         """Step the paused simulator to exactly CLOSING_S after the end of the servo.
 
@@ -267,11 +273,9 @@ class ExperimentNode:
         by itself, so our pause is never too late; where it came earlier, this step does the rest. Without both the
         recorded run, and its hash, would end anywhere.
         """
-        self._wait("the last feedback", lambda: [] if self._done_ns is not None else ["phase done"], 10.0)
-        self._wait("the pause", lambda: [] if self._status.paused else ["sim/status paused"], 10.0)
         end_ns = self._done_ns + round(CLOSING_S * 1e9)
         period_ns = round(self._scenario.sim.get("period_s", default_of("sim.period_s")) * 1e9)
-        steps = (end_ns - self._status.header.stamp.to_nsec()) // period_ns
+        steps = (end_ns - self._step(0).stamp.to_nsec()) // period_ns  # sim/status may be of before the pause
         if steps < 0:
             rospy.logwarn("the pause came later than %g s after the end of the servo: the run hash differs from that "
                           "of other runs of this scenario", CLOSING_S)
