@@ -60,7 +60,7 @@ class Outline:
         return seen and np.stack([f * x + c for f, x, c in zip(self._f, seen, self._c)], axis=-1)
 
     def _seen(self, X_WC, X_WT):
-        """(x, y), (n,) or (m, n) each: the corners in the distorted image in normalised coordinates; else as `pixels`."""
+        """(x, y), (n,) or (m, n) each: corners of the distorted image in normalised coordinates; else as `pixels`."""
         X_CT = inverse(X_WC) @ (self.X_WT if X_WT is None else X_WT)
         plane = X_CT[..., :3, [0, 1, 3]]  # z of all corners is 0: one product serves all poses
         points = (plane.reshape(-1, 3) @ self._in_plane).reshape(*plane.shape[:-1], -1)
