@@ -10,7 +10,8 @@
 namespace aras_visual_servo_camera {
 namespace {
 
-constexpr int kQueue = 100;  // images that may wait: none is dropped in normal running
+constexpr int kQueue = 100;                    // images that may wait: none is dropped in normal running
+constexpr std::uint32_t kFeatureQueue = 1000;  // messages: a listener that hesitates for seconds loses nothing
 constexpr std::chrono::seconds kThrottlePeriod{10};
 constexpr double kDepthPeriod_s = 0.05;  // wall time between looks at images that wait for depth
 constexpr double kReportPeriod_s = 2.0;  // wall time without a pair after which the cause is reported
@@ -40,11 +41,12 @@ void Throttle::error(const std::string& text) {
 
 CameraNode::CameraNode(ros::NodeHandle node, const ros::NodeHandle& private_node)
     : config_(readParameters(node, private_node)), synchronizer_(kQueue) {
-  features_pub_ = node.advertise<aras_visual_servo_msgs::MomentFeatures>("camera/features", kQueue);
+  features_pub_ = node.advertise<aras_visual_servo_msgs::MomentFeatures>("camera/features", kFeatureQueue);
   if (config_.photometric)
     photometric_pub_ = node.advertise<aras_visual_servo_msgs::PhotometricFeatures>("camera/photometric", kQueue);
-  if (config_.tag) tag_pub_ = node.advertise<aras_visual_servo_msgs::TagFeatures>("camera/tag", kQueue);
-  if (config_.matches) matches_pub_ = node.advertise<aras_visual_servo_msgs::MatchFeatures>("camera/matches", kQueue);
+  if (config_.tag) tag_pub_ = node.advertise<aras_visual_servo_msgs::TagFeatures>("camera/tag", kFeatureQueue);
+  if (config_.matches)
+    matches_pub_ = node.advertise<aras_visual_servo_msgs::MatchFeatures>("camera/matches", kFeatureQueue);
   converted_pub_ = node.advertise<Image>("camera/converted_image", kQueue);
   overlay_pub_ = node.advertise<Image>("camera/overlay", kQueue);
   reference_service_ = node.advertiseService("camera/set_reference", &CameraNode::onSetReference, this);

@@ -38,6 +38,7 @@ WORKER_PERIOD_S = 0.05    # wall time; watchdog
 STATUS_PERIOD_S = 0.2     # wall time; actionlib's status topic
 CLOCK_LAG_NS = 500000000  # simulated time by which the clock may come later than images; more is a clock set back
 HELD_S = 0.5              # wall time; a simulator that holds for longer when this node starts waits for a lost answer
+STATE_QUEUE = 1000        # messages; a long sim/step brings images as fast as they are drawn, on a busy machine too
 EXIT_STOPPED, EXIT_PARAMETERS = 0, 2
 
 
@@ -99,7 +100,7 @@ class ControllerNode:
         self._status_subscriber = rospy.Subscriber("sim/status", SimStatus, self._on_sim_status)
 
     def _advertise(self):
-        self._state_publisher = rospy.Publisher("servo_state", ServoState, queue_size=200, tcp_nodelay=True)
+        self._state_publisher = rospy.Publisher("servo_state", ServoState, queue_size=STATE_QUEUE, tcp_nodelay=True)
         self._bars = NullSpaceTopic(self._kinematics, self._servo)
         # The worker publishes the status. actionlib's timer runs on simulated time, too often when that goes fast.
         rospy.set_param("~actionlib_status_frequency", 0.0)

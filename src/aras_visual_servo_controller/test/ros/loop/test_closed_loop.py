@@ -78,11 +78,12 @@ class ClosedLoop(unittest.TestCase):
         self.assertEqual(loop.sim.run_hash, self.sim.run_hash)
 
     def test_a_long_step_gives_the_features_of_every_image_on_the_way(self):
-        images = 300  # more than wait in any queue
+        images = 300  # more than may wait for the camera node
         call("sim/step", Step, images * 100 // 3)
         wait_until(lambda: self.watcher.sim.frames >= self.sim.frames + images, "the images")
-        answers = (self.watcher.features, self.watcher.states, self.watcher.commands)
-        wait_until(lambda: all(len(set(kept)) >= self.watcher.sim.frames for kept in answers), "the answers to them")
+        for name in ("features", "states", "commands"):
+            kept = getattr(self.watcher, name)
+            wait_until(lambda: len(kept) >= self.watcher.sim.frames, f"the {name} of each of them")
 
     def compare_more(self, loop, stamp_ns):
         """What else an image gave, against the loop that has just answered it."""
