@@ -8,7 +8,7 @@
 namespace aras_visual_servo_sim {
 
 /** Appends values to a string of bytes, in the machine's own representation. */
-class StateWriter {
+class ByteWriter {
  public:
   template <typename T>
   void value(const T& value) {
@@ -26,9 +26,9 @@ class StateWriter {
 };
 
 /** Reads them back; the caller has checked the length. */
-class StateReader {
+class ByteReader {
  public:
-  StateReader(const std::string& bytes, std::size_t at) : bytes_(bytes), at_(at) {}
+  ByteReader(const std::string& bytes, std::size_t at) : bytes_(bytes), at_(at) {}
   template <typename T>
   void value(T& value) {
     std::memcpy(&value, bytes_.data() + at_, sizeof(T));

@@ -111,7 +111,7 @@ std::string MultibodyWorld::Impl::signature() const {
 }
 
 std::string MultibodyWorld::saveState() const {
-  StateWriter writer;
+  ByteWriter writer;
   writer.text(impl_->signature());
   impl_->visitState(writer);
   MemoryWriter controllers;
@@ -121,9 +121,9 @@ std::string MultibodyWorld::saveState() const {
 }
 
 void MultibodyWorld::restoreState(const std::string& state) {
-  StateWriter mine;
+  ByteWriter mine;
   mine.text(impl_->signature());
-  StateWriter whole = mine;
+  ByteWriter whole = mine;
   impl_->visitState(whole);
   if (state.size() < whole.bytes().size() || state.compare(0, mine.bytes().size(), mine.bytes()) != 0) {
     throw StateError("state: found " + std::to_string(state.size()) +
@@ -139,7 +139,7 @@ void MultibodyWorld::restoreState(const std::string& state) {
   impl_->endPushes();
   impl_->link_pushes = std::move(link_pushes);
   impl_->joint_pushes = std::move(joint_pushes);
-  StateReader reader(state, mine.bytes().size());
+  ByteReader reader(state, mine.bytes().size());
   impl_->visitState(reader);
   impl_->body.setPositions(impl_->q);
 }

@@ -85,7 +85,7 @@ TEST(Forged, ADescriptionThatIsNoYamlNamesItsModel) {
 
 TEST(Forged, ATruthValueOfASavedWorldIsTrueOrFalse) {
   const std::string bytes("\x07\x00\x01", 3);
-  StateReader reader(bytes, 0);
+  ByteReader reader(bytes, 0);
   for (const bool expected : {true, false, true}) {
     bool value = !expected;
     reader.value(value);
