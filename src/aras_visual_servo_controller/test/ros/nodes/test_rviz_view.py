@@ -55,7 +55,8 @@ class RvizView(unittest.TestCase):
         self.assertEqual(goal.header.stamp.to_nsec(), min(taught))
 
     def test_2_the_errors_are_drawn_while_they_fall(self):
-        wait_until(lambda: self.phase() == "done", "the servo to end")
+        # Its result too, which may come later: the next test waits for that of another goal.
+        wait_until(lambda: self.phase() == "done" and self.watcher.result, "the servo to end")
         first, last = (np.frombuffer(plot.data, np.uint8).reshape(plot.height, plot.width, 3)
                        for plot in (self.plots[0], self.plots[-1]))
         coloured = [int((picture.max(axis=2).astype(int) - picture.min(axis=2) > 60).sum())
