@@ -28,13 +28,14 @@ class TargetLost(unittest.TestCase):
         away = Pose()
         away.position.x, away.position.y, away.position.z, away.orientation.w = 5.0, 5.0, 0.19, 1.0
         self.assertTrue(call("sim/set_target_pose", SetTargetPose, "", away).success)
-        lost = wait_until(lambda: watcher.state if watcher.state.status == ServoState.TARGET_LOST else None,
-                          "status TARGET_LOST")
+        lost = wait_until(lambda: next((state for state in list(watcher.states.values())
+                                        if state.status == ServoState.TARGET_LOST), None), "status TARGET_LOST")
         self.assertEqual(max(map(abs, lost.q_dot)), 0.0)
         result = watcher.wait_result(goal).result
         self.assertEqual((result.converged, result.status), (False, ServoState.TIMED_OUT))
-        last = max(watcher.joints)
-        self.assertGreater(last, lost.header.stamp.to_nsec() + REST_NS)
+        rest_ns = lost.header.stamp.to_nsec() + REST_NS
+        last = wait_until(lambda: max((stamp for stamp in list(watcher.joints) if stamp > rest_ns), default=None),
+                          "joint states of an arm at rest")
         self.assertLess(np.abs(watcher.joints[last].velocity).max(), REST)
 
 

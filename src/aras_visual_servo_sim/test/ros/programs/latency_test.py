@@ -65,7 +65,16 @@ class Latency(unittest.TestCase):
         for k in range(seen, seen + count):
             self.publisher.publish(command(self.images[k - 1][1].header.stamp, pan=VELOCITY))
             until(lambda k=k: len(self.images) > k, "image %d" % k)
-        return self.status.newer(lambda m: m.holding, "holding for the last one")
+        status = self.status.newer(lambda m: m.holding, "holding for the last one")
+        self.wait_for_what_goes_with(list(self.images))
+        return status
+
+    def wait_for_what_goes_with(self, images):
+        """Waits until joint states and truth of these images have come, each of which has a connection of its own."""
+        all_stamps = {image.header.stamp.to_nsec() for _, image in images}
+        own = {image.header.stamp.to_nsec() for name, image in images if name == "camera"}
+        for listener, stamps in ((self.joints, all_stamps), (self.pose, own), (self.info, own)):
+            until(lambda listener=listener, stamps=stamps: stamps <= set(listener.stamps()), "what goes with images")
 
     def test_the_run_is_that_of_the_python_class(self):
         status = self.answer(COUNT)

@@ -48,8 +48,14 @@ class SeveralNodes(unittest.TestCase):
         self.joints.messages[:] = []
         self.images.messages[:] = []
         service("sim/unpause", Empty)()
-        images = [image for image in self.images.wait(COUNT + 2) if image.header.stamp >= start][:COUNT]
+
+        def first_images():  # images of the time before may still have been under way
+            images = [image for image in list(self.images.messages) if image.header.stamp >= start]
+            return images[:COUNT] if len(images) >= COUNT else None
+
+        images = until(first_images, "the images")
         service("sim/pause", Empty)()
+        until(lambda: {image.header.stamp.to_nsec() for image in images} <= set(self.joints.stamps()), "joint states")
         positions = {message.header.stamp: message.position for message in list(self.joints.messages)}
         stamps = [(image.header.stamp - start).to_nsec() for image in images]
         return [(digest(image), positions[image.header.stamp]) for image in images], stamps, start
