@@ -1,4 +1,5 @@
-# For packages that depend on aras_visual_servo_common: the target to link with, and the schema sections in a library.
+# For packages that depend on aras_visual_servo_common: the target to link with, the schema sections in a library, the flags of a
+# build under sanitizers.
 find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(yaml-cpp REQUIRED)
 

@@ -37,7 +37,7 @@ class Goals(ExperimentNode):
         self._wait("the nodes", self._missing_parts, self._startup_timeout_s)
 
     def goal(self):
-        """Reset, servo, record. Returns the RunRecord. Raises what the experiment node raises."""
+        """Reset, servo, record. Returns (RunRecord, its `hashes`). Raises what the experiment node raises."""
         self._pause()
         self._reset()
         self._result = self._state = self._done_ns = None
@@ -50,13 +50,13 @@ class Goals(ExperimentNode):
             finally:
                 self._recording.stop()
             record = read_bag(self._recording.bags(), rospy.get_namespace())
-            self._keep_another(record)
-            return record
+            found = hashes(record)
+            self._keep_another(found)
+            return record, found
 
-    def _keep_another(self, record):
-        """Keep the bag if its hashes are not those of the first goal."""
-        [bag], found = self._recording.bags(), hashes(record)
-        first = self._folder / "first.bag"
+    def _keep_another(self, found):
+        """Keep the bag if the hashes of its run are not those of the first goal."""
+        [bag], first = self._recording.bags(), self._folder / "first.bag"
         if self._first is None:
             self._first = found
             shutil.copy(bag, first)
@@ -81,10 +81,10 @@ def main():
     goals = Goals(folder)
     print("ready", flush=True)
     for _ in range(count):
-        record = goals.goal()
+        record, found = goals.goal()
         for note in record.notes:
             print("note", note, flush=True)
-        print("goal", *hashes(record), flush=True)
+        print("goal", *found, flush=True)
     return 0
 
 

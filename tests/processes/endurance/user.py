@@ -65,11 +65,11 @@ class User(goals_module.Goals):
 
     def one_goal(self):
         """A goal, recorded."""
-        record = self.goal()
+        record, found = self.goal()
         for note in record.notes:
             print("lost", note, flush=True)
         counts = record.recorded.values()
-        print("goal", *goals_module.hashes(record), sum(count["published"] for count in counts),
+        print("goal", *found, sum(count["published"] for count in counts),
               sum(count["in_bag"] for count in counts), flush=True)
 
     def resets(self):
