@@ -38,7 +38,7 @@ WORKER_PERIOD_S = 0.05    # wall time; watchdog
 STATUS_PERIOD_S = 0.2     # wall time; actionlib's status topic
 CLOCK_LAG_NS = 500000000  # simulated time by which the clock may come later than images; more is a clock set back
 HELD_S = 0.5              # wall time; a simulator that holds for longer when this node starts waits for a lost answer
-STATE_QUEUE = 1000        # messages; a long sim/step brings images as fast as they are drawn, on a busy machine too
+STATE_QUEUE = 1000        # messages that wait for a slow listener; sim/step draws images without waiting for it
 EXIT_STOPPED, EXIT_PARAMETERS = 0, 2
 
 

@@ -103,7 +103,7 @@ class GoalPose:
             return None
         if self._with_tilt is None or tilt is None:
             return self._inverse @ e
-        return self._with_tilt @ np.array((*e.tolist(), *tilt))  # of floats: NumPy's numbers take twice as long
+        return self._with_tilt @ np.array((*e.tolist(), *tilt))  # floats: NumPy's numbers take twice as long
 
 
 class StopRule:
