@@ -5,7 +5,7 @@ import time
 import rospy
 from sensor_msgs.msg import Image
 
-from listening import command, command_publisher, until
+from listening import command, command_publisher, until_sent_to
 
 if __name__ == "__main__":
     rospy.init_node("answering_node")
@@ -16,7 +16,7 @@ if __name__ == "__main__":
         publisher.publish(command(image.header.stamp, pan=rospy.get_param("~velocity")))
 
     images = rospy.Subscriber("camera/image_raw", Image, answer, queue_size=1000, tcp_nodelay=True)
-    until(images.get_num_connections, "the image subscription")
+    until_sent_to(images)
     publisher.publish(command(rospy.Time(0)))  # arms the lockstep
     rospy.set_param("~ready", True)
     rospy.spin()

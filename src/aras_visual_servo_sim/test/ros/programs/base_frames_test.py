@@ -10,7 +10,7 @@ from geometry_msgs.msg import PoseStamped
 from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 
-from listening import Listener, service, until
+from listening import Listener, service, until, until_sent_to
 
 BASE = {"position": [0.3, -0.2, 2.0], "rpy": (0.2, -0.4, 0.7)}
 P_BC = np.array([0.05, 0.02, -0.1])            # of the URDF
@@ -41,8 +41,7 @@ class BaseFrames(unittest.TestCase):
     def test_free_base_is_published_with_the_stamp_of_every_joint_state_and_agrees_with_the_truth(self):
         transforms, joints = Listener("free/tf", TFMessage), Listener("free/joint_states", JointState)
         poses = Listener("free/ground_truth/camera_pose", PoseStamped)
-        for listener in (transforms, joints, poses):
-            until(listener.subscriber.get_num_connections, "the subscriptions")
+        until_sent_to(*(listener.subscriber for listener in (transforms, joints, poses)))
         service("free/sim/step", Step)(steps=FALL_MS)
         end_ns = FALL_MS * 1_000_000
         for listener in (joints, poses):
@@ -65,7 +64,7 @@ class BaseFrames(unittest.TestCase):
 
     def test_a_base_that_stands_is_static_and_agrees_with_the_truth(self):
         poses = Listener("placed/ground_truth/camera_pose", PoseStamped)
-        until(poses.subscriber.get_num_connections, "the subscription")
+        until_sent_to(poses.subscriber)
         (transform,) = rospy.wait_for_message("placed/tf_static", TFMessage, 30.0).transforms
         self.assertEqual((transform.header.frame_id, transform.child_frame_id), ("world", "base_link"))
         np.testing.assert_allclose(vector(transform.transform.translation), BASE["position"], atol=ROUNDING)
@@ -75,8 +74,7 @@ class BaseFrames(unittest.TestCase):
 
     def test_the_links_are_told_with_every_image_and_lead_to_the_true_camera(self):
         transforms, poses = Listener("links/tf", TFMessage), Listener("links/ground_truth/camera_pose", PoseStamped)
-        for listener in (transforms, poses):
-            until(listener.subscriber.get_num_connections, "the subscriptions")
+        until_sent_to(transforms.subscriber, poses.subscriber)
         place = service("links/sim/set_joint_positions", SetJointPositions)
         self.assertTrue(place(name=["lift", "pan"], position=[0.07, 0.4]).success)
         service("links/sim/step", Step)(steps=FALL_MS)

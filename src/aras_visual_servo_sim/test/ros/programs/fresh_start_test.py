@@ -14,7 +14,7 @@ from sensor_msgs.msg import CameraInfo, Image, JointState
 from std_msgs.msg import Float64
 from std_srvs.srv import Empty
 
-from listening import Listener, command_publisher, service, until
+from listening import Listener, command_publisher, service, until, until_sent_to
 
 STEPS = 700                  # of 1 ms
 PAN = 0.9                    # set-point [rad]
@@ -40,8 +40,7 @@ class FreshStart(unittest.TestCase):
     def setUpClass(cls):
         cls.status = Listener("sim/status", SimStatus)
         cls.listeners = {name: Listener(name, kind) for name, kind in TOPICS.items()}
-        for name, listener in cls.listeners.items():
-            until(listener.subscriber.get_num_connections, "the subscription of " + name)
+        until_sent_to(*(listener.subscriber for listener in cls.listeners.values()))
         cls.pan = command_publisher("pan_controller/command", Float64)
         cls.fresh = cls.run_once()
         # Everything a reset has to undo: a model that came, one that was put elsewhere, set-points, time.

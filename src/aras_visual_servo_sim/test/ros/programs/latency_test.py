@@ -15,7 +15,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, JointState
 from std_srvs.srv import Empty
 
-from listening import Listener, command, command_publisher, service, until
+from listening import Listener, command, command_publisher, service, until, until_sent_to
 
 LATENCY_NS = {"camera": 80_000_000, "side": 15_000_000}
 COUNT = 20          # images of a run
@@ -45,10 +45,8 @@ class Latency(unittest.TestCase):
             rospy.Subscriber(name + "/image_raw", Image, lambda image, name=name: self.images.append((name, image)),
                              queue_size=100, tcp_nodelay=True) for name in LATENCY_NS]
         self.publisher = command_publisher()
-        for listener in (self.clock, self.joints, self.info, self.pose, self.depth):
-            until(listener.subscriber.get_num_connections, "the subscriptions")
-        for subscriber in self.subscribers:
-            until(subscriber.get_num_connections, "the image subscriptions")
+        listeners = (self.clock, self.joints, self.info, self.pose, self.depth)
+        until_sent_to(*self.subscribers, *(listener.subscriber for listener in listeners))
         service("sim/pause", Empty)()
         service("sim/reset", Empty)()
         paused = self.status.newer(lambda m: m.paused and m.ticks == 0 and not m.lockstep_armed, "a fresh start")

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Waiting for what comes over ROS, for the tests beside this file."""
 import time
+import xmlrpc.client
 
+import rosgraph
 import rospy
 from sensor_msgs.msg import JointState
 
@@ -17,6 +19,26 @@ def until(condition, what):
             return value
         time.sleep(0.005)
     raise AssertionError("never happened: " + what)
+
+
+def until_sent_to(*subscribers):
+    """Waits until whatever is published from now on comes to these rospy.Subscribers.
+
+    The publishers are asked whether they send to this node: rospy counts a connection that is yet to be made.
+    """
+    master = rosgraph.Master(rospy.get_name())
+
+    def sends(node, topic):
+        _, _, connections = xmlrpc.client.ServerProxy(master.lookupNode(node)).getBusInfo(rospy.get_name())
+        return any(to == rospy.get_name() and direction == "o" and name == topic
+                   for _, to, direction, _, name, *_ in connections)
+
+    def stands(topic):
+        publishers = dict(master.getSystemState()[0]).get(topic, [])
+        return publishers and all(sends(node, topic) for node in publishers)
+
+    for subscriber in subscribers:
+        until(lambda topic=subscriber.resolved_name: stands(topic), "the subscription of " + subscriber.resolved_name)
 
 
 class Listener:

@@ -11,7 +11,7 @@ from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, Twist, Twist
 from std_srvs.srv import Empty
 from visualization_msgs.msg import Marker, MarkerArray
 
-from listening import Listener, service, until
+from listening import Listener, service, until, until_sent_to
 
 TABLE = """<robot name="table"><link name="top"><visual><geometry><box size="0.2 0.1 0.02"/></geometry></visual></link>
   <link name="leg"><visual><geometry><cylinder radius="0.01" length="0.1"/></geometry></visual></link>
@@ -111,8 +111,7 @@ class Models(unittest.TestCase):
     def test_a_motion_moves_truth_and_its_twist_and_ends(self):
         truth = Listener("ground_truth/target_pose", PoseStamped)
         twists = Listener("ground_truth/target_twist", TwistStamped)
-        for listener in (truth, twists):
-            until(listener.subscriber.get_num_connections, "the subscriptions")
+        until_sent_to(truth.subscriber, twists.subscriber)
         motion = "{type: constant_velocity, linear_m_per_s: [0, 0.2, 0]}"
         self.assertTrue(self.move(model_name="target", motion=motion).success)
         self.step(steps=100)

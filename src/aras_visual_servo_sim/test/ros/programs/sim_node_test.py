@@ -22,7 +22,7 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image, JointState
 from std_msgs.msg import Float64
 from std_srvs.srv import Empty
 
-from listening import LIMIT_S, Listener, command, command_publisher, service, until
+from listening import LIMIT_S, Listener, command, command_publisher, service, until, until_sent_to
 
 NAN = float("nan")
 
@@ -196,7 +196,7 @@ class Lockstep(unittest.TestCase):
         self.status = Listener("sim/status", SimStatus)
         self.images = Listener("camera/image_raw", Image)
         self.publisher = command_publisher()
-        until(self.images.subscriber.get_num_connections, "the image subscription")
+        until_sent_to(self.images.subscriber)
         service("sim/pause", Empty)()
         service("sim/reset", Empty)()
         self.status.newer(lambda m: m.paused and m.ticks == 0 and not m.lockstep_armed, "a fresh start")

@@ -15,7 +15,7 @@ from geometry_msgs.msg import Pose, Quaternion
 from sensor_msgs.msg import Image, JointState
 from std_srvs.srv import Empty
 
-from listening import Listener, command, command_publisher, service, until
+from listening import Listener, command, command_publisher, service, until, until_sent_to
 
 COUNT = 12  # images of a run
 
@@ -33,8 +33,7 @@ class SeveralNodes(unittest.TestCase):
         self.status = Listener("sim/status", SimStatus)
         self.images = Listener("camera/image_raw", Image)
         self.joints = Listener("joint_states", JointState)
-        for listener in (self.images, self.joints):
-            until(listener.subscriber.get_num_connections, "the subscriptions")
+        until_sent_to(self.images.subscriber, self.joints.subscriber)
         for node in ("one", "two"):
             until(lambda node=node: rospy.has_param(node + "/ready"), node + " is up")
 
@@ -74,7 +73,7 @@ class SeveralNodes(unittest.TestCase):
 
     def test_nobody_waits_for_the_other_camera(self):
         side = Listener("side/image_raw", Image)
-        until(side.subscriber.get_num_connections, "the subscription")
+        until_sent_to(side.subscriber)
         self.run_images(0.0, 0.0)
         until(lambda: len(side.messages) > COUNT, "more images than the answered camera takes")
 
@@ -98,7 +97,7 @@ class Snapshots(unittest.TestCase):
         self.status = Listener("sim/status", SimStatus)
         self.images = Listener("camera/image_raw", Image)
         self.publisher = command_publisher()
-        until(self.images.subscriber.get_num_connections, "the image subscription")
+        until_sent_to(self.images.subscriber)
         service("sim/pause", Empty)()
         service("sim/reset", Empty)()
         self.status.newer(lambda m: m.paused and m.ticks == 0 and not m.lockstep_armed, "a fresh start")
