@@ -108,17 +108,7 @@ def judge(record):
 
 def taught_pose(record):
     """X_WCg, (4, 4): the true camera pose at the image that stands for the taught view."""
-    return record.X_WC[taught_row(record)]
-
-
-def taught_row(record):
-    """Row of the image that stands for the taught view: of several averaged ones, that nearest to their mean place.
-
-    The arm may creep a little while it is taught, fast at first and then slower.
-    """
-    rows = record.rows("teach")
-    places = record.X_WC[rows, :3, 3]
-    return rows[np.linalg.norm(places - places.mean(axis=0), axis=1).argmin()]
+    return record.X_WC[record.taught_row]
 
 
 def goal_pose(record, row):
@@ -127,7 +117,7 @@ def goal_pose(record, row):
     X_WCg = taught_pose(record)
     if record.target_poses is None:
         return X_WCg
-    then, now = record.target_poses[taught_row(record)], record.target_poses[row]
+    then, now = record.target_poses[record.taught_row], record.target_poses[row]
     return X_WCg if np.array_equal(then, now) else now @ np.linalg.solve(then, X_WCg)
 
 
@@ -139,7 +129,7 @@ def true_error(record, row):
     """
     if not record.eye_to_hand or record.target_poses is None:
         return pose_error(goal_pose(record, row), record.X_WC[row])
-    goal, here = (inverse(record.X_WC[at]) @ record.target_poses[at] for at in (taught_row(record), row))
+    goal, here = (inverse(record.X_WC[at]) @ record.target_poses[at] for at in (record.taught_row, row))
     x_mm, y_mm, z_mm = (1e3 * (here[:3, 3] - goal[:3, 3])).tolist()
     return {"x_mm": x_mm, "y_mm": y_mm, "z_mm": z_mm,
             "angle_deg": math.degrees(rotation_angle(goal[:3, :3].T @ here[:3, :3]))}
@@ -199,5 +189,5 @@ def _promised_rates(record):
 
 
 def _last_finite(e, rows):
-    finite = [row for row in rows if np.all(np.isfinite(e[row]))]
-    return finite[-1] if finite else rows[-1]
+    finite = rows[np.isfinite(e[rows]).all(axis=1)]
+    return finite[-1] if len(finite) else rows[-1]

@@ -7,8 +7,6 @@ from math import inf
 
 import numpy as np
 
-from .judge import taught_row
-
 #: Columns of a sweep, and what they are.
 MEASURES = {
     "path_mm": "length of the path of what the arm carries, camera or target [mm]",
@@ -27,7 +25,7 @@ def measures(record, lower, upper, outline=None):
         outline: `Outline` of its target, or None.
     """
     rows, found = record.servo_rows, dict.fromkeys(MEASURES)
-    X_WMg, X_WM = record.X_WM[taught_row(record)], record.X_WM[rows]
+    X_WMg, X_WM = record.X_WM[record.taught_row], record.X_WM[rows]
     if np.isfinite(X_WM).all() and np.isfinite(X_WMg).all():
         p, goal = 1e3 * X_WM[:, :3, 3], 1e3 * X_WMg[:3, 3]
         found["path_mm"] = float(np.linalg.norm(np.diff(p, axis=0), axis=1).sum())

@@ -109,6 +109,16 @@ class RunRecord:
         return np.flatnonzero(np.isin(self.phase, phases))
 
     @cached_property
+    def taught_row(self):
+        """Row of the image that stands for the taught view: of several averaged ones, that nearest to their mean place.
+
+        The arm may creep a little while it is taught, fast at first and then slower.
+        """
+        rows = self.rows("teach")
+        places = self.X_WC[rows, :3, 3]
+        return rows[np.linalg.norm(places - places.mean(axis=0), axis=1).argmin()]
+
+    @cached_property
     def servo_rows(self):
         """Indices of the images of the servo phase, with the one that ended it: (j,) int.
 

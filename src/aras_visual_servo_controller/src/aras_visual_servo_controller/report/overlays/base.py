@@ -18,7 +18,6 @@ from ...features.target.outline import Outline
 from ...ground.errors import ArasError
 from ...ground.spatial import inverse
 from ...live.view.projection import project
-from ...run.judge import taught_row
 from ...scenario.scenario import scenario_from_dict
 
 #: An outline of more corners is drawn through so many of them.
@@ -102,7 +101,7 @@ class Scene:
     """
 
     def __init__(self, record):
-        self.record, self.rows, self.goal = record, record.servo_rows, taught_row(record)
+        self.record, self.rows, self.goal = record, record.servo_rows, record.taught_row
         self.width, self.height = int(record.camera_info["width"]), int(record.camera_info["height"])
         self.focal_px = float(record.camera_info["K"][0])
 
