@@ -49,7 +49,9 @@ class Watcher:
 
     def connected(self):
         """Whether nothing that the controller says from now on is missed."""
-        return all(subscriber.get_num_connections() for subscriber in self._of_controller)
+        graph = Graph(rospy.get_name(), os.environ["ROS_MASTER_URI"])
+        published = {subscriber.resolved_name for subscriber in self._of_controller} <= set(graph.topics())
+        return published and not graph.missing_connections([rospy.get_name(), rospy.resolve_name("controller")])
 
     @staticmethod
     def _keep(message, kept):
