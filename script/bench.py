@@ -178,6 +178,8 @@ def micro():
         output = subprocess.run([path, "--benchmark_format=json", "--benchmark_min_time=0.3"], check=True,
                                 capture_output=True, text=True).stdout
         for entry in json.loads(output)["benchmarks"]:
+            if "error_message" in entry:
+                raise SystemExit(f"{path.name}: {entry['name']} did not run: {entry['error_message']}")
             row(f"{what}: {entry['name'].removeprefix('BM_')}", f"{entry['cpu_time']:.2f} {entry['time_unit']}",
                 f"{1.0 / (entry['cpu_time'] * {'ns': 1e-9, 'us': 1e-6, 'ms': 1e-3}[entry['time_unit']]):,.0f} /s")
 

@@ -8,6 +8,7 @@
 #include "aras_visual_servo_camera/matching/match_extractor.hpp"
 #include "aras_visual_servo_camera/photometric/photometric_extractor.hpp"
 #include "coverage_image.hpp"
+#include "point_views.hpp"
 #include "usual_vision.hpp"
 
 namespace {
@@ -44,13 +45,6 @@ VisionConfig withSegmentation(SegmentationMethod method) {
   return config;
 }
 
-VisionConfig withBlobs() {
-  VisionConfig config = testing::usualVision();
-  config.points = PointSource::kBlobs;
-  config.point_count = 1;
-  return config;
-}
-
 VisionConfig withMostSimilar() {
   VisionConfig config = testing::usualVision();
   config.component = ComponentChoice::kMostSimilar;
@@ -70,9 +64,7 @@ void corners(benchmark::State& state, bool distorted) {
   const std::vector<std::uint8_t> rgb = toRgb(image);
   const ImageView view{rgb.data(), image.width, image.height, static_cast<std::size_t>(3) * image.width,
                        PixelFormat::kRgb8};
-  VisionConfig config = testing::usualVision();
-  config.points = PointSource::kCorners;
-  MomentExtractor extractor(camera, config);
+  MomentExtractor extractor(camera, testing::withPoints(PointSource::kCorners, 4));
   for (auto _ : state) benchmark::DoNotOptimize(extractor.process(view).area);
   if (!extractor.features().valid) state.SkipWithError("the corners were not found");
 }
@@ -95,7 +87,7 @@ void coverageLargeObject(benchmark::State& s) { run(s, testing::usualVision(), k
 void coverageLargeObjectDistorted(benchmark::State& s) { run(s, testing::usualVision(), kLarge_m, true, false); }
 void fourCorners(benchmark::State& s) { corners(s, false); }
 void fourCornersDistorted(benchmark::State& s) { corners(s, true); }
-void oneBlob(benchmark::State& s) { run(s, withBlobs(), kUsual_m, false, false); }
+void oneBlob(benchmark::State& s) { run(s, testing::withPoints(PointSource::kBlobs, 1), kUsual_m, false, false); }
 void mostSimilar(benchmark::State& s) { run(s, withMostSimilar(), kUsual_m, false, false); }
 void kernelProjections(benchmark::State& s) { run(s, withKernel(), kUsual_m, false, false); }
 void fixed(benchmark::State& s) { run(s, withSegmentation(SegmentationMethod::kFixed), kUsual_m, false, false); }
