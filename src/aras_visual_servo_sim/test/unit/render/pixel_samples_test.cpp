@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -14,7 +15,7 @@ PixelSamples::Triangle side(double angle, double x0, double y0, float z, bool ot
   const auto a = static_cast<float>(std::cos(angle)), b = static_cast<float>(std::sin(angle));
   const auto c = static_cast<float>(-(std::cos(angle) * x0 + std::sin(angle) * y0));
   const float least = other ? 1e-45f : 0.0f;
-  return {{sign * a, 0.0f, 0.0f}, {sign * b, 0.0f, 0.0f}, {sign * c, 1.0f, 1.0f}, {least, 0.0f, 0.0f}, z, 0.0f, 0.0f};
+  return {1, {sign * a}, {sign * b}, {sign * c}, {least}, z, 0.0f, 0.0f};
 }
 
 TEST(PixelSamples, EachLiesOnOneSideOfASharedEdge) {
@@ -53,6 +54,39 @@ TEST(PixelSamples, NearerOnesHideFartherOnesInEitherOrder) {
     near.clear(2);
     near.see(side(far_first ? 2.0 : 0.3, far_first ? 0.0 : 0.1, 0.1, 0.2f), 1);
     EXPECT_EQ(samples.shareOf(1).count, near.shareOf(1).count);
+  }
+}
+
+TEST(PixelSamples, SeeWhatLiesInsideEachEdgeAndBehindTheNearPlane) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
+  for (int round = 0; round < 400; ++round) {
+    PixelSamples::Triangle t{};
+    t.edges = round % 4;
+    for (int k = 0; k < 3; ++k) {  // those beyond t.edges would hide everything
+      t.a[k] = unit(random);
+      t.b[k] = unit(random);
+      t.c[k] = k < t.edges ? 0.3f * unit(random) + 0.2f : -9.0f;
+    }
+    t.z = 0.5f;
+    t.z_x = 0.3f * unit(random);
+    t.z_y = 0.3f * unit(random);
+    const bool bounded = t.edges == 3 && round % 8 > 3;
+    if (bounded) t.most = 0.5f;
+    PixelSamples samples;
+    samples.clear(1);
+    samples.see(t, 0);
+    int least = 0, most = 0;  // without and with the samples that rounding may move
+    constexpr double kRounding = 1e-6;
+    for (int k = 0; k < PixelSamples::kCount; ++k) {
+      const Eigen::Vector2d at = PixelSamples::place(k);
+      double inside = bounded ? t.most - (t.z + t.z_x * at.x() + t.z_y * at.y()) : 1.0;
+      for (int e = 0; e < t.edges; ++e) inside = std::min(inside, t.a[e] * at.x() + t.b[e] * at.y() + t.c[e]);
+      least += inside > kRounding;
+      most += inside > -kRounding;
+    }
+    EXPECT_GE(samples.shareOf(0).count, least) << t.edges << " edges";
+    EXPECT_LE(samples.shareOf(0).count, most) << t.edges << " edges";
   }
 }
 

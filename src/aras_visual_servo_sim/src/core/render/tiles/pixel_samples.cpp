@@ -3,11 +3,12 @@
 #include <cmath>
 
 #include "aras_visual_servo_sim/config/wide.hpp"
+#include "eight.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr int kCount = PixelSamples::kCount;
+constexpr int kCount = PixelSamples::kCount, kSide = PixelSamples::kSide;
 
 /** Where the samples are: column and row in 64ths of a pixel, and from its middle [px]. */
 struct Pattern {
@@ -18,9 +19,9 @@ struct Pattern {
 constexpr Pattern makePattern() {
   Pattern pattern;
   for (int k = 0; k < kCount; ++k) {
-    const int i = k % PixelSamples::kSide, j = k / PixelSamples::kSide;
-    pattern.column[k] = i * PixelSamples::kSide + j;
-    pattern.row[k] = j * PixelSamples::kSide + i;
+    const int i = k % kSide, j = k / kSide;
+    pattern.column[k] = i * kSide + j;
+    pattern.row[k] = j * kSide + i;
     pattern.x[k] = (pattern.column[k] + 0.5f) / kCount - 0.5f;
     pattern.y[k] = (pattern.row[k] + 0.5f) / kCount - 0.5f;
   }
@@ -28,19 +29,53 @@ constexpr Pattern makePattern() {
 }
 constexpr Pattern kPattern = makePattern();
 
-ARAS_WIDE void seeTriangle(const PixelSamples::Triangle& t, std::int32_t index, float* nearest, std::int32_t* seen) {
-  const float a0 = t.a[0], a1 = t.a[1], a2 = t.a[2], b0 = t.b[0], b1 = t.b[1], b2 = t.b[2];
-  const float c0 = t.c[0], c1 = t.c[1], c2 = t.c[2], l0 = t.least[0], l1 = t.least[1], l2 = t.least[2];
-  const float z0 = t.z, z_x = t.z_x, z_y = t.z_y, most = t.most;
-  for (int i = 0; i < kCount; ++i) {
-    const float x = kPattern.x[i], y = kPattern.y[i];
-    const float z = z0 + z_x * x + z_y * y;
-    const std::int32_t inside = -std::int32_t(a0 * x + b0 * y + c0 >= l0) & -std::int32_t(a1 * x + b1 * y + c1 >= l1) &
-                                -std::int32_t(a2 * x + b2 * y + c2 >= l2) & -std::int32_t(z > nearest[i]) &
-                                -std::int32_t(z <= most);
-    nearest[i] = inside != 0 ? z : nearest[i];
-    seen[i] = inside != 0 ? index : seen[i];
+static_assert(kSide == 8, "a row of the grid is EightFloats");
+
+/** A linear function of the place, a x + b y + c: in row j of the grid it is first + j * step. */
+struct Linear {
+  EightFloats first;
+  float step;
+
+  [[gnu::always_inline]] void set(float a, float b, float c) {
+    first = a * eightAt(kPattern.x.data()) + b * eightAt(kPattern.y.data()) + c;
+    step = a * (1.0f / kCount) + b * (1.0f / kSide);
   }
+};
+
+template <int kEdges, bool kBounded>
+[[gnu::always_inline]] inline void seeTriangle(const PixelSamples::Triangle& t, std::int32_t index, float* nearest,
+                                               std::int32_t* seen) {
+  Linear depth, edges[3];
+  depth.set(t.z_x, t.z_y, t.z);
+  for (int k = 0; k < kEdges; ++k) edges[k].set(t.a[k], t.b[k], t.c[k]);
+  for (int j = 0; j < kSide; ++j, nearest += kSide, seen += kSide) {
+    auto& near = eightAt(nearest);
+    auto& visible = eightAt(seen);
+    const auto rows = static_cast<float>(j);
+    const EightFloats z = depth.first + rows * depth.step;
+    EightInts inside = z > near;
+    if constexpr (kBounded) inside &= z <= t.most;
+    for (int k = 0; k < kEdges; ++k) inside &= edges[k].first + rows * edges[k].step >= t.least[k];
+    near = inside ? z : near;
+    visible = inside ? index : visible;
+  }
+}
+
+ARAS_WIDE void seeWhole(const PixelSamples::Triangle& t, std::int32_t index, float* nearest, std::int32_t* seen) {
+  seeTriangle<0, false>(t, index, nearest, seen);
+}
+ARAS_WIDE void seeOneEdge(const PixelSamples::Triangle& t, std::int32_t index, float* nearest, std::int32_t* seen) {
+  seeTriangle<1, false>(t, index, nearest, seen);
+}
+ARAS_WIDE void seeTwoEdges(const PixelSamples::Triangle& t, std::int32_t index, float* nearest, std::int32_t* seen) {
+  seeTriangle<2, false>(t, index, nearest, seen);
+}
+ARAS_WIDE void seeThreeEdges(const PixelSamples::Triangle& t, std::int32_t index, float* nearest, std::int32_t* seen) {
+  seeTriangle<3, false>(t, index, nearest, seen);
+}
+/** Where the near plane may cut it. @pre it has all three edges */
+ARAS_WIDE void seeBounded(const PixelSamples::Triangle& t, std::int32_t index, float* nearest, std::int32_t* seen) {
+  seeTriangle<3, true>(t, index, nearest, seen);
 }
 
 ARAS_WIDE void seeCurved(const PixelSamples::Curved& c, std::int32_t index, float* nearest, std::int32_t* seen) {
@@ -84,7 +119,8 @@ void PixelSamples::clear(std::int32_t nothing) {
 }
 
 void PixelSamples::see(const Triangle& triangle, std::int32_t index) {
-  seeTriangle(triangle, index, nearest_.data(), seen_.data());
+  constexpr decltype(&seeWhole) kSee[] = {seeWhole, seeOneEdge, seeTwoEdges, seeThreeEdges};
+  (triangle.most < kAnyDepth ? seeBounded : kSee[triangle.edges])(triangle, index, nearest_.data(), seen_.data());
 }
 
 void PixelSamples::see(const Curved& curved, std::int32_t index) {

@@ -15,12 +15,14 @@ class PixelSamples {
  public:
   static constexpr int kSide = 8;
   static constexpr int kCount = kSide * kSide;
+  static constexpr float kAnyDepth = std::numeric_limits<float>::max();
 
   /** A triangle about a pixel: x and y from its middle [px], y down. */
   struct Triangle {
-    std::array<float, 3> a, b, c, least;             ///< inside where a x + b y + c >= least for all three edges
-    float z, z_x, z_y;                               ///< inverse depth in the middle and its slopes
-    float most = std::numeric_limits<float>::max();  ///< what is nearer is not seen
+    int edges;                            ///< how many of them cross the pixel; the others leave it wholly inside
+    std::array<float, 3> a, b, c, least;  ///< inside where a x + b y + c >= least for each of these edges
+    float z, z_x, z_y;                    ///< inverse depth in the middle and its slopes
+    float most = kAnyDepth;               ///< what is nearer is not seen
   };
   /** A curved surface about a pixel: x and y as above. */
   struct Curved {

@@ -4,56 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "aras_visual_servo_sim/config/wide.hpp"
 #include "aras_visual_servo_sim/image/pixel_color.hpp"
 
 namespace aras_visual_servo_sim {
-namespace {
-
-float dot(const float* a, const float* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-constexpr int kSide = TileBins::kTile, kSquare = kSide * kSide;
-constexpr float kFar = std::numeric_limits<float>::max();
-
-/** Over the pixels' squares, of the distances to a triangle's edges: the least, the most, and the least to its rim. */
-ARAS_WIDE void measureFlat(const TileTriangle& t, float* __restrict least, float* __restrict most,
-                           float* __restrict rim) {
-  float half[3], outer[3];
-  for (int k = 0; k < 3; ++k) {
-    half[k] = 0.5f * (std::abs(t.a[k]) + std::abs(t.b[k]));
-    outer[k] = t.seam[k] ? kFar : -half[k];
-  }
-  for (int p = 0; p < kSquare; ++p) {
-    const float x = p % kSide + 0.5f, y = p / kSide + 0.5f;  // NOLINT
-    const float e0 = t.a[0] * x + t.b[0] * y + t.c[0], e1 = t.a[1] * x + t.b[1] * y + t.c[1],
-                e2 = t.a[2] * x + t.b[2] * y + t.c[2];
-    least[p] = std::min(std::min(e0 - half[0], e1 - half[1]), e2 - half[2]);
-    most[p] = std::min(std::min(e0 + half[0], e1 + half[1]), e2 + half[2]);
-    rim[p] = std::min(std::min(e0 + outer[0], e1 + outer[1]), e2 + outer[2]);
-  }
-}
-
-/** The same through a lens, of pixels first <= p < last.
- *  @param rays  middle, across and down of all pixels, x, y and z */
-ARAS_WIDE void measureBent(const TileTriangle& t, const float (*__restrict rays)[kSquare], int first, int last,
-                           float* __restrict least, float* __restrict most, float* __restrict rim) {
-  std::fill(least + first, least + last, kFar);
-  std::fill(most + first, most + last, kFar);
-  std::fill(rim + first, rim + last, kFar);
-  for (int k = 0; k < 3; ++k) {
-    const float x = t.edge[k][0], y = t.edge[k][1], z = t.edge[k][2], beyond = t.seam[k] ? kFar : 0.0f;
-    for (int p = first; p < last; ++p) {
-      const float e = x * rays[0][p] + y * rays[1][p] + z * rays[2][p];
-      const float half = 0.5f * (std::abs(x * rays[3][p] + y * rays[4][p] + z * rays[5][p]) +
-                                 std::abs(x * rays[6][p] + y * rays[7][p] + z * rays[8][p]));
-      least[p] = std::min(least[p], e - half);
-      most[p] = std::min(most[p], e + half);
-      rim[p] = std::min(rim[p], std::max(e - half, beyond));
-    }
-  }
-}
-
-}  // namespace
 
 void TilePainter::paint(const CameraModel& camera, const TriangleList& triangles, const CurvedList& curved,
                         const TileBins& bins, const Rgb& background, const AnyCanvas& canvas) {
@@ -156,19 +109,15 @@ void TilePainter::setUp() {
 void TilePainter::setUpFlat() {
   ahead_.fill(std::numeric_limits<float>::max());
   PixelRays rays = PixelRays::of(*camera_, box_.u0, box_.v0);
-  Pixel pixel{{}, {float(rays.across[0]), 0.0f, 0.0f}, {0.0f, float(rays.down[1]), 0.0f}};
-  pixel.middle[2] = 1.0f;
   double x[kTile];
   for (int u = box_.u0; u < box_.u1; ++u) x[u - box_.u0] = (u - camera_->cx()) / camera_->fx();
   for (int v = box_.v0; v < box_.v1; ++v) {
     rays.middle.y() = (v - camera_->cy()) / camera_->fy();
-    pixel.middle[1] = static_cast<float>(rays.middle.y());
     int p = (v - box_.v0) * kTile;
     for (int u = box_.u0; u < box_.u1; ++u, ++p) {
       rays.middle.x() = x[u - box_.u0];
-      pixel.middle[0] = static_cast<float>(rays.middle.x());
       rays_[p] = rays;
-      pixels_[p] = pixel;
+      rounded_.set(p, rays);
     }
   }
 }
@@ -178,16 +127,8 @@ void TilePainter::setUpBent() {
   for (int v = box_.v0; v < box_.v1; ++v) {
     for (int u = box_.u0; u < box_.u1; ++u) {
       const int p = (v - box_.v0) * kTile + u - box_.u0;
-      Pixel& pixel = pixels_[p];
       rays_[p] = PixelRays::of(*camera_, u, v);
-      for (int k = 0; k < 3; ++k) {
-        pixel.middle[k] = static_cast<float>(rays_[p].middle[k]);
-        pixel.across[k] = static_cast<float>(rays_[p].across[k]);
-        pixel.down[k] = static_cast<float>(rays_[p].down[k]);
-        across_tile_[k][p] = pixel.middle[k];
-        across_tile_[3 + k][p] = pixel.across[k];
-        across_tile_[6 + k][p] = pixel.down[k];
-      }
+      rounded_.set(p, rays_[p]);
       ahead_[p] = fisheye ? static_cast<float>(rays_[p].middle.cwiseAbs().maxCoeff()) : 1.0f;
     }
   }
@@ -197,22 +138,19 @@ void TilePainter::setUpBent() {
 void TilePainter::collect(std::uint32_t index) {
   const TileTriangle& t = candidates_[index];
   const PixelBox touched = touchedBy(t);
-  measureEdges(t, touched);
+  sight_.look(t, list_->isFlat(), rounded_, floor_.data(), ahead_.data(), touched);
+  std::int32_t ends = TileSight::kCut;
+  for (int k = 0; k < 3; ++k) ends |= t.seam[k] ? 0 : 1 << k;
   for (int v = touched.v0; v < touched.v1; ++v) {
     for (int u = touched.u0; u < touched.u1; ++u) {
       const int p = v * kTile + u;
-      if (most_[p] < 0.0f) continue;
-      const Pixel& pixel = pixels_[p];
-      const float z = dot(t.plane, pixel.middle) + t.bias;
-      const float reach = 0.5f * (std::abs(dot(t.plane, pixel.across)) + std::abs(dot(t.plane, pixel.down)));
-      if (z + reach < floor_[p] || z - reach > ahead_[p]) continue;
-      const bool cut = z + reach > ahead_[p];  // by the near plane
-      if (least_[p] > 0.0f && z - reach > floor_[p] && !cut) {
-        putInFront(p, index, z - reach, z + reach);
+      const std::int32_t sight = sight_.of(p);
+      if ((sight & TileSight::kNothing) != 0) continue;
+      if (sight == 0 && sight_.farthest(p) > floor_[p]) {
+        putInFront(p, index, sight_.farthest(p), sight_.nearest(p));
         continue;
       }
-      fragments_.push_back({index, first_[p], z + reach, rim_[p] > 0.0f && !cut});
-      first_[p] = static_cast<int>(fragments_.size()) - 1;
+      addFragment(p, index, sight_.nearest(p), (sight & ends) == 0, sight);
     }
   }
 }
@@ -226,54 +164,66 @@ PixelBox TilePainter::touchedBy(const TileTriangle& t) const {
           std::clamp(extent.right - box_.u0, 0, width), std::clamp(extent.bottom - box_.v0, 0, height)};
 }
 
-/** Sets least_, most_ and rim_ of these pixels at least: over each one's square, of the distances to the edges, in any
- *  unit. */
-void TilePainter::measureEdges(const TileTriangle& t, const PixelBox& pixels) {
-  list_->isFlat()
-      ? measureFlat(t, least_.data(), most_.data(), rim_.data())
-      : measureBent(t, across_tile_, pixels.v0 * kTile, pixels.v1 * kTile, least_.data(), most_.data(), rim_.data());
-}
-
 /** Whether the middle of a pixel lies inside a triangle. */
 bool TilePainter::isInside(const TileTriangle& t, int p) const {
   const float x = p % kTile + 0.5f, y = p / kTile + 0.5f;  // NOLINT
   for (int k = 0; k < 3; ++k) {
-    const float e = list_->isFlat() ? t.a[k] * x + t.b[k] * y + t.c[k] : dot(t.edge[k], pixels_[p].middle);
+    const float e = list_->isFlat() ? t.a[k] * x + t.b[k] * y + t.c[k] : rounded_.middle(t.edge[k], p);
     if (!(e >= t.least[k])) return false;
   }
   return true;
 }
 
-/** A triangle about the middle of a pixel. */
-PixelSamples::Triangle TilePainter::about(const TileTriangle& t, int p) const {
-  const Pixel& pixel = pixels_[p];
-  PixelSamples::Triangle triangle{t.a,
-                                  t.b,
-                                  {},
-                                  t.least,
-                                  dot(t.plane, pixel.middle) + t.bias,
-                                  dot(t.plane, pixel.across),
-                                  dot(t.plane, pixel.down),
-                                  ahead_[p]};
-  const float x = p % kTile + 0.5f, y = p / kTile + 0.5f;  // NOLINT
-  for (int i = 0; i < 3; ++i) {
+/** A triangle about the middle of a pixel, with the edges that cross it. @param sight  bits of TileSight */
+PixelSamples::Triangle TilePainter::about(const TileTriangle& t, int p, std::int32_t sight) const {
+  PixelSamples::Triangle triangle;
+  triangle.edges = 0;
+  triangle.z = rounded_.middle(t.plane, p) + t.bias;
+  triangle.z_x = rounded_.across(t.plane, p);
+  triangle.z_y = rounded_.down(t.plane, p);
+  if ((sight & TileSight::kCut) != 0) {
+    triangle.most = ahead_[p];
+    sight = TileSight::kEdges;
+  }
+  for (int k = 0; k < 3; ++k) {
+    if ((sight >> k & 1) == 0) continue;
+    const int n = triangle.edges++;
+    triangle.least[n] = t.least[k];
     if (list_->isFlat()) {
-      triangle.c[i] = t.a[i] * x + t.b[i] * y + t.c[i];
-      continue;
+      const float x = p % kTile + 0.5f, y = p / kTile + 0.5f;  // NOLINT
+      triangle.a[n] = t.a[k];
+      triangle.b[n] = t.b[k];
+      triangle.c[n] = t.a[k] * x + t.b[k] * y + t.c[k];
+    } else {
+      triangle.a[n] = rounded_.across(t.edge[k], p);
+      triangle.b[n] = rounded_.down(t.edge[k], p);
+      triangle.c[n] = rounded_.middle(t.edge[k], p);
     }
-    triangle.a[i] = dot(t.edge[i], pixel.across);
-    triangle.b[i] = dot(t.edge[i], pixel.down);
-    triangle.c[i] = dot(t.edge[i], pixel.middle);
   }
   return triangle;
+}
+
+void TilePainter::addFragment(int p, std::uint32_t candidate, float nearest, bool smooth, std::int32_t sight) {
+  Fragment& fragment = fragments_.emplace_back();  // filled in place: to copy one waits for its parts to be written
+  fragment.candidate = candidate;
+  fragment.next = first_[p];
+  fragment.nearest = nearest;
+  fragment.smooth = smooth;
+  fragment.sight = sight;
+  first_[p] = static_cast<int>(fragments_.size()) - 1;
+}
+
+void TilePainter::addSeen(std::uint32_t candidate, std::int32_t sight) {
+  Seen& seen = seen_.emplace_back();  // as above
+  seen.candidate = candidate;
+  seen.sight = sight;
 }
 
 /** Makes a candidate that covers a pixel the one in front there. */
 void TilePainter::putInFront(int p, std::uint32_t index, float farthest, float nearest) {
   if (front_[p] >= 0 && front_nearest_[p] >= farthest) {
     const bool smooth = !isCurved(static_cast<std::uint32_t>(front_[p]));
-    fragments_.push_back({std::uint32_t(front_[p]), first_[p], front_nearest_[p], smooth});
-    first_[p] = static_cast<int>(fragments_.size()) - 1;
+    addFragment(p, static_cast<std::uint32_t>(front_[p]), front_nearest_[p], smooth, 0);
   }
   front_[p] = static_cast<int>(index);
   floor_[p] = farthest;
@@ -297,8 +247,7 @@ void TilePainter::collectCurved(std::uint32_t index) {
       putInFront(p, index, curved.farthest[p], curved.nearest[p]);
       continue;
     }
-    fragments_.push_back({index, first_[p], curved.nearest[p], false});
-    first_[p] = static_cast<int>(fragments_.size()) - 1;
+    addFragment(p, index, curved.nearest[p], false, 0);
   }
 }
 
@@ -322,7 +271,7 @@ void TilePainter::collectCenters(std::uint32_t index) {
     for (int u = 0; u < box_.u1 - box_.u0; ++u) {
       const int p = v * kTile + u;
       if (!isInside(t, p)) continue;
-      const float z = dot(t.plane, pixels_[p].middle) + t.bias;
+      const float z = rounded_.middle(t.plane, p) + t.bias;
       if (z <= floor_[p] || z > ahead_[p]) continue;
       floor_[p] = z;
       front_[p] = static_cast<int>(index);
@@ -337,7 +286,7 @@ void TilePainter::paintPixel(int p) {
   bool any_body = front >= 0 && isBody(front), smooth = true;
   for (int k = first_[p]; k >= 0; k = fragments_[k].next) {
     if (fragments_[k].nearest < floor_[p]) continue;
-    seen_.push_back(fragments_[k].candidate);
+    addSeen(fragments_[k].candidate, fragments_[k].sight);
     any_body = any_body || isBody(fragments_[k].candidate);
     smooth = smooth && fragments_[k].smooth;
   }
@@ -362,7 +311,7 @@ void TilePainter::put(const double* rgb, int p, ImageOf<Value>& image) const {
 /** Which of the candidates seen_, none of which ends in the pixel, its middle sees; -1 unless they are one surface of
  *  about one colour, front_ is of it too or behind it. */
 int TilePainter::smoothFront(int p) const {
-  const TileTriangle& first = candidates_[seen_.front()];
+  const TileTriangle& first = candidates_[seen_.front().candidate];
   const Eigen::Vector3f& color = list_->facet(first.triangle).rgb[0];
   int front = -1;
   float nearest = 0.0f;
@@ -370,8 +319,8 @@ int TilePainter::smoothFront(int p) const {
   const bool alone = front_[p] < 0 || (!isCurved(behind) && candidates_[behind].surface == first.surface);
   const auto look = [&](std::uint32_t index) {
     const TileTriangle& t = candidates_[index];
-    const float z = dot(t.plane, pixels_[p].middle) + t.bias;
-    const float reach = 0.5f * (std::abs(dot(t.plane, pixels_[p].across)) + std::abs(dot(t.plane, pixels_[p].down)));
+    const float z = rounded_.middle(t.plane, p) + t.bias;
+    const float reach = 0.5f * (std::abs(rounded_.across(t.plane, p)) + std::abs(rounded_.down(t.plane, p)));
     if (!alone && z - reach <= front_nearest_[p]) return false;
     const Eigen::Vector3f& other = list_->facet(t.triangle).rgb[0];
     if (t.surface != first.surface || (other - color).cwiseAbs().maxCoeff() > kCrease) return false;
@@ -381,23 +330,24 @@ int TilePainter::smoothFront(int p) const {
     }
     return true;
   };
-  for (const std::uint32_t index : seen_) {
-    if (!look(index)) return -1;
+  for (const Seen& seen : seen_) {
+    if (!look(seen.candidate)) return -1;
   }
   return front_[p] < 0 || !alone || look(behind) ? front : -1;
 }
 
 /** The mean of the colours of the candidates seen_ and front_, and of the background in rgb, each where it is seen. */
 void TilePainter::samplePixel(int p, double* rgb) {
-  if (front_[p] >= 0) seen_.push_back(static_cast<std::uint32_t>(front_[p]));
+  if (front_[p] >= 0) addSeen(static_cast<std::uint32_t>(front_[p]), 0);
   const auto nothing = static_cast<std::int32_t>(seen_.size());
   samples_.clear(nothing);
   for (std::int32_t k = nothing - 1; k >= 0; --k) {
-    if (isCurved(seen_[k])) {
-      samples_.see(samplesOf(*camera_, patchOf(curvedOf(seen_[k])), rays_[p]), k);
-      continue;
+    const auto [candidate, sight] = seen_[k];
+    if (isCurved(candidate)) {
+      samples_.see(samplesOf(*camera_, patchOf(curvedOf(candidate)), rays_[p]), k);
+    } else {
+      samples_.see(about(candidates_[candidate], p, sight), k);
     }
-    samples_.see(about(candidates_[seen_[k]], p), k);
   }
   Eigen::Map<Eigen::Vector3d> color(rgb);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -406,7 +356,7 @@ void TilePainter::samplePixel(int p, double* rgb) {
     const PixelSamples::Share share = samples_.shareOf(k);
     if (share.count == 0) continue;
     left -= share.count;
-    sum += share.count * colorOf(seen_[k], p, share);
+    sum += share.count * colorOf(seen_[k].candidate, p, share);
   }
   color = (sum + left * color) / PixelSamples::kCount;
 }
@@ -439,8 +389,8 @@ Eigen::Vector3d TilePainter::textureOf(const TileTriangle& t, int p, const Pixel
   if (camera_->sampling() == CameraModel::Sampling::kCenter) return TextureArea::at(*facet.texture, middle);
   outline_ = {{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
   if (share.count < PixelSamples::kCount) {
-    const PixelSamples::Triangle here = about(t, p);
-    for (int k = 0; k < 3 && !outline_.empty(); ++k) {
+    const PixelSamples::Triangle here = about(t, p, TileSight::kEdges);
+    for (int k = 0; k < here.edges && !outline_.empty(); ++k) {
       texture_area_.clip(outline_, {here.a[k], here.b[k]}, -here.c[k]);
     }
   }

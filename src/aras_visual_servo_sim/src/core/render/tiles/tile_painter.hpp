@@ -14,6 +14,7 @@
 #include "tile_colors.hpp"
 #include "tile_curved.hpp"
 #include "tile_fronts.hpp"
+#include "tile_sight.hpp"
 #include "tile_texture.hpp"
 #include "tile_triangle.hpp"
 
@@ -57,12 +58,15 @@ class TilePainter {
   /** A candidate that a pixel may see. */
   struct Fragment {
     std::uint32_t candidate;
-    int next;       // of the same pixel, -1: none
-    float nearest;  // upper bound of near_m / Z
-    bool smooth;    // no edges cross the pixel but seams
+    int next;            // of the same pixel, -1: none
+    float nearest;       // upper bound of near_m / Z
+    bool smooth;         // no edges cross the pixel but seams
+    std::int32_t sight;  // of a triangle: bits of TileSight
   };
-  struct Pixel {
-    float middle[3], across[3], down[3];  // rays, rounded
+  /** A candidate that a pixel sees, as far as the bounds of depths tell. */
+  struct Seen {
+    std::uint32_t candidate;
+    std::int32_t sight;
   };
 
   void paintTile(int tile);
@@ -77,13 +81,14 @@ class TilePainter {
   void setUpBent();
   void collect(std::uint32_t candidate);
   PixelBox touchedBy(const TileTriangle& candidate) const;
-  void measureEdges(const TileTriangle& candidate, const PixelBox& pixels);
   bool isInside(const TileTriangle& candidate, int pixel) const;
-  PixelSamples::Triangle about(const TileTriangle& candidate, int pixel) const;
+  PixelSamples::Triangle about(const TileTriangle& candidate, int pixel, std::int32_t sight) const;
   void collectCenters(std::uint32_t candidate);
   void addCurved(int tile);
   void collectCurved(std::uint32_t candidate);
   void collectCurvedCenters(std::uint32_t candidate);
+  void addFragment(int pixel, std::uint32_t candidate, float nearest, bool smooth, std::int32_t sight);
+  void addSeen(std::uint32_t candidate, std::int32_t sight);
   void putInFront(int pixel, std::uint32_t candidate, float farthest, float nearest);
   void paintPixel(int pixel);
   template <typename Value>
@@ -117,17 +122,16 @@ class TilePainter {
   TileColors colors_, facet_colors_;
   TileTexture texture_;
   std::vector<Fragment> fragments_;
-  std::vector<std::uint32_t> seen_;  // scratch: candidates of one pixel
-  PixelSamples samples_;             // scratch
+  std::vector<Seen> seen_;  // scratch: of one pixel
+  PixelSamples samples_;    // scratch
   TextureArea texture_area_;
   std::vector<Eigen::Vector2d> outline_;  // scratch: of what a pixel sees of a triangle
   std::array<PixelRays, kPixels> rays_;
-  std::array<Pixel, kPixels> pixels_;
+  TileRays rounded_;  // the same
   RayCone cone_;
-  float across_tile_[9][kPixels];                  // through a lens: middle, across and down of all pixels, x, y and z
-  std::array<float, kPixels> least_, most_, rim_;  // of the distances to a candidate's edges, in rim_ seams left out
-  std::array<float, kPixels> ahead_;               // near_m / Z of what lies on the near plane
-  std::array<int, kPixels> first_;                 // fragment of each pixel, -1: none
+  TileSight sight_;                   // of one candidate
+  std::array<float, kPixels> ahead_;  // near_m / Z of what lies on the near plane
+  std::array<int, kPixels> first_;    // fragment of each pixel, -1: none
   std::array<int, kPixels> front_;    // candidate that covers the pixel, the one whose farthest point is nearest
   std::array<float, kPixels> floor_;  // that point: what lies wholly behind it is not seen
   std::array<float, kPixels> front_nearest_;

@@ -162,9 +162,22 @@ bool TriangleList::isSeen(const Points& points, const ViewCell& cell, bool insid
   return inside || !cell.excludes(points.data(), points.size());
 }
 
-void TriangleList::addTriangle(const Points& points_C, const Seams& seams, Facet facet) {
-  if (!(isFlat() ? facet.place(points_C) : facet.placeWithEdges(points_C))) return;
+void TriangleList::addTriangle(const Points& points_C, const Seams& seams, const Facet& of) {
+  facets_.push_back(of);
+  Facet& facet = facets_.back();
   facet.seams = seams;
+  const bool placed = isFlat() ? facet.place(points_C) : facet.placeWithEdges(points_C);
+  const std::size_t count = placed ? addSeen(points_C, facet) : 0;
+  if (count == 0) {
+    facets_.pop_back();
+    return;
+  }
+  if (!isFlat()) extents_.push_back(extent_);
+  facet_of_.insert(facet_of_.end(), count, static_cast<std::uint32_t>(facets_.size() - 1));
+}
+
+/** Adds the vertices or spans of a triangle as it is seen in cells_. @return number of triangles */
+std::size_t TriangleList::addSeen(const Points& points_C, const Facet& facet) {
   const std::size_t first_vertex = vertices_.size(), first_span = spans_.size();
   constexpr int kMost = std::numeric_limits<int>::max(), kLeast = std::numeric_limits<int>::min();
   extent_ = {kMost, kMost, kLeast, kLeast};
@@ -174,7 +187,7 @@ void TriangleList::addTriangle(const Points& points_C, const Seams& seams, Facet
     if (!seen) continue;
     cell_ = cell;
     polygon_.assign(points_C.begin(), points_C.end());
-    polygon_seams_.assign(seams.begin(), seams.end());
+    polygon_seams_.assign(facet.seams.begin(), facet.seams.end());
     if (!inside) cell->clip(polygon_, &polygon_seams_);
     if (polygon_.size() < 3) continue;
     corners_.clear();
@@ -182,7 +195,7 @@ void TriangleList::addTriangle(const Points& points_C, const Seams& seams, Facet
     if (!isFlat()) {
       addSpans();
     } else if (inside) {
-      addVertices({corners_[0], corners_[1], corners_[2]}, seams);
+      addVertices({corners_[0], corners_[1], corners_[2]}, facet.seams);
     } else {
       const auto seam = [this](std::size_t k) { return polygon_seams_[k] != 0; };
       for (std::size_t i = 2; i < corners_.size(); ++i) {
@@ -191,11 +204,7 @@ void TriangleList::addTriangle(const Points& points_C, const Seams& seams, Facet
       }
     }
   }
-  const std::size_t count = isFlat() ? (vertices_.size() - first_vertex) / 3 : spans_.size() > first_span ? 1 : 0;
-  if (count == 0) return;
-  if (!isFlat()) extents_.push_back(extent_);
-  facets_.push_back(facet);
-  facet_of_.insert(facet_of_.end(), count, static_cast<std::uint32_t>(facets_.size() - 1));
+  return isFlat() ? (vertices_.size() - first_vertex) / 3 : spans_.size() > first_span ? 1 : 0;
 }
 
 TriangleList::Corner TriangleList::corner(const Eigen::Vector3d& p_C) const {

@@ -58,8 +58,9 @@ class TriangleList {
 
   void addShape(const Shape& shape, const Pose& X_CS, const Eigen::Vector3d& light_C);
   bool isSeen(const Points& points_C, const ViewCell& cell, bool inside) const;
-  /** Projects a triangle as it is seen in cells_. @param facet  what it is, its place yet to be set */
-  void addTriangle(const Points& points_C, const Seams& seams, Facet facet);
+  /** Projects a triangle as it is seen in cells_. @param of  the facet that it is, its place yet to be set */
+  void addTriangle(const Points& points_C, const Seams& seams, const Facet& of);
+  std::size_t addSeen(const Points& points_C, const Facet& facet);
   Corner corner(const Eigen::Vector3d& p_C) const;
   void addVertices(const std::array<Corner, 3>& corners, const Seams& seams);
   void addSpans();

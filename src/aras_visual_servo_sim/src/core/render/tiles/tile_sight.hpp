@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "render/view/pixel_rays.hpp"
+#include "tile_bins.hpp"
+#include "tile_triangle.hpp"
+
+namespace aras_visual_servo_sim {
+
+/** The rays of a tile's pixels, rounded. */
+class TileRays {
+ public:
+  static constexpr int kPixels = TileBins::kTile * TileBins::kTile;
+  /** x, y and z of the rays through the middles, then of across and of down, for all pixels each. */
+  using Values = float[9][kPixels];
+
+  void set(int pixel, const PixelRays& rays);
+  const Values& values() const { return values_; }
+  /** Products of a normal and the pixel's rays. */
+  float middle(const float* normal, int pixel) const { return product<0>(normal, pixel); }
+  float across(const float* normal, int pixel) const { return product<3>(normal, pixel); }
+  float down(const float* normal, int pixel) const { return product<6>(normal, pixel); }
+
+ private:
+  template <int kFirst>
+  float product(const float* normal, int p) const {
+    return normal[0] * values_[kFirst][p] + normal[1] * values_[kFirst + 1][p] + normal[2] * values_[kFirst + 2][p];
+  }
+
+  Values values_;
+};
+
+/** What the pixels of a tile see of a triangle. */
+class TileSight {
+ public:
+  static constexpr int kPixels = TileRays::kPixels;
+  /** Bits of a pixel. Bit k of the lowest three: edge k crosses the pixel's square. */
+  static constexpr std::int32_t kEdges = 7;
+  static constexpr std::int32_t kNothing = 8;  ///< the triangle lies aside, behind what is in front, or is too near
+  static constexpr std::int32_t kCut = 16;     ///< the near plane may cut the triangle there
+
+  /** Looks at some pixels of the tile, counted from its corner.
+   *  @param floor  of each pixel, the near_m / Z behind which nothing is seen
+   *  @param ahead  of each pixel, that of what lies on the near plane */
+  void look(const TileTriangle& triangle, bool flat, const TileRays& rays, const float* floor, const float* ahead,
+            const PixelBox& pixels);
+  std::int32_t of(int pixel) const { return bits_[pixel]; }
+  /** Bounds of near_m / Z over the pixel's square. */
+  float nearest(int pixel) const { return nearest_[pixel]; }
+  float farthest(int pixel) const { return farthest_[pixel]; }
+
+ private:
+  std::array<std::int32_t, kPixels> bits_;
+  std::array<float, kPixels> nearest_, farthest_;
+};
+
+}  // namespace aras_visual_servo_sim
