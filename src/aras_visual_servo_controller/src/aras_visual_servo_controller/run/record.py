@@ -106,7 +106,10 @@ class RunRecord:
 
     def rows(self, *phases):
         """Indices of the images of these phases, in order: (j,) int."""
-        return np.flatnonzero(np.isin(self.phase, phases))
+        found = np.zeros(len(self), dtype=bool)
+        for phase in phases:
+            found |= self.phase == phase
+        return np.flatnonzero(found)
 
     @cached_property
     def taught_row(self):

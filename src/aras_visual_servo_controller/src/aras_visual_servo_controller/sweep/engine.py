@@ -81,7 +81,8 @@ def run_pending(store, setup, workers=None, scheduler=None, progress=None):
     pending = store.pending()
     if not pending:
         return
-    progress = progress or Progress(len(store.starts()), store.rows())
+    rows = store.rows()
+    progress = progress or Progress(len(rows) + len(pending), rows)
     by_id = {start.id: start for start in pending}
 
     def save(results):

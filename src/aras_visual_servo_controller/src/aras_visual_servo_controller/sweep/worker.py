@@ -5,7 +5,6 @@ import hashlib
 import os
 import threading
 import time
-from dataclasses import asdict
 from pathlib import Path
 
 from ..ground.errors import ParameterError
@@ -61,8 +60,8 @@ def run_chunk(setup, starts):
 
 
 def plain(start):
-    """A Start as a plain dict."""
-    return asdict(start)
+    """A Start as a plain dict, of the same values: `asdict` would copy each of them, half a second in ten thousand."""
+    return dict(vars(start))
 
 
 _kept = threading.local()  # a simulator may be used by one thread only
