@@ -28,7 +28,8 @@ void ComponentFinder::scanRow(const std::uint8_t* row, int v, int width, std::ui
   for (int u = 0; u < width; ++u) inside[u] = (row[u] ^ flip) <= level;
   for (int u = findByte(inside_, 0, width, 1); u < width;) {
     const int end = findByte(inside_, u, width, 0);
-    runs_.push_back({v, u, end, static_cast<int>(runs_.size())});
+    const int run = static_cast<int>(runs_.size());
+    runs_.emplace_back() = {v, u, end, run};
     u = findByte(inside_, end, width, 1);
   }
 }

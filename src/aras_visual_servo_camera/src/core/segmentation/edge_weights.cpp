@@ -136,7 +136,7 @@ void EdgeWeights::emitRow(const std::array<const std::uint8_t*, 3>& rows, int v,
   const int first = std::max(-u0_, 0), limit = std::min(mask->width_px - u0_, stride_);
   for (int c = findBit<true>(inside_, first, limit); c < limit;) {
     const int end = findBit<false>(inside_, c, limit);
-    mask->spans.push_back({v, c + u0_, end + u0_});
+    mask->spans.emplace_back() = {v, c + u0_, end + u0_};
     c = findBit<true>(inside_, end, limit);
   }
   for (int c = findBit<true>(edge_, first, limit); c < limit; c = findBit<true>(edge_, c + 1, limit)) {
@@ -151,7 +151,7 @@ void EdgeWeights::emitRow(const std::array<const std::uint8_t*, 3>& rows, int v,
     }
     if (weight == 0.0) continue;
     const PixelPoint part = coveredPart(rows, u, mask->width_px, weight_of_grey, weight);
-    mask->edge.push_back({v, u, weight, part.u, part.v});
+    mask->edge.emplace_back() = {v, u, weight, part.u, part.v};
   }
 }
 

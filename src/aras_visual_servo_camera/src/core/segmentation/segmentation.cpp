@@ -213,7 +213,7 @@ void Segmentation::Work::extract(const cv::Mat& grey, const std::optional<GreyLe
     edge_weights.process(grey.ptr(), grey.step, grey.cols, grey.rows, finder, component, *levels, out);
   } else {
     for (const Run& run : finder.runs())
-      if (run.component == component) out->spans.push_back({run.v, run.u_begin, run.u_end});
+      if (run.component == component) out->spans.emplace_back() = {run.v, run.u_begin, run.u_end};
   }
   const Component& c = finder.components()[component];
   const int u_last = out->width_px - 1, v_last = out->height_px - 1;

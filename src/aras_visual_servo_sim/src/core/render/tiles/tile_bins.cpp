@@ -102,7 +102,7 @@ void TileBins::addSpans(const TriangleList& triangles) {
 void TileBins::addSpans(const Vertex* t, std::uint32_t index) {
   const PixelBox box = tilesOf(t);
   if (box.u1 - box.u0 <= 1 && box.v1 - box.v0 <= 1) {
-    if (!box.empty()) spans_.push_back({index, box.v0, box.u0, box.u1});
+    if (!box.empty()) spans_.emplace_back() = {index, box.v0, box.u0, box.u1};
     return;
   }
   const float area = (t[1].x - t[0].x) * (t[2].y - t[0].y) - (t[1].y - t[0].y) * (t[2].x - t[0].x);
@@ -113,7 +113,7 @@ void TileBins::addSpans(const Vertex* t, std::uint32_t index) {
       const float dx = side * (t[i].x - t[j].x), dy = side * (t[i].y - t[j].y);
       narrow(t[j], dx, dy, float(v * kTile), float((v + 1) * kTile), first, last);
     }
-    if (first < last) spans_.push_back({index, v, first, last});
+    if (first < last) spans_.emplace_back() = {index, v, first, last};
   }
 }
 

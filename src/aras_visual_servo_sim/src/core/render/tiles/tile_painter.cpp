@@ -204,19 +204,8 @@ PixelSamples::Triangle TilePainter::about(const TileTriangle& t, int p, std::int
 }
 
 void TilePainter::addFragment(int p, std::uint32_t candidate, float nearest, bool smooth, std::int32_t sight) {
-  Fragment& fragment = fragments_.emplace_back();  // filled in place: to copy one waits for its parts to be written
-  fragment.candidate = candidate;
-  fragment.next = first_[p];
-  fragment.nearest = nearest;
-  fragment.smooth = smooth;
-  fragment.sight = sight;
+  fragments_.emplace_back() = {candidate, first_[p], nearest, smooth, sight};
   first_[p] = static_cast<int>(fragments_.size()) - 1;
-}
-
-void TilePainter::addSeen(std::uint32_t candidate, std::int32_t sight) {
-  Seen& seen = seen_.emplace_back();  // as above
-  seen.candidate = candidate;
-  seen.sight = sight;
 }
 
 /** Makes a candidate that covers a pixel the one in front there. */
@@ -286,7 +275,7 @@ void TilePainter::paintPixel(int p) {
   bool any_body = front >= 0 && isBody(front), smooth = true;
   for (int k = first_[p]; k >= 0; k = fragments_[k].next) {
     if (fragments_[k].nearest < floor_[p]) continue;
-    addSeen(fragments_[k].candidate, fragments_[k].sight);
+    seen_.emplace_back() = {fragments_[k].candidate, fragments_[k].sight};
     any_body = any_body || isBody(fragments_[k].candidate);
     smooth = smooth && fragments_[k].smooth;
   }
@@ -338,7 +327,7 @@ int TilePainter::smoothFront(int p) const {
 
 /** The mean of the colours of the candidates seen_ and front_, and of the background in rgb, each where it is seen. */
 void TilePainter::samplePixel(int p, double* rgb) {
-  if (front_[p] >= 0) addSeen(static_cast<std::uint32_t>(front_[p]), 0);
+  if (front_[p] >= 0) seen_.emplace_back() = {static_cast<std::uint32_t>(front_[p]), 0};
   const auto nothing = static_cast<std::int32_t>(seen_.size());
   samples_.clear(nothing);
   for (std::int32_t k = nothing - 1; k >= 0; --k) {

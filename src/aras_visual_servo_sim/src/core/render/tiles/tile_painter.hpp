@@ -88,7 +88,6 @@ class TilePainter {
   void collectCurved(std::uint32_t candidate);
   void collectCurvedCenters(std::uint32_t candidate);
   void addFragment(int pixel, std::uint32_t candidate, float nearest, bool smooth, std::int32_t sight);
-  void addSeen(std::uint32_t candidate, std::int32_t sight);
   void putInFront(int pixel, std::uint32_t candidate, float farthest, float nearest);
   void paintPixel(int pixel);
   template <typename Value>

@@ -249,7 +249,7 @@ void TriangleList::addSpans() {
     const auto& [low, high] = rows_[row];
     const int first = static_cast<int>(held(std::floor((low - margin_) / kTile), 0.0, double(columns)));
     const int last = static_cast<int>(held(std::floor((high + margin_) / kTile) + 1.0, 0.0, double(columns)));
-    if (first < last) spans_.push_back({triangle, row, first, last});
+    if (first < last) spans_.emplace_back() = {triangle, row, first, last};
   }
 }
 
@@ -268,7 +268,8 @@ bool TriangleList::addSpanOfOneRow(int rows, int columns) {
   if (row < 0.0 || row >= rows) return true;
   const int first = static_cast<int>(held(std::floor((low_.x() - margin_) / kTile), 0.0, double(columns)));
   const int last = static_cast<int>(held(std::floor((high_.x() + margin_) / kTile) + 1.0, 0.0, double(columns)));
-  if (first < last) spans_.push_back({static_cast<std::uint32_t>(size()), static_cast<int>(row), first, last});
+  const auto triangle = static_cast<std::uint32_t>(size());
+  if (first < last) spans_.emplace_back() = {triangle, static_cast<int>(row), first, last};
   return true;
 }
 
