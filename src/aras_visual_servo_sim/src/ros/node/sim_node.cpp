@@ -80,6 +80,7 @@ void SimNode::run() {
 }
 
 void SimNode::wait(double limit_s) {
+  recording_.flush();
   const double beat_s = (next_beat_ - ros::WallTime::now()).toSec();
   queue_.callOne(ros::WallDuration(std::clamp(std::min(limit_s, beat_s), 0.0, limit_s)));
 }
@@ -87,6 +88,7 @@ void SimNode::wait(double limit_s) {
 void SimNode::sample() {
   hold(states_.publishDue());
   nodelets_.work();
+  recording_.flush();
 }
 
 /** Lets the lockstep wait for the answers to the images of these cameras, which were just sent. */

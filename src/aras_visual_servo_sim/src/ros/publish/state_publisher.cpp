@@ -232,7 +232,7 @@ void StatePublisher::publishImage(int camera) {
     message->header.stamp = stamp;
     message->data = image.data;
     output.image.publish(sensor_msgs::ImageConstPtr(message));
-    recording_.write(*output.image_tap, *message);
+    recording_.write(*output.image_tap, sensor_msgs::ImageConstPtr(message));
     if (output.compressed.wanted()) output.compressed.publish(image, stamp);
   } catch (const ArasError& error) {
     ++dropped_frames_;

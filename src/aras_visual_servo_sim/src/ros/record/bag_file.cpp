@@ -63,13 +63,13 @@ void BagFile::guarded(const std::function<void()>& action) {
   }
 }
 
-void BagFile::split() {
+void BagFile::split(const ros::Time& time) {
   if (options_.split_bytes == 0 || splitting_ || bag_->getSize() <= options_.split_bytes) return;
   close();
   ++part_;
   open();
   splitting_ = true;
-  if (new_part_) new_part_();
+  if (new_part_) new_part_(time);
   splitting_ = false;
 }
 

@@ -23,15 +23,15 @@ class BagFile {
 
   /** @throws ParameterError naming path or compression, or if the file cannot be made, with the system's reason */
   explicit BagFile(const Options& options);
-  /** Called at the beginning of every part but the first: writes what each part must hold. */
-  void onNewPart(std::function<void()> callback) { new_part_ = std::move(callback); }
+  /** Called at the beginning of every part but the first: writes what each part must hold, at the given time. */
+  void onNewPart(std::function<void(const ros::Time&)> callback) { new_part_ = std::move(callback); }
 
   /** @param header  of the connection it came over; null: made from the type @throws RecordingError */
   template <typename Message>
   void write(const std::string& topic, const ros::Time& time, const Message& message,
              const boost::shared_ptr<ros::M_string>& header = nullptr) {
     guarded([&] {
-      split();
+      split(time);
       // A bag holds no time before 1 ns, and the simulated clock starts at 0.
       bag_->write(topic, std::max(time, ros::TIME_MIN), message, header);
     });
@@ -45,7 +45,7 @@ class BagFile {
     void operator()(rosbag::Bag* bag) const;
   };
   void guarded(const std::function<void()>& action);
-  void split();
+  void split(const ros::Time& time);
   void open();
 
   Options options_;
@@ -53,7 +53,7 @@ class BagFile {
   std::string path_;
   int part_ = 0;
   bool splitting_ = false;
-  std::function<void()> new_part_;
+  std::function<void(const ros::Time&)> new_part_;
 };
 
 }  // namespace aras_visual_servo_sim

@@ -69,10 +69,11 @@ void ForeignTopics::unsubscribe() {
 }
 
 void ForeignTopics::onMessage(const std::string& topic, const Event& event) {
-  const Arrival arrival{topic, event.getConstMessage(), event.getConnectionHeaderPtr()};
+  Arrival arrival{topic, event.getConstMessage(), event.getConnectionHeaderPtr(), ""};
   const std::string& publisher = event.getPublisherName();
   Sequence& sequence = sequences_[topic];
   const bool latched = arrival.header && isLatched(*arrival.header);
+  if (latched) arrival.latched_by = publisher;
   if (sequence.published == 0) sequence.numbered = hasHeader(arrival.message->getMessageDefinition());
   if (latched) sequence.numbered = false;
   std::uint64_t sent = 1;
@@ -84,8 +85,11 @@ void ForeignTopics::onMessage(const std::string& topic, const Event& event) {
     sequence.last[publisher] = number;
   }
   sequence.published += sent;
-  if (latched) latched_[{topic, publisher}] = arrival;
   arrived_(arrival);
+}
+
+void ForeignTopics::written(const Arrival& arrival) {
+  if (!arrival.latched_by.empty()) latched_[{arrival.topic, arrival.latched_by}] = arrival;
 }
 
 std::vector<ForeignTopics::Arrival> ForeignTopics::latched() const {

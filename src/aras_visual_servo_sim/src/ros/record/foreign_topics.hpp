@@ -21,6 +21,7 @@ class ForeignTopics {
     std::string topic;
     boost::shared_ptr<const topic_tools::ShapeShifter> message;
     boost::shared_ptr<ros::M_string> header;  ///< of the connection
+    std::string latched_by;                   ///< the publisher of a latched topic, else empty
   };
   struct Count {
     std::string topic;
@@ -34,7 +35,9 @@ class ForeignTopics {
   /** Forgets the counts. */
   void subscribe(const std::vector<std::string>& topics);
   void unsubscribe();
-  /** The last message of every latched topic. */
+  /** To be called when a message is written. */
+  void written(const Arrival& arrival);
+  /** The last message written of every latched topic. */
   std::vector<Arrival> latched() const;
   /** Of every topic subscribed, sorted. */
   std::vector<Count> counts() const;

@@ -15,9 +15,7 @@ const std::string kCountsTopic = "sim/recording";
 }  // namespace
 
 Recording::Recording(ros::NodeHandle& node, const WireTime& time)
-    : node_(node),
-      time_(time),
-      foreign_(node, [this](const ForeignTopics::Arrival& arrival) { guarded([&] { write(arrival); }); }) {
+    : node_(node), time_(time), foreign_(node, [this](const ForeignTopics::Arrival& arrival) { keep(arrival); }) {
   services_ = {node_.advertiseService("sim/start_recording", &Recording::onStart, this),
                node_.advertiseService("sim/stop_recording", &Recording::onStop, this)};
 }
@@ -59,8 +57,8 @@ void Recording::start(const aras_visual_servo_msgs::StartRecording::Request& req
   }
   bag_ =
       std::make_unique<BagFile>(BagFile::Options{request.file, request.compression, request.split_mib * kBytesPerMib});
-  bag_->onNewPart([this] {
-    for (const ForeignTopics::Arrival& arrival : foreign_.latched()) write(arrival);
+  bag_->onNewPart([this](const ros::Time& time) {
+    for (const ForeignTopics::Arrival& arrival : foreign_.latched()) write(arrival, time);
   });
   fault_.clear();
   std::vector<std::string> foreign;
@@ -77,11 +75,27 @@ void Recording::start(const aras_visual_servo_msgs::StartRecording::Request& req
   foreign_.subscribe(foreign);
 }
 
-void Recording::write(const ForeignTopics::Arrival& arrival) {
-  bag_->write(arrival.topic, time_.now(), *arrival.message, arrival.header);
+void Recording::keep(const ForeignTopics::Arrival& arrival) {
+  kept_.push_back([this, arrival, time = time_.now()] {
+    write(arrival, time);
+    foreign_.written(arrival);
+  });
+}
+
+void Recording::write(const ForeignTopics::Arrival& arrival, const ros::Time& time) {
+  bag_->write(arrival.topic, time, *arrival.message, arrival.header);
+}
+
+void Recording::flush() {
+  guarded([this] {
+    for (const std::function<void()>& write : kept_) write();
+  });
+  kept_.clear();
 }
 
 void Recording::stop() {
+  flush();
+  if (!running()) return;  // it ended by itself just now
   writeCounts();
   const std::unique_ptr<BagFile> bag = std::move(bag_);
   abandon();

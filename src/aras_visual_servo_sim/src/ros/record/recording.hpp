@@ -4,8 +4,11 @@
 #include <ros/node_handle.h>
 #include <std_srvs/Trigger.h>
 
+#include <boost/make_shared.hpp>
+#include <boost/shared_ptr.hpp>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -26,8 +29,9 @@ struct Tap {
 /** Writes topics into a bag on the thread that steps the simulation, so that time waits for what is written.
  *
  *  The node's own messages are handed over where they are made (`Tap`, `Outlet`): nothing is between them and the bag
- *  that could lose them. Those of other nodes are subscribed without a limit to the queue. The last message of a bag,
- *  `sim/recording`, says how many messages were published, so that a reader can count what is there against it.
+ *  that could lose them. Those of other nodes are subscribed without a limit to the queue. All of them are kept, in
+ *  their order, until `flush` writes them: once they are sent, while the other nodes work on them. The last message of
+ *  a bag, `sim/recording`, says how many messages were published, so that a reader can count what is there against it.
  *
  *  Services sim/start_recording and sim/stop_recording. A bag that cannot be written any more ends the recording;
  *  `fault` says why. */
@@ -46,19 +50,27 @@ class Recording {
   /** The tap of a topic of this node; lives as long as the recording. */
   Tap& tap(const std::string& topic);
 
+  /** Keeps a message for the bag, if its topic is recorded. */
   template <typename Message>
-  void write(Tap& tap, const Message& message) {
+  void write(Tap& tap, const boost::shared_ptr<const Message>& message) {
     if (!tap.open) return;
     ++tap.published;
-    guarded([&] { bag_->write(tap.topic, time_.now(), message); });
+    kept_.push_back([this, &topic = tap.topic, time = time_.now(), message] { bag_->write(topic, time, *message); });
   }
+  template <typename Message>
+  void write(Tap& tap, const Message& message) {
+    if (tap.open) write(tap, boost::shared_ptr<const Message>(boost::make_shared<Message>(message)));
+  }
+  /** Writes what was kept. To be called before time goes on. */
+  void flush();
 
  private:
   bool onStart(aras_visual_servo_msgs::StartRecording::Request& request,
                aras_visual_servo_msgs::StartRecording::Response& response);
   bool onStop(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   void start(const aras_visual_servo_msgs::StartRecording::Request& request);
-  void write(const ForeignTopics::Arrival& arrival);
+  void keep(const ForeignTopics::Arrival& arrival);
+  void write(const ForeignTopics::Arrival& arrival, const ros::Time& time);
   void stop();
   void abandon();
   void writeCounts();
@@ -70,6 +82,7 @@ class Recording {
   const WireTime& time_;
   std::deque<Tap> taps_;  ///< never moved
   std::unique_ptr<BagFile> bag_;
+  std::vector<std::function<void()>> kept_;  ///< each writes a message
   ForeignTopics foreign_;
   std::string fault_;
   std::vector<ros::ServiceServer> services_;
