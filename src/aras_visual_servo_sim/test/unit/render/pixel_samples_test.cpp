@@ -1,5 +1,5 @@
 // What the 64 samples of a pixel say about triangles.
-#include "render/tiles/pixel_samples.hpp"
+#include "render/pixels/pixel_samples.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 
-#include "pixel_samples.hpp"
 #include "render/curved/curved_patch.hpp"
+#include "render/pixels/pixel_samples.hpp"
 #include "render/view/pixel_rays.hpp"
 #include "tile_bins.hpp"
 

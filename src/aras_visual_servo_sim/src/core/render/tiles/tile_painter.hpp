@@ -5,9 +5,9 @@
 #include <variant>
 #include <vector>
 
-#include "pixel_samples.hpp"
 #include "render/curved/curved_list.hpp"
 #include "render/picture/texture_area.hpp"
+#include "render/pixels/pixel_samples.hpp"
 #include "render/triangles/triangle_list.hpp"
 #include "render/view/pixel_rays.hpp"
 #include "tile_bins.hpp"

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "aras_visual_servo_sim/config/wide.hpp"
-#include "eight.hpp"
+#include "render/pixels/eight.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
