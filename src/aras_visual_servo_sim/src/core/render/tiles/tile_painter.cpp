@@ -204,6 +204,7 @@ PixelSamples::Triangle TilePainter::about(const TileTriangle& t, int p, std::int
 }
 
 void TilePainter::addFragment(int p, std::uint32_t candidate, float nearest, bool smooth, std::int32_t sight) {
+  // Filled in place: push_back would copy it, which waits until all its parts were written.
   fragments_.emplace_back() = {candidate, first_[p], nearest, smooth, sight};
   first_[p] = static_cast<int>(fragments_.size()) - 1;
 }
