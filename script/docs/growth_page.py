@@ -26,8 +26,8 @@ repetitions, so that other programs on the machine change it little.
 with a 320 x 240 rgb8 camera and the whole record. The parts are timed at the doors between them, in a run of their
 own, because the clock costs time too.
 
-**Over ROS** two runs with their bags are compared, of which one servos 20 s longer: what each process used more,
-over the images more. So starting, importing and the report do not count.
+**Over ROS** two runs with their bags are compared, of which one servos 200 s longer: what each process used more
+until its bag was closed, over the images more. So starting, importing and the report do not count.
 
 **Arms** are generated chains, every joint with a PID controller. **Scenes** are those of `script/bench`: a table that
 fills the view, and a flat target on it.
