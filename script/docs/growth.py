@@ -29,8 +29,10 @@ import rates  # noqa: E402: scenes and gains of the other benchmarks
 from growth_page import Measured, draw_budget, draw_growth, page  # noqa: E402
 
 REPETITIONS, SECONDS = 5, 0.15
-#: The longer of two runs over ROS servos that much longer [s]. Between two starts a process's time differs by about STARTS_S.
-LONGER_S, STARTS_S = 200.0, 0.1
+#: The longer of two runs over ROS servos that much longer [s].
+LONGER_S = 200.0
+#: By about so much the processor time of two starts of one process differs [s].
+STARTS_S = 0.1
 CAMERA = {"name": "camera", "frame": "camera_optical_frame", "width": 320, "height": 240, "horizontal_fov_rad": 1.41}
 START = {"gantry": 0.05}
 DARK = {"object": "dark", "segmentation": "coverage"}
@@ -248,8 +250,10 @@ def processor_s(root):
 
 
 def budget_over_ros():
-    """{process: us a frame} over ROS with its bag: what a longer run uses more until the bag is closed, so that starting
-    and the report do not count."""
+    """{process: us a frame} over ROS with its bag: what a longer run uses more until its bag is closed.
+
+    So starting and the report do not count.
+    """
     def run(servo_s, folder):
         process = subprocess.Popen(["rosrun", "aras_visual_servo_controller", "run", "experiment_1", "--output", folder,
                                     "--set", f"servo.time_limit_s={servo_s}", "--set", "servo.thresholds.xn=1.0e-12"],

@@ -56,6 +56,11 @@ class Measured(NamedTuple):
     repetitions: int
 
 
+def digits(value):
+    """A number with three digits that count, as text: 0.0123, 1.23, 12300."""
+    return f"{float(f'{value:.3g}'):g}"
+
+
 def slopes(counts, costs):
     """What one more costs, from each point to the next."""
     return [(b - a) / (n - m) for m, n, a, b in zip(counts, counts[1:], costs, costs[1:])]
@@ -77,8 +82,8 @@ def bend(counts, costs):
 def series_text(title, what, unit, counts, costs):
     """Lines of a section."""
     lines = [f"### {title}", "", f"| {what} | {unit} | one more |", "|---|---|---|"]
-    more = ["", *(f"{slope:.3g}" for slope in slopes(counts, costs))]
-    lines += [f"| {n} | {cost:.3g} | {extra} |" for n, cost, extra in zip(counts, costs, more)]
+    more = ["", *(f"{digits(slope)}" for slope in slopes(counts, costs))]
+    lines += [f"| {n} | {digits(cost)} | {extra} |" for n, cost, extra in zip(counts, costs, more)]
     at = bend(counts, costs)
     lines += ["", f"It bends at {at} {what}: beyond, one more costs over {BEND:g} times what it did up to there." if at
               else f"It does not bend: one more never costs over {BEND:g} times what it did before."]
@@ -153,8 +158,9 @@ def page(measured):
     for one in measured.series:
         lines += series_text(*one) + [""]
     lines += ["### Image size", "", "| image | render [us] | features [us] | both, ns a pixel |", "|---|---|---|---|"]
-    lines += [f"| {width} x {height} | {cost[0]:.3g} | {cost[1]:.3g} | {1e3 * sum(cost) / (width * height):.3g} |"
-              for (width, height), cost in sizes.items()]
+    lines += [f"| {width} x {height} | {digits(render)} | {digits(features)} | "
+              f"{digits(1e3 * (render + features) / (width * height))} |"
+              for (width, height), (render, features) in sizes.items()]
     pixels, sums = [width * height for width, height in sizes], [sum(cost) for cost in sizes.values()]
     at = bend(pixels, sums)
     lines += ["", "It bends at %d x %d: beyond, a pixel more costs over %g times what it did up to there." %
@@ -162,7 +168,7 @@ def page(measured):
               f"It does not bend: one more pixel never costs over {BEND:g} times what it did before.", "",
               "### Workers of a sweep", "", "| workers | runs / s | of what as many as one would do |", "|---|---|---|"]
     first = next(iter(workers.values()))
-    lines += [f"| {n} | {rate:.3g} | {100 * rate / (n * first):.0f} % |" for n, rate in workers.items()]
+    lines += [f"| {n} | {digits(rate)} | {100 * rate / (n * first):.0f} % |" for n, rate in workers.items()]
     late = [n for n, rate in workers.items() if rate < 0.9 * n * first]
     lines += ["", f"It bends at {late[0]} workers: fewer than 90 % of what as many workers could do." if late else
               "It does not bend: every worker adds at least 90 % of what one does alone."]
