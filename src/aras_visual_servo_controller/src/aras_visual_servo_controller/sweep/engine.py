@@ -81,8 +81,9 @@ def run_pending(store, setup, workers=None, scheduler=None, progress=None):
     pending = store.pending()
     if not pending:
         return
-    rows = store.rows()
-    progress = progress or Progress(len(rows) + len(pending), rows)
+    if progress is None:
+        rows = store.rows()
+        progress = Progress(len(rows) + len(pending), rows)
     by_id = {start.id: start for start in pending}
 
     def save(results):

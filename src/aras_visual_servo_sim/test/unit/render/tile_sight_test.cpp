@@ -92,7 +92,7 @@ TEST_P(Sight, IsWhatTheCornersOfThePixelsSay) {
   int crossed = 0, whole = 0, aside = 0, cut = 0, hidden = 0, ahead = 0;
   for (int round = 0; round < 200; ++round) {
     const TileTriangle t = anyTriangle(random, flat());
-    sight_.look(t, flat(), rays_, floor_.data(), ahead_.data(), kSome);
+    sight_.look(t, flat(), rays_, floor_.data(), ahead_.data(), kSome.v0, kSome.v1);
     for (int v = kSome.v0; v < kSome.v1; ++v) {
       for (int u = kSome.u0; u < kSome.u1; ++u) {
         const int p = v * kSide + u;

@@ -138,7 +138,7 @@ void TilePainter::setUpBent() {
 void TilePainter::collect(std::uint32_t index) {
   const TileTriangle& t = candidates_[index];
   const PixelBox touched = touchedBy(t);
-  sight_.look(t, list_->isFlat(), rounded_, floor_.data(), ahead_.data(), touched);
+  sight_.look(t, list_->isFlat(), rounded_, floor_.data(), ahead_.data(), touched.v0, touched.v1);
   std::int32_t ends = TileSight::kCut;
   for (int k = 0; k < 3; ++k) ends |= t.seam[k] ? 0 : 1 << k;
   for (int v = touched.v0; v < touched.v1; ++v) {

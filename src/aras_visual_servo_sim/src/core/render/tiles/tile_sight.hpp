@@ -41,11 +41,11 @@ class TileSight {
   static constexpr std::int32_t kNothing = 8;  ///< the triangle lies aside, behind what is in front, or is too near
   static constexpr std::int32_t kCut = 16;     ///< the near plane may cut the triangle there
 
-  /** Looks at some pixels of the tile, counted from its corner.
+  /** Looks at the pixels of rows first <= v < last of the tile.
    *  @param floor  of each pixel, the near_m / Z behind which nothing is seen
    *  @param ahead  of each pixel, that of what lies on the near plane */
   void look(const TileTriangle& triangle, bool flat, const TileRays& rays, const float* floor, const float* ahead,
-            const PixelBox& pixels);
+            int first, int last);
   std::int32_t of(int pixel) const { return bits_[pixel]; }
   /** Bounds of near_m / Z over the pixel's square. */
   float nearest(int pixel) const { return nearest_[pixel]; }
