@@ -30,6 +30,15 @@ NO_WEBGL = ("--disable-gpu", "--disable-3d-apis")
 LIMIT_S = 60.0
 
 
+def end(process):
+    """Terminate a process; subprocess.TimeoutExpired if it does not end, and then it is killed."""
+    process.terminate()
+    try:
+        process.wait(LIMIT_S)
+    finally:
+        process.kill()
+
+
 class Browser:
     """One page of a browser of its own."""
 
@@ -68,8 +77,7 @@ class Browser:
 
     def __exit__(self, *_):
         self._loop.run_until_complete(self._closed())
-        self._process.terminate()
-        self._process.wait()
+        end(self._process)
         self._loop.close()
 
     def call(self, method, **parameters):

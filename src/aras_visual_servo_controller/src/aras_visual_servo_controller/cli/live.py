@@ -1,11 +1,11 @@
 """The command `live SCENARIO`: a run in this process, watched and changed from a page. Needs no master."""
 
 import argparse
-import asyncio
 import sys
 import webbrowser
 
 from ..ground.errors import ParameterError
+from ..ground.processes import run_until_signal
 from .run import EXIT_PASSED, guarded, parse_overrides
 
 PORT = 8765
@@ -43,7 +43,7 @@ def _serve(arguments):
     run = LiveRun(load_scenario(arguments.scenario, parse_overrides(arguments.overrides)))
     runner = Runner(run, arguments.speed, None if arguments.idle else Start())
 
-    async def work():
+    async def work(came):
         server = Server(runner, run.scenario.urdf_xml())
         address = server.listen(arguments.host, arguments.port)
         runner.start()
@@ -54,10 +54,10 @@ def _serve(arguments):
         if arguments.open:
             webbrowser.open(address)
         try:
-            await asyncio.Event().wait()
+            await came
         finally:
             server.close()
             runner.close()
 
-    asyncio.run(work())
+    run_until_signal(work)
     return EXIT_PASSED

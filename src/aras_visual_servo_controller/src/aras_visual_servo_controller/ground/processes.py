@@ -8,6 +8,7 @@ them.
 import contextlib
 import ctypes
 import importlib
+import multiprocessing
 import os
 import shutil
 import signal
@@ -122,6 +123,35 @@ def signals_let_through():
         _signals.holds = holds
 
 
+def run_until_signal(work):
+    """asyncio.run of the coroutine work(came), in the main thread. The future `came` gets the first of SIGNALS, and
+    work ends soon after. Then that signal raises, as in `signals_raise`.
+
+    Nothing may raise in an event loop from outside: an exception between a task and what wakes it would take the
+    wake-up away, and the task would wait for ever.
+    """
+    import asyncio  # only here: most commands have no event loop
+
+    async def heard():
+        loop = asyncio.get_running_loop()
+        came = loop.create_future()
+
+        def note(number):
+            _signals.came(number)
+            if not came.done():
+                came.set_result(number)
+
+        for number in SIGNALS:
+            if signal.getsignal(number) != signal.SIG_IGN:
+                loop.add_signal_handler(number, note, number)
+        if _signals.pending is not None:
+            note(_signals.pending)
+        await work(came)
+
+    with signals_held():
+        asyncio.run(heard())
+
+
 @contextlib.contextmanager
 def temporary_folder(prefix):
     """Path of a folder that is deleted when the block ends, also if a signal ends it."""
@@ -135,8 +165,14 @@ def temporary_folder(prefix):
 
 
 def end_with_parent(number=signal.SIGKILL):
-    """Called in a child process, which then gets this signal when its parent dies for whatever reason."""
+    """Called in a child process, which then gets this signal when its parent dies for whatever reason, or has died.
+
+    A process that `multiprocessing` has not made must begin this while its parent is alive.
+    """
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, number)
+    parent = multiprocessing.parent_process()
+    if parent is not None and os.getppid() != parent.pid:
+        os.kill(os.getpid(), number)
 
 
 @contextlib.contextmanager

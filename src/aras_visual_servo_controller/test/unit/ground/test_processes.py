@@ -1,5 +1,8 @@
 """Signals raise once, wait where they must, and are not lost; temporary folders go; children go with their parent."""
 
+import asyncio
+import contextlib
+import multiprocessing
 import os
 import pathlib
 import signal
@@ -7,12 +10,13 @@ import subprocess
 import sys
 import time
 
+import psutil
 import pytest
 
 from aras_visual_servo_controller.ground import processes
 from aras_visual_servo_controller.ground.processes import (EXIT_SIGNALLED, SIGNALS, Interrupted, check_signals, marked,
-                                                           processes_of, signals_held, signals_let_through,
-                                                           signals_raise, temporary_folder)
+                                                           processes_of, run_until_signal, signals_held,
+                                                           signals_let_through, signals_raise, temporary_folder)
 
 PATIENCE_S = 60.0
 
@@ -81,6 +85,44 @@ def test_a_hang_up_that_is_ignored_stays_ignored():
         signal.signal(signal.SIGHUP, before)
 
 
+@pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
+@pytest.mark.usefixtures("hang_up_is_heard")
+def test_a_signal_between_a_task_and_its_wake_up_ends_an_event_loop(number, monkeypatch):
+    closed, run = [], asyncio.Handle._run
+
+    def signalled(handle):
+        if "wakeup" in repr(handle) and not isinstance(handle, asyncio.TimerHandle) and not closed:
+            closed.append("signalled")
+            signal.raise_signal(number)
+        run(handle)
+    monkeypatch.setattr(asyncio.Handle, "_run", signalled)
+
+    async def works_on():
+        while True:
+            await asyncio.sleep(0.001)
+
+    async def work(came):
+        task = asyncio.ensure_future(works_on())
+        try:
+            assert await asyncio.wait_for(came, PATIENCE_S) == number
+        finally:
+            task.cancel()
+            closed.append("closed")
+
+    with pytest.raises(Interrupted) as caught, signals_raise():
+        run_until_signal(work)
+    assert closed == ["signalled", "closed"] and caught.value.exit_code == EXIT_SIGNALLED + number
+
+
+def test_a_signal_before_the_event_loop_begins_is_heard_in_it():
+    async def work(came):
+        await asyncio.wait_for(came, PATIENCE_S)
+
+    with pytest.raises(Interrupted), signals_raise(), signals_held():
+        signal.raise_signal(signal.SIGTERM)
+        run_until_signal(work)
+
+
 @pytest.mark.parametrize("place", ["inside", "at the end"])
 def test_a_temporary_folder_goes_whenever_the_signal_comes(place, monkeypatch):
     if place == "at the end":
@@ -128,3 +170,27 @@ def test_a_child_ends_with_its_parent():
     while processes_of(mark):
         assert time.monotonic() < end_s
         time.sleep(0.01)
+
+
+def orphan(path):
+    """Of a process whose parent has died before it asks to end with it."""
+    while os.getppid() == multiprocessing.parent_process().pid:
+        time.sleep(0.001)
+    processes.end_with_parent()
+    path.touch()
+
+
+def test_a_child_whose_parent_has_died_already_ends(tmp_path):
+    context = multiprocessing.get_context("fork")
+
+    def parent(path):
+        child = context.Process(target=orphan, args=(path / "on",))
+        child.start()
+        (path / "pid").write_text(str(child.pid))
+        os._exit(0)
+    between = context.Process(target=parent, args=(tmp_path,))
+    between.start()
+    between.join(PATIENCE_S)
+    with contextlib.suppress(psutil.NoSuchProcess):
+        psutil.Process(int((tmp_path / "pid").read_text())).wait(PATIENCE_S)
+    assert not (tmp_path / "on").exists()

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser import CHROMIUM, Browser
+from browser import CHROMIUM, Browser, end
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
 LIVE = Path(__file__).resolve().parents[3] / "scripts" / "live"
@@ -27,8 +27,7 @@ def serve():
 
     yield start
     for process in processes:
-        process.terminate()
-        process.wait()
+        end(process)
 
 
 def status(browser):
