@@ -40,9 +40,13 @@ def end(process):
 
 
 class Browser:
-    """One page of a browser of its own."""
+    """One page of a browser of its own.
 
-    def __init__(self, folder, webgl=True, size=(1280, 900), scale=1.0, dark=False):
+    Args: folder: for its profile.  webgl: drawn by the processor, which takes most of one as long as something moves.
+        size: of the window [px].  scale: device pixels of each.  dark: the colours that a page is asked for.
+    """
+
+    def __init__(self, folder, webgl=False, size=(1280, 900), scale=1.0, dark=False):
         self._profile = Path(folder) / "profile"
         self._flags = [*FLAGS, *(SOFTWARE_WEBGL if webgl else NO_WEBGL), f"--window-size={size[0]},{size[1]}"]
         self._size, self._scale, self._dark = size, scale, dark

@@ -45,8 +45,7 @@ def slide(browser, path, share):
 
 
 def test_a_gain_that_is_moved_while_it_servoes_acts_at_once(serve, tmp_path):
-    # Without the 3-D view, which takes most of a processor where there is no graphics card.
-    with Browser(tmp_path, webgl=False) as browser:
+    with Browser(tmp_path) as browser:
         browser.open(serve("--speed", "0.1", "--set", "servo.gains_per_s.xn=0.5"))
         browser.wait(READY)
         browser.value("aras.ask({do: 'speed', factor: 2}).then(() => 1)")
@@ -68,7 +67,7 @@ def test_a_gain_that_is_moved_while_it_servoes_acts_at_once(serve, tmp_path):
 def test_a_setting_shows_what_was_asked_for_until_the_run_has_answered(serve, tmp_path):
     path = "servo.gains_per_s.xn"
     shown = f"Number(document.querySelector('[data-path=\"{path}\"] input[type=number]').value)"
-    with Browser(tmp_path, webgl=False) as browser:
+    with Browser(tmp_path) as browser:
         browser.open(serve())
         browser.wait(READY)
         browser.value("window.held = []; const ask = aras.ask.bind(aras); aras.ask = (request) => request.do !== 'set' "
@@ -92,7 +91,7 @@ def test_a_setting_shows_what_was_asked_for_until_the_run_has_answered(serve, tm
 
 
 def test_the_target_is_dragged_in_the_view_and_the_arm_follows(serve, tmp_path):
-    with Browser(tmp_path) as browser:
+    with Browser(tmp_path, webgl=True) as browser:
         browser.open(serve("--speed", "4"))
         browser.wait(READY + " && aras.world")
         browser.wait("aras.model.state.status === 'CONVERGED'")
@@ -157,7 +156,7 @@ def test_the_buttons_pause_step_reset_and_start(serve, tmp_path):
 
 
 def test_without_webgl_the_page_says_so_and_keeps_the_rest(serve, tmp_path):
-    with Browser(tmp_path, webgl=False) as browser:
+    with Browser(tmp_path) as browser:
         browser.open(serve())
         browser.wait(READY + " && aras.model.rows.length > 20")
         assert "no WebGL" in browser.value("document.querySelector('#no-webgl').textContent")
@@ -171,7 +170,7 @@ def test_without_webgl_the_page_says_so_and_keeps_the_rest(serve, tmp_path):
 @pytest.mark.parametrize("width", [390, 1440])
 @pytest.mark.parametrize("dark", [False, True])
 def test_the_page_fits_its_width_and_everything_can_be_read(serve, tmp_path, width, dark):
-    with Browser(tmp_path, size=(width, 844), dark=dark) as browser:
+    with Browser(tmp_path, webgl=True, size=(width, 844), dark=dark) as browser:
         browser.open(serve())
         browser.wait(READY + " && aras.world && aras.model.rows.length > 5")
         assert browser.value("document.documentElement.scrollWidth <= innerWidth")

@@ -66,7 +66,7 @@ def test_no_text_of_a_run_ends_the_script(record):
 
 @needs_browser
 def test_the_slider_moves_arm_curves_image_and_joints(record, page, tmp_path):
-    with Browser(tmp_path) as browser:
+    with Browser(tmp_path, webgl=True) as browser:
         browser.open(page.as_uri())
         browser.wait("window.replay && replay.world && replay.world.last")
         assert len(browser.value("Object.keys(replay.world.robot.links)")) > 6
@@ -92,7 +92,7 @@ def test_the_slider_moves_arm_curves_image_and_joints(record, page, tmp_path):
 
 @needs_browser
 def test_without_webgl_image_and_joints_stay(page, tmp_path):
-    with Browser(tmp_path, webgl=False, size=(390, 844)) as browser:
+    with Browser(tmp_path, size=(390, 844)) as browser:
         browser.open(page.as_uri())
         browser.wait("replay.moments")
         assert "no WebGL" in browser.value("document.querySelector('#replay-note').textContent")
