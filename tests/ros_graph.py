@@ -1,11 +1,17 @@
 """A ROS graph of a test's own: a port nobody listens on, processes that end with it, what they said."""
+import json
 import os
+import pathlib
 import signal
 import socket
 import subprocess
+import sys
 import time
 import xmlrpc.client
 
+import yaml
+
+ASKER = str(pathlib.Path(__file__).resolve().parent / "graph_asker.py")
 LIMIT_S = 60.0  # wall time after which something that should happen has not
 
 
@@ -24,16 +30,18 @@ class Graph:
                                 PYTHONUNBUFFERED="1", **variables)  # a log that is read while it is written
         self._log_path = folder / "processes.log"
         self._log = open(self._log_path, "wb")
-        self._processes = []
+        self._processes, self._asker = [], None
 
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
+        if self._asker is not None:
+            self._asker.stdin.close()  # it ends when nobody asks any more
         for process in reversed(self._processes):
             if process.poll() is None:
                 process.send_signal(signal.SIGINT)
-        for process in self._processes:
+        for process in [*self._processes, *filter(None, [self._asker])]:
             try:
                 process.wait(LIMIT_S)
             except subprocess.TimeoutExpired:
@@ -51,6 +59,25 @@ class Graph:
         """What a program of this graph prints until it ends."""
         return subprocess.run(command, env=self.environment, stdout=subprocess.PIPE, stderr=self._log, check=True,
                               timeout=LIMIT_S).stdout.decode()
+
+    def answer(self, service, request=""):
+        """What a service answers to a request, which is YAML: dict. AssertionError with the reason where it fails."""
+        return self._ask("call", service, request)
+
+    def message(self, topic):
+        """The next message of a topic: dict. AssertionError where none comes."""
+        return self._ask("message", topic)
+
+    def _ask(self, *question):
+        if self._asker is None:
+            self._asker = subprocess.Popen([sys.executable, ASKER], env=self.environment, stdin=subprocess.PIPE,
+                                           stdout=subprocess.PIPE, stderr=self._log, text=True, start_new_session=True)
+        print(json.dumps([*question, ""][:3]), file=self._asker.stdin, flush=True)
+        line = self._asker.stdout.readline()
+        assert line, "who asks has ended\n" + self.log()
+        told, fault = json.loads(line)
+        assert told is not None, fault
+        return yaml.safe_load(told)
 
     def log(self):
         """What the processes have said so far."""

@@ -6,6 +6,8 @@ extensions = ["sphinx.ext.autodoc"]
 html_theme = "alabaster"
 html_theme_options = {"description": "API reference, from the docstrings", "page_width": "1100px"}
 html_show_sourcelink = False
+#: A page lists what stands on it. The list of all modules beside each would take a quarter of the time to build.
+html_sidebars = {"**": ["about.html", "localtoc.html", "relations.html", "searchbox.html"]}
 autodoc_default_options = {"members": True, "undoc-members": True, "ignore-module-all": True, "show-inheritance": True,
                            "member-order": "bysource"}
 autodoc_typehints = "none"

@@ -2,6 +2,7 @@
 import pathlib
 import signal
 import sys
+import time
 
 import pytest
 import yaml
@@ -25,21 +26,17 @@ def arm(tmp_path_factory):
         yield graph
 
 
-def answer(graph, service, request=""):
-    return yaml.safe_load(graph.output("rosservice", "call", service, *([request] if request else [])))
-
-
 def moved(graph, *words):
     return yaml.safe_load(graph.output(sys.executable, MOVE, *words))
 
 
 def joint(graph, name):
-    message = yaml.safe_load(graph.output("rostopic", "echo", "-n", "1", "/joint_states").split("---")[0])
+    message = graph.message("/joint_states")
     return message["position"][message["name"].index(name)]
 
 
 def test_only_the_controllers_that_were_asked_for_run(arm):
-    listed = answer(arm, "/controller_manager/list_controllers")["controller"]
+    listed = arm.answer("/controller_manager/list_controllers")["controller"]
     assert {each["name"]: each["state"] for each in listed} == {
         "joint_state_controller": "running", "arm_controller": "running", "hand_controller": "running"}
     claimed = {each["name"]: each["claimed_resources"] for each in listed}["arm_controller"]
@@ -58,9 +55,9 @@ def test_joint_states_and_images_come_under_gazebos_names(arm):
                 "/arm_controller/state": "control_msgs/JointTrajectoryControllerState",
                 "/arm_controller/follow_joint_trajectory/status": "actionlib_msgs/GoalStatusArray"}
     arm.until(lambda: expected.items() <= arm.topics().items(), "the topics")
-    image = yaml.safe_load(arm.output("rostopic", "echo", "-n", "1", "--noarr", "/eye/image_raw").split("---")[0])
+    image = arm.message("/eye/image_raw")
     assert (image["width"], image["height"], image["encoding"]) == (64, 48, "rgb8")
-    names = yaml.safe_load(arm.output("rostopic", "echo", "-n", "1", "/joint_states").split("---")[0])["name"]
+    names = arm.message("/joint_states")["name"]
     assert names == ["elbow", "finger", "shoulder"]
 
 
@@ -92,11 +89,11 @@ def test_a_gripper_closes(arm):
 
 def test_controllers_are_switched_by_the_rules_of_the_controller_manager(arm):
     def load(name):
-        return answer(arm, "/controller_manager/load_controller", "{name: %s}" % name)["ok"]
+        return arm.answer("/controller_manager/load_controller", "{name: %s}" % name)["ok"]
 
     def switch(start, stop, strictness=2):
-        return answer(arm, "/controller_manager/switch_controller",
-                      "{start_controllers: %s, stop_controllers: %s, strictness: %d}" % (start, stop, strictness))["ok"]
+        request = "{start_controllers: %s, stop_controllers: %s, strictness: %d}" % (start, stop, strictness)
+        return arm.answer("/controller_manager/switch_controller", request)["ok"]
     assert load("shoulder_position") and not load("shoulder_position")
     assert not load("of_another_robot") and not load("nobody")
     assert not switch("[shoulder_position]", "[]"), "the arm has the shoulder"
@@ -107,16 +104,16 @@ def test_controllers_are_switched_by_the_rules_of_the_controller_manager(arm):
     assert "'arm_controller' - 'effort_controllers/JointTrajectoryController' ( stopped )" in said
     assert moved(arm, "0.1", "0.1", "0.5")["state"] == "REJECTED"
     assert switch("[arm_controller]", "[shoulder_position, nobody]", 1)
-    assert answer(arm, "/controller_manager/unload_controller", "{name: shoulder_position}")["ok"]
-    assert not answer(arm, "/controller_manager/unload_controller", "{name: arm_controller}")["ok"], "it is running"
+    assert arm.answer("/controller_manager/unload_controller", "{name: shoulder_position}")["ok"]
+    assert not arm.answer("/controller_manager/unload_controller", "{name: arm_controller}")["ok"], "it is running"
     assert "due to resource conflict: joint 'shoulder'" in arm.log()
 
 
 def test_the_world_answers_as_gazebo_does(arm):
-    state = answer(arm, "/gazebo/get_model_state", "{model_name: demo_arm}")
+    state = arm.answer("/gazebo/get_model_state", "{model_name: demo_arm}")
     assert state["success"] and abs(state["pose"]["position"]["z"] - 0.1) < 1e-9
-    assert answer(arm, "/gazebo/get_world_properties")["model_names"] == ["ground_plane", "demo_arm"]
-    assert answer(arm, "/gazebo/get_link_state", "{link_name: 'demo_arm::elbow_link'}")["success"]
+    assert arm.answer("/gazebo/get_world_properties")["model_names"] == ["ground_plane", "demo_arm"]
+    assert arm.answer("/gazebo/get_link_state", "{link_name: 'demo_arm::elbow_link'}")["success"]
     for service, request, text in (
             ("get_model_state", "{model_name: nobody}", "GetModelState: model does not exist"),
             ("delete_model", "{model_name: nobody}", "DeleteModel: model does not exist"),
@@ -130,32 +127,34 @@ def test_the_world_answers_as_gazebo_does(arm):
             ("apply_joint_effort", "{joint_name: x}", "ApplyJointEffort: joint not found"),
             ("set_link_properties", "{link_name: x}", "link not found"),
             ("set_link_state", "{link_state: {link_name: elbow_link}}", "which joints hold")):
-        told = answer(arm, "/gazebo/" + service, request)
+        told = arm.answer("/gazebo/" + service, request)
         assert not told["success"] and text in told["status_message"], told
 
 
 def test_lights_are_asked_for_changed_spawned_and_deleted(arm):
-    sun = answer(arm, "/gazebo/get_light_properties", "{light_name: sun}")
+    sun = arm.answer("/gazebo/get_light_properties", "{light_name: sun}")
     assert sun["success"] and abs(sun["diffuse"]["r"] - 0.8) < 1e-6
-    assert answer(arm, "/gazebo/set_light_properties", "{light_name: sun, diffuse: {r: 0.5, g: 0.5, b: 0.5, a: 1.0}, "
-                  "cast_shadows: true, direction: {z: -1.0}}")["success"]
-    assert abs(answer(arm, "/gazebo/get_light_properties", "{light_name: sun}")["diffuse"]["r"] - 0.5) < 1e-6
+    assert arm.answer("/gazebo/set_light_properties", "{light_name: sun, diffuse: {r: 0.5, g: 0.5, b: 0.5, a: 1.0}, "
+                      "cast_shadows: true, direction: {z: -1.0}}")["success"]
+    assert abs(arm.answer("/gazebo/get_light_properties", "{light_name: sun}")["diffuse"]["r"] - 0.5) < 1e-6
     lamp = "<light name='any' type='point'><diffuse>0.2 0.2 0.2 1</diffuse></light>"
-    assert answer(arm, "/gazebo/spawn_sdf_model", '{model_name: lamp, model_xml: "%s"}' % lamp)["success"]
-    assert abs(answer(arm, "/gazebo/get_light_properties", "{light_name: lamp}")["attenuation_linear"] - 1.0) < 1e-9
-    assert answer(arm, "/gazebo/delete_light", "{light_name: lamp}")["success"]
-    assert not answer(arm, "/gazebo/delete_light", "{light_name: lamp}")["success"]
+    assert arm.answer("/gazebo/spawn_sdf_model", '{model_name: lamp, model_xml: "%s"}' % lamp)["success"]
+    assert abs(arm.answer("/gazebo/get_light_properties", "{light_name: lamp}")["attenuation_linear"] - 1.0) < 1e-9
+    assert arm.answer("/gazebo/delete_light", "{light_name: lamp}")["success"]
+    assert not arm.answer("/gazebo/delete_light", "{light_name: lamp}")["success"]
 
 
 def test_time_stands_still_while_it_is_paused_and_begins_again_after_a_reset(arm):
     def now():
-        return answer(arm, "/gazebo/get_world_properties")["sim_time"]
-    arm.output("rosservice", "call", "/gazebo/pause_physics")
-    assert now() == now()
-    arm.output("rosservice", "call", "/gazebo/unpause_physics")
+        return arm.answer("/gazebo/get_world_properties")["sim_time"]
+    arm.answer("/gazebo/pause_physics")
+    before = now()
+    time.sleep(0.2)
+    assert now() == before
+    arm.answer("/gazebo/unpause_physics")
     before = now()
     arm.until(lambda: now() > before, "time goes on")
-    arm.output("rosservice", "call", "/gazebo/reset_simulation")
+    arm.answer("/gazebo/reset_simulation")
     assert now() < before
     told = moved(arm, "0.2", "0.1", "1.0")
     assert told["state"] == "SUCCEEDED", "the action goes on after time went back: %s" % told
@@ -164,16 +163,16 @@ def test_time_stands_still_while_it_is_paused_and_begins_again_after_a_reset(arm
 def test_two_robots_live_in_their_namespaces(tmp_path_factory):
     with launched(tmp_path_factory.mktemp("ros"), "two.launch") as graph:
         graph.until(lambda: graph.log().count("Started controllers") == 2, "the controllers of both run")
-        assert sorted(answer(graph, "/gazebo/get_world_properties")["model_names"][1:]) == ["left", "right"]
+        assert sorted(graph.answer("/gazebo/get_world_properties")["model_names"][1:]) == ["left", "right"]
         for name, controller in (("left", "arm_controller"), ("right", "joint_group_effort")):
-            listed = answer(graph, "/%s/controller_manager/list_controllers" % name)["controller"]
+            listed = graph.answer("/%s/controller_manager/list_controllers" % name)["controller"]
             assert [each["name"] for each in listed] == ["joint_state_controller", controller]
-        assert answer(graph, "/gazebo/delete_model", "{model_name: left}")["success"]
+        assert graph.answer("/gazebo/delete_model", "{model_name: left}")["success"]
         services = graph.output("rosservice", "list").split()
         assert not [each for each in services if each.startswith("/left/controller_manager")]
         publishers = graph.output("rostopic", "list", "-p").split()
         assert "/left/joint_states" not in publishers and "/right/joint_states" in publishers
-        assert answer(graph, "/right/controller_manager/list_controllers")["controller"]
+        assert graph.answer("/right/controller_manager/list_controllers")["controller"]
 
 
 def test_what_spawned_a_model_with_a_bond_deletes_it_when_it_ends(tmp_path_factory):
@@ -190,7 +189,7 @@ def test_what_spawned_a_model_with_a_bond_deletes_it_when_it_ends(tmp_path_facto
                               "-z", "2.0", "-unpause", "-b")
 
         def height():
-            state = answer(graph, "/gazebo/get_model_state", "{model_name: ball}")
+            state = graph.answer("/gazebo/get_model_state", "{model_name: ball}")
             return state["pose"]["position"]["z"] if state["success"] else None
         graph.until(lambda: height() is not None, "the ball is there")
         graph.until(lambda: abs(height() - 0.1) < 0.01, "it has fallen on the ground plane")

@@ -14,47 +14,39 @@ def cart(tmp_path_factory):
         yield graph
 
 
-def answer(graph, service, request=""):
-    return yaml.safe_load(graph.output("rosservice", "call", service, *([request] if request else [])))
-
-
-def message(graph, topic):
-    return yaml.safe_load(graph.output("rostopic", "echo", "-n", "1", topic).split("---")[0])
-
-
 def place(graph):
-    return message(graph, "/odom")["pose"]["pose"]["position"]
+    return graph.message("/odom")["pose"]["pose"]["position"]
 
 
 def state(graph):
-    return answer(graph, "/gazebo/get_model_state", "{model_name: cart}")
+    return graph.answer("/gazebo/get_model_state", "{model_name: cart}")
 
 
 def test_a_cart_drives_by_cmd_vel_and_its_odometry_is_where_it_is(cart):
     cart.start("rostopic", "pub", "-1", "/cmd_vel", "geometry_msgs/Twist", "{linear: {x: 0.2}}")
     cart.until(lambda: place(cart)["x"] > 1.1, "it drives")
-    odometry = message(cart, "/odom")
+    odometry = cart.message("/odom")
     assert (odometry["header"]["frame_id"], odometry["child_frame_id"]) == ("odom", "base_footprint")
     assert abs(odometry["twist"]["twist"]["linear"]["x"] - 0.2) < 0.02
-    assert message(cart, "/joint_states")["name"] == ["left_wheel_joint", "right_wheel_joint"]
-    cart.output("rosservice", "call", "/gazebo/pause_physics")
-    turned = answer(cart, "/gazebo/get_joint_properties", "{joint_name: left_wheel_joint}")["position"][0]
-    gone = answer(cart, "/gazebo/get_model_state", "{model_name: cart}")["pose"]["position"]["x"] - 1.0
-    cart.output("rosservice", "call", "/gazebo/unpause_physics")
+    assert cart.message("/joint_states")["name"] == ["left_wheel_joint", "right_wheel_joint"]
+    cart.answer("/gazebo/pause_physics")
+    turned = cart.answer("/gazebo/get_joint_properties", "{joint_name: left_wheel_joint}")["position"][0]
+    gone = cart.answer("/gazebo/get_model_state", "{model_name: cart}")["pose"]["position"]["x"] - 1.0
+    cart.answer("/gazebo/unpause_physics")
     assert gone == pytest.approx(0.05 * turned, rel=0.05), "the wheels roll"
-    transform = message(cart, "/tf")["transforms"][0]
+    transform = cart.message("/tf")["transforms"][0]
     assert (transform["header"]["frame_id"], transform["child_frame_id"]) == ("odom", "base_footprint")
 
 
 def test_a_cart_stops_when_it_is_told_to(cart):
     cart.start("rostopic", "pub", "-1", "/cmd_vel", "geometry_msgs/Twist", "{}")
-    cart.until(lambda: abs(message(cart, "/odom")["twist"]["twist"]["linear"]["x"]) < 1e-3, "it stands")
+    cart.until(lambda: abs(cart.message("/odom")["twist"]["twist"]["linear"]["x"]) < 1e-3, "it stands")
 
 
 def test_sensors_feel_gravity(cart):
-    imu = message(cart, "/imu")
+    imu = cart.message("/imu")
     assert imu["header"]["frame_id"] == "imu_link" and abs(imu["linear_acceleration"]["z"] - 9.81) < 0.05
-    wrench = message(cart, "/load_ft")
+    wrench = cart.message("/load_ft")
     assert wrench["header"]["frame_id"] == "load" and abs(wrench["wrench"]["force"]["z"] + 0.5 * 9.81) < 0.05
 
 
@@ -63,18 +55,18 @@ def test_a_laser_sees_a_wall_where_it_is_put(cart):
             "<box><size>0.1 20 1</size></box></geometry></collision></link></model></sdf>")
 
     def ranges():
-        return list(map(float, message(cart, "/scan")["ranges"]))  # rostopic writes inf, which is no number of YAML
+        return list(map(float, cart.message("/scan")["ranges"]))  # rostopic writes inf, which is no number of YAML
 
     assert min(ranges()) > 3.5
-    told = answer(cart, "/gazebo/spawn_sdf_model", yaml.safe_dump(
+    told = cart.answer("/gazebo/spawn_sdf_model", yaml.safe_dump(
         {"model_name": "wall", "model_xml": wall, "initial_pose": {"position": {"x": place(cart)["x"] + 2.05}}}))
     assert told["success"], told
     cart.until(lambda: min(ranges()) < 2.1, "it is seen")
-    scan = message(cart, "/scan")
+    scan = cart.message("/scan")
     assert scan["header"]["frame_id"] == "scanner" and len(scan["ranges"]) == len(scan["intensities"]) == 360
     assert scan["angle_increment"] == pytest.approx(6.28319 / 359) and scan["range_max"] == 3.5
     assert min(ranges()) == pytest.approx(2.0, abs=0.08), "less the noise"
-    assert answer(cart, "/gazebo/delete_model", "{model_name: wall}")["success"]
+    assert cart.answer("/gazebo/delete_model", "{model_name: wall}")["success"]
 
 
 EYE = """<sensor name='%s' type='%s'><update_rate>10</update_rate><camera><horizontal_fov>1.0</horizontal_fov>
@@ -92,12 +84,12 @@ def test_cameras_that_see_depth_publish_how_far_the_ground_is(cart):
     urdf = ("<robot name='watcher'><link name='eye'/><gazebo><static>true</static></gazebo><gazebo reference='eye'>"
             + seen + "</gazebo>" + REALSENSE + "</robot>")
     down = {"position": {"x": -5.0, "z": 2.0}, "orientation": {"y": 0.7071067811865476, "w": 0.7071067811865476}}
-    told = answer(cart, "/gazebo/spawn_urdf_model", yaml.safe_dump(
+    told = cart.answer("/gazebo/spawn_urdf_model", yaml.safe_dump(
         {"model_name": "watcher", "model_xml": urdf, "initial_pose": down}))
     assert told["success"], told
 
     def pixels(topic, encoding, kind):
-        image = message(cart, topic)
+        image = cart.message(topic)
         assert (image["encoding"], image["height"], image["width"]) == (encoding, 6, 8)
         return numpy.frombuffer(bytes(image["data"]), dtype=kind)
 
@@ -105,72 +97,72 @@ def test_cameras_that_see_depth_publish_how_far_the_ground_is(cart):
     assert set(pixels("/d435/depth/image_raw", "16UC1", "<u2")) <= {1999, 2000}
     for topic in ("/kinect/rgb/image_raw", "/d435/color/image_raw"):
         assert len(pixels(topic, "rgb8", "u1")) == 144
-    assert message(cart, "/d435/depth/camera_info")["K"][2] == 4.0
-    cloud = message(cart, "/kinect/depth/points")
+    assert cart.message("/d435/depth/camera_info")["K"][2] == 4.0
+    cloud = cart.message("/kinect/depth/points")
     assert [field["name"] for field in cloud["fields"]] == ["x", "y", "z", "rgb"]
     points = numpy.frombuffer(bytes(cloud["data"]), dtype="<f4").reshape(6, 8, 4)
     assert points[..., 2] == pytest.approx(2.0, abs=1e-5)
     assert points[0, 0, :2] == pytest.approx(2.0 * numpy.array([-3.5, -2.5]) * numpy.tan(0.5) / 4.0, rel=1e-5)
-    assert answer(cart, "/gazebo/delete_model", "{model_name: watcher}")["success"]
+    assert cart.answer("/gazebo/delete_model", "{model_name: watcher}")["success"]
 
 
 def test_a_wrench_from_outside_lifts_the_cart_and_ends(cart):
     lift = "{body_name: 'cart::base_link', wrench: {force: {z: 60.0}}, duration: {secs: -1, nsecs: 0}}"
-    assert answer(cart, "/gazebo/apply_body_wrench", lift)["success"]
+    assert cart.answer("/gazebo/apply_body_wrench", lift)["success"]
     cart.until(lambda: place(cart)["z"] > 0.2, "it rises")
-    cart.output("rosservice", "call", "/gazebo/clear_body_wrenches", "cart::base_link")
+    cart.answer("/gazebo/clear_body_wrenches", "cart::base_link")
     # How high the cart has risen by now depends on how fast the machine is, and so does how long it falls. This test
     # sees that it falls, then puts it at 0.3 m and sees it come down to the ground.
     cart.until(lambda: state(cart)["twist"]["linear"]["z"] < 0.0, "it falls")
     raised = "{model_state: {model_name: cart, pose: {position: {z: 0.3}}}}"
-    assert answer(cart, "/gazebo/set_model_state", raised)["success"]
+    assert cart.answer("/gazebo/set_model_state", raised)["success"]
     cart.until(lambda: abs(place(cart)["z"]) < 0.01, "it fell down again")
 
 
 def test_a_root_link_is_placed_and_its_mass_is_told(cart):
-    assert answer(cart, "/gazebo/get_link_properties", "{link_name: load}")["mass"] == 0.5
-    assert answer(cart, "/gazebo/set_link_state",
-                  "{link_state: {link_name: base_footprint, pose: {position: {y: 3.0}}}}")["success"]
-    load = answer(cart, "/gazebo/get_link_state", "{link_name: 'cart::load'}")["link_state"]
+    assert cart.answer("/gazebo/get_link_properties", "{link_name: load}")["mass"] == 0.5
+    assert cart.answer("/gazebo/set_link_state",
+                       "{link_state: {link_name: base_footprint, pose: {position: {y: 3.0}}}}")["success"]
+    load = cart.answer("/gazebo/get_link_state", "{link_name: 'cart::load'}")["link_state"]
     assert abs(load["pose"]["position"]["y"] - 3.0) < 0.05
 
 
 def test_properties_that_are_set_are_told_again_and_act(cart):
-    load = answer(cart, "/gazebo/get_link_properties", "{link_name: load}")
+    load = cart.answer("/gazebo/get_link_properties", "{link_name: load}")
     load.update(link_name="load", mass=0.8)
-    told = answer(cart, "/gazebo/set_link_properties", yaml.safe_dump(
+    told = cart.answer("/gazebo/set_link_properties", yaml.safe_dump(
         {key: value for key, value in load.items() if key not in ("success", "status_message")}))
     assert told["success"], told
-    assert answer(cart, "/gazebo/get_link_properties", "{link_name: load}")["mass"] == 0.8
-    cart.until(lambda: abs(message(cart, "/load_ft")["wrench"]["force"]["z"] + 0.8 * 9.81) < 0.05, "it weighs more")
-    assert answer(cart, "/gazebo/set_joint_properties",
-                  "{joint_name: left_wheel_joint, ode_joint_config: {damping: [0.01], erp: [0.2]}}")["success"]
-    assert answer(cart, "/gazebo/get_joint_properties", "{joint_name: left_wheel_joint}")["damping"] == [0.01]
-    physics = answer(cart, "/gazebo/get_physics_properties")
+    assert cart.answer("/gazebo/get_link_properties", "{link_name: load}")["mass"] == 0.8
+    cart.until(lambda: abs(cart.message("/load_ft")["wrench"]["force"]["z"] + 0.8 * 9.81) < 0.05, "it weighs more")
+    assert cart.answer("/gazebo/set_joint_properties",
+                       "{joint_name: left_wheel_joint, ode_joint_config: {damping: [0.01], erp: [0.2]}}")["success"]
+    assert cart.answer("/gazebo/get_joint_properties", "{joint_name: left_wheel_joint}")["damping"] == [0.01]
+    physics = cart.answer("/gazebo/get_physics_properties")
     wanted = {key: physics[key] for key in ("time_step", "max_update_rate", "gravity", "ode_config")}
     wanted["gravity"]["z"], wanted["time_step"] = -4.9, 0.002
-    assert answer(cart, "/gazebo/set_physics_properties", yaml.safe_dump(wanted))["success"]
-    physics = answer(cart, "/gazebo/get_physics_properties")
+    assert cart.answer("/gazebo/set_physics_properties", yaml.safe_dump(wanted))["success"]
+    physics = cart.answer("/gazebo/get_physics_properties")
     assert (physics["gravity"]["z"], physics["time_step"]) == (-4.9, 0.002)
-    cart.until(lambda: abs(message(cart, "/imu")["linear_acceleration"]["z"] - 4.9) < 0.05, "it is lighter")
+    cart.until(lambda: abs(cart.message("/imu")["linear_acceleration"]["z"] - 4.9) < 0.05, "it is lighter")
 
 
 def test_a_saved_world_comes_back_as_it_was(cart):
-    cart.output("rosservice", "call", "/gazebo/pause_physics")
-    before = answer(cart, "/gazebo/get_model_state", "{model_name: cart}")["pose"]
-    kept = answer(cart, "/gazebo/save_state", "{name: here}")
+    cart.answer("/gazebo/pause_physics")
+    before = cart.answer("/gazebo/get_model_state", "{model_name: cart}")["pose"]
+    kept = cart.answer("/gazebo/save_state", "{name: here}")
     assert kept["success"] and kept["name"] == "here"
     box = "<robot name='b'><link name='l'/><gazebo><static>true</static></gazebo></robot>"
-    assert answer(cart, "/gazebo/spawn_urdf_model", yaml.safe_dump({"model_name": "box", "model_xml": box}))["success"]
-    assert answer(cart, "/gazebo/set_model_state",
-                  "{model_state: {model_name: cart, pose: {position: {y: -2.0, z: 1.0}}}}")["success"]
-    told = answer(cart, "/gazebo/restore_state", "{name: here}")
+    assert cart.answer("/gazebo/spawn_urdf_model", yaml.safe_dump({"model_name": "box", "model_xml": box}))["success"]
+    assert cart.answer("/gazebo/set_model_state",
+                       "{model_state: {model_name: cart, pose: {position: {y: -2.0, z: 1.0}}}}")["success"]
+    told = cart.answer("/gazebo/restore_state", "{name: here}")
     assert told["success"], told
-    assert answer(cart, "/gazebo/get_model_state", "{model_name: cart}")["pose"] == before
-    assert "box" not in answer(cart, "/gazebo/get_world_properties")["model_names"]
-    assert not answer(cart, "/gazebo/restore_state", "{name: there}")["success"]
-    cart.output("rosservice", "call", "/gazebo/unpause_physics")
-    cart.until(lambda: message(cart, "/odom"), "the cart publishes")
+    assert cart.answer("/gazebo/get_model_state", "{model_name: cart}")["pose"] == before
+    assert "box" not in cart.answer("/gazebo/get_world_properties")["model_names"]
+    assert not cart.answer("/gazebo/restore_state", "{name: there}")["success"]
+    cart.answer("/gazebo/unpause_physics")
+    cart.until(lambda: cart.message("/odom"), "the cart publishes")
 
 
 @pytest.mark.parametrize("service, request_, text", [
@@ -183,26 +175,26 @@ def test_a_saved_world_comes_back_as_it_was(cart):
     ("apply_body_wrench", "{body_name: base_link, reference_frame: moon}", "reference_frame not found"),
     ("set_link_state", "{link_state: {link_name: moon}}", "SetLinkState: link does not exist")])
 def test_what_cannot_be_is_refused_and_the_world_goes_on(cart, service, request_, text):
-    told = answer(cart, "/gazebo/" + service, request_)
+    told = cart.answer("/gazebo/" + service, request_)
     assert not told["success"] and text in told["status_message"], told
-    before = answer(cart, "/gazebo/get_world_properties")["sim_time"]
-    cart.until(lambda: answer(cart, "/gazebo/get_world_properties")["sim_time"] > before, "time goes on")
+    before = cart.answer("/gazebo/get_world_properties")["sim_time"]
+    cart.until(lambda: cart.answer("/gazebo/get_world_properties")["sim_time"] > before, "time goes on")
 
 
 def test_a_base_drives_by_its_controller(tmp_path_factory):
     with Graph(tmp_path_factory.mktemp("ros")) as graph:
         graph.start("roslaunch", "-p", str(graph.port), "demo_cart", "controlled.launch")
         graph.until(lambda: "Started controllers" in graph.log(), "the controllers run")
-        listed = answer(graph, "/cart/controller_manager/list_controllers")["controller"]
+        listed = graph.answer("/cart/controller_manager/list_controllers")["controller"]
         assert {each["name"]: each["type"] for each in listed}["base_controller"] == \
             "diff_drive_controller/DiffDriveController"
         graph.start("rostopic", "pub", "-1", "/cart/base_controller/cmd_vel", "geometry_msgs/Twist",
                     "{linear: {x: 5.0}, angular: {z: 0.3}}")
-        graph.until(lambda: message(graph, "/cart/base_controller/odom")["twist"]["twist"]["linear"]["x"] > 0.29,
+        graph.until(lambda: graph.message("/cart/base_controller/odom")["twist"]["twist"]["linear"]["x"] > 0.29,
                     "it drives as fast as it may")
-        odometry = message(graph, "/cart/base_controller/odom")
+        odometry = graph.message("/cart/base_controller/odom")
         assert odometry["child_frame_id"] == "base_footprint" and odometry["pose"]["covariance"][35] == 0.03
         assert odometry["twist"]["twist"]["linear"]["x"] == pytest.approx(0.3, abs=0.01)
         assert odometry["twist"]["twist"]["angular"]["z"] == pytest.approx(0.3, abs=0.02)
-        assert not answer(graph, "/cart/controller_manager/load_controller", "{name: without_wheels}")["ok"]
+        assert not graph.answer("/cart/controller_manager/load_controller", "{name: without_wheels}")["ok"]
         assert "right_wheel: found None" in graph.log()

@@ -2,7 +2,6 @@
 import subprocess
 
 import pytest
-import yaml
 
 from ros_graph import Graph
 
@@ -42,7 +41,7 @@ def room(tmp_path_factory):
 
 
 def answer(graph, service, request=""):
-    return yaml.safe_load(graph.output("rosservice", "call", "/gazebo/" + service, *([request] if request else [])))
+    return graph.answer("/gazebo/" + service, request)
 
 
 def test_the_world_is_that_of_the_file(room):

@@ -5,7 +5,6 @@ import subprocess
 import time
 
 import pytest
-import yaml
 from ros_graph import LIMIT_S, Graph, until
 
 NAMESPACE = "/aras_visual_servo"
@@ -48,7 +47,7 @@ def publishers(graph, topic):
 
 def angle_rad(graph):
     """Position of the joint."""
-    said = yaml.safe_load(graph.output("rostopic", "echo", "-n", "1", f"{NAMESPACE}/joint_states").split("---")[0])
+    said = graph.message(f"{NAMESPACE}/joint_states")
     return said["position"][said["name"].index(JOINT)]
 
 
