@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
+sys.path.append(str(ROOT / "tests" / "support"))
 
 
 @functools.lru_cache(maxsize=None)

@@ -1,5 +1,5 @@
 """A node that asks other nodes what a test wants to know, as `rosservice call` and `rostopic echo -n 1` do, without the
-second that each of these takes to start. Started by `ros_graph.Graph`: a line of JSON in, [kind, name, request], and one
+second that each of these takes to start. `ros_graph.Graph` starts it: a line of JSON in, [kind, name, request], and one
 out, [answer as YAML, or None; what went wrong]."""
 import json
 import sys
@@ -33,7 +33,8 @@ def main():
     """Answer until nobody asks any more."""
     while not rosgraph.is_master_online():  # without one, init_node waits for ever
         time.sleep(0.05)
-    rospy.impl.simtime.init_simtime = lambda: True  # wall time: it need not listen to a clock of a thousand ticks a second
+    # Wall time: it need not listen to a clock of a thousand ticks a second.
+    rospy.impl.simtime.init_simtime = lambda: True
     rospy.rostime.set_rostime_initialized(True)
     rospy.init_node("asker", anonymous=True, disable_rosout=True, disable_signals=True)
     for line in sys.stdin:
