@@ -25,15 +25,13 @@ def arm():
 def polygon_moments(xy, order, about=(0.0, 0.0)):
     """{"ij": moment} of a polygon by Green's theorem: m_ij = 1/(i+1) contour integral of x^(i+1) y^j dy, area > 0."""
     p = xy - np.asarray(about)
-    way = np.roll(p, -1, axis=0) - p
-    points = p[:, None, :] + NODES[None, :, None] * way[:, None, :]
-    x, y, dy = points[..., 0], points[..., 1], way[:, 1][:, None] * WEIGHTS
-    sign = np.sign(np.sum(x * dy))
-    return {
-        f"{i}{j}": float(sign * np.sum(x ** (i + 1) * y**j * dy) / (i + 1))
-        for i in range(order + 1)
-        for j in range(order + 1 - i)
-    }
+    way = np.vstack((p[1:], p[:1])) - p
+    x, y = (p[:, axis, None] + way[:, axis, None] * NODES for axis in (0, 1))
+    x_dy, y = (x * (way[:, 1, None] * WEIGHTS)).ravel(), y.ravel()
+    powers = np.arange(order + 1)[:, None]
+    all_of_them = (x_dy * x.ravel() ** powers) @ (y ** powers).T / (powers + 1)
+    all_of_them *= np.sign(all_of_them[0, 0])
+    return {f"{i}{j}": all_of_them[i, j].item() for i in range(order + 1) for j in range(order + 1 - i)}
 
 
 def picture(X_WC, X_WT=None, outline=OUTLINE):

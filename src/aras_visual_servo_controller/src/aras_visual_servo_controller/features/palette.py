@@ -44,15 +44,15 @@ def rgb(colour):
 
 @functools.lru_cache(maxsize=1024)
 def oklab(colour):
-    """(lightness, a, b) of "#rrggbb" in OKLab, (3,)."""
+    """(lightness, a, b) of "#rrggbb" in OKLab, floats."""
     c = np.array(rgb(colour)) / 255.0
     linear = np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
-    return _LAB_OF_LMS @ np.cbrt(_LMS_OF_RGB @ linear)
+    return tuple((_LAB_OF_LMS @ np.cbrt(_LMS_OF_RGB @ linear)).tolist())
 
 
 def distance(a, b):
     """How different two colours look: their distance in OKLab."""
-    return float(np.linalg.norm(oklab(a) - oklab(b)))
+    return math.dist(oklab(a), oklab(b))
 
 
 @functools.lru_cache(maxsize=1024)
