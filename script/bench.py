@@ -80,17 +80,18 @@ def calibration_ms():
 
 
 def accuracy(names):
-    from aras_visual_servo_controller.run.judge import judge, run_in_process
+    from aras_visual_servo_controller.run.judge import fit_decay, judge, run_in_process
     from aras_visual_servo_controller.scenario.scenario import load_scenario
 
     for name in names:
-        result = judge(run_in_process(load_scenario(name)))
+        record = run_in_process(load_scenario(name))
+        result = judge(record)
         error = result.final_error
         row(f"{name}: |x|, |y|, |z| [mm], angle [deg]",
             "%.3f %.3f %.3f %.4f" % (abs(error["x_mm"]), abs(error["y_mm"]), abs(error["z_mm"]), error["angle_deg"]),
             f"{'converged' if result.converged else 'NOT CONVERGED'} in {result.duration_s:.2f} s simulated")
         if result.gains_per_s:
-            shares = [abs(rate / result.gains_per_s[key] - 1.0) for key, rate in result.decay_per_s.items()
+            shares = [abs(rate / result.gains_per_s[key] - 1.0) for key, rate in fit_decay(record).items()
                       if rate == rate]
             row(f"{name}: decay against lambda, largest deviation", f"{100 * max(shares):.1f} %")
 

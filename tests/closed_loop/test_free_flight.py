@@ -8,7 +8,7 @@ import pytest
 from aras_visual_servo_controller.compare.laws import load_comparison, run_comparison
 from aras_visual_servo_controller.compare.laws_report import arrived
 from aras_visual_servo_controller.config.files import load_yaml, resolve_uri
-from aras_visual_servo_controller.run.judge import judge, run_in_process
+from aras_visual_servo_controller.run.judge import fit_decay, judge, run_in_process
 from aras_visual_servo_controller.run.loop import ServoLoop
 from aras_visual_servo_controller.scenario.scenario import load_scenario
 from aras_visual_servo_controller.sweep.plan import SweepSettings, make_starts
@@ -126,7 +126,7 @@ def test_each_feature_of_the_decoupled_law_decays_at_its_gain():
         "servo.thresholds": {"xn": 5e-5, "yn": 5e-5, "an": 5e-5, "alpha": 3e-4},
         "experiment.start": {"camera": {"position_m": [-0.12, 0.08, 0.94], "rpy_rad": [math.pi, 0.0, 1.1]}}}))
     assert judge(record).passed
-    for name, rate in judge(record).decay_per_s.items():
+    for name, rate in fit_decay(record).items():
         assert rate == pytest.approx(gains[name], rel=RATE), name
 
 

@@ -24,7 +24,7 @@ from ..features.base import spread
 from ..features.style import styles
 from ..ground.errors import ArasError
 from ..ground.spatial import quaternion_xyzw
-from ..run.judge import judge, tracking
+from ..run.judge import fit_decay, judge, tracking
 from ..run.record import STOP_NAMES, TWIST_NAMES
 from ..servo.stop_rule import StopSettings
 from .rows import comparison_rows, is_number, stop_rows
@@ -159,7 +159,7 @@ def summarise(record):
         "thresholds": spread(servo.get("thresholds", {})),
         "gains_per_s": spread(servo.get("gains_per_s", {})),
         "promised_decay_per_s": result.gains_per_s,
-        "measured_decay_per_s": result.decay_per_s,
+        "measured_decay_per_s": fit_decay(record),
         "law": servo.get("law"),
         "mode": servo.get("mode"),
         "seed": record.settings.get("sim", {}).get("seed"),

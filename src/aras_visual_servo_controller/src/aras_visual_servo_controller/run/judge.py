@@ -38,8 +38,8 @@ class Judgement:
             of the target in the camera against the taught one, see `true_error`.
         initial_error: the same at the first servo image.
         final_feature_error: feature name -> e at the end, in its unit (features.styles).
-        decay_per_s: feature name -> rate of the fitted exponential [1/s], NaN where the error is too small for a fit.
-        gains_per_s: feature name -> gain lambda of the scenario; {} if the law promises no exponential decay.
+        gains_per_s: feature name -> gain lambda of the scenario, at which its error decays (`fit_decay`); {} if the law
+            promises no exponential decay.
         limits: the scenario's judge thresholds, {} if it has none.
         images: number of servo images.
     """
@@ -52,7 +52,6 @@ class Judgement:
     final_error: dict
     initial_error: dict
     final_feature_error: dict
-    decay_per_s: dict
     gains_per_s: dict
     limits: dict
     images: int
@@ -102,8 +101,7 @@ def judge(record):
         duration_s=float((record.stamp_ns[last] - record.stamp_ns[first]) * 1e-9),
         final_error=final_error, initial_error=true_error(record, first),
         final_feature_error=dict(zip(record.feature_names, record.e[_last_finite(record.e, rows)].tolist())),
-        decay_per_s=fit_decay(record), gains_per_s=_promised_rates(record), limits=limits, images=len(rows),
-        stopped_by_rule=stopped_by_rule)
+        gains_per_s=_promised_rates(record), limits=limits, images=len(rows), stopped_by_rule=stopped_by_rule)
 
 
 def taught_pose(record):

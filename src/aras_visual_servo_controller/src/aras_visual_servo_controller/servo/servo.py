@@ -43,15 +43,18 @@ class Servo:
     """Drives the camera to the taught view.
 
     Attributes:
-        config: `ServoSettings` in use.  reference: `Reference` or None.  status: `Status` of the last step.
+        settings: `ServoSettings` of the scenario.  config: those in use (`configure`).  reference: `Reference` or None.
+        status: `Status` of the last step.
         finished: only start() moves again (CONVERGED, STOPPED_BY_RULE, TIMED_OUT, STOPPED or FAULT).
     """
 
     def __init__(self, kinematics, config: Mapping):
-        """Args: kinematics: `Kinematics`. config: the scenario's section `servo` (dict). Raises ParameterError."""
+        """Args: kinematics: `Kinematics`. config: the scenario's section `servo` (dict), or the `settings` of another
+        servo of these joints. Raises ParameterError."""
         names = kinematics.joint_names
         self._kinematics = kinematics
-        self._scenario_config = self.config = ServoSettings.from_dict(config, names)
+        self.settings = self.config = (config if isinstance(config, ServoSettings)
+                                       else ServoSettings.from_dict(config, names))
         self._features = FeatureSet(self.config.features, self.config.settings, self.config.source)
         self._source = source_named(self._features.source)
         self._arm = ArmMotion(kinematics, self.config, self._features.sees_tilt)
@@ -105,7 +108,7 @@ class Servo:
 
     def configure(self, law="", gains_per_s=(), thresholds=(), time_limit_s=0.0) -> None:
         """Override the scenario's values from the next start on; empty or 0 takes the scenario's. ParameterError."""
-        self.config = self._scenario_config.with_overrides(law, gains_per_s, thresholds, time_limit_s)
+        self.config = self.settings.with_overrides(law, gains_per_s, thresholds, time_limit_s)
 
     def retuned(self, config: Mapping) -> "Servo":
         """A servo with other settings that goes on where this one is: same goal, same time limit, same state.

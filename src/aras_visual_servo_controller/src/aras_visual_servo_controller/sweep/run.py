@@ -6,7 +6,7 @@ A run ends with the servo, or when the target has been out of view for LOST_LIMI
 """
 
 from collections import OrderedDict
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 
@@ -33,17 +33,31 @@ class Infeasible(ArasError):
 
 
 class _Shared:
-    """A simulator that runs use in turn, each after a reset. It knows its state at rest at the goal of the last run.
-
-    The way from a reset to there is the same for every run to this goal, and takes as long as ten images of servoing.
-    """
+    """A simulator that runs use in turn, each after a reset, and what they need not find out each for itself."""
 
     def __init__(self, sim):
         self.sim = sim
-        self._goal = self._state = None
+        self._goal = self._state = self._loop = self._outline = None
+
+    def loop(self, scenario):
+        """A `ServoLoop` of the scenario. Where the last one's differs in `experiment` alone, nothing is read again."""
+        last = self._loop
+        if last is None or not _differs_in_experiment_alone(scenario, last.scenario):
+            self._loop, self._outline = ServoLoop(scenario, sim=self.sim), Outline.of(scenario)
+        else:
+            self._loop = ServoLoop(scenario, sim=self.sim, like=last)
+        return self._loop
+
+    def outline(self):
+        """`Outline.of` the scenario of the last loop."""
+        return self._outline
 
     def settle(self, loop, joints, settle_s):
-        """As `loop.place`, of a loop that has just been made of `sim` and has no other models than its scenario."""
+        """As `loop.place`, of a loop that has just been made of `sim` and has no other models than its scenario.
+
+        The way from a reset to rest at the goal is the same for every run to this goal, and takes as long as ten images
+        of servoing: the state there is kept.
+        """
         goal = (dict(joints), settle_s)
         if goal == self._goal:
             loop.go_on_from(self._state)
@@ -82,7 +96,7 @@ class Bench:
             scenario = perturbed(self.scenario, parameters)
             scenario = placed(scenario, start)
             shared = self._simulator(scenario, parameters)
-            loop = ServoLoop(scenario, sim=shared.sim)
+            loop = shared.loop(scenario)
             builder = RecordBuilder(scenario.name, loop.kinematics.joint_names, settings=scenario.as_dict(),
                                     feature_names=loop.servo.feature_names)
             builder.note(f"start {start.id} of a sweep, the arm {'driven' if self.drive_to_start else 'placed'} there")
@@ -96,7 +110,7 @@ class Bench:
             record = builder.finish(run_hash=loop.sim.run_hash, camera_info=loop.camera_info,
                                     X_WT=loop.target_pose(), opengl=loop.sim.opengl)
             lower, upper = loop.kinematics.lower, loop.kinematics.upper
-            row = dict(judge_row(record), **measures(record, lower, upper, Outline.of(scenario)), id=start.id)
+            row = dict(judge_row(record), **measures(record, lower, upper, shared.outline()), id=start.id)
             return row, record
         except Infeasible as refusal:
             reason = str(refusal).partition(":")[0]
@@ -203,6 +217,12 @@ class Bench:
         if self._kinematics is None:
             self._kinematics = kinematics_of(self.scenario.urdf_xml(), self.scenario.robot, calibrated=False)
         return self._kinematics.pose(placed(self.scenario, start).goal_posture(self._kinematics))
+
+
+def _differs_in_experiment_alone(scenario, other):
+    """Whether these two, as `perturbed` and `placed` make them, are the same but for `experiment`."""
+    return type(scenario) is type(other) and all(getattr(scenario, each.name) is getattr(other, each.name)
+                                                 for each in fields(scenario) if each.name != "experiment")
 
 
 def placed(scenario, start):

@@ -11,6 +11,7 @@ from aras_visual_servo_controller.run.judge import judge
 from aras_visual_servo_controller.run.loop import ServoLoop
 from aras_visual_servo_controller.report.report import save_results
 from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo_controller.servo.settings import ServoSettings
 from aras_visual_servo_controller.sweep import worker
 from aras_visual_servo_controller.sweep.perturb import perturbed
 from aras_visual_servo_controller.sweep.plan import Start
@@ -63,6 +64,22 @@ def test_a_goal_that_was_reached_before_is_gone_on_from_and_another_is_not_taken
     assert rows == [Bench(scenario).run(start)[0] for start in starts]
     assert rows[0]["run_hash"] == rows[3]["run_hash"] != rows[1]["run_hash"]
     assert {row["outcome"] for row in rows} == {"success"}
+
+
+def test_what_runs_share_is_read_once_and_what_differs_is_read(scenario, monkeypatch):
+    read, from_dict = [], ServoSettings.from_dict
+    monkeypatch.setattr(ServoSettings, "from_dict",
+                        lambda config, names: read.append(config) or from_dict(config, names))
+    gains = {"servo.gains_per_s.xn": 1.0}
+    starts = [Start(1, NEAR), Start(2, FAR), Start(3, NEAR, parameters=gains), Start(4, NEAR), Start(5, FAR),
+              Start(6, NEAR, parameters={"friction_scale": 1.5}), Start(7, NEAR, parameters={"friction_scale": 1.5})]
+    shared = Bench(scenario)
+    rows = [shared.run(start)[0] for start in starts]
+    # One to make the simulator and one for the first run; then where the section or the robot is another than before.
+    assert [config["gains_per_s"]["xn"] for config in read] == [3.0, 3.0, 1.0, 3.0, 3.0, 3.0, 3.0]
+    assert rows == [Bench(scenario).run(start)[0] for start in starts]
+    assert rows[0]["duration_s"] < rows[2]["duration_s"] and rows[3] == dict(rows[0], id=4)
+    assert rows[0]["border_px"] != rows[1]["border_px"]
 
 
 def test_images_of_the_time_before_a_goal_that_is_gone_on_from_are_not_looked_at(scenario):
