@@ -15,6 +15,18 @@ import yaml
 LIMIT_S = 60.0
 
 
+def until(found):
+    """The value of found(), once it is true; TimeoutError if it never is."""
+    end_s = time.monotonic() + LIMIT_S
+    while True:
+        value = found()
+        if value:
+            return value
+        if time.monotonic() > end_s:
+            raise TimeoutError(f"not within {LIMIT_S} s")
+        time.sleep(0.05)
+
+
 def call(service, request):
     """The answer of a service; request: YAML, or an empty text."""
     kind = rosservice.get_service_class_by_name(service)
@@ -25,14 +37,13 @@ def call(service, request):
 
 def message(topic, _):
     """The next message of a topic."""
-    kind, name, _ = rostopic.get_topic_class(topic, blocking=True)
-    return rospy.wait_for_message(name, kind, LIMIT_S)
+    kind = until(lambda: rostopic.get_topic_class(topic)[0])
+    return rospy.wait_for_message(topic, kind, LIMIT_S)
 
 
 def main():
     """Answer until nobody asks any more."""
-    while not rosgraph.is_master_online():  # without one, init_node waits for ever
-        time.sleep(0.05)
+    until(rosgraph.is_master_online)  # without one, init_node waits for ever
     # Wall time: it need not listen to a clock of a thousand ticks a second.
     rospy.impl.simtime.init_simtime = lambda: True
     rospy.rostime.set_rostime_initialized(True)

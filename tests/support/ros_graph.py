@@ -68,11 +68,11 @@ class Graph:
         """The next message of a topic: dict. AssertionError where none comes."""
         return self._ask("message", topic)
 
-    def _ask(self, *question):
+    def _ask(self, kind, name, request=""):
         if self._asker is None:
             self._asker = subprocess.Popen([sys.executable, ASKER], env=self.environment, stdin=subprocess.PIPE,
                                            stdout=subprocess.PIPE, stderr=self._log, text=True, start_new_session=True)
-        print(json.dumps([*question, ""][:3]), file=self._asker.stdin, flush=True)
+        print(json.dumps([kind, name, request]), file=self._asker.stdin, flush=True)
         line = self._asker.stdout.readline()
         assert line, "who asks has ended\n" + self.log()
         told, fault = json.loads(line)
