@@ -4,8 +4,10 @@ import re
 project = "ARAS Visual Servo"
 extensions = ["sphinx.ext.autodoc"]
 html_theme = "alabaster"
-html_theme_options = {"description": "API reference, from the docstrings", "page_width": "1100px"}
+html_theme_options = {"description": "API reference, from the docstrings", "page_width": "1420px",
+                      "body_max_width": "1180px"}
 html_show_sourcelink = False
+highlight_language = "none"   # blocks of docstrings are sentences and formulas
 #: A page lists what stands on it. The list of all modules beside each would take a quarter of the time to build.
 html_sidebars = {"**": ["about.html", "localtoc.html", "relations.html", "searchbox.html"]}
 autodoc_default_options = {"members": True, "undoc-members": True, "ignore-module-all": True, "show-inheritance": True,
