@@ -3,7 +3,6 @@ second that each of these takes to start. `ros_graph.Graph` starts it: a line of
 out, [answer as YAML, or None; what went wrong]."""
 import json
 import sys
-import time
 
 import genpy
 import rosgraph
@@ -12,19 +11,7 @@ import rosservice
 import rostopic
 import yaml
 
-LIMIT_S = 60.0
-
-
-def until(found):
-    """The value of found(), once it is true; TimeoutError if it never is."""
-    end_s = time.monotonic() + LIMIT_S
-    while True:
-        value = found()
-        if value:
-            return value
-        if time.monotonic() > end_s:
-            raise TimeoutError(f"not within {LIMIT_S} s")
-        time.sleep(0.05)
+from ros_graph import LIMIT_S, until
 
 
 def call(service, request):
@@ -37,13 +24,13 @@ def call(service, request):
 
 def message(topic, _):
     """The next message of a topic."""
-    kind = until(lambda: rostopic.get_topic_class(topic)[0])
+    kind = until(lambda: rostopic.get_topic_class(topic)[0], "a topic " + topic)
     return rospy.wait_for_message(topic, kind, LIMIT_S)
 
 
 def main():
     """Answer until nobody asks any more."""
-    until(rosgraph.is_master_online)  # without one, init_node waits for ever
+    until(rosgraph.is_master_online, "a master")  # without one, init_node waits for ever
     # Wall time: it need not listen to a clock of a thousand ticks a second.
     rospy.impl.simtime.init_simtime = lambda: True
     rospy.rostime.set_rostime_initialized(True)

@@ -103,8 +103,11 @@ def free_port():
 
 
 def until(condition, what, log=lambda: ""):
-    """Waits until condition() is true; else fails with `what` and the log."""
+    """Waits until condition() is true and returns its value; else fails with `what` and the log."""
     end = time.monotonic() + LIMIT_S
-    while not condition():
+    while True:
+        found = condition()
+        if found:
+            return found
         assert time.monotonic() < end, "never happened: %s\n%s" % (what, log())
         time.sleep(0.05)

@@ -41,7 +41,8 @@ class ServoLoop:
         camera: name of the camera; None: the first of the scenario.
         sim: a Simulation made of the same robot, controllers and `sim` section, which is reset and used again; None: a
             new one is made, which takes as long as a second of simulated time. Either way the bytes are the same.
-        like: a loop of a scenario that differs in `experiment` alone, whose other sections are not read again.
+        like: a loop of a scenario that differs in `experiment` alone. Its simulator is reset and used again, and the
+            other sections of the scenario are not read again.
     Raises:
         ParameterError, ModelError and the errors of simulator and extractor: what is wrong with the scenario.
 
@@ -57,17 +58,19 @@ class ServoLoop:
         from aras_visual_servo_sim import Simulation  # C++: not needed to import this
 
         self.scenario = scenario
+        urdf = scenario.urdf_xml() if like is None else None
+        sim = sim if like is None else like.sim
         cameras = scenario.sim.get("cameras") or [{"name": "camera"}]
         self.camera = camera or cameras[0]["name"]
         if sim is None:
-            sim = Simulation(scenario.urdf_xml(), scenario.sim, scenario.controllers(), package_paths())
+            sim = Simulation(urdf, scenario.sim, scenario.controllers(), package_paths())
         else:
             sim.reset()
         self.sim = sim
         self.camera_info = self.sim.camera_info(self.camera)
         self._encoding = self.sim.camera_encoding(self.camera)
         believed = scenario.believed_camera_info(self.camera_info)
-        self.kinematics = kinematics_of(scenario.urdf_xml(), scenario.robot) if like is None else like.kinematics
+        self.kinematics = kinematics_of(urdf, scenario.robot) if like is None else like.kinematics
         self.eye_to_hand = scenario.robot.get("target_link") is not None
         self.servo = Servo(self.kinematics, scenario.servo if like is None else like.servo.settings)
         shown, servoed_on = source_named(SHOWN), self.servo.source

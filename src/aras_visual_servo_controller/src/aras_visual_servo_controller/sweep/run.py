@@ -35,22 +35,22 @@ class Infeasible(ArasError):
 class _Shared:
     """A simulator that runs use in turn, each after a reset, and what they need not find out each for itself."""
 
-    def __init__(self, sim):
-        self.sim = sim
-        self._goal = self._state = self._loop = self._outline = None
+    def __init__(self, scenario):
+        self._goal = self._state = None
+        self._read(scenario)
+
+    def _read(self, scenario, sim=None):
+        self._loop, self.outline = ServoLoop(scenario, sim=sim), Outline.of(scenario)
 
     def loop(self, scenario):
-        """A `ServoLoop` of the scenario. Where the last one's differs in `experiment` alone, nothing is read again."""
-        last = self._loop
-        if last is None or not _differs_in_experiment_alone(scenario, last.scenario):
-            self._loop, self._outline = ServoLoop(scenario, sim=self.sim), Outline.of(scenario)
+        """A `ServoLoop` of the scenario, whose `Outline` is in `outline`. Where the scenario differs from the last one
+        in `experiment` alone, nothing else of it is read again.
+        """
+        if _differs_in_experiment_alone(scenario, self._loop.scenario):
+            self._loop = ServoLoop(scenario, like=self._loop)
         else:
-            self._loop = ServoLoop(scenario, sim=self.sim, like=last)
+            self._read(scenario, self._loop.sim)
         return self._loop
-
-    def outline(self):
-        """`Outline.of` the scenario of the last loop."""
-        return self._outline
 
     def settle(self, loop, joints, settle_s):
         """As `loop.place`, of a loop that has just been made of `sim` and has no other models than its scenario.
@@ -63,7 +63,7 @@ class _Shared:
             loop.go_on_from(self._state)
             return
         loop.place(joints, settle_s)
-        self._goal, self._state = goal, self.sim.save_state()
+        self._goal, self._state = goal, loop.sim.save_state()
 
 
 class Bench:
@@ -110,7 +110,7 @@ class Bench:
             record = builder.finish(run_hash=loop.sim.run_hash, camera_info=loop.camera_info,
                                     X_WT=loop.target_pose(), opengl=loop.sim.opengl)
             lower, upper = loop.kinematics.lower, loop.kinematics.upper
-            row = dict(judge_row(record), **measures(record, lower, upper, shared.outline()), id=start.id)
+            row = dict(judge_row(record), **measures(record, lower, upper, shared.outline), id=start.id)
             return row, record
         except Infeasible as refusal:
             reason = str(refusal).partition(":")[0]
@@ -122,7 +122,7 @@ class Bench:
     def _simulator(self, scenario, parameters):
         key = simulator_key(scenario, parameters)
         if key not in self._simulators:
-            self._simulators[key] = _Shared(ServoLoop(scenario).sim)
+            self._simulators[key] = _Shared(scenario)
             while len(self._simulators) > KEPT_SIMULATORS:
                 self._simulators.popitem(last=False)
         self._simulators.move_to_end(key)
