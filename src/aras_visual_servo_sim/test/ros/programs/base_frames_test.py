@@ -46,7 +46,8 @@ class BaseFrames(unittest.TestCase):
         end_ns = FALL_MS * 1_000_000
         for listener in (joints, poses):
             until(lambda listener=listener: end_ns in listener.stamps(), "joint state and image at the end")
-        until(lambda: transforms.messages[-1].transforms[0].header.stamp.to_nsec() == end_ns, "the last transform")
+        until(lambda: transforms.messages and transforms.messages[-1].transforms[0].header.stamp.to_nsec() == end_ns,
+              "the last transform")
         by_stamp = {}
         for message in list(transforms.messages):
             (transform,) = message.transforms

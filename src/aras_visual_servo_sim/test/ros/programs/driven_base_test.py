@@ -11,7 +11,7 @@ from std_srvs.srv import Empty
 
 from aras_visual_servo_msgs.msg import SimStatus
 from aras_visual_servo_msgs.srv import SetJointPositions
-from listening import Listener, command_publisher, service
+from listening import Listener, command_publisher, service, until_sent_to
 
 TWIST = [0.1, -0.2, 0.05, 0.6, -0.4, 1.2]  # of the eye, in its own axes
 ROUNDING = 1e-12  # of some ten steps of numbers near one
@@ -52,9 +52,10 @@ class DrivenBase(unittest.TestCase):
         poses, joints = Listener("ground_truth/camera_pose", PoseStamped), Listener("joint_states", JointState)
         status = Listener("sim/status", SimStatus)
         twists = command_publisher("twist_command", TwistStamped)
+        until_sent_to(poses.subscriber, joints.subscriber)
+        twists.publish(twist_message(rospy.Time(0), "eye_optical_frame"))
+        status.newer(lambda s: s.lockstep_armed, "the first command arms the lockstep")
         service("sim/unpause", Empty)()
-        status.newer(lambda s: not s.paused, "time goes on")
-        twists.publish(twist_message(rospy.Time(0, 1), "eye_optical_frame"))  # arms the lockstep
         armed_at = status.newer(lambda s: s.holding, "the simulator waits for an answer").header.stamp
         self.assertIn("joint_command", status.messages[-1].held_by)
         held_at = armed_at  # poses of the time before may still be under way
@@ -68,7 +69,7 @@ class DrivenBase(unittest.TestCase):
             self.assertAlmostEqual(dt_s, 0.02)
             np.testing.assert_allclose(matrix(after.pose), matrix(before.pose) @ held(np.array(TWIST), dt_s),
                                        atol=ROUNDING)
-        last = joints.messages[-1]
+        last = joints.at(held_at, "the joint states of the last image")
         self.assertEqual(last.name, ["px", "py", "pz", "rx", "ry", "rz"])
         self.assertAlmostEqual(np.linalg.norm(last.velocity[3:]), np.linalg.norm(TWIST[3:]))
 
@@ -84,9 +85,9 @@ class DrivenBase(unittest.TestCase):
         place = service("sim/set_joint_positions", SetJointPositions)
         self.assertTrue(place(["px", "rx", "ry", "rz"], [0.7, 0.0, np.pi, 0.0]).success)
         twists.publish(twist_message(held_at, "", [0.0] * 6))
-        poses.later(held_at, "the next image")
-        np.testing.assert_allclose(joints.messages[-1].position[3:], [0.0, np.pi, 0.0], atol=ROUNDING)
-        self.assertEqual(joints.messages[-1].position[0], 0.7)
+        placed = joints.at(poses.later(held_at, "the next image").header.stamp, "its joint states")
+        np.testing.assert_allclose(placed.position[3:], [0.0, np.pi, 0.0], atol=ROUNDING)
+        self.assertEqual(placed.position[0], 0.7)
         answer = place(["J1"], [0.0])
         self.assertFalse(answer.success)
         self.assertIn("a driven base has: px, py, pz, rx, ry, rz", answer.message)

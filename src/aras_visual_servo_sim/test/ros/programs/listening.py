@@ -61,6 +61,10 @@ class Listener:
         """The last message, once there is one that is stamped later than this. It may have come before this call."""
         return until(lambda: [m for m in list(self.messages) if m.header.stamp > stamp], what)[-1]
 
+    def at(self, stamp, what):
+        """The message with this stamp, once it is there: what comes over another connection may be behind."""
+        return until(lambda: next((m for m in list(self.messages) if m.header.stamp == stamp), None), what)
+
     def stamps(self):
         return [message.header.stamp.to_nsec() for message in list(self.messages)]
 
