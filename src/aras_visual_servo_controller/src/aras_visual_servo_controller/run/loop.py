@@ -4,6 +4,7 @@ The nodes call the same objects in the same order, and in lockstep they give the
 """
 
 import time
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from ..config.files import package_paths
 from ..features.sources import source_named
 from .sequence import ExperimentSequence
 from ..servo.servo import Servo
-from ..ground.types import Observation, ServoRecord, Status
+from ..ground.types import Observation, Reference, ServoRecord, Status
 
 #: Simulated time for which a run goes on after its end, with the arm at rest [s]. Over ROS the simulator cannot be
 #: paused at once, and a run over ROS and one in process must end at the same tick to have the same run hash.
@@ -25,6 +26,22 @@ DEFAULT_LIMIT_S = 300.0
 PROGRESS_ROWS = 30
 #: Source whose features are in the record and drawn into the video, also when the servo works on another source.
 SHOWN = "moments"
+#: A goal that takes more images than this to teach has noisy ones, and they are not kept: see `TaughtGoal`.
+KEPT_IMAGES = 2
+
+
+class TaughtGoal(NamedTuple):
+    """What a loop had come to when it had taught its goal, from where others go on: see `ServoLoop.taught_goal`.
+
+    Attributes:
+        state: of the simulator.  reference: of the servo.  z_star_m: depth of the target in this view [m].
+        answers: tuple of what `RecordBuilder.add_answer` is told of each image: (record, X_WC, features, image, X_WT).
+    """
+
+    state: bytes
+    reference: Reference
+    z_star_m: float
+    answers: tuple
 
 
 class ServoLoop:
@@ -41,8 +58,10 @@ class ServoLoop:
         camera: name of the camera; None: the first of the scenario.
         sim: a Simulation made of the same robot, controllers and `sim` section, which is reset and used again; None: a
             new one is made, which takes as long as a second of simulated time. Either way the bytes are the same.
-        like: a loop of a scenario that differs in `experiment` alone. Its simulator is reset and used again, and the
-            other sections of the scenario are not read again.
+        like: a loop of a scenario that differs in `experiment` alone. Its simulator is reset, its servo begins anew, and
+            the other sections of the scenario are not read again. It cannot be used any more itself.
+        goal: a `TaughtGoal` of the loop `like`, whose experiment differs in `start` alone: this loop begins where that
+            one had taught it. The bytes are those of a loop that has been placed at the goal and has taught it.
     Raises:
         ParameterError, ModelError and the errors of simulator and extractor: what is wrong with the scenario.
 
@@ -54,7 +73,7 @@ class ServoLoop:
         seen: the last answered `Observation`, None before the first.
     """
 
-    def __init__(self, scenario, camera=None, sim=None, like=None):
+    def __init__(self, scenario, camera=None, sim=None, like=None, goal=None):
         from aras_visual_servo_sim import Simulation  # C++: not needed to import this
 
         self.scenario = scenario
@@ -64,23 +83,28 @@ class ServoLoop:
         self.camera = camera or cameras[0]["name"]
         if sim is None:
             sim = Simulation(urdf, scenario.sim, scenario.controllers(), package_paths())
-        else:
+        elif goal is None:
             sim.reset()
+        else:
+            sim.restore_state(goal.state)
         self.sim = sim
         self.camera_info = self.sim.camera_info(self.camera)
         self._encoding = self.sim.camera_encoding(self.camera)
         believed = scenario.believed_camera_info(self.camera_info)
         self.kinematics = kinematics_of(urdf, scenario.robot) if like is None else like.kinematics
         self.eye_to_hand = scenario.robot.get("target_link") is not None
-        self.servo = Servo(self.kinematics, scenario.servo if like is None else like.servo.settings)
+        self.servo = Servo(self.kinematics, scenario.servo) if like is None else like.servo
         shown, servoed_on = source_named(SHOWN), self.servo.source
         self.extractor = self.servo_extractor = shown.extractor(believed, scenario.vision)
         if servoed_on is not shown:
             self.servo_extractor = servoed_on.extractor(believed, scenario.vision)
         self._want_depth = [source.wants_depth(scenario.vision) for source in (shown, servoed_on)]
-        self.sequence = ExperimentSequence(self.kinematics, self.servo, scenario.experiment, self._teach_camera)
+        experiment = scenario.experiment if goal is None else like.sequence.config.with_start(
+            scenario.experiment["start"], self.kinematics)
+        self.sequence = ExperimentSequence(self.kinematics, self.servo, experiment, self._teach_camera)
         self.frame, self.seen = -1, None
         self._placed_ns = 0
+        self._taught = (None, [])  # by `teach`: depth of the target, and its first answers, as in `TaughtGoal`
         self._frame = None  # taken last: image, joints, poses of camera and models at its stamp
         target = next(iter(scenario.sim.get("scene", {}).get("models", [])), None)
         self._target = target and target["name"]
@@ -91,6 +115,8 @@ class ServoLoop:
             raise ParameterError(f"robot: the simulator has no joint {', '.join(missing)}, it has {', '.join(names)}")
         order = [names.index(name) for name in self.kinematics.joint_names]
         self._order = None if order == list(range(len(names))) else order
+        if goal is not None:
+            self._take_over(goal)
 
     def _teach_camera(self, stamp_ns, z_star_m):
         """Make the image of this stamp the one that features are relative to: camera/set_reference without ROS."""
@@ -123,13 +149,24 @@ class ServoLoop:
         self.sim.step(round(settle_s * 1e9 / self.sim.period_ns))
         self._placed_ns = self.sim.time_ns
 
-    def go_on_from(self, state):
-        """Go on from a state of the simulator that was saved right after `place`, as if the arm were put there again.
+    def taught_goal(self):
+        """`TaughtGoal` of a loop that has just taught its goal by `teach`, and has done nothing else but `place`.
 
-        Args: state: bytes of `sim.save_state()`.  Raises: StateError: they are of another simulator.
+        None where it cannot be kept: features that use depth images, and goals that take many images to teach.
         """
-        self.sim.restore_state(state)
-        self._placed_ns = self.sim.time_ns
+        z_star_m, answers = self._taught
+        if any(self._want_depth) or not 0 < len(answers) <= KEPT_IMAGES:
+            return None
+        return TaughtGoal(self.sim.save_state(), self.servo.reference, z_star_m, tuple(answers))
+
+    def _take_over(self, goal):
+        """Bring extractors and servo to where they were when this goal had been taught."""
+        for self.frame, (record, _, _, image, _) in enumerate(goal.answers):
+            self._see(image, record.stamp_ns)
+            if self.frame == 0:
+                self._teach_camera(record.stamp_ns, goal.z_star_m)
+        if self.servo.reference is not goal.reference:
+            self.servo.set_reference(goal.reference)
 
     def teach(self, z_star_m):
         """Make the next images the reference, as many as their noise asks for, outside an experiment.
@@ -137,11 +174,12 @@ class ServoLoop:
         Args:
             z_star_m: depth of the target in this view [m].
         Yields:
-            (record, features, image) of each of these images, as `step` returns them, with phase "teach".
+            (record, X_WC, features, image, X_WT) of each of these images, the arguments of `RecordBuilder.add_answer`;
+            the phase of the record is "teach", and the next one overwrites the image.
         Raises:
             ParameterError: the target is not fit for a reference in this view.
         """
-        taught = False
+        taught, self._taught = False, (z_star_m, answers := [])
         while not taught:
             stamp_ns, image, q = self._take()
             features, seen = self._see(image, stamp_ns)
@@ -151,7 +189,10 @@ class ServoLoop:
             taught = self.sequence.teach_more(stamp_ns, seen, q, z_star_m)
             record = ServoRecord(stamp_ns, Status.IDLE, "taught", "teach", joint_names=self.kinematics.joint_names, q=q,
                                  set_point=np.full(len(q), np.nan))
-            yield record, features, image
+            answer = record, self.camera_pose(), features, image, self.moving_target_pose()
+            if len(answers) <= KEPT_IMAGES:
+                answers.append((*answer[:3], np.array(image), answer[4]))
+            yield answer
 
     def use(self, servo):
         """Go on with another servo, of the same kinematics and source of features."""

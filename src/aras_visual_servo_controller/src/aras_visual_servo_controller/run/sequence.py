@@ -45,13 +45,15 @@ class ExperimentSequence:
         """Set up.
 
         Args:
-            kinematics: `Kinematics`.  servo: `Servo`.  config: the scenario's section `experiment` (dict).
+            kinematics: `Kinematics`.  servo: `Servo`.  config: the scenario's section `experiment` (dict), or
+                `ExperimentSettings` of it.
             teach_camera: called as teach_camera(stamp_ns, z_star_m) when a view is taught. From then on features are
                 relative to the image of this stamp. Over ROS this is the service camera/set_reference, in process
                 `teach` of the extractors. An exception that it raises ends the experiment with status FAULT.
         Raises: ParameterError.
         """
-        self.config = ExperimentSettings.from_dict(config, kinematics)
+        self.config = (config if isinstance(config, ExperimentSettings)
+                       else ExperimentSettings.from_dict(config, kinematics))
         self._kinematics, self._servo, self._teach_camera = kinematics, servo, teach_camera
         self._no_velocity = dict.fromkeys(kinematics.joint_names, 0.0)
         self._n = len(kinematics.joint_names)

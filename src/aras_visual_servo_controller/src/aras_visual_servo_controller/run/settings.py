@@ -109,19 +109,33 @@ class ExperimentSettings:
     @classmethod
     def from_dict(cls, source, kinematics):
         """Read the section, but for `judge`, which is not the arm's. Raises ParameterError listing every fault."""
-        limits = {name: (float(lower), float(upper)) for name, lower, upper
-                  in zip(kinematics.joint_names, kinematics.lower, kinematics.upper)}
         if isinstance(source, Mapping):
             source = {key: value for key, value in source.items() if key != "judge"}
-        config = read(cls, source, "experiment", Names(joints=tuple(limits), limits=limits))
+        config = read(cls, source, "experiment", _within_limits(kinematics))
         near, faults, places = None, [], {}
         for name in ("goal", "start"):
             try:
                 places[name] = getattr(config, name).at(kinematics, near)
             except ParameterError as error:
                 faults += [f"experiment/{name}/{fault}" for fault in error.faults]
-            if name in places and set(places[name].joints) == set(limits):
-                near = kinematics.vector(places[name].joints)
+            if name in places:
+                near = _posture(places[name], kinematics, near)
         if faults:
             raise ParameterError(faults)
         return replace(config, **places)
+
+    def with_start(self, source, kinematics):
+        """These settings with another start: its section, dict. Raises ParameterError listing every fault."""
+        start = read(Place, source, "experiment/start", _within_limits(kinematics))
+        return replace(self, start=start.at(kinematics, _posture(self.goal, kinematics)))
+
+
+def _within_limits(kinematics):
+    """`Names` of the joints and their limits."""
+    limits = zip(kinematics.lower.tolist(), kinematics.upper.tolist())
+    return Names(joints=tuple(kinematics.joint_names), limits=dict(zip(kinematics.joint_names, limits)))
+
+
+def _posture(place, kinematics, otherwise=None):
+    """(n,) joint positions of a place that names all joints."""
+    return kinematics.vector(place.joints) if set(place.joints) == set(kinematics.joint_names) else otherwise

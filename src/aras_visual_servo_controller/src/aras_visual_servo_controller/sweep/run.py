@@ -26,6 +26,8 @@ from ..ground.types import Status
 LOST_LIMIT_S = 1.0
 #: A worker keeps this many simulators. Runs that differ only in gains or start share one.
 KEPT_SIMULATORS = 4
+#: Parameters of a start with which its run changes the scene. The reset before the next run undoes that.
+CHANGING = frozenset(("picture", "clutter", "scene"))
 
 
 class Infeasible(ArasError):
@@ -33,37 +35,37 @@ class Infeasible(ArasError):
 
 
 class _Shared:
-    """A simulator that runs use in turn, each after a reset, and what they need not find out each for itself."""
+    """A simulator that runs use in turn, and what they need not find out each for itself.
+
+    Attributes: outline: `Outline` of the scenario of the last loop.
+    """
 
     def __init__(self, scenario):
-        self._goal = self._state = None
+        self._goal = None  # `TaughtGoal` of the runs before, None if there is none
         self._read(scenario)
 
     def _read(self, scenario, sim=None):
-        self._loop, self.outline = ServoLoop(scenario, sim=sim), Outline.of(scenario)
+        self._loop, self.outline, self._goal = ServoLoop(scenario, sim=sim), Outline.of(scenario), None
 
-    def loop(self, scenario):
-        """A `ServoLoop` of the scenario, whose `Outline` is in `outline`. Where the scenario differs from the last one
-        in `experiment` alone, nothing else of it is read again.
+    def loop(self, scenario, anew):
+        """(`ServoLoop` of the scenario, `TaughtGoal` that it has gone on from or None: it begins at the very start).
+
+        Where the scenario differs from the last one in `experiment` alone, nothing else of it is read again. Where it
+        differs in the start alone, the way from a reset to the taught goal is the same for every run, and takes as long
+        as fifteen images of servoing: it is not gone again, unless this has to be done anew.
         """
-        if _differs_in_experiment_alone(scenario, self._loop.scenario):
-            self._loop = ServoLoop(scenario, like=self._loop)
-        else:
+        last = self._loop.scenario
+        if not _differs_in_experiment_alone(scenario, last):
             self._read(scenario, self._loop.sim)
-        return self._loop
+            return self._loop, None
+        if anew or dict(scenario.experiment, start=None) != dict(last.experiment, start=None):
+            self._goal = None
+        self._loop = ServoLoop(scenario, like=self._loop, goal=self._goal)
+        return self._loop, self._goal
 
-    def settle(self, loop, joints, settle_s):
-        """As `loop.place`, of a loop that has just been made of `sim` and has no other models than its scenario.
-
-        The way from a reset to rest at the goal is the same for every run to this goal, and takes as long as ten images
-        of servoing: the state there is kept.
-        """
-        goal = (dict(joints), settle_s)
-        if goal == self._goal:
-            loop.go_on_from(self._state)
-            return
-        loop.place(joints, settle_s)
-        self._goal, self._state = goal, loop.sim.save_state()
+    def keep(self, goal):
+        """Let the runs after this one go on from its `TaughtGoal`; None: they do not."""
+        self._goal = goal
 
 
 class Bench:
@@ -96,7 +98,7 @@ class Bench:
             scenario = perturbed(self.scenario, parameters)
             scenario = placed(scenario, start)
             shared = self._simulator(scenario, parameters)
-            loop = shared.loop(scenario)
+            loop, goal = shared.loop(scenario, anew=self.drive_to_start or not CHANGING.isdisjoint(parameters))
             builder = RecordBuilder(scenario.name, loop.kinematics.joint_names, settings=scenario.as_dict(),
                                     feature_names=loop.servo.feature_names)
             builder.note(f"start {start.id} of a sweep, the arm {'driven' if self.drive_to_start else 'placed'} there")
@@ -105,7 +107,7 @@ class Bench:
             if self.drive_to_start:
                 self._drive(loop, start)
             else:
-                self._place(loop, builder, start, shared)
+                self._place(loop, builder, start, goal, shared)
             self._servo(loop, builder, start)
             record = builder.finish(run_hash=loop.sim.run_hash, camera_info=loop.camera_info,
                                     X_WT=loop.target_pose(), opengl=loop.sim.opengl)
@@ -133,18 +135,21 @@ class Bench:
         return parameters.get("noise_stddev", max(stddevs)) > 0.0
 
     @staticmethod
-    def _place(loop, builder, start, shared):
+    def _place(loop, builder, start, goal, shared):
         config = loop.sequence.config
-        if "scene" in start.parameters:
-            put_clutter(loop.sim, loop.scenario, start.parameters["scene"])
+        if goal is None:
+            if "scene" in start.parameters:
+                put_clutter(loop.sim, loop.scenario, start.parameters["scene"])
             loop.place(config.goal.joints, config.settle_s)
+            try:
+                for answer in loop.teach(config.z_star_m):
+                    builder.add_answer(*answer)
+            except ParameterError as error:
+                raise Infeasible(str(error)) from error
+            shared.keep(None if CHANGING & set(start.parameters) else loop.taught_goal())
         else:
-            shared.settle(loop, config.goal.joints, config.settle_s)
-        try:
-            for record, features, image in loop.teach(config.z_star_m):
-                builder.add_answer(record, loop.camera_pose(), features, image, loop.moving_target_pose())
-        except ParameterError as error:
-            raise Infeasible(str(error)) from error
+            for answer in goal.answers:
+                builder.add_answer(*answer)
         if "picture" in start.parameters:
             swap_picture(loop.sim, loop.scenario, start.parameters["picture"])
         if "clutter" in start.parameters:
@@ -154,8 +159,8 @@ class Bench:
 
     @staticmethod
     def _drive(loop, start):
-        for name in ("picture", "clutter", "scene"):
-            if name in start.parameters:
+        for name in start.parameters:
+            if name in CHANGING:
                 raise Infeasible(f"{name}: allowed without drive_to_start, where the bench teaches the goal")
         loop.start()
 
