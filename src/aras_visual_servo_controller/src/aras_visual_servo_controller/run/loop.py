@@ -58,10 +58,6 @@ class ServoLoop:
         camera: name of the camera; None: the first of the scenario.
         sim: a Simulation made of the same robot, controllers and `sim` section, which is reset and used again; None: a
             new one is made, which takes as long as a second of simulated time. Either way the bytes are the same.
-        like: a loop of a scenario that differs in `experiment` alone. Its simulator is reset, its servo begins anew, and
-            the other sections of the scenario are not read again. It cannot be used any more itself.
-        goal: a `TaughtGoal` of the loop `like`, whose experiment differs in `start` alone: this loop begins where that
-            one had taught it. The bytes are those of a loop that has been placed at the goal and has taught it.
     Raises:
         ParameterError, ModelError and the errors of simulator and extractor: what is wrong with the scenario.
 
@@ -73,39 +69,28 @@ class ServoLoop:
         seen: the last answered `Observation`, None before the first.
     """
 
-    def __init__(self, scenario, camera=None, sim=None, like=None, goal=None):
+    def __init__(self, scenario, camera=None, sim=None):
         from aras_visual_servo_sim import Simulation  # C++: not needed to import this
 
-        self.scenario = scenario
-        urdf = scenario.urdf_xml() if like is None else None
-        sim = sim if like is None else like.sim
+        self.scenario, urdf = scenario, scenario.urdf_xml()
         cameras = scenario.sim.get("cameras") or [{"name": "camera"}]
         self.camera = camera or cameras[0]["name"]
         if sim is None:
             sim = Simulation(urdf, scenario.sim, scenario.controllers(), package_paths())
-        elif goal is None:
-            sim.reset()
         else:
-            sim.restore_state(goal.state)
+            sim.reset()
         self.sim = sim
         self.camera_info = self.sim.camera_info(self.camera)
         self._encoding = self.sim.camera_encoding(self.camera)
-        believed = scenario.believed_camera_info(self.camera_info)
-        self.kinematics = kinematics_of(urdf, scenario.robot) if like is None else like.kinematics
+        self._believed = scenario.believed_camera_info(self.camera_info)
+        self.kinematics = kinematics_of(urdf, scenario.robot)
         self.eye_to_hand = scenario.robot.get("target_link") is not None
-        self.servo = Servo(self.kinematics, scenario.servo) if like is None else like.servo
-        shown, servoed_on = source_named(SHOWN), self.servo.source
-        self.extractor = self.servo_extractor = shown.extractor(believed, scenario.vision)
-        if servoed_on is not shown:
-            self.servo_extractor = servoed_on.extractor(believed, scenario.vision)
-        self._want_depth = [source.wants_depth(scenario.vision) for source in (shown, servoed_on)]
-        experiment = scenario.experiment if goal is None else like.sequence.config.with_start(
-            scenario.experiment["start"], self.kinematics)
-        self.sequence = ExperimentSequence(self.kinematics, self.servo, experiment, self._teach_camera)
-        self.frame, self.seen = -1, None
-        self._placed_ns = 0
-        self._taught = (None, [])  # by `teach`: depth of the target, and its first answers, as in `TaughtGoal`
-        self._frame = None  # taken last: image, joints, poses of camera and models at its stamp
+        self.servo = Servo(self.kinematics, scenario.servo)
+        sources = source_named(SHOWN), self.servo.source
+        self._want_depth = [source.wants_depth(scenario.vision) for source in sources]
+        self.extractor = self.servo_extractor = self._extractor_of(sources[0])
+        if sources[1] is not sources[0]:
+            self.servo_extractor = self._extractor_of(sources[1])
         target = next(iter(scenario.sim.get("scene", {}).get("models", [])), None)
         self._target = target and target["name"]
         self._target_moves = target is not None and not {"motion", "attached_to"}.isdisjoint(target)
@@ -115,8 +100,42 @@ class ServoLoop:
             raise ParameterError(f"robot: the simulator has no joint {', '.join(missing)}, it has {', '.join(names)}")
         order = [names.index(name) for name in self.kinematics.joint_names]
         self._order = None if order == list(range(len(names))) else order
-        if goal is not None:
-            self._take_over(goal)
+        self._begin(scenario.experiment)
+
+    def _extractor_of(self, source, used=None):
+        """An extractor of a source, which may be one that was used before."""
+        return used and source.renewed(used) or source.extractor(self._believed, self.scenario.vision)
+
+    def _begin(self, experiment):
+        self.sequence = ExperimentSequence(self.kinematics, self.servo, experiment, self._teach_camera)
+        self.frame, self.seen = -1, None
+        self._placed_ns = 0
+        self._taught = (None, [])  # by `teach`: depth of the target, and its first answers, as in `TaughtGoal`
+        self._frame = None  # taken last: image, joints, poses of camera and models at its stamp
+
+    def begin_again(self, scenario, goal=None):
+        """Be a loop of another scenario, which differs in `experiment` alone, as if it had been made of it.
+
+        Simulator, servo and extractors are used again, and the other sections are not read again. The bytes are those
+        of a new loop.
+
+        Args: goal: a `TaughtGoal` of this loop, of a scenario that differs in the start alone: begin where it had been
+            taught, as if the arm were placed there and it were taught again.
+        Raises: ParameterError: what is wrong with the section `experiment`.
+        """
+        self.scenario = scenario
+        if goal is None:
+            self.sim.reset()
+        else:
+            self.sim.restore_state(goal.state)
+        shown, servoed_on = self.extractor, self.servo_extractor
+        self.extractor = self.servo_extractor = self._extractor_of(source_named(SHOWN), shown)
+        if servoed_on is not shown:
+            self.servo_extractor = self._extractor_of(self.servo.source, servoed_on)
+        if goal is None:
+            return self._begin(scenario.experiment)
+        self._begin(self.sequence.config.with_start(scenario.experiment["start"], self.kinematics))
+        self._take_over(goal)
 
     def _teach_camera(self, stamp_ns, z_star_m):
         """Make the image of this stamp the one that features are relative to: camera/set_reference without ROS."""
@@ -130,8 +149,10 @@ class ServoLoop:
 
     def _see(self, image, stamp_ns):
         """(moments, features that the servo works on) of the image."""
-        depth = (self.sim.render_depth(self.camera),) if any(self._want_depth) else ()
-        of_shown, of_servo = (depth if wanted else () for wanted in self._want_depth)
+        of_shown = of_servo = ()
+        if any(self._want_depth):
+            depth = (self.sim.render_depth(self.camera),)
+            of_shown, of_servo = (depth if wanted else () for wanted in self._want_depth)
         features = self.extractor.process(image, stamp_ns, *of_shown)
         if self.extractor is self.servo_extractor:
             return features, features

@@ -130,8 +130,8 @@ class RunRecord:
         rows = self.rows("servo")
         if not len(rows):
             return rows
-        ended = np.flatnonzero(np.isin(self.status[rows], FINAL))
-        if len(ended):
+        ended = [row for row, status in enumerate(self.status[rows].tolist()) if status in FINAL]
+        if ended:
             return rows[:ended[0] + 1]
         follows = rows[-1] + 1
         return np.append(rows, follows) if follows < len(self) and self.phase[follows] == "done" else rows
@@ -214,7 +214,11 @@ class RecordBuilder:
     def _write(self):
         """Move the values of the last rows into the tables."""
         for (name, shape), values in zip(self._shapes.items(), zip(*self._last_values)):
-            if any([value is None for value in values]):
+            given = [value for value in values if value is not None]
+            if not given:
+                self._tables[name].append(np.full((len(values), *shape), np.nan))
+                continue
+            if len(given) < len(values):
                 missing = np.full(shape, np.nan)
                 values = [missing if value is None else value for value in values]
             arrays = isinstance(values[0], np.ndarray)  # which are joined faster than they are made an array of
@@ -305,7 +309,9 @@ class RecordBuilder:
         self._write()
 
         def table(name):
-            return np.concatenate([np.empty((0, *self._shapes[name])), *self._tables[name]])[:len(rows)].copy()
+            blocks = self._tables[name] or [np.empty((0, *self._shapes[name]))]
+            whole = np.concatenate(blocks)
+            return whole if len(whole) == len(rows) else whole[:len(rows)].copy()
 
         return RunRecord(
             scenario=self.scenario, settings=self.settings, joint_names=self.joint_names,

@@ -60,7 +60,7 @@ class _Shared:
             return self._loop, None
         if anew or dict(scenario.experiment, start=None) != dict(last.experiment, start=None):
             self._goal = None
-        self._loop = ServoLoop(scenario, like=self._loop, goal=self._goal)
+        self._loop.begin_again(scenario, self._goal)
         return self._loop, self._goal
 
     def keep(self, goal):
@@ -80,6 +80,7 @@ class Bench:
         self.scenario = scenario
         self.drive_to_start = drive_to_start
         self._simulators = OrderedDict()  # key -> _Shared
+        self._key = simulator_key(scenario, {})
         self._kinematics = None
 
     def run(self, start):
@@ -122,7 +123,7 @@ class Bench:
                         detail=str(error)), None
 
     def _simulator(self, scenario, parameters):
-        key = simulator_key(scenario, parameters)
+        key = simulator_key(scenario, parameters) if parameters else self._key
         if key not in self._simulators:
             self._simulators[key] = _Shared(scenario)
             while len(self._simulators) > KEPT_SIMULATORS:

@@ -90,6 +90,10 @@ class Source:
         """
         raise NotImplementedError
 
+    def renewed(self, extractor):
+        """This extractor, as it was before its first image; None where that cannot be had and a new one is made."""
+        return None
+
     def wants_depth(self, vision):
         """Whether `process` of the extractor also takes the depth image of the camera. Args: as of `extractor`."""
         return False

@@ -22,6 +22,11 @@ class Moments(Source):
         from aras_visual_servo_camera import MomentExtractor  # here, so that this module can be imported without C++
         return MomentExtractor(camera_info, vision)
 
+    def renewed(self, extractor):
+        extractor.clear_reference()
+        extractor.forget_previous()
+        return extractor
+
     def wants_depth(self, vision):
         return "depth" in vision
 
