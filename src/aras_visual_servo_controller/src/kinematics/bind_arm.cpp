@@ -54,6 +54,16 @@ void bindInverse(py::module_& module) {
            "each; at most `most_part` of q_dot.")
       .def("free", &TwistInverse::free, py::arg("wish"),
            "(n,) the part of the joint velocities `wish` that does not move the camera.")
+      .def(
+          "with_wish",
+          [](const TwistInverse& self, const TwistInverse::TwistRef& twist, const Wish& wish, const JointsRef& q,
+             const std::optional<Eigen::VectorXd>& posture, const std::optional<Eigen::VectorXd>& more) {
+            return TwistInverse::Vector(self.jointVelocity(twist) + self.free(wish(q, posture, more)));
+          },
+          py::arg("twist"), py::arg("wish"), py::arg("q"), py::arg("posture") = py::none(),
+          py::arg("more") = py::none(),
+          "(n,) `joint_velocity` of the twist, and what is `free` of a `Wish` at joint positions q, (n,), added to it;\n"
+          "posture and more as of `Wish`.")
       .def("null_part", &TwistInverse::nullPart, py::arg("q_dot"),
            "(n,) the part of joint velocities along the directions that count as free (`FREE`): the null space.")
       .def("free_of_norm", &TwistInverse::freeOfNorm, py::arg("wish"), py::arg("twist"),

@@ -57,6 +57,7 @@ PYBIND11_MODULE(_kinematics, module) {
       .def_property_readonly("velocity", [](const ChainKinematics& self) { return Eigen::VectorXd(self.velocity()); })
       .def("pose", &ChainKinematics::pose, py::arg("q"))
       .def("jacobian", &ChainKinematics::jacobian, py::arg("q"))
+      .def("jacobian_after", &ChainKinematics::jacobianAfter, py::arg("q"), py::arg("q_dot"), py::arg("dt_s"))
       .def("manipulability", &ChainKinematics::manipulability, py::arg("q"), py::arg("length_m"), py::arg("rows"));
   bindArm(module);
   bindProgram(module);

@@ -170,6 +170,12 @@ ChainKinematics::Jacobian ChainKinematics::jacobian(const Joints& q) const {
   return columns;
 }
 
+ChainKinematics::Jacobian ChainKinematics::jacobianAfter(const Joints& q, const Joints& q_dot, double dt_s) const {
+  if (q_dot.size() != q.size())
+    throw ShapeError("q_dot: " + std::to_string(q_dot.size()) + " values, expected " + std::to_string(q.size()));
+  return jacobian(q + dt_s * q_dot);
+}
+
 std::pair<double, Eigen::VectorXd> ChainKinematics::manipulability(const Joints& q, double length_m,
                                                                    const std::vector<int>& rows) const {
   const Jacobian J = jacobian(q);

@@ -42,6 +42,8 @@ class ChainKinematics {
   /** J_BC_C, 6 x n: V_BC_C = J_BC_C q_dot, the twist of C in B, taken at the origin of C and expressed in C.
    *  @throws ShapeError, NotFiniteError */
   Jacobian jacobian(const Joints& q) const;
+  /** The same after the velocities q_dot were held for dt_s at q. */
+  Jacobian jacobianAfter(const Joints& q, const Joints& q_dot, double dt_s) const;
 
   /** Yoshikawa's manipulability w = sqrt(det(A A^T)), A = rows of J_BC_C with the linear ones divided by a length, and
    * the gradient of its logarithm by the joints (docs/theory.md T42).

@@ -67,6 +67,10 @@ class FreeCamera(JointVectors):
         self._checked(q)
         return self._J.copy()
 
+    def jacobian_after(self, q, q_dot, dt_s):
+        """(6, 6): `jacobian` after velocities q_dot were held for dt_s at q."""
+        return self.jacobian(q)
+
     def manipulability(self, q, length_m, rows):
         """(w, (6,) zeros): Yoshikawa's manipulability of these rows of the twist (T42), the same at every q."""
         self._checked(q)

@@ -32,6 +32,8 @@ class Kinematics(JointVectors):
         self.pose = self._chain.pose
         #: q -> J_BC_C, (6, n): twist of C in B, taken at C's origin, expressed in C, [v; w]. Same errors.
         self.jacobian = self._chain.jacobian
+        #: q, q_dot, dt_s -> the same at `moved` of these. Same errors.
+        self.jacobian_after = self._chain.jacobian_after
         #: q, length_m, rows of the twist -> (w, (n,) gradient of ln w): Yoshikawa's manipulability of these rows,
         #: linear ones divided by length_m (docs/theory.md T42); (0, zeros) where it vanishes. Same errors.
         self.manipulability = self._chain.manipulability

@@ -208,12 +208,11 @@ class ArmMotion:
         more = None
         if self._manipulability_gain > 0.0:
             more = self._manipulability_gain * self._kinematics.manipulability(q, self._length_m, self._rows)[1]
-        wish = self._wish(q, self.posture, more)
-        free = inverse.free(wish)
-        if self._large_from is not None:
-            part = norm_part(inverse.size(twist), *self._large_from)
-            free = (1.0 - part) * free + part * inverse.free_of_norm(wish, twist)
-        return inverse.joint_velocity(twist) + free
+        if self._large_from is None:
+            return inverse.with_wish(twist, self._wish, q, self.posture, more)
+        wish, part = self._wish(q, self.posture, more), norm_part(inverse.size(twist), *self._large_from)
+        return (inverse.joint_velocity(twist)
+                + ((1.0 - part) * inverse.free(wish) + part * inverse.free_of_norm(wish, twist)))
 
     def split(self, q, q_dot):
         """((n,), (n,)): the part of the joint velocities q_dot at q that moves the camera, and the null-space part."""
@@ -225,5 +224,5 @@ class ArmMotion:
 
         Near the stretched elbow the Jacobian changes fast. The correction is at most TURNING_PART of q_dot.
         """
-        half_way = self._kinematics.jacobian(self._kinematics.moved(q, q_dot, 0.5 * dt_s))
+        half_way = self._kinematics.jacobian_after(q, q_dot, 0.5 * dt_s)
         return inverse.turning(jacobian, half_way, q_dot, TURNING_PART)
