@@ -161,7 +161,7 @@ class ExperimentSequence:
                 return self._end(stamp_ns, Status.TARGET_LOST, f"target not in view {where}")
             self.phase, self.servo_stamp_ns = "servo", stamp_ns
             self._servo.start(stamp_ns, self._set_point)
-        return self._servo_step(observation)
+        return self._servo_step(observation, q)
 
     def _plan(self, stamp_ns, q, joints):
         begin = q if self._set_point is None else self._set_point
@@ -213,8 +213,8 @@ class ExperimentSequence:
             self.phase, self._trajectory = "to_start", None
         return answer
 
-    def _servo_step(self, observation):
-        command, record = self._servo.step(observation, self._dt_s)
+    def _servo_step(self, observation, q):
+        command, record = self._servo.step(observation, self._dt_s, q)
         if isfinite(sum(record.e.tolist())):
             self._e = record.e
         if not self._servo.finished:

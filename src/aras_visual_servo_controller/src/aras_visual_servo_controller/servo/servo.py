@@ -217,19 +217,22 @@ class Servo:
             return self._rest(stamp_ns, self.status, self._text)
         return self._rest(stamp_ns, Status.STALE_INPUT, reason)
 
-    def step(self, observation: Observation, dt_s: float) -> Tuple[Command, ServoRecord]:
+    def step(self, observation: Observation, dt_s: float, q=None) -> Tuple[Command, ServoRecord]:
         """Answer to one image.
 
         Args: observation: at this image. dt_s: time to the next image, through which the command holds [s].
+            q: (n,) its joint positions, from a caller that has already found them finite; nobody changes them any more.
         """
         stamp_ns, features = observation.stamp_ns, observation.features
         if self.status == Status.IDLE:
             return Command(stamp_ns), self._record(stamp_ns, "not started", self._zeros, self._nans)
         if self.finished:
             return self._rest(stamp_ns, self.status, self._text)
-        q, self._q = self._kinematics.vector(observation.q), self._nans
-        if q.shape != self._zeros.shape or not isfinite(sum(q.tolist())):
-            return self._rest(stamp_ns, Status.FAULT, f"joint positions {q} are not {len(self._zeros)} finite numbers")
+        if q is None:
+            q, self._q = self._kinematics.vector(observation.q), self._nans
+            if q.shape != self._zeros.shape or not isfinite(sum(q.tolist())):
+                return self._rest(stamp_ns, Status.FAULT,
+                                  f"joint positions {q} are not {len(self._zeros)} finite numbers")
         self._q = q
         gap_s = nan if self._last_ns is None else 1e-9 * (stamp_ns - self._last_ns)
         if gap_s <= 0.0 or not 0.0 < dt_s < inf:
