@@ -227,8 +227,11 @@ class Bench:
 
 def _differs_in_experiment_alone(scenario, other):
     """Whether these two, as `perturbed` and `placed` make them, are the same but for `experiment`."""
-    return type(scenario) is type(other) and all(getattr(scenario, each.name) is getattr(other, each.name)
-                                                 for each in fields(scenario) if each.name != "experiment")
+    if type(scenario) is not type(other):
+        return False
+    pairs = ((getattr(scenario, each.name), getattr(other, each.name)) for each in fields(scenario)
+             if each.name != "experiment")
+    return all(one is two or one == two for one, two in pairs)
 
 
 def placed(scenario, start):

@@ -60,6 +60,7 @@ def test_pose_is_place_and_rotation_vector(seed):
 def test_jacobian_of_the_optical_frame_is_the_identity_everywhere():
     for angle in (0.0, 1.0, np.pi, -np.pi):
         np.testing.assert_array_equal(free().jacobian(place(1, angle)), np.eye(6))
+        np.testing.assert_array_equal(free().jacobian_after(place(1, angle), place(2), 0.5), np.eye(6))
     w, slope = free().manipulability(place(1, np.pi), 0.05, range(6))
     assert w == pytest.approx(20.0**3) and not slope.any()
 

@@ -68,6 +68,17 @@ def test_determinant_of_the_jacobian_is_the_known_product(seed):
     assert abs(found) == pytest.approx(abs(expected), abs=ROUNDING)
 
 
+@pytest.mark.parametrize("seed", SEEDS)
+def test_jacobian_after_a_motion_is_that_of_where_it_leads_bit_for_bit(seed):
+    kinematics = arm()
+    q, q_dot = random_joints(kinematics, seed), random_joints(kinematics, seed + 100)
+    found = kinematics.jacobian_after(q, q_dot, 0.3)
+    np.testing.assert_array_equal(found, kinematics.jacobian(kinematics.moved(q, q_dot, 0.3)))
+    assert np.abs(found - kinematics.jacobian(q)).max() > 1e-3
+    with pytest.raises(ShapeError, match="q_dot: 5 values, expected 6"):
+        kinematics.jacobian_after(q, q_dot[:5], 0.3)
+
+
 def test_determinant_keeps_one_sign_convention():
     kinematics = arm()
     signs = set()

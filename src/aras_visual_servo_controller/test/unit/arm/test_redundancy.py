@@ -200,3 +200,15 @@ def test_the_correction_for_another_jacobian_is_the_inverse_of_the_difference_an
     np.testing.assert_allclose(found.turning(J, half_way, q_dot, most_part), wanted, atol=ROUNDING)
     with pytest.raises(ShapeError, match="jacobian: 6 and 5 columns"):
         found.turning(J, half_way[:, :5], q_dot, most_part)
+
+
+@pytest.mark.parametrize("more", [None, np.array([0.3, -0.2, 0.1, 0.4, -0.5, 0.05])])
+@pytest.mark.parametrize("posture", [None, np.array([0.1, 0.4, -0.3, 0.2, 0.5, -0.1])])
+def test_velocities_with_a_wish_are_those_of_the_twist_and_the_free_part_of_it_bit_for_bit(posture, more):
+    kinematics = arm()
+    q = kinematics.vector(GOAL)
+    inverse = TwistInverse((1.0,) * 6, 0.05, THRESHOLD, 0.02)(kinematics.jacobian(q))
+    wish, twist = Wish(kinematics.lower, kinematics.upper, 0.5, 0.2, 1.0), np.array([0.02, -0.01, 0.03, 0, 0, 0.2])
+    found = inverse.with_wish(twist, wish, q, posture, more)
+    np.testing.assert_array_equal(found, inverse.joint_velocity(twist) + inverse.free(wish(q, posture, more)))
+    assert (found != inverse.joint_velocity(twist)).any()

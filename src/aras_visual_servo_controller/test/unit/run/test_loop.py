@@ -7,6 +7,8 @@ from aras_visual_servo_controller.laws import base as laws
 from aras_visual_servo_controller.ground.errors import ParameterError
 from aras_visual_servo_controller.run.judge import judge
 from aras_visual_servo_controller.run.loop import ServoLoop
+from aras_visual_servo_controller.run.record import RecordBuilder
+from aras_visual_servo_controller.sweep.judge import trace_hash
 from aras_visual_servo_controller.ground.types import PHASES
 from aras_visual_servo_controller.scenario.scenario import load_scenario
 
@@ -160,3 +162,79 @@ def test_a_late_loop_converges_and_goes_on_for_the_closing_time():
 def test_a_latency_that_the_controller_would_call_stale_is_refused():
     with pytest.raises(ParameterError, match=r"sim.cameras\[0\].latency_s: found 0.17, allowed .* 0.1647"):
         late(0.17)
+
+
+#: Scenarios of one extractor, and of two.
+SHORT = {"experiment_1": {}, "six_dof_tag": {"servo.time_limit_s": 0.5},
+         "six_dof_photometric": {"servo.time_limit_s": 0.3}}
+
+
+@pytest.mark.parametrize("name", SHORT)
+def test_a_loop_that_begins_again_gives_the_bytes_of_a_new_one(name):
+    changes = {"experiment.settle_s": 0.1, **SHORT[name]}
+    first, other = load_scenario(name, changes), load_scenario(name, {**changes, "experiment.settle_s": 0.2})
+    loop = ServoLoop(first)
+    whole = loop.run(closing_s=0.0)
+    for scenario in (other, first):
+        loop.begin_again(scenario)
+        again = loop.run(closing_s=0.0)
+        assert (again.run_hash == whole.run_hash) == (scenario is first)
+    assert (again.run_hash, trace_hash(again)) == (whole.run_hash, trace_hash(whole))
+
+
+def placed_run(loop, start, goal=None):
+    """(hashes of the taught view and of twelve images after it, `TaughtGoal`) of a loop that has just begun."""
+    config, builder = loop.sequence.config, RecordBuilder("placed", loop.kinematics.joint_names,
+                                                          feature_names=loop.servo.feature_names)
+    if goal is None:
+        loop.place(config.goal.joints, 0.1)
+        for answer in loop.teach(config.z_star_m):
+            builder.add_answer(*answer)
+        goal = loop.taught_goal()
+    else:
+        for answer in goal.answers:
+            builder.add_answer(*answer)
+    loop.place(start, 0.1)
+    loop.start(servo_only=True)
+    for _ in range(12):
+        record, features, image = loop.step()
+        builder.add_answer(record, loop.camera_pose(), features, image, loop.moving_target_pose())
+    assert loop.frame == len(builder) - 1
+    record = builder.finish(run_hash=loop.sim.run_hash)
+    return (record.run_hash, trace_hash(record), record.raw.tobytes(), record.desired_image.tobytes()), goal
+
+
+@pytest.mark.parametrize("name", SHORT)
+def test_a_loop_goes_on_from_a_taught_goal_with_the_bytes_of_one_that_is_taught_it_again(name):
+    scenario = load_scenario(name)
+    start = ServoLoop(scenario).sequence.config.start.joints
+    near = {joint: 0.98 * q for joint, q in start.items()}
+    from_near = load_scenario(name, {"experiment.start": {"joints": near}})
+    loop = ServoLoop(scenario)
+    first, goal = placed_run(loop, start)
+    loop.begin_again(from_near, goal)
+    assert loop.sequence.config.start.joints == near
+    assert placed_run(loop, near, goal)[0] == placed_run(ServoLoop(from_near), near)[0] != first
+    loop.begin_again(scenario, goal)
+    assert placed_run(loop, start, goal)[0] == first
+
+
+def test_a_goal_that_needs_depth_images_or_many_is_not_kept():
+    assert ServoLoop(load_scenario("experiment_1")).taught_goal() is None  # nothing was taught
+    noisy = [dict(load_scenario("experiment_1").sim["cameras"][0], noise_stddev=2.0)]
+    for name, changes in (("six_dof_rgbd", {}), ("experiment_1", {"sim.cameras": noisy})):
+        loop = ServoLoop(load_scenario(name, changes))
+        loop.place(loop.sequence.config.goal.joints, 0.1)
+        assert len(list(loop.teach(loop.sequence.config.z_star_m))) >= 2
+        assert loop.taught_goal() is None
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_another_start_is_checked_as_the_first_one(sign):
+    loop = ServoLoop(load_scenario("experiment_1"))
+    loop.place(loop.sequence.config.goal.joints, 0.1)
+    list(loop.teach(0.5))
+    outside = load_scenario("experiment_1")
+    outside.experiment["start"]["joints"]["gantry"] = sign * 1.6
+    with pytest.raises(ParameterError, match=f"experiment/start/joints/gantry: found {sign * 1.6}, allowed .*1.5"):
+        loop.begin_again(outside, loop.taught_goal())
