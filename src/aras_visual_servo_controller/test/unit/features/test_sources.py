@@ -14,7 +14,7 @@ from aras_visual_servo_controller.features.sources import base as sources
 from aras_visual_servo_controller.features import (Feature, FeatureSet, Source, Taught, known_sources, register_feature,
                                                    register_source, source_named)
 from aras_visual_servo_controller.ground.errors import ParameterError
-from aras_visual_servo_controller.ground.types import Observation, Status
+from aras_visual_servo_controller.ground.types import Features, Observation, Status
 from aras_visual_servo_controller.scenario.check import check
 from aras_visual_servo_controller.scenario.scenario import load_scenario
 from aras_visual_servo_controller.servo.servo import Servo
@@ -33,6 +33,39 @@ def textured_wedge():
     for row in range(30):
         image[40 + row, 50:50 + 2 * (row + 1)] = 20
     return image
+
+
+def wedges():
+    """Images of an asymmetric object: 2 px from the right border, in the middle where it turns, cut by the border."""
+    u, v = np.meshgrid(np.arange(160.0), np.arange(120.0))
+
+    def wedge(x, angle=0.0):
+        along = (u - x) * np.cos(angle) + (v - 60) * np.sin(angle)
+        across = (v - 60) * np.cos(angle) - (u - x) * np.sin(angle)
+        return np.where((np.abs(along) < 24) & (np.abs(across) < 0.3 * (along + 30)), 20, 215).astype(np.uint8)
+
+    return [wedge(134), *(wedge(80, angle) for angle in np.arange(0.3, 4.5, 0.4)), wedge(145)]
+
+
+def test_an_extractor_of_moments_that_is_renewed_is_as_new():
+    pytest.importorskip("aras_visual_servo_camera")
+    source, vision = source_named("moments"), {**VISION, "border_margin_px": 3}
+
+    def look(extractor):
+        """Features of the images, the second of which is taught."""
+        seen = []
+        for stamp, image in enumerate(wedges()):
+            seen.append(Features.from_object(extractor.process(image, stamp)))
+            if stamp == 1:
+                extractor.teach(stamp, 0.5)
+        return seen
+
+    used = source.extractor(INFO, vision)
+    new, again = look(used), look(used)
+    assert not new[0].touches_border and again[0].touches_border  # it remembers that the object was cut ...
+    assert not new[0].has_reference and again[0].has_reference    # ... and what was taught
+    renewed = source.renewed(used)
+    assert renewed is used and repr(look(renewed)) == repr(new)
 
 
 def test_an_unknown_source_lists_the_known_ones():

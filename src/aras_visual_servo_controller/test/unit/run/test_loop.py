@@ -222,10 +222,11 @@ def test_a_loop_goes_on_from_a_taught_goal_with_the_bytes_of_one_that_is_taught_
 def test_a_goal_that_needs_depth_images_or_many_is_not_kept():
     assert ServoLoop(load_scenario("experiment_1")).taught_goal() is None  # nothing was taught
     noisy = [dict(load_scenario("experiment_1").sim["cameras"][0], noise_stddev=2.0)]
-    for name, changes in (("six_dof_rgbd", {}), ("experiment_1", {"sim.cameras": noisy})):
+    few, many = {"experiment.teach_images": 2}, {"sim.cameras": noisy, "experiment.teach_images": 3}
+    for name, changes, images in (("six_dof_rgbd", few, 2), ("experiment_1", many, 3)):
         loop = ServoLoop(load_scenario(name, changes))
         loop.place(loop.sequence.config.goal.joints, 0.1)
-        assert len(list(loop.teach(loop.sequence.config.z_star_m))) >= 2
+        assert len(list(loop.teach(loop.sequence.config.z_star_m))) == images
         assert loop.taught_goal() is None
 
 

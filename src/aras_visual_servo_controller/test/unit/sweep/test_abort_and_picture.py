@@ -11,7 +11,7 @@ from aras_visual_servo_controller.sweep.perturb import put_clutter, read_perturb
 from aras_visual_servo_controller.sweep.plan import Start
 from aras_visual_servo_controller.sweep.run import Bench
 
-PICTURE = "package://aras_description/targets/photo.png"
+PICTURE, OTHER_PICTURE = (f"package://aras_description/targets/{name}.png" for name in ("photo", "tag"))
 
 
 class Recorder:
@@ -48,6 +48,21 @@ def test_the_picture_of_the_target_is_replaced_and_the_rest_of_it_kept():
     assert entry["image"]["size_m"] == model["image"]["size_m"] and entry["image"]["file"].endswith("/photo.png")
     with pytest.raises(ParameterError, match="no model with a picture"):
         swap_picture(sim, load_scenario("experiment_1"), PICTURE)
+
+
+def test_what_a_run_does_to_the_scene_is_undone_before_the_next_one(tmp_path):
+    """A picture and solids that come after teaching, solids that are there before, and nothing, in any order."""
+    pytest.importorskip("aras_visual_servo_sim")
+    box, scenario = tmp_path / "box.yaml", load_scenario("six_dof_photometric", {"servo.time_limit_s": 0.2})
+    box.write_text("solids: [{name: box, box_m: [0.03, 0.03, 0.03], position_m: [0.07, 0.06, 0.25]}]")
+    joints = scenario.as_dict()["experiment"]["start"]["joints"]
+    kinds = [{}, {"picture": OTHER_PICTURE}, {}, {}, {"clutter": str(box)}, {}, {"scene": str(box)}, {"scene": str(box)}, {}]
+    bench = Bench(scenario)
+    rows = [bench.run(Start(1, joints, parameters=kind))[0] for kind in kinds]
+    fresh = {str(kind): Bench(scenario).run(Start(1, joints, parameters=kind))[0] for kind in kinds}
+    assert rows == [fresh[str(kind)] for kind in kinds]
+    assert {row["outcome"] for row in rows} <= {"success", "failure"}, rows
+    assert len({row["run_hash"] for row in rows}) == 4
 
 
 def test_a_picture_that_is_no_file_is_refused_before_the_sweep():
