@@ -62,8 +62,8 @@ void bindInverse(py::module_& module) {
           },
           py::arg("twist"), py::arg("wish"), py::arg("q"), py::arg("posture") = py::none(),
           py::arg("more") = py::none(),
-          "(n,) `joint_velocity` of the twist, and what is `free` of a `Wish` at joint positions q, (n,), added to it;\n"
-          "posture and more as of `Wish`.")
+          "(n,) `joint_velocity` of the twist, and what is `free` of a `Wish` at joint positions q, (n,), added to\n"
+          "it; posture and more as of `Wish`.")
       .def("null_part", &TwistInverse::nullPart, py::arg("q_dot"),
            "(n,) the part of joint velocities along the directions that count as free (`FREE`): the null space.")
       .def("free_of_norm", &TwistInverse::freeOfNorm, py::arg("wish"), py::arg("twist"),

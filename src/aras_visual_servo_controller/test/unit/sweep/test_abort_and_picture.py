@@ -56,7 +56,8 @@ def test_what_a_run_does_to_the_scene_is_undone_before_the_next_one(tmp_path):
     box, scenario = tmp_path / "box.yaml", load_scenario("six_dof_photometric", {"servo.time_limit_s": 0.2})
     box.write_text("solids: [{name: box, box_m: [0.03, 0.03, 0.03], position_m: [0.07, 0.06, 0.25]}]")
     joints = scenario.as_dict()["experiment"]["start"]["joints"]
-    kinds = [{}, {"picture": OTHER_PICTURE}, {}, {}, {"clutter": str(box)}, {}, {"scene": str(box)}, {"scene": str(box)}, {}]
+    picture, clutter, scene = {"picture": OTHER_PICTURE}, {"clutter": str(box)}, {"scene": str(box)}
+    kinds = [{}, picture, {}, {}, clutter, {}, scene, scene, {}]
     bench = Bench(scenario)
     rows = [bench.run(Start(1, joints, parameters=kind))[0] for kind in kinds]
     fresh = {str(kind): Bench(scenario).run(Start(1, joints, parameters=kind))[0] for kind in kinds}
