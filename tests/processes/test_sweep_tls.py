@@ -41,8 +41,7 @@ def scheduler(home, environment):
     try:
         start("dask-scheduler", "--protocol", "tls", "--host", "127.0.0.1", "--port", "0", "--scheduler-file",
               str(path), "--dashboard-address", "127.0.0.1:0")
-        wait(path.exists)
-        address = json.loads(path.read_text())["address"]
+        address = wait(lambda: address_in(path))
         start("dask-worker", address, "--nworkers", "1", "--nthreads", "1", "--host", "127.0.0.1",
               "--dashboard-address", "127.0.0.1:0")
         wait(lambda: "Registered to" in (home / "dask-worker.log").read_text())
@@ -53,11 +52,21 @@ def scheduler(home, environment):
             process.wait(LIMIT_S)
 
 
+def address_in(path):
+    """Address that a scheduler has written into its file; None until the file is there and whole."""
+    try:
+        return json.loads(path.read_text())["address"]
+    except (FileNotFoundError, json.JSONDecodeError):
+        return None
+
+
 def wait(condition):
+    """Value of condition() once it is true."""
     end_s = time.monotonic() + LIMIT_S
-    while not condition():
+    while not (value := condition()):
         assert time.monotonic() < end_s
         time.sleep(0.05)
+    return value
 
 
 def sweep(address, environment, folder):
