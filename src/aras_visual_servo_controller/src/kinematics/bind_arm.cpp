@@ -132,6 +132,15 @@ void bindArm(py::module_& module) {
   module.def("velocity_factor", &velocityFactor, py::arg("q_dot"), py::arg("limit"),
              "Factor in (0, 1] that brings every joint within its velocity limit and keeps the direction of motion.\n\n"
              "Args: q_dot, limit: (n,), limit > 0 or inf [m/s or rad/s].");
+  module.def(
+      "limit_factors",
+      [](const JointsRef& q, const JointsRef& q_dot, const JointsRef& velocity, const JointsRef& lower,
+         const JointsRef& upper, double horizon_s) {
+        const auto room = positionFactor(q, q_dot, lower, upper, horizon_s);
+        return std::make_tuple(velocityFactor(q_dot, velocity), room.first, room.second);
+      },
+      py::arg("q"), py::arg("q_dot"), py::arg("velocity"), py::arg("lower"), py::arg("upper"), py::arg("horizon_s"),
+      "(velocity_factor(q_dot, velocity), *position_factor(q, q_dot, lower, upper, horizon_s)).");
   module.def("position_factor", &positionFactor, py::arg("q"), py::arg("q_dot"), py::arg("lower"), py::arg("upper"),
              py::arg("horizon_s"),
              "Factor in [0, 1] that keeps q + q_dot * horizon_s within [lower, upper], and the joint that needs it.\n\n"

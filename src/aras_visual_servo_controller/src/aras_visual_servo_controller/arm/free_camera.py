@@ -71,6 +71,10 @@ class FreeCamera(JointVectors):
         """(6, 6): `jacobian` after velocities q_dot were held for dt_s at q."""
         return self.jacobian(q)
 
+    def held(self, inverse, jacobian, q, q_dot, dt_s, most_part):
+        """((6,), 1.0): q_dot itself. There are no limits, and the Jacobian does not change."""
+        return q_dot + inverse.turning(jacobian, jacobian, q_dot, most_part), 1.0
+
     def manipulability(self, q, length_m, rows):
         """(w, (6,) zeros): Yoshikawa's manipulability of these rows of the twist (T42), the same at every q."""
         self._checked(q)

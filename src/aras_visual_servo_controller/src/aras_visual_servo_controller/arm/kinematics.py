@@ -34,6 +34,10 @@ class Kinematics(JointVectors):
         self.jacobian = self._chain.jacobian
         #: q, q_dot, dt_s -> the same at `moved` of these. Same errors.
         self.jacobian_after = self._chain.jacobian_after
+        #: inverse, jacobian, q, q_dot, dt_s, most_part -> (q_dot, factor): joint velocities slowed by one factor, so
+        #: that every joint keeps its velocity limit, and corrected by at most `most_part` of them for the change of the
+        #: Jacobian, so that the twist is right half-way while they are held for dt_s. Same errors.
+        self.held = self._chain.held
         #: q, length_m, rows of the twist -> (w, (n,) gradient of ln w): Yoshikawa's manipulability of these rows,
         #: linear ones divided by length_m (docs/theory.md T42); (0, zeros) where it vanishes. Same errors.
         self.manipulability = self._chain.manipulability

@@ -1,6 +1,6 @@
 """Limits of joint velocity and position. Pure arithmetic; most functions return the factor by which to slow the motion.
 
-The two that every image needs are C++. The loops of the others go over floats because, for the few joints of an arm,
+Those that every image needs are C++. The loops of the others go over floats because, for the few joints of an arm,
 they take a fifth of the time of array expressions.
 """
 
@@ -8,9 +8,9 @@ from math import inf, sqrt
 
 import numpy as np
 
-from .._kinematics import position_factor, velocity_factor
+from .._kinematics import limit_factors, position_factor, velocity_factor
 
-__all__ = ["accelerated", "braking_factor", "joint_bounds", "position_factor", "velocity_factor"]
+__all__ = ["accelerated", "braking_factor", "joint_bounds", "limit_factors", "position_factor", "velocity_factor"]
 
 
 def braking_factor(q, q_dot, lower, upper, acceleration, dt_s):

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .chatter import Chatter
-from .limits import accelerated, braking_factor, joint_bounds, position_factor, velocity_factor
+from .limits import accelerated, braking_factor, joint_bounds, limit_factors, position_factor, velocity_factor
 from .redundancy import TwistInverse, Wish, norm_part
 from ..ground.types import Status
 
@@ -126,12 +126,14 @@ class ArmMotion:
 
     def _joint_velocity(self, q, twist, jacobian, inverse, dt_s):
         twist, q_dot, factor = self._wanted(q, twist, jacobian, inverse, dt_s)
-        again = velocity_factor(q_dot, self._kinematics.velocity)
         if self._accelerates:
-            q_dot, again = q_dot * again, 1.0
+            q_dot = q_dot * velocity_factor(q_dot, self._kinematics.velocity)
             q_dot = q_dot * braking_factor(q, q_dot, self.lower, self.upper, self._acceleration, dt_s)
             q_dot = accelerated(self._before, q_dot, self._acceleration * dt_s)
-        room, joint = position_factor(q, q_dot, self.lower, self.upper, LIMIT_HORIZON * dt_s)
+        again, room, joint = limit_factors(q, q_dot, self._kinematics.velocity, self.lower, self.upper,
+                                           LIMIT_HORIZON * dt_s)
+        if self._accelerates:
+            again = 1.0
         if joint is not None and self._others_go_on:
             return self._without_blocked(q, q_dot * again, joint, twist, jacobian, dt_s)
         scale = min(again, room)
@@ -153,11 +155,9 @@ class ArmMotion:
         if self._limits.camera_speed_m_s < inf or self._limits.camera_turn_rad_s < inf:
             speed, turn = float(twist[:3] @ twist[:3]) ** 0.5, float(twist[3:] @ twist[3:]) ** 0.5
             twist = twist / max(1.0, speed / self._limits.camera_speed_m_s, turn / self._limits.camera_turn_rad_s)
-        q_dot = self.unlimited(q, twist, inverse)
-        factor = velocity_factor(q_dot, self._kinematics.velocity)
-        if factor < 1.0:
-            q_dot = q_dot * factor
-        return twist, q_dot + self.turning(q, q_dot, jacobian, inverse, dt_s), factor
+        q_dot, factor = self._kinematics.held(inverse, jacobian, q, self.unlimited(q, twist, inverse), dt_s,
+                                              TURNING_PART)
+        return twist, q_dot, factor
 
     def as_seen(self, q, X_BC, twist, jacobian, inverse, dt_s):
         """The values of `laws.look.Arm`, a dict, for a law that chooses the joint velocities itself."""

@@ -249,17 +249,10 @@ def test_the_correction_for_the_turn_of_the_jacobian_is_a_quarter_at_most():
 
 @pytest.mark.parametrize("part, near", [(0.05, False), (0.15, True)])
 @pytest.mark.parametrize("size, heard", [(1.0, True), (1e-4, False)])
-def test_near_a_singularity_is_where_a_tenth_of_the_twist_is_lost(part, near, size, heard):
+def test_near_a_singularity_is_where_a_tenth_of_the_twist_is_lost(part, near, size, heard, monkeypatch):
     """What is lost is put in the place of the inverse's own; below 1 mrad/s it is noise."""
     arm_motion, q, (jacobian, inverse) = moving_arm()
     twist = size * np.array([0.01, 0.0, 0.0, 0.0, 0.0, 0.1])
-
-    class Losing:
-        def __getattr__(self, name):
-            return getattr(inverse, name)
-
-        def lost(self, twist):
-            return part * float(np.linalg.norm(twist))
-
-    motion = arm_motion.joint_velocity(q, twist, jacobian, Losing(), DT_S)
+    monkeypatch.setattr(type(inverse), "lost", lambda self, twist: part * float(np.linalg.norm(twist)))
+    motion = arm_motion.joint_velocity(q, twist, jacobian, inverse, DT_S)
     assert (motion.status == Status.NEAR_SINGULARITY) == (near and heard)

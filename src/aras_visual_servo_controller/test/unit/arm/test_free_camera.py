@@ -8,6 +8,7 @@ from aras_visual_servo_controller.arm.free_camera import NAMES, FreeCamera
 from aras_visual_servo_controller.arm.kinematics import Kinematics
 from aras_visual_servo_controller.arm.motion import ArmMotion
 from aras_visual_servo_controller.arm.reach import reach
+from aras_visual_servo_controller.arm.redundancy import TwistInverse
 from aras_visual_servo_controller.arm.robot import robot_kinematics
 from aras_visual_servo_controller.arm.trajectory import JointTrajectory
 from aras_visual_servo_controller.config.files import load_yaml, resolve_uri
@@ -61,6 +62,9 @@ def test_jacobian_of_the_optical_frame_is_the_identity_everywhere():
     for angle in (0.0, 1.0, np.pi, -np.pi):
         np.testing.assert_array_equal(free().jacobian(place(1, angle)), np.eye(6))
         np.testing.assert_array_equal(free().jacobian_after(place(1, angle), place(2), 0.5), np.eye(6))
+        exact = TwistInverse((1.0,) * 6, 0.05, 0.02, 0.02)(np.eye(6))
+        held, factor = free().held(exact, np.eye(6), place(1, angle), 100.0 * place(2), 0.1, 0.25)
+        assert factor == 1.0 and np.array_equal(held, 100.0 * place(2))
     w, slope = free().manipulability(place(1, np.pi), 0.05, range(6))
     assert w == pytest.approx(20.0**3) and not slope.any()
 

@@ -6,6 +6,8 @@ from toy_plant import GOAL, URDF, arm
 
 from aras_visual_servo_controller.ground.errors import ModelError, NotFiniteError, ParameterError, ShapeError
 from aras_visual_servo_controller.arm.kinematics import Kinematics
+from aras_visual_servo_controller.arm.limits import velocity_factor
+from aras_visual_servo_controller.arm.redundancy import TwistInverse
 
 STEP = 1e-6  # of central differences [m, rad]
 #: Truncation STEP^2 / 6 = 2e-13, rounding eps / STEP = 2e-10 on lengths near 1.6 m, times ten.
@@ -77,6 +79,23 @@ def test_jacobian_after_a_motion_is_that_of_where_it_leads_bit_for_bit(seed):
     assert np.abs(found - kinematics.jacobian(q)).max() > 1e-3
     with pytest.raises(ShapeError, match="q_dot: 5 values, expected 6"):
         kinematics.jacobian_after(q, q_dot[:5], 0.3)
+
+
+@pytest.mark.parametrize("speed", [0.2, 20.0])
+@pytest.mark.parametrize("seed", SEEDS)
+def test_held_velocities_are_slowed_and_then_corrected_bit_for_bit(seed, speed):
+    kinematics = arm()
+    q, wanted = random_joints(kinematics, seed), speed * random_joints(kinematics, seed + 100)
+    J = kinematics.jacobian(q)
+    inverse = TwistInverse((1.0,) * 6, 0.05, 0.02, 0.02)(J)
+    found, factor = kinematics.held(inverse, J, q, wanted, 0.1, 0.25)
+    assert factor == velocity_factor(wanted, kinematics.velocity) and (factor < 1.0) == (speed > 1.0)
+    slowed = wanted * factor if factor < 1.0 else wanted
+    added = inverse.turning(J, kinematics.jacobian_after(q, slowed, 0.05), slowed, 0.25)
+    np.testing.assert_array_equal(found, slowed + added)
+    assert np.abs(added).max() > 1e-3
+    with pytest.raises(ShapeError, match="q_dot: 5 values, expected 6"):
+        kinematics.held(inverse, J, q, wanted[:5], 0.1, 0.25)
 
 
 def test_determinant_keeps_one_sign_convention():

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.arm.limits import (accelerated, braking_factor, joint_bounds, position_factor,
-                                                     velocity_factor)
+from aras_visual_servo_controller.arm.limits import (accelerated, braking_factor, joint_bounds, limit_factors,
+                                                     position_factor, velocity_factor)
 
 ROUNDING = 1e-15  # of one division
 LOWER, UPPER = np.array([-1.0, -np.inf]), np.array([1.0, np.inf])
@@ -31,6 +31,14 @@ def test_predicted_violation_is_scaled_to_end_at_the_limit(sign):
     factor, joint = position_factor(sign * np.array([0.9, 0.0]), sign * np.array([2.0, 1.0]), LOWER, UPPER, 0.1)
     assert joint == 0
     assert factor == pytest.approx(0.5, abs=1e-14)  # rounding of 1 - 0.9 relative to 0.1
+
+
+@pytest.mark.parametrize("q", [[0.0, 0.0], [0.9, 0.0], [1.2, 0.0]])
+@pytest.mark.parametrize("q_dot", [[0.5, 1.0], [3.0, -1.0], [-3.0, 8.0]])
+def test_both_factors_come_in_one_call(q, q_dot):
+    q, q_dot, velocity = np.array(q), np.array(q_dot), np.array([2.0, 4.0])
+    assert limit_factors(q, q_dot, velocity, LOWER, UPPER, 0.1) == (
+        velocity_factor(q_dot, velocity), *position_factor(q, q_dot, LOWER, UPPER, 0.1))
 
 
 def test_joint_beyond_its_limit_may_only_move_back():

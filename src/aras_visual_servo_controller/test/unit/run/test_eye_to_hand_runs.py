@@ -91,8 +91,9 @@ def test_with_the_sign_of_a_camera_in_the_hand_the_target_goes_away(name, monkey
 
     def wrong(self, *arguments):
         right(self, *arguments)
-        jacobian, jacobian_after = self.jacobian, self.jacobian_after
-        self.jacobian, self.jacobian_after = (lambda q: -jacobian(q)), (lambda *after: -jacobian_after(*after))
+        jacobian, held = self.jacobian, self.held
+        self.jacobian = lambda q: -jacobian(q)
+        self.held = lambda inverse, wrong, *others: held(inverse, -wrong, *others)
 
     monkeypatch.setattr(EyeToHand, "__init__", wrong)
     monkeypatch.setattr("aras_visual_servo_controller.run.loop.kinematics_of", _anew)
