@@ -122,7 +122,7 @@ def run_comparison(comparison, workers=1, progress=None):
 def _run_law(job):
     """Run all tasks of one law. Returns a list of (row, Track or None)."""
     _, scenario, tasks = job
-    bench, results = Bench(scenario), []
+    bench, results = Bench(scenario, images=False), []
     for start in starts_of(scenario, tasks):
         row, record = bench.run(start)
         results.append((row, record and track_of(record, Outline.of(placed(scenario, start)))))

@@ -37,7 +37,7 @@ class Infeasible(ArasError):
 class _Shared:
     """A simulator that runs use in turn, and what they need not find out each for itself.
 
-    Attributes: outline: `Outline` of the scenario of the last loop.
+    Attributes: outline, settings: `Outline` and nested dict of the scenario of the last loop.
     """
 
     def __init__(self, scenario):
@@ -46,6 +46,7 @@ class _Shared:
 
     def _read(self, scenario, sim=None):
         self._loop, self.outline, self._goal = ServoLoop(scenario, sim=sim), Outline.of(scenario), None
+        self.settings = scenario.as_dict()
 
     def loop(self, scenario, anew):
         """(`ServoLoop` of the scenario, `TaughtGoal` that it has gone on from or None: it begins at the very start).
@@ -61,6 +62,7 @@ class _Shared:
         if anew or dict(scenario.experiment, start=None) != dict(last.experiment, start=None):
             self._goal = None
         self._loop.begin_again(scenario, self._goal)
+        self.settings = dict(self.settings, experiment=scenario.experiment)
         return self._loop, self._goal
 
     def keep(self, goal):
@@ -74,11 +76,12 @@ class Bench:
     Args:
         scenario: `Scenario`.
         drive_to_start: drive the arm to goal and start as `run` does, instead of placing it there.
+        images: keep the taught view, the first and the last one in the records; rows do not depend on it.
     """
 
-    def __init__(self, scenario, drive_to_start=False):
+    def __init__(self, scenario, drive_to_start=False, images=True):
         self.scenario = scenario
-        self.drive_to_start = drive_to_start
+        self.drive_to_start, self._images = drive_to_start, images
         self._simulators = OrderedDict()  # key -> _Shared
         self._key = simulator_key(scenario, {})
         self._kinematics = None
@@ -100,7 +103,7 @@ class Bench:
             scenario = placed(scenario, start)
             shared = self._simulator(scenario, parameters)
             loop, goal = shared.loop(scenario, anew=self.drive_to_start or not CHANGING.isdisjoint(parameters))
-            builder = RecordBuilder(scenario.name, loop.kinematics.joint_names, settings=scenario.as_dict(),
+            builder = RecordBuilder(scenario.name, loop.kinematics.joint_names, settings=shared.settings,
                                     feature_names=loop.servo.feature_names)
             builder.note(f"start {start.id} of a sweep, the arm {'driven' if self.drive_to_start else 'placed'} there")
             for name, value in parameters.items():
@@ -135,8 +138,7 @@ class Bench:
         stddevs = [camera.get("noise_stddev", 0.0) for camera in self.scenario.sim["cameras"]]
         return parameters.get("noise_stddev", max(stddevs)) > 0.0
 
-    @staticmethod
-    def _place(loop, builder, start, goal, shared):
+    def _place(self, loop, builder, start, goal, shared):
         config = loop.sequence.config
         if goal is None:
             if "scene" in start.parameters:
@@ -144,13 +146,13 @@ class Bench:
             loop.place(config.goal.joints, config.settle_s)
             try:
                 for answer in loop.teach(config.z_star_m):
-                    builder.add_answer(*answer)
+                    self._add(builder, *answer)
             except ParameterError as error:
                 raise Infeasible(str(error)) from error
             shared.keep(None if CHANGING & set(start.parameters) else loop.taught_goal())
         else:
             for answer in goal.answers:
-                builder.add_answer(*answer)
+                self._add(builder, *answer)
         if "picture" in start.parameters:
             swap_picture(loop.sim, loop.scenario, start.parameters["picture"])
         if "clutter" in start.parameters:
@@ -165,6 +167,9 @@ class Bench:
                 raise Infeasible(f"{name}: allowed without drive_to_start, where the bench teaches the goal")
         loop.start()
 
+    def _add(self, builder, record, X_WC, features, image, X_WT):
+        builder.add_answer(record, X_WC, features, image if self._images else None, X_WT)
+
     def _servo(self, loop, builder, start):
         lost_since_ns, farthest_mm, factor = None, np.inf, self.scenario.sweep.get("abort_factor")
         if factor is not None:
@@ -176,7 +181,7 @@ class Bench:
             too_far = factor is not None and self._distance_mm(loop, X_WCg) > farthest_mm
             if too_far:
                 record.status, record.status_text = Status.STOPPED, f"farther than {factor:g} times the start"
-            builder.add_answer(record, X_WC, features, image, loop.moving_target_pose())
+            self._add(builder, record, X_WC, features, image, loop.moving_target_pose())
             if too_far:
                 return
             if record.status != Status.TARGET_LOST:

@@ -70,7 +70,7 @@ _kept = threading.local()  # a simulator may be used by one thread only
 def _bench(setup):
     if getattr(_kept, "setup", None) != setup:
         _keep_memory()
-        _kept.bench, _kept.setup = Bench(scenario_of(setup), setup["drive_to_start"]), setup
+        _kept.bench, _kept.setup = Bench(scenario_of(setup), setup["drive_to_start"], images=False), setup
     return _kept.bench
 
 
