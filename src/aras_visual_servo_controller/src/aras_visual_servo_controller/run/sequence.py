@@ -138,6 +138,8 @@ class ExperimentSequence:
     # --- phases -------------------------------------------------------------------------------------------------
 
     def _advance(self, observation, q):
+        if self.phase == "servo":
+            return self._servo_step(observation, q)
         stamp_ns = observation.stamp_ns
         if self.phase in ("to_goal", "to_start"):
             if self._trajectory is None:

@@ -300,7 +300,8 @@ class Servo:
             self._text = f"servoing on foreseen features, target not seen for {tracker.unseen_s(stamp_ns):.2f} s"
         if self._displaced:
             self._text = f"servoing; {self._displaced}"
-        if self._creeps and not look_then_move:
+        close = self._stop.close
+        if self._creeps and close and not look_then_move:
             if self._stop.resting and answer.settled:
                 twist, target_C, self._text = np.zeros(6), None, "resting"
             if (calm := self._stop.calm(min(self._law.gains_per_s))) != 1.0:
@@ -317,7 +318,7 @@ class Servo:
         if self.config.visibility is not None and seen:
             twist, bent = keep_in_view(self.config.visibility, features, twist)
             self._text = "servoing, kept in view" if bent else self._text
-        if self._creeps and self._stop.close:
+        if self._creeps and close:
             twist = twist + self._creep.correction(twist, X_BC, dt_s)
         else:
             self._creep.clear()

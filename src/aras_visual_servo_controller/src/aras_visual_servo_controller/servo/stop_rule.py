@@ -152,7 +152,8 @@ class StopRule:
         tilt_rad = nan if tilt is None else (tilt[0] * tilt[0] + tilt[1] * tilt[1]) ** 0.5
         self.close = self._is_close(e, tilt_rad, pose if pose_of_law else None)
         if not self.close:
-            self.clear()
+            if self._last_ns is not None:
+                self.clear()
             self.judged = (tilt_rad, *_size(pose))
             lacking = [name for name, error, most in zip(self._names, e, self._thresholds) if not abs(error) < most]
             self.lacking = (*lacking, "tilt") if tilt_rad >= self._settings.tilt_rad else tuple(lacking)
@@ -178,6 +179,8 @@ class StopRule:
         settings = self._settings
         if tilt_rad > CLOSE * settings.tilt_rad or not all([abs(error) < most for error, most in zip(e, self._close)]):
             return False
+        if pose is None:
+            return True
         position, rotation = _size(pose)
         return not (position > CLOSE * settings.position_m or rotation > CLOSE * settings.rotation_rad)
 
