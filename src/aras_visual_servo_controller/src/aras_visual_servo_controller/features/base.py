@@ -266,6 +266,7 @@ class FeatureSet:
             if feature.settings_class is not None:
                 feature.settings = settings_of(feature.section, feature.settings_class, settings or {},
                                                f"feature '{feature.name}'")
+        self._values = [feature.value for feature in self._features]
         self._angles = [(feature.angle, not feature.directed) for feature in self._features]
         self.order = max(feature.order for feature in self._features)
         self.sees_tilt = any(feature.sees_tilt for feature in self._features)
@@ -276,7 +277,7 @@ class FeatureSet:
     def values(self, view):
         """s, tuple of k. Raises DegenerateFeature: a feature does not exist in this view or its moments are missing."""
         try:
-            return tuple([feature.value(view) for feature in self._features])
+            return tuple([value(view) for value in self._values])
         except KeyError as error:
             raise self._missing(error) from None
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..ground.errors import ParameterError
-from ..ground.images import in_rgb
+from ..ground.images import AS_THEY_ARE, in_rgb
 from ..arm.robot import kinematics_of
 from .record import RecordBuilder
 from ..config.files import package_paths
@@ -81,7 +81,8 @@ class ServoLoop:
             sim.reset()
         self.sim = sim
         self.camera_info = self.sim.camera_info(self.camera)
-        self._encoding = self.sim.camera_encoding(self.camera)
+        encoding = self.sim.camera_encoding(self.camera)
+        self._converted_from = None if encoding in AS_THEY_ARE else encoding
         self._believed = scenario.believed_camera_info(self.camera_info)
         self.kinematics = kinematics_of(urdf, scenario.robot)
         self.eye_to_hand = scenario.robot.get("target_link") is not None
@@ -242,7 +243,7 @@ class ServoLoop:
         self.frame += 1
         self.seen = Observation(stamp_ns, seen, q, self.frame)
         command, record = self.sequence.step(self.seen)
-        self.sim.set_command(position=command.position, velocity=command.velocity, stamp_ns=stamp_ns)
+        self.sim.set_command(command.position, command.velocity, None, stamp_ns)
         return record, features, image
 
     def _take(self):
@@ -255,7 +256,7 @@ class ServoLoop:
             stamp_ns = self.sim.step_to_image(self.camera)
         frame = self._frame = self.sim.frame(self.camera)
         q = frame.joint_positions
-        image = in_rgb(frame.image, self._encoding)
+        image = frame.image if self._converted_from is None else in_rgb(frame.image, self._converted_from)
         return stamp_ns, image, q if self._order is None else q[self._order]
 
     def camera_pose(self):

@@ -190,9 +190,8 @@ class RecordBuilder:
             ShapeError: an array has not the length its names have.
         """
         values = (s, s_star, e, twist, q, set_point, raw, stop, X_WC, X_WT)
-        for value, size in zip(values, self._sizes):
-            if value is not None and len(value) != size:
-                self._refuse(values)
+        if any([value is not None and len(value) != size for value, size in zip(values, self._sizes)]):
+            self._refuse(values)
         if X_WC is not None and getattr(X_WC, "shape", None) != (4, 4) or X_WT is not None:
             self._refuse(values)
         self._last_values.append(values)
