@@ -122,7 +122,8 @@ class ServoLoop:
 
         Args: goal: a `TaughtGoal` of this loop, of a scenario that differs in the start alone: begin where it had been
             taught, as if the arm were placed there and it were taught again.
-        Raises: ParameterError: what is wrong with the section `experiment`.
+        Raises: ParameterError: what is wrong with the section `experiment`.  StateError (the simulator's): the goal is
+            that of another simulator.
         """
         self.scenario = scenario
         if goal is None:
