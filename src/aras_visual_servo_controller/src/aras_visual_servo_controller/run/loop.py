@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..ground.errors import ParameterError
-from ..ground.images import AS_THEY_ARE, in_rgb
+from ..ground.images import in_rgb
 from ..arm.robot import kinematics_of
 from .record import RecordBuilder
 from ..config.files import package_paths
@@ -26,12 +26,12 @@ DEFAULT_LIMIT_S = 300.0
 PROGRESS_ROWS = 30
 #: Source whose features are in the record and drawn into the video, also when the servo works on another source.
 SHOWN = "moments"
-#: A goal that takes more images than this to teach has noisy ones, and they are not kept: see `TaughtGoal`.
+#: A goal that takes more images than this to teach has noisy images. It is not kept but taught again in each run.
 KEPT_IMAGES = 2
 
 
 class TaughtGoal(NamedTuple):
-    """What a loop had come to when it had taught its goal, from where others go on: see `ServoLoop.taught_goal`.
+    """The state of a loop right after it has taught its goal. `ServoLoop.begin_again` goes on from it.
 
     Attributes:
         state: of the simulator.  reference: of the servo.  z_star_m: depth of the target in this view [m].
@@ -81,8 +81,7 @@ class ServoLoop:
             sim.reset()
         self.sim = sim
         self.camera_info = self.sim.camera_info(self.camera)
-        encoding = self.sim.camera_encoding(self.camera)
-        self._converted_from = None if encoding in AS_THEY_ARE else encoding
+        self._encoding = self.sim.camera_encoding(self.camera)
         self._believed = scenario.believed_camera_info(self.camera_info)
         self.kinematics = kinematics_of(urdf, scenario.robot)
         self.eye_to_hand = scenario.robot.get("target_link") is not None
@@ -127,17 +126,18 @@ class ServoLoop:
         """
         self.scenario = scenario
         if goal is None:
+            experiment = scenario.experiment
             self.sim.reset()
         else:
+            experiment = self.sequence.config.with_start(scenario.experiment["start"], self.kinematics)
             self.sim.restore_state(goal.state)
         shown, servoed_on = self.extractor, self.servo_extractor
         self.extractor = self.servo_extractor = self._extractor_of(source_named(SHOWN), shown)
         if servoed_on is not shown:
             self.servo_extractor = self._extractor_of(self.servo.source, servoed_on)
-        if goal is None:
-            return self._begin(scenario.experiment)
-        self._begin(self.sequence.config.with_start(scenario.experiment["start"], self.kinematics))
-        self._take_over(goal)
+        self._begin(experiment)
+        if goal is not None:
+            self._take_over(goal)
 
     def _teach_camera(self, stamp_ns, z_star_m):
         """Make the image of this stamp the one that features are relative to: camera/set_reference without ROS."""
@@ -198,7 +198,7 @@ class ServoLoop:
             z_star_m: depth of the target in this view [m].
         Yields:
             (record, X_WC, features, image, X_WT) of each of these images, the arguments of `RecordBuilder.add_answer`;
-            the phase of the record is "teach", and the next one overwrites the image.
+            the phase of the record is "teach", and the image is overwritten when the next one is taken.
         Raises:
             ParameterError: the target is not fit for a reference in this view.
         """
@@ -257,7 +257,7 @@ class ServoLoop:
             stamp_ns = self.sim.step_to_image(self.camera)
         frame = self._frame = self.sim.frame(self.camera)
         q = frame.joint_positions
-        image = frame.image if self._converted_from is None else in_rgb(frame.image, self._converted_from)
+        image = in_rgb(frame.image, self._encoding)
         return stamp_ns, image, q if self._order is None else q[self._order]
 
     def camera_pose(self):

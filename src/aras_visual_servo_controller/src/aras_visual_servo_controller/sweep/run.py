@@ -37,37 +37,40 @@ class Infeasible(ArasError):
 class _Shared:
     """A simulator that runs use in turn, and what they need not find out each for itself.
 
-    Attributes: outline, settings: `Outline` and nested dict of the scenario of the last loop.
+    Attributes:
+        outline, settings: `Outline` and nested dict of the scenario of the last loop.
+        goal: `TaughtGoal` from which the last loop has gone on, None if it begins at the very start.
     """
 
     def __init__(self, scenario):
-        self._goal = None  # `TaughtGoal` of the runs before, None if there is none
         self._read(scenario)
 
     def _read(self, scenario, sim=None):
-        self._loop, self.outline, self._goal = ServoLoop(scenario, sim=sim), Outline.of(scenario), None
+        self._loop, self.outline, self.goal = ServoLoop(scenario, sim=sim), Outline.of(scenario), None
         self.settings = scenario.as_dict()
 
     def loop(self, scenario, anew):
-        """(`ServoLoop` of the scenario, `TaughtGoal` that it has gone on from or None: it begins at the very start).
+        """`ServoLoop` of the scenario.
 
         Where the scenario differs from the last one in `experiment` alone, nothing else of it is read again. Where it
-        differs in the start alone, the way from a reset to the taught goal is the same for every run, and takes as long
-        as fifteen images of servoing: it is not gone again, unless this has to be done anew.
+        differs in the start alone, the loop goes on from the goal that a run before has taught: to teach it again gives
+        the same bytes and takes as long as fifteen images of servoing.
+
+        Args: anew: the run changes the scene or drives to its goal. It begins with a reset, and so does the next one.
         """
-        last = self._loop.scenario
+        last, self._anew = self._loop.scenario, anew
         if not _differs_in_experiment_alone(scenario, last):
             self._read(scenario, self._loop.sim)
-            return self._loop, None
+            return self._loop
         if anew or dict(scenario.experiment, start=None) != dict(last.experiment, start=None):
-            self._goal = None
-        self._loop.begin_again(scenario, self._goal)
+            self.goal = None
+        self._loop.begin_again(scenario, self.goal)
         self.settings = dict(self.settings, experiment=scenario.experiment)
-        return self._loop, self._goal
+        return self._loop
 
-    def keep(self, goal):
-        """Let the runs after this one go on from its `TaughtGoal`; None: they do not."""
-        self._goal = goal
+    def keep_goal(self):
+        """Let the next runs go on from the goal that the last loop has just taught, where that is possible."""
+        self.goal = None if self._anew else self._loop.taught_goal()
 
 
 class Bench:
@@ -102,7 +105,7 @@ class Bench:
             scenario = perturbed(self.scenario, parameters)
             scenario = placed(scenario, start)
             shared = self._simulator(scenario, parameters)
-            loop, goal = shared.loop(scenario, anew=self.drive_to_start or not CHANGING.isdisjoint(parameters))
+            loop = shared.loop(scenario, anew=self.drive_to_start or not CHANGING.isdisjoint(parameters))
             builder = RecordBuilder(scenario.name, loop.kinematics.joint_names, settings=shared.settings,
                                     feature_names=loop.servo.feature_names)
             builder.note(f"start {start.id} of a sweep, the arm {'driven' if self.drive_to_start else 'placed'} there")
@@ -111,7 +114,7 @@ class Bench:
             if self.drive_to_start:
                 self._drive(loop, start)
             else:
-                self._place(loop, builder, start, goal, shared)
+                self._place(loop, builder, start, shared)
             self._servo(loop, builder, start)
             record = builder.finish(run_hash=loop.sim.run_hash, camera_info=loop.camera_info,
                                     X_WT=loop.target_pose(), opengl=loop.sim.opengl)
@@ -138,9 +141,9 @@ class Bench:
         stddevs = [camera.get("noise_stddev", 0.0) for camera in self.scenario.sim["cameras"]]
         return parameters.get("noise_stddev", max(stddevs)) > 0.0
 
-    def _place(self, loop, builder, start, goal, shared):
+    def _place(self, loop, builder, start, shared):
         config = loop.sequence.config
-        if goal is None:
+        if shared.goal is None:
             if "scene" in start.parameters:
                 put_clutter(loop.sim, loop.scenario, start.parameters["scene"])
             loop.place(config.goal.joints, config.settle_s)
@@ -149,9 +152,9 @@ class Bench:
                     self._add(builder, *answer)
             except ParameterError as error:
                 raise Infeasible(str(error)) from error
-            shared.keep(None if CHANGING & set(start.parameters) else loop.taught_goal())
+            shared.keep_goal()
         else:
-            for answer in goal.answers:
+            for answer in shared.goal.answers:
                 self._add(builder, *answer)
         if "picture" in start.parameters:
             swap_picture(loop.sim, loop.scenario, start.parameters["picture"])
@@ -232,11 +235,10 @@ class Bench:
 
 def _differs_in_experiment_alone(scenario, other):
     """Whether these two, as `perturbed` and `placed` make them, are the same but for `experiment`."""
-    if type(scenario) is not type(other):
-        return False
-    pairs = ((getattr(scenario, each.name), getattr(other, each.name)) for each in fields(scenario)
-             if each.name != "experiment")
-    return all(one is two or one == two for one, two in pairs)
+    def others(of):
+        return type(of), [getattr(of, each.name) for each in fields(of) if each.name != "experiment"]
+
+    return others(scenario) == others(other)
 
 
 def placed(scenario, start):
