@@ -3,9 +3,9 @@ import json
 import os
 import pathlib
 import subprocess
-import time
 
 import pytest
+from ros_graph import until
 
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "README.md"
 LIMIT_S = 120.0  # wall time for what takes some seconds
@@ -41,10 +41,11 @@ def scheduler(home, environment):
     try:
         start("dask-scheduler", "--protocol", "tls", "--host", "127.0.0.1", "--port", "0", "--scheduler-file",
               str(path), "--dashboard-address", "127.0.0.1:0")
-        address = wait(lambda: address_in(path))
+        address = until(lambda: address_in(path), "the scheduler's address", limit_s=LIMIT_S)
         start("dask-worker", address, "--nworkers", "1", "--nthreads", "1", "--host", "127.0.0.1",
               "--dashboard-address", "127.0.0.1:0")
-        wait(lambda: "Registered to" in (home / "dask-worker.log").read_text())
+        until(lambda: "Registered to" in (home / "dask-worker.log").read_text(), "a worker at the scheduler",
+              limit_s=LIMIT_S)
         yield address
     finally:
         for process in reversed(processes):
@@ -58,15 +59,6 @@ def address_in(path):
         return json.loads(path.read_text())["address"]
     except (FileNotFoundError, json.JSONDecodeError):
         return None
-
-
-def wait(condition):
-    """Value of condition() once it is true."""
-    end_s = time.monotonic() + LIMIT_S
-    while not (value := condition()):
-        assert time.monotonic() < end_s
-        time.sleep(0.05)
-    return value
 
 
 def sweep(address, environment, folder):

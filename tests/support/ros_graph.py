@@ -102,9 +102,9 @@ def free_port():
         return listener.getsockname()[1]
 
 
-def until(condition, what, log=lambda: ""):
-    """Waits until condition() is true and returns its value; else fails with `what` and the log."""
-    end = time.monotonic() + LIMIT_S
+def until(condition, what, log=lambda: "", limit_s=LIMIT_S):
+    """Waits until condition() is true and returns its value; after limit_s it fails with `what` and the log."""
+    end = time.monotonic() + limit_s
     while True:
         found = condition()
         if found:

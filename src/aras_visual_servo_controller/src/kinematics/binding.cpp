@@ -7,13 +7,10 @@
 #include "bind_arm.hpp"
 #include "bind_program.hpp"
 #include "chain_kinematics.hpp"
-#include "joint_wish.hpp"
-#include "twist_inverse.hpp"
 
 namespace py = pybind11;
 namespace common = aras_visual_servo_common;
 using aras_visual_servo_controller::ChainKinematics;
-using aras_visual_servo_controller::TwistInverse;
 
 namespace {
 
@@ -21,21 +18,6 @@ namespace {
 void raise(const char* name, const std::exception& error) {
   const py::object errors = py::module_::import("aras_visual_servo_controller.ground.errors");
   PyErr_SetString(py::object(errors.attr(name)).ptr(), error.what());
-}
-
-/** Joint velocities within the limits of the chain's joints, corrected for the change of its Jacobian while they are
- * held for dt_s, and the factor that slowed them. */
-std::pair<Eigen::VectorXd, double> held(const ChainKinematics& chain, const TwistInverse& inverse,
-                                        const TwistInverse::JacobianRef& jacobian, const ChainKinematics::Joints& q,
-                                        const ChainKinematics::Joints& q_dot, double dt_s, double most_part) {
-  if (q_dot.size() != chain.velocity().size())
-    throw common::ShapeError("q_dot: " + std::to_string(q_dot.size()) + " values, expected " +
-                             std::to_string(chain.velocity().size()));
-  const double factor = aras_visual_servo_controller::velocityFactor(q_dot, chain.velocity());
-  Eigen::VectorXd slowed = q_dot;
-  if (factor < 1.0) slowed *= factor;
-  slowed += inverse.turning(jacobian, chain.jacobianAfter(q, slowed, 0.5 * dt_s), slowed, most_part);
-  return {std::move(slowed), factor};
 }
 
 /** pybind11 before 2.12 calls a function that numpy 2 no longer has: the process would end without a word. */
@@ -76,8 +58,7 @@ PYBIND11_MODULE(_kinematics, module) {
       .def_property_readonly("velocity", [](const ChainKinematics& self) { return Eigen::VectorXd(self.velocity()); })
       .def("pose", &ChainKinematics::pose, py::arg("q"))
       .def("jacobian", &ChainKinematics::jacobian, py::arg("q"))
-      .def("jacobian_after", &ChainKinematics::jacobianAfter, py::arg("q"), py::arg("q_dot"), py::arg("dt_s"))
-      .def("held", &held, py::arg("inverse"), py::arg("jacobian"), py::arg("q"), py::arg("q_dot"), py::arg("dt_s"),
+      .def("held", &ChainKinematics::held, py::arg("inverse"), py::arg("jacobian"), py::arg("q"), py::arg("q_dot"), py::arg("dt_s"),
            py::arg("most_part"))
       .def("manipulability", &ChainKinematics::manipulability, py::arg("q"), py::arg("length_m"), py::arg("rows"));
   bindProgram(module);

@@ -13,6 +13,8 @@
 #include <kdl_parser/kdl_parser.hpp>
 #include <limits>
 
+#include "joint_wish.hpp"
+
 namespace aras_visual_servo_controller {
 namespace {
 
@@ -170,10 +172,18 @@ ChainKinematics::Jacobian ChainKinematics::jacobian(const Joints& q) const {
   return columns;
 }
 
-ChainKinematics::Jacobian ChainKinematics::jacobianAfter(const Joints& q, const Joints& q_dot, double dt_s) const {
+std::pair<Eigen::VectorXd, double> ChainKinematics::held(const TwistInverse& inverse,
+                                                         const TwistInverse::JacobianRef& jacobian, const Joints& q,
+                                                         const Joints& q_dot, double dt_s, double most_part) const {
+  check(q);
   if (q_dot.size() != q.size())
     throw ShapeError("q_dot: " + std::to_string(q_dot.size()) + " values, expected " + std::to_string(q.size()));
-  return jacobian(q + dt_s * q_dot);
+  const double factor = velocityFactor(q_dot, velocity_);
+  Eigen::VectorXd slowed = q_dot;
+  if (factor < 1.0) slowed *= factor;
+  const double half_s = 0.5 * dt_s;
+  slowed += inverse.turning(jacobian, this->jacobian(q + half_s * slowed), slowed, most_part);
+  return {std::move(slowed), factor};
 }
 
 std::pair<double, Eigen::VectorXd> ChainKinematics::manipulability(const Joints& q, double length_m,

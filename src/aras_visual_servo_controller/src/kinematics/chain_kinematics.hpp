@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "twist_inverse.hpp"
+
 namespace aras_visual_servo_controller {
 
 using aras_visual_servo_common::ModelError;
@@ -42,8 +44,14 @@ class ChainKinematics {
   /** J_BC_C, 6 x n: V_BC_C = J_BC_C q_dot, the twist of C in B, taken at the origin of C and expressed in C.
    *  @throws ShapeError, NotFiniteError */
   Jacobian jacobian(const Joints& q) const;
-  /** The same after the velocities q_dot were held for dt_s at q. */
-  Jacobian jacobianAfter(const Joints& q, const Joints& q_dot, double dt_s) const;
+
+  /** Joint velocities that keep every joint's velocity limit and whose twist is right half-way while they are held.
+   *  All are slowed by one factor, and then corrected for the change of the Jacobian.
+   *  @param inverse, jacobian  those of q.  @param dt_s  for how long they are held [s]
+   *  @param most_part  the correction is at most this part of them
+   *  @return the velocities, n, and the factor, in (0, 1].  @throws ShapeError, NotFiniteError */
+  std::pair<Eigen::VectorXd, double> held(const TwistInverse& inverse, const TwistInverse::JacobianRef& jacobian,
+                                          const Joints& q, const Joints& q_dot, double dt_s, double most_part) const;
 
   /** Yoshikawa's manipulability w = sqrt(det(A A^T)), A = rows of J_BC_C with the linear ones divided by a length, and
    * the gradient of its logarithm by the joints (docs/theory.md T42).

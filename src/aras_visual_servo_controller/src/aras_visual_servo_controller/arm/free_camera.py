@@ -67,10 +67,6 @@ class FreeCamera(JointVectors):
         self._checked(q)
         return self._J.copy()
 
-    def jacobian_after(self, q, q_dot, dt_s):
-        """(6, 6): `jacobian` after velocities q_dot were held for dt_s at q."""
-        return self.jacobian(q)
-
     def held(self, inverse, jacobian, q, q_dot, dt_s, most_part):
         """((6,), 1.0): q_dot itself. There are no limits, and the Jacobian does not change."""
         return q_dot + inverse.turning(jacobian, jacobian, q_dot, most_part), 1.0

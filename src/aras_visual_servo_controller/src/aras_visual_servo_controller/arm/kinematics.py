@@ -32,8 +32,6 @@ class Kinematics(JointVectors):
         self.pose = self._chain.pose
         #: q -> J_BC_C, (6, n): twist of C in B, taken at C's origin, expressed in C, [v; w]. Same errors.
         self.jacobian = self._chain.jacobian
-        #: q, q_dot, dt_s -> the same at `moved` of these. Same errors.
-        self.jacobian_after = self._chain.jacobian_after
         #: inverse, jacobian, q, q_dot, dt_s, most_part -> (q_dot, factor): joint velocities slowed by one factor, so
         #: that every joint keeps its velocity limit, and corrected by at most `most_part` of them for the change of the
         #: Jacobian, so that the twist is right half-way while they are held for dt_s. Same errors.

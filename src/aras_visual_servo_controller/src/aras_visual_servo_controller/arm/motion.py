@@ -224,5 +224,5 @@ class ArmMotion:
 
         Near the stretched elbow the Jacobian changes fast. The correction is at most TURNING_PART of q_dot.
         """
-        half_way = self._kinematics.jacobian_after(q, q_dot, 0.5 * dt_s)
+        half_way = self._kinematics.jacobian(self._kinematics.moved(q, q_dot, 0.5 * dt_s))
         return inverse.turning(jacobian, half_way, q_dot, TURNING_PART)

@@ -86,11 +86,10 @@ class ServoLoop:
         self.kinematics = kinematics_of(urdf, scenario.robot)
         self.eye_to_hand = scenario.robot.get("target_link") is not None
         self.servo = Servo(self.kinematics, scenario.servo)
-        sources = source_named(SHOWN), self.servo.source
-        self._want_depth = [source.wants_depth(scenario.vision) for source in sources]
-        self.extractor = self.servo_extractor = self._extractor_of(sources[0])
-        if sources[1] is not sources[0]:
-            self.servo_extractor = self._extractor_of(sources[1])
+        self._sources = source_named(SHOWN), self.servo.source
+        self._want_depth = [source.wants_depth(scenario.vision) for source in self._sources]
+        self.extractor = self.servo_extractor = None
+        self._renew_extractors()
         target = next(iter(scenario.sim.get("scene", {}).get("models", [])), None)
         self._target = target and target["name"]
         self._target_moves = target is not None and not {"motion", "attached_to"}.isdisjoint(target)
@@ -102,9 +101,14 @@ class ServoLoop:
         self._order = None if order == list(range(len(names))) else order
         self._begin(scenario.experiment)
 
-    def _extractor_of(self, source, used=None):
-        """An extractor of a source, which may be one that was used before."""
-        return used and source.renewed(used) or source.extractor(self._believed, self.scenario.vision)
+    def _renew_extractors(self):
+        """Make the extractors of both sources, of those that were used before where their source can."""
+        def renewed(source, used):
+            return used and source.renewed(used) or source.extractor(self._believed, self.scenario.vision)
+
+        shown, servoed_on = self._sources
+        self.extractor = renewed(shown, self.extractor)
+        self.servo_extractor = self.extractor if servoed_on is shown else renewed(servoed_on, self.servo_extractor)
 
     def _begin(self, experiment):
         self.sequence = ExperimentSequence(self.kinematics, self.servo, experiment, self._teach_camera)
@@ -131,10 +135,7 @@ class ServoLoop:
         else:
             experiment = self.sequence.config.with_start(scenario.experiment["start"], self.kinematics)
             self.sim.restore_state(goal.state)
-        shown, servoed_on = self.extractor, self.servo_extractor
-        self.extractor = self.servo_extractor = self._extractor_of(source_named(SHOWN), shown)
-        if servoed_on is not shown:
-            self.servo_extractor = self._extractor_of(self.servo.source, servoed_on)
+        self._renew_extractors()
         self._begin(experiment)
         if goal is not None:
             self._take_over(goal)

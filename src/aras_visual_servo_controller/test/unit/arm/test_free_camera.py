@@ -61,7 +61,6 @@ def test_pose_is_place_and_rotation_vector(seed):
 def test_jacobian_of_the_optical_frame_is_the_identity_everywhere():
     for angle in (0.0, 1.0, np.pi, -np.pi):
         np.testing.assert_array_equal(free().jacobian(place(1, angle)), np.eye(6))
-        np.testing.assert_array_equal(free().jacobian_after(place(1, angle), place(2), 0.5), np.eye(6))
         exact = TwistInverse((1.0,) * 6, 0.05, 0.02, 0.02)(np.eye(6))
         held, factor = free().held(exact, np.eye(6), place(1, angle), 100.0 * place(2), 0.1, 0.25)
         assert factor == 1.0 and np.array_equal(held, 100.0 * place(2))

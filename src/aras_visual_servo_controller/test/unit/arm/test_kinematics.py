@@ -70,17 +70,6 @@ def test_determinant_of_the_jacobian_is_the_known_product(seed):
     assert abs(found) == pytest.approx(abs(expected), abs=ROUNDING)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-def test_jacobian_after_a_motion_is_that_of_where_it_leads_bit_for_bit(seed):
-    kinematics = arm()
-    q, q_dot = random_joints(kinematics, seed), random_joints(kinematics, seed + 100)
-    found = kinematics.jacobian_after(q, q_dot, 0.3)
-    np.testing.assert_array_equal(found, kinematics.jacobian(kinematics.moved(q, q_dot, 0.3)))
-    assert np.abs(found - kinematics.jacobian(q)).max() > 1e-3
-    with pytest.raises(ShapeError, match="q_dot: 5 values, expected 6"):
-        kinematics.jacobian_after(q, q_dot[:5], 0.3)
-
-
 @pytest.mark.parametrize("speed", [0.2, 20.0])
 @pytest.mark.parametrize("seed", SEEDS)
 def test_held_velocities_are_slowed_and_then_corrected_bit_for_bit(seed, speed):
@@ -91,7 +80,7 @@ def test_held_velocities_are_slowed_and_then_corrected_bit_for_bit(seed, speed):
     found, factor = kinematics.held(inverse, J, q, wanted, 0.1, 0.25)
     assert factor == velocity_factor(wanted, kinematics.velocity) and (factor < 1.0) == (speed > 1.0)
     slowed = wanted * factor if factor < 1.0 else wanted
-    added = inverse.turning(J, kinematics.jacobian_after(q, slowed, 0.05), slowed, 0.25)
+    added = inverse.turning(J, kinematics.jacobian(kinematics.moved(q, slowed, 0.05)), slowed, 0.25)
     np.testing.assert_array_equal(found, slowed + added)
     assert np.abs(added).max() > 1e-3
     with pytest.raises(ShapeError, match="q_dot: 5 values, expected 6"):
