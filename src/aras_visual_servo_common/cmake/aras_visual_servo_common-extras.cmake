@@ -1,5 +1,5 @@
-# For packages that depend on aras_visual_servo_common: the target to link with, the schema sections in a library, the flags of a
-# build under sanitizers.
+# For packages that depend on aras_visual_servo_common: the target to link with, the flags to compile with, also in a build
+# under sanitizers, and the schema sections in a library.
 find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(yaml-cpp REQUIRED)
 
@@ -10,10 +10,19 @@ if(NOT TARGET aras_visual_servo_common::aras_visual_servo_common)
     INTERFACE_LINK_LIBRARIES "${aras_visual_servo_common_LIBRARIES};yaml-cpp;Eigen3::Eigen")
 endif()
 
-# What a build with ARAS_SANITIZE compiles and links with. The checks that are left out take a fifth of the time of that
-# build: those of null and of bounds at each access, which the address sanitizer makes, and those of virtual tables.
-set(aras_sanitizers -fsanitize=address,undefined -fno-sanitize=null,object-size,pointer-overflow,vptr
-  -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+# What everything of ours is compiled with. GCC would look through its memory, of which precompiled headers are a large part,
+# for what it no longer needs; not to do so before it holds 512 MB [kB] takes an eighth off the time of most files.
+set(aras_compile_options -Wall -Wextra -Werror)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  list(APPEND aras_compile_options --param=ggc-min-heapsize=524288)
+endif()
+
+# What a build with ARAS_SANITIZE compiles and links with. The checks that are left out take two fifths of the time of that
+# build: those of null and of bounds at each access, which the address sanitizer makes, those of virtual tables, and those
+# of alignment at each access, for which the compiler refuses every cast to a type that asks for more of it. The programs
+# of script/fuzz check alignment as they run.
+set(aras_sanitizers -fsanitize=address,undefined -fno-sanitize=null,alignment,object-size,pointer-overflow,vptr
+  -fno-sanitize-recover=undefined -fno-omit-frame-pointer -Wcast-align=strict)
 
 # aras_embed_schema(TARGET FOLDER): puts each FOLDER/NAME.yaml into TARGET, a library. Its sources then find
 #   #include "schema_sections.hpp"
