@@ -65,11 +65,15 @@ class Browser:
         self._socket = self._loop.run_until_complete(self._connected(address))
         for domain in ("Page", "Runtime", "Log"):
             self.call(f"{domain}.enable")
-        self.call("Emulation.setDeviceMetricsOverride", width=self._size[0], height=self._size[1],
-                  deviceScaleFactor=self._scale, mobile=self._size[0] < 600)
-        self.call("Emulation.setEmulatedMedia",
-                  features=[{"name": "prefers-color-scheme", "value": "dark" if self._dark else "light"}])
+        self.look(self._size, self._dark)
         return self
+
+    def look(self, size, dark):
+        """Another size of the window [px], and the colours that the page is asked for."""
+        self.call("Emulation.setDeviceMetricsOverride", width=size[0], height=size[1],
+                  deviceScaleFactor=self._scale, mobile=size[0] < 600)
+        self.call("Emulation.setEmulatedMedia",
+                  features=[{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
 
     @staticmethod
     async def _connected(address):

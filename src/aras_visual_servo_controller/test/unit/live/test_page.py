@@ -1,5 +1,6 @@
 """The live page in a real browser: its controls are moved, and what the servo did is read."""
 
+import itertools
 import subprocess
 import sys
 from pathlib import Path
@@ -167,20 +168,24 @@ def test_without_webgl_the_page_says_so_and_keeps_the_rest(serve, tmp_path):
         browser.wait("aras.model.state.phase === 'done'")
 
 
-@pytest.mark.parametrize("width", [390, 1440])
-@pytest.mark.parametrize("dark", [False, True])
-def test_the_page_fits_its_width_and_everything_can_be_read(serve, tmp_path, width, dark):
-    with Browser(tmp_path, webgl=True, size=(width, 844), dark=dark) as browser:
-        browser.open(serve())
-        browser.wait(READY + " && aras.world && aras.model.rows.length > 5")
-        assert browser.value("document.documentElement.scrollWidth <= innerWidth")
-        assert browser.value("[...document.querySelectorAll('.card')].every((one) => one.getBoundingClientRect().right "
-                             "<= innerWidth)")
-        assert browser.value("[...document.querySelectorAll('.chart')].length") == 6
-        page, ink = browser.value("['backgroundColor', 'color'].map((key) => getComputedStyle(document.body)[key]"
-                                  ".match(/[0-9]+/g).map(Number).reduce((a, b) => a + b) / 3)")
-        assert (page < 60 and ink > 180) if dark else (page > 200 and ink < 80)
-        assert browser.said == []
+def test_the_page_fits_its_width_and_everything_can_be_read(serve, tmp_path):
+    with Browser(tmp_path, webgl=True) as browser:
+        for width, dark in itertools.product((390, 1440), (False, True)):
+            browser.look((width, 844), dark)
+            browser.open(serve())
+            browser.wait(READY + " && aras.world && aras.model.rows.length > 5")
+            fits_and_can_be_read(browser, dark)
+
+
+def fits_and_can_be_read(browser, dark):
+    assert browser.value("document.documentElement.scrollWidth <= innerWidth")
+    assert browser.value("[...document.querySelectorAll('.card')].every((one) => one.getBoundingClientRect().right "
+                         "<= innerWidth)")
+    assert browser.value("[...document.querySelectorAll('.chart')].length") == 6
+    page, ink = browser.value("['backgroundColor', 'color'].map((key) => getComputedStyle(document.body)[key]"
+                              ".match(/[0-9]+/g).map(Number).reduce((a, b) => a + b) / 3)")
+    assert (page < 60 and ink > 180) if dark else (page > 200 and ink < 80)
+    assert browser.said == []
 
 
 def test_a_port_that_is_taken_is_named(serve):

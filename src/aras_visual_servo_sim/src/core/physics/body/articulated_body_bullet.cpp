@@ -3,20 +3,15 @@
 #include <limits>
 
 #include "articulated_body.hpp"
+#include "to_bullet.hpp"
 
 namespace aras_visual_servo_sim {
 
 using Eigen::Matrix3d;
+using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 namespace {
-
-btVector3 toBullet(const Vector3d& v) { return btVector3(v.x(), v.y(), v.z()); }
-
-btQuaternion toBullet(const Matrix3d& R) {
-  const Eigen::Quaterniond q(R);
-  return btQuaternion(q.x(), q.y(), q.z(), q.w());
-}
 
 /** Right-handed principal axes of an inertia tensor, moments in `moments`. */
 Matrix3d principalAxes(const Matrix3d& inertia, Vector3d& moments) {
@@ -43,7 +38,7 @@ void ArticulatedBody::buildBullet() {
     const Matrix3d& R = R_principal[i];
     const Matrix3d R_parent = body.parent < 0 ? R_base_principal_ : R_principal[body.parent];
     const Vector3d com_parent = body.parent < 0 ? base_body_.com_m : bodies_[body.parent].com_m;
-    const btQuaternion parent_to_this = toBullet(Matrix3d((R_parent.transpose() * body.R_PJ * R).transpose()));
+    const btQuaternion parent_to_this = toBullet(Quaterniond((R_parent.transpose() * body.R_PJ * R).transpose()));
     const btVector3 axis = toBullet(Vector3d(R.transpose() * body.axis));
     const btVector3 com_to_pivot = toBullet(Vector3d(R_parent.transpose() * (body.p_PJ - com_parent)));
     const btVector3 pivot_to_com = toBullet(Vector3d(R.transpose() * body.com_m));
@@ -69,7 +64,7 @@ void ArticulatedBody::buildBullet() {
 
 void ArticulatedBody::placeBullet() {
   bullet_->setBaseWorldTransform(
-      btTransform(toBullet(Matrix3d(base_->R() * R_base_principal_)), toBullet(base_->com())));
+      btTransform(toBullet(Quaterniond(base_->R() * R_base_principal_)), toBullet(base_->com())));
 }
 
 void ArticulatedBody::freeVelocities(const Eigen::VectorXd& v, double dt_s, Eigen::VectorXd& v_free) {

@@ -2,16 +2,11 @@
 #include <vector>
 
 #include "articulated_body.hpp"
+#include "to_bullet.hpp"
 
 namespace aras_visual_servo_sim {
 
 using Eigen::Vector3d;
-
-namespace {
-
-btVector3 toBullet(const Vector3d& v) { return btVector3(v.x(), v.y(), v.z()); }
-
-}  // namespace
 
 void ArticulatedBody::push(const std::map<int, Twist>& links, const std::map<int, double>& joints) {
   bullet_->clearForcesAndTorques();

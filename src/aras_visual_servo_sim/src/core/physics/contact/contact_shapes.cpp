@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "physics/body/to_bullet.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -14,12 +15,7 @@ namespace {
 constexpr int kTurns = 3;
 constexpr double kHullMargin = 1e-4;  // [m], by which Bullet lets hulls touch early: rounds their edges for its search
 
-btVector3 toBullet(const Vector3d& v) { return btVector3(v.x(), v.y(), v.z()); }
 Vector3d fromBullet(const btVector3& v) { return Vector3d(v.x(), v.y(), v.z()); }
-
-btTransform toBullet(const Pose& X) {
-  return btTransform(btQuaternion(X.q.x(), X.q.y(), X.q.z(), X.q.w()), toBullet(X.p));
-}
 
 std::vector<Vector3d> boxCorners(const Vector3d& size) {
   std::vector<Vector3d> corners;

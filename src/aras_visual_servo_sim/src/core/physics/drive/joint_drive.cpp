@@ -10,7 +10,6 @@
 namespace aras_visual_servo_sim {
 
 namespace {
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTwoPi = 6.283185307179586476925;
 
 /** Checks what joint_limits_interface's handles for soft limits require: velocity and effort limits. */

@@ -5,10 +5,6 @@
 
 namespace aras_visual_servo_sim {
 
-namespace {
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-}
-
 void JointGraph::build(const ActuatorLaw& law, double damping, double friction, double v_low, double v_high) {
   law_ = law;
   law_.servo_velocity = std::clamp(law.servo_velocity, v_low, v_high);

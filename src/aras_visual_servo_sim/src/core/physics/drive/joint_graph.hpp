@@ -5,6 +5,8 @@
 
 namespace aras_visual_servo_sim {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
 /** Effort of an actuator as a function of the joint's velocity v at the end of the step, never increasing with v:
  *  clamp(a0 - a1 v + clamp(b0 - b1 v, b_min, b_max), u_min, u_max), and none of it towards a speed beyond v_max.
  *  With soft limits, not beyond v_max but: clamped to [clamp(-g (v - v_soft_low), u_min, u_max),
@@ -14,7 +16,7 @@ struct ActuatorLaw {
   double a0 = 0.0, a1 = 0.0;                            ///< proportional and derivative part
   double b0 = 0.0, b1 = 0.0, b_min = 0.0, b_max = 0.0;  ///< integral part
   double u_min = 0.0, u_max = 0.0;
-  double v_max = std::numeric_limits<double>::infinity();
+  double v_max = kInfinity;
   bool servo = false;
   double servo_velocity = 0.0;
   bool soft = false;

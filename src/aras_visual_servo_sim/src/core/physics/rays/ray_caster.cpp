@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "physics/body/to_bullet.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -19,8 +20,6 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-
-btVector3 toBullet(const Vector3d& v) { return btVector3(v.x(), v.y(), v.z()); }
 
 /** A ray in the axes of a shape, and the part of it that counts. */
 struct Ray {
@@ -134,8 +133,8 @@ struct RayCaster::Shape {
     // Beyond the mesh there is nothing to be met: a shorter ray is a more exact one.
     const double farthest = std::min(ray.farthest, ray.p.norm() + reach_m);
     if (farthest <= ray.nearest) return kNever;
-    const btVector3 from = toBullet(ray.p + ray.nearest * ray.d);
-    const btVector3 to = toBullet(ray.p + farthest * ray.d);
+    const btVector3 from = toBullet(Vector3d(ray.p + ray.nearest * ray.d));
+    const btVector3 to = toBullet(Vector3d(ray.p + farthest * ray.d));
     NearestTriangle nearest(
         from, to, ray.from_inside ? btTriangleRaycastCallback::kF_None : btTriangleRaycastCallback::kF_FilterBackfaces);
     tree->performRaycast(&nearest, from, to);

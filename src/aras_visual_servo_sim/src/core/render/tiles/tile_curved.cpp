@@ -6,8 +6,6 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr int kTile = TileBins::kTile;
-
 /** Depth of the point at 1 on a ray along the axis that near_m and far_m are measured on. */
 double aheadOf(const CameraModel& camera, const Eigen::Vector3d& ray) {
   return camera.lens() == CameraModel::Lens::kEquidistant ? ray.cwiseAbs().maxCoeff() : 1.0;
@@ -64,6 +62,7 @@ bool TileCurved::set(const CameraModel& camera, const CurvedPatch& patch, std::u
                      const PixelRays* rays) {
   entry = index;
   const double near_m = camera.nearM();
+  constexpr int kTile = TileBins::kTile;
   const int columns = tile.u1 - tile.u0, rows = tile.v1 - tile.v0;
   std::array<double, (kTile + 1) * (kTile + 1)> corners;  // near_m / Z; 0: not seen
   for (int j = 0; j <= rows; ++j) {

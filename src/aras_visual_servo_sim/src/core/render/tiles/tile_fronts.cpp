@@ -9,7 +9,6 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr int kTile = TileFronts::kTile;
 constexpr std::size_t kMostFacets = 16;  // of a tile: each is shaded over all of it
 
 bool covers(const TileTriangle& t, const PixelBox& tile) {
@@ -41,6 +40,7 @@ ARAS_WIDE void see(const TileTriangle& t, std::int32_t index, const float* x, co
   const float a0 = t.a[0], a1 = t.a[1], a2 = t.a[2], b0 = t.b[0], b1 = t.b[1], b2 = t.b[2];
   const float c0 = t.c[0], c1 = t.c[1], c2 = t.c[2], l0 = t.least[0], l1 = t.least[1], l2 = t.least[2];
   const float p0 = t.plane[0], p1 = t.plane[1], p2 = t.plane[2], bias = t.bias;
+  constexpr int kTile = TileFronts::kTile;
   for (int v = 0; v < kTile; ++v) {
     const float row = static_cast<float>(v) + 0.5f, down = p1 * y[v];
     float* depth = nearest + v * kTile;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "box_corners.hpp"
+
 namespace aras_visual_servo_sim {
 namespace {
 
@@ -44,13 +46,6 @@ Eigen::Matrix4d toFrame(const Eigen::Matrix3d& R, const Eigen::Vector3d& p_W) {
 
 /** Tangent of half the angle of a spot's map, a little wider than its light. */
 double widthOf(const Light& spot) { return std::tan(std::min(0.5 * spot.outer_angle_rad + 0.02, 1.5)); }
-
-Eigen::Vector4d cornerOf(const TriangleMesh& mesh, int k) {
-  return Eigen::Vector4d(k & 1 ? mesh.box_max.x() : mesh.box_min.x(), k & 2 ? mesh.box_max.y() : mesh.box_min.y(),
-                         k & 4 ? mesh.box_max.z() : mesh.box_min.z(), 1.0);
-}
-
-constexpr int kCorners = 8;
 
 }  // namespace
 
@@ -130,7 +125,8 @@ void ShadowView::placeDirectional(const Light& light, const std::vector<const Ca
   Eigen::Vector3d low = Eigen::Vector3d::Constant(infinity), high = -low;
   for (const Caster* caster : casters) {
     for (int k = 0; k < kCorners; ++k) {
-      const Eigen::Vector3d p_L = R_LW * (caster->X_WS * cornerOf(**caster->mesh, k)).head<3>();
+      const Eigen::Vector4d corner_S = cornerOf(**caster->mesh, k).homogeneous();
+      const Eigen::Vector3d p_L = R_LW * (caster->X_WS * corner_S).head<3>();
       low = low.cwiseMin(p_L);
       high = high.cwiseMax(p_L);
     }
@@ -161,7 +157,10 @@ void ShadowView::placeDirectional(const Light& light, const std::vector<const Ca
 MapBox ShadowView::boxOf(const Caster& caster) const {
   MapBox box;
   const Eigen::Matrix4d of_mesh = of_world * caster.X_WS;
-  for (int k = 0; k < kCorners; ++k) box.add((of_mesh * cornerOf(**caster.mesh, k)).head<3>());
+  for (int k = 0; k < kCorners; ++k) {
+    const Eigen::Vector4d corner_S = cornerOf(**caster.mesh, k).homogeneous();
+    box.add((of_mesh * corner_S).head<3>());
+  }
   constexpr double kAround =
       kLift + 2.5;  // [texels]: the lift, a tap beside the place and what it is interpolated with
   const Eigen::Array3d around(kAround / width, kAround / height, kLift * texel * of_world.row(2).head<3>().norm());
