@@ -43,13 +43,13 @@ class Browser:
     """One page of a browser of its own.
 
     Args: folder: for its profile.  webgl: drawn by the processor, which takes most of one as long as something moves.
-        size: of the window [px].  scale: device pixels of each.  dark: the colours that a page is asked for.
+        size: of the window [px].  scale: device pixels of each.
     """
 
-    def __init__(self, folder, webgl=False, size=(1280, 900), scale=1.0, dark=False):
+    def __init__(self, folder, webgl=False, size=(1280, 900), scale=1.0):
         self._profile = Path(folder) / "profile"
         self._flags = [*FLAGS, *(SOFTWARE_WEBGL if webgl else NO_WEBGL), f"--window-size={size[0]},{size[1]}"]
-        self._size, self._scale, self._dark = size, scale, dark
+        self._size, self._scale = size, scale
         self._loop, self._numbers, self.said = asyncio.new_event_loop(), itertools.count(1), []
 
     def __enter__(self):
@@ -65,7 +65,7 @@ class Browser:
         self._socket = self._loop.run_until_complete(self._connected(address))
         for domain in ("Page", "Runtime", "Log"):
             self.call(f"{domain}.enable")
-        self.look(self._size, self._dark)
+        self.look(self._size, dark=False)
         return self
 
     def look(self, size, dark):
