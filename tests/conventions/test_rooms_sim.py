@@ -20,7 +20,7 @@ BELOW = {
 }
 # Folders inside a room, lowest first; "" is the room's own folder. Its public headers are for all of them.
 FLOORS = {
-    "physics": ["rays", "control", "managed", "drive", "body", "contact", "world"],
+    "physics": ["bullet", "rays", "control", "managed", "drive", "body", "contact", "world"],
     "render": ["view", "pixels", "coverage", "picture", "planar", "triangles", "curved", "tiles", "opengl", ""],
     "scene": ["motion", "mesh", "light", ""],
     "simulation": ["time", "models", "cameras", "state", ""],

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "articulated_body.hpp"
-#include "to_bullet.hpp"
+#include "physics/bullet/to_bullet.hpp"
 
 namespace aras_visual_servo_sim {
 

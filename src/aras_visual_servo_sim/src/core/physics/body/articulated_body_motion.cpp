@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "articulated_body.hpp"
-#include "to_bullet.hpp"
+#include "physics/bullet/to_bullet.hpp"
 
 namespace aras_visual_servo_sim {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
-#include "physics/body/to_bullet.hpp"
+#include "physics/bullet/to_bullet.hpp"
 
 namespace aras_visual_servo_sim {
 

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
-#include "physics/body/to_bullet.hpp"
+#include "physics/bullet/to_bullet.hpp"
 
 namespace aras_visual_servo_sim {
 
