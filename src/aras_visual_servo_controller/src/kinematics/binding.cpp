@@ -58,8 +58,8 @@ PYBIND11_MODULE(_kinematics, module) {
       .def_property_readonly("velocity", [](const ChainKinematics& self) { return Eigen::VectorXd(self.velocity()); })
       .def("pose", &ChainKinematics::pose, py::arg("q"))
       .def("jacobian", &ChainKinematics::jacobian, py::arg("q"))
-      .def("held", &ChainKinematics::held, py::arg("inverse"), py::arg("jacobian"), py::arg("q"), py::arg("q_dot"), py::arg("dt_s"),
-           py::arg("most_part"))
+      .def("held", &ChainKinematics::held, py::arg("inverse"), py::arg("jacobian"), py::arg("q"), py::arg("q_dot"),
+           py::arg("dt_s"), py::arg("most_part"))
       .def("manipulability", &ChainKinematics::manipulability, py::arg("q"), py::arg("length_m"), py::arg("rows"));
   bindProgram(module);
 }
