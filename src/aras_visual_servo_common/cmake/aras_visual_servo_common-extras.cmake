@@ -10,8 +10,8 @@ if(NOT TARGET aras_visual_servo_common::aras_visual_servo_common)
     INTERFACE_LINK_LIBRARIES "${aras_visual_servo_common_LIBRARIES};yaml-cpp;Eigen3::Eigen")
 endif()
 
-# What everything of ours is compiled with. GCC would look through its memory, of which precompiled headers are a large part,
-# for what it no longer needs; not to do so before it holds 512 MB [kB] takes an eighth off the time of most files.
+# What everything of ours is compiled with. GCC would look through its memory for what it no longer needs, and precompiled
+# headers are most of that memory. Not before it holds 512 MB, given in kB: that takes an eighth off the time of most files.
 set(aras_compile_options -Wall -Wextra -Werror)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   list(APPEND aras_compile_options --param=ggc-min-heapsize=524288)
