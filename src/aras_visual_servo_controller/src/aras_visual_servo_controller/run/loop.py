@@ -102,7 +102,7 @@ class ServoLoop:
         self._begin(scenario.experiment)
 
     def _renew_extractors(self):
-        """Make the extractors of both sources, of those that were used before where their source can."""
+        """Make an extractor for each source. One that was used before is cleared and used again, if its source can."""
         def renewed(source, used):
             return used and source.renewed(used) or source.extractor(self._believed, self.scenario.vision)
 

@@ -169,11 +169,12 @@ def test_without_webgl_the_page_says_so_and_keeps_the_rest(serve, tmp_path):
 
 
 def test_the_page_fits_its_width_and_everything_can_be_read(serve, tmp_path):
+    address = serve()
     with Browser(tmp_path, webgl=True) as browser:
         for width, dark in itertools.product((390, 1440), (False, True)):
             browser.open("about:blank")
             browser.look((width, 844), dark)
-            browser.open(serve())
+            browser.open(address)
             browser.wait(READY + " && aras.world && aras.model.rows.length > 5")
             fits_and_can_be_read(browser, dark)
 

@@ -6,7 +6,7 @@
 
 namespace aras_visual_servo_sim {
 
-constexpr int kCorners = 8;
+constexpr int kCorners = 8;  ///< of a box
 
 /** Corner of a mesh's box: bits 0, 1, 2 of k choose the side in x, y, z. */
 inline Eigen::Vector3d cornerOf(const TriangleMesh& mesh, int k) {
