@@ -49,7 +49,9 @@ def test_the_camera_comes_home(changes):
 def test_a_view_without_the_tag_stops_the_arm_with_the_reason(view):
     pytest.importorskip("aras_visual_servo_sim")
     tag = {"family": "36h11", "id": 0, "size_m": 0.16, "min_side_px": 40}
-    loop = ServoLoop(load_scenario("six_dof_tag", {"experiment.settle_s": 0.1, "vision.tag": tag}))
+    goal = load_scenario("six_dof_tag").experiment["goal"]
+    stay = {"sim.initial_positions": goal["joints"], "experiment.start": goal}  # so that servoing begins soon
+    loop = ServoLoop(load_scenario("six_dof_tag", {"experiment.settle_s": 0.1, "vision.tag": tag, **stay}))
     loop.start()
     while loop.sequence.phase != "servo":
         loop.step()

@@ -22,6 +22,7 @@ ROUNDING = 1e-9
 RECTANGLE = {"name": "target", "attached_to": "link6", "position_m": [0.0, 0.0, 0.06], "rpy_rad": [0.0, 0.0, 1.5707963],
              "outlines_m": [[[-0.1, -0.06], [0.1, -0.06], [0.1, 0.06], [-0.1, 0.06]]],
              "board": {"size_m": [0.4, 0.3], "color_rgb": [230, 230, 230]}}
+#: Half as wide as the scenarios' own, which takes two thirds of the time.
 CAMERA = {"name": "camera", "frame": "stand_optical_frame", "width": 320, "height": 240, "horizontal_fov_rad": 1.41,
           "rate_hz": 30.0, "encoding": "rgb8"}
 HAND = {"robot.tip_link": "stand_optical_frame", "robot.target_link": "link6"}
@@ -81,7 +82,7 @@ def test_the_report_shows_what_moved():
 
 @pytest.mark.parametrize("law", LAWS)
 def test_every_law_brings_the_tag_home(law):
-    assert_arrives(run_in_process(load_scenario("six_dof_eye_to_hand", LAWS[law])))
+    assert_arrives(run_in_process(load_scenario("six_dof_eye_to_hand", {**LAWS[law], "sim.cameras": [CAMERA]})))
 
 
 @pytest.mark.parametrize("name", RUNS)
@@ -98,7 +99,7 @@ def test_with_the_sign_of_a_camera_in_the_hand_the_target_goes_away(name, monkey
     monkeypatch.setattr(EyeToHand, "__init__", wrong)
     monkeypatch.setattr("aras_visual_servo_controller.run.loop.kinematics_of", _anew)
     scenario, changes = RUNS[name]
-    record = run_in_process(load_scenario(scenario, {**changes, "servo.time_limit_s": 3.0}))
+    record = run_in_process(load_scenario(scenario, {**changes, "servo.time_limit_s": 2.0}))
     rows = record.servo_rows
     places = record.target_poses[:, :3, 3]
     goal = places[record.rows("teach")[0]]

@@ -32,7 +32,9 @@ def test_the_camera_comes_home_without_being_told_where_anything_is(changes):
 
 
 def to_servo(changes):
-    loop = ServoLoop(load_scenario("six_dof_matches", {"experiment.settle_s": 0.1, **DEPTH, **changes}))
+    there = load_scenario("six_dof_matches").experiment["goal"]["joints"]  # so that servoing begins soon
+    loop = ServoLoop(load_scenario("six_dof_matches", {
+        "experiment.settle_s": 0.1, "sim.initial_positions": there, **DEPTH, **changes}))
     loop.start()
     while loop.sequence.phase != "servo":
         assert loop.sequence.phase != "done", loop.sequence.result.reason
