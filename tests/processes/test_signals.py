@@ -38,8 +38,11 @@ class Watched:
                 pass  # it has ended, or is somebody else's
 
     def until(self, moment):
-        """Wait for a moment of the run."""
-        until(lambda: moment(self), moment.__name__, self.said)
+        """Wait for a moment of the run, which fails once the command has ended."""
+        def came():
+            assert self.process.poll() is None, f"it ended before {moment.__name__}\n{self.said()}"
+            return moment(self)
+        until(came, moment.__name__, self.said)
 
     def said(self):
         return self._log.read_text(errors="replace")
