@@ -2,7 +2,9 @@
 workspace=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 # ROS belongs to Debian's own Python: another interpreter that comes first in PATH must not take its place.
 export PATH=/usr/bin:/usr/sbin:/bin:/sbin:$PATH
-unset PYTHONHOME
+# What Python has compiled is kept, also where images of containers forbid it: compiling all anew takes longer than most
+# of what is started here.
+unset PYTHONHOME PYTHONDONTWRITEBYTECODE
 export PYTHONNOUSERSITE=1
 # Everything listens and talks on the loopback.
 export ROS_HOSTNAME=localhost

@@ -50,6 +50,16 @@ def test_a_command_and_the_processes_it_starts_take_the_right_python(other_pytho
     assert done.returncode == 0 and done.stdout and "the other Python" not in done.stderr, done.stderr
 
 
+@pytest.mark.parametrize("module", ["aras_visual_servo_controller.nodes.experiment", "gazebo_ros.node.server"])
+def test_what_is_installed_is_compiled(module):
+    """Where Python is told to write nothing, as in many images of containers, each process would do it anew."""
+    done = subprocess.run([sys.executable, "-v", "-c", f"import {module}"], stderr=subprocess.PIPE, check=True,
+                          text=True, env=dict(os.environ, PYTHONDONTWRITEBYTECODE="1"))
+    compiled = [line.split()[-1] for line in done.stderr.splitlines() if line.startswith("# code object from ")]
+    ours = tuple(os.environ["CMAKE_PREFIX_PATH"].split(":"))
+    assert f"import '{module}'" in done.stderr and not [path for path in compiled if path.startswith(ours)]
+
+
 def test_a_numpy_that_would_crash_the_kinematics_is_refused_in_one_sentence(tmp_path):
     (tmp_path / "numpy").mkdir()
     (tmp_path / "numpy" / "__init__.py").write_text("__version__ = '2.4.6'\n")
