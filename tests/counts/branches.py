@@ -29,8 +29,8 @@ def of_cpp(build):
     """{(package, room): (branches taken, branches)} of the cores in C++."""
     found, counts = {}, build / "counts.profdata"
     subprocess.run(["llvm-profdata", "merge", "-o", counts, *build.glob("*.profraw")], check=True)
-    program, *others = [*build.glob("*/*_unit_tests"), *build.glob("*/devel/lib/*.so")]
-    said = subprocess.run(["llvm-cov", "export", "-summary-only", f"-instr-profile={counts}", program,
+    library, *others = build.glob("*/devel/lib/*.so")
+    said = subprocess.run(["llvm-cov", "export", "-summary-only", f"-instr-profile={counts}", library,
                            *(f"-object={other}" for other in others),
                            *ROOT.glob("src/*/src"), *ROOT.glob("src/*/include")], check=True, stdout=subprocess.PIPE)
     for file in json.loads(said.stdout)["data"][0]["files"]:

@@ -24,6 +24,21 @@ endif()
 set(aras_sanitizers -fsanitize=address,undefined -fno-sanitize=null,alignment,object-size,pointer-overflow,vptr
   -fno-sanitize-recover=undefined -fno-omit-frame-pointer -Wcast-align=strict -Wno-maybe-uninitialized)
 
+# aras_folders_as_one(TARGET SOURCES [ALONE REGEX]): the SOURCES of a folder are compiled as one file, which takes a third
+# off the time of a build under sanitizers, except those whose paths match REGEX. Names of unnamed namespaces are then one
+# to a folder.
+function(aras_folders_as_one target sources)
+  cmake_parse_arguments(PARSE_ARGV 2 arguments "" "ALONE" "")
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  foreach(source IN LISTS ${sources})
+    if(NOT arguments_ALONE OR NOT source MATCHES "${arguments_ALONE}")
+      get_filename_component(folder ${source} DIRECTORY)
+      string(MAKE_C_IDENTIFIER ${folder} folder)
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder})
+    endif()
+  endforeach()
+endfunction()
+
 # aras_embed_schema(TARGET FOLDER): puts each FOLDER/NAME.yaml into TARGET, a library. Its sources then find
 #   #include "schema_sections.hpp"
 #   const aras_visual_servo_common::SchemaFolder& PROJECT_NAME::schemaSections();

@@ -8,8 +8,8 @@ namespace {
 
 constexpr double kLargestScale = 20.0;    // of lengths in the image against those in the goal
 constexpr double kLargestSqueeze = 12.0;  // a plane seen at 85 deg from its normal
-constexpr double kConfidence = 0.999;
-constexpr int kRounds = 2;  // of least squares and new choice of the inliers
+constexpr double kPlaneConfidence = 0.999;
+constexpr int kPlaneRounds = 2;  // of least squares and new choice of the inliers
 
 std::vector<cv::Point2d> scaled(const std::vector<cv::Point2d>& points, double focal_px) {
   std::vector<cv::Point2d> result(points);
@@ -48,7 +48,7 @@ std::optional<PlaneHomography> findHomography(const std::vector<cv::Point2d>& go
   if (goal.size() < least) return std::nullopt;
   const std::vector<cv::Point2d> from = scaled(goal, focal_px), to = scaled(image, focal_px);
   cv::UsacParams ransac;
-  ransac.confidence = kConfidence;
+  ransac.confidence = kPlaneConfidence;
   ransac.isParallel = false;
   ransac.maxIterations = config.iterations;
   ransac.randomGeneratorState = config.seed;
@@ -58,7 +58,7 @@ std::optional<PlaneHomography> findHomography(const std::vector<cv::Point2d>& go
   ransac.threshold = config.inlier_px;
   cv::Mat ignored, H = cv::findHomography(from, to, ignored, ransac);
   PlaneHomography found;
-  for (int round = 0; round <= kRounds; ++round) {
+  for (int round = 0; round <= kPlaneRounds; ++round) {
     if (H.empty() || !cv::checkRange(H)) return std::nullopt;
     found.H = cv::Matx33d(H);
     found.inliers.clear();
@@ -75,7 +75,7 @@ std::optional<PlaneHomography> findHomography(const std::vector<cv::Point2d>& go
     }
     if (a.size() < least) return std::nullopt;
     found.rms_px = std::sqrt(squares / static_cast<double>(a.size()));
-    if (round < kRounds) H = cv::findHomography(a, b, 0);
+    if (round < kPlaneRounds) H = cv::findHomography(a, b, 0);
   }
   const cv::Matx33d to_px = cv::Matx33d::diag({focal_px, focal_px, 1.0});
   const cv::Matx33d from_px = cv::Matx33d::diag({1.0 / focal_px, 1.0 / focal_px, 1.0});

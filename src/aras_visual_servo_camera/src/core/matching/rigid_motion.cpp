@@ -11,8 +11,8 @@ namespace {
 
 using Points = std::vector<cv::Vec3d>;
 
-constexpr double kConfidence = 0.999;
-constexpr int kRounds = 3;               // of least squares and new choice of the inliers
+constexpr double kMotionConfidence = 0.999;
+constexpr int kMotionRounds = 3;         // of least squares and new choice of the inliers
 constexpr int kSteps = 5;                // of Gauss and Newton in a round
 constexpr double kLeastSpread = 1e-3;    // second singular value of the points over the first: below, a line
 constexpr double kDepthWeight = 0.1;     // a relative error of depth counts as this times it in the image
@@ -113,11 +113,11 @@ std::optional<RigidMotion> findRigidMotion(const Points& goal, const Points& her
     best_cost = cost;
     const double part = static_cast<double>(motion->inliers.size()) / static_cast<double>(goal.size());
     const double whole = part * part * part;  // of samples without a wrong match
-    if (whole > 0.0) needed = whole < 1.0 ? std::log(1.0 - kConfidence) / std::log1p(-whole) : 0.0;
+    if (whole > 0.0) needed = whole < 1.0 ? std::log(1.0 - kMotionConfidence) / std::log1p(-whole) : 0.0;
     best = std::move(motion);
   }
   if (!best) return std::nullopt;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kMotionRounds; ++round) {
     if (best->inliers.size() < least) return std::nullopt;
     for (int step = 0; step < kSteps; ++step)
       if (!refine(&*best, goal, here)) return std::nullopt;

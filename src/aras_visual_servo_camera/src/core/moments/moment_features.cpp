@@ -10,7 +10,6 @@
 namespace aras_visual_servo_camera {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 // Third-order moments whose direction agrees with the reference's, or with the opposite one, by less than this (cosine)
 // do not tell alpha from alpha + pi. A view that differs so much from the reference is treated like a symmetric one.
 constexpr double kMinAgreement = 0.1;
@@ -20,13 +19,13 @@ constexpr double kStairs = 3.0;
 
 /** In (-pi, pi]. */
 double wrapped(double angle) {
-  const double rest = std::remainder(angle, 2.0 * kPi);
-  return rest <= -kPi ? rest + 2.0 * kPi : rest;
+  const double rest = std::remainder(angle, 2.0 * M_PI);
+  return rest <= -M_PI ? rest + 2.0 * M_PI : rest;
 }
 
 /** alpha or alpha + pi, whichever is nearer to `target`, in (-pi, pi]. */
 double nearestBranch(double alpha, double target) {
-  return wrapped(std::abs(wrapped(alpha - target)) <= 0.5 * kPi ? alpha : alpha + kPi);
+  return wrapped(std::abs(wrapped(alpha - target)) <= 0.5 * M_PI ? alpha : alpha + M_PI);
 }
 
 ThirdMoments thirdOf(const std::vector<double>& mu) {
@@ -80,7 +79,7 @@ double FeatureBuilder::resolveAlpha(double alpha, const ThirdMoments& mu3, doubl
   if (!*symmetric) {
     const double agreement = dot(rotated(mu3, alpha), *reference.mu3_direction) / norm;
     if (std::abs(agreement) >= kMinAgreement && std::abs(agreement) * asymmetry >= noise)
-      return wrapped(agreement > 0.0 ? alpha : alpha + kPi);
+      return wrapped(agreement > 0.0 ? alpha : alpha + M_PI);
     *symmetric = true;
   }
   return nearestBranch(alpha, previous_alpha_.value_or(reference.alpha_star));
@@ -123,7 +122,7 @@ MomentFeatures FeatureBuilder::build(const View& view, const std::vector<double>
   f.symmetric = !(f.asymmetry >= asymmetry_threshold_);
   if (!(f.orientation_condition >= orientation_threshold_)) return f;
   const double alpha = 0.5 * std::atan2(2.0 * mu11, mu20 - mu02);
-  f.alpha = alpha <= -0.5 * kPi ? alpha + kPi : alpha;
+  f.alpha = alpha <= -0.5 * M_PI ? alpha + M_PI : alpha;
   if (reference_) {
     const double noise = view.hard_area_px > 0 ? kStairs / std::pow(view.hard_area_px, 0.75) : 0.0;
     f.alpha = resolveAlpha(f.alpha, mu3, f.asymmetry, noise, &f.symmetric);

@@ -7,7 +7,6 @@
 namespace aras_visual_servo_camera {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kPixelVariance = 1.0 / 12.0;  // a coverage image is the object smeared by one pixel
 constexpr double kThinnest = 1e-9;             // of mu20 mu02 - mu11^2 against mu20 mu02: below, a line
 
@@ -25,7 +24,7 @@ std::optional<ShapeSignature> shapeOf(double m00, const std::vector<double>& mu)
   const double w30 = a * a * a * m30, w21 = a * a * (b * m30 + c * m21),
                w12 = a * (b * b * m30 + 2.0 * b * c * m21 + c * c * m12),
                w03 = b * b * b * m30 + 3.0 * b * b * c * m21 + 3.0 * b * c * c * m12 + c * c * c * m03;
-  return ShapeSignature{4.0 * kPi * std::sqrt(determinant) / m00, std::hypot(w30 + w12, w21 + w03),
+  return ShapeSignature{4.0 * M_PI * std::sqrt(determinant) / m00, std::hypot(w30 + w12, w21 + w03),
                         std::hypot(w30 - 3.0 * w12, 3.0 * w21 - w03)};
 }
 

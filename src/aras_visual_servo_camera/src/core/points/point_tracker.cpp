@@ -10,13 +10,12 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kPi = 3.14159265358979323846;
 // Root of the part of the points' spread that rotation, scale and shift do not explain. A plane tilted by 50 degrees
 // leaves 0.25; a rectangle of 3 : 2 laid across itself 0.4.
 constexpr double kMaxResidual = 0.5;
-constexpr double kEqualResidual = 0.05;              // fits that differ by less are equally good
-constexpr double kEqualTurn_rad = 10.0 * kPi / 180;  // rotations that differ by less are equally near
-constexpr double kMaxMove = 0.5;                     // part of the smallest distance between two points
+constexpr double kEqualResidual = 0.05;               // fits that differ by less are equally good
+constexpr double kEqualTurn_rad = 10.0 * M_PI / 180;  // rotations that differ by less are equally near
+constexpr double kMaxMove = 0.5;                      // part of the smallest distance between two points
 
 double distance(const ImagePoint& a, const ImagePoint& b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
@@ -162,7 +161,7 @@ std::vector<int> PointTracker::best(const std::vector<Fit>& fits, double expecte
   double nearest_turn = 0.0, next_turn = std::numeric_limits<double>::infinity();
   for (const Fit& f : fits) {
     if (f.residual > least + kEqualResidual || f.residual > kMaxResidual) continue;
-    const double turn = std::abs(std::remainder(f.turn_rad - expected_turn_rad, 2.0 * kPi));
+    const double turn = std::abs(std::remainder(f.turn_rad - expected_turn_rad, 2.0 * M_PI));
     if (nearest_fit == nullptr || turn < nearest_turn) {
       if (nearest_fit != nullptr && nearest_fit->indices != f.indices) next_turn = nearest_turn;
       nearest_fit = &f;

@@ -9,15 +9,13 @@
 namespace aras_visual_servo_camera {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
 // The first `count` cosines of a row of n pixels, of length 1 each (DCT-II).
 std::vector<Window> cosines(int n, int count) {
   std::vector<Window> out;
   for (int k = 0; k < count; ++k) {
     Window window{0, std::vector<float>(n)};
     const double scale = std::sqrt((k == 0 ? 1.0 : 2.0) / n);
-    for (int i = 0; i < n; ++i) window.weights[i] = static_cast<float>(scale * std::cos(kPi * k * (i + 0.5) / n));
+    for (int i = 0; i < n; ++i) window.weights[i] = static_cast<float>(scale * std::cos(M_PI * k * (i + 0.5) / n));
     out.push_back(std::move(window));
   }
   return out;

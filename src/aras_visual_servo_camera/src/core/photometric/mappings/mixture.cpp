@@ -7,14 +7,13 @@
 namespace aras_visual_servo_camera {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kReach = 4.0;  // standard deviations that a Gaussian reaches here; beyond is 0.03 % of its peak
 
 // One Gaussian about every pitch-th of n pixels. Their squares add up as those of the smoothed pixels would.
 std::vector<Window> gaussians(int n, double extension) {
   const int pitch = std::max(1, static_cast<int>(std::floor(extension)));
   const int count = std::max(1, n / pitch), begin = (n - 1 - (count - 1) * pitch) / 2;
-  const double scale = std::sqrt(pitch) / (extension * std::sqrt(2.0 * kPi));
+  const double scale = std::sqrt(pitch) / (extension * std::sqrt(2.0 * M_PI));
   std::vector<Window> out;
   for (int k = 0; k < count; ++k) {
     const int middle = begin + k * pitch, reach = static_cast<int>(std::ceil(kReach * extension));

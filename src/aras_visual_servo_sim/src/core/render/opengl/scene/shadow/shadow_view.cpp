@@ -10,9 +10,25 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-/** Rows x, y, z of a frame whose z is the direction. */
+/** Rows x, y, z of a frame whose z is the direction, of length 1. Its axes turn the shortest way to those of the world,
+ *  and about x if the direction is straight down. Eigen's FromTwoVectors does the same, but asks a singular value
+ *  decomposition for the axis of half a turn, which takes longer to compile than all the rest of this folder. */
 Eigen::Matrix3d frameAlong(const Eigen::Vector3d& direction) {
-  return Eigen::Quaterniond::FromTwoVectors(direction, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const double cosine = direction.z();
+  Eigen::Quaterniond turn;
+  turn.vec() << direction.y(), -direction.x(), 0.0;
+  constexpr double kAlmostOpposite = -1.0 + 1e-12;
+  if (cosine > kAlmostOpposite) {
+    const double twice_w = std::sqrt(2.0 * (1.0 + cosine));
+    turn.w() = 0.5 * twice_w;
+    turn.vec() *= 1.0 / twice_w;
+  } else {
+    const double w2 = 0.5 * std::max(1.0 + cosine, 0.0);
+    turn.w() = std::sqrt(w2);
+    if (turn.vec().isZero(1e-9)) turn.vec() = Eigen::Vector3d::UnitX();
+    turn.vec() *= std::sqrt(1.0 - w2) / turn.vec().norm();
+  }
+  return turn.toRotationMatrix();
 }
 
 /** Rows s, t and the axis of face k of a cube map, as OpenGL has them. */
