@@ -2,8 +2,8 @@
 workspace=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 # ROS belongs to Debian's own Python: another interpreter that comes first in PATH must not take its place.
 export PATH=/usr/bin:/usr/sbin:/bin:/sbin:$PATH
-# What Python has compiled is kept, also where images of containers forbid it: compiling all anew takes longer than most
-# of what is started here.
+# Python keeps what it has compiled, also in an image of a container that forbids it: most programs here run for less time
+# than compiling all they import would take.
 unset PYTHONHOME PYTHONDONTWRITEBYTECODE
 export PYTHONNOUSERSITE=1
 # Everything listens and talks on the loopback.

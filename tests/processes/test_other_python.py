@@ -52,7 +52,7 @@ def test_a_command_and_the_processes_it_starts_take_the_right_python(other_pytho
 
 @pytest.mark.parametrize("module", ["aras_visual_servo_controller.nodes.experiment", "gazebo_ros.node.server"])
 def test_what_is_installed_is_compiled(module):
-    """Where Python is told to write nothing, as in many images of containers, each process would do it anew."""
+    """Where Python is told to write nothing, as in many images of containers, each process would compile it anew."""
     done = subprocess.run([sys.executable, "-v", "-c", f"import {module}"], stderr=subprocess.PIPE, check=True,
                           text=True, env=dict(os.environ, PYTHONDONTWRITEBYTECODE="1"))
     compiled = [line.split()[-1] for line in done.stderr.splitlines() if line.startswith("# code object from ")]

@@ -25,8 +25,8 @@ set(aras_sanitizers -fsanitize=address,undefined -fno-sanitize=null,alignment,ob
   -fno-sanitize-recover=undefined -fno-omit-frame-pointer -Wcast-align=strict -Wno-maybe-uninitialized)
 
 # aras_folders_as_one(TARGET SOURCES [ALONE REGEX]): the SOURCES of a folder are compiled as one file, which takes a third
-# off the time of a build under sanitizers, except those whose paths match REGEX. Names of unnamed namespaces are then one
-# to a folder.
+# off the time of a build under sanitizers. So no two files of a folder may define the same name in an unnamed namespace,
+# except files whose paths match REGEX, which are compiled by themselves.
 function(aras_folders_as_one target sources)
   cmake_parse_arguments(PARSE_ARGV 2 arguments "" "ALONE" "")
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)

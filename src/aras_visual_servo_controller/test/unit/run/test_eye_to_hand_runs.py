@@ -22,7 +22,7 @@ ROUNDING = 1e-9
 RECTANGLE = {"name": "target", "attached_to": "link6", "position_m": [0.0, 0.0, 0.06], "rpy_rad": [0.0, 0.0, 1.5707963],
              "outlines_m": [[[-0.1, -0.06], [0.1, -0.06], [0.1, 0.06], [-0.1, 0.06]]],
              "board": {"size_m": [0.4, 0.3], "color_rgb": [230, 230, 230]}}
-#: Half as wide as the scenarios' own, which takes two thirds of the time.
+#: Half as wide as the scenarios' own cameras, so that a run takes two thirds of the time.
 CAMERA = {"name": "camera", "frame": "stand_optical_frame", "width": 320, "height": 240, "horizontal_fov_rad": 1.41,
           "rate_hz": 30.0, "encoding": "rgb8"}
 HAND = {"robot.tip_link": "stand_optical_frame", "robot.target_link": "link6"}
