@@ -8,9 +8,13 @@ namespace aras_visual_servo_sim {
 using EightFloats = float __attribute__((vector_size(32)));
 using EightInts = std::int32_t __attribute__((vector_size(32)));  ///< of a comparison: -1 where it holds, else 0
 
-/** Eight numbers of an array, from any place in it. */
-using EightFloatsOfArray = float __attribute__((vector_size(32), aligned(4), may_alias));
-using EightIntsOfArray = std::int32_t __attribute__((vector_size(32), aligned(4), may_alias));
+/** Eight numbers of an array, from any place in it. That the place may be any, clang believes of a packed structure only. */
+struct [[gnu::packed, gnu::may_alias]] EightFloatsOfArray {
+  EightFloats values;
+};
+struct [[gnu::packed, gnu::may_alias]] EightIntsOfArray {
+  EightInts values;
+};
 [[gnu::always_inline]] inline const EightFloatsOfArray& eightAt(const float* first) {
   return *reinterpret_cast<const EightFloatsOfArray*>(first);
 }

@@ -37,7 +37,7 @@ struct Linear {
   float step;
 
   [[gnu::always_inline]] void set(float a, float b, float c) {
-    first = a * eightAt(kPattern.x.data()) + b * eightAt(kPattern.y.data()) + c;
+    first = a * eightAt(kPattern.x.data()).values + b * eightAt(kPattern.y.data()).values + c;
     step = a * (1.0f / kCount) + b * (1.0f / kSide);
   }
 };
@@ -53,11 +53,11 @@ template <int kEdges, bool kBounded>
     auto& visible = eightAt(seen);
     const auto rows = static_cast<float>(j);
     const EightFloats z = depth.first + rows * depth.step;
-    EightInts inside = z > near;
+    EightInts inside = z > near.values;
     if constexpr (kBounded) inside &= z <= t.most;
     for (int k = 0; k < kEdges; ++k) inside &= edges[k].first + rows * edges[k].step >= t.least[k];
-    near = inside ? z : near;
-    visible = inside ? index : visible;
+    near.values = inside ? z : near.values;
+    visible.values = inside ? index : visible.values;
   }
 }
 

@@ -21,17 +21,17 @@ struct Row {
                                        const float* ahead) {
     nearest = middle + half;
     farthest = middle - half;
-    bits = (((nearest < eightAt(floor)) | (farthest > eightAt(ahead))) & TileSight::kNothing) |
-           ((nearest > eightAt(ahead)) & TileSight::kCut);
+    bits = (((nearest < eightAt(floor).values) | (farthest > eightAt(ahead).values)) & TileSight::kNothing) |
+           ((nearest > eightAt(ahead).values) & TileSight::kCut);
   }
   /** The same of the distance to edge k, in any unit. */
   [[gnu::always_inline]] void addEdge(int k, const EightFloats& middle, const EightFloats& half) {
     bits |= (~(middle - half > 0.0f) & (1 << k)) | ((middle + half < 0.0f) & TileSight::kNothing);
   }
   [[gnu::always_inline]] void store(float* to_nearest, float* to_farthest, std::int32_t* to_bits) const {
-    eightAt(to_nearest) = nearest;
-    eightAt(to_farthest) = farthest;
-    eightAt(to_bits) = bits;
+    eightAt(to_nearest).values = nearest;
+    eightAt(to_farthest).values = farthest;
+    eightAt(to_bits).values = bits;
   }
 };
 
@@ -42,11 +42,11 @@ constexpr float kColumns[kSide] = {0.5f, 1.5f, 2.5f, 3.5f, 4.5f, 5.5f, 6.5f, 7.5
 ARAS_WIDE void lookFlat(const TileTriangle& t, const TileRays::Values& rays, const float* floor, const float* ahead,
                         int first, int last, float* nearest, float* farthest, std::int32_t* bits) {
   const float reach = 0.5f * (std::abs(t.plane[0] * rays[3][0]) + std::abs(t.plane[1] * rays[7][0]));
-  const EightFloats x = eightAt(kColumns);
+  const EightFloats x = eightAt(kColumns).values;
   for (int v = first, p = v * kSide; v < last; ++v, p += kSide) {
     const float y = static_cast<float>(v) + 0.5f;
     Row row;
-    row.setDepth(t.plane[0] * eightAt(rays[0] + p) + t.plane[1] * eightAt(rays[1] + p) + t.plane[2] + t.bias,
+    row.setDepth(t.plane[0] * eightAt(rays[0] + p).values + t.plane[1] * eightAt(rays[1] + p).values + t.plane[2] + t.bias,
                  reach + EightFloats{}, floor + p, ahead + p);
     for (int k = 0; k < 3; ++k) {
       const float half = 0.5f * (std::abs(t.a[k]) + std::abs(t.b[k]));
@@ -61,9 +61,9 @@ ARAS_WIDE void lookFlat(const TileTriangle& t, const TileRays::Values& rays, con
 [[gnu::always_inline]] inline void measure(const float* normal, const TileRays::Values& rays, int p,
                                            EightFloats& middle, EightFloats& half) {
   const float x = normal[0], y = normal[1], z = normal[2];
-  middle = x * eightAt(rays[0] + p) + y * eightAt(rays[1] + p) + z * eightAt(rays[2] + p);
-  EightFloats across = x * eightAt(rays[3] + p) + y * eightAt(rays[4] + p) + z * eightAt(rays[5] + p);
-  EightFloats down = x * eightAt(rays[6] + p) + y * eightAt(rays[7] + p) + z * eightAt(rays[8] + p);
+  middle = x * eightAt(rays[0] + p).values + y * eightAt(rays[1] + p).values + z * eightAt(rays[2] + p).values;
+  EightFloats across = x * eightAt(rays[3] + p).values + y * eightAt(rays[4] + p).values + z * eightAt(rays[5] + p).values;
+  EightFloats down = x * eightAt(rays[6] + p).values + y * eightAt(rays[7] + p).values + z * eightAt(rays[8] + p).values;
   dropSigns(across);
   dropSigns(down);
   half = 0.5f * (across + down);
