@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <aras_visual_servo_common/increasing_root.hpp>
 #include <string>
 #include <vector>
 
@@ -72,12 +73,15 @@ class CameraIntrinsics {
   void distort(double x, double y, double xd[2], double J[4]) const;
   void distortPolynomial(double x, double y, double xd[2], double J[4]) const;
   void distortEquidistant(double x, double y, double xd[2], double J[4]) const;
-  double angleOf(double rd, double widest) const;
+  aras_visual_servo_common::ValueAndSlope drawn(double theta) const;
+  void findReach();
+  double angleOf(double rd) const;
 
   int width_, height_;
   double fx_ = 0.0, fy_ = 0.0, cx_ = 0.0, cy_ = 0.0;
   Lens lens_ = Lens::kNone;
   std::array<double, 8> D_{};
+  double reach_ = 0.0;  // of the equidistant lens [rad]
 };
 
 /** @param node  mapping with width, height, K (9), D, distortion_model; P, R, frame_id, binning_x, binning_y, roi and

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <aras_visual_servo_common/fault_list.hpp>
+#include <aras_visual_servo_common/increasing_root.hpp>
 #include <aras_visual_servo_common/text.hpp>
 #include <aras_visual_servo_common/yaml_reader.hpp>
 #include <cmath>
@@ -13,8 +14,10 @@ namespace aras_visual_servo_camera {
 namespace {
 
 using aras_visual_servo_common::FaultList;
+using aras_visual_servo_common::increasingRoot;
 using aras_visual_servo_common::numberText;
 using aras_visual_servo_common::Range;
+using aras_visual_servo_common::ValueAndSlope;
 using aras_visual_servo_common::YamlReader;
 
 constexpr double kLeastFocalLength = 1e-2;  // [px]: a pixel beside the centre is seen 89 degrees off the axis
@@ -74,6 +77,7 @@ CameraIntrinsics::CameraIntrinsics(int width_px, int height_px, const std::array
   std::copy_n(D.begin(), std::min(D.size(), D_.size()), D_.begin());
   if (distortion_model == "equidistant") {
     lens_ = Lens::kEquidistant;
+    findReach();
   } else if (std::any_of(D_.begin(), D_.end(), [](double d) { return d != 0.0; })) {
     lens_ = Lens::kPolynomial;
   }
@@ -105,10 +109,9 @@ void CameraIntrinsics::distortPolynomial(double x, double y, double xd[2], doubl
 void CameraIntrinsics::distortEquidistant(double x, double y, double xd[2], double J[4]) const {
   constexpr double kSmall = 1e-8;  // below, theta_d / r = 1 to rounding
   const double r2 = x * x + y * y, r = std::sqrt(r2);
-  const double theta = std::atan(r), t2 = theta * theta;
-  const double scale_of_theta = 1.0 + t2 * (D_[0] + t2 * (D_[1] + t2 * (D_[2] + t2 * D_[3])));
-  const double slope = 1.0 + t2 * (3.0 * D_[0] + t2 * (5.0 * D_[1] + t2 * (7.0 * D_[2] + t2 * 9.0 * D_[3])));
-  const double scale = r < kSmall ? 1.0 : theta * scale_of_theta / r;
+  const double theta = std::atan(r);
+  const auto [theta_d, slope] = drawn(theta);
+  const double scale = r < kSmall ? 1.0 : theta_d / r;
   // d(scale)/d(r2) = (d theta_d / dr - scale) / (2 r2), with d theta_d / dr = slope / (1 + r2)
   const double d_scale = r < kSmall ? 0.0 : (slope / (1.0 + r2) - scale) / (2.0 * r2);
   xd[0] = x * scale;
@@ -133,25 +136,29 @@ std::array<double, 2> CameraIntrinsics::project(double x, double y) const {
   return {fx_ * xd[0] + cx_, fy_ * xd[1] + cy_};
 }
 
-/** The angle from the axis at which the equidistant lens draws at rd, or infinity: steps up to where it would pass rd,
- *  fold over or leave the widest angle, then bisection. */
-double CameraIntrinsics::angleOf(double rd, double widest) const {
+/** How far from the axis the equidistant lens draws an angle. */
+ValueAndSlope CameraIntrinsics::drawn(double theta) const {
+  const double t2 = theta * theta;
+  return {theta * (1.0 + t2 * (D_[0] + t2 * (D_[1] + t2 * (D_[2] + t2 * D_[3])))),
+          1.0 + t2 * (3.0 * D_[0] + t2 * (5.0 * D_[1] + t2 * (7.0 * D_[2] + t2 * 9.0 * D_[3])))};
+}
+
+/** The angle up to which the equidistant lens draws ever farther, as far as anything asks. */
+void CameraIntrinsics::findReach() {
   constexpr double kStep = 0.02;  // [rad]
-  const auto drawn = [this](double theta) {
-    const double t2 = theta * theta;
-    return theta * (1.0 + t2 * (D_[0] + t2 * (D_[1] + t2 * (D_[2] + t2 * D_[3]))));
-  };
-  double low = 0.0, high = kStep;
-  while (drawn(high) < rd) {
-    if (high > widest || drawn(high) <= drawn(low)) return std::numeric_limits<double>::infinity();
-    low = high;
-    high += kStep;
+  double before = 0.0;
+  for (double theta = kStep; reach_ <= kWidestRay; theta += kStep) {
+    const double farther = drawn(theta).value;
+    if (farther <= before) return;
+    before = farther;
+    reach_ = theta;
   }
-  for (int k = 0; k < kNewtonSteps; ++k) {  // to rounding: 0.02 / 2^50
-    const double middle = 0.5 * (low + high);
-    (drawn(middle) < rd ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
+}
+
+/** The angle from the axis at which the equidistant lens draws at rd, or infinity. */
+double CameraIntrinsics::angleOf(double rd) const {
+  if (rd > drawn(reach_).value) return std::numeric_limits<double>::infinity();
+  return increasingRoot([this](double theta) { return drawn(theta); }, rd, 0.0, reach_, std::min(rd, 0.5 * reach_));
 }
 
 CameraIntrinsics::Undistorted CameraIntrinsics::undistort(double u_px, double v_px) const {
@@ -161,7 +168,7 @@ CameraIntrinsics::Undistorted CameraIntrinsics::undistort(double u_px, double v_
   out.y = yd;
   if (lens_ ==
       Lens::kEquidistant) {  // the angle, found by itself, is the solution to rounding; what follows polishes it
-    const double rd = std::hypot(xd, yd), theta = angleOf(rd, kWidestAngle);
+    const double rd = std::hypot(xd, yd), theta = angleOf(rd);
     if (theta > kWidestAngle) return out;
     if (rd > 0.0) {
       out.x *= std::tan(theta) / rd;
@@ -193,9 +200,9 @@ CameraIntrinsics::Ray CameraIntrinsics::rayOf(double u_px, double v_px) const {
     return {at.x / length, at.y / length, 1.0 / length, area / (length * length * length)};
   }
   const double xd = (u_px - cx_) / fx_, yd = (v_px - cy_) / fy_, rd = std::hypot(xd, yd);
-  const double theta = angleOf(rd, kWidestRay), t2 = theta * theta;
+  const double theta = angleOf(rd);
   if (!(theta <= kWidestRay)) return Ray{};
-  const double slope = 1.0 + t2 * (3.0 * D_[0] + t2 * (5.0 * D_[1] + t2 * (7.0 * D_[2] + t2 * 9.0 * D_[3])));
+  const double slope = drawn(theta).slope;
   const double scale = rd > 0.0 ? std::sin(theta) / rd : 1.0;  // d(solid angle) = sin(theta) d(theta) d(direction)
   return {scale * xd, scale * yd, std::cos(theta), scale / (slope * fx_ * fy_)};
 }

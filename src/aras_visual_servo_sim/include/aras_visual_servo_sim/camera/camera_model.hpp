@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <aras_visual_servo_common/increasing_root.hpp>
 #include <atomic>
 #include <memory>
 #include <mutex>
@@ -124,7 +125,7 @@ class CameraModel {
   void readFocalLength(FaultList& faults);
   void checkSensor(FaultList& faults) const;
   Eigen::Vector2d distort(const Eigen::Vector3d& ray) const;
-  double radial(double r) const;
+  aras_visual_servo_common::ValueAndSlope radial(double r) const;
   std::optional<double> inverseRadial(double rd) const;
   std::optional<Eigen::Vector2d> undistort(const Eigen::Vector2d& distorted) const;
   Eigen::Vector3d fisheyeRay(double u, double v) const;

@@ -1,5 +1,6 @@
 // The half of CameraModel that takes points to pixels and pixels to rays.
 #include <algorithm>
+#include <aras_visual_servo_common/increasing_root.hpp>
 #include <cmath>
 #include <limits>
 
@@ -8,6 +9,9 @@
 
 namespace aras_visual_servo_sim {
 namespace {
+
+using aras_visual_servo_common::increasingRoot;
+using aras_visual_servo_common::ValueAndSlope;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kLargestRadius = 1e3;  // 89.94 degrees off the axis: no polynomial lens sees farther
@@ -38,15 +42,19 @@ Eigen::Vector2d CameraModel::distort(const Eigen::Vector3d& ray) const {
   return ray.head<2>() * (fisheye_.radius(std::atan2(r, ray.z())) / r);
 }
 
-/** Distorted radius of a point at normalised radius r, tangential part left out. Not of the equidistant lens. */
-double CameraModel::radial(double r) const {
-  if (lens_ == Lens::kNone) return r;
+/** Distorted radius of a point at normalised radius r, tangential part left out, and its slope. Not of the equidistant
+ *  lens. */
+ValueAndSlope CameraModel::radial(double r) const {
+  if (lens_ == Lens::kNone) return {r, 1.0};
   const double* d = distortion_.data();
   const double r2 = r * r;
-  const double numerator = 1.0 + r2 * (d[0] + r2 * (d[1] + r2 * d[4]));
-  if (lens_ == Lens::kPlumbBob) return r * numerator;
-  const double denominator = 1.0 + r2 * (d[5] + r2 * (d[6] + r2 * d[7]));
-  return denominator > 0.0 ? r * numerator / denominator : -kInfinity;  // a pole counts as a fold
+  const double above = 1.0 + r2 * (d[0] + r2 * (d[1] + r2 * d[4]));
+  const double above_slope = d[0] + r2 * (2.0 * d[1] + r2 * 3.0 * d[4]);  // d(above)/d(r2)
+  if (lens_ == Lens::kPlumbBob) return {r * above, above + 2.0 * r2 * above_slope};
+  const double below = 1.0 + r2 * (d[5] + r2 * (d[6] + r2 * d[7]));
+  if (!(below > 0.0)) return {-kInfinity, 0.0};  // a pole counts as a fold
+  const double below_slope = d[5] + r2 * (2.0 * d[6] + r2 * 3.0 * d[7]);
+  return {r * above / below, (above + 2.0 * r2 * (above_slope - above * below_slope / below)) / below};
 }
 
 /** The radius up to which radial() grows: geometric steps of 0.2 %, so that a fold is placed to 0.2 %, from below. */
@@ -55,7 +63,7 @@ void CameraModel::findLensRadius() {
   if (lens_ == Lens::kNone) return;
   double before = 0.0;
   for (double r = 1e-3; r < kLargestRadius; r *= 1.002) {
-    const double rd = radial(r);
+    const double rd = radial(r).value;
     if (!(rd > before)) {
       lens_radius_ = r / 1.002 / 1.002;
       return;
@@ -65,24 +73,12 @@ void CameraModel::findLensRadius() {
   lens_radius_ = kLargestRadius;
 }
 
-/** Solves radial(r) = rd for r in [0, lens_radius_] by Newton's method kept inside a shrinking bracket. */
+/** Solves radial(r) = rd for r in [0, lens_radius_]. */
 std::optional<double> CameraModel::inverseRadial(double rd) const {
   if (rd <= 0.0) return 0.0;
-  double low = 0.0, high = lens_radius_;
-  if (radial(high) < rd) return std::nullopt;
-  double r = std::min(rd, 0.5 * high);
-  for (int i = 0; i < 200; ++i) {
-    const double error = radial(r) - rd;
-    (error > 0.0 ? high : low) = r;
-    if (std::abs(error) <= 1e-16 * rd) break;
-    const double h = 1e-6 * std::max(r, 1e-6);
-    const double slope = (radial(r + h) - radial(r - h)) / (2.0 * h);
-    double next = r - error / slope;
-    if (!(next > low && next < high)) next = 0.5 * (low + high);
-    if (std::abs(next - r) <= 1e-16 * r) break;
-    r = next;
-  }
-  return r;
+  if (radial(lens_radius_).value < rd) return std::nullopt;
+  return increasingRoot([this](double r) { return radial(r); }, rd, 0.0, lens_radius_,
+                        std::min(rd, 0.5 * lens_radius_));
 }
 
 /** Of the polynomial lenses; with `compatibility: gazebo` also beyond a fold. Fixed point on the tangential part, which
@@ -102,6 +98,7 @@ std::optional<Eigen::Vector2d> CameraModel::undistort(const Eigen::Vector2d& dis
     if (!r && !config_.told) return std::nullopt;
     if (!r) return Eigen::Vector2d(rest * (lens_radius_ / rd));  // the nearest that there is
     xy = rd > 0.0 ? Eigen::Vector2d(rest * (*r / rd)) : rest;
+    if (d[2] == 0.0 && d[3] == 0.0) break;  // no tangential part: this was all
     if ((xy - before).norm() <= 1e-15 * (1.0 + xy.norm())) break;
   }
   if (!((distort(xy.x(), xy.y()) - distorted).norm() <= 1e-11 * (1.0 + distorted.norm()))) return std::nullopt;

@@ -1,9 +1,13 @@
 #include "aras_visual_servo_sim/camera/equidistant_lens.hpp"
 
 #include <algorithm>
+#include <aras_visual_servo_common/increasing_root.hpp>
 #include <cmath>
 
 namespace aras_visual_servo_sim {
+
+using aras_visual_servo_common::increasingRoot;
+using aras_visual_servo_common::ValueAndSlope;
 
 EquidistantLens::EquidistantLens(const std::array<double, 4>& coefficients) : k_(coefficients) {
   constexpr double kStep = 1e-3;  // [rad]: two turning points nearer than this would be missed
@@ -44,20 +48,11 @@ double EquidistantLens::radius(double theta) const {
   return theta <= reach_ ? polynomial(theta) : edge_radius_ + edge_slope_ * (theta - reach_);
 }
 
-/** Newton's method kept inside a shrinking bracket. */
 double EquidistantLens::angle(double r) const {
   if (r <= 0.0) return 0.0;
   if (r >= edge_radius_) return std::min(M_PI, reach_ + (r - edge_radius_) / edge_slope_);
-  double low = 0.0, high = reach_, theta = std::min(r, 0.5 * reach_);
-  for (int i = 0; i < 200; ++i) {
-    const double error = polynomial(theta) - r;
-    (error > 0.0 ? high : low) = theta;
-    double next = theta - error / slope(theta);
-    if (!(next > low && next < high)) next = 0.5 * (low + high);
-    if (std::abs(next - theta) <= 1e-16 * theta) break;
-    theta = next;
-  }
-  return theta;
+  const auto drawn = [this](double theta) { return ValueAndSlope{polynomial(theta), slope(theta)}; };
+  return increasingRoot(drawn, r, 0.0, reach_, std::min(r, 0.5 * reach_));
 }
 
 }  // namespace aras_visual_servo_sim
