@@ -1,8 +1,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <tuple>
+#include <vector>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/scene/triangle_mesh.hpp"
@@ -40,35 +42,56 @@ void mendNormals(TriangleMesh& mesh) {
   }
 }
 
-}  // namespace
-
-void TriangleMesh::finish() {
-  mendNormals(*this);
-  struct Edge {
-    std::uint32_t low, high, triangle, corner;
-    bool operator<(const Edge& other) const {
-      return std::tie(low, high, triangle, corner) < std::tie(other.low, other.high, other.triangle, other.corner);
-    }
-    bool joins(const Edge& other) const { return low == other.low && high == other.high; }
-  };
-  std::vector<Edge> edges;
-  edges.reserve(3 * triangles.size());
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const auto [low, high] = std::minmax(triangles[t][k], triangles[t][(k + 1) % 3]);
-      edges.push_back({low, high, t, k});
-    }
+/** A side of a triangle. */
+struct Edge {
+  std::uint32_t low, high, triangle, corner;
+  bool operator<(const Edge& other) const {
+    return std::tie(low, high, triangle, corner) < std::tie(other.low, other.high, other.triangle, other.corner);
   }
-  std::sort(edges.begin(), edges.end());
-  neighbours.assign(triangles.size(), {kNone, kNone, kNone});
+  bool joins(const Edge& other) const { return low == other.low && high == other.high; }
+};
+
+/** The sides of the triangles, those that join the same points one after the other: counted out by their lower points,
+ *  of each of which there are few. */
+std::vector<Edge> sortedEdges(const TriangleMesh& mesh) {
+  std::vector<std::uint32_t> end(mesh.points.size() + 1, 0u);
+  const auto visit = [&mesh](const auto& see) {
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        const auto [low, high] = std::minmax(mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3]);
+        see(Edge{low, high, t, k});
+      }
+    }
+  };
+  visit([&end](const Edge& edge) { ++end[edge.low + 1]; });
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  std::vector<Edge> edges(3 * mesh.triangles.size());
+  visit([&](const Edge& edge) { edges[end[edge.low]++] = edge; });
+  std::size_t first = 0;
+  for (std::size_t point = 0; point < mesh.points.size(); first = end[point++]) {
+    std::sort(edges.begin() + first, edges.begin() + end[point]);
+  }
+  return edges;
+}
+
+void findNeighbours(TriangleMesh& mesh) {
+  const std::vector<Edge> edges = sortedEdges(mesh);
+  mesh.neighbours.assign(mesh.triangles.size(), {TriangleMesh::kNone, TriangleMesh::kNone, TriangleMesh::kNone});
   for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
     if (!edges[i].joins(edges[i + 1])) continue;
     const bool first = i == 0 || !edges[i].joins(edges[i - 1]);
     const bool last = i + 2 >= edges.size() || !edges[i].joins(edges[i + 2]);
     if (!first || !last) continue;  // more than two triangles meet
-    neighbours[edges[i].triangle][edges[i].corner] = edges[i + 1].triangle;
-    neighbours[edges[i + 1].triangle][edges[i + 1].corner] = edges[i].triangle;
+    mesh.neighbours[edges[i].triangle][edges[i].corner] = edges[i + 1].triangle;
+    mesh.neighbours[edges[i + 1].triangle][edges[i + 1].corner] = edges[i].triangle;
   }
+}
+
+}  // namespace
+
+void TriangleMesh::finish() {
+  mendNormals(*this);
+  findNeighbours(*this);
   if (points.empty()) return;
   box_min = box_max = points.front();
   for (const Vector3f& point : points) {

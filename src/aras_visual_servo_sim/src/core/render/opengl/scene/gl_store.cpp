@@ -63,11 +63,12 @@ bool isClosed(const TriangleMesh& mesh) {
   for (std::size_t k = 0; k < order.size(); ++k) {
     place[order[k]] = k > 0 && at(order[k]) == at(order[k - 1]) ? place[order[k - 1]] : order[k];
   }
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> there, back;
+  std::vector<std::uint64_t> there, back;  // an edge: the point that it leaves, and the one that it comes to
+  const auto edge = [](std::uint64_t from, std::uint64_t to) { return from << 32 | to; };
   for (const auto& t : mesh.triangles) {
     for (int k = 0; k < 3; ++k) {
-      there.emplace_back(place[t[k]], place[t[(k + 1) % 3]]);
-      back.emplace_back(there.back().second, there.back().first);
+      there.push_back(edge(place[t[k]], place[t[(k + 1) % 3]]));
+      back.push_back(edge(place[t[(k + 1) % 3]], place[t[k]]));
     }
   }
   std::sort(there.begin(), there.end());
