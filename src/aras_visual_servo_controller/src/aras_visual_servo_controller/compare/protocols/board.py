@@ -12,18 +12,19 @@ SHAPES = 900
 def draw(seed, size_px=(WIDTH, HEIGHT), shapes=SHAPES, largest_px=180.0):
     """A board, (height, width, 3) uint8: rectangles, discs and triangles of many sizes and colours over each other."""
     rng, (width, height) = np.random.default_rng(seed), size_px
-    image = np.full((height, width, 3), rng.integers(60, 200, 3), np.uint8)
-    v, u = np.mgrid[0:height, 0:width].astype(np.float32)
+    colours, on_top = [rng.integers(60, 200, 3)], np.zeros((height, width), np.uint16)
+    u, v = np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32)[:, None]
+    inside_of = (lambda a, b, size: np.maximum(np.abs(a), np.abs(b)) < size, lambda a, b, size: np.hypot(a, b) < size,
+                 lambda a, b, size: (a > -0.5 * size) & (a + 1.7 * np.abs(b) < size))
     for size in np.sort(np.exp(rng.uniform(np.log(6.0), np.log(largest_px), shapes)))[::-1]:
-        middle, colour = rng.uniform((0, 0), (width, height)), rng.integers(0, 256, 3)
+        middle = rng.uniform((0, 0), (width, height))
+        colours.append(rng.integers(0, 256, 3))
         kind, turn, narrow = rng.integers(3), rng.uniform(0.0, 2.0 * np.pi), rng.uniform(0.3, 1.0)
         window = tuple(slice(max(int(m - 1.5 * size), 0), int(m + 1.5 * size) + 1) for m in middle[::-1])
-        du, dv = u[window] - middle[0], v[window] - middle[1]
+        du, dv = u[window[1]] - middle[0], v[window[0]] - middle[1]
         a, b = np.cos(turn) * du + np.sin(turn) * dv, (np.cos(turn) * dv - np.sin(turn) * du) / narrow
-        inside = (np.maximum(np.abs(a), np.abs(b)) < size, np.hypot(a, b) < size,
-                  (a > -0.5 * size) & (a + 1.7 * np.abs(b) < size))[kind]
-        image[window][inside] = colour
-    return image
+        np.copyto(on_top[window], len(colours) - 1, where=inside_of[kind](a, b, size))
+    return np.array(colours, np.uint8)[on_top]
 
 
 def sign(outlines_m, size_m, grey=20, ground=250):
