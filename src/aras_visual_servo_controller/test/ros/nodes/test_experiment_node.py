@@ -62,8 +62,8 @@ def stop_for_a_while(results):
     end_s = time.monotonic() + LIMIT_S
     while time.monotonic() < end_s:
         for path in results.glob("*/*/run.bag.active"):
-            writer = writer_of(path)
-            if writer and path.stat().st_size > 200_000:
+            writer = path.stat().st_size > 200_000 and writer_of(path)
+            if writer:
                 writer.suspend()
                 size = path.stat().st_size
                 time.sleep(3.0)

@@ -99,7 +99,7 @@ def test_with_the_sign_of_a_camera_in_the_hand_the_target_goes_away(name, monkey
     monkeypatch.setattr(EyeToHand, "__init__", wrong)
     monkeypatch.setattr("aras_visual_servo_controller.run.loop.kinematics_of", _anew)
     scenario, changes = RUNS[name]
-    record = run_in_process(load_scenario(scenario, {**changes, "servo.time_limit_s": 2.0}))
+    record = run_in_process(load_scenario(scenario, {**changes, "servo.time_limit_s": 1.0}))
     rows = record.servo_rows
     places = record.target_poses[:, :3, 3]
     goal = places[record.rows("teach")[0]]

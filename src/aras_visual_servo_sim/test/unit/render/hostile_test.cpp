@@ -53,12 +53,20 @@ TEST(Hostile, NoCornerMakesTheRasterizerWriteElsewhere) {
   }
 }
 
+constexpr int kWidth = 160, kHeight = 120;
+constexpr std::size_t kPixels = kWidth * kHeight;
+
 std::vector<CameraConfig> cameras() {
   CameraConfig fisheye = cameraConfig();
   fisheye.distortion_model = "equidistant";
   fisheye.distortion = {-0.02, 0.004, -0.001, 0.0002};
   fisheye.horizontal_fov_rad = 3.6;
-  return {cameraConfig(), distortedConfig(), fisheye};
+  std::vector<CameraConfig> configs{cameraConfig(), distortedConfig(), fisheye};
+  for (CameraConfig& config : configs) {
+    config.width = kWidth;
+    config.height = kHeight;
+  }
+  return configs;
 }
 
 TEST(Hostile, ThingsOfAnySizeAnywhereAreDrawnOrNot) {
@@ -83,12 +91,12 @@ TEST(Hostile, ThingsOfAnySizeAnywhereAreDrawnOrNot) {
         scene.bodies.push_back(body);
         for (const double height : {0.4, 1e307}) {
           for (const auto path : {CoverageRenderer::Path::kAutomatic, CoverageRenderer::Path::kSampled}) {
-            EXPECT_EQ(render(camera, lookingDown({0.0, 0.0, height}, 0.3), scene, path).data.size(), 320u * 240u);
+            EXPECT_EQ(render(camera, lookingDown({0.0, 0.0, height}, 0.3), scene, path).data.size(), kPixels);
           }
           GeometryRenderer geometry;
           GeometryImage image;
           geometry.render(camera, lookingDown({0.0, 0.0, height}, 0.3), scene, image);
-          EXPECT_EQ(image.ids.size(), 320u * 240u);
+          EXPECT_EQ(image.ids.size(), kPixels);
         }
       }
     }

@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <random>
+#include <tuple>
 
 #include "aras_visual_servo_sim/render/geometry_image.hpp"
 #include "aras_visual_servo_sim/scene/mesh_loader.hpp"
@@ -205,11 +207,16 @@ TEST(Round, OutlinesAreWithinATwentiethOfAPixelOfThoseOfTheBody) {
   EXPECT_GT(sectors, 100);
 }
 
-/** The triangles of the same body, 400 a turn: nothing of what draws it exactly. */
+/** The triangles of the same body, 400 a turn: nothing of what draws it exactly. Made once for all views. */
 MeshPtr trianglesOf(const RoundShape& shape, const TexturePtr& picture) {
-  auto mesh = std::make_shared<TriangleMesh>(*meshOf(shape, 400));
-  mesh->round.reset();
-  return picture ? withPicture(*mesh, picture) : MeshPtr(mesh);
+  static std::map<std::tuple<RoundShape::Kind, double, double, TexturePtr>, MeshPtr> made;
+  MeshPtr& mesh = made[{shape.kind, shape.radius_m, shape.length_m, picture}];
+  if (!mesh) {
+    auto triangles = std::make_shared<TriangleMesh>(*meshOf(shape, 400));
+    triangles->round.reset();
+    mesh = picture ? withPicture(*triangles, picture) : MeshPtr(triangles);
+  }
+  return mesh;
 }
 
 TEST(Round, LightAndPicturesLieAsOnTheirTriangles) {
