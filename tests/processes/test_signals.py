@@ -1,6 +1,8 @@
 """A run over ROS ended by a signal, at any moment: nothing is left, the bag is closed, the exit code says so."""
+import contextlib
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import uuid
@@ -10,6 +12,7 @@ import rosbag
 from ros_graph import LIMIT_S, free_port, until
 
 RUN = ("rosrun", "aras_visual_servo_controller", "run")
+NODES = {"sim_node", "controller", "experiment"}
 LAUNCH = ("roslaunch", "aras_visual_servo_controller", "servo.launch")
 
 
@@ -46,6 +49,14 @@ class Watched:
 
     def said(self):
         return self._log.read_text(errors="replace")
+
+    def leave_behind(self):
+        """A file in the temporary folder of each node, as one leaves there that is killed while it reads a bag."""
+        for name, pid in self._running():
+            if name in NODES:
+                with contextlib.suppress(OSError):  # it has ended
+                    [folder] = re.findall("(?:^|\0)TMPDIR=([^\0]*)", pathlib.Path(f"/proc/{pid}/environ").read_text())
+                    (pathlib.Path(folder) / f"left_by_{name}").touch()
 
     def end(self, number):
         """Send the signal. Returns the exit code, once everything is gone."""
@@ -96,6 +107,7 @@ def test_a_signal_ends_a_run(number, moment, slow_scenario, own_master, tmp_path
     scenario = "experiment_1" if moment is closing else str(slow_scenario)
     with Watched([*RUN, scenario, "--output", str(tmp_path / "results")], own_master, tmp_path) as run:
         run.until(moment)
+        run.leave_behind()
         assert run.end(number) == 128 + number
         assert f"interrupted by {number.name}" in run.said() and "Traceback" not in run.said()
         assert not list(run.temporary.iterdir())
@@ -107,6 +119,7 @@ def test_a_signal_ends_a_run(number, moment, slow_scenario, own_master, tmp_path
 def test_a_run_that_is_killed_leaves_nothing(moment, slow_scenario, own_master, tmp_path):
     with Watched([*RUN, str(slow_scenario), "--output", str(tmp_path / "results")], own_master, tmp_path) as run:
         run.until(moment)
+        run.leave_behind()
         assert run.end(signal.SIGKILL) == -signal.SIGKILL
         assert not list(run.temporary.iterdir())
         if moment is recording:
