@@ -46,8 +46,9 @@ ARAS_WIDE void lookFlat(const TileTriangle& t, const TileRays::Values& rays, con
   for (int v = first, p = v * kSide; v < last; ++v, p += kSide) {
     const float y = static_cast<float>(v) + 0.5f;
     Row row;
-    row.setDepth(t.plane[0] * eightAt(rays[0] + p).values + t.plane[1] * eightAt(rays[1] + p).values + t.plane[2] + t.bias,
-                 reach + EightFloats{}, floor + p, ahead + p);
+    row.setDepth(
+        t.plane[0] * eightAt(rays[0] + p).values + t.plane[1] * eightAt(rays[1] + p).values + t.plane[2] + t.bias,
+        reach + EightFloats{}, floor + p, ahead + p);
     for (int k = 0; k < 3; ++k) {
       const float half = 0.5f * (std::abs(t.a[k]) + std::abs(t.b[k]));
       row.addEdge(k, t.a[k] * x + t.b[k] * y + t.c[k], half + EightFloats{});
@@ -62,8 +63,10 @@ ARAS_WIDE void lookFlat(const TileTriangle& t, const TileRays::Values& rays, con
                                            EightFloats& middle, EightFloats& half) {
   const float x = normal[0], y = normal[1], z = normal[2];
   middle = x * eightAt(rays[0] + p).values + y * eightAt(rays[1] + p).values + z * eightAt(rays[2] + p).values;
-  EightFloats across = x * eightAt(rays[3] + p).values + y * eightAt(rays[4] + p).values + z * eightAt(rays[5] + p).values;
-  EightFloats down = x * eightAt(rays[6] + p).values + y * eightAt(rays[7] + p).values + z * eightAt(rays[8] + p).values;
+  EightFloats across =
+      x * eightAt(rays[3] + p).values + y * eightAt(rays[4] + p).values + z * eightAt(rays[5] + p).values;
+  EightFloats down =
+      x * eightAt(rays[6] + p).values + y * eightAt(rays[7] + p).values + z * eightAt(rays[8] + p).values;
   dropSigns(across);
   dropSigns(down);
   half = 0.5f * (across + down);
