@@ -1,7 +1,7 @@
 #pragma once
 
-#include <array>
 #include <aras_visual_servo_common/increasing_root.hpp>
+#include <array>
 #include <string>
 #include <vector>
 
