@@ -143,13 +143,14 @@ ValueAndSlope CameraIntrinsics::drawn(double theta) const {
           1.0 + t2 * (3.0 * D_[0] + t2 * (5.0 * D_[1] + t2 * (7.0 * D_[2] + t2 * 9.0 * D_[3])))};
 }
 
-/** The angle up to which the equidistant lens draws ever farther, as far as anything asks. */
+/** Sets reach_: up to this angle the equidistant lens draws ever farther from the axis. The search ends beyond
+ * kWidestRay, because no ray there is used. */
 void CameraIntrinsics::findReach() {
   constexpr double kStep = 0.02;  // [rad]
   double before = 0.0;
   for (double theta = kStep; reach_ <= kWidestRay; theta += kStep) {
     const double farther = drawn(theta).value;
-    if (farther <= before) return;
+    if (!(farther > before)) return;
     before = farther;
     reach_ = theta;
   }

@@ -50,7 +50,8 @@ def run_over_ros(scenario, results_dir, arguments=(), verbose=False, namespace=N
     if namespace is not None:
         arguments = [*arguments, f"ns:={namespace}", "side_by_side:=true"]
     with _alone("/" + (namespace or NAMESPACE).strip("/"), environment), temporary_folder("aras_run_") as folder:
-        environment["TMPDIR"] = folder  # what nodes that are killed leave behind, as readers of bags do, goes with it
+        # A node that is killed while it reads a bag leaves temporary files: they are deleted with this folder.
+        environment["TMPDIR"] = folder
         outcome, resolved = Path(folder) / "exit_code", Path(folder) / f"{scenario.name}.yaml"
         resolved.write_text(scenario.as_yaml(), encoding="utf-8")
         # Without the check roslaunch would add up the sizes of all logs that were ever written.

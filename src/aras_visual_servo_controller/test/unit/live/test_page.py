@@ -75,7 +75,7 @@ def test_a_setting_shows_what_was_asked_for_until_the_run_has_answered(serve, tm
                       "? ask(request) : new Promise((answer) => held.push({ request, answer })); 1")
         slide(browser, path, 0.9)
         browser.wait("held.length === 1")
-        asked = slide(browser, path, 0.75)  # by itself: a busy browser may tell of one drag all at once
+        asked = slide(browser, path, 0.75)  # a second drag: a busy browser may report the whole of one as one event
 
         def told(value):
             return browser.value(f"aras.model.values_are({{'{path}': {value}}}, aras.model.waiting); {shown}")

@@ -12,8 +12,10 @@ SHAPES = 900
 def draw(seed, size_px=(WIDTH, HEIGHT), shapes=SHAPES, largest_px=180.0):
     """A board, (height, width, 3) uint8: rectangles, discs and triangles of many sizes and colours over each other."""
     rng, (width, height) = np.random.default_rng(seed), size_px
+    # on_top: for each pixel the index of the colour that is seen there.
     colours, on_top = [rng.integers(60, 200, 3)], np.zeros((height, width), np.uint16)
     u, v = np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32)[:, None]
+    # Whether (a, b) is inside a rectangle, a disc, a triangle.
     inside_of = (lambda a, b, size: np.maximum(np.abs(a), np.abs(b)) < size, lambda a, b, size: np.hypot(a, b) < size,
                  lambda a, b, size: (a > -0.5 * size) & (a + 1.7 * np.abs(b) < size))
     for size in np.sort(np.exp(rng.uniform(np.log(6.0), np.log(largest_px), shapes)))[::-1]:

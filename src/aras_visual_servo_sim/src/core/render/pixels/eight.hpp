@@ -8,8 +8,8 @@ namespace aras_visual_servo_sim {
 using EightFloats = float __attribute__((vector_size(32)));
 using EightInts = std::int32_t __attribute__((vector_size(32)));  ///< of a comparison: -1 where it holds, else 0
 
-/** Eight numbers of an array, from any place in it. That the place may be any, clang believes of a packed structure
- * only. */
+/** Eight numbers of an array, from any place in it. The structures are packed because clang ignores the alignment that
+ * a typedef states once it is behind a reference: it would read from aligned places only. */
 struct [[gnu::packed, gnu::may_alias]] EightFloatsOfArray {
   EightFloats values;
 };

@@ -51,8 +51,8 @@ struct Edge {
   bool joins(const Edge& other) const { return low == other.low && high == other.high; }
 };
 
-/** The sides of the triangles, those that join the same points one after the other: counted out by their lower points,
- *  of each of which there are few. */
+/** The sides of the triangles, in an order that puts those that join the same points one after the other. Counting how
+ *  many sides have each lower point gives them their places, and only the few that share one are sorted. */
 std::vector<Edge> sortedEdges(const TriangleMesh& mesh) {
   std::vector<std::uint32_t> end(mesh.points.size() + 1, 0u);
   const auto visit = [&mesh](const auto& see) {

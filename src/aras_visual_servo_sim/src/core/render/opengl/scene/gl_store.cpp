@@ -209,7 +209,7 @@ void GlStore::upload(GlMesh& stored) {
   }
   stored.index_count = static_cast<GLsizei>(indices.size());
   stored.faceted = isFaceted(mesh);
-  stored.closed = mesh.round || isClosed(mesh);
+  stored.closed = mesh.round || isClosed(mesh);  // all round bodies are
   gl_.GenBuffers(1, &stored.vertices);
   gl_.BindBuffer(GL_ARRAY_BUFFER, stored.vertices);
   gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(GlVertex)), vertices.data(),
