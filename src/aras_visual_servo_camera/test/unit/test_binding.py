@@ -2,6 +2,8 @@
 
 import math
 import re
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -239,3 +241,13 @@ def test_uint16_gives_the_features_of_uint8():
     assert features[0].valid and features[0].m == features[1].m == features[2].m
     with pytest.raises(camera.ShapeError, match="uint16.*allowed uint8 .*or uint16 of the first two"):
         extractors[0].process(np.zeros((240, 320, 4), np.uint16))
+
+
+def test_the_libraries_of_the_tag_detector_are_loaded_for_those_who_look_for_a_tag():
+    """They are 220, and take longer to load than everything else of a process that runs a scenario."""
+    code = (f"import aras_visual_servo_camera as camera\ninfo = {INFO!r}\n"
+            "def say():\n    print('libvisp_detection' in open('/proc/self/maps').read())\n"
+            f"camera.MomentExtractor(info, {VISION!r})\nsay()\n"
+            "camera.TagExtractor(info, {'family': '36h11', 'id': 0})\nsay()\n")
+    said = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, check=True, text=True).stdout
+    assert said.split() == ["False", "True"]

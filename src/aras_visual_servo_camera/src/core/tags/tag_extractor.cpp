@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
@@ -43,7 +44,7 @@ cv::Matx33d homographyOf(const Corners& goal, const Corners& here) {
 }  // namespace
 
 struct TagExtractor::Work {
-  Work(const CameraIntrinsics& camera, const TagConfig& config) : intrinsics(camera), finder(config.family) {}
+  Work(const CameraIntrinsics& camera, const TagConfig& config) : intrinsics(camera), finder(openTagFinder(config.family)) {}
 
   /** What one image shows of the tag: its corners, normalised, if there is no fault. */
   struct View {
@@ -54,7 +55,7 @@ struct TagExtractor::Work {
   };
 
   CameraIntrinsics intrinsics;
-  TagFinder finder;
+  std::unique_ptr<TagFinder> finder;
   cv::Mat buffer;
   View seen, goal;
   LastViews<View> last_views;
@@ -75,7 +76,7 @@ void TagExtractor::Work::look(const ImageView& image, const TagConfig& config) {
   const std::string name = "tag " + std::to_string(config.id) + " of " + config.family;
   std::string others;
   const SeenTag* found = nullptr;
-  const std::vector<SeenTag> all = finder.find(grey);
+  const std::vector<SeenTag> all = finder->find(grey);
   for (const SeenTag& tag : all) {
     if (tag.id == config.id) {
       ++seen.tags;

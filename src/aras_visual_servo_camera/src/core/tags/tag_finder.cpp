@@ -1,58 +1,29 @@
 #include "tags/tag_finder.hpp"
 
-#include <visp3/detection/vpDetectorAprilTag.h>
+#include <dlfcn.h>
 
-#include <cstring>
-#include <map>
+#include "aras_visual_servo_camera/config/errors.hpp"
+#include "tags/apriltag/new_finder.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
 
-// The library puts the middle of the first pixel at (1/2, 1/2).
-constexpr double kShift_px = -0.5;
-
-vpDetectorAprilTag::vpAprilTagFamily familyOf(const std::string& name) {
-  static const std::map<std::string, vpDetectorAprilTag::vpAprilTagFamily> kFamilies = {
-      {"36h11", vpDetectorAprilTag::TAG_36h11},
-      {"36h10", vpDetectorAprilTag::TAG_36h10},
-      {"25h9", vpDetectorAprilTag::TAG_25h9},
-      {"16h5", vpDetectorAprilTag::TAG_16h5}};
-  return kFamilies.at(name);
+/** The file beside the one that holds this function. */
+std::string installedLibrary() {
+  Dl_info here;
+  if (dladdr(reinterpret_cast<void*>(&installedLibrary), &here) == 0) return kAprilTagLibrary;
+  const std::string file = here.dli_fname;
+  return file.substr(0, file.rfind('/') + 1) + kAprilTagLibrary;
 }
 
 }  // namespace
 
-struct TagFinder::Detector {
-  vpDetectorAprilTag tags;
-  vpImage<unsigned char> image;
-};
-
-TagFinder::TagFinder(const std::string& family)
-    : detector_(new Detector{vpDetectorAprilTag(familyOf(family)), vpImage<unsigned char>()}) {
-  detector_->tags.setAprilTagNbThreads(1);
-  detector_->tags.setAprilTagQuadDecimate(1.0F);
-}
-
-TagFinder::~TagFinder() = default;
-
-std::vector<SeenTag> TagFinder::find(const cv::Mat& grey) {
-  vpImage<unsigned char>& image = detector_->image;
-  image.resize(static_cast<unsigned>(grey.rows), static_cast<unsigned>(grey.cols));
-  for (int v = 0; v < grey.rows; ++v) std::memcpy(image[v], grey.ptr(v), static_cast<std::size_t>(grey.cols));
-  std::vector<SeenTag> seen;
-  detector_->tags.detect(image);
-  const std::vector<int> ids = detector_->tags.getTagsId();
-  const std::vector<std::vector<vpImagePoint>> corners = detector_->tags.getTagsCorners();
-  for (std::size_t k = 0; k < ids.size(); ++k) {
-    SeenTag tag{ids[k], {}};
-    // ViSP begins at the upper right corner and goes on counter-clockwise.
-    for (std::size_t i = 0; i < 4; ++i) {
-      const vpImagePoint& corner = corners[k][(5 - i) % 4];
-      tag.corners_px[i] = {corner.get_u() + kShift_px, corner.get_v() + kShift_px};
-    }
-    seen.push_back(tag);
-  }
-  return seen;
+std::unique_ptr<TagFinder> openTagFinder(const std::string& family, const std::string& library) {
+  const std::string file = library.empty() ? installedLibrary() : library;
+  void* handle = dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL);  // the same one each time, which nobody closes
+  void* function = handle ? dlsym(handle, kNewAprilTagFinder) : nullptr;
+  if (!function) throw ArasError("tag: the library that finds AprilTags cannot be used: " + std::string(dlerror()));
+  return std::unique_ptr<TagFinder>(reinterpret_cast<NewAprilTagFinder*>(function)(family.c_str()));
 }
 
 }  // namespace aras_visual_servo_camera

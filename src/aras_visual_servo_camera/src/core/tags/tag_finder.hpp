@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "aras_visual_servo_camera/config/tag_config.hpp"
-
 namespace aras_visual_servo_camera {
 
 /** One tag in an image: the corners of its black square as one who reads the tag upright sees them, from the upper left
@@ -17,17 +15,20 @@ struct SeenTag {
   std::array<cv::Point2d, 4> corners_px;
 };
 
-/** Finds the tags of a family, with ViSP's copy of the AprilTag library, in one thread. */
+/** Finds the tags of a family. */
 class TagFinder {
  public:
-  explicit TagFinder(const std::string& family);
-  ~TagFinder();
+  virtual ~TagFinder() = default;
   /** @param grey  8 bit */
-  std::vector<SeenTag> find(const cv::Mat& grey);
-
- private:
-  struct Detector;
-  std::unique_ptr<Detector> detector_;
+  virtual std::vector<SeenTag> find(const cv::Mat& grey) = 0;
 };
+
+/** Makes the finder that apriltag/ implements, in a library of its own: the detector of ViSP brings some 220 libraries,
+ *  which take longer to load than everything else here, and most who use this package look for no tag. The library is
+ *  opened with the first finder and then stays open.
+ *  @param family   one of those that tag.yaml lists
+ *  @param library  its file; by default the one that was installed beside the library of this function
+ *  @throws ArasError naming the file and why it cannot be used */
+std::unique_ptr<TagFinder> openTagFinder(const std::string& family, const std::string& library = "");
 
 }  // namespace aras_visual_servo_camera

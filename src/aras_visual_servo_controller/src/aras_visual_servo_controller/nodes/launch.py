@@ -52,6 +52,8 @@ def run_over_ros(scenario, results_dir, arguments=(), verbose=False, namespace=N
     with _alone("/" + (namespace or NAMESPACE).strip("/"), environment), temporary_folder("aras_run_") as folder:
         # A node that is killed while it reads a bag leaves temporary files: they are deleted with this folder.
         environment["TMPDIR"] = folder
+        # roslaunch needs one function of distutils. That of setuptools takes as long to import as all the rest.
+        environment.setdefault("SETUPTOOLS_USE_DISTUTILS", "stdlib")
         outcome, resolved = Path(folder) / "exit_code", Path(folder) / f"{scenario.name}.yaml"
         resolved.write_text(scenario.as_yaml(), encoding="utf-8")
         # Without the check roslaunch would add up the sizes of all logs that were ever written.
