@@ -44,7 +44,8 @@ cv::Matx33d homographyOf(const Corners& goal, const Corners& here) {
 }  // namespace
 
 struct TagExtractor::Work {
-  Work(const CameraIntrinsics& camera, const TagConfig& config) : intrinsics(camera), finder(openTagFinder(config.family)) {}
+  Work(const CameraIntrinsics& camera, const TagConfig& config)
+      : intrinsics(camera), finder(openTagFinder(config.family)) {}
 
   /** What one image shows of the tag: its corners, normalised, if there is no fault. */
   struct View {

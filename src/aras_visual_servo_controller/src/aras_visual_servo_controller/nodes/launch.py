@@ -52,7 +52,7 @@ def run_over_ros(scenario, results_dir, arguments=(), verbose=False, namespace=N
     with _alone("/" + (namespace or NAMESPACE).strip("/"), environment), temporary_folder("aras_run_") as folder:
         # A node that is killed while it reads a bag leaves temporary files: they are deleted with this folder.
         environment["TMPDIR"] = folder
-        # roslaunch needs one function of distutils. That of setuptools takes as long to import as all the rest.
+        # roslaunch imports distutils, in whose place setuptools puts its own, which takes half of roslaunch's start.
         environment.setdefault("SETUPTOOLS_USE_DISTUTILS", "stdlib")
         outcome, resolved = Path(folder) / "exit_code", Path(folder) / f"{scenario.name}.yaml"
         resolved.write_text(scenario.as_yaml(), encoding="utf-8")
