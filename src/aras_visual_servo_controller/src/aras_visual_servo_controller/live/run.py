@@ -46,6 +46,7 @@ class LiveRun:
         loop = ServoLoop(self.scenario, sim=sim)
         self.loop, self._hand = loop, Hand(loop.kinematics)
         self.record = self.image = self.features = self.goal = self._ended_at = None
+        self._begun_at = self._target_pose()
         self._built_sim, self._waiting = self.scenario.sim, set()
         self.version += 1
 
@@ -73,7 +74,7 @@ class LiveRun:
             self._keep_goal()
         if self.loop.sequence.phase in QUIET:
             if self._ended_at is None:
-                self._ended_at = self._target_pose()
+                self._ended_at = self._begun_at if self._is_late() else self._target_pose()
             self._hand.drive(self.loop, self.record.stamp_ns)
         return True
 
@@ -87,12 +88,18 @@ class LiveRun:
         if has_moved(self._ended_at, self._target_pose()):
             self._begin(True)
 
+    def _is_late(self):
+        """Whether the time was up before the camera was home. A target that moved meanwhile, as one does that is
+        dragged for longer than that, took time which the servo gets once more."""
+        result = self.loop.sequence.result
+        return result is not None and result.status == Status.TIMED_OUT
+
     def _target_pose(self):
         pose = self.loop.target_pose()
         return np.eye(4) if pose is None else pose
 
     def _begin(self, servo_only):
-        self._ended_at = None
+        self._ended_at, self._begun_at = None, self._target_pose()
         self._hand.let_go()
         self.loop.start(servo_only=servo_only)
 

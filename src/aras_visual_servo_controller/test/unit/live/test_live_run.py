@@ -165,6 +165,24 @@ def test_the_arm_follows_a_target_that_is_dragged(run):
     assert run.loop.camera_pose()[:3, 3] - before == pytest.approx([0.0, 0.05, 0.0], abs=1e-3)
 
 
+def test_a_target_that_is_dragged_until_the_time_is_up_is_followed_to_its_end(run):
+    assert images(run, SERVO_IMAGES, ended)
+    before = run.loop.camera_pose()[:3, 3]
+    run.do(ask.Set({"servo.time_limit_s": 2.0}))
+    move_target(run, 0.03)
+    assert images(run, 3, servoing) and not images(run, 45, ended)
+    move_target(run, 0.02)  # half a second before the end
+    assert images(run, 30, ended) and run.record.status == Status.TIMED_OUT
+    assert images(run, 3, servoing) and images(run, SERVO_IMAGES, ended) and run.record.status == Status.CONVERGED
+    assert run.loop.camera_pose()[:3, 3] - before == pytest.approx([0.0, 0.05, 0.0], abs=1e-3)
+
+
+def test_a_servo_whose_time_was_up_is_not_begun_again_for_a_target_at_rest(run):
+    run.do(ask.Set({"servo.time_limit_s": 0.5}))
+    assert images(run, SERVO_IMAGES, ended) and run.record.status == Status.TIMED_OUT
+    assert not images(run, 10, servoing)
+
+
 def test_without_follow_it_stays(run):
     run.do(ask.Follow(False))
     assert images(run, SERVO_IMAGES, ended)
