@@ -23,9 +23,9 @@ class TagFinder {
   virtual std::vector<SeenTag> find(const cv::Mat& grey) = 0;
 };
 
-/** Makes the finder that apriltag/ implements, in a library of its own: the detector of ViSP brings some 220 libraries,
- *  which take longer to load than everything else here, and most who use this package look for no tag. The library is
- *  opened with the first finder and then stays open.
+/** Makes the finder that apriltag/ implements. It stands in a library of its own, which is opened with the first finder
+ *  and then stays open: the detector of ViSP brings some 220 libraries, which take longer to load than all others of a
+ *  process, and most who use this package look for no tag.
  *  @param family   one of those that tag.yaml lists
  *  @param library  its file; by default the one that was installed beside the library of this function
  *  @throws ArasError naming the file and why it cannot be used */

@@ -89,8 +89,8 @@ class LiveRun:
             self._begin(True)
 
     def _is_late(self):
-        """Whether the time was up before the camera was home. A target that moved meanwhile, as one does that is
-        dragged for longer than that, took time which the servo gets once more."""
+        """Whether the servo ran out of time. A user who drags the target for longer than that is not to blame: if the
+        target moved while it servoed, `_follow_target` begins again."""
         result = self.loop.sequence.result
         return result is not None and result.status == Status.TIMED_OUT
 

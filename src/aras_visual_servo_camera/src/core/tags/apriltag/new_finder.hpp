@@ -4,7 +4,8 @@
 
 namespace aras_visual_servo_camera {
 
-/** What the library kAprilTagLibrary has under the name kNewAprilTagFinder: makes a finder of the tags of a family. */
+/** The function kNewAprilTagFinder of the library kAprilTagLibrary: it makes a finder of the tags of a family. The
+ * caller deletes it. */
 using NewAprilTagFinder = TagFinder*(const char* family);
 
 constexpr const char* kAprilTagLibrary = "libaras_visual_servo_camera_apriltag.so";
