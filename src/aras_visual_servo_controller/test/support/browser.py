@@ -130,7 +130,8 @@ class Browser:
                                "found !== null : found; } catch { return false; } })()")
             if found:
                 return found
-            assert time.monotonic() < until, f"not within {limit_s} s: {expression}; the page said {self.said}"
+            assert time.monotonic() < until, (f"not within {limit_s} s: {expression}; the page said {self.said}, its "
+                                              f"state is {self.value('window.aras?.model?.state ?? null')}")
             time.sleep(0.05)
 
     def mouse(self, kind, at, button="left", buttons=1):

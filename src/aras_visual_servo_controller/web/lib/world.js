@@ -197,7 +197,7 @@ export class World {
     if (this.second) view(other, ...this.inset());
   }
 
-  /** Where pictures come slowly, first the shadows go, then resolution: whoever has no graphics card still sees it move. */
+  /** Where pictures come slowly, first the shadows go, then resolution (`size`): whoever has no graphics card still sees it move. */
   pace() {
     const now = performance.now(), took = now - (this.drawn || now);
     this.drawn = now;
@@ -206,7 +206,6 @@ export class World {
     this.slow = 0;
     this.plain = (this.plain || 0) + 1;
     if (this.plain === 1) this.scene.traverse((one) => { if (one.isLight) one.castShadow = false; });
-    else this.w = 0;   // sized anew
   }
 
   // --- the target by hand -------------------------------------------------------------------------------------------
@@ -215,7 +214,7 @@ export class World {
     const box = this.canvas.getBoundingClientRect(), caster = new THREE.Raycaster();
     const at = { x: (event.clientX - box.left) / box.width * 2 - 1, y: 1 - (event.clientY - box.top) / box.height * 2 };
     const camera = this.swapped ? this.observer : this.eye;
-    camera.aspect = this.w / this.h;
+    camera.aspect = box.width / box.height;
     camera.updateProjectionMatrix();
     caster.setFromCamera(at, camera);
     return caster.ray;
@@ -243,16 +242,17 @@ export class World {
       const local = at.clone().sub(this.held.origin).applyQuaternion(this.held.turned.clone().conjugate());
       return Math.atan2(local.y, local.x);
     };
+    const carry = (event) => {
+      const at = this.onPlane(event), { pointer } = this.held;
+      if (!at || (event.clientX === pointer[0] && event.clientY === pointer[1])) return;
+      this.held.pointer = [event.clientX, event.clientY];
+      if (this.held.kind === "move") this.target.position.copy(this.held.origin).add(at.sub(this.held.from));
+      else this.target.quaternion.copy(this.held.turned).multiply(new THREE.Quaternion().setFromAxisAngle(axis, angle(at) - this.held.angle));
+      place(this.target.position.toArray(), this.target.quaternion.toArray());
+      this.dirty = true;
+    };
     canvas.addEventListener("pointermove", (event) => {
-      if (this.held) {
-        const at = this.onPlane(event);
-        if (!at) return;
-        if (this.held.kind === "move") this.target.position.copy(this.held.origin).add(at.sub(this.held.from));
-        else this.target.quaternion.copy(this.held.turned).multiply(new THREE.Quaternion().setFromAxisAngle(axis, angle(at) - this.held.angle));
-        place(this.target.position.toArray(), this.target.quaternion.toArray());
-        this.dirty = true;
-        return;
-      }
+      if (this.held) { carry(event); return; }
       const grip = this.grip(event);
       canvas.style.cursor = grip === "move" ? "move" : grip === "turn" ? "grab" : "";
       if (this.ring && this.ring.visible !== Boolean(grip)) { this.ring.visible = Boolean(grip); this.dirty = true; }
@@ -261,7 +261,7 @@ export class World {
     canvas.addEventListener("pointerdown", (event) => {
       const kind = event.button === 0 && this.grip(event);
       if (!kind) return;
-      this.held = { kind, origin: this.target.position.clone(), turned: this.target.quaternion.clone(), from: this.onPlane(event) };
+      this.held = { kind, origin: this.target.position.clone(), turned: this.target.quaternion.clone(), from: this.onPlane(event), pointer: [event.clientX, event.clientY] };
       this.held.angle = angle(this.held.from);
       this.ring.visible = true;
       this.controls.enabled = false;
@@ -274,7 +274,8 @@ export class World {
       this.ring.visible = false;
       this.dirty = true;
     };
-    canvas.addEventListener("pointerup", end);
+    // Where it is let go counts, also where no move was seen to lead there.
+    canvas.addEventListener("pointerup", (event) => { if (this.held) carry(event); end(); });
     canvas.addEventListener("pointercancel", end);
   }
 }
