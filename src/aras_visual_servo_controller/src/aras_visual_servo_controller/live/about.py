@@ -8,7 +8,6 @@ import yaml
 from ..features.base import known_features
 from ..features.style import styles
 from ..ground.spatial import rpy_of
-from ..ground.types import Status
 from ..laws.base import known_laws
 from ..run.record import TWIST_NAMES
 from ..scenario.schema import scenario_schema
@@ -16,11 +15,6 @@ from .settings import AT_ONCE, changed
 from .view.projection import project, standpoint
 from .view.robot import robot_of
 from .view.scene import scene_of
-
-#: Ends of a servo after which a target that moves is followed ...
-FOLLOWED = (Status.CONVERGED, Status.TIMED_OUT, Status.STOPPED_BY_RULE)
-#: ... once it has moved this far since then [m], or turned this far [rad].
-MOVED_M, MOVED_RAD = 2e-4, 1e-3
 
 
 def about(scenario, kinematics, camera_info, servo, at_C, X_WT, target):
@@ -98,12 +92,6 @@ def saved(scenario, name, X_WT, target, start):
     content = changed(scenario, values).as_dict()
     return (f"# Saved from the live page, from the scenario {scenario.name}.\n"
             + yaml.safe_dump(content, sort_keys=False, allow_unicode=True, default_flow_style=None))
-
-
-def has_moved(before, now):
-    """Whether a target that was followed has moved between two poses, (4, 4) each, so far that it is followed again."""
-    turn = np.linalg.norm(before[:3, :3] - now[:3, :3]) / math.sqrt(2.0)
-    return np.linalg.norm(before[:3, 3] - now[:3, 3]) > MOVED_M or turn > MOVED_RAD
 
 
 def rounded(value):

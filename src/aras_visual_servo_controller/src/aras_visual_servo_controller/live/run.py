@@ -17,7 +17,8 @@ from ..ground.errors import ParameterError
 from ..ground.types import Status
 from ..run.loop import ServoLoop
 from ..run.sequence import ExperimentSequence
-from .about import FOLLOWED, about, has_moved, marks_of, row, rounded, saved
+from .about import about, marks_of, row, rounded, saved
+from .following import Following
 from .hand import Hand
 from .settings import acts_at_once, changed, put
 from .view.scene import pose_numbers
@@ -45,8 +46,8 @@ class LiveRun:
     def _build(self, sim):
         loop = ServoLoop(self.scenario, sim=sim)
         self.loop, self._hand = loop, Hand(loop.kinematics)
-        self.record = self.image = self.features = self.goal = self._ended_at = None
-        self._begun_at = self._target_pose()
+        self.record = self.image = self.features = self.goal = None
+        self._following = Following()
         self._built_sim, self._waiting = self.scenario.sim, set()
         self.version += 1
 
@@ -67,39 +68,18 @@ class LiveRun:
         if due_ns > most_ns + sim.period_ns:
             sim.step(max(1, most_ns // sim.period_ns))
             return False
-        self._follow_target()
         self.record, self.features, self.image = self.loop.step()
         self.images += 1
         if self.record.phase == "teach" or self.loop.sequence.teach_stamp_ns == self.record.stamp_ns:
             self._keep_goal()
         if self.loop.sequence.phase in QUIET:
-            if self._ended_at is None:
-                self._ended_at = self._begun_at if self._is_late() else self._target_pose()
             self._hand.drive(self.loop, self.record.stamp_ns)
+        X_WT, follow = self.loop.seen_target_pose(), self._follow and self.goal is not None
+        if X_WT is not None and self._following.answered(self.record.phase, self.record.status, X_WT, follow):
+            self._begin(True)
         return True
 
-    def _follow_target(self):
-        """Begin to servo again when the target has moved since the servo ended."""
-        loop = self.loop
-        if not (self._follow and loop.sequence.done and self.goal is not None and self._ended_at is not None):
-            return
-        if loop.sequence.result.status not in FOLLOWED:
-            return
-        if has_moved(self._ended_at, self._target_pose()):
-            self._begin(True)
-
-    def _is_late(self):
-        """Whether the servo ran out of time. A user who drags the target for longer than that is not to blame: if the
-        target moved while it servoed, `_follow_target` begins again."""
-        result = self.loop.sequence.result
-        return result is not None and result.status == Status.TIMED_OUT
-
-    def _target_pose(self):
-        pose = self.loop.target_pose()
-        return np.eye(4) if pose is None else pose
-
     def _begin(self, servo_only):
-        self._ended_at, self._begun_at = None, self._target_pose()
         self._hand.let_go()
         self.loop.start(servo_only=servo_only)
 
@@ -176,7 +156,7 @@ class LiveRun:
         z_star_m = request.z_star_m or self._depth()
         loop.teach_here(z_star_m)
         self._keep_goal()
-        self._ended_at = self._target_pose()
+        self._following.taught()
         return {"z_star_m": z_star_m}
 
     def _depth(self):

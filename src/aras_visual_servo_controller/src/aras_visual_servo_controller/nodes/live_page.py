@@ -27,7 +27,8 @@ from ..ground.errors import ArasError, ParameterError, ShapeError
 from ..ground.images import image_of
 from ..ground.spatial import pose_from_quaternion
 from ..ground.types import Status
-from ..live.about import FOLLOWED, about, has_moved, marks_of, row, saved
+from ..live.about import about, marks_of, row, saved
+from ..live.following import Following
 from ..live.hand import Hand
 from ..live.runner import MOST_ROWS, Sample
 from ..live.server import Server
@@ -40,6 +41,8 @@ EXIT_STOPPED, EXIT_PARAMETERS = 0, 2
 LOOK_S = 1.0 / 60.0
 #: Images are listened to for this long after the last page was ready for one [s].
 LINGER_S = 1.0
+#: Places of the target that are kept until the image of the same stamp is answered.
+MOST_TARGETS = 1000
 #: Settings that nodes take over while they run.
 ROS_AT_ONCE = tuple(pattern for pattern in AT_ONCE if pattern.startswith(("servo", "sim")))
 MOVING = ("to_goal", "settle_goal", "teach", "to_start", "settle_start", "servo")
@@ -66,7 +69,8 @@ class RosRun:
         self._q = self._q_all = self._state = self._image = self._features = self._goal = None
         self._X_WC, self._X_WT, self._teach, self._status = None, None, None, SimStatus()
         self._image_number, self._shown, self._ready_s, self._taught = 0, -1.0, 0.0, False
-        self._speed, self._ended_at = float(self._scenario.time.get("real_time_factor", 0.0)), None
+        self._speed, self._following = float(self._scenario.time.get("real_time_factor", 0.0)), Following()
+        self._targets = {}  # stamp of an image [ns]: X_WT, of the last ones
         self._follow = self._scenario.robot.get("target_link") is None  # one that the arm carries moves with the arm
         info = rospy.wait_for_message("camera/camera_info", CameraInfo, timeout=60.0)
         self._info = {"width": info.width, "height": info.height, "K": list(info.K), "D": list(info.D),
@@ -115,6 +119,7 @@ class RosRun:
 
     def _on_state(self, message):
         self._state = message
+        self._follow_target(message)
         if message.phase == "teach":
             self._keep_goal(np.asarray(message.q))
         if not message.q or time.perf_counter() - self._row_s < 0.9 / 30.0:
@@ -138,23 +143,21 @@ class RosRun:
     def _on_status(self, message):
         if message.header.stamp < self._status.header.stamp:  # the simulator was reset
             self.rows.clear()
-            self._goal, self._taught = None, False
+            self._goal, self._taught, self._targets = None, False, {}
         self._status = message
 
     def _on_target(self, message):
         p, q = message.pose.position, message.pose.orientation
         self._X_WT = pose_from_quaternion((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
-        self._follow_target()
+        targets = self._targets
+        targets[convert.stamp_ns(message.header)] = self._X_WT
+        if len(targets) > MOST_TARGETS:
+            del targets[next(iter(targets))]
 
-    def _follow_target(self):
+    def _follow_target(self, state):
         """Begin to servo again when the target has moved since the servo ended."""
-        state = self._state
-        if state is None or state.phase != "done" or state.status not in FOLLOWED:
-            self._ended_at = None
-        elif self._ended_at is None:
-            self._ended_at = self._X_WT
-        elif self._follow and not self._hand.busy and has_moved(self._ended_at, self._X_WT):
-            self._ended_at = self._X_WT
+        X_WT, follow = self._targets.get(convert.stamp_ns(state.header)), self._follow and not self._hand.busy
+        if X_WT is not None and self._following.answered(state.phase, state.status, X_WT, follow):
             self._send_goal("taught")
 
     def _on_image(self, message):
@@ -241,6 +244,7 @@ class RosRun:
         if self._moving():
             raise ParameterError(f"teach: found the run in phase {self._state.phase}, allowed when it is stopped")
         call_service("teach", Teach, request.z_star_m or 0.0)
+        self._following.taught()
         self._keep_goal(self._q)
 
     def do_reset(self, _request):

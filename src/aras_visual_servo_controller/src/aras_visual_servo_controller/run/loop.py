@@ -301,7 +301,11 @@ class ServoLoop:
 
     def moving_target_pose(self):
         """X_WT, (4, 4), at the last image, of a target that moves; None of one that rests."""
-        return self._frame.model_poses[self._target] if self._target_moves else None
+        return self.seen_target_pose() if self._target_moves else None
+
+    def seen_target_pose(self):
+        """X_WT, (4, 4), of the target at the last image; None in a scene without one."""
+        return self._target and self._frame.model_poses[self._target]
 
     def target_pose(self):
         """X_WT, (4, 4), of the target now; None in a scene without one."""

@@ -92,6 +92,16 @@ class LivePage(unittest.TestCase):
             self.assertTrue((await page.ask("start", reference="taught"))["ok"])
             await page.state(phase="servo")
             self.assertIn("gains_per_s", (await page.ask("save"))["yaml"])
+            # The servo comes to the target, and to where it is put then.
+            calm = {"servo.gains_per_s.xn": 3.0, "sim.cameras.0.noise_stddev": 0.0, "sim.cameras.0.latency_s": 0.0}
+            self.assertTrue((await page.ask("set", values=calm))["ok"])
+            self.assertTrue((await page.ask("follow", follow=True))["ok"])
+            before = (await page.state(phase="done", status="CONVERGED"))["camera"]
+            answer = await page.ask("place_target", position_m=[0.03, 0.05, 0.1934], q_xyzw=[0, 0, 2**-0.5, 2**-0.5])
+            self.assertTrue(answer["ok"], answer)
+            await page.state(phase="servo")
+            after = (await page.state(phase="done", status="CONVERGED"))["camera"]
+            self.assertAlmostEqual(after[1] - before[1], -0.03, delta=1e-3)
 
         asyncio.run(work())
 

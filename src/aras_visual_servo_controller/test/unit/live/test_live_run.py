@@ -34,12 +34,16 @@ def ended(run):
     return run.loop.sequence.done
 
 
-@pytest.fixture
-def run():
+def begun():
     run = LiveRun(load_scenario("experiment_1"))
     run.do(ask.Start())
     assert images(run, DRIVE_IMAGES, servoing)
     return run
+
+
+@pytest.fixture
+def run():
+    return begun()
 
 
 def error_of(run):
@@ -172,7 +176,7 @@ def test_a_target_that_is_dragged_until_the_time_is_up_is_followed_to_its_end(ru
     move_target(run, 0.03)
     assert images(run, 3, servoing) and not images(run, 45, ended)
     move_target(run, 0.02)  # half a second before the end
-    assert images(run, 30, ended) and run.record.status == Status.TIMED_OUT
+    assert images(run, 30, lambda run: run.record.status == Status.TIMED_OUT)
     assert images(run, 3, servoing) and images(run, SERVO_IMAGES, ended) and run.record.status == Status.CONVERGED
     assert run.loop.camera_pose()[:3, 3] - before == pytest.approx([0.0, 0.05, 0.0], abs=1e-3)
 
@@ -181,6 +185,20 @@ def test_a_servo_whose_time_was_up_is_not_begun_again_for_a_target_at_rest(run):
     run.do(ask.Set({"servo.time_limit_s": 0.5}))
     assert images(run, SERVO_IMAGES, ended) and run.record.status == Status.TIMED_OUT
     assert not images(run, 10, servoing)
+
+
+def test_a_target_that_moves_after_the_last_image_was_taken_is_followed(run):
+    late = {"sim.cameras.0.latency_s": 0.05}  # the image that ends the servo was taken before the one before it came
+    run.do(ask.Set(late))
+    assert images(run, SERVO_IMAGES, ended) and run.record.status == Status.CONVERGED
+    count, before = run.images, run.loop.camera_pose()[:3, 3]
+    again = begun()
+    again.do(ask.Set(late))
+    assert not images(again, count - 1 - again.images, ended)
+    move_target(again, 0.03)
+    assert images(again, 1, ended) and again.record.status == Status.CONVERGED
+    assert images(again, 5, servoing) and images(again, SERVO_IMAGES, ended)
+    assert again.loop.camera_pose()[:3, 3] - before == pytest.approx([0.0, 0.03, 0.0], abs=1e-3)
 
 
 def test_without_follow_it_stays(run):
