@@ -13,9 +13,9 @@ MOVED_M, MOVED_RAD = 2e-4, 1e-3
 
 
 class Following:
-    """Compares where the target is with where it was in the image with which the servo ended. A user may drag it until
-    the servo's time is up and then hold it still: so after TIMED_OUT it is compared with where it was when the servo
-    began."""
+    """Compares where the target is with where it was in the image with which the servo ended. After TIMED_OUT it
+    compares with where the target was when the servo began, because a user may have dragged it until the time was up
+    and held it still from then on."""
 
     def __init__(self):
         self._phase, self._begun, self._known = "", None, None

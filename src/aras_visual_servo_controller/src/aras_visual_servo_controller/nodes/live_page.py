@@ -41,7 +41,7 @@ EXIT_STOPPED, EXIT_PARAMETERS = 0, 2
 LOOK_S = 1.0 / 60.0
 #: Images are listened to for this long after the last page was ready for one [s].
 LINGER_S = 1.0
-#: Places of the target that are kept until the image of the same stamp is answered.
+#: How many places of the target are kept: one that belongs to an image is needed once that image is answered.
 MOST_TARGETS = 1000
 #: Settings that nodes take over while they run.
 ROS_AT_ONCE = tuple(pattern for pattern in AT_ONCE if pattern.startswith(("servo", "sim")))
