@@ -14,7 +14,7 @@ import time
 WORKSPACE = pathlib.Path(__file__).resolve().parents[1]
 LIGHT_BENCH = WORKSPACE / "build/aras_visual_servo_sim/light_bench"
 SIM_BENCH = WORKSPACE / "src/aras_visual_servo_sim/bench"
-STOP_RULE = WORKSPACE / "src/aras_visual_servo_controller/bench/stop_rule.py"
+STOP_RULE = WORKSPACE / "src/aras_visual_servo_study/bench/stop_rule.py"
 
 
 def python_bench(program, *arguments):
@@ -80,8 +80,8 @@ def calibration_ms():
 
 
 def accuracy(names):
-    from aras_visual_servo_controller.run.judge import fit_decay, judge, run_in_process
-    from aras_visual_servo_controller.scenario.scenario import load_scenario
+    from aras_visual_servo.runs.judge import fit_decay, judge, run_in_process
+    from aras_visual_servo.scenario.scenario import load_scenario
 
     for name in names:
         record = run_in_process(load_scenario(name))
@@ -97,8 +97,8 @@ def accuracy(names):
 
 
 def loop_factor():
-    from aras_visual_servo_controller.run.loop import ServoLoop
-    from aras_visual_servo_controller.scenario.scenario import load_scenario
+    from aras_visual_servo.runs.loop import ServoLoop
+    from aras_visual_servo.scenario.scenario import load_scenario
 
     loop = ServoLoop(load_scenario("experiment_1"))
     record = loop.run()
@@ -186,7 +186,7 @@ def micro():
 
 
 def laws():
-    subprocess.run([sys.executable, WORKSPACE / "src/aras_visual_servo_controller/bench/law_times.py"], check=True)
+    subprocess.run([sys.executable, WORKSPACE / "src/aras_visual_servo_study/bench/law_times.py"], check=True)
 
 
 def read_beside(entries):

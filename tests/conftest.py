@@ -15,8 +15,8 @@ sys.path.append(str(ROOT / "tests" / "support"))
 
 @functools.lru_cache(maxsize=None)
 def _run(name, changes):
-    from aras_visual_servo_controller.run.judge import run_in_process
-    from aras_visual_servo_controller.scenario.scenario import load_scenario
+    from aras_visual_servo.runs.judge import run_in_process
+    from aras_visual_servo.scenario.scenario import load_scenario
 
     return run_in_process(load_scenario(name, overrides=dict(changes)))
 

@@ -3,9 +3,9 @@ import pathlib
 import subprocess
 import tempfile
 
-from aras_visual_servo_controller.report.video import save_video
-from aras_visual_servo_controller.run.judge import run_in_process
-from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo_study.report.video import save_video
+from aras_visual_servo.runs.judge import run_in_process
+from aras_visual_servo.scenario.scenario import load_scenario
 
 WIDTH, RATE_HZ = 800, 10
 #: Of WebP, 0 to 100: below 60 the curves get smudged.

@@ -22,8 +22,8 @@ def run_figures(scenario, settings=None, motion=None):
     Args:
         scenario: its name.  settings: {dotted path: value}.  motion: what the first model of the scene does.
     """
-    from aras_visual_servo_controller.run.judge import judge, run_in_process, tracking
-    from aras_visual_servo_controller.scenario.scenario import load_scenario
+    from aras_visual_servo.runs.judge import judge, run_in_process, tracking
+    from aras_visual_servo.scenario.scenario import load_scenario
 
     settings = dict(settings or {})
     if motion:
@@ -72,9 +72,9 @@ def made_by_bench(figures, measured):
 
 def sweep_figures(folder):
     """(scenario, {KEY: value}) of a sweep: counts, of runs that every metric speaks of too, and medians."""
-    from aras_visual_servo_controller.sweep.metrics import known_metrics
-    from aras_visual_servo_controller.sweep.statistics import aggregate
-    from aras_visual_servo_controller.sweep.store import SweepStore
+    from aras_visual_servo_study.sweep.metrics import known_metrics
+    from aras_visual_servo_study.sweep.statistics import aggregate
+    from aras_visual_servo_study.sweep.store import SweepStore
 
     with SweepStore.open(folder) as store:
         rows, scenario = store.rows(), store.meta["setup"]["scenario"]["name"]
@@ -97,8 +97,8 @@ def made_by_sweep(figures, folder):
 
 def made_by_stop_rule(figures, path):
     """{name: value} of all figures `stop_rule.KEY`, of the lines of JSON that `script/bench --stop-rule` wrote."""
-    from aras_visual_servo_controller.sweep.statistics import wilson
-    from aras_visual_servo_controller.sweep.stop_rule import tally
+    from aras_visual_servo_study.sweep.statistics import wilson
+    from aras_visual_servo_study.sweep.stop_rule import tally
 
     counts = dict(tally([json.loads(line) for line in path.read_text().splitlines()])["all"])
     counts["missed_percent"] = 100.0 * counts["missed"] / counts["inside"]

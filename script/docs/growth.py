@@ -17,10 +17,10 @@ import time
 import numpy as np
 
 from aras_visual_servo_camera import MomentExtractor
-from aras_visual_servo_controller.run.loop import ServoLoop
-from aras_visual_servo_controller.run.record import RecordBuilder
-from aras_visual_servo_controller.scenario.scenario import load_scenario
-from aras_visual_servo_controller.sweep.local import run_local
+from aras_visual_servo.runs.loop import ServoLoop
+from aras_visual_servo.runs.record import RecordBuilder
+from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo_study.sweep.local import run_local
 from aras_visual_servo_sim import Simulation
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[2]

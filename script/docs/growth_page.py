@@ -9,7 +9,7 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from aras_visual_servo_controller.report.figure import STYLE
+from aras_visual_servo_study.report.figure import STYLE
 
 #: A series bends where one more costs this many times what it cost before.
 BEND = 1.5

@@ -7,10 +7,10 @@ from collections import Counter
 
 import numpy as np
 
-from aras_visual_servo_controller.arm.kinematics import Kinematics
-from aras_visual_servo_controller.scenario.scenario import load_scenario
-from aras_visual_servo_controller.sweep.plan import SweepSettings, make_starts
-from aras_visual_servo_controller.sweep.run import Bench
+from aras_visual_servo.arm.kinematics import Kinematics
+from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo_study.sweep.plan import SweepSettings, make_starts
+from aras_visual_servo_study.sweep.run import Bench
 
 STARTS, SEED, DRAWN = 16, 0, 64
 AXES = ("x_mm", "y_mm", "z_mm", "angle_deg")

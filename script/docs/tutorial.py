@@ -3,8 +3,8 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from aras_visual_servo_controller.run.judge import run_in_process
-from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo.runs.judge import run_in_process
+from aras_visual_servo.scenario.scenario import load_scenario
 
 GAINS_PER_S = (3.0, 1.0)
 COLOURS = ("#0072b2", "#d55e00")

@@ -3,12 +3,12 @@ import pathlib
 
 import pytest
 
-from aras_visual_servo_controller.arm.reach import reach
-from aras_visual_servo_controller.arm.robot import robot_kinematics
-from aras_visual_servo_controller.compare.laws import load_comparison, run_comparison
-from aras_visual_servo_controller.ground.types import Status
-from aras_visual_servo_controller.sweep.plan import Start
-from aras_visual_servo_controller.sweep.run import Bench
+from aras_visual_servo.arm.reach import reach
+from aras_visual_servo.arm.robot import robot_kinematics
+from aras_visual_servo_study.compare.laws import load_comparison, run_comparison
+from aras_visual_servo.ground.types import Status
+from aras_visual_servo_study.sweep.plan import Start
+from aras_visual_servo_study.sweep.run import Bench
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 LAWS, TASKS = ("points_mean", "pbvs"), ("turn_90", "retreat", "general")

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import yaml
 
-from aras_visual_servo_controller.run.judge import judge
-from aras_visual_servo_controller.run.loop import ServoLoop
-from aras_visual_servo_controller.scenario.scenario import load_scenario, scenario_from_dict
-from aras_visual_servo_controller.ground.types import Status
+from aras_visual_servo.runs.judge import judge
+from aras_visual_servo.runs.loop import ServoLoop
+from aras_visual_servo.scenario.scenario import load_scenario, scenario_from_dict
+from aras_visual_servo.ground.types import Status
 
 # The promise for coverage images, see test_in_process.py.
 COVERAGE_MM_DEG = {"x_mm": 0.2, "y_mm": 0.2, "z_mm": 0.5, "angle_deg": 0.05}

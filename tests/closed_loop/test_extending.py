@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 import yaml
 
-from aras_visual_servo_controller.ground.errors import ParameterError
-from aras_visual_servo_controller.run.judge import judge, run_in_process
-from aras_visual_servo_controller.run.loop import ServoLoop
-from aras_visual_servo_controller.scenario.extends import merge
-from aras_visual_servo_controller.scenario.scenario import load_scenario
-from aras_visual_servo_controller.servo.settings import ServoSettings
+from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo.runs.judge import judge, run_in_process
+from aras_visual_servo.runs.loop import ServoLoop
+from aras_visual_servo.scenario.extends import merge
+from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo.servo.settings import ServoSettings
 
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "extending.md"
 MAX_LINES = 45
@@ -29,8 +29,8 @@ def block(language):
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """A folder with both files in it, where Python looks for modules; what it registers is forgotten afterwards."""
-    from aras_visual_servo_controller.features import base as features
-    from aras_visual_servo_controller.laws import base as laws
+    from aras_visual_servo.features import base as features
+    from aras_visual_servo.laws import base as laws
 
     (tmp_path / "my_servo.py").write_text(block("python"))
     (tmp_path / "mine.yaml").write_text(block("yaml"))
@@ -64,7 +64,7 @@ def test_its_feature_and_its_law_arrive_at_the_true_pose_no_faster_than_they_say
 
 
 def test_its_row_is_that_of_the_depth_over_the_depth(folder):
-    from aras_visual_servo_controller.features.base import FeatureSet, View
+    from aras_visual_servo.features.base import FeatureSet, View
 
     importlib.import_module("my_servo")
     loop = ServoLoop(load_scenario("experiment_1", overrides()))

@@ -2,9 +2,9 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.run.judge import judge
-from aras_visual_servo_controller.arm.kinematics import Kinematics
-from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo.runs.judge import judge
+from aras_visual_servo.arm.kinematics import Kinematics
+from aras_visual_servo.scenario.scenario import load_scenario
 
 #: Published Denavit-Hartenberg parameters of the UR5e: a [m], d [m], alpha [rad], from base to flange.
 DH = [(0.0, 0.1625, np.pi / 2), (-0.425, 0.0, 0.0), (-0.3922, 0.0, 0.0), (0.0, 0.1333, np.pi / 2),

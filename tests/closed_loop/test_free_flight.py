@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.compare.laws import load_comparison, run_comparison
-from aras_visual_servo_controller.compare.laws_report import arrived
-from aras_visual_servo_controller.config.files import load_yaml, resolve_uri
-from aras_visual_servo_controller.run.judge import fit_decay, judge, run_in_process
-from aras_visual_servo_controller.run.loop import ServoLoop
-from aras_visual_servo_controller.scenario.scenario import load_scenario
-from aras_visual_servo_controller.sweep.plan import SweepSettings, make_starts
-from aras_visual_servo_controller.sweep.run import Bench
+from aras_visual_servo_study.compare.laws import load_comparison, run_comparison
+from aras_visual_servo_study.compare.laws_report import arrived
+from aras_visual_servo.config.files import load_yaml, resolve_uri
+from aras_visual_servo.runs.judge import fit_decay, judge, run_in_process
+from aras_visual_servo.runs.loop import ServoLoop
+from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo_study.sweep.plan import SweepSettings, make_starts
+from aras_visual_servo_study.sweep.run import Bench
 
 Z_STAR_M, GAIN_PER_S = 0.5, 2.0
 #: Corners of the L in an image are known to some hundredths of a pixel: 0.02 mm near the target, 0.1 mm from 1.4 m.

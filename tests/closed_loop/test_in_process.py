@@ -6,8 +6,8 @@ one run measures is one to two orders below them (see README.md).
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.run.judge import fit_decay, judge
-from aras_visual_servo_controller.ground.types import Status
+from aras_visual_servo.runs.judge import fit_decay, judge
+from aras_visual_servo.ground.types import Status
 
 COVERAGE_MM_DEG = {"x_mm": 0.2, "y_mm": 0.2, "z_mm": 0.5, "angle_deg": 0.05}
 # The published rule stops at 1, 3, 5 mm and 0.057 deg of *feature* error; where it stops is judged. The bounds are what
@@ -58,8 +58,8 @@ def test_each_feature_error_decays_at_its_gain(run, scenario):
 
 
 def test_two_runs_give_the_same_bytes(run):
-    from aras_visual_servo_controller.run.judge import run_in_process
-    from aras_visual_servo_controller.scenario.scenario import load_scenario
+    from aras_visual_servo.runs.judge import run_in_process
+    from aras_visual_servo.scenario.scenario import load_scenario
 
     first, second = run("experiment_1"), run_in_process(load_scenario("experiment_1"))
     assert first.run_hash and first.run_hash == second.run_hash
@@ -68,7 +68,7 @@ def test_two_runs_give_the_same_bytes(run):
 
 
 def test_wrong_sign_of_the_law_does_not_arrive(run):
-    from aras_visual_servo_controller.laws import base as laws
+    from aras_visual_servo.laws import base as laws
 
     @laws.register("wrong_sign_for_test")
     class WrongSign(laws.Decoupled):
@@ -90,8 +90,8 @@ def test_target_out_of_view_at_the_start_ends_with_the_reason(run):
 
 
 def test_gain_of_zero_is_refused_by_name():
-    from aras_visual_servo_controller.ground.errors import ParameterError
-    from aras_visual_servo_controller.scenario.scenario import load_scenario
+    from aras_visual_servo.ground.errors import ParameterError
+    from aras_visual_servo.scenario.scenario import load_scenario
 
     with pytest.raises(ParameterError, match=r"gains_per_s\.xn"):
         load_scenario("experiment_1", overrides={"servo.gains_per_s.xn": 0.0})

@@ -2,9 +2,9 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.run.judge import judge
-from aras_visual_servo_controller.scenario.scenario import load_scenario
-from aras_visual_servo_controller.ground.types import Status
+from aras_visual_servo.runs.judge import judge
+from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo.ground.types import Status
 
 STOP_M = 1.49  # gantry limit, margin taken off
 DIFFER = {"name", "description", "servo.inverse.method", "servo.inverse.at_limits",

@@ -1,6 +1,6 @@
 """Kernel projections in the closed loop, judged by the true camera pose."""
 
-from aras_visual_servo_controller.run.judge import judge
+from aras_visual_servo.runs.judge import judge
 
 # The promise for coverage images, see test_in_process.py.
 COVERAGE_MM_DEG = {"x_mm": 0.2, "y_mm": 0.2, "z_mm": 0.5, "angle_deg": 0.05}

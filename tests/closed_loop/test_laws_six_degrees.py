@@ -2,9 +2,9 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.run.judge import judge, run_in_process
-from aras_visual_servo_controller.scenario.scenario import load_scenario
-from aras_visual_servo_controller.sweep.perturb import perturbed
+from aras_visual_servo.runs.judge import judge, run_in_process
+from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo_study.sweep.perturb import perturbed
 
 # Corners leave 0.02 px, 0.06 mm; dry friction of the joints leaves a few tenths of a millimetre.
 SIX_MM_DEG = {"x_mm": 1.0, "y_mm": 1.0, "z_mm": 1.0, "angle_deg": 0.2}

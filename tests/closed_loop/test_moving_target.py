@@ -6,8 +6,8 @@ import copy
 
 import pytest
 
-from aras_visual_servo_controller.run.judge import judge, run_in_process, tracking
-from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo.runs.judge import judge, run_in_process, tracking
+from aras_visual_servo.scenario.scenario import load_scenario
 
 MOTIONS = {
     "constant_velocity": {"linear_m_per_s": [0.005, -0.03, 0.0], "angular_rad_per_s": [0.0, 0.0, 0.05]},

@@ -7,8 +7,8 @@ the reference (E. Malis, ICRA 2004); the image alone has the smaller domain.
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.run.judge import judge
-from aras_visual_servo_controller.ground.types import Status
+from aras_visual_servo.runs.judge import judge
+from aras_visual_servo.ground.types import Status
 
 # Dry friction of the joints leaves a few hundredths of a millimetre in one place and up to two tenths in another.
 MM_DEG = {"x_mm": 0.3, "y_mm": 0.3, "z_mm": 0.3, "angle_deg": 0.05}
@@ -78,8 +78,8 @@ def covered(image):
 
 def from_nearby(mapping, seen):
     """Judgement of a run from a quarter of the way, whose images are changed once the goal has been taught."""
-    from aras_visual_servo_controller.run.loop import ServoLoop
-    from aras_visual_servo_controller.scenario.scenario import load_scenario
+    from aras_visual_servo.runs.loop import ServoLoop
+    from aras_visual_servo.scenario.scenario import load_scenario
     goal, start = (load_scenario("six_dof_photometric").experiment[name]["joints"] for name in ("goal", "start"))
     loop = ServoLoop(load_scenario("six_dof_photometric", {
         "experiment.start.joints": {name: goal[name] + 0.25 * (start[name] - goal[name]) for name in goal},
@@ -105,7 +105,7 @@ def test_information_stays_near_the_goal_where_grey_levels_lead_away(seen):
 
 
 def test_arrives_through_a_distorting_lens(run):
-    from aras_visual_servo_controller.scenario.scenario import load_scenario
+    from aras_visual_servo.scenario.scenario import load_scenario
     cameras = load_scenario("six_dof_photometric").sim["cameras"]
     cameras[0]["distortion"] = LENS
     assert_arrives(judge(_run("six_dof_photometric", {"sim.cameras": cameras})))
@@ -113,8 +113,8 @@ def test_arrives_through_a_distorting_lens(run):
 
 def _run(name, changes):
     """A run whose changes cannot be a key of the cache."""
-    from aras_visual_servo_controller.run.judge import run_in_process
-    from aras_visual_servo_controller.scenario.scenario import load_scenario
+    from aras_visual_servo.runs.judge import run_in_process
+    from aras_visual_servo.scenario.scenario import load_scenario
     return run_in_process(load_scenario(name, changes))
 
 

@@ -3,17 +3,17 @@ import math
 
 import pytest
 
-from aras_visual_servo_controller.ground.errors import ParameterError
-from aras_visual_servo_controller.run.judge import judge, run_in_process
-from aras_visual_servo_controller.arm.kinematics import Kinematics
-from aras_visual_servo_controller.run.loop import ServoLoop
-from aras_visual_servo_controller.scenario.scenario import load_scenario
-from aras_visual_servo_controller.ground.types import Status
+from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo.runs.judge import judge, run_in_process
+from aras_visual_servo.arm.kinematics import Kinematics
+from aras_visual_servo.runs.loop import ServoLoop
+from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo.ground.types import Status
 
 # Coverage images leave about 0.1 mm and 0.01 deg, dry friction of the joints a few tenths of a millimetre.
 SIX_MM_DEG = {"x_mm": 1.0, "y_mm": 1.0, "z_mm": 1.0, "angle_deg": 0.2}
 SIX_AXIS = {"robot.urdf": "package://aras_description/urdf/aras_arm_6axis.urdf",
-            "robot.controllers": "package://aras_visual_servo_controller/config/joint_controllers_6axis.yaml"}
+            "robot.controllers": "package://aras_visual_servo/config/joint_controllers_6axis.yaml"}
 # On the optical axis of a goal tilted by 30 deg, 0.6 m from the optical centre.
 POSITION_30 = [-0.295051, 0.05, 0.319933]
 S, P = ("sx", "sy"), ("px", "py")

@@ -1,8 +1,8 @@
 """CONVERGED means that the camera has arrived: forty of the runs of `script/bench --stop-rule`, from the same draw."""
 import numpy as np
-from aras_visual_servo_controller.ground.types import Status
-from aras_visual_servo_controller.run.judge import judge
-from aras_visual_servo_controller.sweep.stop_rule import draw, run_case, tally
+from aras_visual_servo.ground.types import Status
+from aras_visual_servo.runs.judge import judge
+from aras_visual_servo_study.sweep.stop_rule import draw, run_case, tally
 
 RUNS, SEED = 40, 11
 #: Of forty runs. One in a hundred is the aim (docs/sweeps.md), and two of forty come of it once in seventeen draws.

@@ -4,9 +4,9 @@ import copy
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.run.judge import judge, run_in_process
-from aras_visual_servo_controller.scenario.scenario import load_scenario
-from aras_visual_servo_controller.ground.types import Status
+from aras_visual_servo.runs.judge import judge, run_in_process
+from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo.ground.types import Status
 
 AWAY_M = 5.0
 #: The servo of experiment_1 begins at 2.7 s; at 3.2 s the arm is half-way.

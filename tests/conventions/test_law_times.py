@@ -9,13 +9,13 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "features_and_laws.md"
 #: All three are rounded: the SVD to 0.05 us, the law to 0.5 us and their ratio to 0.05.
 SVD_US, LAW_US, RATIO = 0.05, 0.5, 0.05
-AGAIN = "python3 src/aras_visual_servo_controller/bench/law_times.py --write docs/features_and_laws.md makes it again"
+AGAIN = "python3 src/aras_visual_servo_study/bench/law_times.py --write docs/features_and_laws.md makes it again"
 
 
 @pytest.fixture(scope="module")
 def law_times():
     spec = importlib.util.spec_from_file_location(
-        "law_times", ROOT / "src/aras_visual_servo_controller/bench/law_times.py")
+        "law_times", ROOT / "src/aras_visual_servo_study/bench/law_times.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module

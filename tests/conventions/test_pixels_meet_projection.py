@@ -51,7 +51,7 @@ def seen_and_projected(X_CT, camera):
     from aras_visual_servo_sim import Simulation
     from scipy.spatial.transform import Rotation
 
-    from aras_visual_servo_controller.config.files import load_yaml, package_paths, resolve_uri
+    from aras_visual_servo.config.files import load_yaml, package_paths, resolve_uri
 
     target = "package://aras_description/targets/blob.yaml"
     # The camera hangs still.

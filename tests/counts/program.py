@@ -4,9 +4,9 @@ The counts begin when the simulator is reset the second time, and end when its r
 """
 import sys
 
-from aras_visual_servo_controller.run.loop import ServoLoop
-from aras_visual_servo_controller.run.record import RecordBuilder
-from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo.runs.loop import ServoLoop
+from aras_visual_servo.runs.record import RecordBuilder
+from aras_visual_servo.scenario.scenario import load_scenario
 
 #: Frames of each way of the loop: the arm drives, rests, and servos.
 FRAMES = 40

@@ -8,7 +8,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AsyncVectorEnv
 
-from aras_visual_servo_controller.ground.errors import ParameterError
+from aras_visual_servo.ground.errors import ParameterError
 from aras_visual_servo_learning import ENVIRONMENTS
 
 MODULE = "aras_visual_servo_learning:"

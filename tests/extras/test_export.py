@@ -10,9 +10,9 @@ import pytest
 import yaml
 from mcap.reader import make_reader
 
-from aras_visual_servo_controller.cli.sweep import sweep_main
-from aras_visual_servo_controller.run.judge import judge, run_in_process
-from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo_study.cli.sweep import sweep_main
+from aras_visual_servo.runs.judge import judge, run_in_process
+from aras_visual_servo.scenario.scenario import load_scenario
 from aras_visual_servo_learning.command import export_main
 
 STARTS = 3

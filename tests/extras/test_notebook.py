@@ -5,8 +5,8 @@ import re
 import nbformat
 from nbconvert.preprocessors import ExecutePreprocessor
 
-from aras_visual_servo_controller.run.judge import run_in_process
-from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo.runs.judge import run_in_process
+from aras_visual_servo.scenario.scenario import load_scenario
 
 NOTEBOOK = pathlib.Path(__file__).resolve().parents[2] / "docs" / "tutorial.ipynb"
 #: Instead of 200 in the notebook: the way is the same.

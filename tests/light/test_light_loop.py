@@ -5,9 +5,9 @@ import copy
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.run.judge import judge
-from aras_visual_servo_controller.run.loop import ServoLoop
-from aras_visual_servo_controller.scenario.scenario import load_scenario, scenario_from_dict
+from aras_visual_servo.runs.judge import judge
+from aras_visual_servo.runs.loop import ServoLoop
+from aras_visual_servo.scenario.scenario import load_scenario, scenario_from_dict
 
 # The target and its card are drawn by the same code as by the coverage renderer, so that the loop goes the same way.
 SAME_WAY_M = 3e-6

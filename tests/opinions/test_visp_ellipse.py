@@ -4,10 +4,10 @@ import round_views as rounds
 from views import exponential, plane_of, tilted_pose
 from visp import visp_servo
 
-from aras_visual_servo_controller.features.base import FeatureSet, View
-from aras_visual_servo_controller.ground.types import Reference
-from aras_visual_servo_controller.laws import LawSetup, make_law
-from aras_visual_servo_controller.laws.look import Look
+from aras_visual_servo.features.base import FeatureSet, View
+from aras_visual_servo.ground.types import Reference
+from aras_visual_servo.laws import LawSetup, make_law
+from aras_visual_servo.laws.look import Look
 
 CASES = 30
 #: Of a twist's length. Rounding times the condition of what is inverted.

@@ -14,9 +14,9 @@ from views import look_at
 from visp import visp_servo
 
 import aras_visual_servo_camera as camera
-from aras_visual_servo_controller.ground.types import Reference
-from aras_visual_servo_controller.laws import LawSetup, make_law
-from aras_visual_servo_controller.laws.photometric import PhotometricSettings
+from aras_visual_servo.ground.types import Reference
+from aras_visual_servo.laws import LawSetup, make_law
+from aras_visual_servo.laws.photometric import PhotometricSettings
 
 CASES = 60
 INTERACTIONS = ("desired", "current", "mean")

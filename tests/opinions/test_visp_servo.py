@@ -9,11 +9,11 @@ from toy_plant import Camera, polygon_moments
 from views import exponential, look_at, plane_of, tilted_pose
 from visp import visp_servo
 
-from aras_visual_servo_controller.features.base import FeatureSet
-from aras_visual_servo_controller.ground.types import Reference
-from aras_visual_servo_controller.laws import LawSetup, make_law
-from aras_visual_servo_controller.laws.base import adaptive_factor
-from aras_visual_servo_controller.laws.setup import AdaptiveGainSettings
+from aras_visual_servo.features.base import FeatureSet
+from aras_visual_servo.ground.types import Reference
+from aras_visual_servo.laws import LawSetup, make_law
+from aras_visual_servo.laws.base import adaptive_factor
+from aras_visual_servo.laws.setup import AdaptiveGainSettings
 
 CASES = 60
 #: Of a twist's length. Rounding times the condition of what is inverted, at most some thousand.

@@ -2,7 +2,7 @@
 import json
 import sys
 
-from aras_visual_servo_controller.arm.kinematics import Kinematics
+from aras_visual_servo.arm.kinematics import Kinematics
 
 
 def main():

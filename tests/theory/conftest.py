@@ -5,5 +5,5 @@ import sys
 HERE = pathlib.Path(__file__).resolve().parent
 SOURCES = HERE.parents[1] / "src"
 sys.path.insert(0, str(HERE / "support"))
-sys.path.insert(0, str(SOURCES / "aras_visual_servo_controller/test/support"))
+sys.path.insert(0, str(SOURCES / "aras_visual_servo/test/support"))
 sys.path.append(str(SOURCES / "aras_visual_servo_camera/test/unit"))  # textured_plane

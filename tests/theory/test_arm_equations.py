@@ -9,16 +9,16 @@ from scenes import SEEDS, derivative, in_product, moments_of, pose, rows_same, s
 from test_interaction_equations import product_centred, product_of
 from toy_plant import picture
 
-from aras_visual_servo_controller.arm.damping import RULES
-from aras_visual_servo_controller.arm.kinematics import Kinematics
-from aras_visual_servo_controller.arm.redundancy import TwistInverse, norm_part
-from aras_visual_servo_controller.config.files import load_yaml
-from aras_visual_servo_controller.features import interaction
-from aras_visual_servo_controller.servo.visibility import VisibilitySettings, keep_in_view
+from aras_visual_servo.arm.damping import RULES
+from aras_visual_servo.arm.kinematics import Kinematics
+from aras_visual_servo.arm.redundancy import TwistInverse, norm_part
+from aras_visual_servo.config.files import load_yaml
+from aras_visual_servo.features import interaction
+from aras_visual_servo.servo.visibility import VisibilitySettings, keep_in_view
 
 SOURCE = THEORY.parents[1] / "src"
 URDF = (SOURCE / "aras_description" / "urdf" / "aras_arm.urdf").read_text()
-SCENARIO = load_yaml(SOURCE / "aras_visual_servo_controller/config/scenarios/experiment_1.yaml")
+SCENARIO = load_yaml(SOURCE / "aras_visual_servo/config/scenarios/experiment_1.yaml")
 GOAL = SCENARIO["experiment"]["goal"]["joints"]
 #: Bent, turned and tilted: no row or column of the Jacobian vanishes.
 BENT = {"gantry": 0.3, "J1": 0.4, "J2": -0.5, "J3": 0.8, "J5": 0.3, "J6": 0.6}

@@ -9,10 +9,10 @@ from test_interaction_equations import product_centred, product_of
 from toy_plant import OUTLINE, Camera, picture
 from views import plane_of
 
-from aras_visual_servo_controller.features import interaction
-from aras_visual_servo_controller.features.base import FeatureSet, View
-from aras_visual_servo_controller.features.kinds.kernel import kernel_row
-from aras_visual_servo_controller.features.target.target_pose import PlanarTarget
+from aras_visual_servo.features import interaction
+from aras_visual_servo.features.base import FeatureSet, View
+from aras_visual_servo.features.kinds.kernel import kernel_row
+from aras_visual_servo.features.target.target_pose import PlanarTarget
 
 ENDS = ((0, 1), (2, 3), (4, 0))  # of segments of the outline
 

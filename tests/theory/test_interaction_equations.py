@@ -7,7 +7,7 @@ from equations import equation, formula, same
 from scenes import AREA_STAR, SEEDS, Z_STAR, derivative, in_product, moments_of, pose, rows_same, seen
 from toy_plant import OUTLINE, angle_between, picture
 
-from aras_visual_servo_controller.features import interaction
+from aras_visual_servo.features import interaction
 
 CENTRED = [(i, k - i) for k in (2, 3, 4) for i in range(k + 1)]
 

@@ -11,10 +11,10 @@ from toy_plant import Camera, picture
 from views import exponential, parallel_pose, plane_of
 from visp_values import POLYGON, VISP
 
-from aras_visual_servo_controller.config.files import load_yaml
-from aras_visual_servo_controller.features import interaction
-from aras_visual_servo_controller.features.base import FeatureSet, View
-from aras_visual_servo_controller.ground.errors import DegenerateFeature
+from aras_visual_servo.config.files import load_yaml
+from aras_visual_servo.features import interaction
+from aras_visual_servo.features.base import FeatureSet, View
+from aras_visual_servo.ground.errors import DegenerateFeature
 
 VISP_DIGITS = 1e-9  # of its numbers, printed with thirteen
 #: In which no invariant nearly vanishes.

@@ -8,9 +8,9 @@ from scenes import moved
 from toy_plant import OUTLINE, angle_between
 from views import STEP, parallel_pose, plane_of, tilted_pose, view
 
-from aras_visual_servo_controller.features.base import FeatureSet
-from aras_visual_servo_controller.laws.base import adaptive_factor, sampled_gains
-from aras_visual_servo_controller.laws.setup import AdaptiveGainSettings
+from aras_visual_servo.features.base import FeatureSet
+from aras_visual_servo.laws.base import adaptive_factor, sampled_gains
+from aras_visual_servo.laws.setup import AdaptiveGainSettings
 
 GAINS = np.array([3.0, 2.0, 4.0, 1.5])
 GOAL = parallel_pose()

@@ -8,10 +8,10 @@ from scenes import Moments, in_product, moments_of, pose, seen
 from toy_plant import OUTLINE, picture
 from views import parallel_pose
 
-from aras_visual_servo_controller.features import interaction
-from aras_visual_servo_controller.features.base import FeatureSet
-from aras_visual_servo_controller.ground.errors import DegenerateFeature
-from aras_visual_servo_controller.features.target.target_pose import PlanarTarget
+from aras_visual_servo.features import interaction
+from aras_visual_servo.features.base import FeatureSet
+from aras_visual_servo.ground.errors import DegenerateFeature
+from aras_visual_servo.features.target.target_pose import PlanarTarget
 
 SEEDS = (1, 2, 3)
 ORDERS = [(i, j) for i in range(5) for j in range(5 - i)]

@@ -10,13 +10,13 @@ from toy_plant import OUTLINE
 from views import exponential as exponential_of
 from views import parallel_pose, plane_of, tilted_pose, view
 
-from aras_visual_servo_controller.laws.broyden import BroydenSettings
-from aras_visual_servo_controller.laws.sliding import SlidingSettings
-from aras_visual_servo_controller.features.base import FeatureSet, View
-from aras_visual_servo_controller.ground.spatial import exponential as pose_by
-from aras_visual_servo_controller.ground.spatial import rotation_vector
-from aras_visual_servo_controller.laws.sliding import _rate
-from aras_visual_servo_controller.servo.stop_rule import GoalPose, StopRule, StopSettings
+from aras_visual_servo.laws.broyden import BroydenSettings
+from aras_visual_servo.laws.sliding import SlidingSettings
+from aras_visual_servo.features.base import FeatureSet, View
+from aras_visual_servo.spatial import exponential as pose_by
+from aras_visual_servo.spatial import rotation_vector
+from aras_visual_servo.laws.sliding import _rate
+from aras_visual_servo.servo.stop_rule import GoalPose, StopRule, StopSettings
 
 GAINS = np.array([3.0, 2.0, 4.0, 1.5])
 GOAL = parallel_pose()

@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 from toy_plant import OUTLINE, Camera, picture
 from views import STEP, exponential, parallel_pose, plane_of, tilted_pose
 
-from aras_visual_servo_controller.features.target.points_pose import PlanarPoints
-from aras_visual_servo_controller.features.target.target_pose import PlanarTarget
+from aras_visual_servo.features.target.points_pose import PlanarPoints
+from aras_visual_servo.features.target.target_pose import PlanarTarget
 
 MEASURED = [(i, k - i) for k in (2, 3) for i in range(k, -1, -1)]
 AWAY = np.array([0.02, -0.03, 0.04, 0.05, -0.06, 0.08])

@@ -10,11 +10,11 @@ from scenes import SEEDS, pose, rows_same
 from views import exponential, plane_of
 
 from aras_visual_servo_camera import MomentExtractor
-from aras_visual_servo_controller.features.base import FeatureSet, View
-from aras_visual_servo_controller.features.kinds import circle as circles
-from aras_visual_servo_controller.features.points import ray_rows
-from aras_visual_servo_controller.features.target.solid_points import SolidPoints
-from aras_visual_servo_controller.ground.types import Features
+from aras_visual_servo.features.base import FeatureSet, View
+from aras_visual_servo.features.kinds import circle as circles
+from aras_visual_servo.features.points import ray_rows
+from aras_visual_servo.features.target.solid_points import SolidPoints
+from aras_visual_servo.ground.types import Features
 
 RADIUS, CENTRE = 0.07, (0.03, -0.02, 0.05)
 BOARD = np.array([[-0.09, -0.05, 0.0], [0.09, -0.05, 0.0], [0.08, 0.06, 0.0], [-0.09, 0.05, 0.0], [0.02, 0.01, 0.0]])

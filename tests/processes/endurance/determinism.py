@@ -19,8 +19,8 @@ import goals as goals_module
 from disturber import MARK, Disturber
 from ros_graph import Graph
 
-from aras_visual_servo_controller.run.judge import run_in_process
-from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo.runs.judge import run_in_process
+from aras_visual_servo.scenario.scenario import load_scenario
 
 HERE = Path(__file__).resolve().parent
 SCENARIO = HERE / "goal.yaml"

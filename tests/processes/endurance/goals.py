@@ -19,7 +19,7 @@ from std_srvs.srv import Empty
 from aras_visual_servo_controller.bags.bag import read_bag
 from aras_visual_servo_controller.nodes.experiment import ExperimentNode, RunError
 from aras_visual_servo_controller.nodes.recording import Recording
-from aras_visual_servo_controller.report.report import trace_csv
+from aras_visual_servo_study.report.report import trace_csv
 
 __all__ = ["Goals", "RunError", "end", "hashes"]
 

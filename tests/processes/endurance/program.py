@@ -9,7 +9,7 @@ sys.path[:0] = [str(HERE), str(HERE.parents[1] / "support")]
 import determinism
 import soak
 
-from aras_visual_servo_controller.ground.processes import signals_raise
+from aras_visual_servo.processes import signals_raise
 
 
 def main():

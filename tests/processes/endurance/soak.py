@@ -19,7 +19,7 @@ import user as user_module
 from disturber import MARK, marked
 from ros_graph import Graph
 
-from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo.scenario.scenario import load_scenario
 
 HERE = Path(__file__).resolve().parent
 SCENARIO = HERE / "soak.yaml"

@@ -7,15 +7,15 @@ from bench import Bench, config
 from toy_plant import OUTLINE, Camera
 from views import look_at, plane_of, view
 
-from aras_visual_servo_controller.arm.kinematics import Kinematics
-from aras_visual_servo_controller.arm.motion import LIMIT_HORIZON, ArmMotion
-from aras_visual_servo_controller.features.base import FeatureSet, View
-from aras_visual_servo_controller.ground.types import Reference
-from aras_visual_servo_controller.laws import LawSetup, make_law
-from aras_visual_servo_controller.laws.broyden import BroydenSettings
-from aras_visual_servo_controller.laws.photometric import PhotometricSettings
-from aras_visual_servo_controller.servo.feed_forward import ConstantVelocity, FeedForwardSettings, TargetMotion
-from aras_visual_servo_controller.servo.settings import ServoSettings
+from aras_visual_servo.arm.kinematics import Kinematics
+from aras_visual_servo.arm.motion import LIMIT_HORIZON, ArmMotion
+from aras_visual_servo.features.base import FeatureSet, View
+from aras_visual_servo.ground.types import Reference
+from aras_visual_servo.laws import LawSetup, make_law
+from aras_visual_servo.laws.broyden import BroydenSettings
+from aras_visual_servo.laws.photometric import PhotometricSettings
+from aras_visual_servo.servo.feed_forward import ConstantVelocity, FeedForwardSettings, TargetMotion
+from aras_visual_servo.servo.settings import ServoSettings
 
 FOUR = ("xn", "yn", "an", "alpha")
 SIX = ("xn", "yn", "an", "sx", "sy", "alpha")

@@ -6,8 +6,8 @@ import views
 from toy_plant import OUTLINE, picture, polygon_moments
 from views import exponential, tilted_pose
 
-from aras_visual_servo_controller.features.base import View
-from aras_visual_servo_controller.ground.types import Features
+from aras_visual_servo.features.base import View
+from aras_visual_servo.ground.types import Features
 
 #: Of a row's largest entry: truncation and rounding of differences with views.STEP, see there.
 DIFFERENCES = views.TOLERANCE

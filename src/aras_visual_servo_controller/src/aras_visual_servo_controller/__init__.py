@@ -1,1 +1,1 @@
-"""Controller of ARAS Visual Servo: numpy core (no ROS) and thin rospy modules on top."""
+"""ROS side of ARAS Visual Servo: nodes, runs over ROS, bags, calibration and the real arm."""

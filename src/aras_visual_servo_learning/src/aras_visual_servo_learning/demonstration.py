@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from aras_visual_servo_controller.ground.spatial import rotation_vector
-from aras_visual_servo_controller.ground.types import Status
-from aras_visual_servo_controller.run.judge import goal_pose
+from aras_visual_servo.spatial import rotation_vector
+from aras_visual_servo.ground.types import Status
+from aras_visual_servo.runs.judge import goal_pose
 
 from .reward import ARRIVED, LENGTH_M
 

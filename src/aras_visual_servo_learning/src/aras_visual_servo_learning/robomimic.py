@@ -13,8 +13,8 @@ import json
 import numpy as np
 import yaml
 
-from aras_visual_servo_controller.ground.errors import ParameterError
-from aras_visual_servo_controller.ground.extras import extra
+from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo.ground.extras import extra
 
 from .demonstration import demonstration
 

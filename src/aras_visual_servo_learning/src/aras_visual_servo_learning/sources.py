@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from aras_visual_servo_controller.ground.errors import ParameterError
-from aras_visual_servo_controller.run.judge import run_in_process
-from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo.runs.judge import run_in_process
+from aras_visual_servo.scenario.scenario import load_scenario
 
 
 def is_bag(source):
@@ -15,7 +15,7 @@ def is_bag(source):
 
 def is_sweep(source):
     """Whether this is the folder of a sweep."""
-    from aras_visual_servo_controller.sweep.store import FILE
+    from aras_visual_servo_study.sweep.store import FILE
     return (Path(source) / FILE).is_file()
 
 
@@ -43,9 +43,9 @@ def records(sources, images=False):
 
 
 def _of_sweep(folder):
-    from aras_visual_servo_controller.sweep.run import Bench
-    from aras_visual_servo_controller.sweep.store import SweepStore
-    from aras_visual_servo_controller.sweep.worker import scenario_of
+    from aras_visual_servo_study.sweep.run import Bench
+    from aras_visual_servo_study.sweep.store import SweepStore
+    from aras_visual_servo_study.sweep.worker import scenario_of
     with SweepStore.open(folder) as store:
         starts, setup = store.starts(), store.meta["setup"]
     bench = Bench(scenario_of(setup), setup["drive_to_start"])

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from aras_visual_servo_controller.report.observer import Observer
-from aras_visual_servo_controller.run.record import RecordBuilder
+from aras_visual_servo_study.report.observer import Observer
+from aras_visual_servo.runs.record import RecordBuilder
 
 
 class Watcher:

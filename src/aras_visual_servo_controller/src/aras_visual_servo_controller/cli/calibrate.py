@@ -7,10 +7,10 @@ from pathlib import Path
 
 import yaml
 
-from .parser import command_parser, parse
-from .run import EXIT_PASSED, guarded
-from ..arm.real.calibration.boards import KINDS, Board
-from ..ground.errors import ParameterError
+from aras_visual_servo.cli.parser import command_parser, parse
+from aras_visual_servo.cli.run import EXIT_PASSED, guarded
+from ..calibration.boards import KINDS, Board
+from aras_visual_servo.ground.errors import ParameterError
 
 BOARD = "--columns 8 --rows 5 --size-m 0.03"
 EXAMPLES = ((f"camera images/*.png {BOARD} --output camera.yaml", "the intrinsics, as camera_info_url reads them"),
@@ -57,7 +57,7 @@ def _calibrate(arguments):
 
 
 def _camera(arguments, board):
-    from ..arm.real.calibration.camera import calibrate_camera
+    from ..calibration.camera import calibrate_camera
     images = [_image(path) for path in arguments.files]
     sizes = {image.shape[1::-1] for image in images}
     if len(sizes) != 1:
@@ -74,9 +74,9 @@ def _camera(arguments, board):
 
 
 def _hand_eye(arguments, board):
-    from ..arm.real.calibration.hand_eye import calibrate_hand_eye
-    from ..arm.robot import robot_kinematics
-    from ..scenario.scenario import load_scenario
+    from ..calibration.hand_eye import calibrate_hand_eye
+    from aras_visual_servo.arm.robot import robot_kinematics
+    from aras_visual_servo.scenario.scenario import load_scenario
     for key in ("scenario", "link"):
         if not getattr(arguments, key):
             raise ParameterError(f"--{key}: found nothing, `calibrate hand_eye` needs it")
@@ -98,7 +98,7 @@ def _hand_eye(arguments, board):
 
 
 def _target(arguments, board):
-    from ..arm.real.calibration.target import target_plane
+    from ..calibration.target import target_plane
     if len(arguments.files) != 1:
         raise ParameterError(f"target: found {len(arguments.files)} images, allowed one, at the goal")
     names, (view,) = _found(arguments.files, [_image(path) for path in arguments.files], board)
@@ -134,7 +134,7 @@ def _found(names, images, board):
 
 
 def _camera_of(arguments):
-    from ..arm.real.calibration.camera import CameraCalibration
+    from ..calibration.camera import CameraCalibration
     if not arguments.camera:
         raise ParameterError(f"--camera: found nothing, `calibrate {arguments.what}` needs the file that `calibrate "
                              "camera` wrote")

@@ -23,14 +23,14 @@ from aras_visual_servo_msgs.srv import PauseAt, PauseAtRequest, SetReference, Se
 
 from . import conversions as convert
 from .calls.action_server import ActionServer
-from ..ground.errors import ArasError, ParameterError
-from ..ground.processes import check_signals
-from ..arm.real.float_commands import SetPointIntegrator
+from aras_visual_servo.ground.errors import ArasError, ParameterError
+from aras_visual_servo.processes import check_signals
+from ..real.float_commands import SetPointIntegrator
 from .null_space_topic import NullSpaceTopic
-from ..run.pairing import StampPairer
+from aras_visual_servo.runs.pairing import StampPairer
 from .parameters import ControllerSetup, Parameters
-from ..run.session import Session
-from ..ground.types import Reference, ServoRecord, Status
+from aras_visual_servo.runs.session import Session
+from aras_visual_servo.ground.types import Reference, ServoRecord, Status
 
 LONGEST_PAUSE_S = 1e4     # simulated time after the end of a goal
 SERVICE_TIMEOUT_S = 5.0   # wall time; camera/set_reference

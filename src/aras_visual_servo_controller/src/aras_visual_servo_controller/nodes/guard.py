@@ -15,7 +15,7 @@ import sys
 import time
 from pathlib import Path
 
-from ..ground.processes import processes_of
+from aras_visual_servo.processes import processes_of
 
 ORDERLY_S = 2.0    # wall time that nodes get to end, before they are killed
 RECORDER_S = 60.0  # wall time that the simulator gets to close its bag on a slow disk

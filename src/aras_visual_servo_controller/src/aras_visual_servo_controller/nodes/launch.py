@@ -15,11 +15,11 @@ import sys
 from pathlib import Path
 from urllib.parse import urlparse
 
-from ..ground.errors import ArasError
-from ..ground.processes import MARK, check_signals, marked, signals_held, temporary_folder
+from aras_visual_servo.ground.errors import ArasError
+from aras_visual_servo.processes import MARK, check_signals, marked, signals_held, temporary_folder
+from aras_visual_servo.studies import study
 from . import guard as guards
 from .graph import Graph
-from ..report.report import format_summary
 
 LAUNCH_FILE = ("aras_visual_servo_controller", "servo.launch")
 NAMESPACE = "aras_visual_servo"  # that of servo.launch
@@ -122,7 +122,7 @@ def _tell(parent, before, log, code):
     made = _keep_log(parent, before, log)
     if made and (made[-1] / "summary.json").is_file():
         summary = json.loads((made[-1] / "summary.json").read_text(encoding="utf-8"))
-        print(format_summary({**summary, "report": str(made[-1] / "report.html")}))
+        print(study("report").format_summary({**summary, "report": str(made[-1] / "report.html")}))
     else:
         lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
         print("\n".join(lines[-TAIL_LINES:]), file=sys.stderr)

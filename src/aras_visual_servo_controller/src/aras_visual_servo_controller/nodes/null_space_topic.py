@@ -24,7 +24,7 @@ class _Loader(rospy.SubscribeListener):
 
     def peer_subscribe(self, *_):
         """Somebody has subscribed."""
-        from ..arm import null_space_bars
+        from aras_visual_servo.arm import null_space_bars
         self.bars = null_space_bars
 
 

@@ -17,12 +17,12 @@ from aras_visual_servo_msgs.msg import InputTiming
 from . import conversions as convert
 from .controller import ControllerNode, main as run_node
 from .parameters import Parameters
-from ..ground.errors import ArasError, ParameterError
-from ..ground.types import ServoRecord, Status
-from ..arm.real.arm_link import ArmLink
-from ..arm.real.forms.base import SetPoint, make_form
-from ..arm.real.prediction import predicted
-from ..arm.real.settings import RealSettings
+from aras_visual_servo.ground.errors import ArasError, ParameterError
+from aras_visual_servo.ground.types import ServoRecord, Status
+from ..real.arm_link import ArmLink
+from aras_visual_servo.arm.real.forms.base import SetPoint, make_form
+from ..real.prediction import predicted
+from aras_visual_servo.arm.real.settings import RealSettings
 
 SHOW_LATENCY_S = 10.0  # ROS time between two lines of the log
 

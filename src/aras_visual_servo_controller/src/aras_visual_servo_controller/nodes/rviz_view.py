@@ -20,8 +20,8 @@ from aras_visual_servo_msgs.msg import ServoState, VisualServoActionGoal
 
 from . import conversions as convert
 from .calls.services import SERVICE_TIMEOUT_S, call_service
-from ..ground.errors import ParameterError
-from ..live.error_plot import ErrorPlot
+from aras_visual_servo.ground.errors import ParameterError
+from .error_plot import ErrorPlot
 from .parameters import ControllerSetup
 
 EXIT_STOPPED, EXIT_PARAMETERS = 0, 2

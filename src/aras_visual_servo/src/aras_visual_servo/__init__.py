@@ -1,0 +1,1 @@
+"""Visual servoing without ROS: features, laws, servo, scenarios and runs."""

@@ -1,0 +1,54 @@
+"""Overlays of the camera's pose: `pose`, the target's frame as the servo measures it; `reference`, the reference point
+of law `hybrid` with a ring that tells its depth."""
+
+import numpy as np
+
+from aras_visual_servo.palette import BLUE, GREEN, PURPLE, VERMILION
+from aras_visual_servo.spatial import inverse, rotation
+from .base import Overlay, Shape, Way, circle, register_overlay
+
+DISPLACEMENT = ("tx", "ty", "tz", "rx", "ry", "rz")
+#: Length of the axes and radius of the ring, as parts of the image's width.
+AXIS, RING = 0.13, 0.03
+
+
+@register_overlay("pose")
+def pose(scene, names):
+    """The target's axes: where the measured displacement puts them, or where they are if not all of it is measured."""
+    now, then = scene.target
+    if set(DISPLACEMENT) <= set(names):
+        s = np.stack([scene.values(name)[0] for name in DISPLACEMENT], axis=-1)
+        now = np.array([_displaced(one, then) for one in s])
+    length = AXIS * scene.width / scene.focal_px * abs(then[2, 3])
+    axes = [Shape(f"{name} of the target", colour, False, *(scene.seen_in(ends, X) for X in (now, then)))
+            for name, colour, ends in zip("xyz", (VERMILION, GREEN, BLUE),
+                                          np.stack([np.zeros((3, 3)), length * np.eye(3)], axis=1))]
+    middle = np.zeros((1, 3))
+    way = Way("origin of the target", "", PURPLE, scene.seen_in(middle, now)[:, 0], scene.seen_in(middle, then)[0])
+    return Overlay((way,), (*axes, *scene.outline("outline, by the true pose", BLUE)))
+
+
+def _displaced(s, X_CgT):
+    """X_CT of a displacement (6,): p_CgC, theta u of R_CgC."""
+    if not np.isfinite(s).all():
+        return np.full((4, 4), np.nan)
+    X_CgC = np.eye(4)
+    X_CgC[:3, :3], X_CgC[:3, 3] = rotation(s[3:]), s[:3]
+    return inverse(X_CgC) @ X_CgT
+
+
+@register_overlay("reference")
+def reference(scene, names):
+    """The reference point; its ring is the larger, the nearer it is, and has its size at the goal when Z = Z*."""
+    if not {"xr", "yr"} <= set(names):
+        return Overlay()
+    (x, x_wanted), (y, y_wanted) = scene.values("xr"), scene.values("yr")
+    seen, wanted = scene.pixels(np.stack([x, y], axis=-1)), scene.pixels(np.array([x_wanted, y_wanted]))
+    way = Way("reference point", "", PURPLE, seen, wanted)
+    if "zr" not in names:
+        return Overlay((way,))
+    z, z_wanted = scene.values("zr")
+    radius = RING * scene.width
+    ring = Shape("ring: larger is nearer", GREEN, True, circle(seen, radius * np.exp(-z)),
+                 circle(wanted, radius * np.exp(-z_wanted)))
+    return Overlay((way,), (ring,))

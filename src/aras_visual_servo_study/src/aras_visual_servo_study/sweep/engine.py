@@ -1,0 +1,180 @@
+"""Does the pending runs of a sweep: in this process, on the cores of this machine, or on workers of a Dask scheduler.
+
+The result of a run depends on its start alone, so runs may be done anywhere, in any order, and again.
+"""
+
+import collections
+import os
+import sys
+import time
+from concurrent.futures import CancelledError
+
+from aras_visual_servo.ground.errors import ArasError
+from aras_visual_servo.processes import temporary_folder
+from .judge import COLUMNS
+from .local import run_local
+from .metrics import judge_by
+from .worker import plain, run_chunk
+
+#: A worker is given this many runs at a time, about half a second of work.
+CHUNK = 8
+#: If the worker dies this often in a run, the run is stored as an error.
+DEATHS = 3
+CONNECT_S = 10.0
+
+
+class EngineError(ArasError):
+    """There is no worker that can do the runs."""
+
+
+class Progress:
+    """Shows runs done, rate and time left on stderr: in one line that is rewritten, or without a terminal in a new line
+    every `every_s`.
+
+    Args:
+        total: runs of the sweep.  rows: of those that were done before.
+    """
+
+    def __init__(self, total, rows=(), stream=None, every_s=10.0, clock=time.monotonic):
+        self.total, self.already = total, len(rows)
+        self.done = len(rows)
+        self._stream, self._clock = stream or sys.stderr, clock
+        self._terminal = self._stream.isatty()
+        self._every_s = 0.2 if self._terminal else every_s
+        self._counts = collections.Counter(row["outcome"] for row in rows)
+        self._began_s = self._shown_s = clock()
+
+    def add(self, rows):
+        """Count runs that are done."""
+        self.done += len(rows)
+        self._counts.update(row["outcome"] for row in rows)
+        if self._clock() - self._shown_s >= self._every_s or self.done == self.total:
+            self._shown_s = self._clock()
+            print(("\r" if self._terminal else "") + self.line(), end="" if self._terminal else "\n",
+                  file=self._stream, flush=True)
+
+    def line(self):
+        """The line as text."""
+        elapsed_s = self._clock() - self._began_s
+        rate = (self.done - self.already) / elapsed_s if elapsed_s > 0.0 else 0.0
+        left = f"{_duration((self.total - self.done) / rate)} left" if rate > 0.0 else "time left unknown"
+        counts = ", ".join(f"{count} {name}" for name, count in self._counts.items())
+        return f"{self.done}/{self.total} runs  {rate:.1f} runs/s  {left}  {counts}"
+
+    def end(self):
+        """End the line, so that the next output begins below it."""
+        if self._terminal:
+            print(file=self._stream, flush=True)
+
+
+def run_pending(store, setup, workers=None, scheduler=None, progress=None):
+    """Do every run that is pending and save it.
+
+    Args:
+        store: `SweepStore`, open for writing.  setup: of `worker.make_setup`.
+        workers: processes on this machine; None: one a core; 0: this process alone.
+        scheduler: address of a Dask scheduler, "tcp://host:8786", instead of local workers.
+    Raises:
+        EngineError: there is no scheduler or no worker.  ParameterError: the workers refuse the sweep.
+        Interrupted: a signal came; the runs that were done are saved.
+    """
+    pending = store.pending()
+    if not pending:
+        return
+    if progress is None:
+        rows = store.rows()
+        progress = Progress(len(rows) + len(pending), rows)
+    by_id = {start.id: start for start in pending}
+
+    def save(results):
+        store.add(results, by_id)
+        progress.add([row for row, _ in results])
+
+    try:
+        if workers == 0 and scheduler is None:
+            for start in pending:
+                save(run_chunk(setup, [plain(start)]))
+        elif scheduler is None:
+            count = min(workers or os.cpu_count() or 1, len(pending))
+            chunks = [[plain(start) for start in chunk] for chunk in _chunks(pending, count)]
+            run_local(run_chunk, setup, chunks, count, DEATHS, save,
+                      lambda start: save([(_killed(by_id[start["id"]]), 0.0)]))
+        else:
+            _with_dask(setup, pending, scheduler, save)
+    finally:
+        progress.end()
+
+
+def _chunks(pending, count):
+    """The runs in pieces for that many workers, so small that none has to wait long for the others at the end."""
+    size = max(1, min(CHUNK, len(pending) // (4 * count)))
+    return [pending[i:i + size] for i in range(0, len(pending), size)]
+
+
+def _with_dask(setup, pending, scheduler, save):
+    import dask  # only here: these take a second to import
+    from distributed import Client
+    with temporary_folder("aras-sweep-") as folder, dask.config.set({
+            "distributed.scheduler.allowed-failures": DEATHS - 1, "temporary-directory": folder,
+            "distributed.comm.timeouts.connect": f"{CONNECT_S:g}s", "distributed.worker.profile.enabled": False}):
+        with _client(Client, scheduler) as client:
+            if not client.scheduler_info()["workers"]:
+                raise EngineError(f"scheduler {scheduler}: it has no workers; start some: dask-worker {scheduler}")
+            _collect(client, setup, pending, save)
+
+
+def _client(Client, scheduler):
+    try:
+        return Client(scheduler, timeout=f"{CONNECT_S:g}s")
+    except (OSError, ValueError) as error:  # TimeoutError is an OSError
+        raise EngineError(f"scheduler {scheduler}: cannot be reached: {error}") from error
+    except TypeError as error:  # Dask's words for it tell of an argument that is None
+        raise EngineError(f"scheduler {scheduler}: speaks TLS, and there is no certificate to show it: see "
+                          "docs/sweeps.md, Many machines") from error
+
+
+def _collect(client, setup, pending, save):
+    from distributed import as_completed
+    from distributed.scheduler import KilledWorker
+    chunks = _chunks(pending, max(1, sum(client.nthreads().values())))
+    # The scenario is sent with every chunk: its 5 kB are less than the results.
+    futures = {_submit(client, setup, chunk): chunk for chunk in chunks}
+    suspects = []
+    for future in as_completed(list(futures)):
+        chunk = futures.pop(future)
+        try:
+            save(_result(future))
+        except KilledWorker:
+            suspects += chunk
+    # When a worker dies, Dask gives up all chunks it held. Their runs are repeated one at a time to find the fatal one.
+    for start in suspects:
+        try:
+            save(_result(_submit(client, setup, [start])))
+        except KilledWorker:
+            save([(_killed(start), 0.0)])
+
+
+def _submit(client, setup, chunk):
+    return client.submit(run_chunk, setup, [plain(start) for start in chunk], pure=False)
+
+
+def _result(future):
+    try:
+        return future.result()
+    except (ImportError, AttributeError) as error:
+        raise EngineError(f"a worker cannot run this package: {error}; source the same workspace there") from error
+    except CancelledError as error:
+        raise EngineError("the scheduler dropped the runs: connection lost") from error
+
+
+def _killed(start):
+    row = dict.fromkeys(COLUMNS)
+    row.update(id=start.id, outcome="error", reason="error: worker died", converged=0, **judge_by(None),
+               detail=f"the worker process died {DEATHS} times in this run")
+    return row
+
+
+def _duration(seconds):
+    minutes, seconds = divmod(int(round(seconds)), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours} h {minutes} min" if hours else f"{minutes} min {seconds} s" if minutes else f"{seconds} s"
