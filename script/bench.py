@@ -80,11 +80,12 @@ def calibration_ms():
 
 
 def accuracy(names):
-    from aras_visual_servo.runs.judge import fit_decay, judge, run_in_process
+    import aras_visual_servo as avs
+    from aras_visual_servo.runs.judge import fit_decay, judge
     from aras_visual_servo.scenario.scenario import load_scenario
 
     for name in names:
-        record = run_in_process(load_scenario(name))
+        record = avs.run(load_scenario(name))
         result = judge(record)
         error = result.final_error
         row(f"{name}: |x|, |y|, |z| [mm], angle [deg]",

@@ -15,10 +15,10 @@ sys.path.append(str(ROOT / "tests" / "support"))
 
 @functools.lru_cache(maxsize=None)
 def _run(name, changes):
-    from aras_visual_servo.runs.judge import run_in_process
+    import aras_visual_servo as avs
     from aras_visual_servo.scenario.scenario import load_scenario
 
-    return run_in_process(load_scenario(name, overrides=dict(changes)))
+    return avs.run(load_scenario(name, overrides=dict(changes)))
 
 
 @pytest.fixture(scope="session")

@@ -22,14 +22,15 @@ def run_figures(scenario, settings=None, motion=None):
     Args:
         scenario: its name.  settings: {dotted path: value}.  motion: what the first model of the scene does.
     """
-    from aras_visual_servo.runs.judge import judge, run_in_process, tracking
+    import aras_visual_servo as avs
+    from aras_visual_servo.runs.judge import judge, tracking
     from aras_visual_servo.scenario.scenario import load_scenario
 
     settings = dict(settings or {})
     if motion:
         first, *others = load_scenario(scenario).sim["scene"]["models"]
         settings["sim.scene.models"] = [{**first, "motion": motion}, *others]
-    record = run_in_process(load_scenario(scenario, settings))
+    record = avs.run(load_scenario(scenario, settings))
     result, followed = judge(record), tracking(record)
     values = {"duration_s": result.duration_s, "tracking_mm": followed["position_mm"],
               "tracking_deg": followed["angle_deg"]}

@@ -10,7 +10,8 @@ import pytest
 import yaml
 
 from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.runs.judge import judge, run_in_process
+import aras_visual_servo as avs
+from aras_visual_servo.runs.judge import judge
 from aras_visual_servo.runs.loop import ServoLoop
 from aras_visual_servo.scenario.extends import merge
 from aras_visual_servo.scenario.scenario import load_scenario
@@ -52,7 +53,7 @@ def test_the_module_is_short():
 
 
 def test_its_feature_and_its_law_arrive_at_the_true_pose_no_faster_than_they_say(folder):
-    record = run_in_process(load_scenario("experiment_1", overrides()))
+    record = avs.run(load_scenario("experiment_1", overrides()))
     judgement = judge(record)
     assert judgement.converged, judgement.reason
     for name, bound in BOUNDS.items():
@@ -119,7 +120,7 @@ def test_over_ros_the_law_and_its_settings_give_the_run_in_process(folder):
                             timeout=240)
     said = result.stdout.decode()
     assert result.returncode == 0, said
-    in_process = run_in_process(load_scenario(folder / "mine.yaml"))
+    in_process = avs.run(load_scenario(folder / "mine.yaml"))
     assert re.search(r"run hash +([0-9a-f]{16})", said).group(1) == in_process.run_hash
 
 

@@ -8,7 +8,8 @@ import pytest
 from aras_visual_servo_study.compare.laws import load_comparison, run_comparison
 from aras_visual_servo_study.compare.laws_report import arrived
 from aras_visual_servo.config.files import load_yaml, resolve_uri
-from aras_visual_servo.runs.judge import fit_decay, judge, run_in_process
+import aras_visual_servo as avs
+from aras_visual_servo.runs.judge import fit_decay, judge
 from aras_visual_servo.runs.loop import ServoLoop
 from aras_visual_servo.scenario.scenario import load_scenario
 from aras_visual_servo_study.sweep.plan import SweepSettings, make_starts
@@ -121,7 +122,7 @@ def test_half_a_turn_to_the_last_bit_stays_on_the_spot(law):
 def test_each_feature_of_the_decoupled_law_decays_at_its_gain():
     """T13 and T14: exp(-gain t) exactly, gains that differ, with nothing but the images in the way."""
     gains = {"xn": 3.0, "yn": 2.5, "an": 2.0, "alpha": 3.5}
-    record = run_in_process(load_scenario("free_camera", {
+    record = avs.run(load_scenario("free_camera", {
         "servo.law": "decoupled", "servo.features": list(gains), "servo.gains_per_s": gains,
         "servo.thresholds": {"xn": 5e-5, "yn": 5e-5, "an": 5e-5, "alpha": 3e-4},
         "experiment.start": {"camera": {"position_m": [-0.12, 0.08, 0.94], "rpy_rad": [math.pi, 0.0, 1.1]}}}))
@@ -131,11 +132,11 @@ def test_each_feature_of_the_decoupled_law_decays_at_its_gain():
 
 
 def test_the_scenario_arrives_and_its_run_is_the_same_again():
-    record = run_in_process(load_scenario("free_camera"))
+    record = avs.run(load_scenario("free_camera"))
     found = judge(record)
     assert found.passed, found.faults
     assert found.initial_error["angle_deg"] > 20.0
-    assert run_in_process(load_scenario("free_camera")).run_hash == record.run_hash
+    assert avs.run(load_scenario("free_camera")).run_hash == record.run_hash
 
 
 def test_the_twist_of_the_record_is_what_the_camera_did():

@@ -58,10 +58,10 @@ def test_each_feature_error_decays_at_its_gain(run, scenario):
 
 
 def test_two_runs_give_the_same_bytes(run):
-    from aras_visual_servo.runs.judge import run_in_process
+    import aras_visual_servo as avs
     from aras_visual_servo.scenario.scenario import load_scenario
 
-    first, second = run("experiment_1"), run_in_process(load_scenario("experiment_1"))
+    first, second = run("experiment_1"), avs.run(load_scenario("experiment_1"))
     assert first.run_hash and first.run_hash == second.run_hash
     for name in ("stamp_ns", "q", "X_WC", "s", "raw", "twist", "status"):
         assert np.array_equal(getattr(first, name), getattr(second, name), equal_nan=True), name
@@ -70,7 +70,7 @@ def test_two_runs_give_the_same_bytes(run):
 def test_wrong_sign_of_the_law_does_not_arrive(run):
     from aras_visual_servo.laws import base as laws
 
-    @laws.register("wrong_sign_for_test")
+    @laws.register_law("wrong_sign_for_test")
     class WrongSign(laws.Decoupled):
         def _twist(self, look, s, e):
             return -super()._twist(look, s, e)

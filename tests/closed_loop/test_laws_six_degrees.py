@@ -2,7 +2,8 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo.runs.judge import judge, run_in_process
+import aras_visual_servo as avs
+from aras_visual_servo.runs.judge import judge
 from aras_visual_servo.scenario.scenario import load_scenario
 from aras_visual_servo_study.sweep.perturb import perturbed
 
@@ -36,7 +37,7 @@ def test_scenario_arrives(run, scenario):
     {"servo.interaction": "current", "servo.point_depth": "goal"}, with_features(SEGMENTS)],
     ids=["desired", "current", "depth of the goal", "segments"])
 def test_points_and_segments_arrive(changes):
-    assert_arrives(run_in_process(load_scenario("six_dof_points", changes)))
+    assert_arrives(avs.run(load_scenario("six_dof_points", changes)))
 
 
 @pytest.mark.parametrize("law, names", [("pbvs", ("tx", "ty", "tz", "rx", "ry", "rz")),
@@ -47,7 +48,7 @@ def test_points_and_segments_arrive(changes):
 def test_pose_laws_arrive_whatever_the_pose_comes_from(law, names, pose):
     changes = {**with_features(names), "servo.law": law, "servo.target_model": RECTANGLE, **pose}
     changes = {key: value for key, value in changes.items() if value is not None}
-    assert_arrives(run_in_process(load_scenario("six_dof_points", changes)))
+    assert_arrives(avs.run(load_scenario("six_dof_points", changes)))
 
 
 @pytest.mark.parametrize("scenario, changes", [
@@ -62,7 +63,7 @@ def test_thirty_percent_of_focal_length_and_depth_do_not_matter(scenario, change
     """
     changes = {**changes, "servo.thresholds": {"points4": 0.0002}, "servo.stop": {"position_m": 0.0006 * 1.3 * 1.3}}
     wrong = perturbed(load_scenario(scenario, changes), {"focal_error": focal, "z_star_error": depth})
-    assert_arrives(run_in_process(wrong))
+    assert_arrives(avs.run(wrong))
 
 
 def test_reference_point_of_hybrid_goes_straight_in_the_image(run):

@@ -6,7 +6,8 @@ import copy
 
 import pytest
 
-from aras_visual_servo.runs.judge import judge, run_in_process, tracking
+import aras_visual_servo as avs
+from aras_visual_servo.runs.judge import judge, tracking
 from aras_visual_servo.scenario.scenario import load_scenario
 
 MOTIONS = {
@@ -21,7 +22,7 @@ FACTOR = {"constant_velocity": 50.0, "circle": 6.0, "random_walk": 3.0}
 def follow(kind, part):
     models = copy.deepcopy(load_scenario("moving_target").sim["scene"]["models"])
     models[0]["motion"] = {"type": kind, "delay_s": 3.0, **MOTIONS[kind]}
-    return run_in_process(load_scenario("moving_target", {"sim.scene.models": models, "servo.feed_forward.part": part}))
+    return avs.run(load_scenario("moving_target", {"sim.scene.models": models, "servo.feed_forward.part": part}))
 
 
 @pytest.mark.parametrize("kind", list(MOTIONS))

@@ -113,9 +113,9 @@ def test_arrives_through_a_distorting_lens(run):
 
 def _run(name, changes):
     """A run whose changes cannot be a key of the cache."""
-    from aras_visual_servo.runs.judge import run_in_process
+    import aras_visual_servo as avs
     from aras_visual_servo.scenario.scenario import load_scenario
-    return run_in_process(load_scenario(name, changes))
+    return avs.run(load_scenario(name, changes))
 
 
 @pytest.mark.parametrize("size_m", [0.0, 4.0])

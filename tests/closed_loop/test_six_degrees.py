@@ -4,7 +4,8 @@ import math
 import pytest
 
 from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.runs.judge import judge, run_in_process
+import aras_visual_servo as avs
+from aras_visual_servo.runs.judge import judge
 from aras_visual_servo.arm.kinematics import Kinematics
 from aras_visual_servo.runs.loop import ServoLoop
 from aras_visual_servo.scenario.scenario import load_scenario
@@ -29,7 +30,7 @@ def run_with(pair, scenario, changes=None):
     """Run a six-degree scenario with these two features in the place of its own pair."""
     names = ["xn", "yn", "an", *pair, "alpha"]
     thresholds = {name: 0.0001 if name in ("xn", "yn", "an") else 0.0005 for name in names}
-    return run_in_process(load_scenario(scenario, {
+    return avs.run(load_scenario(scenario, {
         "servo.features": names, "servo.gains_per_s": dict.fromkeys(names, 2.0), "servo.thresholds": thresholds,
         **(changes or {})}))
 
@@ -58,7 +59,7 @@ def test_arrives_at_a_goal_tilted_by_30_degrees(pair, file):
 def test_pose_of_a_known_target_brings_the_camera_home(file, tilt_deg, J5, position_m):
     path = f"package://aras_description/targets/{file}.yaml"
     tilt = math.radians(tilt_deg)
-    record = run_in_process(load_scenario("six_dof_pbvs", {
+    record = avs.run(load_scenario("six_dof_pbvs", {
         "servo.target_model": path, "servo.target_normal_C": [0.0, math.sin(tilt), math.cos(tilt)],
         "experiment.goal.joints.J5": J5, "experiment.start.joints.J5": J5 + 0.12, "sim.scene.models": [
             {"name": "target", "file": path, "position_m": position_m, "rpy_rad": [0.0, 0.0, 1.5707963]}]}))
@@ -66,7 +67,7 @@ def test_pose_of_a_known_target_brings_the_camera_home(file, tilt_deg, J5, posit
 
 
 def test_a_target_that_is_not_the_one_known_ends_with_the_reason():
-    record = run_in_process(load_scenario(
+    record = avs.run(load_scenario(
         "six_dof_pbvs", {"servo.target_model": "package://aras_description/targets/rectangle.yaml"}))
     assert Status.CONVERGED not in record.status or not judge(record).passed
     assert any("outline" in text or "unexplained" in text for text in record.status_text), set(record.status_text)

@@ -4,7 +4,8 @@ import copy
 import numpy as np
 import pytest
 
-from aras_visual_servo.runs.judge import judge, run_in_process
+import aras_visual_servo as avs
+from aras_visual_servo.runs.judge import judge
 from aras_visual_servo.scenario.scenario import load_scenario
 from aras_visual_servo.ground.types import Status
 
@@ -20,7 +21,7 @@ def vanishing(back_s, **servo):
     times = [(0.0, here), (GONE_S, here), (GONE_S + 0.01, there), (back_s, there), (back_s + 0.01, here)]
     models[0]["motion"] = {"type": "waypoints",
                            "waypoints": [{"time_s": t, "position_m": p, "rpy_rad": turn} for t, p in times]}
-    return run_in_process(load_scenario("experiment_1", {
+    return avs.run(load_scenario("experiment_1", {
         "sim.scene.models": models, **{f"servo.{key}": value for key, value in servo.items()}}))
 
 

@@ -11,7 +11,8 @@ import yaml
 from mcap.reader import make_reader
 
 from aras_visual_servo_study.cli.sweep import sweep_main
-from aras_visual_servo.runs.judge import judge, run_in_process
+import aras_visual_servo as avs
+from aras_visual_servo.runs.judge import judge
 from aras_visual_servo.scenario.scenario import load_scenario
 from aras_visual_servo_learning.command import export_main
 
@@ -20,7 +21,7 @@ STARTS = 3
 
 @pytest.fixture(scope="module")
 def record():
-    return run_in_process(load_scenario("experiment_1"), keep_images=True)
+    return avs.run(load_scenario("experiment_1"), keep_images=True)
 
 
 @pytest.fixture(scope="module")

@@ -71,10 +71,10 @@ def test_a_command_prints_what_the_page_says(printed, number):
 def test_the_explained_numbers_are_those_of_the_run():
     import math
 
-    from aras_visual_servo.runs.judge import run_in_process
+    import aras_visual_servo as avs
     from aras_visual_servo.scenario.scenario import load_scenario
     scenario = load_scenario("experiment_1")
-    record = run_in_process(scenario)
+    record = avs.run(scenario)
     e_mm = 1e3 * abs(record.e[record.servo_rows[0], record.feature_names.index("xn")])
     threshold_mm = 1e3 * scenario.servo["thresholds"]["xn"]
     start_mm, factor, slow_s, fast_s = map(float, re.search(

@@ -19,7 +19,7 @@ import goals as goals_module
 from disturber import MARK, Disturber
 from ros_graph import Graph
 
-from aras_visual_servo.runs.judge import run_in_process
+import aras_visual_servo as avs
 from aras_visual_servo.scenario.scenario import load_scenario
 
 HERE = Path(__file__).resolve().parent
@@ -63,7 +63,7 @@ class Tally:
 
 def reference():
     """Hashes of the goal in process, without ROS."""
-    return goals_module.hashes(run_in_process(load_scenario(str(SCENARIO))))
+    return goals_module.hashes(avs.run(load_scenario(str(SCENARIO))))
 
 
 def run_graph(count, seed, tally, ended, disturbed=True):

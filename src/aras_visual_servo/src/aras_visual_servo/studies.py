@@ -2,6 +2,7 @@
 
 import importlib
 from types import ModuleType
+from typing import Any
 
 from .ground.errors import ArasError
 
@@ -22,3 +23,18 @@ def study(room: str = "") -> ModuleType:
         if error.name is None or not error.name.startswith(PACKAGE):
             raise
         raise ArasError(f"{error.name}: not installed; reports, sweeps and comparisons need {PACKAGE}") from error
+
+
+def sweep(*arguments: Any, **settings: Any) -> Any:
+    """Runs a scenario from many starts: `aras_visual_servo_study.sweep.api.sweep`."""
+    return study("sweep.api").sweep(*arguments, **settings)
+
+
+def compare(*arguments: Any, **settings: Any) -> Any:
+    """Compares sweeps on the same starts: `aras_visual_servo_study.sweep.api.compare`."""
+    return study("sweep.api").compare(*arguments, **settings)
+
+
+def save_results(*arguments: Any, **settings: Any) -> Any:
+    """Writes the result folder of a run: `aras_visual_servo_study.report.save_results`."""
+    return study("report").save_results(*arguments, **settings)

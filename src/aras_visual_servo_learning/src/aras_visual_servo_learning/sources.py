@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.runs.judge import run_in_process
+import aras_visual_servo as avs
 from aras_visual_servo.scenario.scenario import load_scenario
 
 
@@ -39,7 +39,7 @@ def records(sources, images=False):
             yield Path(source).stem, read_bag(source, keep_images=images)
         else:
             scenario = load_scenario(source)
-            yield scenario.name, run_in_process(scenario, **({"keep_images": True} if images else {}))
+            yield scenario.name, avs.run(scenario, **({"keep_images": True} if images else {}))
 
 
 def _of_sweep(folder):

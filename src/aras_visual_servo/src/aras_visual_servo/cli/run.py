@@ -168,10 +168,10 @@ def _write_starter(name, base):
 
 
 def _run_in_process(scenario, arguments, drawing):
-    from ..runs.judge import run_in_process
+    from ..runs.judge import run
     report = study("report")
     folder = report.create_result_folder(arguments.output, scenario.name)
-    record = run_in_process(scenario, progress=_progress() if sys.stderr.isatty() else None,
+    record = run(scenario, progress=_progress() if sys.stderr.isatty() else None,
                             **({"keep_images": True} if arguments.video else {}))
     words = [f"--set {text}" for text in arguments.overrides]
     command = " ".join(["rosrun aras_visual_servo_controller run", arguments.scenario, "--in-process"] + words)

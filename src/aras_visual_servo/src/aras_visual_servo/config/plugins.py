@@ -1,4 +1,4 @@
-"""Features and laws from outside this package: modules that register them on import (docs/extending.md)."""
+"""Features and laws from outside this package: modules that register_law them on import (docs/extending.md)."""
 
 import functools
 import importlib

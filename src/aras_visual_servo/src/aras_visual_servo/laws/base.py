@@ -2,7 +2,7 @@
 
 A new law is a subclass with one method and a name:
 
-    @register("proportional")
+    @register_law("proportional")
     class Proportional(Law):
         def _twist(self, look, s, e):
             return np.array([...])                  # V_C, (6,), [v; w]
@@ -19,7 +19,7 @@ e = s - s_star. There is one gain per feature [1/s]. For each image the servo gi
 A law with settings of its own describes them as a frozen dataclass (config/settings.py) and finds them as
 `self.settings`; they are read from the section `servo.NAME` of the scenario:
 
-    @register("proportional", settings=ProportionalSettings)
+    @register_law("proportional", settings=ProportionalSettings)
 """
 
 from math import exp, expm1, isfinite, sin
@@ -42,7 +42,7 @@ MAX_CONDITION = 1e6
 _LAWS = {}
 
 
-def register(name, settings=None):
+def register_law(name, settings=None):
     """Class decorator that makes a law known by name.
 
     Args: settings: settings class of the law's own section `servo.NAME`, or None.
@@ -299,7 +299,7 @@ class Law:
         return inverse
 
 
-@register("paper")
+@register_law("paper")
 class Paper(Law):
     """The published law, eq. (17) and (18): v = -Lambda L^-1 e with L of eq. (16) (docs/theory.md T12).
 
@@ -314,7 +314,7 @@ class Paper(Law):
         return np.array([kx * (e[0] + s[1] * e[3]), ky * (e[1] - s[0] * e[3]), kz * e[2], 0.0, 0.0, ka * e[3]])
 
 
-@register("decoupled")
+@register_law("decoupled")
 class Decoupled(Law):
     """v = -L^-1 Lambda e: each feature decays on its own as exp(-lambda t), also from image to image (T13, T14).
 

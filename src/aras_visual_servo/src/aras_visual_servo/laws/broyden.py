@@ -6,7 +6,7 @@ import numpy as np
 
 from ..config.settings import setting
 from ..ground.errors import ParameterError
-from .base import Law, LawSetup, register, sampled_gains
+from .base import Law, LawSetup, register_law, sampled_gains
 
 #: A test move lasts this many images of motion and then this many at rest, in which the joints catch up.
 MOVE_IMAGES, REST_IMAGES = 3, 4
@@ -30,7 +30,7 @@ class BroydenSettings:
         help="Size of a test move: an angle in radians, a translation in parts of Z*.")
 
 
-@register("broyden", settings=BroydenSettings)
+@register_law("broyden", settings=BroydenSettings)
 class Broyden(Law):
     """v = -J^+ Lambda e, with J estimated from how the features changed after each twist.
 

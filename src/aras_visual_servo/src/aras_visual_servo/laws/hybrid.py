@@ -6,11 +6,11 @@ import numpy as np
 
 from ..ground.errors import DegenerateFeature
 from ..features.base import View
-from .base import register, sampled_gains
+from .base import register_law, sampled_gains
 from .pose import PoseLaw
 
 
-@register("hybrid")
+@register_law("hybrid")
 class Hybrid(PoseLaw):
     """Brings a reference point (x, y, ln(Z/Z*)) straight to its goal in the image, and turns about one fixed axis.
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from .base import Law, LawSetup, register, sampled_gains
+from .base import Law, LawSetup, register_law, sampled_gains
 
 
-@register("ibvs")
+@register_law("ibvs")
 class ImageBased(Law):
     """v = -L^+ Lambda e for any features (T20, T21).
 

@@ -13,7 +13,7 @@ from ..features.points import points
 from ..ground.errors import DegenerateFeature
 from ..spatial import adjoints, exponentials, inverse, logarithm
 from ..ground.types import Status
-from .base import LawSetup, register
+from .base import LawSetup, register_law
 from .constraints import ConstraintSettings, Rooms, points_in_space, rooms_of
 from .look import Joints
 from .qp import QuadraticProgram, asked, told
@@ -67,7 +67,7 @@ class Ahead(NamedTuple):
     which: np.ndarray
 
 
-@register("mpc", settings=MpcSettings)
+@register_law("mpc", settings=MpcSettings)
 class Predictive(QuadraticProgram):
     """min sum_k |s_k - s_k^d|^2 over the joint velocities of a horizon of N steps.
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..config.settings import setting
 from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError
-from .base import MAX_CONDITION, Law, LawSetup, register, sampled_gains
+from .base import MAX_CONDITION, Law, LawSetup, register_law, sampled_gains
 
 _UPPER = np.triu_indices(6)
 
@@ -27,7 +27,7 @@ class PhotometricSettings:
         help="The servo has not converged while the law asks for a faster turn than this.")
 
 
-@register("photometric", settings=PhotometricSettings)
+@register_law("photometric", settings=PhotometricSettings)
 class Photometric(Law):
     """v = -lambda (H + mu diag(H))^-1 b, with H = L^T L, (6, 6), and b = L^T (I - I*), (6,) (T46).
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from ..ground.errors import DegenerateFeature, ParameterError
 from ..features.base import View
-from .base import Law, LawSetup, register, sampled_gains
+from .base import Law, LawSetup, register_law, sampled_gains
 from ..features.target.points_pose import PlanarPoints, find_corners
 from ..features.target.solid_points import SolidPoints
 from ..spatial import inverse, rotation, rotation_vector
@@ -82,7 +82,7 @@ class PoseLaw(Law):
         return look._replace(view=View(features, look.view.plane, displacement), X_CgC=X_CgC)
 
 
-@register("pbvs")
+@register_law("pbvs")
 class PoseBased(PoseLaw):
     """Pose-based visual servoing: v = -R_CgC^T Lambda t, w = -Lambda theta u; the camera goes straight home (T25)."""
 

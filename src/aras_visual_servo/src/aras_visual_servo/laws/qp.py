@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from ..ground.types import Status
-from .base import LawSetup, register
+from .base import LawSetup, register_law
 from .constraints import ConstraintSettings, rooms_of
 from .image import ImageBased
 from .look import Joints
@@ -24,7 +24,7 @@ class QpSettings(ConstraintSettings):
     """Settings of law `qp`."""
 
 
-@register("qp", settings=QpSettings)
+@register_law("qp", settings=QpSettings)
 class QuadraticProgram(ImageBased):
     """min |L (J q_dot - V)|^2 + damping |q_dot - q_dot_0|^2 over the joint velocities, V the twist of `ibvs`.
 

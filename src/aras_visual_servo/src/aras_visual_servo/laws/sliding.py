@@ -8,7 +8,7 @@ import numpy as np
 
 from ..config.settings import setting
 from ..ground.errors import ParameterError
-from .base import LawSetup, register
+from .base import LawSetup, register_law
 from .image import ImageBased
 
 
@@ -25,7 +25,7 @@ class SlidingSettings:
         help="Half the thickness phi of the boundary layer of (T31) for each feature, in its unit.")
 
 
-@register("sliding", settings=SlidingSettings)
+@register_law("sliding", settings=SlidingSettings)
 class Sliding(ImageBased):
     """e_dot = -lambda e - kappa phi sat(e / phi) (T31).
 

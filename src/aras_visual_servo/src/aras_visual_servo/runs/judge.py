@@ -1,6 +1,6 @@
 """Judge a run by the true camera pose, not by the features that the servo saw. Needs numpy only.
 
-`judge(record)` is a pure function of the record. `run_in_process(scenario)` makes such a record without ROS.
+`judge(record)` is a pure function of the record. `run(scenario)` makes such a record without ROS.
 """
 
 import math
@@ -58,7 +58,7 @@ class Judgement:
     stopped_by_rule: bool = False
 
 
-def run_in_process(scenario, progress=None, keep_images=False):
+def run(scenario, progress=None, keep_images=False):
     """Run a scenario without ROS: simulator, moments and sequence in this process.
 
     Args:

@@ -9,7 +9,8 @@ import subprocess
 import pytest
 import yaml
 
-from aras_visual_servo.cli import compare, run, sweep
+from aras_visual_servo.cli import run
+from aras_visual_servo_study.cli import compare, sweep
 from aras_visual_servo.cli.parser import PREFIX
 from aras_visual_servo.scenario.files import scenario_names
 from aras_visual_servo.scenario.scenario import load_scenario

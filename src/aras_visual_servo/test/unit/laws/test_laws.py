@@ -9,7 +9,7 @@ from views import look_at
 from aras_visual_servo.ground.errors import NotFiniteError, ParameterError, ShapeError
 from aras_visual_servo.features.base import wrapped
 from aras_visual_servo.features.interaction import parallel
-from aras_visual_servo.laws.base import Law, LawSetup, known_laws, make_law, register
+from aras_visual_servo.laws.base import Law, LawSetup, known_laws, make_law, register_law
 
 GAINS = (3.0, 2.0, 4.0, 1.5)
 S_STAR = np.array([0.01, -0.02, 0.59, 0.3])
@@ -153,7 +153,7 @@ def test_law_rejects_bad_reference():
 
 
 def test_a_registered_law_is_found_by_its_name():
-    @register("dummy")
+    @register_law("dummy")
     class Dummy(Law):
         def _twist(self, look, s, e):
             return np.array([0.0, 0.0, self.gains_per_s[2] * e[2], 0.0, 0.0, 0.0])

@@ -9,7 +9,8 @@ from aras_visual_servo.spatial import inverse, rotation_angle
 from aras_visual_servo_study.report.page import report_html
 from aras_visual_servo_study.report.pictures import panel_title
 from aras_visual_servo_study.report.report import summarise
-from aras_visual_servo.runs.judge import judge, run_in_process
+import aras_visual_servo as avs
+from aras_visual_servo.runs.judge import judge
 from aras_visual_servo.runs.measures import measures
 from aras_visual_servo.scenario.scenario import load_scenario
 
@@ -62,7 +63,7 @@ def assert_arrives(record):
 
 @pytest.mark.parametrize("name", RUNS)
 def test_the_target_arrives_where_it_was_taught_in_the_camera(name):
-    record = run_in_process(load_scenario(*RUNS[name]))
+    record = avs.run(load_scenario(*RUNS[name]))
     assert_arrives(record)
     assert (record.X_WC == record.X_WC[0]).all()  # the camera stood still
     goal, last = (inverse(record.X_WC[row]) @ record.target_poses[row] for row in
@@ -72,7 +73,7 @@ def test_the_target_arrives_where_it_was_taught_in_the_camera(name):
 
 
 def test_the_report_shows_what_moved():
-    record = run_in_process(load_scenario("eye_to_hand", {"servo.time_limit_s": 0.2}))
+    record = avs.run(load_scenario("eye_to_hand", {"servo.time_limit_s": 0.2}))
     assert panel_title(record, "path") == "path of the target"
     page = report_html(record, summarise(record))
     assert "Where the target ended" in page and "path of the target in the world" in page
@@ -82,7 +83,7 @@ def test_the_report_shows_what_moved():
 
 @pytest.mark.parametrize("law", LAWS)
 def test_every_law_brings_the_tag_home(law):
-    assert_arrives(run_in_process(load_scenario("six_dof_eye_to_hand", {**LAWS[law], "sim.cameras": [CAMERA]})))
+    assert_arrives(avs.run(load_scenario("six_dof_eye_to_hand", {**LAWS[law], "sim.cameras": [CAMERA]})))
 
 
 @pytest.mark.parametrize("name", RUNS)
@@ -99,7 +100,7 @@ def test_with_the_sign_of_a_camera_in_the_hand_the_target_goes_away(name, monkey
     monkeypatch.setattr(EyeToHand, "__init__", wrong)
     monkeypatch.setattr("aras_visual_servo.runs.loop.kinematics_of", _anew)
     scenario, changes = RUNS[name]
-    record = run_in_process(load_scenario(scenario, {**changes, "servo.time_limit_s": 1.0}))
+    record = avs.run(load_scenario(scenario, {**changes, "servo.time_limit_s": 1.0}))
     rows = record.servo_rows
     places = record.target_poses[:, :3, 3]
     goal = places[record.rows("teach")[0]]

@@ -14,7 +14,7 @@ from aras_visual_servo.config.settings import setting
 from aras_visual_servo.config.tables import part_of, table_of
 from aras_visual_servo.ground.errors import ParameterError
 from aras_visual_servo.laws import base as laws
-from aras_visual_servo.laws.base import Law, register
+from aras_visual_servo.laws.base import Law, register_law
 from aras_visual_servo.scenario.check import check
 from aras_visual_servo.scenario.scenario import load_scenario
 from aras_visual_servo.scenario.schema import described_sections, scenario_schema
@@ -127,7 +127,7 @@ def test_a_law_whose_section_is_a_key_of_the_servo_is_refused(document):
         size: float = setting(1.0, help="Any.")
 
     try:
-        register("limits", settings=Settings)(type("Mine", (Law,), {}))
+        register_law("limits", settings=Settings)(type("Mine", (Law,), {}))
         assert check(document) == ["servo/limits: found a law or feature of this name with settings, allowed a name "
                                    "that no other section and no key has"]
     finally:

@@ -6,7 +6,7 @@ from bench import Bench, DT_S, LAMBDA, config, resting
 from toy_plant import GOAL, PERIOD_NS, START, arm, pose_error
 
 from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.laws.base import Law, register
+from aras_visual_servo.laws.base import Law, register_law
 from aras_visual_servo.servo.servo import Servo
 from aras_visual_servo.ground.types import FEATURE_NAMES, Features, Observation, Reference, Status
 
@@ -93,7 +93,7 @@ def test_sag_of_the_joints_leaves_no_pose_error():
 
 
 def test_wrong_gain_sign_never_converges():
-    @register("wrong_sign")
+    @register_law("wrong_sign")
     class WrongSign(Law):
         def _twist(self, look, s, e):
             return -np.array([e[0] + s[1] * e[3], e[1] - s[0] * e[3], e[2], 0.0, 0.0, e[3]])

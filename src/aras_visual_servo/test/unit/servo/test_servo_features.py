@@ -23,7 +23,7 @@ IBVS = {"law": "ibvs", "features": list(SIX), "gains_per_s": dict.fromkeys(SIX, 
 def law_that():
     """Registers a law that does what it is told, and forgets it afterwards."""
     def make(twist):
-        @laws.register("made_for_test")
+        @laws.register_law("made_for_test")
         class Made(laws.Law):
             def _twist(self, look, s, e):
                 return twist(look)

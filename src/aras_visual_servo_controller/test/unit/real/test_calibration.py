@@ -17,7 +17,8 @@ from aras_visual_servo.arm.robot import kinematics_of, robot_kinematics
 from aras_visual_servo_controller.cli.calibrate import calibrate_main
 from aras_visual_servo.ground.errors import ParameterError
 from aras_visual_servo.spatial import inverse, rotation_angle, rotation_rpy, rotation_vector
-from aras_visual_servo.runs.judge import judge, run_in_process
+import aras_visual_servo as avs
+from aras_visual_servo.runs.judge import judge
 from aras_visual_servo.scenario.scenario import load_scenario
 
 BOARDS = {"chessboard": (8, 5, 0.035), "circles": (4, 11, 0.025)}
@@ -140,7 +141,7 @@ def test_the_commands_write_what_the_scenario_reads_and_a_taught_goal_is_reached
     z_star_m = plane["experiment"]["z_star_m"]
     assert 0.4 < z_star_m < 0.7
     # What the errors of the calibration cost at a taught goal, tried: nothing that the judge sees.
-    assert judge(run_in_process(scenario)).passed
+    assert judge(avs.run(scenario)).passed
 
 
 @pytest.mark.parametrize("arguments, fault", [

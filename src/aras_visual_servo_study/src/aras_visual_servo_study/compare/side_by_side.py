@@ -13,7 +13,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 
-from aras_visual_servo.runs.judge import judge, run_in_process
+import aras_visual_servo as avs
+from aras_visual_servo.runs.judge import judge
 from aras_visual_servo.palette import GREY
 from ..report.figure import STYLE, draw_panel
 from aras_visual_servo.arm.robot import kinematics_of
@@ -57,7 +58,7 @@ def read_run(source):
         label = f"{record.scenario} ({path.parent.name if path.suffix == '.bag' else path.name})"
     else:
         scenario = load_scenario(source)
-        record, label = run_in_process(scenario), scenario.name
+        record, label = avs.run(scenario), scenario.name
     kinematics = kinematics_of(scenario.urdf_xml(), scenario.robot, calibrated=False)
     limits = [dict(zip(kinematics.joint_names, ends)) for ends in (kinematics.lower, kinematics.upper)]
     lower, upper = (np.array([ends.get(name, sign * np.inf) for name in record.joint_names])

@@ -2,7 +2,7 @@
 is computed. Then it is forked: one of both makes the PNG, the other the PDF.
 
     with Drawing() as drawing:
-        record = run_in_process(scenario)
+        record = run(scenario)
         save_results(record, folder, drawing=drawing)
 """
 

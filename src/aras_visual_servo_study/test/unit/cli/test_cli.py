@@ -17,14 +17,14 @@ from aras_visual_servo.ground.errors import ModelError, ParameterError
 
 @pytest.fixture
 def runs(monkeypatch):
-    """run_in_process replaced; the scenarios it was called with."""
+    """run replaced; the scenarios it was called with."""
     calls = []
 
-    def run_in_process(scenario, progress=None):
+    def run(scenario, progress=None):
         calls.append(scenario)
         return make_record(scenario=scenario.name)
 
-    monkeypatch.setattr(experiment, "run_in_process", run_in_process)
+    monkeypatch.setattr(experiment, "run", run)
     return calls
 
 
@@ -43,7 +43,7 @@ def test_overrides_reach_the_run_and_the_report(runs, tmp_path):
 
 
 def test_a_run_that_missed_the_goal_exits_with_one(monkeypatch, tmp_path):
-    monkeypatch.setattr(experiment, "run_in_process", lambda scenario, progress=None: make_record((0.01, 0, 0)))
+    monkeypatch.setattr(experiment, "run", lambda scenario, progress=None: make_record((0.01, 0, 0)))
     assert cli.run_main(["experiment_1", "--in-process", "--output", str(tmp_path)]) == cli.EXIT_FAILED
 
 
@@ -62,7 +62,7 @@ def test_an_error_of_the_run_exits_with_three(monkeypatch, tmp_path, capsys):
     def broken(scenario, progress=None):
         raise ModelError("joint 'J9': unknown")
 
-    monkeypatch.setattr(experiment, "run_in_process", broken)
+    monkeypatch.setattr(experiment, "run", broken)
     assert cli.run_main(["experiment_1", "--in-process", "--output", str(tmp_path)]) == cli.EXIT_BROKEN
     assert "joint 'J9': unknown" in capsys.readouterr().err
 

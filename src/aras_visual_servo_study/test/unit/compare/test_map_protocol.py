@@ -51,7 +51,7 @@ def test_a_new_law_appears_by_itself_and_a_new_feature_is_listed_as_left_out(mon
     monkeypatch.setattr(laws, "_LAWS", dict(laws._LAWS))
     monkeypatch.setattr(features, "_FEATURES", dict(features._FEATURES))
 
-    @laws.register("mine")
+    @laws.register_law("mine")
     class Mine(ImageBased):
         pass
 

@@ -17,7 +17,7 @@ from aras_visual_servo_study.report.joint_plot import joint_plot  # noqa: E402
 from aras_visual_servo_study.report.overlays import base, overlay_of  # noqa: E402
 from aras_visual_servo_study.report.page import report_html  # noqa: E402
 from aras_visual_servo_study.report.report import summarise  # noqa: E402
-from aras_visual_servo.runs.judge import run_in_process  # noqa: E402
+import aras_visual_servo as avs# noqa: E402
 from aras_visual_servo.scenario.scenario import load_scenario  # noqa: E402
 
 #: A scenario of each family of features, and what must be drawn: ways and shapes.
@@ -39,7 +39,7 @@ PIXEL = 0.75
 
 @pytest.fixture(scope="module")
 def records():
-    return {name: run_in_process(load_scenario(name)) for name in FAMILIES}
+    return {name: avs.run(load_scenario(name)) for name in FAMILIES}
 
 
 @pytest.fixture(scope="module", params=FAMILIES)

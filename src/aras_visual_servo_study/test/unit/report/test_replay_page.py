@@ -12,7 +12,7 @@ pytest.importorskip("cv2")
 pytest.importorskip("aras_visual_servo_sim")
 from aras_visual_servo_study.report import replay  # noqa: E402
 from aras_visual_servo_study.report.report import save_results  # noqa: E402
-from aras_visual_servo.runs.judge import run_in_process  # noqa: E402
+import aras_visual_servo as avs# noqa: E402
 from aras_visual_servo.scenario.scenario import load_scenario  # noqa: E402
 
 MOST_BYTES = 3_000_000
@@ -21,7 +21,7 @@ needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="chromium is not ins
 
 @pytest.fixture(scope="module")
 def record():
-    return run_in_process(load_scenario("experiment_1"))
+    return avs.run(load_scenario("experiment_1"))
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +43,7 @@ def test_the_same_run_gives_the_same_replay(record):
 
 
 def test_images_drawn_again_are_those_of_the_run(record):
-    kept = run_in_process(load_scenario("experiment_1"), keep_images=True)
+    kept = avs.run(load_scenario("experiment_1"), keep_images=True)
     rows = kept.servo_rows
     again = replay._Camera(record, load_scenario("experiment_1"), "target")
     for row in rows[[0, len(rows) // 2, -1]]:

@@ -15,7 +15,7 @@ from aras_visual_servo.palette import rgb  # noqa: E402
 from aras_visual_servo.ground.errors import ParameterError  # noqa: E402
 from aras_visual_servo_study.live.view.projection import project  # noqa: E402
 from aras_visual_servo_study.report import video  # noqa: E402
-from aras_visual_servo.runs.judge import run_in_process  # noqa: E402
+import aras_visual_servo as avs# noqa: E402
 from aras_visual_servo_study.report.observer import Observer, ObserverError, standpoint, with_stand  # noqa: E402
 from aras_visual_servo_study.report.report import save_results  # noqa: E402
 from aras_visual_servo.scenario.scenario import load_scenario  # noqa: E402
@@ -27,7 +27,7 @@ needs_ffmpeg = pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg
 
 @pytest.fixture(scope="module")
 def record():
-    return run_in_process(load_scenario("experiment_1"), keep_images=True)
+    return avs.run(load_scenario("experiment_1"), keep_images=True)
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def test_features_are_drawn_where_the_object_is(record):
 
 @pytest.mark.parametrize("scenario", ["six_dof_points", "six_dof_pbvs", "six_dof_photometric"])
 def test_each_kind_of_feature_is_drawn_in_its_own_way(scenario):
-    run = run_in_process(load_scenario(scenario), keep_images=True)
+    run = avs.run(load_scenario(scenario), keep_images=True)
     overlay = video.overlay_of(run)
     composer = video.Composer(run, list(run.servo_rows))
     plain = np.array(composer._camera_view(3)).astype(int)

@@ -29,8 +29,9 @@ PBVS = {"servo.law": "pbvs", "servo.features": ["tx", "ty", "tz", "rx", "ry", "r
                          ids=["plane", "steps", "steps pbvs"])
 def test_the_camera_comes_home_without_being_told_where_anything_is(changes):
     pytest.importorskip("aras_visual_servo_sim")
-    from aras_visual_servo.runs.judge import judge, run_in_process
-    record = run_in_process(load_scenario("six_dof_matches", {"sim.cameras": [CAMERA], **DEPTH, **UNKNOWN, **changes}))
+    import aras_visual_servo as avs
+    from aras_visual_servo.runs.judge import judge
+    record = avs.run(load_scenario("six_dof_matches", {"sim.cameras": [CAMERA], **DEPTH, **UNKNOWN, **changes}))
     judgement = judge(record)
     assert judgement.passed, judgement.faults
 

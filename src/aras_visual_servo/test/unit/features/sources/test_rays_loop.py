@@ -5,7 +5,8 @@ import pytest
 
 from aras_visual_servo.arm.robot import kinematics_of
 from aras_visual_servo.spatial import rpy_of
-from aras_visual_servo.runs.judge import judge, run_in_process
+import aras_visual_servo as avs
+from aras_visual_servo.runs.judge import judge
 from aras_visual_servo.runs.loop import ServoLoop
 from aras_visual_servo.scenario.scenario import load_scenario
 
@@ -50,7 +51,7 @@ def scenario():
 
 def test_the_camera_comes_home_to_plates_beside_and_behind_it():
     pytest.importorskip("aras_visual_servo_sim")
-    judgement = judge(run_in_process(scenario()))
+    judgement = judge(avs.run(scenario()))
     assert judgement.passed, judgement.faults
 
 

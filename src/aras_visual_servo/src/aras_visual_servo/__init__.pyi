@@ -1,0 +1,56 @@
+# The public API. Names that are not here may change without notice.
+
+# Scenarios and runs
+from .scenario.files import scenario_names as scenario_names
+from .scenario.scenario import Scenario as Scenario
+from .scenario.scenario import load_scenario as load_scenario
+from .scenario.scenario import scenario_from_dict as scenario_from_dict
+from .runs.judge import Judgement as Judgement
+from .runs.judge import judge as judge
+from .runs.judge import run as run
+from .runs.loop import ServoLoop as ServoLoop
+from .runs.record import RunRecord as RunRecord
+from .studies import compare as compare
+from .studies import save_results as save_results
+from .studies import sweep as sweep
+
+# Laws, features and sources of one's own
+from .config.settings import setting as setting
+from .features.base import Feature as Feature
+from .features.base import FeatureSet as FeatureSet
+from .features.base import View as View
+from .features.base import known_features as known_features
+from .features.base import register_family as register_family
+from .features.base import register_feature as register_feature
+from .features.sources.base import Source as Source
+from .features.sources.base import Taught as Taught
+from .features.sources.base import register_source as register_source
+from .laws.base import Law as Law
+from .laws.base import known_laws as known_laws
+from .laws.base import register_law as register_law
+from .laws.base import sampled_gains as sampled_gains
+from .laws.look import Answer as Answer
+from .laws.look import Look as Look
+
+# The servo, for programs that bring images and joints of their own
+from .arm.kinematics import Kinematics as Kinematics
+from .arm.robot import kinematics_of as kinematics_of
+from .arm.robot import robot_kinematics as robot_kinematics
+from .ground.types import Features as Features
+from .ground.types import Observation as Observation
+from .ground.types import Reference as Reference
+from .ground.types import ServoRecord as ServoRecord
+from .ground.types import Status as Status
+from .servo.servo import Servo as Servo
+from .servo.settings import ServoSettings as ServoSettings
+
+# Poses and rotations
+from . import spatial as spatial
+
+# Errors
+from .ground.errors import ArasError as ArasError
+from .ground.errors import DegenerateFeature as DegenerateFeature
+from .ground.errors import ModelError as ModelError
+from .ground.errors import NotFiniteError as NotFiniteError
+from .ground.errors import ParameterError as ParameterError
+from .ground.errors import ShapeError as ShapeError
