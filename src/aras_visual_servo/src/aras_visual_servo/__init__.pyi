@@ -44,7 +44,9 @@ from .ground.types import Status as Status
 from .servo.servo import Servo as Servo
 from .servo.settings import ServoSettings as ServoSettings
 
-# Poses and rotations
+# Modules: poses and rotations; signals and child processes; colours
+from . import palette as palette
+from . import processes as processes
 from . import spatial as spatial
 
 # Errors
@@ -54,3 +56,27 @@ from .ground.errors import ModelError as ModelError
 from .ground.errors import NotFiniteError as NotFiniteError
 from .ground.errors import ParameterError as ParameterError
 from .ground.errors import ShapeError as ShapeError
+
+# For packages built on this one
+from .arm.limits import accelerated as accelerated
+from .arm.limits import position_factor as position_factor
+from .arm.limits import velocity_factor as velocity_factor
+from .arm.real.forms.base import SetPoint as SetPoint
+from .arm.real.forms.base import make_form as make_form
+from .arm.real.settings import RealSettings as RealSettings
+from .arm.redundancy import TwistInverse as TwistInverse
+from .config.plugins import load_plugins as load_plugins
+from .config.reader import read as read
+from .features.sources import known_sources as known_sources
+from .features.style import styles as styles
+from .ground.images import image_of as image_of
+from .ground.types import FEATURE_NAMES as FEATURE_NAMES
+from .runs.loop import CLOSING_S as CLOSING_S
+from .runs.pairing import StampPairer as StampPairer
+from .runs.record import RecordBuilder as RecordBuilder
+from .runs.record import STOP_NAMES as STOP_NAMES
+from .runs.sequence import ExperimentSequence as ExperimentSequence
+from .runs.session import Session as Session
+from .scenario.schema import RobotSettings as RobotSettings
+from .scenario.schema import default_of as default_of
+from .studies import study as study

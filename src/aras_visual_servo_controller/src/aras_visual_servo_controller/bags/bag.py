@@ -8,13 +8,9 @@ import numpy as np
 import yaml
 
 from .files import BagError, BagFiles
-from aras_visual_servo.runs.record import STOP_NAMES, RecordBuilder
+from aras_visual_servo import FEATURE_NAMES, RecordBuilder, STOP_NAMES, ShapeError, image_of, load_plugins
 from .record_groups import SOURCE_TOPICS, lacking
-from aras_visual_servo.config.plugins import load_plugins
-from aras_visual_servo.ground.errors import ShapeError
-from aras_visual_servo.ground.images import image_of
 from aras_visual_servo.spatial import pose_from_quaternion
-from aras_visual_servo.ground.types import FEATURE_NAMES
 
 __all__ = ["BagError", "read_bag"]
 REQUIRED = ("servo_state",)

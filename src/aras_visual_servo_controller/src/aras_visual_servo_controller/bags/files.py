@@ -10,7 +10,7 @@ import shutil
 import tempfile
 from pathlib import Path
 
-from aras_visual_servo.ground.errors import ArasError
+from aras_visual_servo import ArasError
 
 MAGIC = b"#ROSBAG V2.0"
 HEADER_BYTES = 4096          # the file header record is padded to this

@@ -1,7 +1,6 @@
 """Groups of topics that a run records, chosen by name, and what a report lacks without each of them. No ROS."""
 
-from aras_visual_servo.features.sources import known_sources
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import ParameterError, known_sources
 
 #: Topics of the features that a servo may work on, without the namespace.
 SOURCE_TOPICS = tuple(source.topic for source in known_sources())

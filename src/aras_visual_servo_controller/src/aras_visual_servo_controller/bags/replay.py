@@ -7,7 +7,7 @@
 import math
 from dataclasses import dataclass
 
-from aras_visual_servo.features.sources import known_sources
+from aras_visual_servo import known_sources
 from .bag import camera_info_of, decode, decode_depth, find_topics, settings_of
 from .files import BagError, BagFiles
 

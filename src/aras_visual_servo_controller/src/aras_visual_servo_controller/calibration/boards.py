@@ -4,7 +4,7 @@ from math import cos, pi, sin
 
 import numpy as np
 
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import ParameterError
 
 KINDS = ("chessboard", "circles")
 #: Of a circle, relative to the distance between rows; and corners of the polygon that draws one.

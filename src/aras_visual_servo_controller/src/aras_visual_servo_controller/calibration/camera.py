@@ -6,7 +6,7 @@ from typing import Tuple
 import numpy as np
 import yaml
 
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import ParameterError
 
 #: Fewer views of a plane do not tell the intrinsics, or not well.
 LEAST_VIEWS = 5

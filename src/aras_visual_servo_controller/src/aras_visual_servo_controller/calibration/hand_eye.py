@@ -12,7 +12,7 @@ from typing import Tuple
 
 import numpy as np
 
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import ParameterError
 from aras_visual_servo.spatial import exponential, inverse, rotation_vector, rpy_of
 
 LEAST_VIEWS = 4

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import ParameterError
 from aras_visual_servo.spatial import exponential
 from .hand_eye import board_pose, projected
 

@@ -23,14 +23,11 @@ from aras_visual_servo_msgs.srv import PauseAt, PauseAtRequest, SetReference, Se
 
 from . import conversions as convert
 from .calls.action_server import ActionServer
-from aras_visual_servo.ground.errors import ArasError, ParameterError
+from aras_visual_servo import ArasError, ParameterError, Reference, ServoRecord, Session, StampPairer, Status
 from aras_visual_servo.processes import check_signals
 from ..real.float_commands import SetPointIntegrator
 from .null_space_topic import NullSpaceTopic
-from aras_visual_servo.runs.pairing import StampPairer
 from .parameters import ControllerSetup, Parameters
-from aras_visual_servo.runs.session import Session
-from aras_visual_servo.ground.types import Reference, ServoRecord, Status
 
 LONGEST_PAUSE_S = 1e4     # simulated time after the end of a goal
 SERVICE_TIMEOUT_S = 5.0   # wall time; camera/set_reference

@@ -11,7 +11,7 @@ from sensor_msgs.msg import Image, JointState
 
 from aras_visual_servo_msgs.msg import ServoState, VisualServoActionGoal
 
-from aras_visual_servo.ground.errors import NotFiniteError, ParameterError, ShapeError
+from aras_visual_servo import NotFiniteError, ParameterError, ShapeError
 
 _SEQ_SECS_NSECS = struct.Struct("<3I")
 _NS_PER_S = 1_000_000_000

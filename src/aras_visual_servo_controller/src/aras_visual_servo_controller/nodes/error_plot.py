@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from aras_visual_servo.palette import rgb
-from aras_visual_servo.features.style import styles
+from aras_visual_servo import styles
 
 #: The seconds that the picture shows.
 SHOWN_S = 20.0

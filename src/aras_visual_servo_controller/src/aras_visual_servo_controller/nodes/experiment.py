@@ -24,13 +24,8 @@ from aras_visual_servo_msgs.msg import (SimStatus, VisualServoActionFeedback, Vi
                                         VisualServoActionResult, VisualServoGoal)
 from aras_visual_servo_msgs.srv import Step
 
-from aras_visual_servo.ground.errors import ArasError, ParameterError
+from aras_visual_servo import ArasError, CLOSING_S, ParameterError, Status, default_of, scenario_from_dict, study
 from aras_visual_servo.processes import Interrupted, check_signals, signals_held, signals_raise
-from aras_visual_servo.studies import study
-from aras_visual_servo.ground.types import Status
-from aras_visual_servo.runs.loop import CLOSING_S
-from aras_visual_servo.scenario.scenario import scenario_from_dict
-from aras_visual_servo.scenario.schema import default_of
 from .calls.goal_sender import GoalSender
 from .graph import Graph
 from .parameters import Parameters

@@ -15,9 +15,8 @@ import sys
 from pathlib import Path
 from urllib.parse import urlparse
 
-from aras_visual_servo.ground.errors import ArasError
+from aras_visual_servo import ArasError, study
 from aras_visual_servo.processes import MARK, check_signals, marked, signals_held, temporary_folder
-from aras_visual_servo.studies import study
 from . import guard as guards
 from .graph import Graph
 

@@ -17,14 +17,14 @@ class _Loader(rospy.SubscribeListener):
     It brings OpenCV along, which takes 0.2 s of CPU time: a run that nobody looks at does without, and no answer to an
     image waits for it.
 
-    Attributes: bars: the module `arm.null_space_bars`, None before the first subscriber.
+    Attributes: bars: the module `null_space_bars`, None before the first subscriber.
     """
 
     bars = None
 
     def peer_subscribe(self, *_):
         """Somebody has subscribed."""
-        from aras_visual_servo.arm import null_space_bars
+        from . import null_space_bars
         self.bars = null_space_bars
 
 

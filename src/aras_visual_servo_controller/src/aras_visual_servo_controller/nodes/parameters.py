@@ -2,12 +2,7 @@
 
 import rospy
 
-from aras_visual_servo.ground.errors import ArasError, ParameterError
-from aras_visual_servo.arm.robot import kinematics_of
-from aras_visual_servo.config.reader import read
-from aras_visual_servo.runs.sequence import ExperimentSequence
-from aras_visual_servo.scenario.schema import RobotSettings
-from aras_visual_servo.servo.servo import Servo
+from aras_visual_servo import ArasError, ExperimentSequence, ParameterError, RobotSettings, Servo, kinematics_of, read
 
 CONTROLLER_PARAMETERS = ("command_interface", "feedback_rate_hz", "taught_reference", "scenario", "servo", "experiment",
                          "robot", "real", "actionlib_status_frequency")

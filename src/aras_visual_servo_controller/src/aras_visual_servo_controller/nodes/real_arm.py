@@ -17,12 +17,9 @@ from aras_visual_servo_msgs.msg import InputTiming
 from . import conversions as convert
 from .controller import ControllerNode, main as run_node
 from .parameters import Parameters
-from aras_visual_servo.ground.errors import ArasError, ParameterError
-from aras_visual_servo.ground.types import ServoRecord, Status
+from aras_visual_servo import ArasError, ParameterError, RealSettings, ServoRecord, SetPoint, Status, make_form
 from ..real.arm_link import ArmLink
-from aras_visual_servo.arm.real.forms.base import SetPoint, make_form
 from ..real.prediction import predicted
-from aras_visual_servo.arm.real.settings import RealSettings
 
 SHOW_LATENCY_S = 10.0  # ROS time between two lines of the log
 

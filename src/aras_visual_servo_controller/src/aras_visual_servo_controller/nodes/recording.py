@@ -8,7 +8,7 @@ from std_srvs.srv import Trigger
 
 from aras_visual_servo_msgs.srv import StartRecording
 
-from aras_visual_servo.ground.errors import ArasError
+from aras_visual_servo import ArasError
 
 SETTLED_S = 0.3           # wall time without growth after which nothing is on its way any more
 SETTLED_BYTES = 16384     # a bag that grows by less than this in that time gets no more images, only the clock

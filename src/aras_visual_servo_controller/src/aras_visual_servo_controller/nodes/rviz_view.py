@@ -20,7 +20,7 @@ from aras_visual_servo_msgs.msg import ServoState, VisualServoActionGoal
 
 from . import conversions as convert
 from .calls.services import SERVICE_TIMEOUT_S, call_service
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import ParameterError
 from .error_plot import ErrorPlot
 from .parameters import ControllerSetup
 

@@ -9,10 +9,9 @@ from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
 from . import conversions as convert
-from aras_visual_servo.ground.errors import ArasError, ParameterError
-from aras_visual_servo.arm.robot import robot_kinematics
+from aras_visual_servo import ArasError, ParameterError, robot_kinematics
 from .parameters import Parameters
-from aras_visual_servo.arm.teleop import HELP, Keys, Teleop
+from ..real.teleop import HELP, Keys, Teleop
 
 READ_S = 0.05  # wall time of one look at the keyboard
 EXIT_STOPPED, EXIT_PARAMETERS = 0, 2

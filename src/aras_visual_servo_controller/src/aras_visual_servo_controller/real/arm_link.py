@@ -16,8 +16,7 @@ from typing import Any, NamedTuple, Optional
 
 import numpy as np
 
-from aras_visual_servo.ground.errors import DegenerateFeature
-from aras_visual_servo.arm.real.forms.base import SetPoint
+from aras_visual_servo import DegenerateFeature, SetPoint
 from .joint_history import JointHistory
 from .latency import Latency
 from .motion_guard import MotionGuard

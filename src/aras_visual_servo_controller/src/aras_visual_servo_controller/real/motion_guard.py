@@ -4,7 +4,7 @@ from math import inf
 
 import numpy as np
 
-from aras_visual_servo.arm.limits import accelerated, position_factor, velocity_factor
+from aras_visual_servo import accelerated, position_factor, velocity_factor
 
 
 class MotionGuard:

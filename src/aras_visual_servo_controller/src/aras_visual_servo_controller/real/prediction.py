@@ -14,8 +14,7 @@ from math import atan2, comb, cos, hypot, pi, remainder, sin, sqrt
 
 import numpy as np
 
-from aras_visual_servo.ground.errors import DegenerateFeature, ParameterError
-from aras_visual_servo.ground.types import Features
+from aras_visual_servo import DegenerateFeature, Features, ParameterError
 
 
 def predicted(features, plane_C, X_C0C1):

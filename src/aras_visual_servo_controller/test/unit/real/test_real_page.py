@@ -11,7 +11,7 @@ from aras_visual_servo.arm.robot import kinematics_of
 from aras_visual_servo.config.settings import keys_of
 from aras_visual_servo.scenario.scenario import load_scenario
 
-PAGE = (Path(__file__).parents[6] / "docs" / "real_robot.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[5] / "docs" / "real_robot.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture

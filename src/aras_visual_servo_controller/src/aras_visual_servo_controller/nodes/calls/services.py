@@ -1,7 +1,7 @@
 """Calls a service of another node and says why it was refused."""
 import rospy
 
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import ParameterError
 
 #: Wall time within which a service must be offered [s].
 SERVICE_TIMEOUT_S = 5.0

@@ -5,7 +5,7 @@ import pytest
 from bench import config
 from toy_plant import GOAL, START, arm
 
-from aras_visual_servo.arm.null_space_bars import CAMERA, NULL_SPACE, draw, shares
+from aras_visual_servo_controller.nodes.null_space_bars import CAMERA, NULL_SPACE, draw, shares
 from aras_visual_servo.arm.redundancy import FREE
 from aras_visual_servo.servo.servo import Servo
 

@@ -7,8 +7,7 @@ import tty
 
 import numpy as np
 
-from ..ground.errors import ParameterError
-from .redundancy import TwistInverse
+from aras_visual_servo import ParameterError, TwistInverse
 
 HOLD_S = 0.15       # a key counts as held this long after its last character; terminals repeat at 25 Hz and more
 LOOK_AHEAD_S = 0.2  # a joint that would reach its limit within this time stops

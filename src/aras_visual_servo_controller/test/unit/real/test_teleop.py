@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.arm.teleop import FASTER, HOLD_S, LOOK_AHEAD_S, Keys, Teleop
+from aras_visual_servo_controller.real.teleop import FASTER, HOLD_S, LOOK_AHEAD_S, Keys, Teleop
 
 NAMES = ("a", "b", "c", "d", "e", "f")
 JACOBIAN = np.array([[1, 0.2, 0, 0, 0, 0], [0, 1, 0.3, 0, 0, 0], [0, 0, 1, 0, 0, 0.1],

@@ -1,0 +1,10 @@
+# The public API of the ROS side.
+from .bags.bag import read_bag as read_bag
+from .bags.files import BagFiles as BagFiles
+from .bags.record_groups import parse_groups as parse_groups
+from .bags.replay import replay as replay
+from .calibration.camera import calibrate_camera as calibrate_camera
+from .calibration.hand_eye import calibrate_hand_eye as calibrate_hand_eye
+from .calibration.target import target_plane as target_plane
+from .nodes.graph import Graph as Graph
+from .nodes.launch import run_over_ros as run_over_ros
