@@ -59,14 +59,7 @@ MICRO = (
 )
 
 
-#: Numbers of the table by the name of their row, for --figures.
-MEASURED = {}
-
-
 def row(what, value, note=""):
-    first = value.split(" ")[0].replace(",", "")
-    if first.replace(".", "", 1).isdigit():
-        MEASURED[what.strip()] = float(first)
     print(f"{what:<58} {value:>22}  {note}", flush=True)
 
 
@@ -81,12 +74,11 @@ def calibration_ms():
 
 def accuracy(names):
     import aras_visual_servo as avs
-    from aras_visual_servo.runs.judge import fit_decay, judge
-    from aras_visual_servo.scenario.scenario import load_scenario
+    from aras_visual_servo.runs.judge import fit_decay
 
     for name in names:
-        record = avs.run(load_scenario(name))
-        result = judge(record)
+        record = avs.run(avs.load_scenario(name))
+        result = avs.judge(record)
         error = result.final_error
         row(f"{name}: |x|, |y|, |z| [mm], angle [deg]",
             "%.3f %.3f %.3f %.4f" % (abs(error["x_mm"]), abs(error["y_mm"]), abs(error["z_mm"]), error["angle_deg"]),
@@ -98,11 +90,9 @@ def accuracy(names):
 
 
 def loop_factor():
-    from aras_visual_servo.runs.loop import ServoLoop
-    from aras_visual_servo.scenario.scenario import load_scenario
+    import aras_visual_servo as avs
 
-    loop = ServoLoop(load_scenario("experiment_1"))
-    record = loop.run()
+    record = avs.ServoLoop(avs.load_scenario("experiment_1")).run()
     return record.real_time_factor, record.run_hash
 
 
@@ -207,33 +197,18 @@ def main():
     parser.add_argument("--no-ros", action="store_true", help="leave out the runs over ROS")
     parser.add_argument("--beside", metavar="WHAT=COMMAND", action="append", default=[],
                         help=f"another program to measure in turn with ours; WHAT: loop, {', '.join(IN_TURN)}")
-    parser.add_argument("--figures", metavar="FILE", type=pathlib.Path,
-                        help="also write the first number of every row, JSON, for script/figures --bench FILE")
     parser.add_argument("--in-turn-only", action="store_true", help="only what --beside can stand beside")
     parser.add_argument("--paper", action="store_true", help="only README's table beside the paper's figures")
     parser.add_argument("--stop-rule", type=int, metavar="RUNS",
                         help="only whether CONVERGED means arrived (docs/sweeps.md)")
-    parser.add_argument("--rows", metavar="FILE", help="with --stop-rule, also a line of JSON per run, for "
-                        "script/figures --stop-rule FILE")
-    parser.add_argument("--growth", action="store_true", help="only how cost grows; writes docs/performance.md")
     arguments = parser.parse_args()
-    if arguments.growth:
-        sys.path.insert(0, str(WORKSPACE / "script/docs"))
-        import growth
-        return growth.main(["--no-ros"] if arguments.no_ros else [])
     if arguments.stop_rule:
-        rows = ["--rows", arguments.rows] if arguments.rows else []
-        return subprocess.run([sys.executable, STOP_RULE, "--runs", str(arguments.stop_rule), *rows]).returncode
+        return subprocess.run([sys.executable, STOP_RULE, "--runs", str(arguments.stop_rule)]).returncode
     if arguments.paper:
         sys.path.insert(0, str(WORKSPACE / "script/docs"))
         import paper_table
         return paper_table.main()
-    measure(arguments, read_beside(arguments.beside))
-    if arguments.figures:
-        arguments.figures.write_text(json.dumps(MEASURED, indent=1) + "\n")
-
-
-def measure(arguments, beside):
+    beside = read_beside(arguments.beside)
     row("SHA-256 of 4 MiB", f"{calibration_ms():.2f} ms", "to compare machines by")
     in_process(arguments.runs, beside["loop"])
     simulator(arguments.runs, beside)
