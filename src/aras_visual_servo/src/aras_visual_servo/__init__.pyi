@@ -36,6 +36,7 @@ from .laws.look import Look as Look
 from .arm.kinematics import Kinematics as Kinematics
 from .arm.robot import kinematics_of as kinematics_of
 from .arm.robot import robot_kinematics as robot_kinematics
+from .ground.types import Command as Command
 from .ground.types import Features as Features
 from .ground.types import Observation as Observation
 from .ground.types import Reference as Reference

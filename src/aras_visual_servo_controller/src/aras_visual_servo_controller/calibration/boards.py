@@ -1,6 +1,7 @@
 """Boards: a chessboard or a grid of circles, its points in space and in an image."""
 
 from math import cos, pi, sin
+from typing import List, Optional, Tuple
 
 import numpy as np
 
@@ -24,7 +25,7 @@ class Board:
     Attributes: points_m: (n, 3), row by row [m].
     """
 
-    def __init__(self, kind, columns, rows, size_m):
+    def __init__(self, kind: str, columns: int, rows: int, size_m: float):
         faults = []
         if kind not in KINDS:
             faults.append(f"board: found {kind}, allowed {' | '.join(KINDS)}")
@@ -42,7 +43,7 @@ class Board:
         x = column if kind == "chessboard" else 2 * column + row % 2
         self.points_m = size_m * np.column_stack([x, row, np.zeros(len(row))])
 
-    def find(self, image):
+    def find(self, image: np.ndarray) -> Optional[np.ndarray]:
         """Pixels of the points, (n, 2), in the order of points_m; None if the board is not wholly in view.
 
         Args: image: (h, w) or (h, w, 3), uint8.
@@ -65,7 +66,7 @@ class Board:
         level = [float(grey[int(round(y)), int(round(x))]) for x, y in (first, second)]
         return level[0] < level[1]
 
-    def outlines(self):
+    def outlines(self) -> List[List[Tuple[float, float]]]:
         """Polygons, lists of (x, y), of what is dark on the board [m]: to print it (y down), or for a simulator."""
         size = self.size_m
         if self.kind == "circles":

@@ -1,12 +1,13 @@
 """Calibration of a camera from images of a board (OpenCV's calibrateCamera, after Zhang, IEEE T-PAMI 22(11), 2000)."""
 
 from dataclasses import dataclass
-from typing import Tuple
+from typing import Dict, Sequence, Tuple
 
 import numpy as np
 import yaml
 
 from aras_visual_servo import ParameterError
+from .boards import Board
 
 #: Fewer views of a plane do not tell the intrinsics, or not well.
 LEAST_VIEWS = 5
@@ -34,11 +35,11 @@ class CameraCalibration:
     stddev: np.ndarray
 
     @property
-    def intrinsics(self):
+    def intrinsics(self) -> np.ndarray:
         """(9,) fx, fy, cx, cy [px], k1, k2, p1, p2, k3."""
         return np.concatenate([self.K[[0, 1, 0, 1], [0, 1, 2, 2]], self.distortion])
 
-    def as_yaml(self, name="camera"):
+    def as_yaml(self, name: str = "camera") -> str:
         """Text of a file as drivers read it through camera_info_url; they leave `calibration` out."""
         def matrix(rows, columns, data):
             return {"rows": rows, "cols": columns, "data": [float(value) for value in np.ravel(data)]}
@@ -52,7 +53,7 @@ class CameraCalibration:
         }, sort_keys=False)
 
     @classmethod
-    def from_yaml(cls, text, source="camera"):
+    def from_yaml(cls, text: str, source: str = "camera") -> "CameraCalibration":
         """Read what `as_yaml`, or ROS's camera_calibration, wrote. Raises ParameterError."""
         try:
             content = yaml.safe_load(text)
@@ -70,7 +71,7 @@ class CameraCalibration:
                                  "5")
         return cls(*size, K, distortion, residual_px, (), stddev)
 
-    def cost(self, z_star_m):
+    def cost(self, z_star_m: float) -> Dict[str, float]:
         """What the error of the intrinsics costs at the goal, dict of texts -> mm (one standard deviation).
 
         A taught goal is an image: at the goal the same camera sees the same picture, whatever its intrinsics are taken
@@ -82,7 +83,7 @@ class CameraCalibration:
                 "goal in numbers, depth": 1e3 * z_star_m * 0.5 * (s_fx / fx + s_fy / fy)}
 
 
-def calibrate_camera(views, board, size):
+def calibrate_camera(views: Sequence[np.ndarray], board: Board, size: Tuple[int, int]) -> CameraCalibration:
     """`CameraCalibration` from views of a board.
 
     Args:

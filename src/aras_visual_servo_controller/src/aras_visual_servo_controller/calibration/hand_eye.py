@@ -8,12 +8,14 @@ looks like a camera that sits elsewhere. The fit also tells how well X_FC is kno
 
 from dataclasses import dataclass
 from math import hypot
-from typing import Tuple
+from typing import Any, Dict, Sequence, Tuple
 
 import numpy as np
 
 from aras_visual_servo import ParameterError
 from aras_visual_servo.spatial import exponential, inverse, rotation_vector, rpy_of
+from .boards import Board
+from .camera import CameraCalibration
 
 LEAST_VIEWS = 4
 #: The arm must turn about axes that differ, or the translation along the one axis stays unknown [rad].
@@ -36,11 +38,11 @@ class HandEye:
     stddev_rad: float
 
     @property
-    def rpy_rad(self):
+    def rpy_rad(self) -> Tuple[float, float, float]:
         """Roll, pitch and yaw of X_FC, as `robot.hand_eye` has them."""
         return rpy_of(self.X_FC[:3, :3])
 
-    def cost(self, z_star_m):
+    def cost(self, z_star_m: float) -> Dict[str, float]:
         """What the error costs at the goal, dict of texts -> mm (one standard deviation).
 
         A taught goal is the same posture before the same picture. A goal given as a pose of the camera in the base is
@@ -50,7 +52,8 @@ class HandEye:
                 "goal as a camera pose, at the target": 1e3 * hypot(self.stddev_m, z_star_m * self.stddev_rad)}
 
 
-def calibrate_hand_eye(poses, views, board, camera):
+def calibrate_hand_eye(poses: Sequence[np.ndarray],
+                       views: Sequence[np.ndarray], board: Board, camera: CameraCalibration) -> HandEye:
     """`HandEye`.
 
     Args:
@@ -72,7 +75,7 @@ def calibrate_hand_eye(poses, views, board, camera):
     return _fitted(poses, views, board, camera, X_FC, X_BO)
 
 
-def board_pose(view, board, camera):
+def board_pose(view: np.ndarray, board: Board, camera: CameraCalibration) -> np.ndarray:
     """X_CO, (4, 4), of a board from its pixels (n, 2)."""
     import cv2
     _, turn, place = cv2.solvePnP(board.points_m, np.asarray(view, dtype=float), camera.K, camera.distortion)
@@ -81,7 +84,7 @@ def board_pose(view, board, camera):
     return X
 
 
-def projected(X_CO, board, camera, intrinsics=None):
+def projected(X_CO: np.ndarray, board: Board, camera: CameraCalibration, intrinsics: Any = None) -> np.ndarray:
     """(n, 2) pixels of the board's points. Args: intrinsics: (9,), see `CameraCalibration`; None: the camera's."""
     import cv2
     fx, fy, cx, cy, *distortion = camera.intrinsics if intrinsics is None else intrinsics

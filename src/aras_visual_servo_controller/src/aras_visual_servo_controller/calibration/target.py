@@ -1,11 +1,14 @@
 """Where the target is in the camera's frame: depth and normal of its plane, from a board that lies on it."""
 
 from dataclasses import dataclass
+from typing import Dict
 
 import numpy as np
 
 from aras_visual_servo import ParameterError
 from aras_visual_servo.spatial import exponential
+from .boards import Board
+from .camera import CameraCalibration
 from .hand_eye import board_pose, projected
 
 
@@ -25,7 +28,7 @@ class TargetPlane:
     stddev_z_m: float
     stddev_tilt_rad: float
 
-    def cost(self):
+    def cost(self) -> Dict[str, float]:
         """What the error costs at the goal, dict of texts -> value (one standard deviation).
 
         A taught goal stays where it was taught: a wrong depth scales s and s* alike. Gains are wrong by its part. A
@@ -36,7 +39,7 @@ class TargetPlane:
                 "goal in numbers, tilt, mm at the target": 1e3 * self.z_star_m * self.stddev_tilt_rad}
 
 
-def target_plane(view, board, camera):
+def target_plane(view: np.ndarray, board: Board, camera: CameraCalibration) -> TargetPlane:
     """`TargetPlane` of a board in a view. Args: view: (n, 2) pixels.  camera: `CameraCalibration`.
 
     Raises ParameterError: the board is seen from its edge, so that the optical axis does not meet its plane in front.

@@ -4,13 +4,14 @@ Exit codes: 0 done, 2 bad input, 3 could not read or write a file.
 """
 
 from pathlib import Path
+from typing import List, Optional
 
 import yaml
 
 from aras_visual_servo.cli.parser import command_parser, parse
 from aras_visual_servo.cli.run import EXIT_PASSED, guarded
-from ..calibration.boards import KINDS, Board
 from aras_visual_servo.ground.errors import ParameterError
+from ..calibration.boards import KINDS, Board
 
 BOARD = "--columns 8 --rows 5 --size-m 0.03"
 EXAMPLES = ((f"camera images/*.png {BOARD} --output camera.yaml", "the intrinsics, as camera_info_url reads them"),
@@ -19,7 +20,7 @@ EXAMPLES = ((f"camera images/*.png {BOARD} --output camera.yaml", "the intrinsic
             (f"target at_goal.png --camera camera.yaml {BOARD}", "depth and normal of the plane that the board is on"))
 
 
-def calibrate_main(argv=None):
+def calibrate_main(argv: Optional[List[str]] = None) -> int:
     """Calibrate and print what was found, its residual, and what its error costs at the goal. Returns the exit code."""
     parser = command_parser("calibrate", "Calibrate a camera, its place on the arm, or the target's plane, from images "
                             "of a chessboard or of a grid of circles. Every result comes with its residual and with "

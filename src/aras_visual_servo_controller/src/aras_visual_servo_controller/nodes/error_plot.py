@@ -5,12 +5,13 @@ Each error is drawn in parts of its threshold, on a logarithmic scale: below the
 
 from collections import deque
 from math import floor, isfinite, log10
+from typing import Any, Sequence
 
 import cv2
 import numpy as np
 
-from aras_visual_servo.palette import rgb
 from aras_visual_servo import styles
+from aras_visual_servo.palette import rgb
 
 #: The seconds that the picture shows.
 SHOWN_S = 20.0
@@ -27,12 +28,12 @@ class ErrorPlot:
     Args: names: of the features.  thresholds: (k,) > 0, in the features' units.
     """
 
-    def __init__(self, names, thresholds):
+    def __init__(self, names: Sequence[str], thresholds: Any):
         self._styles, self._thresholds = styles(names), np.array(thresholds, dtype=float)
         self._colours = [rgb(style.colour) for style in self._styles]
         self._t, self._parts = deque(), deque()
 
-    def add(self, t_s, e):
+    def add(self, t_s: float, e: Sequence[float]) -> None:
         """The errors e, (k,), of the image of this time; NaN or another length: there are none. Time that goes back
         begins the picture anew."""
         if self._t and t_s <= self._t[-1]:
@@ -46,7 +47,7 @@ class ErrorPlot:
             self._t.popleft()
             self._parts.popleft()
 
-    def draw(self):
+    def draw(self) -> np.ndarray:
         """(h, w, 3) uint8 RGB."""
         picture = np.full((_HEIGHT, _WIDTH, 3), _PAPER, np.uint8)
         end = self._t[-1] if self._t else SHOWN_S

@@ -14,8 +14,9 @@ import subprocess
 import sys
 from pathlib import Path
 from urllib.parse import urlparse
+from typing import Optional, Sequence
 
-from aras_visual_servo import ArasError, study
+from aras_visual_servo import ArasError, Scenario, study
 from aras_visual_servo.processes import MARK, check_signals, marked, signals_held, temporary_folder
 from . import guard as guards
 from .graph import Graph
@@ -27,7 +28,8 @@ EXIT_BROKEN = 3        # the run ended and the experiment node left no exit code
 TAIL_LINES = 40        # so many last lines of the log are shown when there is no result
 
 
-def run_over_ros(scenario, results_dir, arguments=(), verbose=False, namespace=None):
+def run_over_ros(scenario: Scenario, results_dir: str, arguments: Sequence[str] = (), verbose: bool = False,
+                 namespace: Optional[str] = None) -> int:
     """Run servo.launch and wait for its end.
 
     Args:

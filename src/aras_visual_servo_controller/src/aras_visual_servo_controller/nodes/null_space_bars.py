@@ -1,6 +1,7 @@
 """How much of each joint's motion moves the camera, and how much is null-space motion: shares and a picture. No ROS."""
 
 from math import copysign
+from typing import Any, Callable, Sequence, Tuple
 
 import cv2
 import numpy as np
@@ -13,7 +14,8 @@ _LEFT, _RIGHT, _BAR = 74, 376, 14              # of the bars: where they begin, 
 _TICKS = (-100, -25, -5, 0, 5, 25, 100)        # [%]
 
 
-def shares(split, q, q_dot, velocity_limits):
+def shares(split: Callable[..., Any], q: np.ndarray, q_dot: np.ndarray, velocity_limits: np.ndarray
+           ) -> Tuple[np.ndarray, np.ndarray]:
     """Both parts of the joint velocities as shares of the joints' velocity limits.
 
     Args:
@@ -32,7 +34,7 @@ def shares(split, q, q_dot, velocity_limits):
     return camera / limits, null / limits
 
 
-def draw(names, camera, null):
+def draw(names: Sequence[str], camera: np.ndarray, null: np.ndarray) -> np.ndarray:
     """Picture of both shares: two bars per joint from the middle, to the right for positive velocities.
 
     The length of a bar is the square root of the share, so that the slow motion near the goal is still visible on the

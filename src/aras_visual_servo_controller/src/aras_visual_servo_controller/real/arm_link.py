@@ -12,11 +12,11 @@ No ROS, no threads. All times are ROS time [ns]; with a real arm that is wall ti
 """
 
 import collections
-from typing import Any, NamedTuple, Optional
+from typing import Any, Callable, List, NamedTuple, Optional
 
 import numpy as np
 
-from aras_visual_servo import DegenerateFeature, SetPoint
+from aras_visual_servo import Command, DegenerateFeature, RealSettings, SetPoint
 from .joint_history import JointHistory
 from .latency import Latency
 from .motion_guard import MotionGuard
@@ -84,7 +84,7 @@ class ArmLink:
         image_latency, joint_latency: `Latency` of what came.
     """
 
-    def __init__(self, kinematics, settings, command_timeout_s):
+    def __init__(self, kinematics: Any, settings: RealSettings, command_timeout_s: float):
         self._kinematics, self._settings = kinematics, settings
         self._command_timeout_ns = round(command_timeout_s * 1e9)
         self._image_delay_ns = round(settings.image_delay_s * 1e9)
@@ -95,7 +95,7 @@ class ArmLink:
         self._zeros = np.zeros(len(kinematics.joint_names))
         self.clear()
 
-    def clear(self):
+    def clear(self) -> None:
         """Start anew, as after a jump of the clock; the dead-man's switch has to be heard again."""
         self._history.clear()
         self._watchdog.clear()
@@ -106,7 +106,7 @@ class ArmLink:
 
     # --- what comes ---------------------------------------------------------------------------------------------
 
-    def joints(self, stamp_ns, q, now_ns):
+    def joints(self, stamp_ns: int, q: np.ndarray, now_ns: int) -> bool:
         """A joint state, (n,) [m, rad]. One that is not finite is not taken, so that the arm rests when no other comes.
 
         Returns: whether it was taken.
@@ -117,25 +117,25 @@ class ArmLink:
         self._watchdog.joints(stamp_ns, now_ns)
         return True
 
-    def image(self, stamp_ns, features, now_ns):
+    def image(self, stamp_ns: int, features: Any, now_ns: int) -> None:
         """The features of an image."""
         self.image_latency.add(1e-9 * (now_ns - stamp_ns + self._image_delay_ns))
         self._waiting.append((stamp_ns, features))
 
-    def deadman(self, held, now_ns):
+    def deadman(self, held: bool, now_ns: int) -> None:
         """A message of the dead-man's switch."""
         self._watchdog.deadman(held, now_ns)
 
     @property
-    def deadman_held(self):
+    def deadman_held(self) -> bool:
         """Whether the dead-man's switch was held when it was heard last."""
         return self._watchdog.held
 
-    def unfit(self, now_ns):
+    def unfit(self, now_ns: int) -> Optional[Unfit]:
         """`Unfit` if the arm must rest now, else None."""
         return self._watchdog.state(now_ns)
 
-    def sights(self, now_ns):
+    def sights(self, now_ns: int) -> List["Sight"]:
         """The images that can be answered now, or never: list of `Sight`, oldest first."""
         found = []
         while self._waiting:
@@ -149,7 +149,8 @@ class ArmLink:
             found.append(Sight(stamp_ns, features, then.q, then.refusal, timing))
         return found
 
-    def predict(self, sight, now_ns, plane_of, predicted):
+    def predict(self, sight: "Sight", now_ns: int, plane_of: Callable[[np.ndarray], np.ndarray],
+                predicted: Callable[..., Any]) -> Any:
         """The `Sight` as it will be when a command that is sent now acts.
 
         Args: plane_of: function of q, (n,), that gives the target's plane (3,) in the camera frame [1/m].
@@ -189,7 +190,7 @@ class ArmLink:
 
     # --- what goes ----------------------------------------------------------------------------------------------
 
-    def take(self, command, now_ns):
+    def take(self, command: Command, now_ns: int) -> None:
         """Take a `Command`. One that names no joint changes nothing; zero velocity for all without a position rests."""
         if not command.position and not command.velocity:
             return
@@ -204,24 +205,24 @@ class ArmLink:
         if self._follows:
             self._target = self._kinematics.vector({**by_name(self._target), **command.position})
 
-    def rest(self):
+    def rest(self) -> None:
         """Stand still where the set-point is, until another command is taken."""
         self._velocity, self._out_velocity, self._follows = self._zeros, self._zeros, False
         if self._out is not None:
             self._target = self._out
 
-    def end(self, now_ns):
+    def end(self, now_ns: int) -> None:
         """The goal has ended: rest, and be silent RELEASE_S later."""
         self.rest()
         self._released_ns = now_ns
 
-    def release(self):
+    def release(self) -> None:
         """Send nothing any more. The next command begins at the measured positions."""
         self._out = self._target = self._taken_ns = self._released_ns = None
         self._velocity = self._out_velocity = self._zeros
         self._follows = False
 
-    def tick(self, now_ns):
+    def tick(self, now_ns: int) -> Tick:
         """One command period has passed: `Tick`."""
         unfit = self._watchdog.look(now_ns)
         before_ns, self._tick_ns = self._tick_ns, now_ns

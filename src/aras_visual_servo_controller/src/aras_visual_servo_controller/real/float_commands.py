@@ -1,7 +1,10 @@
 """Set-points for robots that take one number per joint controller, as ros_control does: velocities are integrated here.
 No ROS."""
 
+from typing import Dict, Sequence
+
 import numpy as np
+from aras_visual_servo import Command
 
 
 class SetPointIntegrator:
@@ -15,7 +18,7 @@ class SetPointIntegrator:
         timeout_ns: age at which a velocity stops acting [ns].
     """
 
-    def __init__(self, joint_names, lower, upper, timeout_ns):
+    def __init__(self, joint_names: Sequence[str], lower: np.ndarray, upper: np.ndarray, timeout_ns: int):
         self._names = tuple(joint_names)
         self._limits = {name: (float(low), float(high)) for name, low, high in zip(self._names, lower, upper)}
         self._timeout_ns = timeout_ns
@@ -24,11 +27,11 @@ class SetPointIntegrator:
         self._command_ns = 0
         self._time_ns = None
 
-    def reset(self):
+    def reset(self) -> None:
         """Forget set-points, velocities and time."""
         self._set_points, self._velocities, self._time_ns = {}, {}, None
 
-    def command(self, command, q):
+    def command(self, command: Command, q: np.ndarray) -> None:
         """Take a command.
 
         Args:
@@ -40,7 +43,7 @@ class SetPointIntegrator:
         self._velocities = dict(command.velocity)
         self._command_ns = command.stamp_ns
 
-    def advance(self, time_ns):
+    def advance(self, time_ns: int) -> Dict[str, float]:
         """Set-points at a time: dict of joint name -> set-point [m or rad]; {} before the first command."""
         last_ns, self._time_ns = self._time_ns, time_ns
         if last_ns is not None and self._velocities:

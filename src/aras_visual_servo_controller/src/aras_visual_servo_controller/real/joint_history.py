@@ -31,26 +31,26 @@ class JointHistory:
         kept_s: how long joint states are kept [s].
     """
 
-    def __init__(self, max_gap_s, max_extrapolation_s, kept_s=3.0):
+    def __init__(self, max_gap_s: float, max_extrapolation_s: float, kept_s: float = 3.0):
         self._max_gap_s, self._max_extrapolation_s = max_gap_s, max_extrapolation_s
         self._kept_ns = round(kept_s * 1e9)
         self.clear()
 
-    def clear(self):
+    def clear(self) -> None:
         """Forget all."""
         self._stamps, self._positions = [], []
 
     @property
-    def newest_ns(self):
+    def newest_ns(self) -> int:
         """Stamp of the newest joint state, -1 without any."""
         return self._stamps[-1] if self._stamps else -1
 
     @property
-    def newest(self):
+    def newest(self) -> Optional[np.ndarray]:
         """(n,) of the newest joint state, None without any."""
         return self._positions[-1] if self._positions else None
 
-    def add(self, stamp_ns, q):
+    def add(self, stamp_ns: int, q: np.ndarray) -> bool:
         """Take a joint state, (n,). One whose stamp is not later than the newest is left out; returns whether it was
         taken. Jittered stamps may repeat or swap; a clock that was set back is for `Watchdog` to see."""
         if stamp_ns <= self.newest_ns:
@@ -61,7 +61,7 @@ class JointHistory:
             del self._stamps[0], self._positions[0]
         return True
 
-    def at(self, time_ns):
+    def at(self, time_ns: int) -> JointsThen:
         """`JointsThen`: linear between the two joint states around the time, or on from the last two of them."""
         after = bisect.bisect_left(self._stamps, time_ns)
         if after < len(self._stamps) and self._stamps[after] == time_ns:

@@ -1,10 +1,11 @@
 """The last limits before the arm: speed, acceleration, joint positions, and the box that the camera stays in."""
 
 from math import inf
+from typing import Any, Tuple
 
 import numpy as np
 
-from aras_visual_servo import accelerated, position_factor, velocity_factor
+from aras_visual_servo import RealSettings, accelerated, position_factor, velocity_factor
 
 
 class MotionGuard:
@@ -13,7 +14,7 @@ class MotionGuard:
     Args: kinematics: `Kinematics`.  settings: `RealSettings`.
     """
 
-    def __init__(self, kinematics, settings):
+    def __init__(self, kinematics: Any, settings: RealSettings):
         self._kinematics = kinematics
         self._speed = settings.largest_speed(kinematics)
         self._most = settings.joint_acceleration
@@ -21,7 +22,8 @@ class MotionGuard:
         box = settings.workspace
         self._box = None if box is None else (np.array(box.lower_m), np.array(box.upper_m))
 
-    def velocity(self, q, before, wanted, dt_s):
+    def velocity(self, q: np.ndarray, before: np.ndarray, wanted: np.ndarray, dt_s: float
+                 ) -> Tuple[np.ndarray, str, bool]:
         """Velocities for the next period.
 
         Args: q: (n,) set-points now.  before: (n,) velocities of the last period.  wanted: (n,).  dt_s: period.
@@ -39,7 +41,7 @@ class MotionGuard:
             return np.zeros_like(q_dot), left, True
         return q_dot, text, joint is not None
 
-    def clipped(self, q_dot):
+    def clipped(self, q_dot: np.ndarray) -> np.ndarray:
         """(n,) velocities within the speed limits, all slowed by one factor."""
         return q_dot * velocity_factor(q_dot, self._speed)
 

@@ -11,13 +11,14 @@ are known; what is left out is of second order in the change of perspective over
 """
 
 from math import atan2, comb, cos, hypot, pi, remainder, sin, sqrt
+from typing import Any
 
 import numpy as np
 
 from aras_visual_servo import DegenerateFeature, Features, ParameterError
 
 
-def predicted(features, plane_C, X_C0C1):
+def predicted(features: Any, plane_C: np.ndarray, X_C0C1: np.ndarray) -> Features:
     """Features of moments and points after the camera has moved.
 
     Args:

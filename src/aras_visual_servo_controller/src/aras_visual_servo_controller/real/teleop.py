@@ -4,6 +4,7 @@ import os
 import select
 import termios
 import tty
+from typing import Any
 
 import numpy as np
 
@@ -30,7 +31,8 @@ class Teleop:
         quit: True once the key for it was pressed.
     """
 
-    def __init__(self, kinematics, joint_speed=0.3, linear_m_per_s=0.05, angular_rad_per_s=0.2):
+    def __init__(self, kinematics: Any, joint_speed: Any = 0.3, linear_m_per_s: float = 0.05,
+                 angular_rad_per_s: float = 0.2):
         """Set up.
 
         Args:
@@ -52,7 +54,7 @@ class Teleop:
         self._key, self._pressed_s = None, -float("inf")
         self.mode, self.joint, self.quit = "joints", kinematics.joint_names[0], False
 
-    def press(self, key, now_s):
+    def press(self, key: str, now_s: float) -> None:
         """A key came, at a time of any steady clock [s]. Keys without a meaning are ignored."""
         names = self._kinematics.joint_names
         if key == "\t":
@@ -70,7 +72,7 @@ class Teleop:
         elif key in (JOINT_KEYS if self.mode == "joints" else CAMERA_KEYS):
             self._key, self._pressed_s = key, now_s
 
-    def velocity(self, q, now_s):
+    def velocity(self, q: np.ndarray, now_s: float) -> np.ndarray:
         """Joint velocities.
 
         Args:
@@ -99,7 +101,7 @@ class Teleop:
             return rest if beyond.any() else wanted
         return np.where(beyond, 0.0, wanted)
 
-    def status(self):
+    def status(self) -> str:
         """One line for the screen."""
         what = self.joint if self.mode == "joints" else "x y z and turns of the camera"
         return f"{self.mode}: {what}, speed {self._scale:.2f}"
@@ -108,7 +110,7 @@ class Teleop:
 class Keys:
     """Characters of a terminal, unbuffered and without echo. As a context manager it puts the terminal back."""
 
-    def __init__(self, descriptor):
+    def __init__(self, descriptor: int):
         """Args: descriptor of a terminal. Raises ParameterError if it is none."""
         if not os.isatty(descriptor):
             raise ParameterError("teleop: standard input is no terminal, allowed a terminal")
@@ -122,7 +124,7 @@ class Keys:
     def __exit__(self, *_):
         termios.tcsetattr(self._descriptor, termios.TCSADRAIN, self._before)
 
-    def read(self, timeout_s):
+    def read(self, timeout_s: float) -> str:
         """Characters that came within timeout_s, "" if none did; escape sequences (arrow keys) are left out."""
         if not select.select([self._descriptor], [], [], timeout_s)[0]:
             return ""

@@ -1,6 +1,7 @@
 """Says when an arm must rest: joint states that stop, a dead-man's switch that is let go, clocks that jump."""
 
-from typing import NamedTuple
+from typing import NamedTuple, Optional
+from aras_visual_servo import RealSettings
 
 
 class Unfit(NamedTuple):
@@ -22,27 +23,27 @@ class Watchdog:
     Attributes: held: the dead-man's switch was held when it was heard last.
     """
 
-    def __init__(self, settings):
+    def __init__(self, settings: RealSettings):
         self._settings = settings
         self._joint_timeout_ns = round(settings.joint_timeout_s * 1e9)
         self._deadman_timeout_ns = round(settings.deadman_timeout_s * 1e9)
         self._jump_ns = round(settings.clock_jump_s * 1e9)
         self.clear()
 
-    def clear(self):
+    def clear(self) -> None:
         """Forget all: nothing has come yet."""
         self.held = False
         self._joints_ns = self._deadman_ns = self._looked_ns = None
 
-    def joints(self, stamp_ns, now_ns):
+    def joints(self, stamp_ns: int, now_ns: int) -> None:
         """A joint state of this stamp came now. An old one that comes late is an old one."""
         self._joints_ns = min(stamp_ns, now_ns)
 
-    def deadman(self, held, now_ns):
+    def deadman(self, held: bool, now_ns: int) -> None:
         """The dead-man's switch said whether it is held."""
         self.held, self._deadman_ns = bool(held), now_ns
 
-    def look(self, now_ns):
+    def look(self, now_ns: int) -> Optional[Unfit]:
         """`Unfit`, or None if the arm may move. To be called every command period."""
         settings, before_ns, self._looked_ns = self._settings, self._looked_ns, now_ns
         if before_ns is not None and not 0 <= now_ns - before_ns <= self._jump_ns:
@@ -52,7 +53,7 @@ class Watchdog:
                          True)
         return self.state(now_ns)
 
-    def state(self, now_ns):
+    def state(self, now_ns: int) -> Optional[Unfit]:
         """As `look`, without looking for a jump of the clock."""
         settings = self._settings
         if settings.deadman:
