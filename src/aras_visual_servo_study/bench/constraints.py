@@ -27,9 +27,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
-from aras_visual_servo.ground.types import Status
-from aras_visual_servo.scenario.scenario import load_scenario
-from aras_visual_servo.arm.robot import kinematics_of
+from aras_visual_servo import Status, kinematics_of, load_scenario
 from aras_visual_servo_study.sweep.plan import SweepSettings, make_starts
 from aras_visual_servo_study.sweep.run import Bench
 from aras_visual_servo_study.sweep.statistics import wilson

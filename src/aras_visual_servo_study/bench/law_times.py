@@ -17,16 +17,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # one core, as stated
 
 import numpy as np
 
-from aras_visual_servo.features.base import expand
-from aras_visual_servo.features.interaction import plane_from_pose
-from aras_visual_servo.arm.kinematics import Kinematics
-from aras_visual_servo.laws.base import known_laws
-from aras_visual_servo.scenario.scenario import load_scenario
-from aras_visual_servo.config.files import load_yaml, resolve_uri
-from aras_visual_servo.servo.servo import Servo
-from aras_visual_servo.spatial import exponential
-from aras_visual_servo.features.target.target_pose import ORDER, PlanarTarget
-from aras_visual_servo.ground.types import Features, Observation
+from aras_visual_servo import (ORDER, Features, Kinematics, Observation, PlanarTarget, Servo, expand, known_laws,
+                               load_scenario, load_yaml, plane_from_pose, resolve_uri, spatial)
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[3] / "script" / "docs"))
 import marked
@@ -101,7 +93,7 @@ def times(kinematics, law, features, more, steps):
     """Median seconds (law alone, whole servo step) over a servo from START."""
     q = kinematics.vector(GOAL)
     there = np.array([0.0, 0.0, Z_STAR_M, 0.25, -0.15, 0.3])
-    views = Views(kinematics.pose(q) @ exponential(there) @ np.diag([1.0, -1.0, -1.0, 1.0]))
+    views = Views(kinematics.pose(q) @ spatial.exponential(there) @ np.diag([1.0, -1.0, -1.0, 1.0]))
     section = {"law": law, "features": list(features), "mode": "continuous", "time_limit_s": 1e6,
                "gains_per_s": dict.fromkeys(features, 1.0), "thresholds": dict.fromkeys(features, 1e-300), **more}
     if law == "sliding":

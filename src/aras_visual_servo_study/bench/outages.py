@@ -18,10 +18,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
-from aras_visual_servo.ground.types import Features
-from aras_visual_servo.runs.loop import ServoLoop
-from aras_visual_servo.runs.settings import ExperimentSettings
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo import ExperimentSettings, Features, ServoLoop, load_scenario
 from aras_visual_servo_study.sweep.statistics import wilson
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[3] / "script" / "docs"))

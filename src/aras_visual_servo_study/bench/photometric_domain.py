@@ -22,10 +22,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 
 from aras_visual_servo_study.compare.protocols import board as boards
-from aras_visual_servo.spatial import exponential, inverse, pose_from_rpy, rotation_angle, rpy_of
-from aras_visual_servo.runs.loop import ServoLoop
-from aras_visual_servo.runs.settings import ExperimentSettings
-from aras_visual_servo.scenario.scenario import load_scenario, scenario_from_dict
+from aras_visual_servo import ExperimentSettings, ServoLoop, load_scenario, scenario_from_dict, spatial
 from aras_visual_servo_study.sweep.statistics import wilson
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[3] / "script" / "docs"))
@@ -86,11 +83,11 @@ def displacement(random, radius):
     short, long = 0.0, 1.0
     while long - short > 1e-6:
         middle = 0.5 * (short + long)
-        if image_motion(exponential(middle * way), rays) < 2.0 * half * radius:
+        if image_motion(spatial.exponential(middle * way), rays) < 2.0 * half * radius:
             short = middle
         else:
             long = middle
-    return exponential(short * way)
+    return spatial.exponential(short * way)
 
 
 def run(job):
@@ -99,7 +96,7 @@ def run(job):
     loop = ServoLoop(scenario(WAYS[way], board))
     experiment = dict(loop.scenario.experiment)
     goal = experiment["goal"]["camera"]
-    X_WG = pose_from_rpy(goal["position_m"], goal["rpy_rad"])
+    X_WG = spatial.pose_from_rpy(goal["position_m"], goal["rpy_rad"])
     settings = ExperimentSettings.from_dict(experiment, loop.kinematics)
     loop.place(settings.goal.joints, 0.1)
     for _ in loop.teach(settings.z_star_m):
@@ -109,14 +106,14 @@ def run(job):
     for k in range(starts):
         X = X_WG @ displacement(np.random.default_rng([seed, k]), radius)
         experiment["start"] = {"camera": {"position_m": X[:3, 3].tolist(),
-                                          "rpy_rad": np.asarray(rpy_of(X[:3, :3])).tolist()}}
+                                          "rpy_rad": np.asarray(spatial.rpy_of(X[:3, :3])).tolist()}}
         loop.place(ExperimentSettings.from_dict(experiment, loop.kinematics).start.joints, 0.1)
         loop.start(servo_only=True)
         held = 0
         for _ in range(round(LIMIT_S * RATE_HZ)):
             loop.step()
-            off = inverse(X_WG_seen) @ loop.camera_pose()
-            near = np.linalg.norm(off[:3, 3]) < NEAR_M and rotation_angle(off[:3, :3]) < NEAR_RAD
+            off = spatial.inverse(X_WG_seen) @ loop.camera_pose()
+            near = np.linalg.norm(off[:3, 3]) < NEAR_M and spatial.rotation_angle(off[:3, :3]) < NEAR_RAD
             held = held + 1 if near else 0
             if held > HELD_S * RATE_HZ or np.linalg.norm(off[:3, 3]) > 2.0 * Z_STAR_M or loop.sequence.done:
                 break

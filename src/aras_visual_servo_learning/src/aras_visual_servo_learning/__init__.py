@@ -18,7 +18,7 @@ ENVIRONMENTS = {
 
 def register():
     """Register every environment with gymnasium. Raises MissingExtra: there is none; the message says how to get it."""
-    from aras_visual_servo.ground.extras import extra
+    from aras_visual_servo import extra
     gymnasium = extra("gymnasium", "an environment for reinforcement learning")
     for name, arguments in ENVIRONMENTS.items():
         if name not in gymnasium.registry:

@@ -2,9 +2,7 @@
 
 import numpy as np
 
-from aras_visual_servo.spatial import rotation_vector
-from aras_visual_servo.ground.types import Status
-from aras_visual_servo.runs.judge import goal_pose
+from aras_visual_servo import Status, goal_pose, spatial
 
 from .reward import ARRIVED, LENGTH_M
 
@@ -39,4 +37,4 @@ def demonstration(record, images=False):
 
 
 def _pose(X):
-    return np.concatenate((X[:3, 3], rotation_vector(X[:3, :3])))
+    return np.concatenate((X[:3, 3], spatial.rotation_vector(X[:3, :3])))

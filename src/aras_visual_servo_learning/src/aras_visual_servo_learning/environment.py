@@ -8,17 +8,9 @@ from math import atan2, sqrt
 
 import numpy as np
 
-from aras_visual_servo.arm.robot import kinematics_of
-from aras_visual_servo.config.files import package_paths
-from aras_visual_servo.config.reader import Names, read
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.ground.extras import extra
-from aras_visual_servo.ground.images import eight_bit, in_rgb
-from aras_visual_servo.runs.settings import ExperimentSettings
-from aras_visual_servo.scenario.feasibility import Feasibility
-from aras_visual_servo.scenario.scenario import Scenario, load_scenario
-from aras_visual_servo.scenario.sweep import JOINT_HALF_WIDTH, SweepSection
-from aras_visual_servo.servo.settings import ServoSettings
+from aras_visual_servo import (JOINT_HALF_WIDTH, ExperimentSettings, Feasibility, Names, ParameterError, Scenario,
+                               ServoSettings, SweepSection, eight_bit, extra, in_rgb, kinematics_of, load_scenario,
+                               package_paths, read)
 
 from .reward import REWARDS
 
@@ -242,7 +234,7 @@ def _rotation_vector(a, b, c, d, e, f, g, h, i):
     if sine2 < 1e-12:
         if a + e + i > 0.0:
             return 0.5 * x, 0.5 * y, 0.5 * z
-        from aras_visual_servo.spatial import rotation_vector
-        return tuple(rotation_vector(np.array([[a, b, c], [d, e, f], [g, h, i]])).tolist())
+        from aras_visual_servo import spatial
+        return tuple(spatial.rotation_vector(np.array([[a, b, c], [d, e, f], [g, h, i]])).tolist())
     scale = atan2(sine2, a + e + i - 1.0) / sine2
     return scale * x, scale * y, scale * z

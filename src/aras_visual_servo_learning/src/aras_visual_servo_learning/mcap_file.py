@@ -8,9 +8,7 @@ import json
 
 import numpy as np
 
-from aras_visual_servo.ground.extras import extra
-from aras_visual_servo.ground.types import Status
-from aras_visual_servo.runs.record import TWIST_NAMES
+from aras_visual_servo import TWIST_NAMES, Status, extra
 
 _NUMBERS = {"type": "object", "additionalProperties": {"type": ["number", "null"]}}
 SCHEMA = {"title": "aras_visual_servo/Servo", "type": "object", "properties": {

@@ -2,10 +2,7 @@
 
 import numpy as np
 
-from aras_visual_servo.features.base import FeatureSet, View
-from aras_visual_servo.features.sources import source_named
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.servo.servo import Servo
+from aras_visual_servo import FeatureSet, ParameterError, Servo, View, source_named
 
 #: One radian away costs as much as this distance [m]: about that of the target in the shipped scenarios.
 LENGTH_M = 0.5
@@ -49,7 +46,7 @@ class FeatureReward:
     @staticmethod
     def _camera_info(scenario):
         from aras_visual_servo_sim import Simulation  # C++: not needed to import this
-        from aras_visual_servo.config.files import package_paths
+        from aras_visual_servo import package_paths
         sim = Simulation(scenario.urdf_xml(), scenario.sim, scenario.controllers(), package_paths())
         return scenario.believed_camera_info(sim.camera_info(scenario.sim["cameras"][0]["name"]))
 

@@ -13,8 +13,7 @@ import json
 import numpy as np
 import yaml
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.ground.extras import extra
+from aras_visual_servo import ParameterError, extra
 
 from .demonstration import demonstration
 

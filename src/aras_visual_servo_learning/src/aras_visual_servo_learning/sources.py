@@ -2,9 +2,8 @@
 
 from pathlib import Path
 
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import ParameterError, load_scenario
 import aras_visual_servo as avs
-from aras_visual_servo.scenario.scenario import load_scenario
 
 
 def is_bag(source):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from aras_visual_servo_study.report.observer import Observer
-from aras_visual_servo.runs.record import RecordBuilder
+from aras_visual_servo import RecordBuilder
 
 
 class Watcher:

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from aras_visual_servo.config.files import package_path
+from aras_visual_servo import package_path
 
 
 def share_dir() -> Path:

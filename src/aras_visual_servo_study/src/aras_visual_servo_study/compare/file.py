@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 from typing import Dict
 
-from aras_visual_servo.config.settings import keys_of, setting
-from aras_visual_servo.scenario.sweep import CAMERA_AXES, GOAL_AXES
+from aras_visual_servo import CAMERA_AXES, GOAL_AXES, keys_of, setting
 
 
 @dataclass(frozen=True)

@@ -11,20 +11,12 @@ from pathlib import Path
 
 import numpy as np
 
-from aras_visual_servo.config.reader import read
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.processes import end_with_parent
-from aras_visual_servo.scenario.feasibility import Feasibility
-from aras_visual_servo.arm.robot import kinematics_of
-from aras_visual_servo.features.target.outline import Outline
-from aras_visual_servo.arm.reach import reach
-from aras_visual_servo.scenario.scenario import load_scenario
-from aras_visual_servo.config.files import load_yaml
+from aras_visual_servo import (Feasibility, Outline, ParameterError, kinematics_of, load_scenario, load_yaml,
+                               processes, reach, read, track_of)
 from ..files import share_dir
 from ..sweep.plan import Start
 from ..sweep.run import Bench, placed
 from ..sweep.space import pose_of, tilted_goal
-from aras_visual_servo.runs.track import track_of
 from .file import ComparisonFile
 
 FOLDER = "comparisons"
@@ -101,7 +93,7 @@ def run_comparison(comparison, workers=1, progress=None):
     jobs = [(law, scenario, comparison.tasks) for law, scenario in comparison.scenarios.items()]
     total, done, by_law = len(jobs), 0, {}
     if workers:
-        with ProcessPoolExecutor(min(workers, total), get_context("spawn"), end_with_parent) as pool:
+        with ProcessPoolExecutor(min(workers, total), get_context("spawn"), processes.end_with_parent) as pool:
             futures = [pool.submit(_run_law, job) for job in jobs]
             try:
                 for law, future in zip(comparison.scenarios, futures):

@@ -7,11 +7,11 @@ import matplotlib.lines
 import numpy as np
 from matplotlib.figure import Figure
 
-from aras_visual_servo.palette import BLUE, GREEN, GREY, PURPLE, VERMILION
+from aras_visual_servo import palette
 from ..report.figure import STYLE
 
 #: Colours of laws and joints. The ninth law has the first colour again, with the next dash of STYLES.
-COLOURS = (BLUE, VERMILION, GREEN, PURPLE, "#E69F00", "#56B4E9", "#000000", "#997700")
+COLOURS = (palette.BLUE, palette.VERMILION, palette.GREEN, palette.PURPLE, "#E69F00", "#56B4E9", "#000000", "#997700")
 STYLES = ("-", (0, (4, 1.5)), (0, (1, 1.2)))
 #: Smaller values are drawn at this height of the logarithmic axes [mm, deg].
 FLOOR_MM, FLOOR_DEG = 0.01, 0.001
@@ -81,7 +81,7 @@ def _draw(row, track, line):
     if track.u_px:
         image.plot(track.u_px, track.v_px, **line)
         image.plot(track.u_px[:1], track.v_px[:1], linestyle="", marker="o", markersize=4.5, markerfacecolor="none",
-                   color=GREY)
+                   color=palette.GREY)
 
 
 def _dress(row, task, camera, last):
@@ -89,7 +89,7 @@ def _dress(row, task, camera, last):
     distance.set_ylabel(task.title, fontweight="bold")
     distance.set_yscale("log")
     angle.set_yscale("log")
-    retreat.axhline(0.0, color=GREY, linewidth=0.7)
+    retreat.axhline(0.0, color=palette.GREY, linewidth=0.7)
     image.set(xlim=(-0.5, camera["width"] - 0.5), ylim=(camera["height"] - 0.5, -0.5), aspect="equal")
     image.grid(False)
     for spine in image.spines.values():

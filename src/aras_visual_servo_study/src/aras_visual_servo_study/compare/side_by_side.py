@@ -14,20 +14,15 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 
 import aras_visual_servo as avs
-from aras_visual_servo.runs.judge import judge
-from aras_visual_servo.palette import GREY
+from aras_visual_servo import (Outline, judge, kinematics_of, load_scenario, measures, palette, scenario_from_dict,
+                               track_of)
 from ..report.figure import STYLE, draw_panel
-from aras_visual_servo.arm.robot import kinematics_of
 from .laws_figure import COLOURS, FLOOR_DEG, FLOOR_MM
 from .laws_report import TABLE, cells
-from aras_visual_servo.features.target.outline import Outline
 from ..report.page import flat_settings
 from ..report.template import render
 from ..report.report import ResultFolderError
-from aras_visual_servo.runs.measures import measures
-from aras_visual_servo.scenario.scenario import load_scenario, scenario_from_dict
 from ..sweep.judge import judge_row
-from aras_visual_servo.runs.track import track_of
 
 
 @dataclass
@@ -152,7 +147,7 @@ def _draw_joints(run, axes):
         part = (2.0 * run.record.q[rows, joint] - lower - upper) / (upper - lower)
         axes.plot(t_s, part, color=COLOURS[place % len(COLOURS)], label=run.record.joint_names[joint])
     for end in (-1.0, 1.0):
-        axes.axhline(end, color=GREY, linewidth=1.5)
+        axes.axhline(end, color=palette.GREY, linewidth=1.5)
     axes.set(ylim=(-1.08, 1.08), xlabel="time since the servo started [s]", ylabel="joints between their limits")
     if len(limited):
         axes.legend(loc="best", ncol=2)

@@ -4,7 +4,7 @@ import ast
 import math
 import operator
 
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import ParameterError
 from ..sweep.metrics import known_metrics
 from ..sweep.statistics import aggregate, mcnemar, signed_rank
 

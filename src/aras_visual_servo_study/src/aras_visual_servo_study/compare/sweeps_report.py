@@ -2,7 +2,7 @@
 
 import math
 
-from aras_visual_servo.palette import BLUE, GREEN, GREY, VERMILION
+from aras_visual_servo import palette
 from ..report.report import ResultFolderError
 from ..report.template import render, source
 from ..report.versions import installed_versions
@@ -50,8 +50,9 @@ def sweeps_page(names, folders, sweeps, gates, command):
 def paired_maps(rows_a, rows_b, letter, folders):
     """Data of the maps of sweep B, called `letter`, against A: JSON for the page. A dot is a pair of runs."""
     rows = [_pair_row(a, b) for a, b in pair(rows_a, rows_b)]
-    classes = {"both": {"label": "both succeed", "color": BLUE}, "neither": {"label": "neither", "color": GREY},
-               "only_a": {"label": "only A", "color": VERMILION}, "only_b": {"label": f"only {letter}", "color": GREEN}}
+    looks = {"both": ("both succeed", palette.BLUE), "neither": ("neither", palette.GREY),
+             "only_a": ("only A", palette.VERMILION), "only_b": (f"only {letter}", palette.GREEN)}
+    classes = {key: {"label": label, "color": color} for key, (label, color) in looks.items()}
     alike = all(row["pair"] == "both" for row in rows)
     maps = [] if alike else [{"title": "who succeeds", "key": "pair", "kind": "classes", "classes": classes}]
     maps += [{"title": f"change of the time, {letter} − A [s], where both succeed", "key": "time_change_s",

@@ -5,12 +5,7 @@ import math
 import numpy as np
 import yaml
 
-from aras_visual_servo.features.base import known_features
-from aras_visual_servo.features.style import styles
-from aras_visual_servo.spatial import rpy_of
-from aras_visual_servo.laws.base import known_laws
-from aras_visual_servo.runs.record import TWIST_NAMES
-from aras_visual_servo.scenario.schema import scenario_schema
+from aras_visual_servo import TWIST_NAMES, known_features, known_laws, scenario_schema, spatial, styles
 from .settings import AT_ONCE, changed
 from .view.projection import project, standpoint
 from .view.robot import robot_of
@@ -86,7 +81,7 @@ def saved(scenario, name, X_WT, target, start):
     for i, model in enumerate(scenario.sim.get("scene", {}).get("models", [])):
         if model["name"] == target and {"motion", "attached_to"}.isdisjoint(model):
             values[f"sim.scene.models.{i}.position_m"] = [round(float(x), 6) for x in X_WT[:3, 3]]
-            values[f"sim.scene.models.{i}.rpy_rad"] = [round(x, 7) for x in rpy_of(X_WT[:3, :3])]
+            values[f"sim.scene.models.{i}.rpy_rad"] = [round(x, 7) for x in spatial.rpy_of(X_WT[:3, :3])]
     if start is not None:
         values["experiment.start"] = {"joints": {name: round(float(x), 7) for name, x in start.items()}}
     content = changed(scenario, values).as_dict()

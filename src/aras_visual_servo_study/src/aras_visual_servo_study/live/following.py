@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from aras_visual_servo.ground.types import Status
+from aras_visual_servo import Status
 
 #: Ends of a servo after which a target that moves is followed ...
 FOLLOWED = (Status.CONVERGED, Status.TIMED_OUT, Status.STOPPED_BY_RULE)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import ParameterError
 
 #: Part of the joints' velocity limits that is used, and the speed of joints without one [m/s or rad/s].
 SPEED_PART, SPEED = 0.2, 0.5

@@ -10,7 +10,7 @@ import struct
 
 import numpy as np
 
-from aras_visual_servo.ground.images import eight_bit
+from aras_visual_servo import eight_bit
 
 WINDOW = 6
 QUALITY = 88  # of JPEG

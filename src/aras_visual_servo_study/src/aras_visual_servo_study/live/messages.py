@@ -13,9 +13,7 @@ import json
 from dataclasses import dataclass
 from typing import Optional, Tuple
 
-from aras_visual_servo.config.reader import read
-from aras_visual_servo.config.settings import setting
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import ParameterError, read, setting
 
 #: Longest request that is read [bytes].
 MOST_BYTES = 65536

@@ -22,11 +22,8 @@ from aras_visual_servo_msgs.srv import SetModelMotion, SetTargetPose, Step, Teac
 
 from aras_visual_servo_controller.nodes import conversions as convert
 from aras_visual_servo_controller.nodes.calls.services import call_service
-from aras_visual_servo.arm.robot import kinematics_of
-from aras_visual_servo.ground.errors import ArasError, ParameterError, ShapeError
-from aras_visual_servo.ground.images import image_of
-from aras_visual_servo.spatial import pose_from_quaternion
-from aras_visual_servo.ground.types import Status
+from aras_visual_servo import (ArasError, ParameterError, Servo, ShapeError, Status, image_of, kinematics_of,
+                               scenario_from_dict, spatial)
 from .about import about, marks_of, row, saved
 from .following import Following
 from .hand import Hand
@@ -34,8 +31,6 @@ from .runner import MOST_ROWS, Sample
 from .server import Server
 from .settings import AT_ONCE, acts_at_once, changed
 from .view.scene import pose_numbers
-from aras_visual_servo.scenario.scenario import scenario_from_dict
-from aras_visual_servo.servo.servo import Servo
 
 EXIT_STOPPED, EXIT_PARAMETERS = 0, 2
 LOOK_S = 1.0 / 60.0
@@ -148,7 +143,7 @@ class RosRun:
 
     def _on_target(self, message):
         p, q = message.pose.position, message.pose.orientation
-        self._X_WT = pose_from_quaternion((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
+        self._X_WT = spatial.pose_from_quaternion((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
         targets = self._targets
         targets[convert.stamp_ns(message.header)] = self._X_WT
         if len(targets) > MOST_TARGETS:

@@ -13,10 +13,7 @@ import math
 
 import numpy as np
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.ground.types import Status
-from aras_visual_servo.runs.loop import ServoLoop
-from aras_visual_servo.runs.sequence import ExperimentSequence
+from aras_visual_servo import ExperimentSequence, ParameterError, ServoLoop, Status
 from .about import about, marks_of, row, rounded, saved
 from .following import Following
 from .hand import Hand

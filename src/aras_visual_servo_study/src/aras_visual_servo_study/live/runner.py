@@ -15,7 +15,7 @@ from typing import Any, Optional
 
 import numpy as np
 
-from aras_visual_servo.ground.errors import ArasError
+from aras_visual_servo import ArasError
 
 #: Wall time between two samples, and between two images [s].
 STATE_S, IMAGE_S = 1.0 / 60.0, 1.0 / 30.0

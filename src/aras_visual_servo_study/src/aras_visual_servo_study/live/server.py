@@ -19,7 +19,7 @@ import tornado.ioloop
 import tornado.web
 import tornado.websocket
 
-from aras_visual_servo.ground.errors import ArasError, ParameterError
+from aras_visual_servo import ArasError, ParameterError
 from .hub import Hub
 from .messages import parse
 from .view.files import THREE_FILES, three_file, web_dir

@@ -3,10 +3,7 @@
 import copy
 import re
 
-from aras_visual_servo.features.base import expand, feature_class
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.ground.types import FEATURE_NAMES
-from aras_visual_servo.scenario.scenario import scenario_from_dict
+from aras_visual_servo import FEATURE_NAMES, ParameterError, expand, feature_class, scenario_from_dict
 
 #: Settings that act on the next image; the others wait for a reset.
 AT_ONCE = (r"servo\..*", r"sim\.cameras\.\d+\.(noise_mean|noise_stddev|drop_probability|latency_s|exposure_s"

@@ -12,7 +12,7 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 from multiprocessing import get_context
 
-from aras_visual_servo.processes import end_as_child, signals_blocked
+from aras_visual_servo import processes
 
 WORKERS = 2  # of `drawn_side_by_side`
 
@@ -25,8 +25,8 @@ class Drawing:
     """
 
     def __init__(self, at_once=True):
-        self._pool = ProcessPoolExecutor(1, get_context("fork"), end_as_child)
-        with signals_blocked():
+        self._pool = ProcessPoolExecutor(1, get_context("fork"), processes.end_as_child)
+        with processes.signals_blocked():
             self._pool.submit(prepare if at_once else int)
 
     def prepare(self):
@@ -80,8 +80,8 @@ def prepare():
 
 def _draw_both(record, png_path, pdf_path):
     from .figure import save_figure
-    with signals_blocked():
-        pool = ProcessPoolExecutor(1, get_context("fork"), end_as_child)
+    with processes.signals_blocked():
+        pool = ProcessPoolExecutor(1, get_context("fork"), processes.end_as_child)
         other = pool.submit(save_figure, record, None, pdf_path)
     with pool:
         save_figure(record, png_path, None)
@@ -90,8 +90,8 @@ def _draw_both(record, png_path, pdf_path):
 
 def drawn_side_by_side(draw, jobs):
     """[draw(*job) for job in jobs], by processes that are forked here, with everything imported."""
-    with signals_blocked():
-        pool = ProcessPoolExecutor(WORKERS, get_context("fork"), end_as_child)
+    with processes.signals_blocked():
+        pool = ProcessPoolExecutor(WORKERS, get_context("fork"), processes.end_as_child)
         futures = [pool.submit(draw, *job) for job in jobs]
     try:
         return [future.result() for future in futures]

@@ -15,12 +15,12 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import Axes3D
 
-from aras_visual_servo.palette import BLUE, GREEN, GREY, VERMILION
-from aras_visual_servo.features.style import styles
+from aras_visual_servo import palette, styles
 from .pictures import PANELS, image_of, panel_title
 
 TWIST_LABELS = ("$v_x$", "$v_y$", "$v_z$", r"$\omega_x$", r"$\omega_y$", r"$\omega_z$")
-TWIST_STYLES = tuple((color, style) for style in ("-", (0, (4, 1.5))) for color in (BLUE, VERMILION, GREEN))
+TWIST_STYLES = tuple((color, style) for style in ("-", (0, (4, 1.5)))
+                     for color in (palette.BLUE, palette.VERMILION, palette.GREEN))
 
 STYLE = {
     "font.family": "DejaVu Sans", "mathtext.fontset": "dejavusans", "font.size": 9.0, "axes.titlesize": 9.5,
@@ -128,7 +128,7 @@ def _draw_image(axes, image):
     for spine in axes.spines.values():
         spine.set_visible(True)
     if image is None:
-        axes.text(0.5, 0.5, "no image in this record", ha="center", va="center", color=GREY, transform=axes.transAxes)
+        _say(axes, "no image in this record")
         return
     axes.imshow(image, cmap="gray", vmin=0, vmax=255, interpolation="nearest")
     height, width = image.shape[:2]
@@ -143,7 +143,7 @@ def _draw_image(axes, image):
 def _draw_errors(record, axes):
     rows = record.servo_rows
     t_s = _servo_time(record, rows)
-    axes.axhline(0.0, color=GREY, linewidth=0.8)
+    axes.axhline(0.0, color=palette.GREY, linewidth=0.8)
     for style, column in zip(styles(record.feature_names), record.e[rows].T):
         axes.plot(t_s, column, color=style.colour, label=style.mathtext)
     _finish_time_axes(axes, t_s, r"$\mathbf{e} = \mathbf{s} - \mathbf{s}^*$",
@@ -153,7 +153,7 @@ def _draw_errors(record, axes):
 def _draw_velocity(record, axes):
     rows = record.servo_rows
     t_s = _servo_time(record, rows)
-    axes.axhline(0.0, color=GREY, linewidth=0.8)
+    axes.axhline(0.0, color=palette.GREY, linewidth=0.8)
     for column, (label, (color, style)) in enumerate(zip(TWIST_LABELS, TWIST_STYLES)):
         axes.plot(t_s, record.twist[rows, column], color=color, linestyle=style, label=label)
     _finish_time_axes(axes, t_s, r"$\mathbf{v}$ [m/s], $\mathbf{\omega}$ [rad/s]", columns=2)
@@ -166,11 +166,11 @@ def _draw_path(record, axes):
     taught = record.rows("teach")
     goal = record.X_WM[taught[-1], :3, 3] if len(taught) else np.full(3, np.nan)
     if len(p):
-        axes.plot(*p.T, color=BLUE)
+        axes.plot(*p.T, color=palette.BLUE)
         axes.plot(*p[:1].T, linestyle="", marker="o", markersize=7, markerfacecolor="none", markeredgewidth=1.6,
-                  color=VERMILION, label="start")
+                  color=palette.VERMILION, label="start")
     if np.all(np.isfinite(goal)):
-        axes.plot(*goal[:, None], linestyle="", marker="*", markersize=11, color=GREEN, label="goal (taught)")
+        axes.plot(*goal[:, None], linestyle="", marker="*", markersize=11, color=palette.GREEN, label="goal (taught)")
     points = np.vstack([p, goal[None]])
     points = points[np.all(np.isfinite(points), axis=1)]
     if len(points):
@@ -201,5 +201,8 @@ def _finish_time_axes(axes, t_s, label, columns):
         axes.set_xlim(0.0, t_s[-1])
         axes.legend(loc="best", ncol=columns, handlelength=1.6, columnspacing=1.2)
     else:
-        axes.text(0.5, 0.5, "no servo phase in this record", ha="center", va="center", color=GREY,
-                  transform=axes.transAxes)
+        _say(axes, "no servo phase in this record")
+
+
+def _say(axes, text):
+    axes.text(0.5, 0.5, text, ha="center", va="center", color=palette.GREY, transform=axes.transAxes)

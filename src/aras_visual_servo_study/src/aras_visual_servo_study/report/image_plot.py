@@ -5,7 +5,7 @@ import base64
 
 import numpy as np
 
-from aras_visual_servo.palette import GREEN, rgb
+from aras_visual_servo import palette
 from ..live.hub import jpeg
 from .overlays import overlay_of
 from .plots import number, star
@@ -37,7 +37,7 @@ def image_plot(record):
     shown = {shape.name if shape.wanted is not None else "lines of equal weight": shape.colour
              for shape in overlay.shapes}
     legend += [{"name": name, "sub": "", "color": colour, "dash": ""} for name, colour in shown.items()]
-    legend.append({"name": "★ and dashed: at the goal", "sub": "", "color": GREEN, "dash": ""})
+    legend.append({"name": "★ and dashed: at the goal", "sub": "", "color": palette.GREEN, "dash": ""})
     if overlay.difference:
         legend += [{"name": "■ darker than the goal image", "sub": "", "color": DARKER, "dash": ""},
                    {"name": "■ brighter", "sub": "", "color": BRIGHTER, "dash": ""}]
@@ -49,7 +49,7 @@ def coloured_difference(image, desired):
     """uint8 (h, w, 3): how an image differs from the desired one, both uint8 (h, w) or (h, w, 3)."""
     grey = [one.astype(float).mean(axis=2) if one.ndim == 3 else one.astype(float) for one in (image, desired)]
     share = np.clip((grey[0] - grey[1]) / FULL, -1.0, 1.0)[..., None]
-    darker, equal, brighter = (np.array(rgb(colour), dtype=float) for colour in (DARKER, EQUAL, BRIGHTER))
+    darker, equal, brighter = (np.array(palette.rgb(colour), dtype=float) for colour in (DARKER, EQUAL, BRIGHTER))
     mixed = equal + np.abs(share) * (np.where(share < 0.0, darker, brighter) - equal)
     return np.rint(mixed).astype(np.uint8)
 
@@ -84,7 +84,7 @@ def _svg(data, background):
         known = [p for p in way["p"] if p]
         parts.append(_line("curve", known, {"color": way["color"], "closed": False}))
         if way["goal"]:
-            parts.append(f'<path class="star" style="fill:{GREEN}" d="{star(*way["goal"], 0.7 * size)}"/>')
+            parts.append(f'<path class="star" style="fill:{palette.GREEN}" d="{star(*way["goal"], 0.7 * size)}"/>')
     parts.append('<g class="now">')
     for shape in data["shapes"]:
         parts.append(_line("shape" if shape["goal"] else "still", shape["seen"][0], shape))

@@ -4,10 +4,7 @@ import math
 
 import numpy as np
 
-from aras_visual_servo.arm.robot import kinematics_of
-from aras_visual_servo.palette import PALETTE
-from aras_visual_servo.ground.errors import ArasError
-from aras_visual_servo.scenario.scenario import scenario_from_dict
+from aras_visual_servo import ArasError, kinematics_of, palette, scenario_from_dict
 from .plots import series_of, time_plot
 
 DASH = "6 3"  # of a joint without limits
@@ -34,8 +31,8 @@ def joint_plot(record):
             (1.0 if name in slides else math.pi, 0.0)
         factor, unit = (1e3, "mm") if name in slides else (180.0 / math.pi, "deg")
         q = record.q[rows, record.joint_names.index(name)]
-        one = series_of((name, "", PALETTE[place % len(PALETTE)], "" if limited else DASH, factor * half, unit),
-                        (q - middle) / half)
+        colour = palette.PALETTE[place % len(palette.PALETTE)]
+        one = series_of((name, "", colour, "" if limited else DASH, factor * half, unit), (q - middle) / half)
         series.append(dict(one, offset=factor * middle))
     t_s = (record.stamp_ns[rows] - record.stamp_ns[rows[0]]) * 1e-9
     free = [one["name"] for one in series if one["dash"]]

@@ -7,10 +7,8 @@ import math
 
 import numpy as np
 
-from aras_visual_servo.ground.errors import ArasError
+from aras_visual_servo import ArasError, package_paths, scenario_from_dict
 from ..live.view.projection import standpoint
-from aras_visual_servo.scenario.scenario import scenario_from_dict
-from aras_visual_servo.config.files import package_paths
 
 NAME = "observer"
 FIELD_RAD = 0.95                                               # horizontal field of view

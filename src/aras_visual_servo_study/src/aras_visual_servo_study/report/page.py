@@ -14,7 +14,7 @@ from .image_plot import image_plot
 from .joint_plot import joint_plot
 from .replay import ReplayError, replay_of
 from .rows import comparison_rows, is_number, stop_rows
-from aras_visual_servo.features.style import styles
+from aras_visual_servo import styles
 from .template import render, source
 
 # A larger video is not put into the page but stays a file beside it: mail programs and phones refuse larger pages.

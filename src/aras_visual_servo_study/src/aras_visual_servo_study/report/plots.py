@@ -9,15 +9,13 @@ from html import escape
 
 import numpy as np
 
-from aras_visual_servo.features.base import spread
-from aras_visual_servo.palette import BLUE, GREEN, VERMILION
-from aras_visual_servo.features.style import styles, units
+from aras_visual_servo import palette, spread, styles, units
 
 # Symbol with its subscript, colour, dash, factor to the unit that is read off.
 TWIST = tuple((letter, axis, color, dash, factor, unit)
               for letter, dash, factor, unit in (("v", "", 1e3, "mm/s"), ("ω", "6 3", 180.0 / math.pi, "deg/s"))
-              for axis, color in zip("xyz", (BLUE, VERMILION, GREEN)))
-PATH_COLORS = {"path": BLUE, "start": VERMILION, "goal": GREEN}
+              for axis, color in zip("xyz", (palette.BLUE, palette.VERMILION, palette.GREEN)))
+PATH_COLORS = {"path": palette.BLUE, "start": palette.VERMILION, "goal": palette.GREEN}
 WIDTH, HEIGHT = 520, 310
 LEFT, RIGHT, TOP, BOTTOM = 62, 10, 12, 44
 SIGNIFICANT = 7          # digits of the numbers in the page: more than any zoom of a plot can show
@@ -228,11 +226,11 @@ def _path_svg(data):
     corners = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1]), (low[0], low[1])]
     parts.append(_polyline("frame", [at((*c, low[2])) for c in corners]))
     parts.append(_polyline("shadow", [at((x, y, low[2])) for x, y, _ in data["p"]]))
-    parts.append(_polyline("curve", [at(point) for point in data["p"]], f' stroke="{BLUE}"'))
+    parts.append(_polyline("curve", [at(point) for point in data["p"]], f' stroke="{palette.BLUE}"'))
     x, y = at(data["p"][0])
-    parts.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="5" fill="none" stroke="{VERMILION}" stroke-width="2"/>')
+    parts.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="5" fill="none" stroke="{palette.VERMILION}" stroke-width="2"/>')
     if data["goal"]:
-        parts.append(f'<path d="{star(*at(data["goal"]))}" fill="{GREEN}"/>')
+        parts.append(f'<path d="{star(*at(data["goal"]))}" fill="{palette.GREEN}"/>')
     return svg_of(parts)
 
 

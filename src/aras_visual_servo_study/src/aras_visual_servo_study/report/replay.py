@@ -11,18 +11,13 @@ import re
 
 import numpy as np
 
-from aras_visual_servo.arm.robot import kinematics_of
-from aras_visual_servo.config.files import package_paths
-from aras_visual_servo.ground.errors import ArasError, ParameterError
-from aras_visual_servo.ground.images import in_rgb
-from aras_visual_servo.spatial import quaternion_xyzw
+from aras_visual_servo import (ArasError, ParameterError, goal_pose, in_rgb, kinematics_of, package_paths,
+                               scenario_from_dict, spatial)
 from ..live.about import drawn
 from ..live.hub import jpeg
 from ..live.view.files import THREE_FILES, three_file, web_dir
 from ..live.view.robot import mesh_blocks, robot_of
 from ..live.view.scene import pose_numbers
-from aras_visual_servo.runs.judge import goal_pose
-from aras_visual_servo.scenario.scenario import scenario_from_dict
 
 #: Moments that the slider has at most, images at most and at least, and their size together [bytes].
 MOST_MOMENTS, MOST_IMAGES, LEAST_IMAGES, IMAGE_BYTES = 400, 90, 10, 500_000
@@ -135,5 +130,5 @@ class _Camera:
                                  if math.isfinite(x)})
         X_WT = None if record.target_poses is None else record.target_poses[row]
         if X_WT is not None and np.isfinite(X_WT).all():
-            sim.set_model_pose(self._target, X_WT[:3, 3], quaternion_xyzw(X_WT[:3, :3]))
+            sim.set_model_pose(self._target, X_WT[:3, 3], spatial.quaternion_xyzw(X_WT[:3, :3]))
         return in_rgb(sim.render(self._camera), sim.camera_encoding(self._camera))

@@ -20,13 +20,8 @@ from pathlib import Path
 
 import numpy as np
 
-from aras_visual_servo.features.base import spread
-from aras_visual_servo.features.style import styles
-from aras_visual_servo.ground.errors import ArasError
-from aras_visual_servo.spatial import quaternion_xyzw
-from aras_visual_servo.runs.judge import fit_decay, judge, tracking
-from aras_visual_servo.runs.record import STOP_NAMES, TWIST_NAMES
-from aras_visual_servo.servo.stop_rule import StopSettings
+from aras_visual_servo import (STOP_NAMES, TWIST_NAMES, ArasError, StopSettings, fit_decay, judge, spatial, spread,
+                               styles, tracking)
 from .rows import comparison_rows, is_number, stop_rows
 from .versions import installed_versions
 
@@ -213,7 +208,7 @@ def trace_csv(record):
     writer.writerow(header)
     for i in range(len(record)):
         numbers = np.concatenate([record.e[i], record.twist[i], record.q[i], record.X_WC[i, :3, 3],
-                                  quaternion_xyzw(record.X_WC[i, :3, :3]), stop[i]])
+                                  spatial.quaternion_xyzw(record.X_WC[i, :3, :3]), stop[i]])
         writer.writerow([f"{record.stamp_ns[i] // 10**9}.{record.stamp_ns[i] % 10**9:09d}", record.phase[i],
                          int(record.status[i])] + [f"{x:.9g}" if math.isfinite(x) else "" for x in numbers])
     return stream.getvalue()

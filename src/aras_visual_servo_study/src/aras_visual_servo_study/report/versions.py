@@ -9,7 +9,7 @@ import re
 import xml.etree.ElementTree
 from importlib import metadata
 
-from aras_visual_servo.config.files import share_dir
+from aras_visual_servo import share_dir
 
 # Shared libraries of Debian's packages. The version is part of the file name.
 _LIBRARIES = {"visp": "libvisp_core.so.*", "bullet": "libBulletDynamics*.so.*",

@@ -13,9 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from aras_visual_servo.palette import GREEN, rgb
-from aras_visual_servo.features.style import styles
-from aras_visual_servo.ground.errors import ArasError, ParameterError
+from aras_visual_servo import ArasError, ParameterError, palette, styles
 from .image_plot import coloured_difference
 from .overlays.base import Overlay, overlay_of
 
@@ -23,7 +21,7 @@ WIDTH, VIEW_HEIGHT, CURVES_HEIGHT = 1280, 480, 240
 HALF = WIDTH // 2
 LEGEND_COLUMNS = 8
 HOLD_S = 0.8                  # the last frame is shown for this long
-WANTED_RGB = rgb(GREEN)
+WANTED_RGB = palette.rgb(palette.GREEN)
 SUBPIXEL_BITS = 4             # cv2 draws at fractions of a pixel
 ENCODER = ("-c:v", "libx264", "-preset", "veryfast", "-crf", "21", "-pix_fmt", "yuv420p", "-movflags", "+faststart",
            "-fflags", "+bitexact", "-flags:v", "+bitexact", "-map_metadata", "-1")
@@ -176,16 +174,17 @@ class Composer:
 
         for shape in self._overlay.shapes:
             if shape.wanted is not None:
-                lines(list(shape.wanted), rgb(shape.colour), 1, shape.closed)
-            lines(list(shape.seen[now]), rgb(shape.colour), 2, shape.closed)
+                lines(list(shape.wanted), palette.rgb(shape.colour), 1, shape.closed)
+            lines(list(shape.seen[now]), palette.rgb(shape.colour), 2, shape.closed)
         named = {shape.name: shape.colour for shape in self._overlay.shapes}
         named.update({f"{way.name} {way.subscript}".strip(): way.colour for way in self._overlay.ways})
         for row, (name, colour) in enumerate(named.items()):
-            cv2.putText(picture, name, (12, 24 + 20 * row), cv2.FONT_HERSHEY_SIMPLEX, 0.5, rgb(colour), 1, cv2.LINE_AA)
+            cv2.putText(picture, name, (12, 24 + 20 * row), cv2.FONT_HERSHEY_SIMPLEX, 0.5, palette.rgb(colour), 1,
+                        cv2.LINE_AA)
         for way in self._overlay.ways:
-            lines(list(way.seen[:now + 1]), rgb(way.colour), 1)
+            lines(list(way.seen[:now + 1]), palette.rgb(way.colour), 1)
             ring(way.wanted, WANTED_RGB, 8, 2)
-            ring(way.seen[now], rgb(way.colour), 4, cv2.FILLED)
+            ring(way.seen[now], palette.rgb(way.colour), 4, cv2.FILLED)
 
     def _curves(self):
         """The plot of the feature errors in faint and in full colours, (CURVES_HEIGHT, WIDTH, 3) each, and the columns

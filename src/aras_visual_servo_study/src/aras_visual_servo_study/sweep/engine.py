@@ -9,8 +9,7 @@ import sys
 import time
 from concurrent.futures import CancelledError
 
-from aras_visual_servo.ground.errors import ArasError
-from aras_visual_servo.processes import temporary_folder
+from aras_visual_servo import ArasError, processes
 from .judge import COLUMNS
 from .local import run_local
 from .metrics import judge_by
@@ -114,7 +113,7 @@ def _chunks(pending, count):
 def _with_dask(setup, pending, scheduler, save):
     import dask  # only here: these take a second to import
     from distributed import Client
-    with temporary_folder("aras-sweep-") as folder, dask.config.set({
+    with processes.temporary_folder("aras-sweep-") as folder, dask.config.set({
             "distributed.scheduler.allowed-failures": DEATHS - 1, "temporary-directory": folder,
             "distributed.comm.timeouts.connect": f"{CONNECT_S:g}s", "distributed.worker.profile.enabled": False}):
         with _client(Client, scheduler) as client:

@@ -4,8 +4,7 @@ import io
 
 import numpy as np
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.palette import BLUE, GREY, VERMILION
+from aras_visual_servo import ParameterError, palette
 from ..report.drawing import drawn_side_by_side, prepare
 from .metrics import metric
 from .statistics import every_run_succeeds, reasons, success_curve
@@ -89,7 +88,7 @@ def _map(rows, axes):
         if limits_of:
             panel.set(xlim=limits_of[0], ylim=limits_of[1])
         if refused:
-            panel.scatter(*_columns(refused, axes), marker="x", s=12, linewidths=0.7, c=GREY)
+            panel.scatter(*_columns(refused, axes), marker="x", s=12, linewidths=0.7, c=palette.GREY)
         if chosen:
             x, y = _columns(chosen, axes)
             values = np.array([row[column] for row in chosen], dtype=float)
@@ -144,7 +143,7 @@ def _curve(rows):
     distances = [row["distance0_mm"] for row in feasible]
     bins = int(np.clip(len(feasible) // 12, 1, 10))
     shift = 0.006 * (max(distances) - min(distances)) if distances else 0.0  # equal curves do not hide each other
-    for name, colour, style, sign in (("success", BLUE, "o-", -1), ("strict", VERMILION, "s--", 1)):
+    for name, colour, style, sign in (("success", palette.BLUE, "o-", -1), ("strict", palette.VERMILION, "s--", 1)):
         curve = success_curve(distances, [row[name] for row in feasible], bins)
         if curve:
             x = np.array([point["middle"] for point in curve]) + sign * shift
@@ -167,10 +166,11 @@ def _reasons(rows):
     figure = Figure(figsize=(6.2, max(1.6, 0.7 + 0.34 * len(found))), constrained_layout=True)
     panel = figure.add_subplot()
     if not found:
-        panel.text(0.5, 0.5, "every run succeeded", ha="center", va="center", transform=panel.transAxes, color=GREY)
+        panel.text(0.5, 0.5, "every run succeeded", ha="center", va="center", transform=panel.transAxes,
+                   color=palette.GREY)
         panel.set_axis_off()
         return figure
-    colours = {"infeasible": GREY, "failure": VERMILION, "error": "#7a1f1f"}
+    colours = {"infeasible": palette.GREY, "failure": palette.VERMILION, "error": "#7a1f1f"}
     names = [reason for _, reason, _ in found][::-1]
     counts = [count for _, _, count in found][::-1]
     bars = panel.barh(range(len(found)), counts, color=[colours[outcome] for outcome, _, _ in found][::-1])

@@ -4,9 +4,7 @@ import hashlib
 
 import numpy as np
 
-from aras_visual_servo.runs.judge import goal_pose, judge
-from aras_visual_servo.runs.measures import MEASURES
-from aras_visual_servo.ground.types import FEATURE_NAMES, Status
+from aras_visual_servo import FEATURE_NAMES, MEASURES, Status, goal_pose, judge
 from .metrics import Outcome, judge_by, known_metrics
 
 #: The reason of a run that timed out names the most frequent status of its last part, which is this long.

@@ -6,7 +6,7 @@ from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context
 
-from aras_visual_servo.processes import end_as_child, signals_blocked
+from aras_visual_servo import processes
 
 AHEAD = 2  # chunks that are given out for each process, so that none waits
 
@@ -49,9 +49,9 @@ def _run(run, setup, chunks, count, save):
 @contextlib.contextmanager
 def _pool(count):
     """Processes that are gone when the block ends, at once if it ends with an error or a signal."""
-    pool = ProcessPoolExecutor(count, get_context("fork"), end_as_child)
+    pool = ProcessPoolExecutor(count, get_context("fork"), processes.end_as_child)
     try:
-        with signals_blocked():
+        with processes.signals_blocked():
             pool.submit(int)  # forks all of them
         yield pool
     except BaseException:

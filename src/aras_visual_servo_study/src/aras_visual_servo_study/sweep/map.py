@@ -6,14 +6,15 @@ The script config/templates/map.js draws them.
 
 import json
 
-from aras_visual_servo.palette import BLUE, GREY, VERMILION
+from aras_visual_servo import palette
 from .figure import LABELS, known_axes
 from .statistics import every_run_succeeds
 
 #: Looks of the outcomes of a run.
-OUTCOMES = {"success": {"label": "success", "color": BLUE}, "failure": {"label": "failure", "color": VERMILION},
+OUTCOMES = {"success": {"label": "success", "color": palette.BLUE},
+            "failure": {"label": "failure", "color": palette.VERMILION},
             "error": {"label": "error", "color": "#7a1f1f"},
-            "infeasible": {"label": "start refused", "color": GREY, "cross": True}}
+            "infeasible": {"label": "start refused", "color": palette.GREY, "cross": True}}
 #: (column, label, unit, digits) of a run's result.
 RESULTS = (("duration_s", "time", "s", 3), ("error_mm", "final error", "mm", 4), ("angle_deg", "final angle", "deg", 4),
            ("path_mm", "length of the path", "mm", 1), ("border_px", "nearest to the image border", "px", 1),

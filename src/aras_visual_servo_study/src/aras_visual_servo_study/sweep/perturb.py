@@ -11,13 +11,8 @@ import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
-from aras_visual_servo.config.reader import is_number
-from aras_visual_servo.config.settings import keys_of
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.scenario.scenario import Scenario
-from aras_visual_servo.scenario.schema import default_of
-from aras_visual_servo.scenario.sweep import Perturbations
-from aras_visual_servo.config.files import load_yaml, resolve_uri
+from aras_visual_servo import (ParameterError, Perturbations, Scenario, default_of, is_number, keys_of, load_yaml,
+                               resolve_uri)
 
 #: Those with a name of their own, and the lowest value allowed where a lower one has no meaning.
 KNOWN = {key.name: key.at_least for key in keys_of(Perturbations)}

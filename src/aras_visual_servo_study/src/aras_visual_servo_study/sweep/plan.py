@@ -8,12 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from aras_visual_servo.config.reader import Names, read
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.runs.settings import place_of
-from aras_visual_servo.scenario.feasibility import Feasibility
-from aras_visual_servo.arm.reach import reach
-from aras_visual_servo.scenario.sweep import JOINT_HALF_WIDTH, SweepSection
+from aras_visual_servo import JOINT_HALF_WIDTH, Feasibility, Names, ParameterError, SweepSection, place_of, reach, read
 from .perturb import read_perturbations
 from .space import View, in_ball, pose_of, tilted_goal
 

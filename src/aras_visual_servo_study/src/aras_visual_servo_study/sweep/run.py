@@ -10,18 +10,11 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from aras_visual_servo.ground.errors import ArasError, ParameterError
-from aras_visual_servo.runs.judge import pose_error
-from aras_visual_servo.arm.robot import kinematics_of
-from aras_visual_servo.runs.loop import DEFAULT_LIMIT_S, ServoLoop
-from aras_visual_servo.features.target.outline import Outline
-from aras_visual_servo.runs.record import RecordBuilder
-from aras_visual_servo.runs.measures import measures
+from aras_visual_servo import (CAMERA_AXES, DEFAULT_LIMIT_S, ArasError, Outline, ParameterError, RecordBuilder,
+                               ServoLoop, Status, kinematics_of, measures, pose_error)
 from .judge import COLUMNS, initial_columns, judge_row
 from .metrics import judge_by
 from .perturb import perturbed, put_clutter, simulator_key, swap_picture
-from aras_visual_servo.scenario.sweep import CAMERA_AXES
-from aras_visual_servo.ground.types import Status
 
 LOST_LIMIT_S = 1.0
 #: A worker keeps this many simulators. Runs that differ only in gains or start share one.

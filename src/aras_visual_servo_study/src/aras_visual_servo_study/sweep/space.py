@@ -9,10 +9,7 @@ from math import acos, cos, pi, sin
 
 import numpy as np
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.scenario.sweep import BALL_AXES, CAMERA_AXES
-from aras_visual_servo.features.target.outline import Outline
-from aras_visual_servo.spatial import rotation, rotation_vector
+from aras_visual_servo import BALL_AXES, CAMERA_AXES, Outline, ParameterError, spatial
 
 #: At u, v = +-1 the target keeps this distance from the border of the image, since one that touches it is not measured
 #: [px].
@@ -25,13 +22,13 @@ def pose_of(offset):
     """X_CgC, (4, 4), of a displacement along and a rotation vector about CAMERA_AXES; missing axes are 0."""
     delta = np.array([offset.get(axis, 0.0) for axis in CAMERA_AXES])
     X = np.eye(4)
-    X[:3, :3], X[:3, 3] = rotation(delta[3:]), delta[:3]
+    X[:3, :3], X[:3, 3] = spatial.rotation(delta[3:]), delta[:3]
     return X
 
 
 def offset_of(X):
     """The displacement of X_CgC as a dict by axis: the inverse of `pose_of`."""
-    return dict(zip(CAMERA_AXES, [*X[:3, 3].tolist(), *rotation_vector(X[:3, :3]).tolist()]))
+    return dict(zip(CAMERA_AXES, [*X[:3, 3].tolist(), *spatial.rotation_vector(X[:3, :3]).tolist()]))
 
 
 def in_ball(ranges, place):
@@ -82,7 +79,7 @@ class View:
         Raises:
             ParameterError: the target does not fit into the image at that depth.
         """
-        R = rotation(np.array([0.0, 0.0, point["rz_rad"]]))
+        R = spatial.rotation(np.array([0.0, 0.0, point["rz_rad"]]))
         depth_m = point["depth_m"]
         outline = (self._points @ R)[:, :2] / depth_m  # R^T times every point
         least, most = -self._half - outline.min(axis=0), self._half - outline.max(axis=0)
@@ -105,7 +102,7 @@ def tilted_goal(point, t_C, normal_C):
     Returns:
         (X_CgCn, normal): pose of the new camera Cn in the old one, and the normal of the target in Cn, (3,).
     """
-    R = rotation(point["tilt_rad"] * np.array([cos(point["about_rad"]), sin(point["about_rad"]), 0.0]))
+    R = spatial.rotation(point["tilt_rad"] * np.array([cos(point["about_rad"]), sin(point["about_rad"]), 0.0]))
     X = np.eye(4)
     X[:3, :3], X[:3, 3] = R, np.asarray(t_C) - R @ np.asarray(t_C)
     return X, np.asarray(normal_C, dtype=float) @ R

@@ -11,10 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from aras_visual_servo.arm.kinematics import Kinematics
-from aras_visual_servo.ground.types import Status
-from aras_visual_servo.runs.judge import true_error
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo import Kinematics, Status, load_scenario, true_error
 from .perturb import perturbed
 from .plan import Planner, Start, SweepSettings, sample
 from .run import Bench

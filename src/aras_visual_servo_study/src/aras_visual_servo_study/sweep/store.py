@@ -13,10 +13,9 @@ import sqlite3
 import time
 from pathlib import Path
 
-from aras_visual_servo.ground.errors import ArasError
+from aras_visual_servo import GOAL_AXES, ArasError
 from .plan import Start
 from .judge import COLUMNS
-from aras_visual_servo.scenario.sweep import GOAL_AXES
 
 FILE = "sweep.db"
 LAYOUT = 2

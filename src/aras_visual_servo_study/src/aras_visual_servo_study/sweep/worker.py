@@ -7,9 +7,7 @@ import threading
 import time
 from pathlib import Path
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.scenario.scenario import scenario_from_dict
-from aras_visual_servo.config.files import resolve_uri
+from aras_visual_servo import ParameterError, resolve_uri, scenario_from_dict
 from .plan import Start
 from .run import Bench
 

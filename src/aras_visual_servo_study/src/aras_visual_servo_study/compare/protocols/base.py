@@ -15,8 +15,7 @@ from typing import Dict, List, Tuple
 
 import numpy as np
 
-from aras_visual_servo.config.plugins import load_room
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import ParameterError, load_room
 
 _PROTOCOLS = {}
 

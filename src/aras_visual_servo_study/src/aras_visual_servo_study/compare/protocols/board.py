@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import ParameterError
 
 #: Size of a board's picture [px]: a pixel is 0.53 mm of a board of 0.8 m.
 WIDTH, HEIGHT = 1500, 1125

@@ -3,10 +3,8 @@
 import numpy as np
 import yaml
 
-from aras_visual_servo.arm.robot import robot_kinematics
-from aras_visual_servo.config.files import load_yaml, resolve_uri
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.scenario.scenario import load_scenario, scenario_from_dict
+from aras_visual_servo import (ParameterError, load_scenario, load_yaml, resolve_uri, robot_kinematics,
+                               scenario_from_dict)
 from ...sweep.plan import Start, SweepSettings, make_starts
 from . import board as boards
 from .base import Case, Protocol, register_protocol

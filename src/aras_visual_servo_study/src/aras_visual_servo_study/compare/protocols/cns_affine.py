@@ -4,9 +4,7 @@ import math
 
 import numpy as np
 
-from aras_visual_servo.arm.robot import robot_kinematics
-from aras_visual_servo.spatial import rotation, rotation_angle, rotation_vector
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo import load_scenario, robot_kinematics, spatial
 from ...sweep.plan import Start
 from . import board as boards
 from .base import Case, Protocol, register_protocol, spread
@@ -57,10 +55,11 @@ def pairs(count=STARTS):
     while len(goals) < STARTS:
         goal = drawn(rng, DISTANCE_M, GOAL_DEG, GOAL_TURNS_DEG)
         start = drawn(rng, DISTANCE_M, START_DEG, START_TURNS_DEG)
-        turn = rotation_vector(start[:3, :3].T @ goal[:3, :3])[2]
+        turn = spatial.rotation_vector(start[:3, :3].T @ goal[:3, :3])[2]
         most = math.radians(MOST_TURN_DEG)
         if abs(turn) > most:
-            start[:3, :3] = start[:3, :3] @ rotation(np.array([0.0, 0.0, turn - most if turn >= 0.0 else turn + most]))
+            back = turn - most if turn >= 0.0 else turn + most
+            start[:3, :3] = start[:3, :3] @ spatial.rotation(np.array([0.0, 0.0, back]))
         if apart(goal, start):
             goals.append(goal)
             starts.append(start)
@@ -96,7 +95,7 @@ def starts_of(scenario, indices, goals, starts, parameters):
 
 def apart(goal, start):
     """Whether two poses differ by 2 mm or 1 degree, as those of a pair have to."""
-    return (rotation_angle(goal[:3, :3].T @ start[:3, :3]) >= math.radians(1.0)
+    return (spatial.rotation_angle(goal[:3, :3].T @ start[:3, :3]) >= math.radians(1.0)
             or np.linalg.norm(goal[:3, 3] - start[:3, 3]) >= 0.002)
 
 
@@ -113,7 +112,7 @@ def drawn(rng, distance_m, above_deg, turns_deg):
     y = np.array([math.sin(above) * math.cos(around), math.sin(above) * math.sin(around), -math.cos(above)])
     R = np.stack([np.cross(y, -place), y, -place], axis=1)
     for axis, most in zip(np.eye(3)[::-1], turns_deg):
-        R = R @ rotation(axis * math.radians(rng.uniform(-most, most)))
+        R = R @ spatial.rotation(axis * math.radians(rng.uniform(-most, most)))
     X = np.eye(4)
     X[:3, :3], X[:3, 3] = R, distance * place
     return X

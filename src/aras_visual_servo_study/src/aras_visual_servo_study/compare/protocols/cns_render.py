@@ -4,7 +4,7 @@ import numpy as np
 import yaml
 
 from ...files import share_dir
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo import load_scenario
 from .base import Case, Protocol, register_protocol, spread
 from .cns_affine import apart, drawn, starts_of
 from .props import save_props

@@ -2,9 +2,7 @@
 
 import numpy as np
 
-from aras_visual_servo.arm.robot import kinematics_of
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo import ParameterError, kinematics_of, load_scenario
 from ...sweep.plan import Start, SweepSettings, make_starts
 from .base import Case, Protocol, halton, register_protocol
 from .delay_map import save_map

@@ -6,7 +6,7 @@ import hashlib
 import io
 import math
 
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import ParameterError
 from ...sweep.engine import run_pending
 from ...sweep.statistics import wilson
 from ...sweep.store import FILE, SweepStore

@@ -13,8 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.spatial import rpy_of
+from aras_visual_servo import ParameterError, spatial
 from .props import save_props
 
 SCENES, SEED, LEAST_THINGS, MOST_THINGS = 150, 2023, 8, 11
@@ -106,7 +105,7 @@ def table(simulation):
 
 def _rounded(name, X_WM):
     return Resting(name, tuple(round(float(v), 5) for v in X_WM[:3, 3]),
-                   tuple(round(float(v), 5) for v in rpy_of(X_WM[:3, :3])))
+                   tuple(round(float(v), 5) for v in spatial.rpy_of(X_WM[:3, :3])))
 
 
 def main(path):

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 
-from aras_visual_servo.arm.robot import robot_kinematics
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo import load_scenario, robot_kinematics
 from ...sweep.plan import Start
 from . import board as boards
 from .base import Case, Protocol, register_protocol, spread

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ...files import share_dir
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import ParameterError
 
 #: Where Debian's libjs-three puts its files.
 THREE = Path("/usr/share/javascript/three")

@@ -9,7 +9,7 @@ import functools
 
 import numpy as np
 
-from aras_visual_servo.ground.errors import ModelError
+from aras_visual_servo import ModelError
 
 STEPS = 65535
 

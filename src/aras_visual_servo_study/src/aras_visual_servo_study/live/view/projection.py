@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import ParameterError
 
 AZIMUTH, ELEVATION = math.radians(-45.0), math.radians(11.0)   # direction from the target to the observer
 # The picture shows this much of the arm above the camera, as a multiple of the height of the camera over the target.

@@ -6,8 +6,7 @@
 
 import xml.etree.ElementTree as tree
 
-from aras_visual_servo.config.files import resolve_uri
-from aras_visual_servo.ground.errors import ModelError, ParameterError
+from aras_visual_servo import ModelError, ParameterError, resolve_uri
 from .meshes import mesh_block
 
 GREY = [0.6, 0.6, 0.62, 1.0]

@@ -4,9 +4,7 @@ import base64
 import math
 from pathlib import Path
 
-from aras_visual_servo.config.files import load_yaml, resolve_uri
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.spatial import quaternion_xyzw, rotation_rpy
+from aras_visual_servo import ParameterError, load_yaml, resolve_uri, spatial
 
 WHITE, DARK, GREY, BACKGROUND = [255, 255, 255], [20, 20, 20], [128, 128, 128], [230, 230, 230]
 KINDS = {".png": "image/png", ".jpg": "image/jpeg", ".jpeg": "image/jpeg", ".bmp": "image/bmp"}
@@ -65,8 +63,8 @@ def _quaternion(a, b, c, d, e, f, g, h, i):
 
 
 def _pose(entry):
-    R = rotation_rpy(entry.get("rpy_rad", [0.0, 0.0, 0.0]))
-    return [*entry.get("position_m", [0.0, 0.0, 0.0]), *(float(x) for x in quaternion_xyzw(R))]
+    R = spatial.rotation_rpy(entry.get("rpy_rad", [0.0, 0.0, 0.0]))
+    return [*entry.get("position_m", [0.0, 0.0, 0.0]), *(float(x) for x in spatial.quaternion_xyzw(R))]
 
 
 def _model(entry, base, notes):

@@ -12,13 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from aras_visual_servo.config.plugins import load_room
-from aras_visual_servo.features.base import Feature, feature_class
-from aras_visual_servo.features.target.outline import Outline
-from aras_visual_servo.ground.errors import ArasError
-from aras_visual_servo.spatial import inverse
+from aras_visual_servo import ArasError, Feature, Outline, feature_class, load_room, scenario_from_dict, spatial
 from ...live.view.projection import project
-from aras_visual_servo.scenario.scenario import scenario_from_dict
 
 #: An outline of more corners is drawn through so many of them.
 MOST_CORNERS = 32
@@ -128,8 +123,8 @@ class Scene:
         record, rows = self.record, np.append(self.rows, self.goal)
         if record.X_WT is None and record.target_poses is None:
             return np.full((len(self.rows), 4, 4), np.nan), np.full((4, 4), np.nan)
-        found = [inverse(record.X_WC[row]) @ (record.X_WT if record.target_poses is None else record.target_poses[row])
-                 for row in rows]
+        X_WT = [record.X_WT if record.target_poses is None else record.target_poses[row] for row in rows]
+        found = [spatial.inverse(record.X_WC[row]) @ X for row, X in zip(rows, X_WT)]
         return np.array(found[:-1]), found[-1]
 
     def seen_in(self, points_T, X_CT):

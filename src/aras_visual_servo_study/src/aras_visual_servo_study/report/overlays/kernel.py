@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from aras_visual_servo.palette import GREEN, BLUE
+from aras_visual_servo import palette
 from .base import Overlay, Shape, register_overlay
 from .moments import moments
 
@@ -18,8 +18,8 @@ def kernel(scene, names):
     size = np.array([scene.width, scene.height])
     (x0, y0), (x1, y1) = scene.rays([-np.ones(2), size])
     shapes = []
-    for name, key, low, high, across, colour in (("kx", "p", x0, x1, (y0, y1), BLUE),
-                                                 ("ky", "q", y0, y1, (x0, x1), GREEN)):
+    for name, key, low, high, across, colour in (("kx", "p", x0, x1, (y0, y1), palette.BLUE),
+                                                 ("ky", "q", y0, y1, (x0, x1), palette.GREEN)):
         if name not in names or not settings.get(key):
             continue
         along = np.linspace(*across, POINTS)

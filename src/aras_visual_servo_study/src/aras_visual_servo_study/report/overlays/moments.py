@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from aras_visual_servo.palette import BLUE, PURPLE, VERMILION
+from aras_visual_servo import palette
 from .base import Overlay, Shape, Way, circle, register_overlay
 
 #: Half of the axis, as a part of the image's width.
@@ -16,12 +16,13 @@ def moments(scene, names):
     raw, goal = scene.record.raw[scene.rows], scene.record.raw[scene.goal]
     shapes, others = [], set(names) - PLACE - SIZE - TURN
     if TURN & set(names):
-        shapes.append(Shape("axis", PURPLE, False, _axis(scene, raw), _axis(scene, goal)))
+        shapes.append(Shape("axis", palette.PURPLE, False, _axis(scene, raw), _axis(scene, goal)))
     if SIZE & set(names):
-        shapes.append(Shape("circle of the same area", BLUE, True, _disc(scene, raw), _disc(scene, goal)))
+        shapes.append(Shape("circle of the same area", palette.BLUE, True, _disc(scene, raw), _disc(scene, goal)))
     if others:
-        shapes += scene.outline("outline, by the true pose", BLUE)
-    return Overlay((Way("centroid", "", VERMILION, scene.pixels(raw[:, 1:3]), scene.pixels(goal[1:3])),), tuple(shapes))
+        shapes += scene.outline("outline, by the true pose", palette.BLUE)
+    way = Way("centroid", "", palette.VERMILION, scene.pixels(raw[:, 1:3]), scene.pixels(goal[1:3]))
+    return Overlay((way,), tuple(shapes))
 
 
 def _axis(scene, raw):

@@ -3,7 +3,7 @@ the goal image lies in it."""
 
 import numpy as np
 
-from aras_visual_servo.palette import PALETTE, PURPLE
+from aras_visual_servo import palette
 from .base import Overlay, Shape, Way, register_overlay
 
 #: The frame reaches so far from the middle of the goal image to its border.
@@ -21,5 +21,5 @@ def photometric(scene, _names):
     on_plane = rays * (normal @ p / (rays @ normal))[:, None] - p
     points_T = on_plane @ then[:3, :3]  # R_CT^T applied to each
     seen, wanted = scene.seen_in(points_T, now), scene.seen_in(points_T, then)
-    ways = tuple(Way("corner", str(i + 1), PALETTE[i], seen[:, i], wanted[i]) for i in range(4))
-    return Overlay(ways, (Shape("middle of the goal image", PURPLE, True, seen, wanted),), difference=True)
+    ways = tuple(Way("corner", str(i + 1), palette.PALETTE[i], seen[:, i], wanted[i]) for i in range(4))
+    return Overlay(ways, (Shape("middle of the goal image", palette.PURPLE, True, seen, wanted),), difference=True)

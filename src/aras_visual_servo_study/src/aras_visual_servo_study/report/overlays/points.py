@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 
-from aras_visual_servo.palette import BLUE, PALETTE
+from aras_visual_servo import palette
 from .base import Overlay, Shape, Way, register_overlay
 
 
@@ -17,11 +17,11 @@ def points(scene, names):
         found = [(n, *_stacked(scene, f"x{n}", f"y{n}")) for n in known]
     else:
         found = [end for n in numbers for end in _ends(scene, n, names)] or _corners(scene)
-    ways = tuple(Way("point", str(n), PALETTE[i % len(PALETTE)], seen, wanted)
+    ways = tuple(Way("point", str(n), palette.PALETTE[i % len(palette.PALETTE)], seen, wanted)
                  for i, (n, seen, wanted) in enumerate(found))
     if len(ways) < 2:
         return Overlay(ways)
-    line = Shape("lines between the points", BLUE, len(ways) > 2, np.stack([way.seen for way in ways], axis=1),
+    line = Shape("lines between the points", palette.BLUE, len(ways) > 2, np.stack([way.seen for way in ways], axis=1),
                  np.stack([way.wanted for way in ways]))
     return Overlay(ways, (line,))
 
@@ -47,5 +47,5 @@ def _ends(scene, number, names):
 
 
 def _corners(scene):
-    [shape] = scene.outline("", BLUE) or [None]
+    [shape] = scene.outline("", palette.BLUE) or [None]
     return [] if shape is None else [(i + 1, shape.seen[:, i], shape.wanted[i]) for i in range(shape.seen.shape[1])][:8]

@@ -3,8 +3,7 @@ of law `hybrid` with a ring that tells its depth."""
 
 import numpy as np
 
-from aras_visual_servo.palette import BLUE, GREEN, PURPLE, VERMILION
-from aras_visual_servo.spatial import inverse, rotation
+from aras_visual_servo import palette, spatial
 from .base import Overlay, Shape, Way, circle, register_overlay
 
 DISPLACEMENT = ("tx", "ty", "tz", "rx", "ry", "rz")
@@ -21,11 +20,12 @@ def pose(scene, names):
         now = np.array([_displaced(one, then) for one in s])
     length = AXIS * scene.width / scene.focal_px * abs(then[2, 3])
     axes = [Shape(f"{name} of the target", colour, False, *(scene.seen_in(ends, X) for X in (now, then)))
-            for name, colour, ends in zip("xyz", (VERMILION, GREEN, BLUE),
+            for name, colour, ends in zip("xyz", (palette.VERMILION, palette.GREEN, palette.BLUE),
                                           np.stack([np.zeros((3, 3)), length * np.eye(3)], axis=1))]
     middle = np.zeros((1, 3))
-    way = Way("origin of the target", "", PURPLE, scene.seen_in(middle, now)[:, 0], scene.seen_in(middle, then)[0])
-    return Overlay((way,), (*axes, *scene.outline("outline, by the true pose", BLUE)))
+    way = Way("origin of the target", "", palette.PURPLE, scene.seen_in(middle, now)[:, 0],
+              scene.seen_in(middle, then)[0])
+    return Overlay((way,), (*axes, *scene.outline("outline, by the true pose", palette.BLUE)))
 
 
 def _displaced(s, X_CgT):
@@ -33,8 +33,8 @@ def _displaced(s, X_CgT):
     if not np.isfinite(s).all():
         return np.full((4, 4), np.nan)
     X_CgC = np.eye(4)
-    X_CgC[:3, :3], X_CgC[:3, 3] = rotation(s[3:]), s[:3]
-    return inverse(X_CgC) @ X_CgT
+    X_CgC[:3, :3], X_CgC[:3, 3] = spatial.rotation(s[3:]), s[:3]
+    return spatial.inverse(X_CgC) @ X_CgT
 
 
 @register_overlay("reference")
@@ -44,11 +44,11 @@ def reference(scene, names):
         return Overlay()
     (x, x_wanted), (y, y_wanted) = scene.values("xr"), scene.values("yr")
     seen, wanted = scene.pixels(np.stack([x, y], axis=-1)), scene.pixels(np.array([x_wanted, y_wanted]))
-    way = Way("reference point", "", PURPLE, seen, wanted)
+    way = Way("reference point", "", palette.PURPLE, seen, wanted)
     if "zr" not in names:
         return Overlay((way,))
     z, z_wanted = scene.values("zr")
     radius = RING * scene.width
-    ring = Shape("ring: larger is nearer", GREEN, True, circle(seen, radius * np.exp(-z)),
+    ring = Shape("ring: larger is nearer", palette.GREEN, True, circle(seen, radius * np.exp(-z)),
                  circle(wanted, radius * np.exp(-z_wanted)))
     return Overlay((way,), (ring,))

@@ -10,7 +10,7 @@ its statistics.
 
 from typing import Callable, NamedTuple, Optional
 
-from aras_visual_servo.config.plugins import load_room
+from aras_visual_servo import load_room
 
 _METRICS = {}
 

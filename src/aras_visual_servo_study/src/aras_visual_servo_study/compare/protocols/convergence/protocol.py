@@ -1,7 +1,6 @@
 """Protocol `map`: from which distances and angles each law arrives with each set of features."""
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo import ParameterError, load_scenario
 from ..base import Case, Protocol, register_protocol
 from . import page
 from .cells import certificate, map_of

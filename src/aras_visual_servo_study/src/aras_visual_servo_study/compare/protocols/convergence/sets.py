@@ -6,11 +6,8 @@ set of SETS has it; where one of a kind stands for all of them, or where there i
 
 from typing import Dict, NamedTuple, Optional, Tuple
 
-from aras_visual_servo.config.schema import yaml_section
-from aras_visual_servo.features.base import FeatureSet, expand, feature_class, known_features
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.laws.base import known_laws, works_on
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo import (FeatureSet, ParameterError, expand, feature_class, known_features, known_laws,
+                               load_scenario, works_on, yaml_section)
 
 SCENARIO = "free_camera"
 GAIN_PER_S, TIME_LIMIT_S = 2.0, 12.0

@@ -4,10 +4,7 @@ import math
 
 import numpy as np
 
-from aras_visual_servo.arm.robot import robot_kinematics
-from aras_visual_servo.features.target.outline import Outline
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.spatial import pose_from_rpy
+from aras_visual_servo import Outline, ParameterError, robot_kinematics, spatial
 from ....sweep.plan import Start
 from ....sweep.space import offset_of, pose_of
 from ..base import halton
@@ -53,5 +50,5 @@ def _seeing(outline, X_WCg, distance_m, angle_rad, rng):
 
 def _rectangle(scenario):
     model, (x, y) = scenario.sim["scene"]["models"][0], HALF_M
-    X_WT = pose_from_rpy(model["position_m"], model.get("rpy_rad", (0.0, 0.0, 0.0)))
+    X_WT = spatial.pose_from_rpy(model["position_m"], model.get("rpy_rad", (0.0, 0.0, 0.0)))
     return Outline([[(-x, -y), (x, -y), (x, y), (-x, y)]], X_WT, scenario.sim["cameras"][0])
