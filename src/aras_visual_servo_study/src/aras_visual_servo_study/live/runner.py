@@ -9,13 +9,14 @@ import logging
 import queue
 import threading
 import time
-from concurrent.futures import Future
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any, Optional
+from typing import Any, Dict, Optional
 
 import numpy as np
 
 from aras_visual_servo import ArasError
+from .page_run import PageRun
 
 #: Wall time between two samples, and between two images [s].
 STATE_S, IMAGE_S = 1.0 / 60.0, 1.0 / 30.0
@@ -48,40 +49,43 @@ class Sample:
 
 
 class Runner:
-    """The thread.
+    """The thread. A run whose answers wait for other nodes (`asks_nodes`) gets requests in a second one.
 
-    Args: run: `LiveRun`.  speed: simulated time per wall time, 0 as fast as possible.
+    Args: speed: simulated time per wall time, 0 as fast as possible.
         on_first_viewer: request that is done when the first page looks, or None.
     Attributes:
         sample: the newest `Sample`, None before the first.  rows: (index, row) of the images, the newest last.
         watched: whether somebody looks.  about: of the run, made in its thread.
     """
 
-    def __init__(self, run, speed=1.0, on_first_viewer=None):
+    def __init__(self, run: PageRun, speed: float = 1.0, on_first_viewer: Any = None):
         self._run, self._speed, self._on_first_viewer = run, speed, on_first_viewer
-        self._queue = queue.SimpleQueue()
+        self._queue, self._pool = queue.SimpleQueue(), ThreadPoolExecutor(1) if run.asks_nodes else None
         self._paused, self._steps, self._closed = False, 0, False
         self._factor, self._measured = 0.0, None
         self._anchor = None  # (wall [s], simulated [ns]) from which the speed counts
         self._state_s = self._image_s = -1.0
+        self._trouble = ""
         self._image, self._image_number, self._marks, self._goal = None, 0, None, None
         self._row_at_s, self._row_count = -1.0, 0
         self.rows = collections.deque(maxlen=MOST_ROWS)
         self.sample, self.watched, self.about = None, False, run.about()
         self._thread = threading.Thread(target=self._work, name="live run", daemon=True)
 
-    def start(self):
-        """Begin."""
+    def start(self) -> None:
+        """Begins."""
         self._thread.start()
 
-    def close(self):
-        """End the thread and wait for it."""
+    def close(self) -> None:
+        """Ends the thread and waits for it."""
         self._closed = True
         self._thread.join()
 
-    def submit(self, request):
-        """Future of the answer to a request: dict, or the ArasError that refused it."""
-        answer = Future()
+    def submit(self, request: Any) -> Future:
+        """Returns the future of the answer to a request: dict, or the ArasError that refused it."""
+        if self._pool is not None:
+            return self._pool.submit(self._do, request)
+        answer: Future = Future()
         self._queue.put((request, answer))
         return answer
 
@@ -90,8 +94,9 @@ class Runner:
     def _work(self):
         while not self._closed:
             try:
+                self._run.watched = self.watched
                 self._answer_all()
-                if self.watched and self._on_first_viewer is not None:
+                if self.watched and self._on_first_viewer is not None and self._run.ready:
                     first, self._on_first_viewer = self._on_first_viewer, None
                     self._run.do(first)
                 self._go_on()
@@ -99,8 +104,6 @@ class Runner:
                 logging.getLogger(__name__).exception("the run stopped: %s", error)
                 self._paused = True
                 self._trouble = f"{type(error).__name__}: {error}"
-
-    _trouble = ""
 
     def _answer_all(self):
         while True:
@@ -117,8 +120,8 @@ class Runner:
                 answer.set_exception(ArasError(f"{request.do}: {type(error).__name__}: {error}"))
 
     def _do(self, request):
-        mine = getattr(self, "do_" + request.do, None)
-        result = self._run.do(request) if mine is None else mine(request)
+        ours = hasattr(self, "do_" + request.do) and not hasattr(self._run, "do_" + request.do)
+        result = getattr(self, "do_" + request.do)(request) if ours else self._run.do(request)
         if self.about["version"] != self._run.version:
             names = self.about["rows"]
             self.about = self._run.about()
@@ -132,17 +135,17 @@ class Runner:
         return result or {}
 
     def do_pause(self, request):
-        """Let simulated time stand still, or go on."""
+        """Lets simulated time stand still, or go on."""
         self._paused, self._anchor, self._measured = request.paused, None, None
 
     def do_step(self, request):
-        """Some images of a run that is paused."""
+        """Lets a paused run go on for some images."""
         if not self._paused:
             raise ArasError("step: found a run that goes on, allowed one that is paused")
         self._steps += request.images
 
     def do_speed(self, request):
-        """Simulated time per wall time."""
+        """Sets simulated time per wall time."""
         self._speed, self._anchor = request.factor, None
 
     def _go_on(self):
@@ -172,7 +175,10 @@ class Runner:
 
     def _measure(self):
         now = time.perf_counter(), self._run.time_ns
-        if self._measured is None or now[1] < self._measured[1]:
+        if self._measured is not None and now[1] < self._measured[1]:
+            self.rows.clear()  # the simulator was reset
+            self._measured = None
+        if self._measured is None:
             self._measured = now
         elif now[0] - self._measured[0] > MEASURED_S:
             self._factor = 1e-9 * (now[1] - self._measured[1]) / (now[0] - self._measured[0])
@@ -187,10 +193,8 @@ class Runner:
 
     def _show(self):
         """Make a new sample if somebody looks and it is time for one."""
-        if not self.watched:
-            return
         run, wall_s = self._run, time.perf_counter()
-        if wall_s - self._state_s < 0.9 * STATE_S:
+        if not self.watched or wall_s - self._state_s < 0.9 * STATE_S or run.joints() is None:
             return
         standing = self._paused and not self._steps
         if standing and self._state_s > 0.0 and wall_s - self._state_s < 0.5:
@@ -203,8 +207,8 @@ class Runner:
             self._goal = None
         elif self._goal is None or self._goal[1] is not run.goal[0]:
             self._goal = (self._image_number, *run.goal)
-        state = run.state()
-        state.update(paused=self._paused, speed=self._speed, factor=round(self._factor, 3))
+        state: Dict[str, Any] = {"paused": self._paused, "speed": self._speed, "factor": round(self._factor, 3),
+                                 **run.state()}
         if self._trouble:
             state.update(status="FAULT", text=self._trouble)
         number = 0 if self.sample is None else self.sample.number + 1

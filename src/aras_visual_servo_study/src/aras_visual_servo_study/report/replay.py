@@ -13,11 +13,10 @@ import numpy as np
 
 from aras_visual_servo import (ArasError, ParameterError, goal_pose, in_rgb, kinematics_of, package_paths,
                                scenario_from_dict, spatial)
-from ..live.about import drawn
 from ..live.hub import jpeg
 from ..live.view.files import THREE_FILES, three_file, web_dir
 from ..live.view.robot import mesh_blocks, robot_of
-from ..live.view.scene import pose_numbers
+from ..live.view.scene import drawn, pose_numbers
 
 #: Moments that the slider has at most, images at most and at least, and their size together [bytes].
 MOST_MOMENTS, MOST_IMAGES, LEAST_IMAGES, IMAGE_BYTES = 400, 90, 10, 500_000

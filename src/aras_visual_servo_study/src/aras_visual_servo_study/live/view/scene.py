@@ -3,8 +3,13 @@
 import base64
 import math
 from pathlib import Path
+from typing import Any, Dict, List, Optional
 
-from aras_visual_servo import ParameterError, load_yaml, resolve_uri, spatial
+import numpy as np
+
+from aras_visual_servo import Kinematics, ParameterError, Scenario, load_yaml, resolve_uri, spatial
+from .projection import standpoint
+from .robot import robot_of
 
 WHITE, DARK, GREY, BACKGROUND = [255, 255, 255], [20, 20, 20], [128, 128, 128], [230, 230, 230]
 KINDS = {".png": "image/png", ".jpg": "image/jpeg", ".jpeg": "image/jpeg", ".bmp": "image/bmp"}
@@ -12,8 +17,30 @@ KINDS = {".png": "image/png", ".jpg": "image/jpeg", ".jpeg": "image/jpeg", ".bmp
 MOST_BYTES = 1_000_000
 
 
-def scene_of(scenario):
-    """The scene: dict background, models, solids, notes.
+def drawn(scenario: Scenario, kinematics: Kinematics, camera_info: Dict[str, Any], at_C: np.ndarray,
+          X_WT: Optional[np.ndarray], target: Optional[str]) -> Dict[str, Any]:
+    """Returns what the 3-D view of a run needs, for JSON.
+
+    Args: at_C: (3,) where the camera is in the world [m].  X_WT: (4, 4) pose of the target, whose name is `target`.
+    """
+    eye, look_at = standpoint(at_C, at_C * [1, 1, 0] if X_WT is None else X_WT[:3, 3])
+    robot, scene = robot_of(scenario.urdf_xml()), scene_of(scenario)
+    return {
+        "robot": {**robot, "meshes": list(robot["meshes"])}, "tip": scenario.robot["tip_link"],
+        "floating": not kinematics.spare_motion,
+        "joints": [{"name": name, "lower": _finite(low), "upper": _finite(high)}
+                   for name, low, high in zip(kinematics.joint_names, kinematics.lower, kinematics.upper)],
+        "camera": {"width": camera_info["width"], "height": camera_info["height"], "K": list(camera_info["K"])},
+        "scene": scene, "target": target, "notes": scene["notes"],
+        "observer": {"eye": [float(x) for x in eye], "look_at": [float(x) for x in look_at]}}
+
+
+def _finite(value):
+    return float(value) if math.isfinite(value) else None
+
+
+def scene_of(scenario: Scenario) -> Dict[str, Any]:
+    """Returns the scene: dict background, models, solids, notes.
 
     models: list of name, pose [x, y, z, qx, qy, qz, qw], color, outlines (lists of [x, y]), and, where there is one,
         board {size, color} and image {size, src}.  solids: list of name, pose, color, box, cylinder or sphere.
@@ -35,8 +62,8 @@ def scene_of(scenario):
             "models": [_model(model, base, notes) for model in models]}
 
 
-def pose_numbers(X):
-    """[x, y, z, qx, qy, qz, qw] of a pose (4, 4), rounded to a micrometre and a microradian; None of no pose."""
+def pose_numbers(X: Optional[np.ndarray]) -> Optional[List[float]]:
+    """Returns [x, y, z, qx, qy, qz, qw] of a pose (4, 4), rounded to a micrometre and a microradian; None of no pose."""
     if X is None:
         return None
     (a, b, c, x), (d, e, f, y), (g, h, i, z), _ = X.tolist()
