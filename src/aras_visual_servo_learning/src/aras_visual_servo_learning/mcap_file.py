@@ -37,7 +37,7 @@ class McapFile:
 
     def add_bags(self, paths):
         """Copy every message of a bag, or of a folder of bags."""
-        from aras_visual_servo_controller.bags.files import BagFiles
+        from aras_visual_servo_controller import BagFiles
         with BagFiles(paths) as bags:
             for topic, message, time in bags.raw_messages():
                 kind, data, _, _, python = message

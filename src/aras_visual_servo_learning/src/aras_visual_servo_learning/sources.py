@@ -34,7 +34,7 @@ def records(sources, images=False):
                 raise ParameterError(f"--images: found the sweep '{source}', allowed are runs: a sweep keeps no images")
             yield from _of_sweep(source)
         elif is_bag(source):
-            from aras_visual_servo_controller.bags.bag import read_bag  # needs rosbag
+            from aras_visual_servo_controller import read_bag  # needs rosbag
             yield Path(source).stem, read_bag(source, keep_images=images)
         else:
             scenario = load_scenario(source)

@@ -47,7 +47,7 @@ def read_run(source):
     """
     path = Path(source)
     if path.suffix == ".bag" or path.is_dir():
-        from aras_visual_servo_controller.bags.bag import read_bag  # needs rosbag
+        from aras_visual_servo_controller import read_bag  # needs rosbag
         record = read_bag(str(path))
         scenario = scenario_from_dict(dict(record.settings), source=str(path))
         label = f"{record.scenario} ({path.parent.name if path.suffix == '.bag' else path.name})"

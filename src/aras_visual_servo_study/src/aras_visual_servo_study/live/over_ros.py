@@ -17,8 +17,7 @@ from std_srvs.srv import Empty, Trigger
 from aras_visual_servo_msgs.msg import MomentFeatures, ServoState, SimStatus, VisualServoActionGoal
 from aras_visual_servo_msgs.srv import SetModelMotion, SetTargetPose, Step, Teach
 
-from aras_visual_servo_controller.nodes import conversions as convert
-from aras_visual_servo_controller.nodes.calls.services import call_service
+from aras_visual_servo_controller import JointReader, LazyJointState, call_service, goal_message, stamp_ns, to_time
 from aras_visual_servo import (ArasError, ParameterError, Servo, ServoRecord, ShapeError, Status, image_of,
                                kinematics_of, scenario_from_dict, spatial)
 from .messages import Start
@@ -55,14 +54,14 @@ class RosRun(PageRun):
         self.renew(kinematics, Servo(kinematics, scenario.servo), {
             "width": info.width, "height": info.height, "K": list(info.K), "D": list(info.D),
             "distortion_model": info.distortion_model}, models[0]["name"] if models else None)
-        self._reader, self._joints, self._q = convert.JointReader(kinematics.joint_names), None, None
+        self._reader, self._joints, self._q = JointReader(kinematics.joint_names), None, None
         self._status, self._speed = SimStatus(), float(scenario.time.get("real_time_factor", 0.0))
         self._X_WT, self._targets = None, {}  # the newest; stamp of an image [ns]: X_WT, of the last ones
         self._is_new, self._listening, self._ready_s = False, [], 0.0
         self._commands = rospy.Publisher("joint_command", JointState, queue_size=10)
         self._goals = rospy.Publisher("servo/goal", VisualServoActionGoal, queue_size=10)
         self._always = [
-            rospy.Subscriber("joint_states", convert.LazyJointState, self._on_joints, tcp_nodelay=True),
+            rospy.Subscriber("joint_states", LazyJointState, self._on_joints, tcp_nodelay=True),
             rospy.Subscriber("servo_state", ServoState, self._on_state, tcp_nodelay=True),
             rospy.Subscriber("sim/status", SimStatus, self._on_status),
             rospy.Subscriber("ground_truth/target_pose", PoseStamped, self._on_target)]
@@ -76,12 +75,12 @@ class RosRun(PageRun):
             self.drive_by_hand(self.time_ns)
 
     def _on_state(self, message):
-        twist, stamp_ns = message.twist, convert.stamp_ns(message.header)
+        twist, at_ns = message.twist, stamp_ns(message.header)
         self.record = record = ServoRecord(
-            stamp_ns, Status(message.status), message.status_text, message.phase or "idle", e=np.asarray(message.e),
+            at_ns, Status(message.status), message.status_text, message.phase or "idle", e=np.asarray(message.e),
             twist=np.array([getattr(part, axis) for part in (twist.linear, twist.angular) for axis in "xyz"]),
             q=np.asarray(message.q), cond_l=message.cond_l, manipulability=message.manipulability)
-        if self.begin_again(record, self._targets.get(stamp_ns), self.follow and not self.hand.busy):
+        if self.begin_again(record, self._targets.get(at_ns), self.follow and not self.hand.busy):
             self._send_goal("taught")
         known = len(record.q) > 0 and np.isfinite(record.q).all()
         if known:
@@ -100,7 +99,7 @@ class RosRun(PageRun):
         p, q = message.pose.position, message.pose.orientation
         self._X_WT = spatial.pose_from_quaternion((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
         targets = self._targets
-        targets[convert.stamp_ns(message.header)] = self._X_WT
+        targets[stamp_ns(message.header)] = self._X_WT
         if len(targets) > MOST_TARGETS:
             del targets[next(iter(targets))]
 
@@ -130,7 +129,7 @@ class RosRun(PageRun):
     @property
     def time_ns(self) -> int:
         """Returns the stamp of the newest joint positions [ns]."""
-        return 0 if self._joints is None else convert.stamp_ns(self._joints.header)
+        return 0 if self._joints is None else stamp_ns(self._joints.header)
 
     @property
     def frame(self) -> int:
@@ -181,14 +180,14 @@ class RosRun(PageRun):
         except (rospy.ROSException, rospy.ServiceException) as error:
             raise ArasError(f"{request.do}: {error}") from error
 
-    def command(self, positions: Dict[str, float], stamp_ns: int) -> None:
+    def command(self, positions: Dict[str, float], time_ns: int) -> None:
         """Publishes set-points of joints by name [m or rad]."""
         message = JointState(name=list(positions), position=list(positions.values()))
-        message.header.stamp = convert.to_time(stamp_ns)
+        message.header.stamp = to_time(time_ns)
         self._commands.publish(message)
 
     def _send_goal(self, reference):
-        self._goals.publish(convert.goal_message(reference))
+        self._goals.publish(goal_message(reference))
 
     def do_start(self, request):
         self.hand.let_go()

@@ -63,7 +63,7 @@ def scene_of(scenario: Scenario) -> Dict[str, Any]:
 
 
 def pose_numbers(X: Optional[np.ndarray]) -> Optional[List[float]]:
-    """Returns [x, y, z, qx, qy, qz, qw] of a pose (4, 4), rounded to a micrometre and a microradian; None of no pose."""
+    """Returns [x, y, z, qx, qy, qz, qw] of a pose (4, 4), rounded to a micrometre and a microradian; None of None."""
     if X is None:
         return None
     (a, b, c, x), (d, e, f, y), (g, h, i, z), _ = X.tolist()
