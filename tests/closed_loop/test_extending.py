@@ -39,8 +39,8 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
     yield tmp_path
     sys.modules.pop("my_servo", None)
-    features._FEATURES.pop("log_an", None)
-    laws._LAWS.pop("bounded", None)
+    features.FEATURES.pop("log_an", None)
+    laws.LAWS.pop("bounded", None)
 
 
 def overrides():

@@ -1,12 +1,13 @@
 """The kinematics of whatever robot a URDF describes, with the camera where the URDF or a calibration has it."""
 
 from functools import lru_cache
+from typing import Any, Mapping, Optional
 from xml.etree import ElementTree
 
 from ..config.reader import read
 from ..ground.errors import ModelError
 from .free_camera import FreeCamera, joints_above
-from .kinematics import EyeToHand, Kinematics
+from .kinematics import EyeToHand, Kinematics, RobotKinematics
 from .settings import HandEyeSettings
 
 #: Link that stands for the optical frame of a calibrated camera.
@@ -14,9 +15,10 @@ CALIBRATED_LINK = "hand_eye_optical_frame"
 
 
 @lru_cache(maxsize=8)  # runs of a sweep share one object, which nobody changes: reading a URDF takes a millisecond
-def robot_kinematics(urdf_xml: str, base_link: str, tip_link: str, target_link=None):
-    """`EyeToHand` where a link carries the target, `FreeCamera` where a floating joint carries the tip, else
-    `Kinematics`; all have the same interface.
+def robot_kinematics(urdf_xml: str, base_link: str, tip_link: str,
+                     target_link: Optional[str] = None) -> RobotKinematics:
+    """Makes an `EyeToHand` if a link carries the target, a `FreeCamera` if a floating joint carries the tip, else
+    `Kinematics`.
 
     Raises ModelError: bad URDF, unknown link, tip not below base, joint types that cannot be represented.
     """
@@ -27,8 +29,8 @@ def robot_kinematics(urdf_xml: str, base_link: str, tip_link: str, target_link=N
     return Kinematics(urdf_xml, base_link, tip_link)
 
 
-def kinematics_of(urdf_xml, robot, calibrated=True):
-    """`robot_kinematics` of a scenario's section `robot` (dict).
+def kinematics_of(urdf_xml: str, robot: Mapping[str, Any], calibrated: bool = True) -> RobotKinematics:
+    """Makes the `robot_kinematics` of a scenario's section `robot`.
 
     Args: calibrated: to where hand_eye has the camera, if the section has it; else to its tip_link.
     Raises ModelError, ParameterError.
@@ -37,12 +39,11 @@ def kinematics_of(urdf_xml, robot, calibrated=True):
     if robot.get("hand_eye") is None or not calibrated:
         return robot_kinematics(urdf_xml, robot["base_link"], robot["tip_link"], target_link)
     hand_eye = read(HandEyeSettings, robot["hand_eye"], "robot/hand_eye")
-    return robot_kinematics(with_camera(urdf_xml, hand_eye), robot["base_link"], CALIBRATED_LINK,
-                            target_link)
+    return robot_kinematics(with_camera(urdf_xml, hand_eye), robot["base_link"], CALIBRATED_LINK, target_link)
 
 
-def with_camera(urdf_xml, hand_eye):
-    """The URDF with one more link, CALIBRATED_LINK, where `HandEyeSettings` have the camera. Raises ModelError."""
+def with_camera(urdf_xml: str, hand_eye: HandEyeSettings) -> str:
+    """Returns the URDF with one more link, CALIBRATED_LINK, at the calibrated camera. Raises ModelError."""
     try:
         robot = ElementTree.fromstring(urdf_xml)
     except ElementTree.ParseError as error:

@@ -1,8 +1,8 @@
 """Features and laws from outside this package: modules that register_law them on import (docs/extending.md)."""
 
-import functools
 import importlib
-import pkgutil
+
+from ..ground.registry import load_room  # noqa: F401
 
 
 def load_plugins(modules):
@@ -19,10 +19,3 @@ def load_plugins(modules):
             faults.append(f"plugins: found '{name}', allowed a module that can be imported: "
                           f"{type(error).__name__}: {error}")
     return faults
-
-
-@functools.lru_cache(maxsize=None)
-def load_room(package):
-    """Import every module of a package, so that each registers what it offers. Args: package: dotted name."""
-    for module in pkgutil.iter_modules(importlib.import_module(package).__path__):
-        importlib.import_module(f"{package}.{module.name}")

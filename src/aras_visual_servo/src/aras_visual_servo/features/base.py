@@ -22,92 +22,77 @@ A feature with settings of its own describes them as a frozen dataclass (config/
 """
 
 import re
+from typing import Callable, Dict, Iterable, List, Mapping, Optional, Tuple, Type, TypeVar
 
 import numpy as np
 
 from . import interaction
-from ..config.plugins import load_room
 from ..config.settings import keys_of, settings_of
 from ..ground.errors import DegenerateFeature, ParameterError
+from ..ground.registry import Registry, unknown_name
 from ..ground.types import FEATURE_NAMES
 
-_FEATURES, _FAMILIES = {}, {}
+FEATURES: Registry[Type["Feature"]] = Registry("features", __package__, f"{__package__}.kinds")
+FAMILIES: Registry[Type["Feature"]] = Registry("features", __package__, f"{__package__}.kinds")
+F = TypeVar("F", bound="Feature")
 _NUMBERED = re.compile(r"([a-z]+)([1-9][0-9]?)")
 
 
-def register_feature(name, settings=None):
-    """Class decorator that makes a feature known by name.
+def register_feature(name: str, settings: Optional[type] = None) -> Callable[[Type[F]], Type[F]]:
+    """Returns a class decorator that makes a feature known by name.
 
     Args: settings: settings class of the feature's own section `servo.NAME`, or None.
     Raises ParameterError: `settings` is not a frozen dataclass whose fields are made by `setting`.
     """
-
-    def add(feature):
-        feature.name = name
-        _FEATURES[name] = _owning(feature, name, settings)
-        return feature
-
-    return add
+    if settings is not None:
+        keys_of(settings)
+    return FEATURES.register(name, name=name, section=name, settings_class=settings)
 
 
-def register_family(prefix, settings=None):
-    """Class decorator that makes a family of features known: `prefix` and a number from 1 to 99, as in x1, x2, ...
+def register_family(prefix: str, settings: Optional[type] = None) -> Callable[[Type[F]], Type[F]]:
+    """Returns a class decorator for a family of features: `prefix` and a number from 1 to 99, as in x1, x2, ...
 
     The class finds the number as `self.number`.
     Args: settings: as of `register_feature`; all members of the family share the section `servo.PREFIX`.
     """
-
-    def add(feature):
-        _FAMILIES[prefix] = _owning(feature, prefix, settings)
-        return feature
-
-    return add
-
-
-def _owning(feature, section, settings):
-    """The class `feature`, which from now on knows its section and its settings class. Raises ParameterError."""
     if settings is not None:
         keys_of(settings)
-    feature.section, feature.settings_class = section, settings
-    return feature
+    return FAMILIES.register(prefix, section=prefix, settings_class=settings)
 
 
-def feature_settings():
-    """Dict of section -> settings class of the features and families that have settings of their own, sorted."""
-    feature_class("")
-    found = {feature.section: feature.settings_class for feature in [*_FEATURES.values(), *_FAMILIES.values()]}
+def feature_settings() -> Dict[str, type]:
+    """Returns section -> settings class of the features and families that have settings of their own, sorted."""
+    found = {feature.section: feature.settings_class for feature in [*FEATURES.values(), *FAMILIES.values()]}
     return {name: found[name] for name in sorted(found) if found[name] is not None}
 
 
-def feature_class(name):
-    """The class registered under that name, or made for that member of a family; None when there is none."""
-    load_room(__package__)
+def feature_class(name: str) -> Optional[Type["Feature"]]:
+    """Returns the class registered under that name, or made for that member of a family; None when there is none."""
     match = _NUMBERED.fullmatch(name)
-    if name in _FEATURES or match is None or match[1] not in _FAMILIES:
-        return _FEATURES.get(name)
-    return type(name, (_FAMILIES[match[1]],), {"name": name, "number": int(match[2])})
+    if name in FEATURES or match is None or match[1] not in FAMILIES:
+        return FEATURES.get(name)
+    return type(name, (FAMILIES[match[1]],), {"name": name, "number": int(match[2])})
 
 
-def source_of(name):
-    """Name of the source that the feature of that name comes from; None when there is no such feature."""
+def source_of(name: str) -> Optional[str]:
+    """Returns the name of the source that a feature comes from; None when there is no such feature."""
     feature = feature_class(name)
     return None if feature is None else feature.source
 
 
-def is_known(name):
+def is_known(name: str) -> bool:
     """Whether there is a feature of that name."""
     return feature_class(name) is not None
 
 
-def known_features():
-    """Names of the registered features, sorted; "xN" stands for x1, x2, ..., x99."""
-    feature_class("")
-    return sorted([*_FEATURES, *(f"{prefix}N" for prefix in _FAMILIES)])
+def known_features() -> List[str]:
+    """Returns the names of the registered features, sorted; "xN" stands for x1, x2, ..., x99."""
+    return sorted([*FEATURES, *(f"{prefix}N" for prefix in FAMILIES)])
 
 
-def expand(names):
-    """Tuple of the names, in which "pointsN" is replaced by x1, y1, ..., xN, yN."""
-    result = []
+def expand(names: Iterable[str]) -> Tuple[str, ...]:
+    """Returns the names, in which "pointsN" is replaced by x1, y1, ..., xN, yN."""
+    result: List[str] = []
     for name in names:
         match = _NUMBERED.fullmatch(str(name))
         if match is None or match[1] != "points":
@@ -246,7 +231,7 @@ class FeatureSet:
         """
         self.names = expand(names)
         classes = [feature_class(name) for name in self.names]
-        faults = [f"features: found '{name}', allowed {', '.join(known_features())}"
+        faults = [unknown_name("features", name, known_features())
                   for name, found in zip(self.names, classes) if found is None]
         if len(set(self.names)) != len(self.names) or not self.names:
             faults.append(f"features: found {list(self.names)}, allowed different names, at least one")

@@ -23,15 +23,16 @@ A law with settings of its own describes them as a frozen dataclass (config/sett
 """
 
 from math import exp, expm1, isfinite, sin
+from typing import Callable, Dict, List, Optional, Sequence, Tuple, Type, TypeVar
 
 import numpy as np
 
-from ..config.plugins import load_room
 from ..config.settings import keys_of, settings_of
 from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError, ShapeError
 from ..features.base import FeatureSet, View
 from ..features.interaction import parallel_condition
 from ..features.points import depths_in_image
+from ..ground.registry import Registry
 from ..ground.types import FEATURE_NAMES, Reference
 from .look import Answer
 from .setup import INTERACTIONS, POINT_DEPTHS, POSES, LawSetup
@@ -39,54 +40,44 @@ from .setup import INTERACTIONS, POINT_DEPTHS, POSES, LawSetup
 #: An interaction matrix with a larger condition number is not inverted, because in such a view some camera motion
 #: hardly changes the features.
 MAX_CONDITION = 1e6
-_LAWS = {}
+LAWS: Registry[Type["Law"]] = Registry("law", __package__)
+L = TypeVar("L", bound="Law")
 
 
-def register_law(name, settings=None):
-    """Class decorator that makes a law known by name.
+def register_law(name: str, settings: Optional[type] = None) -> Callable[[Type[L]], Type[L]]:
+    """Returns a class decorator that makes a law known by name.
 
     Args: settings: settings class of the law's own section `servo.NAME`, or None.
     Raises ParameterError: `settings` is not a frozen dataclass whose fields are made by `setting`.
     """
-
-    def add(law):
-        if settings is not None:
-            keys_of(settings)
-        _LAWS[name] = law
-        law.name, law.settings_class = name, settings
-        return law
-
-    return add
+    if settings is not None:
+        keys_of(settings)
+    return LAWS.register(name, name=name, settings_class=settings)
 
 
-def known_laws():
-    """Names of the registered laws, sorted."""
-    load_room(__package__)
-    return sorted(_LAWS)
+def known_laws() -> List[str]:
+    """Returns the names of the registered laws, sorted."""
+    return list(LAWS)
 
 
-def works_on(name):
-    """Names of the features that the law of that name is made for; None: it takes any features. KeyError."""
-    load_room(__package__)
-    return _LAWS[name].works_on
+def works_on(name: str) -> Optional[Tuple[str, ...]]:
+    """Returns the names of the features that a law is made for; None: it takes any features. Raises KeyError."""
+    return LAWS[name].works_on
 
 
-def law_settings():
-    """Dict of name -> settings class of the laws that have settings of their own, sorted by name."""
-    return {name: _LAWS[name].settings_class for name in known_laws() if _LAWS[name].settings_class is not None}
+def law_settings() -> Dict[str, type]:
+    """Returns name -> settings class of the laws that have settings of their own, sorted by name."""
+    return {name: law.settings_class for name, law in LAWS.items() if law.settings_class is not None}
 
 
-def make_law(name, gains_per_s, setup=LawSetup()):
-    """Make the law of that name.
+def make_law(name: str, gains_per_s: Sequence[float], setup: LawSetup = LawSetup()) -> "Law":
+    """Makes the law of that name.
 
-    Args: gains_per_s: (k,), > 0, one per feature, in the order of the features [1/s].  setup: `LawSetup`.
-    Raises ParameterError: the name is unknown (the error lists the known ones), a gain is not > 0, or the law does not
-        work on the features of the setup.
+    Args: gains_per_s: (k,), > 0, one per feature, in the order of the features [1/s].
+    Raises ParameterError: the name is unknown, a gain is not > 0, or the law does not work on the features of the
+        setup.
     """
-    known = known_laws()
-    if name not in known:
-        raise ParameterError(f"law: found '{name}', allowed {', '.join(known)}")
-    return _LAWS[name](gains_per_s, setup)
+    return LAWS.find(name)(gains_per_s, setup)
 
 
 def adaptive_factor(size, part, slope):

@@ -9,7 +9,7 @@ from ..config.files import package_path
 from ..config.schema import schema_of, yaml_section
 from ..config.settings import setting
 from ..config.tables import part_of
-from ..arm.real.settings import RealSettings
+from ..arm.real import RealSettings
 from ..runs.settings import ExperimentSettings
 from ..servo.settings import own_sections, servo_schema
 from .sweep import Perturbations, SweepSection

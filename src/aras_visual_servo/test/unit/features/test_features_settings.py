@@ -40,8 +40,8 @@ def features():
             return self.number * self.settings.width * view
 
     yield
-    base._FEATURES.pop("power")
-    base._FAMILIES.pop("band")
+    base.FEATURES.pop("power")
+    base.FAMILIES.pop("band")
 
 
 def test_a_feature_finds_its_settings_or_their_defaults():

@@ -148,8 +148,8 @@ def sonar():
             return np.array([0.0, 0.0, -1.0, 0.0, 0.0, 0.0])
 
     yield
-    sources._SOURCES.pop("sonar")
-    features._FEATURES.pop("echo")
+    sources.SOURCES.pop("sonar")
+    features.FEATURES.pop("echo")
 
 
 def test_a_source_of_somebody_else_is_taught_and_servoed_on(sonar):

@@ -24,9 +24,9 @@ def contrast_to_white(colour):
 @pytest.fixture
 def registered():
     """Registers features for one test; forgets them afterwards."""
-    known = dict(base._FEATURES), dict(base._FAMILIES)
+    known = dict(base.FEATURES), dict(base.FAMILIES)
     yield
-    for now, before in zip((base._FEATURES, base._FAMILIES), known):
+    for now, before in zip((base.FEATURES, base.FAMILIES), known):
         now.clear()
         now.update(before)
 

@@ -165,7 +165,7 @@ def test_a_registered_law_is_found_by_its_name():
     finally:
         from aras_visual_servo.laws import base as laws
 
-        del laws._LAWS["dummy"]
+        del laws.LAWS["dummy"]
 
 
 @pytest.mark.parametrize("name, features", [("pbvs", ("tx", "ty", "tz", "rx", "ry", "rz")),

@@ -131,5 +131,5 @@ def test_a_law_whose_section_is_a_key_of_the_servo_is_refused(document):
         assert check(document) == ["servo/limits: found a law or feature of this name with settings, allowed a name "
                                    "that no other section and no key has"]
     finally:
-        laws._LAWS.pop("limits")
+        laws.LAWS.pop("limits")
     assert check(document) == []

@@ -106,7 +106,7 @@ def test_wrong_gain_sign_never_converges():
     finally:
         from aras_visual_servo.laws import base as laws
 
-        del laws._LAWS["wrong_sign"]
+        del laws.LAWS["wrong_sign"]
 
 
 def test_joints_stay_inside_their_limits_and_the_status_says_so():

@@ -31,7 +31,7 @@ def law_that():
         return "made_for_test"
 
     yield make
-    laws._LAWS.pop("made_for_test", None)
+    laws.LAWS.pop("made_for_test", None)
 
 
 def test_plane_of_the_target_follows_the_joints():

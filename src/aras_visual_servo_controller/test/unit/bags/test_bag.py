@@ -154,7 +154,7 @@ def test_features_of_a_plugin_are_shown_as_in_the_run(tmp_path, original, monkey
     record = read_bag(write(tmp_path / "run.bag", with_plugin(original, "plugin_of_a_bag")))
     assert styles(["bent"])[0].unit == "1/m" and record.notes == ()
     sys.modules.pop("plugin_of_a_bag")
-    features._FEATURES.pop("bent")
+    features.FEATURES.pop("bent")
 
 
 def test_a_plugin_that_is_not_here_is_noted(tmp_path, original):

@@ -48,8 +48,8 @@ def test_each_row_has_a_scenario_that_its_law_takes():
 
 
 def test_a_new_law_appears_by_itself_and_a_new_feature_is_listed_as_left_out(monkeypatch):
-    monkeypatch.setattr(laws, "_LAWS", dict(laws._LAWS))
-    monkeypatch.setattr(features, "_FEATURES", dict(features._FEATURES))
+    monkeypatch.setattr(laws.LAWS, "_plugins", dict(laws.LAWS))
+    monkeypatch.setattr(features.FEATURES, "_plugins", dict(features.FEATURES))
 
     @laws.register_law("mine")
     class Mine(ImageBased):

@@ -12,40 +12,35 @@ everything else, so that none of them mentions a particular source. Topics and m
 room imports nothing of ROS.
 """
 
-from typing import Any, NamedTuple, Optional
+from typing import Any, Callable, List, NamedTuple, Optional, Type, TypeVar
 
 import numpy as np
 
-from ...config.plugins import load_room
-from ...ground.errors import ParameterError
+from ...ground.registry import Registry
 from ...ground.types import Features
 
-_SOURCES = {}
+SOURCES: Registry["Source"] = Registry("source", __package__)
+S = TypeVar("S", bound="Source")
 
 
-def register_source(name):
-    """Class decorator that makes a source known by name."""
-
-    def add(source):
+def register_source(name: str) -> Callable[[Type[S]], Type[S]]:
+    """Returns a class decorator that makes a source known by name."""
+    def add(source: Type[S]) -> Type[S]:
         source.name = name
-        _SOURCES[name] = source()
+        SOURCES[name] = source()
         return source
 
     return add
 
 
-def known_sources():
-    """The registered sources, sorted by name."""
-    load_room(__package__)
-    return [_SOURCES[name] for name in sorted(_SOURCES)]
+def known_sources() -> List["Source"]:
+    """Returns the registered sources, sorted by name."""
+    return list(SOURCES.values())
 
 
-def source_named(name):
-    """The `Source` of that name. Raises ParameterError, listing the known ones."""
-    for source in known_sources():
-        if source.name == name:
-            return source
-    raise ParameterError(f"source: found '{name}', allowed {', '.join(source.name for source in known_sources())}")
+def source_named(name: str) -> "Source":
+    """Returns the `Source` of that name. Raises ParameterError with the nearest name."""
+    return SOURCES.find(name)
 
 
 class Taught(NamedTuple):

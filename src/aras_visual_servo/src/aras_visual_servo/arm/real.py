@@ -1,12 +1,117 @@
-"""Settings of a real arm: the scenario's section `real`. A simulated arm in lockstep does not read it."""
+"""A real arm: section `real` of a scenario, and the forms of commands that its driver takes, ros_control's among them.
+
+    @register_form("mine")
+    class Mine(Form):
+        def messages(self, point): return [Message("/my_arm/command", "my_msgs/Target", {"q": list(point.position)})]
+
+Topics and message types are plain text; this module imports nothing of ROS. The node makes the messages from the
+fields. A simulated arm in lockstep does not read the section.
+"""
 
 from dataclasses import dataclass
 from math import inf
-from typing import Dict, Optional, Tuple
+from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Type, TypeVar
 
-from ...config.reader import Names, read
-from ...config.settings import setting
-from .forms.base import known_forms
+import numpy as np
+
+from ..config.reader import Names, read
+from ..config.settings import setting
+from ..ground.registry import Registry, unknown_name
+from .kinematics import RobotKinematics
+
+FORMS: Registry[Type["Form"]] = Registry("real/command")
+F = TypeVar("F", bound="Form")
+
+
+class SetPoint(NamedTuple):
+    """What the joints are to do from now on.
+
+    Attributes:
+        stamp_ns: ROS time [ns].  joint_names: n names.
+        position: (n,) set-points for a driver that takes positions [m, rad].
+        velocity: (n,) velocities for a driver that takes velocities [m/s, rad/s]; 0 at rest.
+        resting: the arm is to stand still.
+    """
+
+    stamp_ns: int
+    joint_names: Tuple[str, ...]
+    position: Any
+    velocity: Any
+    resting: bool
+
+
+class Message(NamedTuple):
+    """One message to publish: its topic, its type "package/Type", and its fields as plain values.
+
+    A field `header` holds the stamp [ns], a field whose name ends in `_s` of a trajectory point a duration [s].
+    """
+
+    topic: str
+    kind: str
+    fields: Dict[str, Any]
+
+
+def register_form(name: str) -> Callable[[Type[F]], Type[F]]:
+    """Returns a class decorator that makes a form known by name."""
+    return FORMS.register(name, name=name)
+
+
+def make_form(settings: "RealSettings") -> "Form":
+    """Makes the `Form` that the settings name. Raises ParameterError: unknown."""
+    return FORMS.find(settings.command)(settings)
+
+
+class Form:
+    """Base class of the forms."""
+
+    name = ""
+
+    def __init__(self, settings: "RealSettings") -> None:
+        self._settings = settings
+
+    def messages(self, point: SetPoint) -> List[Message]:
+        """Returns the messages for these set-points."""
+        raise NotImplementedError
+
+    def _numbers(self, joint_names: Sequence[str], values: Iterable[float]) -> List[Message]:
+        """Returns one message for all joints if they share a controller, else one for each."""
+        settings = self._settings
+        if settings.controller:
+            data = [float(value) for value in values]
+            return [Message(f"{settings.controller}/command", "std_msgs/Float64MultiArray", {"data": data})]
+        names = [settings.joint_controllers.get(name, f"{name}_controller") for name in joint_names]
+        return [Message(f"{controller}/command", "std_msgs/Float64", {"data": float(value)})
+                for controller, value in zip(names, values)]
+
+
+@register_form("position")
+class Position(Form):
+    """One position per joint [m or rad]: JointPositionController, or JointGroupPositionController for all joints."""
+
+    def messages(self, point: SetPoint) -> List[Message]:
+        return self._numbers(point.joint_names, point.position)
+
+
+@register_form("velocity")
+class Velocity(Form):
+    """One velocity per joint [m/s or rad/s]: JointVelocityController, or JointGroupVelocityController for all joints."""
+
+    def messages(self, point: SetPoint) -> List[Message]:
+        return self._numbers(point.joint_names, point.velocity)
+
+
+@register_form("trajectory")
+class Trajectory(Form):
+    """JointTrajectoryController: one point `ahead_s` from now, replaced by the next message; at rest the set-point."""
+
+    def messages(self, point: SetPoint) -> List[Message]:
+        ahead_s = self._settings.ahead_s
+        velocity = [0.0 if point.resting else float(v) for v in point.velocity]
+        position = [float(q) + v * ahead_s for q, v in zip(point.position, velocity)]
+        # A stamp of 0 tells the driver to begin at once: its clock may differ from ours.
+        fields = {"header": 0, "joint_names": list(point.joint_names),
+                  "points": [{"positions": position, "velocities": velocity, "time_from_start_s": ahead_s}]}
+        return [Message(f"{self._settings.controller}/command", "trajectory_msgs/JointTrajectory", fields)]
 
 
 @dataclass(frozen=True)
@@ -16,7 +121,7 @@ class WorkspaceSettings:
     lower_m: Tuple[float, ...] = setting(size=3, unit="m", help="Its corner of the smallest x, y and z.")
     upper_m: Tuple[float, ...] = setting(size=3, unit="m", help="Its corner of the largest x, y and z.")
 
-    def check(self):
+    def check(self) -> Iterator[str]:
         """Along every axis the box has a length."""
         if not all(low < high for low, high in zip(self.lower_m, self.upper_m)):
             yield f"upper_m: found {list(self.upper_m)}, allowed above lower_m along each axis"
@@ -85,22 +190,22 @@ class RealSettings:
         None,
         help="A box that the camera stays in; the arm brakes before it leaves it.")
 
-    def check(self):
+    def check(self) -> Iterator[str]:
         """The form is known and has the controllers that it needs."""
-        if self.command not in known_forms():
-            yield f"command: found {self.command}, allowed {', '.join(known_forms())}"
+        if self.command not in FORMS:
+            yield unknown_name("command", self.command, FORMS)
         elif self.command == "trajectory" and not self.controller:
             yield "controller: found an empty text, allowed with command: trajectory the name of a controller"
         if self.controller and self.joint_controllers:
             yield "joint_controllers: found names, allowed with an empty `controller`"
 
     @classmethod
-    def from_dict(cls, source, joint_names=()):
-        """Read the section. Raises ParameterError listing every fault."""
+    def from_dict(cls, source: Dict[str, Any], joint_names: Sequence[str] = ()) -> "RealSettings":
+        """Reads the section. Raises ParameterError listing every fault."""
         return read(cls, source, "real", Names(joints=tuple(joint_names)))
 
-    def largest_speed(self, kinematics):
-        """(n,) largest speeds of the joints of `kinematics`; inf where neither this section nor the URDF has one."""
+    def largest_speed(self, kinematics: RobotKinematics) -> np.ndarray:
+        """Returns the largest speeds of the joints, (n,); inf where neither this section nor the URDF has one."""
         part = [self.speed_part * float(most) if most < inf else inf for most in kinematics.velocity]
         return kinematics.vector({name: min(self.joint_speed.get(name, default), float(most)) for name, default, most
                                   in zip(kinematics.joint_names, part, kinematics.velocity)})
