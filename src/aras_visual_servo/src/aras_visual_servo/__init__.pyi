@@ -63,9 +63,9 @@ from .arm.limits import accelerated as accelerated
 from .arm.limits import position_factor as position_factor
 from .arm.limits import velocity_factor as velocity_factor
 from .arm.reach import reach as reach
-from .arm.real.forms.base import SetPoint as SetPoint
-from .arm.real.forms.base import make_form as make_form
-from .arm.real.settings import RealSettings as RealSettings
+from .arm.real import SetPoint as SetPoint
+from .arm.real import make_form as make_form
+from .arm.real import RealSettings as RealSettings
 from .arm.redundancy import TwistInverse as TwistInverse
 from .config.files import load_yaml as load_yaml
 from .config.files import package_path as package_path
@@ -93,6 +93,7 @@ from .features.target.target_pose import PlanarTarget as PlanarTarget
 from .ground.extras import extra as extra
 from .ground.images import eight_bit as eight_bit
 from .ground.images import image_of as image_of
+from .ground.registry import Registry as Registry
 from .ground.images import in_rgb as in_rgb
 from .ground.types import FEATURE_NAMES as FEATURE_NAMES
 from .laws.base import works_on as works_on

@@ -32,7 +32,7 @@ class Registry(MutableMapping[str, T]):
         self.kind, self._packages = kind, packages
         self._plugins: Dict[str, T] = {}
 
-    def register(self, name: str, **attributes: Any) -> Callable[[C], C]:
+    def register(self, name: str, /, **attributes: Any) -> Callable[[C], C]:
         """Returns a decorator that adds a class or function under this name, after it has set these attributes of it.
 
         A plugin that has this name already is replaced.

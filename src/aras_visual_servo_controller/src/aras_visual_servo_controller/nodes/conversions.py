@@ -133,7 +133,7 @@ def picture_message(picture: np.ndarray, stamp_ns: int, frame_id: str) -> Image:
 
 
 def form_message(message: Any) -> Any:
-    """The ROS message of a `real.forms.base.Message`, whose fields are plain values."""
+    """The ROS message of a `Message` of arm/real.py, whose fields are plain values."""
     made = message_class(message.kind)()
     for name, value in message.fields.items():
         if name == "header":

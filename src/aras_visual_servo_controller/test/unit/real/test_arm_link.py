@@ -7,8 +7,7 @@ from toy_plant import GOAL, arm
 from aras_visual_servo.ground.errors import ParameterError
 from aras_visual_servo.ground.types import Command
 from aras_visual_servo_controller.real.arm_link import ArmLink
-from aras_visual_servo.arm.real.forms.base import SetPoint, known_forms, make_form
-from aras_visual_servo.arm.real.settings import RealSettings
+from aras_visual_servo.arm.real import FORMS, RealSettings, SetPoint, make_form
 
 MS = 1_000_000
 PERIOD_S = 0.008
@@ -322,4 +321,4 @@ def test_bad_settings_are_named(settings, fault):
 
 
 def test_the_forms_are_known_by_name():
-    assert known_forms() == ("position", "trajectory", "velocity")
+    assert tuple(FORMS) == ("position", "trajectory", "velocity")

@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from aras_visual_servo.arm.real.forms.base import known_forms
-from aras_visual_servo.arm.real.settings import RealSettings
+from aras_visual_servo.arm.real import FORMS, RealSettings
 from aras_visual_servo.arm.robot import kinematics_of
 from aras_visual_servo.config.settings import keys_of
 from aras_visual_servo.scenario.scenario import load_scenario
@@ -32,4 +31,4 @@ def test_the_page_names_every_form_and_only_keys_that_there_are(scenario):
     known = {key.name for key in keys_of(RealSettings)}
     assert set(re.findall(r"`real\.(\w+)", PAGE)) <= known
     rows = re.findall(r"^\| .*? \| `(\w+)` \|", PAGE, re.MULTILINE)
-    assert set(rows) == set(known_forms())
+    assert set(rows) == set(FORMS)
