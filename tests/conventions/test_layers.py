@@ -30,12 +30,16 @@ ALLOWED = {
     "aras_visual_servo_learning": {"aras_description", "aras_visual_servo", "aras_visual_servo_controller",
                                    "aras_visual_servo_study"},
 }
-# The rooms of a package, which are its folders, floor by floor from the ground up: a room imports itself and rooms of
-# lower floors, none of its own floor or above.
+# The rooms of a C++ core, which are its folders, from the ground up. A room includes itself and rooms of lower floors.
 CPP_FLOORS = {
     "aras_visual_servo_camera": [{"config"}, {"image"}, {"matching", "moments", "photometric", "tags"},
                                  {"points", "segmentation"}, {"extraction"}],
+    "aras_visual_servo_sim": [{"config"}, {"image", "robot"}, {"scene", "camera", "physics"}, {"render"},
+                              {"simulation"}],
 }
+#: Libraries of the simulator that one room alone includes.
+LIBRARIES = {"Bullet": "physics", "LinearMath": "physics", "assimp": "scene", "stb": "image",
+             "urdf": "robot", "tinyxml2": "robot"}
 
 
 def core_files():
@@ -119,3 +123,14 @@ def test_rooms_of_a_cpp_core_include_only_what_lies_below(package):
     assert len(arrows) > 20
     assert {room for _, room, _ in arrows} == set().union(*CPP_FLOORS[package])
     assert arrows_up(CPP_FLOORS[package], arrows) == []
+
+
+def test_a_library_is_included_by_one_room_alone():
+    core, found = SOURCE / "aras_visual_servo_sim" / "src" / "core", set()
+    for path in core.rglob("*.[ch]pp"):
+        for name in re.findall(r"^#include <([^>]+)>", path.read_text(), re.MULTILINE):
+            for library, room in LIBRARIES.items():
+                if name.startswith(library):
+                    found.add(library)
+                    assert path.relative_to(core).parts[0] == room, f"{path}: {name}"
+    assert found == set(LIBRARIES)

@@ -1,4 +1,4 @@
-"""docs/theory.md states the numbers that the arm and the features have. Unit tests of the packages hold its equations."""
+"""docs/theory.md states the numbers that arm and features have. Unit tests of the packages check its equations."""
 import pathlib
 import re
 import sys
