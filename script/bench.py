@@ -12,7 +12,6 @@ import tempfile
 import time
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[1]
-LIGHT_BENCH = WORKSPACE / "build/aras_visual_servo_sim/light_bench"
 SIM_BENCH = WORKSPACE / "src/aras_visual_servo_sim/bench"
 STOP_RULE = WORKSPACE / "src/aras_visual_servo_study/bench/stop_rule.py"
 
@@ -21,12 +20,7 @@ def python_bench(program, *arguments):
     return [sys.executable, SIM_BENCH / program, *arguments]
 
 
-def light_bench(scene):
-    return [LIGHT_BENCH, "--rate", scene]
-
-
-# What other programs can be measured beside, our program that measures it, and whether more is better. The scenes of
-# the rows light_... are those of light_bench.cpp, in frames per second of CPU time.
+# What other programs can be measured beside, our program that measures it, and whether more is better.
 IN_TURN = {
     "physics": ("physics of the arm, Python, steps / s", python_bench("rates.py", "physics"), True),
     "camera": ("camera, flat scene fills the view, Python, frames / s", python_bench("rates.py", "camera", "plane"),
@@ -34,27 +28,13 @@ IN_TURN = {
     "lit": ("camera, a shaded solid fills the view, frames / s", python_bench("rates.py", "camera", "lit"), True),
     "picture": ("camera, a picture fills the view, frames / s", python_bench("rates.py", "camera", "picture"), True),
     "boxes": ("camera, ten boxes on a flat scene, frames / s", python_bench("rates.py", "camera", "boxes"), True),
-    "light_flat": ("OpenGL, a lit plane, frames / s", light_bench("opengl/flat"), True),
-    "light_textured": ("OpenGL, a picture on it", light_bench("opengl/textured"), True),
-    "light_textured_msaa": ("OpenGL, and 4 samples a pixel", light_bench("opengl/textured_msaa"), True),
-    "light_boxes": ("OpenGL, the lit plane and ten boxes", light_bench("opengl/boxes"), True),
-    "light_boxes_shadow": ("OpenGL, and a shadow map drawn anew", light_bench("opengl/boxes_shadow"), True),
-    "light_everything": ("OpenGL, picture, boxes, shadow map, 4 samples", light_bench("opengl/everything"), True),
-    "light_hybrid": ("OpenGL, and a flat target by its exact areas", light_bench("opengl/hybrid"), True),
-    "light_sampled": ("OpenGL, the same target by samples", light_bench("opengl/hybrid_sampled"), True),
-    "light_arm": ("OpenGL, the arm over a table, all of that", light_bench("opengl/arm_everything"), True),
-    "light_arm_640": ("OpenGL, the same in 640 x 480", light_bench("opengl/arm_everything_640"), True),
-    "light_coverage_flat": ("coverage, a lit solid fills the view", light_bench("coverage/flat"), True),
-    "light_coverage_textured": ("coverage, a picture fills the view", light_bench("coverage/textured"), True),
     "start": ("process start to first image, Python [s]", python_bench("start_up.py"), False),
     "start_solid": ("the same, a solid in view [s]", python_bench("start_up.py", "--solid"), False),
     "start_opengl": ("the same, by OpenGL [s]", python_bench("start_up.py", "--opengl"), False),
 }
 # google-benchmark executables, and the rows of theirs that stand in the table: (program, row, what it is)
 MICRO = (
-    ("build/aras_visual_servo_sim/physics_bench", "physics"),
     ("build/aras_visual_servo_sim/render_bench", "camera"),
-    ("build/aras_visual_servo_sim/light_bench", "light"),
     ("build/aras_visual_servo_camera/aras_visual_servo_camera_bench", "features"),
 )
 
