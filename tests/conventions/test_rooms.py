@@ -7,8 +7,8 @@ import pytest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 #: The folders of each package from the ground up. Rooms of one floor do not import each other.
 FLOORS = {
-    "aras_visual_servo": (("ground",), ("config",), ("features", "arm"), ("laws",), ("servo",), ("runs",), ("scenario",),
-                          ("cli",)),
+    "aras_visual_servo": (("ground",), ("config",), ("features", "arm"), ("laws",), ("servo",), ("runs",),
+                          ("scenario",), ("cli",)),
     "aras_visual_servo_controller": (("bags", "calibration", "real"), ("nodes",), ("cli",)),
     "aras_visual_servo_study": (("live",), ("report",), ("sweep",), ("compare",), ("cli",)),
 }

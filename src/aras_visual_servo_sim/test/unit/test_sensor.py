@@ -3,8 +3,6 @@ import numpy as np
 import pytest
 from test_simulation import make
 
-from aras_visual_servo_sim import ParameterError
-
 CAMERA = {"name": "camera", "frame": "eye_optical_frame", "width": 64, "height": 48, "horizontal_fov_rad": 1.0}
 SCENE = {"background_rgb": [200, 120, 60],
          "models": [{"name": "target", "outlines_m": [[[-0.1, -0.05], [0.1, -0.05], [0.1, 0.05], [-0.1, 0.05]]],

@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 import aras_visual_servo_sim as sim_package
-from aras_visual_servo_sim import NotFiniteError, ParameterError, Simulation, StateError, UnknownNameError
+from aras_visual_servo_sim import ParameterError, Simulation, StateError, UnknownNameError
 
 FOLDER = pathlib.Path(__file__).resolve().parent.parent / "ros" / "robot"
 URDF = (FOLDER / "pan_lift.urdf").read_text()

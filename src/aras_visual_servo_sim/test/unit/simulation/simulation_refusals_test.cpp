@@ -84,6 +84,9 @@ TEST(SimulationRefusals, AnOldCommandIsToldWhatIsAllowed) {
   EXPECT_HAS(old, "0.400000 s");
   EXPECT_HAS(old, "allowed <= 0.100000 s (sim/command_timeout_s)");
   EXPECT_HAS(messageOf<ParameterError>([&] { simulation.setCommand(command, 600000000); }), "0.500000 s");
+  EXPECT_EQ(simulation.commands().refused(), 2U);
+  EXPECT_NO_THROW(simulation.setCommand(command, 400000000));
+  EXPECT_NO_THROW(simulation.setCommand(JointCommand(), 0)) << "an empty command is an acknowledgement";
   Simulation patient = fixture::panLift("command_timeout_s: 0");
   patient.step(500);
   EXPECT_NO_THROW(patient.setCommand(command, 0));
