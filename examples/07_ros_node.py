@@ -1,7 +1,5 @@
 """A ROS node of one's own that servoes.   python3 examples/07_ros_node.py __ns:=aras_visual_servo
-
-It needs `roslaunch aras_visual_servo_controller servo.launch experiment:=false lockstep:=false`.
-"""
+Start `roslaunch aras_visual_servo_controller servo.launch experiment:=false lockstep:=false` before it."""
 import queue
 
 import rospy
