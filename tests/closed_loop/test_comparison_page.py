@@ -8,7 +8,7 @@ from aras_visual_servo.arm.robot import robot_kinematics
 from aras_visual_servo_study.compare.laws import load_comparison, run_comparison
 from aras_visual_servo.ground.types import Status
 from aras_visual_servo_study.sweep.plan import Start
-from aras_visual_servo_study.sweep.run import Bench
+from aras_visual_servo_study.sweep.run import SweepRunner
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 LAWS, TASKS = ("points_mean", "pbvs"), ("turn_90", "retreat", "general")
@@ -54,7 +54,7 @@ def test_where_the_reach_ends_the_status_says_so(task):
     goal = scenario.goal_posture(kinematics)
     joints, refusal = reach(kinematics, goal, kinematics.pose(goal) @ comparison.tasks[0].X_CgC)
     assert not refusal, refusal
-    _, record = Bench(scenario).run(Start(1, joints))
+    _, record = SweepRunner(scenario).run(Start(1, joints))
     height_mm = 1e3 * record.X_WC[record.servo_rows, 2, 3]
     status = record.status[record.servo_rows][height_mm < height_mm.min() + NEAR_MM]
     assert len(status) > 100, "the arm does not stay at its lowest place"

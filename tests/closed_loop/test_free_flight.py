@@ -13,7 +13,7 @@ from aras_visual_servo.runs.judge import fit_decay, judge
 from aras_visual_servo.runs.loop import ServoLoop
 from aras_visual_servo.scenario.scenario import load_scenario
 from aras_visual_servo_study.sweep.plan import SweepSettings, make_starts
-from aras_visual_servo_study.sweep.run import Bench
+from aras_visual_servo_study.sweep.run import SweepRunner
 
 Z_STAR_M, GAIN_PER_S = 0.5, 2.0
 #: Corners of the L in an image are known to some hundredths of a pixel: 0.02 mm near the target, 0.1 mm from 1.4 m.
@@ -173,7 +173,7 @@ def test_a_sweep_flies_from_every_start():
     scenario = load_scenario("free_camera")
     kinematics = ServoLoop(scenario).kinematics
     starts = make_starts(SweepSettings.from_scenario(scenario, kinematics, starts=4, seed=3), scenario, kinematics)
-    bench = Bench(scenario)
+    bench = SweepRunner(scenario)
     rows = [bench.run(start)[0] for start in starts]
     assert [row["outcome"] for row in rows] == ["success"] * 4, rows
     assert bench.run(starts[0])[0] == rows[0]

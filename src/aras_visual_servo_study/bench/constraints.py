@@ -29,7 +29,7 @@ import numpy as np
 
 from aras_visual_servo import Status, kinematics_of, load_scenario
 from aras_visual_servo_study.sweep.plan import SweepSettings, make_starts
-from aras_visual_servo_study.sweep.run import Bench
+from aras_visual_servo_study.sweep.run import SweepRunner
 from aras_visual_servo_study.sweep.statistics import wilson
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[3] / "script" / "docs"))
@@ -102,7 +102,7 @@ def run(job):
     witness.original = original
     _kinematics.solve_program = witness
     if (arm, law) not in _benches:
-        _benches[arm, law] = Bench(scenario_of(arm, law))
+        _benches[arm, law] = SweepRunner(scenario_of(arm, law))
     row, record = _benches[arm, law].run(start)
     if record is None:
         return start.id, None

@@ -26,13 +26,13 @@ def study(room: str = "") -> ModuleType:
 
 
 def sweep(*arguments: Any, **settings: Any) -> Any:
-    """Runs a scenario from many starts: `aras_visual_servo_study.sweep.api.sweep`."""
-    return study("sweep.api").sweep(*arguments, **settings)
+    """Runs a scenario from many starts: `aras_visual_servo_study.api.sweep`."""
+    return study("api").sweep(*arguments, **settings)
 
 
 def compare(*arguments: Any, **settings: Any) -> Any:
-    """Compares sweeps on the same starts: `aras_visual_servo_study.sweep.api.compare`."""
-    return study("sweep.api").compare(*arguments, **settings)
+    """Compares sweeps on the same starts: `aras_visual_servo_study.api.compare`."""
+    return study("api").compare(*arguments, **settings)
 
 
 def save_results(*arguments: Any, **settings: Any) -> Any:

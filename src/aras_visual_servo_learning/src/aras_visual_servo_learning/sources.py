@@ -42,12 +42,12 @@ def records(sources, images=False):
 
 
 def _of_sweep(folder):
-    from aras_visual_servo_study.sweep.run import Bench
+    from aras_visual_servo_study.sweep.run import SweepRunner
     from aras_visual_servo_study.sweep.store import SweepStore
     from aras_visual_servo_study.sweep.worker import scenario_of
     with SweepStore.open(folder) as store:
         starts, setup = store.starts(), store.meta["setup"]
-    bench = Bench(scenario_of(setup), setup["drive_to_start"])
+    bench = SweepRunner(scenario_of(setup), setup["drive_to_start"])
     for start in starts:
         _, record = bench.run(start)
         if record is not None:  # None: the start was refused

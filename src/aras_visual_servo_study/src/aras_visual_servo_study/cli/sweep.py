@@ -86,7 +86,7 @@ def rerun_main(argv=None):
 
     def work():
         from ..report.report import ResultFolderError, format_summary, save_results
-        from ..sweep.run import Bench
+        from ..sweep.run import SweepRunner
         from ..sweep.worker import scenario_of
         from ..sweep.store import SweepStore
         folder = Path(arguments.sweep) if arguments.sweep else _newest(Path(arguments.results) / FOLDER, "*/*")
@@ -94,7 +94,7 @@ def rerun_main(argv=None):
             start = store.start(arguments.id)
             saved = next((row for row in store.rows() if row["id"] == arguments.id), None)
             setup, home = store.meta["setup"], store.folder
-        row, record = Bench(scenario_of(setup), setup["drive_to_start"]).run(start)
+        row, record = SweepRunner(scenario_of(setup), setup["drive_to_start"]).run(start)
         if record is not None:
             target = Path(arguments.output or home / "runs" / str(arguments.id))
             try:

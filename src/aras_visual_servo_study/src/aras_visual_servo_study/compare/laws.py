@@ -15,7 +15,7 @@ from aras_visual_servo import (Feasibility, Outline, ParameterError, kinematics_
                                processes, reach, read, track_of)
 from ..files import share_dir
 from ..sweep.plan import Start
-from ..sweep.run import Bench, placed
+from ..sweep.run import SweepRunner, placed
 from ..sweep.space import pose_of, tilted_goal
 from .file import ComparisonFile
 
@@ -115,7 +115,7 @@ def run_comparison(comparison, workers=1, progress=None):
 def _run_law(job):
     """Run all tasks of one law. Returns a list of (row, Track or None)."""
     _, scenario, tasks = job
-    bench, results = Bench(scenario, images=False), []
+    bench, results = SweepRunner(scenario, images=False), []
     for start in starts_of(scenario, tasks):
         row, record = bench.run(start)
         results.append((row, record and track_of(record, Outline.of(placed(scenario, start)))))

@@ -9,11 +9,12 @@ import sys
 import time
 from concurrent.futures import CancelledError
 
-from aras_visual_servo import ArasError, processes
+from aras_visual_servo import ArasError, ParameterError, processes
 from .judge import COLUMNS
 from .local import run_local
 from .metrics import judge_by
-from .worker import plain, run_chunk
+from .store import FILE, SweepStore
+from .worker import make_setup, plain, run_chunk
 
 #: A worker is given this many runs at a time, about half a second of work.
 CHUNK = 8
@@ -64,6 +65,25 @@ class Progress:
         """End the line, so that the next output begins below it."""
         if self._terminal:
             print(file=self._stream, flush=True)
+
+
+def open_sweep(folder, scenario, starts, settings, command="", versions=None):
+    """`SweepStore` of a folder, open for writing: a new one, or that of a sweep which is gone on with.
+
+    Args: settings: dict for the report, with drive_to_start.  command: that repeats the sweep.
+    Raises ParameterError: the sweep there was begun with another scenario or other starts.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    setup = make_setup(scenario, settings["drive_to_start"])
+    if not (folder / FILE).exists():
+        meta = {"setup": setup, "settings": settings, "command": command, "versions": versions or {}}
+        return SweepStore.create(folder, meta, starts)
+    store = SweepStore.open(folder, writing=True)
+    if store.meta["setup"] != setup or list(map(plain, store.starts())) != list(map(plain, starts)):
+        store.close()
+        raise ParameterError(f"{folder}: found a sweep that was begun with another scenario, board or starts; choose "
+                             "another name")
+    return store
 
 
 def run_pending(store, setup, workers=None, scheduler=None, progress=None):

@@ -4,7 +4,8 @@ Starts and goals depend on method, space, ranges, number and seed, but not on pe
 with the same seed have the same starts, and their runs can be compared in pairs.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
+from typing import Any, Dict
 
 import numpy as np
 
@@ -72,6 +73,16 @@ class SweepSettings:
             ranges = getattr(section, section.space).as_dict()
         return cls(section.starts, section.method, section.space, section.seed, section.drive_to_start, ranges,
                    perturbations, section.goal.as_dict() if section.goal else {})
+
+    def as_plain(self) -> Dict[str, Any]:
+        """Returns the settings with the types that JSON gives back, so that they can be compared with stored ones."""
+        values = asdict(self)
+        values["ranges"] = {name: list(ends) for name, ends in self.ranges.items()}
+        values["goal"] = {name: list(ends) for name, ends in self.goal.items()}
+        values["perturb"] = {p.name: ", ".join(map(str, p.values)) if p.values else f"{p.low:g} to {p.high:g}"
+                             for p in self.perturbations}
+        del values["perturbations"]
+        return values
 
 
 def _around(joints):

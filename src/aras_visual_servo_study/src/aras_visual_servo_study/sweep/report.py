@@ -87,9 +87,13 @@ def setting_rows(meta):
 
 def format_summary(store):
     """The sweep as a few lines for the terminal, str."""
-    rows = store.rows()
+    return format_rows(store.meta["setup"]["scenario"]["name"], store.rows())
+
+
+def format_rows(scenario, rows):
+    """The runs of a scenario, by its name, as a few lines, str."""
     numbers = aggregate(rows)
-    lines = [f"{store.meta['setup']['scenario']['name']}: {numbers['runs']} runs, {numbers['feasible']} feasible, "
+    lines = [f"{scenario}: {numbers['runs']} runs, {numbers['feasible']} feasible, "
              f"{numbers['infeasible']} starts refused, {numbers['errors']} errors"]
     for label, key in (*((metric.label, metric.name) for metric in known_metrics()), ("converged", "converged")):
         if not math.isnan(numbers[key]):

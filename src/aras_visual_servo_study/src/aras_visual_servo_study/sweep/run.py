@@ -66,7 +66,7 @@ class _Shared:
         self.goal = None if self._anew else self._loop.taught_goal()
 
 
-class Bench:
+class SweepRunner:
     """Runs starts of one scenario, one after another.
 
     Args:

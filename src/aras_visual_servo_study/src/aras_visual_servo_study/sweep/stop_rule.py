@@ -14,7 +14,7 @@ import numpy as np
 from aras_visual_servo import Kinematics, Status, load_scenario, true_error
 from .perturb import perturbed
 from .plan import Planner, Start, SweepSettings, sample
-from .run import Bench
+from .run import SweepRunner
 
 #: Half of the runs are of the first group, half of the second.
 EXPERIMENTS = ("experiment_1", "experiment_2")
@@ -116,7 +116,7 @@ def scenario_of(case):
 def run_case(case):
     """Run a case. Returns a dict: the case, how it ended, the true error at the end, `converged` and `inside`."""
     scenario = scenario_of(case)
-    row, record = Bench(scenario).run(Start(case.id, dict(case.joints), goal=case.goal))
+    row, record = SweepRunner(scenario).run(Start(case.id, dict(case.joints), goal=case.goal))
     found = dict(asdict(case), converged=False, inside=False, status="", reason=row["detail"], duration_s=None)
     if record is None:
         return dict(found, status=row["outcome"])

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from aras_visual_servo import ParameterError, resolve_uri, scenario_from_dict
 from .plan import Start
-from .run import Bench
+from .run import SweepRunner
 
 
 def make_setup(scenario, drive_to_start):
@@ -68,7 +68,7 @@ _kept = threading.local()  # a simulator may be used by one thread only
 def _bench(setup):
     if getattr(_kept, "setup", None) != setup:
         _keep_memory()
-        _kept.bench, _kept.setup = Bench(scenario_of(setup), setup["drive_to_start"], images=False), setup
+        _kept.bench, _kept.setup = SweepRunner(scenario_of(setup), setup["drive_to_start"], images=False), setup
     return _kept.bench
 
 

@@ -80,7 +80,7 @@ def test_clutter_comes_after_teaching_and_leaves_with_the_run(tmp_path):
 def test_a_scheme_comes_home_without_clutter(tmp_path, scheme):
     pytest.importorskip("aras_visual_servo_sim")
     from aras_visual_servo_study.sweep.plan import Start
-    from aras_visual_servo_study.sweep.run import Bench
+    from aras_visual_servo_study.sweep.run import SweepRunner
     case = next(case for case in protocol_named("clutter").cases(tmp_path, 1) if case.name == f"{scheme}_plain")
     axes = {"x_m": 0.03, "y_m": -0.02, "z_m": -0.03, "rz_rad": 0.1}
     from aras_visual_servo.arm.robot import robot_kinematics
@@ -89,5 +89,5 @@ def test_a_scheme_comes_home_without_clutter(tmp_path, scheme):
     kinematics = robot_kinematics(case.scenario.urdf_xml(), robot["base_link"], robot["tip_link"])
     X_WCg = kinematics.pose(case.scenario.goal_posture(kinematics))
     joints = kinematics.by_name(kinematics.coordinates(X_WCg @ pose_of(axes)))
-    row, _ = Bench(case.scenario).run(Start(1, joints, axes))
+    row, _ = SweepRunner(case.scenario).run(Start(1, joints, axes))
     assert row["success"] == 1, (row["outcome"], row["reason"], row["detail"])

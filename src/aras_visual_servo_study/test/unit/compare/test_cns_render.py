@@ -104,9 +104,9 @@ def test_a_start_has_its_scene_and_the_depth_of_its_table(tmp_path):
 
 def test_a_run_comes_home_to_what_was_on_the_table(tmp_path):
     pytest.importorskip("aras_visual_servo_sim")
-    from aras_visual_servo_study.sweep.run import Bench
+    from aras_visual_servo_study.sweep.run import SweepRunner
     case = protocol_named("cns_render").cases(tmp_path, 1)[0]
-    row, _ = Bench(case.scenario).run(case.starts[0])
+    row, _ = SweepRunner(case.scenario).run(case.starts[0])
     assert row["cns"] == 1 and row["error_mm"] < 5.0, (row["outcome"], row["reason"], row["detail"])
 
 

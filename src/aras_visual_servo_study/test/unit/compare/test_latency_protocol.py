@@ -81,9 +81,9 @@ def test_the_border_is_that_of_a_late_integrator():
 def test_late_images_and_commands_reach_the_simulator_and_a_long_delay_costs_the_run():
     pytest.importorskip("aras_visual_servo_sim")
     from aras_visual_servo_study.sweep.plan import Start
-    from aras_visual_servo_study.sweep.run import Bench
+    from aras_visual_servo_study.sweep.run import SweepRunner
     case = protocol_named("latency").cases(None, 1)[0]
-    bench, start = Bench(case.scenario), case.starts[0]
+    bench, start = SweepRunner(case.scenario), case.starts[0]
     rows = []
     for image_s, command_s in ((0.0, 0.0), (0.05, 0.05), (0.0, 0.1), (0.48, 0.48)):
         late = {latency.IMAGE: image_s, latency.COMMAND: command_s}

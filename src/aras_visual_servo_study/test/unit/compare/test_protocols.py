@@ -139,7 +139,8 @@ def test_a_benchmark_is_gone_on_with_and_refuses_another_one_in_its_folder(tmp_p
         name, metric = "short", "success"
 
     case = Case("one", scenario, starts)
-    with runner.open_case(Short, case, tmp_path, "", {}) as store:
+    settings = {"drive_to_start": False}
+    with open_sweep(tmp_path / case.name, case.scenario, case.starts, settings) as store:
         assert len(store.pending()) == 3
     pytest.importorskip("aras_visual_servo_sim")
     rows = runner.run_case(Short, case, tmp_path, workers=0)

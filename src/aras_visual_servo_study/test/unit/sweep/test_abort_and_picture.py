@@ -9,7 +9,7 @@ from aras_visual_servo.spatial import exponential
 from aras_visual_servo.scenario.scenario import load_scenario
 from aras_visual_servo_study.sweep.perturb import put_clutter, read_perturbations, swap_picture
 from aras_visual_servo_study.sweep.plan import Start
-from aras_visual_servo_study.sweep.run import Bench
+from aras_visual_servo_study.sweep.run import SweepRunner
 
 PICTURE, OTHER_PICTURE = (f"package://aras_description/targets/{name}.png" for name in ("photo", "tag"))
 
@@ -32,7 +32,7 @@ def test_a_run_that_goes_too_far_is_ended():
         kinematics = robot_kinematics(scenario.urdf_xml(), "world", "camera_optical_frame")
         goal = kinematics.pose(scenario.goal_posture(kinematics))
         away = goal @ exponential(np.array([0.005, 0.0, 0.0, 0.0, 0.0, 0.5 * np.pi]))
-        rows.append(Bench(scenario).run(Start(1, kinematics.by_name(kinematics.coordinates(away))))[0])
+        rows.append(SweepRunner(scenario).run(Start(1, kinematics.by_name(kinematics.coordinates(away))))[0])
     ended, gone_on = rows
     assert ended["detail"] == "farther than 5 times the start" and ended["outcome"] == "failure"
     assert ended["error_mm"] > 5.0 * ended["distance0_mm"] and ended["images"] < gone_on["images"]
@@ -58,9 +58,9 @@ def test_what_a_run_does_to_the_scene_is_undone_before_the_next_one(tmp_path):
     joints = scenario.as_dict()["experiment"]["start"]["joints"]
     picture, clutter, scene = {"picture": OTHER_PICTURE}, {"clutter": str(box)}, {"scene": str(box)}
     kinds = [{}, picture, {}, {}, clutter, {}, scene, scene, {}]
-    bench = Bench(scenario)
+    bench = SweepRunner(scenario)
     rows = [bench.run(Start(1, joints, parameters=kind))[0] for kind in kinds]
-    fresh = {str(kind): Bench(scenario).run(Start(1, joints, parameters=kind))[0] for kind in kinds}
+    fresh = {str(kind): SweepRunner(scenario).run(Start(1, joints, parameters=kind))[0] for kind in kinds}
     assert rows == [fresh[str(kind)] for kind in kinds]
     assert {row["outcome"] for row in rows} <= {"success", "failure"}, rows
     assert len({row["run_hash"] for row in rows}) == 4

@@ -16,7 +16,7 @@ from aras_visual_servo_study.sweep import worker
 from aras_visual_servo_study.sweep.perturb import perturbed
 from aras_visual_servo_study.sweep.plan import Start
 from aras_visual_servo_study.sweep.judge import trace_hash
-from aras_visual_servo_study.sweep.run import Bench
+from aras_visual_servo_study.sweep.run import SweepRunner
 from aras_visual_servo_study.sweep.worker import make_setup, run_chunk, scenario_of
 
 GOAL = {"gantry": 0.05, "J1": 0.0, "J2": -0.09, "J3": 0.045, "J5": 0.045, "J6": 0.0}
@@ -33,7 +33,7 @@ def scenario():
 
 @pytest.fixture(scope="module")
 def bench(scenario):
-    return Bench(scenario)
+    return SweepRunner(scenario)
 
 
 def test_a_reset_simulator_gives_the_bytes_of_a_new_one(scenario, bench):
@@ -41,7 +41,7 @@ def test_a_reset_simulator_gives_the_bytes_of_a_new_one(scenario, bench):
     bench.run(Start(2, FAR))
     bench.run(Start(3, NEAR, parameters={"noise_stddev": 1.0}))
     again, record = bench.run(Start(1, NEAR))
-    fresh, _ = Bench(scenario).run(Start(1, NEAR))
+    fresh, _ = SweepRunner(scenario).run(Start(1, NEAR))
     assert first == again == fresh
     assert first["outcome"] == "success" and first["strict"] == first["cns"] == first["vit_vs"] == 1
     assert first["trace_hash"] == trace_hash(record) and len(first["run_hash"]) == 16
@@ -58,10 +58,10 @@ def test_a_goal_that_was_reached_before_is_gone_on_from_and_another_is_not_taken
     monkeypatch.setattr(ServoLoop, "place", counted)
     other = {"joints": {**GOAL, "gantry": 0.03, "J6": 0.02}, "target_normal_C": [0.0, 0.0, 1.0]}
     starts = [Start(1, NEAR), Start(2, NEAR, goal=other), Start(3, FAR, goal=other), Start(4, NEAR)]
-    shared = Bench(scenario)
+    shared = SweepRunner(scenario)
     rows = [shared.run(start)[0] for start in starts]
     assert placed == [GOAL, NEAR, other["joints"], NEAR, FAR, GOAL, NEAR]
-    assert rows == [Bench(scenario).run(start)[0] for start in starts]
+    assert rows == [SweepRunner(scenario).run(start)[0] for start in starts]
     assert rows[0]["run_hash"] == rows[3]["run_hash"] != rows[1]["run_hash"]
     assert {row["outcome"] for row in rows} == {"success"}
 
@@ -73,24 +73,24 @@ def test_what_runs_share_is_read_once_and_what_differs_is_read(scenario, monkeyp
     gains = {"servo.gains_per_s.xn": 1.0}
     starts = [Start(1, NEAR), Start(2, FAR), Start(3, NEAR, parameters=gains), Start(4, NEAR), Start(5, FAR),
               Start(6, NEAR, parameters={"friction_scale": 1.5}), Start(7, NEAR, parameters={"friction_scale": 1.5})]
-    shared = Bench(scenario)
+    shared = SweepRunner(scenario)
     rows = [shared.run(start)[0] for start in starts]
     # Once with the simulator, then where the section or the robot is another than in the run before.
     assert [config["gains_per_s"]["xn"] for config in read] == [3.0, 1.0, 3.0, 3.0]
-    assert rows == [Bench(scenario).run(start)[0] for start in starts]
+    assert rows == [SweepRunner(scenario).run(start)[0] for start in starts]
     assert rows[0]["duration_s"] < rows[2]["duration_s"] and rows[3] == dict(rows[0], id=4)
     assert rows[0]["border_px"] != rows[1]["border_px"]
 
 
 def test_images_of_the_time_before_a_goal_that_is_gone_on_from_are_not_looked_at(scenario):
-    bench, late = Bench(scenario), {"latency_s": 0.1, "servo.time_limit_s": 0.5}
+    bench, late = SweepRunner(scenario), {"latency_s": 0.1, "servo.time_limit_s": 0.5}
     first, again = (bench.run(Start(1, NEAR, parameters=late)) for _ in range(2))
     assert first[0] == again[0] and first[0]["outcome"] == "failure"
     assert again[1].stamp_ns[0] >= 1e9 * bench.scenario.experiment["settle_s"]
 
 
 def test_driven_runs_give_the_trace_of_a_whole_experiment(scenario):
-    row, record = Bench(scenario, drive_to_start=True).run(Start(1, dict(scenario.experiment["start"]["joints"])))
+    row, record = SweepRunner(scenario, drive_to_start=True).run(Start(1, dict(scenario.experiment["start"]["joints"])))
     whole = ServoLoop(scenario).run(closing_s=0.0)
     assert row["run_hash"] == whole.run_hash and row["trace_hash"] == trace_hash(whole)
 
@@ -98,10 +98,10 @@ def test_driven_runs_give_the_trace_of_a_whole_experiment(scenario):
 def test_a_target_that_moves_is_where_the_goal_is_as_in_a_whole_experiment():
     scenario = load_scenario("moving_target", {"servo.time_limit_s": 4.0})
     start = Start(1, scenario.as_dict()["experiment"]["start"]["joints"])
-    driven, _ = Bench(scenario, drive_to_start=True).run(start)
+    driven, _ = SweepRunner(scenario, drive_to_start=True).run(start)
     whole = judge(ServoLoop(scenario).run()).final_error
     assert {key: driven[key] for key in whole} == whole
-    placed, record = Bench(scenario).run(start)
+    placed, record = SweepRunner(scenario).run(start)
     assert placed["error_mm"] < 3.0 * driven["error_mm"] and record.target_poses is not None
 
 

@@ -106,7 +106,7 @@ def run_of(monkeypatch, record, **row):
     ended = {"detail": "in words", "duration_s": 2.5, "run_hash": "a hash", "outcome": "success", **row}
     asked = []
 
-    class Bench:
+    class SweepRunner:
         def __init__(self, scenario):
             asked.append(scenario)
 
@@ -114,7 +114,7 @@ def run_of(monkeypatch, record, **row):
             asked.append(start)
             return ended, record
 
-    monkeypatch.setattr(stop_rule, "Bench", Bench)
+    monkeypatch.setattr(stop_rule, "SweepRunner", SweepRunner)
     row = run_case(Case(3, "experiment_1", 1.0, 3.0, 0.0, 0.0, 1.0, {"J1": 0.1}, {"tilt_rad": 0.2}))
     scenario, start = asked
     assert scenario.sim["seed"] == start.id == 3

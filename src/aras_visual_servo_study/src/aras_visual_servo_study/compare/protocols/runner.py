@@ -6,40 +6,18 @@ import hashlib
 import io
 import math
 
-from aras_visual_servo import ParameterError
-from ...sweep.engine import run_pending
+from ...sweep.engine import open_sweep, run_pending
 from ...sweep.statistics import wilson
-from ...sweep.store import FILE, SweepStore
-from ...sweep.worker import make_setup, plain
 
 HEADINGS = ("starts", "success", "95 % interval", "published", "whose", "median error [mm]", "[deg]", "broke off",
             "hash")
 
 
-def open_case(protocol, case, folder, command, versions):
-    """`SweepStore` of a case, open for writing: a new one, or that of a benchmark which is gone on with.
-
-    Raises ParameterError: the sweep there was begun with another scenario or other starts.
-    """
-    home = folder / case.name
-    home.mkdir(parents=True, exist_ok=True)
-    setup = make_setup(case.scenario, False)
-    if not (home / FILE).exists():
-        settings = {"protocol": protocol.name, "case": case.name, "starts": len(case.starts), "method": protocol.name,
-                    "space": "joint", "seed": 0, "drive_to_start": False, "ranges": {}, "goal": {}, "perturb": {}}
-        return SweepStore.create(home, {"setup": setup, "settings": settings, "command": command,
-                                        "versions": versions}, case.starts)
-    store = SweepStore.open(home, writing=True)
-    if store.meta["setup"] != setup or [plain(start) for start in store.starts()] != [plain(s) for s in case.starts]:
-        store.close()
-        raise ParameterError(f"{home}: found a benchmark that was begun with another scenario, board or number of "
-                             "starts; choose another --name")
-    return store
-
-
 def run_case(protocol, case, folder, command="", versions=None, workers=None, scheduler=None):
-    """Do the pending runs of a case. Returns its rows, list of dicts. Raises the errors of `run_pending`."""
-    with open_case(protocol, case, folder, command, versions or {}) as store:
+    """Does the pending runs of a case. Returns its rows, list of dicts. Raises the errors of `run_pending`."""
+    settings = {"protocol": protocol.name, "case": case.name, "starts": len(case.starts), "method": protocol.name,
+                "space": "joint", "seed": 0, "drive_to_start": False, "ranges": {}, "goal": {}, "perturb": {}}
+    with open_sweep(folder / case.name, case.scenario, case.starts, settings, command, versions) as store:
         run_pending(store, store.meta["setup"], workers, scheduler)
         return store.rows()
 
