@@ -11,27 +11,18 @@ The other messages go from the run to every page: see docs/live_page.md.
 
 import json
 from dataclasses import dataclass
-from typing import Optional, Tuple
+from typing import Any, Optional, Tuple, Union
 
-from aras_visual_servo import ParameterError, read, setting
+from aras_visual_servo import ParameterError, Registry, read, setting
 
 #: Longest request that is read [bytes].
 MOST_BYTES = 65536
 REFERENCES = ("experiment", "taught")
-REQUESTS = {}
+#: Name of a request -> settings class with its fields.
+REQUESTS = Registry("request")
 
 
-def request(name):
-    """Class decorator: the request of that name has the fields of this settings class."""
-
-    def add(cls):
-        REQUESTS[name], cls.do = cls, name
-        return cls
-
-    return add
-
-
-@request("start")
+@REQUESTS.register("start", do="start")
 @dataclass(frozen=True)
 class Start:
     """Begin to servo with the next image."""
@@ -42,13 +33,13 @@ class Start:
              "the goal that was taught last.")
 
 
-@request("stop")
+@REQUESTS.register("stop", do="stop")
 @dataclass(frozen=True)
 class Stop:
     """End what is going on; the arm stands still."""
 
 
-@request("teach")
+@REQUESTS.register("teach", do="teach")
 @dataclass(frozen=True)
 class Teach:
     """Make the view of the last image the goal."""
@@ -58,13 +49,13 @@ class Teach:
         help="Depth of the target in it; without, the true one along the optical axis.")
 
 
-@request("reset")
+@REQUESTS.register("reset", do="reset")
 @dataclass(frozen=True)
 class Reset:
     """Begin anew, with the settings as they stand now."""
 
 
-@request("pause")
+@REQUESTS.register("pause", do="pause")
 @dataclass(frozen=True)
 class Pause:
     """Stop simulated time, or let it go on."""
@@ -72,7 +63,7 @@ class Pause:
     paused: bool = setting(help="Whether time stands still.")
 
 
-@request("step")
+@REQUESTS.register("step", do="step")
 @dataclass(frozen=True)
 class Step:
     """Let a paused run go on for some images."""
@@ -80,7 +71,7 @@ class Step:
     images: int = setting(1, at_least=1, at_most=1000, help="How many.")
 
 
-@request("speed")
+@REQUESTS.register("speed", do="speed")
 @dataclass(frozen=True)
 class Speed:
     """How fast simulated time goes."""
@@ -88,7 +79,7 @@ class Speed:
     factor: float = setting(at_least=0, at_most=1000, help="Simulated time per wall time; 0 is as fast as possible.")
 
 
-@request("follow")
+@REQUESTS.register("follow", do="follow")
 @dataclass(frozen=True)
 class Follow:
     """Whether the servo, once it has ended, begins again when the target has moved."""
@@ -96,7 +87,7 @@ class Follow:
     follow: bool = setting(help="True: it begins again.")
 
 
-@request("set")
+@REQUESTS.register("set", do="set")
 @dataclass(frozen=True)
 class Set:
     """Change settings of the scenario, all of them or, if there is a fault, none."""
@@ -105,7 +96,7 @@ class Set:
         help="Value by path, e.g. `servo.gains_per_s.xn` or `sim.cameras.0.noise_stddev`; null takes a key out.")
 
 
-@request("place_target")
+@REQUESTS.register("place_target", do="place_target")
 @dataclass(frozen=True)
 class PlaceTarget:
     """Put the target somewhere; it stays there."""
@@ -114,7 +105,7 @@ class PlaceTarget:
     q_xyzw: Tuple[float, ...] = setting(size=4, help="Its attitude, a unit quaternion.")
 
 
-@request("move_target")
+@REQUESTS.register("move_target", do="move_target")
 @dataclass(frozen=True)
 class MoveTarget:
     """Give the target a motion from where it is."""
@@ -122,7 +113,7 @@ class MoveTarget:
     motion: object = setting(None, help="As `sim.scene.models[].motion` of a scenario; null: it stays where it is.")
 
 
-@request("joint")
+@REQUESTS.register("joint", do="joint")
 @dataclass(frozen=True)
 class Joint:
     """Drive one joint by hand, while nothing is servoed."""
@@ -131,7 +122,7 @@ class Joint:
     position: float = setting(unit="m, rad", help="Where to, within its limits.")
 
 
-@request("save")
+@REQUESTS.register("save", do="save")
 @dataclass(frozen=True)
 class Save:
     """Ask for what stands there as a scenario file; the answer has it as `yaml`."""
@@ -140,8 +131,8 @@ class Save:
     start_here: bool = setting(False, help="The arm's position now becomes the start of the experiment.")
 
 
-def parse(text):
-    """(id, request) of a message of a page.
+def parse(text: Union[str, bytes]) -> Tuple[Optional[int], Any]:
+    """Returns (id, request) of a message of a page.
 
     Raises: ParameterError: it is no request; its attribute `id` is that of the message, None if it has none.
     """

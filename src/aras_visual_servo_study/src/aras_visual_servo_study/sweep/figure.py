@@ -6,7 +6,7 @@ import numpy as np
 
 from aras_visual_servo import ParameterError, palette
 from ..report.drawing import drawn_side_by_side, prepare
-from .metrics import metric
+from .metrics import METRICS
 from .statistics import every_run_succeeds, reasons, success_curve
 
 FIGURES = ("map", "curve", "reasons")
@@ -151,7 +151,7 @@ def _curve(rows):
             low, high = ([point[key] for point in curve] for key in ("ci_low", "ci_high"))
             panel.errorbar(x, rate, [np.maximum(0, rate - low), np.maximum(0, high - rate)], color=colour, fmt=style,
                            markersize=4, linewidth=1.2, elinewidth=1.0, capsize=2.5,
-                           label=f"{metric(name).label}: {metric(name).threshold}")
+                           label=f"{METRICS[name].label}: {METRICS[name].threshold}")
     panel.set_ylim(-0.03, 1.03)
     panel.set_xlabel("initial distance [mm]")
     panel.set_ylabel("success rate, 95 % Wilson")

@@ -9,7 +9,7 @@ import pytest
 from synthetic import make_record
 
 from aras_visual_servo_study.sweep.judge import COLUMNS, judge_row
-from aras_visual_servo_study.sweep.metrics import Outcome, judge_by, known_metrics, metric
+from aras_visual_servo_study.sweep.metrics import Outcome, METRICS, judge_by, known_metrics
 from aras_visual_servo_study.sweep.report import rate_labels
 from aras_visual_servo_study.sweep.statistics import aggregate
 
@@ -79,4 +79,4 @@ def test_a_metric_is_known_to_whoever_asks_first():
     asks = "from aras_visual_servo_study.sweep.metrics import metric; print(metric('vit_vs').label)"
     said = subprocess.run([sys.executable, "-c", asks], stdout=subprocess.PIPE, text=True, check=True,
                           env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}).stdout
-    assert said.strip() == metric("vit_vs").label == "ViT-VS"
+    assert said.strip() == METRICS["vit_vs"].label == "ViT-VS"

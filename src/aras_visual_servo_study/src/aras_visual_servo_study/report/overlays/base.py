@@ -12,12 +12,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from aras_visual_servo import ArasError, Feature, Outline, feature_class, load_room, scenario_from_dict, spatial
+from aras_visual_servo import ArasError, Feature, Outline, Registry, feature_class, scenario_from_dict, spatial
 from ...live.view.projection import project
 
 #: An outline of more corners is drawn through so many of them.
 MOST_CORNERS = 32
-_OVERLAYS = {}
+#: Kind of overlay -> function of a `Scene` and the names of the features of this kind, which makes an `Overlay`.
+OVERLAYS = Registry("overlay", __package__)
+register_overlay = OVERLAYS.register
 
 
 @dataclass(frozen=True)
@@ -63,27 +65,15 @@ class Overlay:
     difference: bool = False
 
 
-def register_overlay(name):
-    """Function decorator that makes a kind of overlay known. The function takes a `Scene` and the names of the features
-    of its kind, and returns an `Overlay`."""
-
-    def add(make):
-        _OVERLAYS[name] = make
-        return make
-
-    return add
-
-
 def overlay_of(record):
     """`Overlay` of a RunRecord's features; None for a record without camera_info or servo phase."""
     if not record.camera_info or not len(record.servo_rows) or not len(record.rows("teach")):
         return None
-    load_room(__package__)
     kinds = {}
     for name in record.feature_names:
         kinds.setdefault((feature_class(name) or Feature).overlay, []).append(name)
     scene = Scene(record)
-    parts = [_OVERLAYS[kind](scene, names) for kind, names in kinds.items() if kind in _OVERLAYS]
+    parts = [OVERLAYS[kind](scene, names) for kind, names in kinds.items() if kind in OVERLAYS]
     ways = {way.name + way.subscript: way for part in parts for way in part.ways if np.isfinite(way.seen).any()}
     shapes = {shape.name: shape for part in parts for shape in part.shapes if np.isfinite(shape.seen).any()}
     return Overlay(tuple(ways.values()), tuple(shapes.values()), any(part.difference for part in parts))

@@ -8,11 +8,10 @@ Every sweep computes all of them: `near` is a column of its runs, and `near`, `n
 its statistics.
 """
 
-from typing import Callable, NamedTuple, Optional
+from typing import Callable, Dict, List, NamedTuple, Optional
 
-from aras_visual_servo import load_room
+from aras_visual_servo import Registry
 
-_METRICS = {}
 
 
 class Outcome(NamedTuple):
@@ -45,30 +44,27 @@ class Metric(NamedTuple):
     holds: Callable[[Outcome], Optional[bool]]
 
 
-def register_metric(name, label, threshold, source):
-    """Decorator of a function (Outcome) -> bool or None: make it known as a metric."""
+METRICS: "Registry[Metric]" = Registry("metric", __package__)
+Holds = Callable[[Outcome], Optional[bool]]
 
-    def add(holds):
-        _METRICS[name] = Metric(name, label, threshold, source, holds)
+
+def register_metric(name: str, label: str, threshold: str, source: str) -> Callable[[Holds], Holds]:
+    """Returns a decorator of a function (Outcome) -> bool or None that makes it known as a metric."""
+
+    def add(holds: Holds) -> Holds:
+        METRICS[name] = Metric(name, label, threshold, source, holds)
         return holds
 
     return add
 
 
-def known_metrics():
-    """The registered metrics, this project's own first, then by name."""
-    load_room(__package__)
-    return sorted(_METRICS.values(), key=lambda one: (one.name not in ("success", "strict"), one.name != "success",
-                                                      one.name))
+def known_metrics() -> List[Metric]:
+    """Returns the registered metrics, this project's own first, then by name."""
+    return sorted(METRICS.values(), key=lambda one: (one.name not in ("success", "strict"), one.name != "success",
+                                                     one.name))
 
 
-def metric(name):
-    """The `Metric` of that name. KeyError."""
-    load_room(__package__)
-    return _METRICS[name]
-
-
-def judge_by(outcome):
-    """{name: 1, 0 or None} of all metrics. A run that did not come to an end has `outcome` None and fails them all."""
+def judge_by(outcome: Optional[Outcome]) -> Dict[str, Optional[int]]:
+    """Returns {name: 1, 0 or None} of all metrics. A run that did not end has `outcome` None and fails them all."""
     judged = {one.name: 0 if outcome is None else one.holds(outcome) for one in known_metrics()}
     return {name: None if holds is None else int(holds) for name, holds in judged.items()}

@@ -1,6 +1,6 @@
 """Metric `success`: the camera came home, this project's own. It decides the outcome of a run."""
 
-from .base import register_metric
+from .base import Outcome, register_metric
 from .strict import STRICT_MM
 
 SUCCESS_PART, SUCCESS_DEG = 0.1, 10.0
@@ -10,7 +10,7 @@ SUCCESS_PART, SUCCESS_DEG = 0.1, 10.0
                  threshold=f"below {100 * SUCCESS_PART:g} % of the initial distance, or {STRICT_MM:g} mm, and below "
                            f"{SUCCESS_DEG:g}°",
                  source="this project")
-def success(outcome):
+def success(outcome: Outcome) -> bool:
     """Less than 10 % of the initial distance is left, or less than 1 mm, and less than 10 degrees.
 
     The millimetre is for starts that are only turned and have no distance. Source: this project; the published metrics

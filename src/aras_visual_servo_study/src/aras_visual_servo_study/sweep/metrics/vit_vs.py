@@ -1,6 +1,8 @@
 """Metric `vit_vs`: that of ViT-VS, visual servoing on the features of vision transformers."""
 
-from .base import register_metric
+from typing import Optional
+
+from .base import Outcome, register_metric
 
 VIT_VS_PART = 0.1
 #: A start that is closer than this in position or in angle has no part of it that could be left.
@@ -10,7 +12,7 @@ LEAST_MM, LEAST_DEG = 0.1, 0.1
 @register_metric("vit_vs", label="ViT-VS",
                  threshold=f"below {100 * VIT_VS_PART:g} % of the initial distance and of the initial angle",
                  source="Scherl et al., ViT-VS, 2025")
-def vit_vs(outcome):
+def vit_vs(outcome: Outcome) -> Optional[bool]:
     """Less than 10 % of the initial translation and less than 10 % of the initial rotation are left.
 
     None for a start that is displaced by less than 0.1 mm or turned by less than 0.1 degrees.
