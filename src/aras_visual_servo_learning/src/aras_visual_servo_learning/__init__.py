@@ -16,7 +16,7 @@ ENVIRONMENTS = {
 }
 
 
-def register():
+def register() -> None:
     """Register every environment with gymnasium. Raises MissingExtra: there is none; the message says how to get it."""
     from aras_visual_servo import extra
     gymnasium = extra("gymnasium", "an environment for reinforcement learning")

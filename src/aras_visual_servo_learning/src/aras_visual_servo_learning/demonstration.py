@@ -1,13 +1,15 @@
 """One run as a demonstration: what was seen, what was done, what it was worth; one row per image but the last."""
 
+from typing import Any, Dict, Optional
+
 import numpy as np
 
-from aras_visual_servo import Status, goal_pose, spatial
+from aras_visual_servo import RunRecord, Status, goal_pose, spatial
 
 from .reward import ARRIVED, LENGTH_M
 
 
-def demonstration(record, images=False):
+def demonstration(record: RunRecord, images: bool = False) -> Optional[Dict[str, Any]]:
     """Arrays of the servo phase of a record, n rows.
 
     Returns:

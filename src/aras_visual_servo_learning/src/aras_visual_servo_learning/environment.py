@@ -5,6 +5,7 @@ last observation shows, as in a run: the action holds from that image to the nex
 """
 
 from math import atan2, sqrt
+from typing import Any, Dict, Optional, Tuple, Union
 
 import numpy as np
 
@@ -47,8 +48,10 @@ class ServoEnv(gymnasium.Env):
 
     metadata = {"render_modes": list(RENDER_MODES), "render_fps": 30}
 
-    def __init__(self, scenario="experiment_1", observation="state", action="twist", reward="pose", image_size=None,
-                 max_twist=(0.3, 1.0), max_joint_speed=0.5, max_steps=300, success=(0.001, 0.005), render_mode=None):
+    def __init__(self, scenario: Union[str, Scenario] = "experiment_1", observation: str = "state",
+                 action: str = "twist", reward: str = "pose", image_size: Optional[Tuple[int, int]] = None,
+                 max_twist: Tuple[float, float] = (0.3, 1.0), max_joint_speed: float = 0.5, max_steps: int = 300,
+                 success: Tuple[float, float] = (0.001, 0.005), render_mode: Optional[str] = None):
         from aras_visual_servo_sim import Simulation  # C++: not needed to import this
         for name, value, allowed in (("observation", observation, OBSERVATIONS), ("action", action, ACTIONS),
                                      ("reward", reward, tuple(REWARDS)),
@@ -95,7 +98,8 @@ class ServoEnv(gymnasium.Env):
 
     # --- gymnasium ----------------------------------------------------------------------------------------------
 
-    def reset(self, *, seed=None, options=None):
+    def reset(self, *, seed: Optional[int] = None,
+              options: Optional[Dict[str, Any]] = None) -> Tuple[Any, Dict[str, Any]]:
         """Begin an episode. options: {"start": joint positions by name} instead of one that is drawn."""
         super().reset(seed=seed)
         start = (options or {}).get("start")
@@ -109,7 +113,7 @@ class ServoEnv(gymnasium.Env):
         q, v, X = self._look()
         return self._observed(q, v, X), self._info(X)
 
-    def step(self, action):
+    def step(self, action: np.ndarray) -> Tuple[Any, float, bool, bool, Dict[str, Any]]:
         """One image period with this action."""
         action = np.clip(action, -1.0, 1.0) * self._scale
         if self._invert is not None:
@@ -124,7 +128,7 @@ class ServoEnv(gymnasium.Env):
         reward = self._reward(info, self._image, self._stamp_ns)
         return self._observed(q, v, X), reward, success, not success and self._steps >= self.max_steps, info
 
-    def render(self):
+    def render(self) -> Optional[np.ndarray]:
         """Picture of the present, uint8 (h, w, 3)."""
         if self.render_mode is None:
             return None

@@ -1,24 +1,25 @@
 """What can be exported: recorded runs, scenarios that are run here, and sweeps, as (name, record) one by one."""
 
 from pathlib import Path
+from typing import Iterable, Iterator, Tuple, Union
 
-from aras_visual_servo import ParameterError, load_scenario
+from aras_visual_servo import ParameterError, RunRecord, load_scenario
 import aras_visual_servo as avs
 
 
-def is_bag(source):
+def is_bag(source: Union[str, Path]) -> bool:
     """Whether this names a bag or a folder with bags."""
     path = Path(source)
     return path.suffix == ".bag" or path.is_dir() and any(path.glob("*.bag"))
 
 
-def is_sweep(source):
+def is_sweep(source: Union[str, Path]) -> bool:
     """Whether this is the folder of a sweep."""
     from aras_visual_servo_study.sweep.store import FILE
     return (Path(source) / FILE).is_file()
 
 
-def records(sources, images=False):
+def records(sources: Iterable[Union[str, Path]], images: bool = False) -> Iterator[Tuple[str, RunRecord]]:
     """Yield (name, RunRecord) of every source.
 
     Args:

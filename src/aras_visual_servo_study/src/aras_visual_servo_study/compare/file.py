@@ -1,7 +1,7 @@
 """What a comparison file says (docs/comparison.md)."""
 
 from dataclasses import dataclass
-from typing import Dict
+from typing import Dict, Iterator
 
 from aras_visual_servo import CAMERA_AXES, GOAL_AXES, keys_of, setting
 
@@ -18,7 +18,7 @@ class TaskSettings:
         {}, unit="rad",
         help=f"Start on a sphere about the target: `{GOAL_AXES[0]}` about axis `{GOAL_AXES[1]}` of the image plane.")
 
-    def check(self):
+    def check(self) -> Iterator[str]:
         """One of the two, by axes that there are."""
         for key, axes in (("offset", CAMERA_AXES), ("tilt", GOAL_AXES)):
             for name in getattr(self, key):
@@ -36,7 +36,7 @@ class LawSettings:
     vision: Dict[str, object] = setting({}, help="Keys of the section `vision`.")
     sim: Dict[str, object] = setting({}, help="Keys of the section `sim`.")
 
-    def overrides(self):
+    def overrides(self) -> Dict[str, object]:
         """Dotted path -> value."""
         return {f"{section.name}.{key}": value for section in keys_of(type(self))
                 for key, value in getattr(self, section.name).items()}

@@ -8,11 +8,12 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
 
-from aras_visual_servo import (Feasibility, Outline, ParameterError, kinematics_of, load_scenario, load_yaml,
-                               processes, reach, read, track_of)
+from aras_visual_servo import (Feasibility, Outline, ParameterError, Track, kinematics_of, load_scenario,
+                               load_yaml, processes, reach, read, track_of)
 from ..files import share_dir
 from ..sweep.plan import Start
 from ..sweep.run import SweepRunner, placed
@@ -20,6 +21,8 @@ from ..sweep.space import pose_of, tilted_goal
 from .file import ComparisonFile
 
 FOLDER = "comparisons"
+#: (task, law, row with the COLUMNS of sweep.judge, `Track` or None), task by task.
+Results = List[Tuple[str, str, Dict[str, Any], Optional[Track]]]
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,8 @@
 
 import io
 from dataclasses import replace
+from pathlib import Path
+from typing import Any, Dict, Sequence, Tuple
 
 import matplotlib.lines
 import numpy as np
@@ -9,6 +11,7 @@ from matplotlib.figure import Figure
 
 from aras_visual_servo import palette
 from ..report.figure import STYLE
+from .laws import Comparison, Results
 
 #: Colours of laws and joints. The ninth law has the first colour again, with the next dash of STYLES.
 COLOURS = (palette.BLUE, palette.VERMILION, palette.GREEN, palette.PURPLE, "#E69F00", "#56B4E9", "#000000", "#997700")
@@ -23,12 +26,12 @@ PANELS = ("distance from the goal [mm]", "angle left [deg]", "retreat along the 
 LEGEND_COLUMNS, LEGEND_ROW_IN, LEGEND_IN = 8, 0.2, 0.15
 
 
-def line_of(index):
+def line_of(index: int) -> Dict[str, Any]:
     """Colour and dash of the law that stands at this place of the file."""
     return {"color": COLOURS[index % len(COLOURS)], "linestyle": STYLES[index // len(COLOURS) % len(STYLES)]}
 
 
-def make_figure(comparison, results, width_in=12.0, row_in=2.05):
+def make_figure(comparison: Comparison, results: Results, width_in: float = 12.0, row_in: float = 2.05) -> Figure:
     """Figure of `run_comparison`'s results.
 
     Args: width_in: of the figure.  row_in: height of the row of a task. In a small figure lines and letters look large.
@@ -56,14 +59,15 @@ def make_figure(comparison, results, width_in=12.0, row_in=2.05):
     return figure
 
 
-def part_of(comparison, results, laws, tasks):
+def part_of(comparison: Comparison, results: Results, laws: Sequence[str],
+            tasks: Sequence[str]) -> Tuple[Comparison, Results]:
     """(comparison, results) of these laws on these tasks alone, for a figure that is read at a glance."""
     chosen = replace(comparison, scenarios={law: comparison.scenarios[law] for law in laws},
                      tasks=tuple(task for task in comparison.tasks if task.name in tasks))
     return chosen, [one for one in results if one[0] in tasks and one[1] in laws]
 
 
-def save_figure(comparison, results, folder):
+def save_figure(comparison: Comparison, results: Results, folder: Path) -> bytes:
     """Write comparison.png and comparison.pdf. Returns the bytes of the PNG. Raises OSError."""
     figure, stream = make_figure(comparison, results), io.BytesIO()
     with matplotlib.rc_context(STYLE):

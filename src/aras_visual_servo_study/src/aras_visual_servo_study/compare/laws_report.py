@@ -3,11 +3,14 @@
 import base64
 import csv
 import io
+from pathlib import Path
+from typing import Any, Dict, List
 
 from .laws_figure import save_figure
 from ..report.template import render
 from ..report.report import ResultFolderError
 from ..report.versions import installed_versions
+from .laws import Comparison, Results
 
 #: Columns of the table: name in the row, heading, format.
 TABLE = (("error_mm", "error [mm]", "{:.2f}"), ("angle_deg", "[deg]", "{:.3f}"), ("duration_s", "time [s]", "{:.1f}"),
@@ -22,12 +25,12 @@ COLUMNS = ("outcome", "reason", "detail", "converged", "distance0_mm", "angle0_d
            "run_hash", "trace_hash")
 
 
-def arrived(row):
+def arrived(row: Dict[str, Any]) -> bool:
     """Whether the true camera pose at the end is within ARRIVED_MM and ARRIVED_DEG of the goal."""
     return row["error_mm"] is not None and row["error_mm"] < ARRIVED_MM and row["angle_deg"] < ARRIVED_DEG
 
 
-def verdict(row):
+def verdict(row: Dict[str, Any]) -> str:
     """How a run ended in a word or two."""
     if row["outcome"] == "infeasible":
         return f"refused: {row['reason']}"
@@ -36,12 +39,12 @@ def verdict(row):
     return "converged elsewhere" if row["converged"] else row["reason"]
 
 
-def cells(row):
+def cells(row: Dict[str, Any]) -> List[str]:
     """The cells of a row of TABLE as texts, empty where there is no value."""
     return ["" if row[column] is None else form.format(row[column]) for column, _, form in TABLE]
 
 
-def csv_text(results):
+def csv_text(results: Results) -> str:
     """The results as CSV text, one row per task and law."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
@@ -52,7 +55,7 @@ def csv_text(results):
     return stream.getvalue()
 
 
-def format_table(comparison, results):
+def format_table(comparison: Comparison, results: Results) -> str:
     """The table as text for the terminal, a block per task."""
     width = max(12, *(len(law) + 2 for law in comparison.scenarios))
     lines = [f"{comparison.name}: {comparison.description}"]
@@ -63,7 +66,7 @@ def format_table(comparison, results):
     return "\n".join(lines)
 
 
-def save_comparison(comparison, results, folder, command):
+def save_comparison(comparison: Comparison, results: Results, folder: Path, command: str) -> Path:
     """Write all files into an existing folder. Returns the path of comparison.html. Raises ResultFolderError."""
     try:
         (folder / "comparison.csv").write_text(csv_text(results), encoding="utf-8")
@@ -75,7 +78,7 @@ def save_comparison(comparison, results, folder, command):
     return path
 
 
-def page(comparison, results, picture, command):
+def page(comparison: Comparison, results: Results, picture: bytes, command: str) -> str:
     """The report as one self-contained page, str."""
     blocks = [(task.title, [(law, verdict(row), arrived(row), cells(row)) for name, law, row, _ in results
                             if name == task.name]) for task in comparison.tasks]

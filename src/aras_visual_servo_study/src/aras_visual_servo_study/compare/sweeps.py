@@ -3,6 +3,7 @@
 import ast
 import math
 import operator
+from typing import Any, Dict, List, Sequence, Tuple
 
 from aras_visual_servo import ParameterError
 from ..sweep.metrics import known_metrics
@@ -11,7 +12,7 @@ from ..sweep.statistics import aggregate, mcnemar, signed_rank
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 
-def pair(rows_a, rows_b):
+def pair(rows_a: List[Dict[str, Any]], rows_b: List[Dict[str, Any]]) -> List[Tuple[Dict[str, Any], Dict[str, Any]]]:
     """Pairs of feasible runs of two sweeps: list of (row, row).
 
     Raises:
@@ -31,7 +32,7 @@ def pair(rows_a, rows_b):
     return pairs
 
 
-def compare_pair(rows_a, rows_b):
+def compare_pair(rows_a: List[Dict[str, Any]], rows_b: List[Dict[str, Any]]) -> Dict[str, float]:
     """Paired statistics of sweep B against A: dict of pairs, only_a, only_b, success_change,
     mcnemar_p, time_change_s, time_p, error_change_mm and error_p.
 
@@ -55,7 +56,7 @@ def compare_pair(rows_a, rows_b):
     return result
 
 
-def numbers_of(sweeps):
+def numbers_of(sweeps: List[List[Dict[str, Any]]]) -> Dict[str, float]:
     """Every number a gate may name.
 
     Args:
@@ -74,7 +75,7 @@ def numbers_of(sweeps):
     return numbers
 
 
-def gate_fires(expression, numbers):
+def gate_fires(expression: str, numbers: Dict[str, float]) -> Tuple[bool, str]:
     """Whether a gate such as "success<0.98 or B.time_median_s > 1.1*A.time_median_s" fires.
 
     An expression may contain numbers, names, + - * /, comparisons, and, or, not, brackets, and nothing else.
@@ -157,14 +158,15 @@ PAIRED = (("  pairs", "pairs", "{:.0f}"), ("  only A succeeds", "only_a", "{:.0f
           ("  error change [mm]", "error_change_mm", "{:+.4f}"), ("  Wilcoxon p, error", "error_p", "{:.3g}"))
 
 
-def table_cells(rows, numbers, letters):
+def table_cells(rows: Sequence[Tuple[str, str, str]], numbers: Dict[str, float],
+                letters: Sequence[str]) -> List[Tuple[str, List[str]]]:
     """[(label, [text per sweep])] of TABLE or PAIRED: "" for a number that a sweep does not have, "-" for NaN."""
     found = [[numbers.get(f"{letter}.{name}") for letter in letters] for _, name, _ in rows]
     return [(label, ["" if value is None else "-" if math.isnan(value) else form.format(value) for value in values])
             for (label, _, form), values in zip(rows, found)]
 
 
-def format_comparison(names, sweeps):
+def format_comparison(names: Sequence[str], sweeps: List[List[Dict[str, Any]]]) -> str:
     """The comparison as a table for the terminal, str."""
     numbers, letters = numbers_of(sweeps), LETTERS[:len(sweeps)]
     width = max(12, *(len(name) + 4 for name in names))

@@ -20,7 +20,7 @@ class Following:
     def __init__(self):
         self._phase, self._begun, self._known = "", None, None
 
-    def answered(self, phase, status, X_WT, follow):
+    def answered(self, phase: str, status: Status, X_WT: np.ndarray, follow: bool) -> bool:
         """One image was answered.
 
         Args: phase, status: of the answer (`ServoRecord`).  X_WT: (4, 4), of the target in this image.
@@ -40,12 +40,12 @@ class Following:
             self._known = X_WT
         return again
 
-    def taught(self):
+    def taught(self) -> None:
         """The view of now is the goal: where the target was before does not count any more."""
         self._begun = self._known = None
 
 
-def has_moved(before, now):
+def has_moved(before: np.ndarray, now: np.ndarray) -> bool:
     """Whether a target that was followed has moved between two poses, (4, 4) each, so far that it is followed again."""
     turn = np.linalg.norm(before[:3, :3] - now[:3, :3]) / math.sqrt(2.0)
     return np.linalg.norm(before[:3, 3] - now[:3, 3]) > MOVED_M or turn > MOVED_RAD

@@ -7,6 +7,7 @@ up, and then the newest: what came between is dropped, and neither the run nor a
 import io
 import json
 import struct
+from typing import Any, Dict, Sequence
 
 import numpy as np
 
@@ -25,12 +26,12 @@ class Hub:
         notes: what a page is told to begin with, beside what the runner has to say.
     """
 
-    def __init__(self, runner, notes=()):
+    def __init__(self, runner: Any, notes: Sequence[str] = ()):
         self._runner, self._notes, self._viewers = runner, list(notes), []
         self._number, self._about, self._goal = -1, None, None
         self._last_row, self._image_number, self._jpeg = -1, -1, b""
 
-    def add(self, viewer):
+    def add(self, viewer: Any) -> None:
         """A page has come: `viewer` has send(bytes or str), and gets attributes `behind` and `next_row`."""
         viewer.behind, viewer.next_row, viewer.image_number = 0, 0, -1
         self._viewers.append(viewer)
@@ -39,14 +40,14 @@ class Hub:
         if self._goal is not None:
             viewer.send(_goal_message(self._goal))
 
-    def remove(self, viewer):
+    def remove(self, viewer: Any) -> None:
         """A page has gone."""
         if viewer in self._viewers:
             self._viewers.remove(viewer)
         self._runner.watched = bool(self._viewers)
 
     @property
-    def viewers(self):
+    def viewers(self) -> int:
         """How many pages look."""
         return len(self._viewers)
 
@@ -54,13 +55,13 @@ class Hub:
         about = self._runner.about
         return {"type": "about", **about, "notes": list(about.get("notes", ())) + self._notes}
 
-    def tell(self, message):
+    def tell(self, message: Dict[str, Any]) -> None:
         """Send a message, dict, to every page."""
         text = _text(message)
         for viewer in list(self._viewers):
             viewer.send(text)
 
-    def tick(self):
+    def tick(self) -> None:
         """Called some sixty times a second: hand out what is new."""
         runner = self._runner
         # Nothing is made for pages that are all behind, as nothing is for none.
@@ -122,7 +123,7 @@ class Hub:
         return self._jpeg
 
 
-def jpeg(image):
+def jpeg(image: np.ndarray) -> bytes:
     """The bytes of a JPEG of an image, uint8 or uint16, (h, w) grey or (h, w, 3) rgb."""
     import PIL.Image  # OpenCV writes the same bytes, and takes ten times as long to import
     stream = io.BytesIO()

@@ -189,11 +189,11 @@ class RosRun(PageRun):
     def _send_goal(self, reference):
         self._goals.publish(goal_message(reference))
 
-    def do_start(self, request):
+    def do_start(self, request: Any) -> None:
         self.hand.let_go()
         self._send_goal(request.reference)
 
-    def do_stop(self, _request):
+    def do_stop(self, _request) -> None:
         self.hand.let_go()
         call_service("stop", Trigger)
 
@@ -202,19 +202,19 @@ class RosRun(PageRun):
         call_service("teach", Teach, z_star_m or 0.0)
         self._taught_at(self._q)
 
-    def do_reset(self, _request):
+    def do_reset(self, _request) -> None:
         self.hand.let_go()
         call_service("sim/reset", Empty)
 
-    def do_pause(self, request):
+    def do_pause(self, request: Any) -> None:
         call_service("sim/pause" if request.paused else "sim/unpause", Empty)
 
-    def do_step(self, request):
+    def do_step(self, request: Any) -> None:
         sim = self.scenario.sim
         rate_hz = (sim.get("cameras") or [{}])[0].get("rate_hz", 30.0)
         call_service("sim/step", Step, max(1, round(request.images / rate_hz / sim.get("period_s", 0.001))))
 
-    def do_set(self, request):
+    def do_set(self, request: Any) -> Dict[str, Any]:
         others = [path for path in (request.values or {}) if not acts_at_once(path, self.at_once)]
         if others:
             raise ParameterError(f"{', '.join(others)}: over ROS this is read when the nodes start; allowed are "
@@ -239,7 +239,7 @@ class RosRun(PageRun):
             rospy.set_param("scenario/" + section, before)
             raise
 
-    def do_speed(self, request):
+    def do_speed(self, request: Any) -> None:
         self._reread("time/real_time_factor", float(request.factor), "sim/reconfigure")
         self._speed = request.factor
 

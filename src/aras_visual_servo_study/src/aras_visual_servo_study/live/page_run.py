@@ -135,16 +135,16 @@ class PageRun:
         if self.phase not in QUIET:
             raise ParameterError(f"{do}: found the run in phase {self.phase}, allowed when it is stopped")
 
-    def do_teach(self, request):
+    def do_teach(self, request: Any) -> Optional[Dict[str, Any]]:
         self._quiet("teach")
         answer = self.teach(request.z_star_m)
         self.following.taught()
         return answer
 
-    def do_follow(self, request):
+    def do_follow(self, request: Any) -> None:
         self.follow = request.follow
 
-    def do_place_target(self, request):
+    def do_place_target(self, request: Any) -> None:
         length = math.sqrt(sum(x * x for x in request.q_xyzw))
         if self.target is None:
             raise ParameterError("place_target: the scene has no target")
@@ -152,16 +152,16 @@ class PageRun:
             raise ParameterError(f"place_target.q_xyzw: found a length of {length:.4g}, allowed 1")
         self.place_target(list(request.position_m), [x / length for x in request.q_xyzw])
 
-    def do_move_target(self, request):
+    def do_move_target(self, request: Any) -> None:
         if self.target is None:
             raise ParameterError("move_target: the scene has no target")
         self.move_target(request.motion)
 
-    def do_joint(self, request):
+    def do_joint(self, request: Any) -> None:
         self._quiet("joint")
         self.hand.hold(request.name, request.position, self.joints())
 
-    def do_save(self, request):
+    def do_save(self, request: Any) -> Dict[str, Any]:
         """Answers with the scenario file: the target where it is and, if asked for, the start where the arm is."""
         scenario, X_WT, values = self.scenario, self.target_pose(), {"name": request.name}
         for key, path in (("urdf", scenario.urdf_path), ("controllers", scenario.controllers_path)):

@@ -94,14 +94,14 @@ class LiveRun(PageRun):
 
     # --- what a page asks for -----------------------------------------------------------------------------------
 
-    def do_start(self, request):
+    def do_start(self, request: Any) -> None:
         if request.reference == "taught" and self.servo.reference is None:
             raise ParameterError("start: found the reference taught, but nothing was taught yet; teach this view first")
         if request.reference == "experiment":
             self.loop.sequence = self._sequence(self.servo, self.scenario)
         self._begin(request.reference == "taught")
 
-    def do_stop(self, _request):
+    def do_stop(self, _request) -> None:
         self.hand.let_go()
         if self.phase not in QUIET:
             command, _ = self.loop.sequence.stop(self.time_ns, "stopped from the page")
@@ -127,10 +127,10 @@ class LiveRun(PageRun):
                 return depth
         return float(self.scenario.experiment["z_star_m"])
 
-    def do_reset(self, _request):
+    def do_reset(self, _request) -> None:
         self._build(self.loop.sim if self._built_sim == self.scenario.sim else None)
 
-    def do_set(self, request):
+    def do_set(self, request: Any) -> Dict[str, Any]:
         scenario, loop, servo = changed(self.scenario, request.values), self.loop, None
         if scenario.servo != self.scenario.servo:
             servo = self.servo.retuned(scenario.servo)

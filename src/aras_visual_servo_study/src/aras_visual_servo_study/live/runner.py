@@ -134,17 +134,17 @@ class Runner:
         self._state_s = -1.0  # a page sees what came of it at once
         return result or {}
 
-    def do_pause(self, request):
+    def do_pause(self, request: Any) -> None:
         """Lets simulated time stand still, or go on."""
         self._paused, self._anchor, self._measured = request.paused, None, None
 
-    def do_step(self, request):
+    def do_step(self, request: Any) -> None:
         """Lets a paused run go on for some images."""
         if not self._paused:
             raise ArasError("step: found a run that goes on, allowed one that is paused")
         self._steps += request.images
 
-    def do_speed(self, request):
+    def do_speed(self, request: Any) -> None:
         """Sets simulated time per wall time."""
         self._speed, self._anchor = request.factor, None
 

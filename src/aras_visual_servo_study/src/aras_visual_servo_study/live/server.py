@@ -13,6 +13,7 @@ import ipaddress
 import json
 import secrets
 import socket
+from typing import Any, List, Optional, Union
 
 import tornado.httpserver
 import tornado.ioloop
@@ -22,6 +23,7 @@ import tornado.websocket
 from aras_visual_servo import ArasError, ParameterError
 from .hub import Hub
 from .messages import parse
+from .runner import Runner
 from .view.files import THREE_FILES, three_file, web_dir
 from .view.robot import mesh_blocks, robot_of
 
@@ -46,7 +48,7 @@ class Server:
         hub: `Hub`.  token.  address: of the page, "" before `listen`.
     """
 
-    def __init__(self, runner, urdf_xml, token=None):
+    def __init__(self, runner: Runner, urdf_xml: str, token: Optional[str] = None):
         self.meshes, notes = mesh_blocks(robot_of(urdf_xml))
         self.runner, self.hub, self.address = runner, Hub(runner, notes), ""
         self.token = token or secrets.token_urlsafe(16)
@@ -56,7 +58,7 @@ class Server:
         self.hosts = set()
         self.changed_by = 0
 
-    def listen(self, host="127.0.0.1", port=8765):
+    def listen(self, host: str = "127.0.0.1", port: int = 8765) -> str:
         """Begin to serve, within a running event loop; port 0 takes a free one. Returns the page's address.
 
         Raises: ParameterError: the port is taken, or the host is none of this machine's.
@@ -84,7 +86,7 @@ class Server:
             await asyncio.sleep(TICK_S if self.runner.watched else IDLE_S)
             self.hub.tick()
 
-    def close(self):
+    def close(self) -> None:
         """Stop serving."""
         if self._http is not None:
             self._http.stop()
@@ -94,11 +96,11 @@ class Server:
 class Guarded:
     """Asks every request for token and host before anything else; mixed into the handlers."""
 
-    def initialize(self, server):
+    def initialize(self, server: Server) -> None:
         """Args: server: `Server`."""
         self.server = server
 
-    def prepare(self):
+    def prepare(self) -> None:
         """Refuse what does not come by the page's address."""
         token = self.path_args[0] if self.path_args else ""
         if self.server.hosts and self.request.host not in self.server.hosts:
@@ -106,7 +108,7 @@ class Guarded:
         if not hmac.compare_digest(token.encode(), self.server.token.encode()):
             raise tornado.web.HTTPError(404)
 
-    def write_error(self, status_code, **_):
+    def write_error(self, status_code: int, **_) -> None:
         """A line of text."""
         self.set_header("Content-Type", "text/plain; charset=utf-8")
         self.finish("nothing here: the address of the page is the one that was printed when the run began\n")
@@ -115,10 +117,10 @@ class Guarded:
 class Nothing(Guarded, tornado.web.RequestHandler):
     """Whatever lies outside the folder of the token."""
 
-    def initialize(self):
+    def initialize(self) -> None:
         """Without a server."""
 
-    def prepare(self):
+    def prepare(self) -> None:
         """Always refused."""
         raise tornado.web.HTTPError(404)
 
@@ -126,7 +128,7 @@ class Nothing(Guarded, tornado.web.RequestHandler):
 class Files(Guarded, tornado.web.RequestHandler):
     """The page's files, three.js, the list of panels, and the meshes."""
 
-    def get(self, _token, name):
+    def get(self, _token, name: str) -> Any:
         """One of them."""
         self.set_header("Content-Security-Policy", POLICY)
         self.set_header("Referrer-Policy", "no-referrer")
@@ -155,7 +157,7 @@ class Files(Guarded, tornado.web.RequestHandler):
 class Socket(Guarded, tornado.websocket.WebSocketHandler):
     """One page."""
 
-    def open(self, _token):
+    def open(self, _token) -> None:
         """It has come."""
         stream = self.ws_connection.stream
         stream.set_nodelay(True)
@@ -165,7 +167,7 @@ class Socket(Guarded, tornado.websocket.WebSocketHandler):
         self.name = self.server.changed_by
         self.server.hub.add(self)
 
-    def send(self, message):
+    def send(self, message: Union[str, bytes]) -> None:
         """Send without waiting. A page that has gone or takes nothing is let go."""
         size = len(message)
         if self._waiting + size > MOST_WAITING_BYTES:
@@ -186,7 +188,7 @@ class Socket(Guarded, tornado.websocket.WebSocketHandler):
         finally:
             self._waiting -= size
 
-    async def on_message(self, message):
+    async def on_message(self, message: Union[str, bytes]) -> None:
         """A request, or the number of the last message that the page has seen."""
         if isinstance(message, str) and message.isdigit():
             self.behind = max(0, self.behind - 1)
@@ -205,17 +207,17 @@ class Socket(Guarded, tornado.websocket.WebSocketHandler):
             faults = getattr(error, "faults", None) or str(error).splitlines()
             self.send(json.dumps({"type": "answer", "id": number, "ok": False, "faults": list(faults)}))
 
-    def on_close(self):
+    def on_close(self) -> None:
         """It has gone."""
         self.server.hub.remove(self)
 
 
-def panels():
+def panels() -> List[str]:
     """Names of the page's panels: the files of web/panels, sorted. A new panel is a new file there."""
     return sorted(path.name for path in (web_dir() / "panels").glob("*.js"))
 
 
-def is_loopback(host):
+def is_loopback(host: str) -> bool:
     """Whether only this machine reaches the host."""
     try:
         return host == "localhost" or ipaddress.ip_address(host).is_loopback

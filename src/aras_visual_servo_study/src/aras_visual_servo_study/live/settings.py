@@ -2,8 +2,9 @@
 
 import copy
 import re
+from typing import Any, Dict, Sequence
 
-from aras_visual_servo import FEATURE_NAMES, ParameterError, expand, feature_class, scenario_from_dict
+from aras_visual_servo import FEATURE_NAMES, ParameterError, Scenario, expand, feature_class, scenario_from_dict
 
 #: Settings that act on the next image; the others wait for a reset.
 AT_ONCE = (r"servo\..*", r"sim\.cameras\.\d+\.(noise_mean|noise_stddev|drop_probability|latency_s|exposure_s"
@@ -14,12 +15,12 @@ GAIN_PER_S, THRESHOLDS = 1.0, {"m": 5e-4, "rad": 1e-3}
 THRESHOLD = 1e-3
 
 
-def acts_at_once(path, patterns=AT_ONCE):
+def acts_at_once(path: str, patterns: Sequence[str] = AT_ONCE) -> bool:
     """Whether a change of this setting acts on the next image."""
     return any(re.fullmatch(pattern, path) for pattern in patterns)
 
 
-def changed(scenario, values):
+def changed(scenario: Scenario, values: Any) -> Scenario:
     """The scenario with these values put in, checked as a whole.
 
     Args: values: dict of dotted path -> value; a number in a path is the place in a list; None takes a key out.
@@ -35,7 +36,7 @@ def changed(scenario, values):
     return scenario_from_dict(document, source="settings", base=scenario._base, path=scenario.path)
 
 
-def put(document, path, value):
+def put(document: Dict[str, Any], path: str, value: Any) -> None:
     """Put a value into nested dicts and lists. Raises ParameterError: the path leads nowhere."""
     *parents, key = path.split(".")
     node = document

@@ -11,8 +11,10 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 from multiprocessing import get_context
+from pathlib import Path
+from typing import Any, Callable, List, Sequence, Tuple
 
-from aras_visual_servo import processes
+from aras_visual_servo import RunRecord, processes
 
 WORKERS = 2  # of `drawn_side_by_side`
 
@@ -24,16 +26,16 @@ class Drawing:
         that will have threads makes it before them, since a fork copies only one of them.
     """
 
-    def __init__(self, at_once=True):
+    def __init__(self, at_once: bool = True):
         self._pool = ProcessPoolExecutor(1, get_context("fork"), processes.end_as_child)
         with processes.signals_blocked():
             self._pool.submit(prepare if at_once else int)
 
-    def prepare(self):
+    def prepare(self) -> None:
         """Import what drawing needs, without waiting for it."""
         self._begin(prepare)
 
-    def side_by_side(self, draw, jobs):
+    def side_by_side(self, draw: Callable[..., Any], jobs: Sequence[Tuple[Any, ...]]) -> List[Any]:
         """[draw(*job) for job in jobs], as `drawn_side_by_side`."""
         return self._begin(drawn_side_by_side, draw, jobs)()
 
@@ -52,22 +54,22 @@ class Drawing:
                 return work(*arguments)
         return wait
 
-    def __enter__(self):
+    def __enter__(self) -> "Drawing":
         return self
 
-    def __exit__(self, kind, *_):
+    def __exit__(self, kind: Any, *_) -> None:
         if kind is not None:
             for process in list(self._pool._processes.values()):  # nobody waits for what they are doing
                 process.kill()
         self._pool.shutdown()
 
-    def save(self, record, png_path, pdf_path):
+    def save(self, record: RunRecord, png_path: Path, pdf_path: Path) -> Callable[[], Any]:
         """Begin to draw both files. Returns a function that waits for them; it raises the OSError of one that fails."""
         record = replace(record, images={})  # the figure shows none of them
         return self._begin(_draw_both, record, png_path, pdf_path)
 
 
-def prepare():
+def prepare() -> None:
     """Import what drawing needs.
 
     matplotlib writes the documentation of a hundred classes when it is imported, in a sixth of that time: nobody reads
@@ -88,7 +90,7 @@ def _draw_both(record, png_path, pdf_path):
         other.result()
 
 
-def drawn_side_by_side(draw, jobs):
+def drawn_side_by_side(draw: Callable[..., Any], jobs: Sequence[Tuple[Any, ...]]) -> List[Any]:
     """[draw(*job) for job in jobs], by processes that are forked here, with everything imported."""
     with processes.signals_blocked():
         pool = ProcessPoolExecutor(WORKERS, get_context("fork"), processes.end_as_child)

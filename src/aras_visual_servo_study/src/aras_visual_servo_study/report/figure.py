@@ -6,16 +6,19 @@
 
 import contextlib
 import io
+from pathlib import Path
+from typing import List, Optional, Tuple
 
 import matplotlib
 import numpy as np
 from fontTools import subset
+from matplotlib.axes import Axes
 from matplotlib.backends import _backend_pdf_ps
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import Axes3D
 
-from aras_visual_servo import palette, styles
+from aras_visual_servo import RunRecord, palette, styles
 from .pictures import PANELS, image_of, panel_title
 
 TWIST_LABELS = ("$v_x$", "$v_y$", "$v_z$", r"$\omega_x$", r"$\omega_y$", r"$\omega_z$")
@@ -60,7 +63,8 @@ def _lean_fonts():
         _backend_pdf_ps.get_glyphs_subset = before
 
 
-def save_figure(record, png_path=None, pdf_path=None, dpi=160):
+def save_figure(record: RunRecord, png_path: Optional[Path] = None, pdf_path: Optional[Path] = None,
+                dpi: int = 160) -> None:
     """Write the six panels as one picture, 3 x 2.
 
     Args:
@@ -84,7 +88,7 @@ def save_figure(record, png_path=None, pdf_path=None, dpi=160):
                 figure.savefig(pdf_path, metadata={"CreationDate": None})
 
 
-def save_panels(record, folder, size_in=(3.5, 2.7)):
+def save_panels(record: RunRecord, folder: Path, size_in: Tuple[float, float] = (3.5, 2.7)) -> List[Path]:
     """Write each of the six panels as FOLDER/panel_NAME.pdf, of the width of a column of a paper, without title.
 
     Returns:
@@ -103,7 +107,7 @@ def save_panels(record, folder, size_in=(3.5, 2.7)):
     return paths
 
 
-def draw_panel(record, panel, axes, letter="", title=True):
+def draw_panel(record: RunRecord, panel: str, axes: Axes, letter: str = "", title: bool = True) -> None:
     """Draw one of PANELS, or "start" (see `image_of`), on matplotlib axes; "path" needs a 3-D projection."""
     if title:
         # With a place given, matplotlib does not measure every label to find one: a third of the time of drawing.

@@ -2,10 +2,11 @@
 show (`overlays`), at the start, at the goal and, with the script, at any moment between."""
 
 import base64
+from typing import Any, Dict, Optional
 
 import numpy as np
 
-from aras_visual_servo import palette
+from aras_visual_servo import RunRecord, palette
 from ..live.hub import jpeg
 from .overlays import overlay_of
 from .plots import number, star
@@ -17,7 +18,7 @@ DARKER, EQUAL, BRIGHTER = "#0b3c8c", "#f4f4f4", "#8c3200"
 FULL = 96.0  # grey levels at which a difference has its full colour
 
 
-def image_plot(record):
+def image_plot(record: RunRecord) -> Optional[Dict[str, Any]]:
     """The plot, a dict as `plots` describes it, of kind "image"; None where nothing is known of the image."""
     overlay = overlay_of(record)
     if overlay is None or not overlay.ways:
@@ -45,7 +46,7 @@ def image_plot(record):
             "legend": legend, "data": data, "svg": _svg(data, _background(record, overlay.difference))}
 
 
-def coloured_difference(image, desired):
+def coloured_difference(image: np.ndarray, desired: np.ndarray) -> np.ndarray:
     """uint8 (h, w, 3): how an image differs from the desired one, both uint8 (h, w) or (h, w, 3)."""
     grey = [one.astype(float).mean(axis=2) if one.ndim == 3 else one.astype(float) for one in (image, desired)]
     share = np.clip((grey[0] - grey[1]) / FULL, -1.0, 1.0)[..., None]

@@ -1,16 +1,17 @@
 """Plot of the joints between their limits, for the page. A joint without limits is drawn in half turns from zero."""
 
 import math
+from typing import Any, Dict, Optional
 
 import numpy as np
 
-from aras_visual_servo import ArasError, kinematics_of, palette, scenario_from_dict
+from aras_visual_servo import ArasError, RunRecord, kinematics_of, palette, scenario_from_dict
 from .plots import series_of, time_plot
 
 DASH = "6 3"  # of a joint without limits
 
 
-def joint_plot(record):
+def joint_plot(record: RunRecord) -> Optional[Dict[str, Any]]:
     """The plot, a dict as `plots` describes it; None for a record whose robot is not known here.
 
     A curve is -1 at the lower limit and 1 at the upper one. What is read off is the joint's position.

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from aras_visual_servo import ArasError, package_paths, scenario_from_dict
+from aras_visual_servo import ArasError, RunRecord, package_paths, scenario_from_dict
 from ..live.view.projection import standpoint
 
 NAME = "observer"
@@ -38,7 +38,7 @@ class Observer:
         ObserverError: the record does not name its robot and scene, or their files are missing here.
     """
 
-    def __init__(self, record, width=640, height=480):
+    def __init__(self, record: RunRecord, width: int = 640, height: int = 480):
         from aras_visual_servo_sim import Simulation
         if not record.settings:
             raise ObserverError("the record does not hold its scenario, so nobody knows which robot it shows")
@@ -73,17 +73,17 @@ class Observer:
         return config
 
     @property
-    def drawn_by(self):
+    def drawn_by(self) -> str:
         """What drew the pictures so far by OpenGL, and its version; "" if nothing did."""
         return self._sim.opengl
 
-    def picture(self, q):
+    def picture(self, q: np.ndarray) -> np.ndarray:
         """The view with the joints at q, (m,) in the record's order: uint8 (height, width, 3), the caller's own."""
         self._sim.set_joint_positions({name: float(x) for name, x in zip(self._names, q) if math.isfinite(x)})
         return np.array(self._sim.render(NAME))
 
 
-def with_stand(urdf_xml, eye, look_at):
+def with_stand(urdf_xml: str, eye: np.ndarray, look_at: np.ndarray) -> str:
     """The URDF with a link NAME at `eye` whose z axis looks at `look_at`, x to the right, world z up in the picture."""
     z = (look_at - eye) / np.linalg.norm(look_at - eye)
     x = np.cross(z, [0.0, 0.0, 1.0])

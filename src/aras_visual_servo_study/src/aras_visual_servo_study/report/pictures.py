@@ -1,6 +1,10 @@
 """Titles and images of the panels of a run, for the figure and for the page. numpy only."""
 
+from typing import Optional
+
 import numpy as np
+
+from aras_visual_servo import RunRecord
 
 PANELS = ("desired", "initial", "difference", "errors", "velocity", "path")
 TITLES = {"desired": "desired image", "initial": "initial image", "difference": "difference, final $-$ desired",
@@ -10,7 +14,7 @@ TITLES = {"desired": "desired image", "initial": "initial image", "difference": 
 EYE_TO_HAND = {"velocity": "camera velocity, seen from the target", "path": "path of the target"}
 
 
-def panel_title(record, panel):
+def panel_title(record: RunRecord, panel: str) -> str:
     """Title of a panel. In look-then-move each look moves the camera by the law's velocity times the sample time."""
     servo = record.settings.get("servo", {})
     if panel == "velocity" and servo.get("mode") == "look_then_move":
@@ -18,7 +22,7 @@ def panel_title(record, panel):
     return EYE_TO_HAND.get(panel, TITLES[panel]) if record.eye_to_hand else TITLES[panel]
 
 
-def image_of(record, panel):
+def image_of(record: RunRecord, panel: str) -> Optional[np.ndarray]:
     """The image of a panel, uint8, (h, w) or (h, w, 3); None if the record lacks it.
 
     Args: panel: "desired", "initial", "difference" (final - desired, as in the paper's Fig. 4(c) and 5(c)) or "start"

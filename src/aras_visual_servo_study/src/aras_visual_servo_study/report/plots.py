@@ -6,10 +6,11 @@ A plot is a dict: id, kind ("time" or "path"), title, svg (text), legend (rows o
 
 import math
 from html import escape
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from aras_visual_servo import palette, spread, styles, units
+from aras_visual_servo import RunRecord, palette, spread, styles, units
 
 # Symbol with its subscript, colour, dash, factor to the unit that is read off.
 TWIST = tuple((letter, axis, color, dash, factor, unit)
@@ -24,7 +25,7 @@ DASH, GAP = 4, 3         # of the dashed lines at the thresholds [px]
 AZIMUTH, ELEVATION = math.radians(-57.0), math.radians(30.0)   # direction from which the path is seen
 
 
-def plots_of(record, title_of_velocity="camera velocity"):
+def plots_of(record: RunRecord, title_of_velocity: str = "camera velocity") -> List[Dict[str, Any]]:
     """The plots of the report, a list: feature errors, their size on a logarithmic scale, camera velocity, path.
 
     Args:
@@ -52,7 +53,7 @@ def plots_of(record, title_of_velocity="camera velocity"):
     return plots + ([path] if path else [])
 
 
-def nice_ticks(low, high, count):
+def nice_ticks(low: float, high: float, count: int) -> Tuple[List[float], float]:
     """Round values within [low, high], about `count` of them, and their step: (list, float)."""
     raw = (high - low) / max(count, 1)
     power = 10.0 ** math.floor(math.log10(raw))
@@ -61,13 +62,13 @@ def nice_ticks(low, high, count):
     return [k * step for k in range(first, math.floor(high / step + 1e-9) + 1)], step
 
 
-def tick_text(value, step):
+def tick_text(value: float, step: float) -> str:
     """Text of a tick, with as many digits as the step needs and a true minus sign."""
     digits = max(0, -math.floor(math.log10(step) + 1e-9))
     return (f"{value:.{digits}f}" if digits < 6 else f"{value:.1e}").replace("-", "−")
 
 
-def series_of(style, values):
+def series_of(style: Tuple[str, str, str, str, float, str], values: np.ndarray) -> Dict[str, Any]:
     """A curve: style is (symbol, subscript, colour, dash, factor to the unit that is read off, that unit)."""
     letter, subscript, color, dash, factor, unit = style
     return {"name": letter, "sub": subscript, "color": color, "dash": dash, "factor": factor, "unit": unit,
@@ -85,12 +86,13 @@ def _levels(features, thresholds):
     return levels
 
 
-def number(value):
+def number(value: float) -> Optional[float]:
     """The number rounded for the page, None if it is not finite: JSON has no NaN."""
     return float(f"{value:.{SIGNIFICANT}g}") if math.isfinite(value) else None
 
 
-def time_plot(name, title, t_s, series, label, log=False, levels=(), ends=None):
+def time_plot(name: str, title: str, t_s: np.ndarray, series: List[Dict[str, Any]], label: str, log: bool = False,
+              levels: Sequence[Dict[str, Any]] = (), ends: Optional[List[float]] = None) -> Dict[str, Any]:
     """A plot of kind "time". ends: heights that are always in view and have a line, for example those of limits."""
     data = {"t": [number(t) for t in t_s], "series": series, "label": label, "log": log, "levels": list(levels),
             "ends": ends}
@@ -178,7 +180,7 @@ def _path_plot(record, rows, t_s):
     return {"id": "path", "kind": "path", "title": title, "legend": legend, "data": data, "svg": _path_svg(data)}
 
 
-def path_box(data):
+def path_box(data: Dict[str, Any]) -> Tuple[np.ndarray, np.ndarray]:
     """Centre and half edges of the box around path and goal, (3,) each [m]. No edge is under half of the longest."""
     points = np.array(data["p"] + ([data["goal"]] if data["goal"] else []))
     low, high = points.min(axis=0), points.max(axis=0)
@@ -234,7 +236,7 @@ def _path_svg(data):
     return svg_of(parts)
 
 
-def star(x, y, radius=8.0):
+def star(x: float, y: float, radius: float = 8.0) -> str:
     """Path of a five-pointed star."""
     corners = [(x + (radius, 0.42 * radius)[k % 2] * math.sin(k * math.pi / 5),
                 y - (radius, 0.42 * radius)[k % 2] * math.cos(k * math.pi / 5)) for k in range(10)]
@@ -254,6 +256,6 @@ def _axis_name(name, x, y, anchor):
             '<tspan dy="-3"> [m]</tspan></text>')
 
 
-def svg_of(parts):
+def svg_of(parts: List[str]) -> str:
     """The picture with these elements."""
     return f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img">' + "".join(parts) + "</svg>"

@@ -8,10 +8,11 @@ import base64
 import json
 import math
 import re
+from typing import Any, Dict
 
 import numpy as np
 
-from aras_visual_servo import (ArasError, ParameterError, goal_pose, in_rgb, kinematics_of, package_paths,
+from aras_visual_servo import (ArasError, ParameterError, RunRecord, goal_pose, in_rgb, kinematics_of, package_paths,
                                scenario_from_dict, spatial)
 from ..live.hub import jpeg
 from ..live.view.files import THREE_FILES, three_file, web_dir
@@ -28,7 +29,7 @@ class ReplayError(ArasError):
     """The run cannot be shown again. The text says what is missing."""
 
 
-def replay_of(record):
+def replay_of(record: RunRecord) -> Dict[str, Any]:
     """What the page needs for the replay: dict of data (JSON) and scripts (list of texts).
 
     Raises: ReplayError.
@@ -44,7 +45,7 @@ def replay_of(record):
     return {"data": text.replace("<", "\\u003c"), "scripts": [_closed(one) for one in scripts]}
 
 
-def script():
+def script() -> str:
     """The page's modules as one script, which needs no other file."""
     texts = [(web_dir() / name).read_text(encoding="utf-8") for name in MODULES]
     joined = "\n".join(re.sub(r"^import .*$|^export (?=const|class)", "", text, flags=re.MULTILINE) for text in texts)

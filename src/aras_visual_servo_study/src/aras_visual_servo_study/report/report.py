@@ -17,13 +17,15 @@ import os
 import time
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any, Dict, Optional, Union
 
 import numpy as np
 
-from aras_visual_servo import (STOP_NAMES, TWIST_NAMES, ArasError, StopSettings, fit_decay, judge, spatial, spread,
-                               styles, tracking)
+from aras_visual_servo import (STOP_NAMES, TWIST_NAMES, ArasError, RunRecord, StopSettings, fit_decay, judge, spatial,
+                               spread, styles, tracking)
 from .rows import comparison_rows, is_number, stop_rows
 from .versions import installed_versions
+from .drawing import Drawing
 
 # The results published with the two experiments.
 PUBLISHED = {
@@ -39,7 +41,7 @@ class ResultFolderError(ArasError):
     """The folder for the results cannot be made or written."""
 
 
-def create_result_folder(output, scenario_name, stamp=None):
+def create_result_folder(output: Union[str, Path], scenario_name: str, stamp: Optional[str] = None) -> Path:
     """Make the empty folder OUTPUT/SCENARIO/STAMP and try whether it can be written.
 
     Args:
@@ -75,7 +77,8 @@ def create_result_folder(output, scenario_name, stamp=None):
     return folder
 
 
-def save_results(record, folder, command=None, video=False, panels=False, drawing=None):
+def save_results(record: RunRecord, folder: Union[str, Path], command: Optional[str] = None, video: bool = False,
+                 panels: bool = False, drawing: Optional[Drawing] = None) -> Dict[str, Any]:
     """Judge a run and write its result folder. The numbers are written first, before the pictures are drawn.
 
     Args:
@@ -127,7 +130,7 @@ def _save_video(record, path):
         return None, [f"no video: {error}"]
 
 
-def summarise(record):
+def summarise(record: RunRecord) -> Dict[str, Any]:
     """Summary of a run as a dict for JSON, judged by the scenario's `experiment.judge`.
 
     The keys stand in the order in which readers ask for them.
@@ -186,12 +189,12 @@ def _last(record, name):
     return float(known[-1]) if len(known) else None
 
 
-def published_name(scenario):
+def published_name(scenario: str) -> str:
     """The published experiment a scenario is a variant of ("experiment_1_binary" -> "experiment_1"), or ""."""
     return next((name for name in PUBLISHED if scenario == name or scenario.startswith(name + "_")), "")
 
 
-def trace_csv(record):
+def trace_csv(record: RunRecord) -> str:
     """The record as CSV text, one row per image. A cell is empty if its value did not exist at that image.
 
     Columns: t_s, phase, status, e_<feature>_<unit>, V_<vx..wz>, q_<joint>, p_WC_{x,y,z}_m and q_WC_{x,y,z,w} (true
@@ -214,7 +217,7 @@ def trace_csv(record):
     return stream.getvalue()
 
 
-def format_summary(summary):
+def format_summary(summary: Dict[str, Any]) -> str:
     """The summary as a table for the terminal, ASCII, at most 79 columns wide, str."""
     lines = [f"{summary['scenario']}: {'PASSED' if summary['passed'] else 'FAILED'} ({summary['reason']})", ""]
     lines.append(f"{'final pose error':<31}{'x [mm]':>10}{'y [mm]':>10}{'z [mm]':>10}{'angle [deg]':>14}")

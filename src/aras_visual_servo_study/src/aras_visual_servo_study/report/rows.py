@@ -1,11 +1,12 @@
 """The table of final errors that every report shows, as text."""
 
 import math
+from typing import Any, Dict, List, Optional
 
 ERROR_KEYS = ("x_mm", "y_mm", "z_mm", "angle_deg")
 
 
-def comparison_rows(summary):
+def comparison_rows(summary: Dict[str, Any]) -> List[Dict[str, Any]]:
     """Rows of the table of final errors: dicts of label, kind ("ours", "limit", "paper", "start") and cells (text)."""
     rows = [{"label": "this run", "kind": "ours",
              "cells": [_signed(summary["final_error"], key) for key in ERROR_KEYS]}]
@@ -25,7 +26,7 @@ _STOP = (("tilt_rad", "tilt", "mrad", 1e3), ("position_m", "distance from the go
          ("rotation_rad", "angle from the goal", "mrad", 1e3))
 
 
-def stop_rows(summary):
+def stop_rows(summary: Dict[str, Any]) -> List[Dict[str, str]]:
     """Rows of what the stop rule judged beside the features: dicts of label, found and allowed, as text."""
     stop, rows = summary.get("stop") or {}, []
     for key, label, unit, factor in _STOP:
@@ -46,6 +47,6 @@ def _signed(error, key):
     return f"{value:+.3f}" if abs(value) < 10.0 else f"{value:+.1f}"
 
 
-def is_number(value):
+def is_number(value: Optional[float]) -> bool:
     """Whether the value exists and is finite."""
     return value is not None and math.isfinite(value)

@@ -4,16 +4,17 @@ import contextlib
 import functools
 import os
 from pathlib import Path
+from typing import Any
 
 from ..files import share_dir
 
 
-def render(template, /, **values):
+def render(template: str, /, **values: Any) -> str:
     """The page of config/templates/TEMPLATE with these values, str; a name in it that nobody gives is an error."""
     return _environment().get_template(template).render(**values)
 
 
-def source(name):
+def source(name: str) -> str:
     """Text of a file of config/templates as it stands there, for example a script."""
     environment = _environment()
     return environment.loader.get_source(environment, name)[0]

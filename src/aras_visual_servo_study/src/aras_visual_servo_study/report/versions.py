@@ -8,6 +8,8 @@ import platform
 import re
 import xml.etree.ElementTree
 from importlib import metadata
+from pathlib import Path
+from typing import Dict
 
 from aras_visual_servo import share_dir
 
@@ -36,12 +38,12 @@ def _installed():
     return versions
 
 
-def installed_versions():
+def installed_versions() -> Dict[str, str]:
     """Dict of name -> version: this package, ViSP, Bullet, KDL, OpenCV, numpy, matplotlib, Python, system."""
     return dict(_installed())
 
 
-def package_version(path):
+def package_version(path: Path) -> str:
     """The <version> of a package.xml, "unknown" if there is none."""
     try:
         version = xml.etree.ElementTree.parse(path).findtext("version")

@@ -10,10 +10,11 @@ import shutil
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Sequence, Union
 
 import numpy as np
 
-from aras_visual_servo import ArasError, ParameterError, palette, styles
+from aras_visual_servo import ArasError, ParameterError, RunRecord, palette, styles
 from .image_plot import coloured_difference
 from .overlays.base import Overlay, overlay_of
 
@@ -41,7 +42,7 @@ class Film:
     speed: float = 1.0
 
 
-def save_video(record, path, ffmpeg="ffmpeg"):
+def save_video(record: RunRecord, path: Union[str, Path], ffmpeg: str = "ffmpeg") -> Film:
     """Write the video of the servo phase, one frame per image, at the speed of simulated time.
 
     Args:
@@ -105,7 +106,7 @@ class Composer:
         VideoError: the robot of the record cannot be shown.
     """
 
-    def __init__(self, record, rows):
+    def __init__(self, record: RunRecord, rows: Sequence[int]):
         from .observer import Observer, ObserverError
         self._record, self._rows = record, rows
         try:
@@ -120,7 +121,7 @@ class Composer:
         self._at = np.searchsorted(record.servo_rows, rows)  # places of these rows in what the overlay says
         self._faint, self._full, self._left, self._right = self._curves()
 
-    def frame(self, index):
+    def frame(self, index: int) -> np.ndarray:
         """Frame `index`: uint8 (VIEW_HEIGHT + CURVES_HEIGHT, WIDTH, 3)."""
         frame = np.empty((VIEW_HEIGHT + CURVES_HEIGHT, WIDTH, 3), np.uint8)
         frame[:VIEW_HEIGHT, :HALF] = self._camera_view(index)

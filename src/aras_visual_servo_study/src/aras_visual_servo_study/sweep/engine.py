@@ -8,11 +8,14 @@ import os
 import sys
 import time
 from concurrent.futures import CancelledError
+from pathlib import Path
+from typing import Any, Callable, Dict, List, Optional, Sequence, TextIO
 
-from aras_visual_servo import ArasError, ParameterError, processes
+from aras_visual_servo import ArasError, ParameterError, Scenario, processes
 from .judge import COLUMNS
 from .local import run_local
 from .metrics import judge_by
+from .plan import Start
 from .store import FILE, SweepStore
 from .worker import make_setup, plain, run_chunk
 
@@ -35,7 +38,8 @@ class Progress:
         total: runs of the sweep.  rows: of those that were done before.
     """
 
-    def __init__(self, total, rows=(), stream=None, every_s=10.0, clock=time.monotonic):
+    def __init__(self, total: int, rows: Sequence[Dict[str, Any]] = (), stream: Optional[TextIO] = None,
+                 every_s: float = 10.0, clock: Callable[[], float] = time.monotonic):
         self.total, self.already = total, len(rows)
         self.done = len(rows)
         self._stream, self._clock = stream or sys.stderr, clock
@@ -44,7 +48,7 @@ class Progress:
         self._counts = collections.Counter(row["outcome"] for row in rows)
         self._began_s = self._shown_s = clock()
 
-    def add(self, rows):
+    def add(self, rows: List[Dict[str, Any]]) -> None:
         """Count runs that are done."""
         self.done += len(rows)
         self._counts.update(row["outcome"] for row in rows)
@@ -53,7 +57,7 @@ class Progress:
             print(("\r" if self._terminal else "") + self.line(), end="" if self._terminal else "\n",
                   file=self._stream, flush=True)
 
-    def line(self):
+    def line(self) -> str:
         """The line as text."""
         elapsed_s = self._clock() - self._began_s
         rate = (self.done - self.already) / elapsed_s if elapsed_s > 0.0 else 0.0
@@ -61,13 +65,14 @@ class Progress:
         counts = ", ".join(f"{count} {name}" for name, count in self._counts.items())
         return f"{self.done}/{self.total} runs  {rate:.1f} runs/s  {left}  {counts}"
 
-    def end(self):
+    def end(self) -> None:
         """End the line, so that the next output begins below it."""
         if self._terminal:
             print(file=self._stream, flush=True)
 
 
-def open_sweep(folder, scenario, starts, settings, command="", versions=None):
+def open_sweep(folder: Path, scenario: Scenario, starts: List[Start], settings: Dict[str, Any], command: str = "",
+               versions: Optional[Dict[str, str]] = None) -> SweepStore:
     """`SweepStore` of a folder, open for writing: a new one, or that of a sweep which is gone on with.
 
     Args: settings: dict for the report, with drive_to_start.  command: that repeats the sweep.
@@ -86,7 +91,8 @@ def open_sweep(folder, scenario, starts, settings, command="", versions=None):
     return store
 
 
-def run_pending(store, setup, workers=None, scheduler=None, progress=None):
+def run_pending(store: SweepStore, setup: Dict[str, Any], workers: Optional[int] = None,
+                scheduler: Optional[str] = None, progress: Optional[Progress] = None) -> None:
     """Do every run that is pending and save it.
 
     Args:

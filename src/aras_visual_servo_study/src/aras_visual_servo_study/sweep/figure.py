@@ -1,11 +1,13 @@
 """Figures of a sweep: maps of the convergence domain, success against distance, and why runs failed."""
 
 import io
+from pathlib import Path
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
 from aras_visual_servo import ParameterError, palette
-from ..report.drawing import drawn_side_by_side, prepare
+from ..report.drawing import Drawing, drawn_side_by_side, prepare
 from .metrics import METRICS
 from .statistics import every_run_succeeds, reasons, success_curve
 
@@ -17,14 +19,14 @@ LABELS = {"x0_mm": "initial $x$ [mm]", "y0_mm": "initial $y$ [mm]", "z0_mm": "in
           "distance0_mm": "initial distance [mm]", "angle0_deg": "initial angle [deg]"}
 
 
-def known_axes(rows):
+def known_axes(rows: List[Dict[str, Any]]) -> List[str]:
     """Columns that a map can be drawn over."""
     extra = [name for name in (rows[0] if rows else {}) if name.startswith(("start_", "offset_", "goal_", "p_"))
              and all(row[name] is None or isinstance(row[name], (int, float)) for row in rows)]
     return [*AXES, *extra]
 
 
-def check_axes(axes, rows):
+def check_axes(axes: Sequence[str], rows: List[Dict[str, Any]]) -> Tuple[str, str]:
     """The two axes. Raises ParameterError listing the known ones."""
     known = known_axes(rows)
     unknown = [axis for axis in axes if axis not in known]
@@ -33,7 +35,7 @@ def check_axes(axes, rows):
     return tuple(axes)
 
 
-def make_figure(name, rows, axes=DEFAULT_AXES):
+def make_figure(name: str, rows: List[Dict[str, Any]], axes: Tuple[str, str] = DEFAULT_AXES) -> Any:
     """One of FIGURES as a matplotlib Figure; the same rows give the same picture."""
     import matplotlib  # slow to import, and not needed where the runs are done
 
@@ -42,7 +44,8 @@ def make_figure(name, rows, axes=DEFAULT_AXES):
         return _map(rows, axes) if name == "map" else _curve(rows) if name == "curve" else _reasons(rows)
 
 
-def save_figures(rows, folder, axes=DEFAULT_AXES, drawing=None):
+def save_figures(rows: List[Dict[str, Any]], folder: Path, axes: Tuple[str, str] = DEFAULT_AXES,
+                 drawing: Optional[Drawing] = None) -> Dict[str, bytes]:
     """Write NAME.png and NAME.pdf of every figure; {name: png bytes}.
 
     Args: drawing: `Drawing` that has imported what it needs meanwhile; None: it is imported here.

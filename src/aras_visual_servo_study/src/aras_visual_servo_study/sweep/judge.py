@@ -1,10 +1,11 @@
 """Judges a run of a sweep: its result is one row, which depends on the record of the run alone."""
 
 import hashlib
+from typing import Any, Dict
 
 import numpy as np
 
-from aras_visual_servo import FEATURE_NAMES, MEASURES, Status, goal_pose, judge
+from aras_visual_servo import FEATURE_NAMES, MEASURES, RunRecord, Status, goal_pose, judge
 from .metrics import Outcome, judge_by, known_metrics
 
 #: The reason of a run that timed out names the most frequent status of its last part, which is this long.
@@ -22,7 +23,7 @@ COLUMNS = {
 }
 
 
-def judge_row(record):
+def judge_row(record: RunRecord) -> Dict[str, Any]:
     """Result of a run as a dict of COLUMNS. `id` and MEASURES are left None for the caller to fill in."""
     judgement = judge(record)
     error, row = judgement.final_error, dict.fromkeys(COLUMNS)
@@ -39,7 +40,7 @@ def judge_row(record):
     return row
 
 
-def trace_hash(record):
+def trace_hash(record: RunRecord) -> str:
     """SHA-256 of every number of the trace, hexadecimal: equal for equal runs, bit for bit."""
     digest = hashlib.sha256(",".join(record.phase).encode())
     for name in ("stamp_ns", "status", "s", "e", "twist", "q", "X_WC"):
@@ -67,7 +68,7 @@ def _reason(record, judgement, success):
     return last.name.lower().replace("_", " ")
 
 
-def initial_columns(error):
+def initial_columns(error: Dict[str, float]) -> Dict[str, float]:
     """The columns that say how far from the goal a run begins, from the `pose_error` of its start."""
     return {"distance0_mm": _length(error), "angle0_deg": error["angle_deg"], "x0_mm": error["x_mm"],
             "y0_mm": error["y_mm"], "z0_mm": error["z_mm"]}

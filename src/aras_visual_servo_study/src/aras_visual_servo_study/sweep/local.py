@@ -5,13 +5,15 @@ import contextlib
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context
+from typing import Any, Callable, Dict, List
 
 from aras_visual_servo import processes
 
 AHEAD = 2  # chunks that are given out for each process, so that none waits
 
 
-def run_local(run, setup, chunks, count, deaths, save, give_up):
+def run_local(run: Callable[..., Any], setup: Dict[str, Any], chunks: List[List[Dict[str, Any]]], count: int,
+              deaths: int, save: Callable[[Any], None], give_up: Callable[[Dict[str, Any]], None]) -> None:
     """Run all chunks; results are saved as they come in.
 
     When a process dies, nobody knows in which run. So the runs that were under way are repeated one at a time.

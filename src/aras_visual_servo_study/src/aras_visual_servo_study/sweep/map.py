@@ -5,6 +5,7 @@ The script config/templates/map.js draws them.
 """
 
 import json
+from typing import Any, Dict, List, Optional, Tuple
 
 from aras_visual_servo import palette
 from .figure import LABELS, known_axes
@@ -43,12 +44,12 @@ def sweep_maps(rows, axes, folder=None):
     return page_data(rows, axes, maps, facts, [command], {"key": "outcome", "value": "infeasible"})
 
 
-def fact(key, label, unit="", digits=None, short=False):
+def fact(key: str, label: str, unit: str = "", digits: Optional[int] = None, short: bool = False) -> Dict[str, Any]:
     """What a page tells of a run. short: also where the pointer only passes."""
     return {"key": key, "label": label, "unit": unit, "digits": digits, "short": short}
 
 
-def start_facts(rows):
+def start_facts(rows: List[Dict[str, Any]]) -> List[Dict[str, Any]]:
     """Facts of where a run begins: its place against the goal, then the joints and whatever else was varied."""
     found = [fact(axis, plain_label(axis).partition(" [")[0], unit, digits, axis in ("distance0_mm", "angle0_deg"))
              for axis, unit, digits in (("distance0_mm", "mm", 1), ("angle0_deg", "deg", 2), ("x0_mm", "mm", 2),
@@ -59,7 +60,8 @@ def start_facts(rows):
                     for name in varied]
 
 
-def page_data(rows, axes, maps, facts, commands, crosses):
+def page_data(rows: List[Dict[str, Any]], axes: Tuple[str, str], maps: List[Dict[str, Any]],
+              facts: List[Dict[str, Any]], commands: List[Dict[str, Any]], crosses: Optional[Dict[str, str]]) -> str:
     """JSON of rows (dicts), maps, facts and commands. A text that many rows share stands there once.
 
     crosses: {key, value} of rows that a map shows as crosses where it has no value for them.
@@ -84,6 +86,6 @@ def page_data(rows, axes, maps, facts, commands, crosses):
     return json.dumps(data, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
 
 
-def plain_label(axis):
+def plain_label(axis: str) -> str:
     """Name of an axis without mathtext."""
     return LABELS.get(axis, axis).replace("$", "")

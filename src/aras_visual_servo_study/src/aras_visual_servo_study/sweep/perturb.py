@@ -10,6 +10,7 @@ import os
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from typing import Any, Dict, List, Sequence
 
 from aras_visual_servo import (ParameterError, Perturbations, Scenario, default_of, is_number, keys_of, load_yaml,
                                resolve_uri)
@@ -31,18 +32,18 @@ class Perturbation:
     high: float = 0.0
     values: tuple = ()
 
-    def at(self, u):
+    def at(self, u: float) -> Any:
         """Value at u in [0, 1)."""
         if self.values:
             return self.values[min(int(u * len(self.values)), len(self.values) - 1)]
         return float(self.low + u * (self.high - self.low))
 
-    def ends(self):
+    def ends(self) -> Sequence[Any]:
         """Values to try: a scenario that accepts these accepts all of them."""
         return self.values or (self.low, self.high)
 
 
-def read_perturbations(section, scenario):
+def read_perturbations(section: Mapping[str, Any], scenario: Scenario) -> List[Perturbation]:
     """Perturbations of the section, in the order of the file. Each is tried on the scenario.
 
     Raises:
@@ -70,7 +71,7 @@ def read_perturbations(section, scenario):
     return found
 
 
-def perturbed(scenario, parameters):
+def perturbed(scenario: Scenario, parameters: Dict[str, Any]) -> Scenario:
     """The scenario with these values put in, a Scenario.
 
     Args:
@@ -96,7 +97,7 @@ def perturbed(scenario, parameters):
     return _PerturbedScenario(**values, beside=beside)
 
 
-def swap_picture(sim, scenario, file):
+def swap_picture(sim: Any, scenario: Scenario, file: str) -> None:
     """Give the first model of the scene that has a picture another one, until the next reset of the Simulation.
 
     Raises ParameterError: no model has a picture.
@@ -109,7 +110,7 @@ def swap_picture(sim, scenario, file):
     raise ParameterError("picture: the scene has no model with a picture")
 
 
-def put_clutter(sim, scenario, file):
+def put_clutter(sim: Any, scenario: Scenario, file: str) -> None:
     """Put the solids and lights of a file into the scene, until the next reset of the Simulation.
 
     A light of a name that the scene has takes its place. Raises ParameterError and the errors of the simulator.
@@ -121,7 +122,7 @@ def put_clutter(sim, scenario, file):
         sim.set_light(light)
 
 
-def simulator_key(scenario, parameters):
+def simulator_key(scenario: Scenario, parameters: Dict[str, Any]) -> str:
     """A text that is equal for two runs if one Simulation can serve both."""
     scales = {name: value for name, value in parameters.items() if name.endswith("_scale")}
     return json.dumps([scenario.robot, scenario.sim, scales], sort_keys=True)

@@ -5,11 +5,12 @@ with the same seed have the same starts, and their runs can be compared in pairs
 """
 
 from dataclasses import asdict, dataclass, field
-from typing import Any, Dict
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from aras_visual_servo import JOINT_HALF_WIDTH, Feasibility, Names, ParameterError, SweepSection, place_of, reach, read
+from aras_visual_servo import (JOINT_HALF_WIDTH, Feasibility, Kinematics, Names, ParameterError, Scenario, SweepSection,
+                               place_of, reach, read)
 from .perturb import read_perturbations
 from .space import View, in_ball, pose_of, tilted_goal
 
@@ -49,7 +50,7 @@ class SweepSettings:
     goal: dict = field(default_factory=dict)  # axis -> (low, high); {}: the scenario's goal
 
     @classmethod
-    def from_scenario(cls, scenario, kinematics, **changes):
+    def from_scenario(cls, scenario: Scenario, kinematics: Kinematics, **changes: Any) -> "SweepSettings":
         """Read the section. Keyword arguments that are not None replace its keys.
 
         Raises:
@@ -90,7 +91,7 @@ def _around(joints):
     return {name: (at - JOINT_HALF_WIDTH, at + JOINT_HALF_WIDTH) for name, at in joints.items()}
 
 
-def sample(method, count, dimensions, seed):
+def sample(method: str, count: int, dimensions: int, seed: Union[int, Sequence[int]]) -> np.ndarray:
     """Points in the unit cube.
 
     Args:
@@ -112,7 +113,7 @@ def sample(method, count, dimensions, seed):
     return np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
 
 
-def make_starts(settings, scenario, kinematics):
+def make_starts(settings: SweepSettings, scenario: Scenario, kinematics: Kinematics) -> List[Start]:
     """The runs of a sweep, a list of `Start`; equal arguments give equal runs.
 
     Raises:
@@ -143,7 +144,7 @@ class Planner:
     Attributes: settings: `SweepSettings`.  feasibility: `Feasibility` of the scenario.
     """
 
-    def __init__(self, settings, scenario, kinematics):
+    def __init__(self, settings: SweepSettings, scenario: Scenario, kinematics: Kinematics):
         self.settings, self._scenario, self._kinematics = settings, scenario, kinematics
         self._goal = scenario.goal_posture(kinematics)
         self._X_WCg = kinematics.pose(self._goal)
@@ -154,7 +155,8 @@ class Planner:
         if settings.goal and self.feasibility.outline is None:
             raise ParameterError("sweep.goal: needs a flat target of known outline and a camera without fisheye lens")
 
-    def plan(self, place, point, wanted):
+    def plan(self, place: np.ndarray, point: Dict[str, float],
+             wanted: Dict[str, float]) -> Tuple[Optional[Dict[str, float]], Dict[str, float], Dict[str, Any], str]:
         """(joints, offset, goal, refusal) of one run."""
         goal, q_goal, refusal = {}, self._goal, ""
         offset = self._offset(place, point) if self.settings.space != "view" else {}
@@ -177,7 +179,7 @@ class Planner:
         return {"camera": lambda: point, "joint": dict,
                 "ball": lambda: in_ball(self.settings.ranges, place)}[self.settings.space]()
 
-    def tilted(self, wanted):
+    def tilted(self, wanted: Dict[str, float]) -> Tuple[Dict[str, Any], str]:
         """(goal of a `Start`, why it cannot be reached or \"\") of a tilted goal."""
         X_WT = self.feasibility.outline.X_WT
         t_C = np.linalg.solve(self._X_WCg, X_WT)[:3, 3]

@@ -5,6 +5,8 @@ The same runs give the same bytes, on whatever machine and in whatever order the
 
 import base64
 import math
+from pathlib import Path
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 from ..report.report import ResultFolderError
 from ..report.template import render, source
@@ -12,20 +14,22 @@ from .figure import DEFAULT_AXES, save_figures
 from .map import sweep_maps
 from .metrics import known_metrics
 from .statistics import aggregate, every_run_succeeds, reasons
+from ..report.drawing import Drawing
+from .store import SweepStore
 
 CAPTIONS = {"map": "Result, time to the end and final error over two axes.",
             "curve": "Success against the initial distance, with 95 % Wilson intervals.",
             "reasons": "Why runs did not succeed."}
 
 
-def save_csv(store):
+def save_csv(store: SweepStore) -> Path:
     """Write runs.csv. Returns its path."""
     path = store.folder / "runs.csv"
     _write(path, store.csv().encode())
     return path
 
 
-def save_report(store, axes=DEFAULT_AXES, drawing=None):
+def save_report(store: SweepStore, axes: Tuple[str, str] = DEFAULT_AXES, drawing: Optional[Drawing] = None) -> Path:
     """Write runs.csv, the figures and sweep.html.
 
     Args:
@@ -47,7 +51,8 @@ def save_report(store, axes=DEFAULT_AXES, drawing=None):
     return path
 
 
-def report_html(store, rows, pictures, axes=DEFAULT_AXES):
+def report_html(store: SweepStore, rows: List[Dict[str, Any]], pictures: Dict[str, bytes],
+                axes: Tuple[str, str] = DEFAULT_AXES) -> str:
     """The report as one self-contained page, str."""
     numbers = aggregate(rows)
     shown = {name for name in ("curve", "reasons") if name == "curve" or not every_run_succeeds(rows)}
@@ -70,13 +75,13 @@ def report_html(store, rows, pictures, axes=DEFAULT_AXES):
         driven=store.meta["setup"]["drive_to_start"], versions=store.meta["versions"])
 
 
-def rate_labels():
+def rate_labels() -> Sequence[Tuple[str, str, str]]:
     """(label, name in `aggregate`, source) of all ways to succeed."""
     return (*((f"{metric.label}: {metric.threshold}", metric.name, metric.source) for metric in known_metrics()),
             ("the law's own stop rule was met", "converged", ""))
 
 
-def setting_rows(meta):
+def setting_rows(meta: Dict[str, Any]) -> List[Tuple[str, str]]:
     """(name, value) of everything that the sweep varied."""
     settings = meta["settings"]
     rows = [(key, str(settings[key])) for key in ("starts", "method", "space", "seed")]
@@ -85,12 +90,12 @@ def setting_rows(meta):
     return rows + [(f"perturbed: {name}", text) for name, text in settings["perturb"].items()]
 
 
-def format_summary(store):
+def format_summary(store: SweepStore) -> str:
     """The sweep as a few lines for the terminal, str."""
     return format_rows(store.meta["setup"]["scenario"]["name"], store.rows())
 
 
-def format_rows(scenario, rows):
+def format_rows(scenario: str, rows: List[Dict[str, Any]]) -> str:
     """The runs of a scenario, by its name, as a few lines, str."""
     numbers = aggregate(rows)
     lines = [f"{scenario}: {numbers['runs']} runs, {numbers['feasible']} feasible, "

@@ -7,14 +7,16 @@ A run ends with the servo, or when the target has been out of view for LOST_LIMI
 
 from collections import OrderedDict
 from dataclasses import fields, replace
+from typing import Any, Dict, Optional, Tuple
 
 import numpy as np
 
 from aras_visual_servo import (CAMERA_AXES, DEFAULT_LIMIT_S, ArasError, Outline, ParameterError, RecordBuilder,
-                               ServoLoop, Status, kinematics_of, measures, pose_error)
+                               RunRecord, Scenario, ServoLoop, Status, kinematics_of, measures, pose_error)
 from .judge import COLUMNS, initial_columns, judge_row
 from .metrics import judge_by
 from .perturb import perturbed, put_clutter, simulator_key, swap_picture
+from .plan import Start
 
 LOST_LIMIT_S = 1.0
 #: A worker keeps this many simulators. Runs that differ only in gains or start share one.
@@ -75,14 +77,14 @@ class SweepRunner:
         images: keep the taught view, the first and the last one in the records; rows do not depend on it.
     """
 
-    def __init__(self, scenario, drive_to_start=False, images=True):
+    def __init__(self, scenario: Scenario, drive_to_start: bool = False, images: bool = True):
         self.scenario = scenario
         self.drive_to_start, self._images = drive_to_start, images
         self._simulators = OrderedDict()  # key -> _Shared
         self._key = simulator_key(scenario, {})
         self._kinematics = None
 
-    def run(self, start):
+    def run(self, start: Start) -> Tuple[Dict[str, Any], Optional[RunRecord]]:
         """Run one start.
 
         Returns:
@@ -234,7 +236,7 @@ def _differs_in_experiment_alone(scenario, other):
     return others(scenario) == others(other)
 
 
-def placed(scenario, start):
+def placed(scenario: Scenario, start: Start) -> Scenario:
     """The scenario with the goal and the start of a run put in."""
     experiment = dict(scenario.experiment, start={"joints": dict(start.joints)})
     if not start.goal:

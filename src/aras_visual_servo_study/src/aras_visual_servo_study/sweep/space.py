@@ -6,10 +6,11 @@ plan.
 """
 
 from math import acos, cos, pi, sin
+from typing import Dict, Sequence, Tuple
 
 import numpy as np
 
-from aras_visual_servo import BALL_AXES, CAMERA_AXES, Outline, ParameterError, spatial
+from aras_visual_servo import BALL_AXES, CAMERA_AXES, Outline, ParameterError, Scenario, spatial
 
 #: At u, v = +-1 the target keeps this distance from the border of the image, since one that touches it is not measured
 #: [px].
@@ -18,7 +19,7 @@ VIEW_MARGIN_PX = 2.0
 PARALLEL_RAD = 0.01
 
 
-def pose_of(offset):
+def pose_of(offset: Dict[str, float]) -> np.ndarray:
     """X_CgC, (4, 4), of a displacement along and a rotation vector about CAMERA_AXES; missing axes are 0."""
     delta = np.array([offset.get(axis, 0.0) for axis in CAMERA_AXES])
     X = np.eye(4)
@@ -26,12 +27,12 @@ def pose_of(offset):
     return X
 
 
-def offset_of(X):
+def offset_of(X: np.ndarray) -> Dict[str, float]:
     """The displacement of X_CgC as a dict by axis: the inverse of `pose_of`."""
     return dict(zip(CAMERA_AXES, [*X[:3, 3].tolist(), *spatial.rotation_vector(X[:3, :3]).tolist()]))
 
 
-def in_ball(ranges, place):
+def in_ball(ranges: Dict[str, Tuple[float, float]], place: np.ndarray) -> Dict[str, float]:
     """Displacement within a distance and an angle of the goal, by axis of CAMERA_AXES.
 
     Args:
@@ -56,7 +57,7 @@ class View:
         ParameterError: there is no flat target of known outline, or it is not parallel to the image at the goal.
     """
 
-    def __init__(self, scenario, X_WCg):
+    def __init__(self, scenario: Scenario, X_WCg: np.ndarray):
         outline = Outline.of(scenario)
         if outline is None:
             raise ParameterError("sweep.space: found view, which needs a flat target of known outline and a camera "
@@ -70,7 +71,7 @@ class View:
         px = 2.0 * outline.half[0] / scenario.sim["cameras"][0]["width"]
         self._half = np.array(outline.half) - VIEW_MARGIN_PX * px
 
-    def offset(self, point):
+    def offset(self, point: Dict[str, float]) -> Dict[str, float]:
         """Displacement of the camera, dict by axis, from which the target is seen at this place of the image.
 
         Args:
@@ -93,7 +94,7 @@ class View:
         return offset_of(X)
 
 
-def tilted_goal(point, t_C, normal_C):
+def tilted_goal(point: Dict[str, float], t_C: np.ndarray, normal_C: Sequence[float]) -> Tuple[np.ndarray, np.ndarray]:
     """Pose of a goal camera that is moved on a sphere about the target and sees it in the same place of the image.
 
     Args:

@@ -1,6 +1,7 @@
 """Statistics of sweeps. All are pure functions of rows; the tests hold them against published tables."""
 
 import math
+from typing import Any, Dict, List, Sequence, Tuple
 
 import numpy as np
 
@@ -10,14 +11,14 @@ from .metrics import known_metrics
 Z_95 = 1.959963984540054
 
 
-def every_run_succeeds(rows):
+def every_run_succeeds(rows: List[Dict[str, Any]]) -> bool:
     """Whether there are runs whose start was not refused, and all of them succeeded: a map of the result would have one
     colour."""
     tried = [row["success"] for row in rows if row["outcome"] != "infeasible"]
     return bool(tried) and all(tried)
 
 
-def wilson(successes, count, z=Z_95):
+def wilson(successes: int, count: int, z: float = Z_95) -> Tuple[float, float]:
     """Wilson's score interval of a proportion.
 
     Args:
@@ -35,7 +36,7 @@ def wilson(successes, count, z=Z_95):
     return (0.0 if successes == 0 else middle - half), (1.0 if successes == count else middle + half)
 
 
-def mcnemar(only_a, only_b):
+def mcnemar(only_a: int, only_b: int) -> float:
     """Exact two-sided p-value of the hypothesis that two methods succeed equally often on the same starts.
 
     Args:
@@ -49,7 +50,7 @@ def mcnemar(only_a, only_b):
     return float(binomtest(only_a, total, 0.5).pvalue) if total else 1.0
 
 
-def signed_rank(a, b):
+def signed_rank(a: Sequence[float], b: Sequence[float]) -> float:
     """Two-sided p-value of Wilcoxon's signed-rank test of paired values.
 
     Args:
@@ -64,7 +65,7 @@ def signed_rank(a, b):
     return 1.0 if not np.any(difference) else float(wilcoxon(difference).pvalue)
 
 
-def success_curve(distances, successes, bins=8):
+def success_curve(distances: Sequence[float], successes: Sequence[int], bins: int = 8) -> List[Dict[str, float]]:
     """Success rate against distance, in bins of equal width.
 
     Args:
@@ -88,7 +89,7 @@ def success_curve(distances, successes, bins=8):
     return curve
 
 
-def aggregate(rows):
+def aggregate(rows: List[Dict[str, Any]]) -> Dict[str, float]:
     """Numbers of a sweep by name. Infeasible starts are counted in `runs` and `infeasible` and left out of the rest.
 
     Returns:
@@ -116,7 +117,7 @@ def aggregate(rows):
     return numbers
 
 
-def reasons(rows):
+def reasons(rows: List[Dict[str, Any]]) -> List[Tuple[str, str, int]]:
     """(outcome, reason, count) of the runs that did not succeed, the most frequent first."""
     counts = {}
     for row in rows:

@@ -8,10 +8,11 @@ end of the servo. The servo is wrong in two ways: CONVERGED and not inside, or i
 from collections import Counter
 from dataclasses import asdict, dataclass
 from functools import lru_cache
+from typing import Any, Dict, List
 
 import numpy as np
 
-from aras_visual_servo import Kinematics, Status, load_scenario, true_error
+from aras_visual_servo import Kinematics, Scenario, Status, load_scenario, true_error
 from .perturb import perturbed
 from .plan import Planner, Start, SweepSettings, sample
 from .run import SweepRunner
@@ -49,7 +50,7 @@ class Case:
     goal: dict
 
 
-def draw(count, seed):
+def draw(count: int, seed: int) -> List[Case]:
     """`count` cases from a Latin hypercube with this seed; equal arguments give equal cases."""
     places = sample("latin_hypercube", count, 1 + len(VARIED) + JOINTS + GOAL, seed)
     return [_case(number + 1, place.tolist()) for number, place in enumerate(places)]
@@ -102,7 +103,7 @@ def _tilted(planner, kinematics, place):
         wanted["tilt_rad"] *= NEARER
 
 
-def scenario_of(case):
+def scenario_of(case: Case) -> Scenario:
     """The `Scenario` of a case."""
     scenario = load_scenario(case.scenario)
     gains = {name: case.gain_factor * gain for name, gain in scenario.servo["gains_per_s"].items()}
@@ -113,7 +114,7 @@ def scenario_of(case):
         "servo.gains_per_s": gains, "servo.tilt_gain_per_s": case.tilt_gain_per_s})
 
 
-def run_case(case):
+def run_case(case: Case) -> Dict[str, Any]:
     """Run a case. Returns a dict: the case, how it ended, the true error at the end, `converged` and `inside`."""
     scenario = scenario_of(case)
     row, record = SweepRunner(scenario).run(Start(case.id, dict(case.joints), goal=case.goal))
@@ -133,7 +134,7 @@ def run_case(case):
     return found
 
 
-def tally(rows):
+def tally(rows: List[Dict[str, Any]]) -> Dict[str, Counter]:
     """Counts by scenario and of all, dict of name -> Counter: runs, inside, converged, false_converged, missed.
 
     Cases that could not be run (the target was not in view at the start after all) are left out.

@@ -12,6 +12,7 @@ import os
 import sqlite3
 import time
 from pathlib import Path
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 from aras_visual_servo import GOAL_AXES, ArasError
 from .plan import Start
@@ -33,13 +34,14 @@ class SweepStore:
         extra: columns of `runs` beside COLUMNS: start_<joint>, offset_<axis>, goal_<axis>, p_<perturbation>.
     """
 
-    def __init__(self, folder, connection, meta, lock=None):
+    def __init__(self, folder: Union[str, Path], connection: sqlite3.Connection, meta: Dict[str, Any],
+                 lock: Optional[int] = None):
         self.folder, self.meta = Path(folder), meta
         self._connection, self._lock = connection, lock
         self.extra = list(meta["columns"])
 
     @classmethod
-    def create(cls, folder, meta, starts):
+    def create(cls, folder: Union[str, Path], meta: Dict[str, Any], starts: List[Start]) -> "SweepStore":
         """Make the file, with all planned runs (list of `Start`), in a folder that exists and holds no sweep yet."""
         path = Path(folder) / FILE
         if path.exists():
@@ -70,7 +72,7 @@ class SweepStore:
         return cls(folder, connection, meta, lock)
 
     @classmethod
-    def open(cls, folder, writing=False):
+    def open(cls, folder: Union[str, Path], writing: bool = False) -> "SweepStore":
         """Open the folder or the file of a sweep. Raises StoreError if it is missing or another process writes it."""
         folder = Path(folder)
         path = folder if folder.is_file() else folder / FILE
@@ -87,14 +89,14 @@ class SweepStore:
                 raise StoreError(f"{path}: meta.{key}: found {type(meta.get(key)).__name__}, allowed {kind.__name__}")
         return cls(path.parent, connection, meta, lock)
 
-    def starts(self):
+    def starts(self) -> List[Start]:
         """Every run that is planned: list of `Start`, ordered by id."""
         with _speaking(self.folder):
             rows = self._connection.execute("SELECT id, joints, offset, parameters, refusal, goal FROM starts "
                                             "ORDER BY id")
             return [Start(row[0], *map(json.loads, row[1:4]), row[4], json.loads(row[5])) for row in rows]
 
-    def start(self, run_id):
+    def start(self, run_id: int) -> Start:
         """The planned run of this id. Raises StoreError with the range of ids if there is none."""
         starts = self.starts()
         found = [start for start in starts if start.id == run_id]
@@ -102,13 +104,13 @@ class SweepStore:
             raise StoreError(f"{self.folder}: no run {run_id}, there are 1 to {len(starts)}")
         return found[0]
 
-    def pending(self):
+    def pending(self) -> List[Start]:
         """Runs that are planned and not done: list of `Start`, ordered by id."""
         with _speaking(self.folder):
             done = {row[0] for row in self._connection.execute("SELECT id FROM runs")}
         return [start for start in self.starts() if start.id not in done]
 
-    def add(self, results, starts):
+    def add(self, results: Sequence[Tuple[Dict[str, Any], float]], starts: Dict[int, Start]) -> None:
         """Save these runs, either all or none.
 
         Args:
@@ -123,14 +125,14 @@ class SweepStore:
             self._connection.executemany("INSERT INTO timing VALUES (?, ?, ?)",
                                          [(row["id"], wall_s, now) for row, wall_s in results])
 
-    def rows(self):
+    def rows(self) -> List[Dict[str, Any]]:
         """Every run that is done: list of dicts of COLUMNS and `extra`, ordered by id."""
         names = list(COLUMNS) + self.extra
         with _speaking(self.folder):
             found = self._connection.execute(f"SELECT {', '.join(map(_quoted, names))} FROM runs ORDER BY id")
             return [dict(zip(names, row)) for row in found]
 
-    def csv(self):
+    def csv(self) -> str:
         """The table `runs` as text."""
         stream = io.StringIO()
         writer = csv.writer(stream, lineterminator="\n")
@@ -141,7 +143,7 @@ class SweepStore:
                              else row[name] for name in names])
         return stream.getvalue()
 
-    def close(self):
+    def close(self) -> None:
         """Close the file and release the lock, so that other processes may write."""
         with _speaking(self.folder):
             self._connection.close()
@@ -149,10 +151,10 @@ class SweepStore:
             os.close(self._lock)
             self._lock = None
 
-    def __enter__(self):
+    def __enter__(self) -> "SweepStore":
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: Any) -> None:
         self.close()
 
     def _values(self, row, start):

@@ -6,19 +6,20 @@ import os
 import threading
 import time
 from pathlib import Path
+from typing import Any, Dict, List, Tuple
 
-from aras_visual_servo import ParameterError, resolve_uri, scenario_from_dict
+from aras_visual_servo import ParameterError, Scenario, resolve_uri, scenario_from_dict
 from .plan import Start
 from .run import SweepRunner
 
 
-def make_setup(scenario, drive_to_start):
+def make_setup(scenario: Scenario, drive_to_start: bool) -> Dict[str, Any]:
     """What a worker must know of a sweep, as a plain dict, with the hash of the files that it must have."""
     return {"scenario": scenario.as_dict(), "base": str(scenario._base or "."), "path": str(scenario.path or ""),
             "drive_to_start": bool(drive_to_start), "files": files_hash(scenario)}
 
 
-def files_hash(scenario):
+def files_hash(scenario: Scenario) -> str:
     """SHA-256 of robot, controllers and models of a scenario, hexadecimal."""
     digest = hashlib.sha256(scenario.urdf_path.read_bytes() + scenario.controllers_path.read_bytes())
     for model in scenario.sim.get("scene", {}).get("models", []):
@@ -27,7 +28,7 @@ def files_hash(scenario):
     return digest.hexdigest()
 
 
-def scenario_of(setup):
+def scenario_of(setup: Dict[str, Any]) -> Scenario:
     """The scenario of a setup. Raises ParameterError if robot or targets on this machine are not those of the sweep."""
     path = Path(setup["path"]) if setup["path"] else None
     scenario = scenario_from_dict(setup["scenario"], source=setup["scenario"]["name"], base=Path(setup["base"]),
@@ -38,7 +39,7 @@ def scenario_of(setup):
     return scenario
 
 
-def run_chunk(setup, starts):
+def run_chunk(setup: Dict[str, Any], starts: List[Dict[str, Any]]) -> List[Tuple[Dict[str, Any], float]]:
     """Run some starts. This is the function that workers call.
 
     Args:
@@ -57,7 +58,7 @@ def run_chunk(setup, starts):
     return results
 
 
-def plain(start):
+def plain(start: Start) -> Dict[str, Any]:
     """A Start as a plain dict, of the same values: `asdict` would copy each of them, half a second in ten thousand."""
     return dict(vars(start))
 

@@ -9,7 +9,7 @@ import pytest
 from synthetic import make_record
 
 from aras_visual_servo_study.sweep.judge import COLUMNS, judge_row
-from aras_visual_servo_study.sweep.metrics import Outcome, METRICS, judge_by, known_metrics
+from aras_visual_servo_study.sweep.metrics import METRICS, Outcome, judge_by, known_metrics
 from aras_visual_servo_study.sweep.report import rate_labels
 from aras_visual_servo_study.sweep.statistics import aggregate
 
@@ -18,7 +18,7 @@ START = {"distance0_mm": 200.0, "angle0_deg": 30.0, "goal_distance_mm": 600.0}
 
 
 def holds(name, error_mm, angle_deg, **changes):
-    return metric(name).holds(Outcome(error_mm, angle_deg, **{**START, **changes}))
+    return METRICS[name].holds(Outcome(error_mm, angle_deg, **{**START, **changes}))
 
 
 @pytest.mark.parametrize("name, error_mm, angle_deg", [

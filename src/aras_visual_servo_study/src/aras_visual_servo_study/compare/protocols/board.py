@@ -1,5 +1,8 @@
 """Textured boards, drawn by a seeded program: pictures with corners and edges at all scales, and perturbed copies."""
 
+from pathlib import Path
+from typing import Callable, Optional, Sequence, Tuple, Union
+
 import numpy as np
 
 from aras_visual_servo import ParameterError
@@ -9,7 +12,8 @@ WIDTH, HEIGHT = 1500, 1125
 SHAPES = 900
 
 
-def draw(seed, size_px=(WIDTH, HEIGHT), shapes=SHAPES, largest_px=180.0):
+def draw(seed: Union[int, Sequence[int]], size_px: Tuple[int, int] = (WIDTH, HEIGHT), shapes: int = SHAPES,
+         largest_px: float = 180.0) -> np.ndarray:
     """A board, (height, width, 3) uint8: rectangles, discs and triangles of many sizes and colours over each other."""
     rng, (width, height) = np.random.default_rng(seed), size_px
     # on_top: for each pixel the index of the colour that is seen there.
@@ -29,7 +33,8 @@ def draw(seed, size_px=(WIDTH, HEIGHT), shapes=SHAPES, largest_px=180.0):
     return np.array(colours, np.uint8)[on_top]
 
 
-def sign(outlines_m, size_m, grey=20, ground=250):
+def sign(outlines_m: Sequence[np.ndarray], size_m: Tuple[float, float], grey: int = 20,
+         ground: int = 250) -> np.ndarray:
     """A board of size_m, (HEIGHT, WIDTH, 3) uint8, of one grey, with outlines of another about its middle."""
     from matplotlib.path import Path  # slow to import
     v, u = np.mgrid[0:HEIGHT, 0:WIDTH]
@@ -40,7 +45,7 @@ def sign(outlines_m, size_m, grey=20, ground=250):
     return image
 
 
-def perturbed(picture, seed):
+def perturbed(picture: np.ndarray, seed: Union[int, Sequence[int]]) -> np.ndarray:
     """A copy with the perturbations of the ViT-VS protocol, drawn here with numpy.
 
     With a chance of 1/2 a rectangle of 2 to 33 % of the area is black, its sides' ratio between 0.3 and 3.3. Then, in
@@ -71,13 +76,13 @@ def perturbed(picture, seed):
     return np.rint(255.0 * np.clip(image, 0.0, 1.0)).astype(np.uint8)
 
 
-def save(path, picture):
+def save(path: Path, picture: np.ndarray) -> None:
     """Write a picture, (h, w, 3) uint8, to a PNG file. The same picture gives the same bytes."""
     import matplotlib.image  # slow to import
     matplotlib.image.imsave(str(path), picture, metadata={"Software": None})
 
 
-def load(path):
+def load(path: Path) -> np.ndarray:
     """(h, w, 3) uint8 of a picture's file, transparency left out. Raises OSError, ValueError."""
     import matplotlib.image
     picture = matplotlib.image.imread(str(path))
@@ -86,7 +91,7 @@ def load(path):
     return np.ascontiguousarray(picture[..., :3] if picture.ndim == 3 else np.repeat(picture[..., None], 3, axis=2))
 
 
-def asked_for(file, seed):
+def asked_for(file: Optional[str], seed: int) -> np.ndarray:
     """The picture of a user's file, or our own of this seed where the file is None. Raises ParameterError."""
     try:
         return draw(seed) if file is None else load(file)
@@ -94,7 +99,7 @@ def asked_for(file, seed):
         raise ParameterError(f"--board: found {file}, allowed the file of a picture: {error}") from error
 
 
-def save_mesh(path, draw_picture, size_m):
+def save_mesh(path: Path, draw_picture: Callable[[], np.ndarray], size_m: Tuple[float, float]) -> Path:
     """Write a rectangle that bears a picture, PATH.obj with PATH.mtl and PATH.png; files that are there are taken.
 
     A mesh answers light and shadows, which a flat model of a scene does not.

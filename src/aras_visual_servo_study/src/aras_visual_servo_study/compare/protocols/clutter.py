@@ -1,9 +1,12 @@
 """Protocol `clutter`: targets among distractors, half covered, under moving shadows and changing light."""
 
+from pathlib import Path
+from typing import Any, Dict, List, Optional
+
 import numpy as np
 import yaml
 
-from aras_visual_servo import (ParameterError, load_scenario, load_yaml, resolve_uri, robot_kinematics,
+from aras_visual_servo import (ParameterError, Scenario, load_scenario, load_yaml, resolve_uri, robot_kinematics,
                                scenario_from_dict)
 from ...sweep.plan import Start, SweepSettings, make_starts
 from . import board as boards
@@ -48,7 +51,7 @@ class Clutter(Protocol):
     source = "this project"
     metric, published_starts, takes = "success", STARTS, ("board",)
 
-    def cases(self, folder, count, board=None):
+    def cases(self, folder: Path, count: int, board: Optional[str] = None) -> List[Case]:
         if not 1 <= count <= STARTS:
             raise ParameterError(f"starts: found {count}, allowed 1 to {STARTS}")
         folder.mkdir(parents=True, exist_ok=True)
@@ -68,7 +71,7 @@ class Clutter(Protocol):
         return cases
 
 
-def scene(mesh, changes):
+def scene(mesh: Path, changes: Dict[str, Any]) -> Scenario:
     """The scenario: a lit board below the camera of `vit_vs`, drawn by OpenGL, 15 s for a run.
 
     Args: changes: {"section.key": value}; a key whose value is None is left out.
@@ -89,7 +92,7 @@ def scene(mesh, changes):
     return scenario_from_dict(document, source="clutter", base=template._base, path=template.path)
 
 
-def planned(scenario, count):
+def planned(scenario: Scenario, count: int) -> List[Start]:
     """The first `count` starts, list of `Start`, at random in the ball about the goal."""
     robot = scenario.robot
     kinematics = robot_kinematics(scenario.urdf_xml(), robot["base_link"], robot["tip_link"])

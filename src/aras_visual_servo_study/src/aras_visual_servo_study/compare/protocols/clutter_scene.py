@@ -5,6 +5,9 @@ camera looks down on it.
 """
 
 import math
+from typing import Any, Dict, List, Tuple
+
+import numpy as np
 
 #: Width and height of the board [m], how it is turned, half its extent along x and y of the world [m], and how many
 #: distractors stand on and beside it.
@@ -16,7 +19,7 @@ LAMP = {"name": "lamp", "type": "directional", "direction": [-0.5, -0.3, -1.0], 
 CONDITIONS = ("plain", "distractors", "covered", "shadows", "light", "all")
 
 
-def clutter(condition, rng):
+def clutter(condition: str, rng: np.random.Generator) -> Dict[str, List[Dict[str, Any]]]:
     """{"solids": [...], "lights": [...]} of a condition, entries as in the section `sim.scene`."""
     solids, lights = [], []
     if condition in ("distractors", "all"):
@@ -31,7 +34,7 @@ def clutter(condition, rng):
     return {"solids": solids, "lights": lights}
 
 
-def distractors(rng):
+def distractors(rng: np.random.Generator) -> List[Dict[str, Any]]:
     """Boxes, balls and cylinders of all colours, lying on the board's outer half and around it."""
     found = []
     for number in range(DISTRACTORS):
@@ -45,7 +48,7 @@ def distractors(rng):
     return found
 
 
-def cover(rng):
+def cover(rng: np.random.Generator) -> List[Dict[str, Any]]:
     """A sheet of one grey that lies on half of the board, on a side of chance."""
     along = rng.integers(2)
     half = [HALF_M[0], HALF_M[1]]
@@ -56,7 +59,7 @@ def cover(rng):
              "color_rgb": [int(rng.integers(60, 200))] * 3}]
 
 
-def passers(rng):
+def passers(rng: np.random.Generator) -> List[Dict[str, Any]]:
     """Boxes that circle beside the camera, between the lamp and the board, and throw their shadows on it."""
     found = []
     for number in range(3):
@@ -71,7 +74,7 @@ def passers(rng):
     return found
 
 
-def moving_light(rng):
+def moving_light(rng: np.random.Generator) -> Tuple[List[Dict[str, Any]], List[Dict[str, Any]]]:
     """(solids, lights): a lamp on a carrier that comes and goes, and another brightness and tint of the steady one."""
     phase, turns = rng.uniform(-math.pi, math.pi), rng.uniform(0.4, 1.2)
     start = [0.9 * math.cos(phase), 0.9 * math.sin(phase), 1.6]

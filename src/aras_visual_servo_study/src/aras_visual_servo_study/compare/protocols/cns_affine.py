@@ -1,10 +1,12 @@
 """Protocol `cns_affine`: 150 pairs of a goal and a start above a picture, from the publication of CNS."""
 
 import math
+from pathlib import Path
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from aras_visual_servo import load_scenario, robot_kinematics, spatial
+from aras_visual_servo import Scenario, load_scenario, robot_kinematics, spatial
 from ...sweep.plan import Start
 from . import board as boards
 from .base import Case, Protocol, register_protocol, spread
@@ -31,7 +33,7 @@ class CnsAffine(Protocol):
               "2024; poses as in github.com/hhcaz/CNS (BenchmarkEnvAffine)")
     metric, published_starts, takes = "cns", STARTS, ("board",)
 
-    def cases(self, folder, count, board=None):
+    def cases(self, folder: Path, count: int, board: Optional[str] = None) -> List[Case]:
         folder.mkdir(parents=True, exist_ok=True)
         path = folder / "board.png"
         if not path.exists():
@@ -46,7 +48,7 @@ class CnsAffine(Protocol):
         return cases
 
 
-def pairs(count=STARTS):
+def pairs(count: int = STARTS) -> Tuple[np.ndarray, np.ndarray]:
     """(X_WCg, X_WC), (count, 4, 4) each: `count` of the 150 goals and starts of the protocol, optical frames.
 
     Both look at the middle of the picture. A pair that is closer than 2 mm and 1 degree is drawn again.
@@ -67,13 +69,14 @@ def pairs(count=STARTS):
     return np.array(goals)[chosen], np.array(starts)[chosen]
 
 
-def planned(scenario, count):
+def planned(scenario: Scenario, count: int) -> List[Start]:
     """The starts, list of `Start`, each with a goal of its own; their id is that of the protocol, from 1 to 150."""
     return starts_of(scenario, spread(count, STARTS), *pairs(count),
                      lambda _, X_WCg: {"experiment.z_star_m": float(np.linalg.norm(X_WCg[:3, 3]))})
 
 
-def starts_of(scenario, indices, goals, starts, parameters):
+def starts_of(scenario: Scenario, indices: Sequence[int], goals: np.ndarray, starts: np.ndarray,
+              parameters: Callable[[int, np.ndarray], Dict[str, Any]]) -> List[Start]:
     """List of `Start` from camera poses above the plane z = 0, each with a goal of its own.
 
     Args: indices: of the pairs in the protocol, from 0; an id counts from 1.  goals, starts: X_WC, (n, 4, 4).
@@ -93,13 +96,14 @@ def starts_of(scenario, indices, goals, starts, parameters):
     return found
 
 
-def apart(goal, start):
+def apart(goal: np.ndarray, start: np.ndarray) -> bool:
     """Whether two poses differ by 2 mm or 1 degree, as those of a pair have to."""
     return (spatial.rotation_angle(goal[:3, :3].T @ start[:3, :3]) >= math.radians(1.0)
             or np.linalg.norm(goal[:3, 3] - start[:3, 3]) >= 0.002)
 
 
-def drawn(rng, distance_m, above_deg, turns_deg):
+def drawn(rng: np.random.RandomState, distance_m: Tuple[float, float], above_deg: Tuple[float, float],
+          turns_deg: Sequence[float]) -> np.ndarray:
     """X_WC, (4, 4), that looks at the origin from above: the order of the draws is that of the protocol.
 
     Args: ranges of the distance [m] and of the angle above the table; largest turns about z, y, x [deg].

@@ -1,10 +1,14 @@
 """Protocol `cns_render`: 150 scenes of things that came to rest on a table, from the publication of CNS."""
 
+from pathlib import Path
+from typing import Dict, List, Optional, Sequence, Tuple
+
 import numpy as np
 import yaml
 
 from ...files import share_dir
-from aras_visual_servo import load_scenario
+from ...sweep.plan import Start
+from aras_visual_servo import Scenario, load_scenario
 from .base import Case, Protocol, register_protocol, spread
 from .cns_affine import apart, drawn, starts_of
 from .props import save_props
@@ -32,7 +36,7 @@ class CnsRender(Protocol):
               "2024; ranges as in github.com/hhcaz/CNS (BenchmarkEnvRender)")
     metric, published_starts, takes = "cns", SCENES, ("meshes",)
 
-    def cases(self, folder, count, meshes=None):
+    def cases(self, folder: Path, count: int, meshes: Optional[str] = None) -> List[Case]:
         scenes = saved_scenes(folder, [index + 1 for index in spread(count, SCENES)], meshes)
         cases = []
         for detector in DETECTORS:
@@ -42,7 +46,7 @@ class CnsRender(Protocol):
         return cases
 
 
-def pairs(count=SCENES):
+def pairs(count: int = SCENES) -> Tuple[np.ndarray, np.ndarray]:
     """(X_WCg, X_WC), (count, 4, 4) each: `count` of the 150 goals and starts, optical frames that look at the table."""
     rng, found = np.random.RandomState(SEED), []
     while len(found) < SCENES:
@@ -52,7 +56,7 @@ def pairs(count=SCENES):
     return tuple(np.array(poses) for poses in zip(*(found[index] for index in spread(count, SCENES))))
 
 
-def planned(scenario, count, scenes):
+def planned(scenario: Scenario, count: int, scenes: Dict[int, Path]) -> List[Start]:
     """The starts, list of `Start`, each with a goal and a scene of its own; their id is that of the protocol.
 
     Args: scenes: {id: path of the file with the things}.
@@ -64,7 +68,7 @@ def planned(scenario, count, scenes):
     return starts_of(scenario, spread(count, SCENES), *pairs(count), parameters)
 
 
-def saved_scenes(folder, numbers, meshes=None):
+def saved_scenes(folder: Path, numbers: Sequence[int], meshes: Optional[str] = None) -> Dict[int, Path]:
     """{number: path of a file with the things of a scene}; files that are there are taken.
 
     Args: meshes: folder of the user's meshes, which are dropped first; None: our own, where the record has them.

@@ -1,6 +1,8 @@
 """The picture of the protocol `latency`: how many runs succeed at each pair of delays, and the border by theory."""
 
 import math
+from pathlib import Path
+from typing import Any, Dict, List, Tuple
 
 import numpy as np
 
@@ -8,7 +10,7 @@ import numpy as np
 RUNS_PER_CELL, MOST_CELLS = 12, 25
 
 
-def cells(rows, axes, most_s):
+def cells(rows: List[Dict[str, Any]], axes: Tuple[str, str], most_s: float) -> Tuple[np.ndarray, np.ndarray]:
     """(rate, edges): success rate by [image delay, command delay], (n, n), NaN without a run; edges (n + 1,) [s]."""
     n = int(np.clip(math.sqrt(len(rows) / RUNS_PER_CELL), 2, MOST_CELLS))
     edges = np.linspace(0.0, most_s, n + 1)
@@ -18,7 +20,7 @@ def cells(rows, axes, most_s):
     return np.divide(won, runs, out=np.full_like(won, np.nan), where=runs > 0), edges
 
 
-def border_s(gain_per_s, rate_hz):
+def border_s(gain_per_s: float, rate_hz: float) -> float:
     """Sum of both delays from which on a loop of this gain does not come to rest any more [s].
 
     A velocity of gain times an error that is T old is stable for gain T < pi / 2. A command holds for one period of the
@@ -27,7 +29,8 @@ def border_s(gain_per_s, rate_hz):
     return 0.5 * math.pi / gain_per_s - 0.5 / rate_hz
 
 
-def save_map(path, rows, axes, most_s, gain_per_s, rate_hz):
+def save_map(path: Path, rows: List[Dict[str, Any]], axes: Tuple[str, str], most_s: float, gain_per_s: float,
+             rate_hz: float) -> Path:
     """Draw PATH.png and PATH.pdf. Returns the path of the first.
 
     Args: rows: of the runs.  axes: columns of the delays of image and command [s].  most_s: the longest one.

@@ -1,8 +1,11 @@
 """Protocol `latency`: success over the delays of images and of commands, from 10 000 runs with delays of their own."""
 
+from pathlib import Path
+from typing import Any, Dict, List, Tuple
+
 import numpy as np
 
-from aras_visual_servo import ParameterError, kinematics_of, load_scenario
+from aras_visual_servo import ParameterError, Scenario, kinematics_of, load_scenario
 from ...sweep.plan import Start, SweepSettings, make_starts
 from .base import Case, Protocol, halton, register_protocol
 from .delay_map import save_map
@@ -34,29 +37,29 @@ class Latency(Protocol):
     source = "this project"
     metric, published_starts = "success", STARTS
 
-    def cases(self, folder, count):
+    def cases(self, folder: Path, count: int) -> List[Case]:
         return [Case(name, scenario, planned(scenario, count), {"case": name})
                 for name, scenario in ((name, load_scenario(file, changes)) for name, (file, changes) in CASES.items())]
 
-    def lines(self, case, rows):
+    def lines(self, case: Case, rows: List[Dict[str, Any]]) -> List[Tuple[Dict[str, str], List[Dict[str, Any]]]]:
         """By the sum of both delays."""
         total = [row[f"p_{IMAGE}"] + row[f"p_{COMMAND}"] for row in rows]
         bands = [(low, low + BAND_S) for low in np.arange(0.0, 2.0 * MOST_S - 1e-9, BAND_S)]
         return [({**case.columns, "sum of delays": f"{low:.1f} to {high:.1f} s"},
                  [row for row, delay_s in zip(rows, total) if low <= delay_s < high]) for low, high in bands]
 
-    def save_pictures(self, results, folder):
+    def save_pictures(self, results: List[Tuple[Case, List[Dict[str, Any]]]], folder: Path) -> List[Path]:
         axes = f"p_{IMAGE}", f"p_{COMMAND}"
         return [save_map(folder / f"{case.name}_map", rows, axes, MOST_S, _gain(case.scenario),
                          case.scenario.sim["cameras"][0]["rate_hz"]) for case, rows in results]
 
 
-def delays(count):
+def delays(count: int) -> np.ndarray:
     """(count, 2) delays of image and command [s]: a Halton sequence."""
     return MOST_S * halton(count, (2, 3))
 
 
-def planned(scenario, count):
+def planned(scenario: Scenario, count: int) -> List[Start]:
     """The first `count` runs, list of `Start`; a start that cannot be tried gives its place to the next one."""
     if not 1 <= count <= STARTS:
         raise ParameterError(f"starts: found {count}, allowed 1 to {STARTS}")

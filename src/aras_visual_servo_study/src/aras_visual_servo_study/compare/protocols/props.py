@@ -2,6 +2,8 @@
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Dict
 
 import numpy as np
 
@@ -37,7 +39,7 @@ PROPS = (_box("box_flat", 0.16, 0.11, 0.035), _box("box_tall", 0.07, 0.05, 0.17)
          _round("can_small", 0.027, 0.06), _round("prism_six", 0.045, 0.09, 6), _round("prism_three", 0.06, 0.11, 3))
 
 
-def save_props(folder):
+def save_props(folder: Path) -> Dict[str, Path]:
     """Write the things, NAME.obj with .mtl and .png each; files that are there are taken. Returns {name: path}."""
     folder.mkdir(parents=True, exist_ok=True)
     for number, prop in enumerate(PROPS):

@@ -9,7 +9,7 @@ import csv
 import sys
 import tempfile
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, Dict, List, NamedTuple, Optional, Union
 
 import numpy as np
 
@@ -35,7 +35,7 @@ class Resting(NamedTuple):
     rpy_rad: tuple
 
 
-def settle(meshes, number, count=None):
+def settle(meshes: Dict[str, Path], number: int, count: Optional[int] = None) -> List[Resting]:
     """Drop things on a table and wait until they rest. The same seed and meshes give the same numbers.
 
     Args: meshes: {name: path of a mesh}.  number: of the scene.  count: of things; None: drawn, 8 to 11.
@@ -61,7 +61,7 @@ def settle(meshes, number, count=None):
     return [_rounded(name, sim.model_pose(thing)) for name, thing in zip(chosen, things)]
 
 
-def save_scenes(path, scenes):
+def save_scenes(path: Union[str, Path], scenes: Dict[int, List[Resting]]) -> None:
     """Write {number: list of Resting} as CSV."""
     with open(path, "w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
@@ -71,7 +71,7 @@ def save_scenes(path, scenes):
                 writer.writerow([number, one.thing, *(f"{v:.5f}" for v in (*one.position_m, *one.rpy_rad))])
 
 
-def load_scenes(path):
+def load_scenes(path: Union[str, Path]) -> Dict[int, List[Resting]]:
     """{number: list of Resting} of a CSV file of `save_scenes`. Raises ParameterError."""
     scenes = {}
     with open(path, encoding="utf-8", newline="") as file:
@@ -85,7 +85,7 @@ def load_scenes(path):
     return scenes
 
 
-def meshes_in(folder):
+def meshes_in(folder: Union[str, Path]) -> Dict[str, Path]:
     """{name: path} of the meshes in a folder and those below it, but for those called collision; name: path in it.
 
     Raises ParameterError: there are none.
@@ -98,7 +98,7 @@ def meshes_in(folder):
     return found
 
 
-def table(simulation):
+def table(simulation: Any) -> Any:
     """A simulation of nothing but a table, the plane z = 0."""
     return simulation(NOTHING, {"period_s": PERIOD_S, "contacts": {"ground_plane": {"z_m": 0.0}, "pairs": "all"}})
 
@@ -108,7 +108,7 @@ def _rounded(name, X_WM):
                    tuple(round(float(v), 5) for v in spatial.rpy_of(X_WM[:3, :3])))
 
 
-def main(path):
+def main(path: str) -> None:
     """Drop our own things for all scenes and write the file."""
     with tempfile.TemporaryDirectory() as folder:
         meshes = save_props(Path(folder))

@@ -1,10 +1,12 @@
 """Protocol `vit_vs`: a camera in front of a poster, from the publication of ViT-VS."""
 
 import math
+from pathlib import Path
+from typing import List, Optional
 
 import numpy as np
 
-from aras_visual_servo import load_scenario, robot_kinematics
+from aras_visual_servo import Scenario, load_scenario, robot_kinematics
 from ...sweep.plan import Start
 from . import board as boards
 from .base import Case, Protocol, register_protocol, spread
@@ -34,7 +36,7 @@ class VitVs(Protocol):
               "starts and perturbations as in github.com/AlessandroScherl/ViT-VS")
     metric, published_starts, takes = "vit_vs", STARTS, ("board",)
 
-    def cases(self, folder, count, board=None):
+    def cases(self, folder: Path, count: int, board: Optional[str] = None) -> List[Case]:
         picture, perturbed = _pictures(folder, board, spread(count, STARTS))
         cases = []
         for condition in CONDITIONS:
@@ -52,7 +54,7 @@ class VitVs(Protocol):
         return cases
 
 
-def camera_poses(count=STARTS):
+def camera_poses(count: int = STARTS) -> np.ndarray:
     """X_WC, (count, 4, 4) of the optical frame at the starts, `count` of the 500 of the protocol.
 
     Places are uniform in the box about the goal. Each camera looks at a point on one of four circles about the middle
@@ -76,14 +78,14 @@ def camera_poses(count=STARTS):
     return poses[spread(count, STARTS)]
 
 
-def goal_pose():
+def goal_pose() -> np.ndarray:
     """X_WCg, (4, 4): 0.6 m above the board, the optical axis down."""
     X = np.eye(4)
     X[:3, :3], X[:3, 3] = np.array([[0.0, -1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]), GOAL_M
     return X
 
 
-def planned(scenario, count):
+def planned(scenario: Scenario, count: int) -> List[Start]:
     """The starts, list of `Start`; their id is that of the protocol, from 1 to 500."""
     robot = scenario.robot
     kinematics = robot_kinematics(scenario.urdf_xml(), robot["base_link"], robot["tip_link"])

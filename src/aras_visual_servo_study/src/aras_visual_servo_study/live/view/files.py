@@ -11,12 +11,12 @@ THREE = Path("/usr/share/javascript/three")
 THREE_FILES = ("three.min.js", "examples/js/controls/OrbitControls.js")
 
 
-def web_dir():
+def web_dir() -> Path:
     """Folder of the pages' own files."""
     return share_dir() / "web"
 
 
-def three_file(name):
+def three_file(name: str) -> Path:
     """Path of one of THREE_FILES. Raises ParameterError: libjs-three is not installed."""
     path = THREE / name
     if not path.is_file():

@@ -6,6 +6,8 @@ step along each axis (float32, 3 each), the vertices (uint16, 3 each), padding t
 """
 
 import functools
+from pathlib import Path
+from typing import Union
 
 import numpy as np
 
@@ -15,12 +17,12 @@ STEPS = 65535
 
 
 @functools.lru_cache(maxsize=128)
-def mesh_block(path):
+def mesh_block(path: str) -> bytes:
     """The block, bytes, of a mesh file. Raises ModelError: it cannot be read."""
     return as_block(triangles_of(path))
 
 
-def as_block(corners):
+def as_block(corners: np.ndarray) -> bytes:
     """The block of triangles, float (n, 3, 3) [m]; corners that fall together become one vertex."""
     points = np.asarray(corners, dtype=float).reshape(-1, 3)
     low, high = points.min(axis=0), points.max(axis=0)
@@ -37,7 +39,7 @@ def as_block(corners):
     return head + flat + bytes(-len(flat) % 4) + index.astype("<u4").tobytes()
 
 
-def triangles_of(path):
+def triangles_of(path: Union[str, Path]) -> np.ndarray:
     """Corners, float (n, 3, 3) [m], of a mesh file of any kind that the simulator reads. Raises ModelError."""
     from aras_visual_servo_sim import mesh_triangles  # C++: not needed to import this
     try:

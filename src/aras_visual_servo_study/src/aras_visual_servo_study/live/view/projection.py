@@ -1,6 +1,7 @@
 """Where things are in an image, and where an observer stands beside the arm."""
 
 import math
+from typing import Any, Dict, Tuple
 
 import numpy as np
 
@@ -12,7 +13,7 @@ REACH = 1.4
 MARGIN = 1.75    # distance of the observer, as a multiple of the height of what it looks at
 
 
-def standpoint(at_C, at_T):
+def standpoint(at_C: np.ndarray, at_T: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """(eye, look_at), (3,) each, world [m]: far enough to see from the target up to the arm above the camera."""
     height = max(abs(at_C[2] - at_T[2]) * (1.0 + REACH), 0.5)
     look_at = np.array([(at_C[0] + at_T[0]) / 2, (at_C[1] + at_T[1]) / 2, min(at_C[2], at_T[2]) + 0.47 * height])
@@ -21,7 +22,7 @@ def standpoint(at_C, at_T):
     return look_at + MARGIN * height * away, look_at
 
 
-def project(xy, camera_info):
+def project(xy: np.ndarray, camera_info: Dict[str, Any]) -> np.ndarray:
     """Pixels (n, 2) of normalised image coordinates (n, 2) of a camera; NaN stays NaN.
 
     Args:

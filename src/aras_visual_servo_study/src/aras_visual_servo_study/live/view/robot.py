@@ -5,6 +5,7 @@
 """
 
 import xml.etree.ElementTree as tree
+from typing import Any, Dict, List, Tuple
 
 from aras_visual_servo import ModelError, ParameterError, resolve_uri
 from .meshes import mesh_block
@@ -13,7 +14,7 @@ GREY = [0.6, 0.6, 0.62, 1.0]
 MOVING = ("prismatic", "revolute", "continuous")
 
 
-def robot_of(urdf_xml):
+def robot_of(urdf_xml: str) -> Dict[str, Any]:
     """The robot of a URDF: dict root, joints, links, meshes.
 
     joints: list of name, type, parent, child, xyz [m], rpy [rad], axis, lower, upper (None: unbounded).
@@ -37,7 +38,7 @@ def robot_of(urdf_xml):
     return {"root": roots[0], "joints": joints, "links": links, "meshes": meshes}
 
 
-def mesh_blocks(robot):
+def mesh_blocks(robot: Dict[str, Any]) -> Tuple[Dict[str, bytes], List[str]]:
     """(name -> block, notes): the meshes of `robot_of` as bytes, and a line for each that cannot be drawn."""
     blocks, notes = {}, []
     for name, uri in robot["meshes"].items():

@@ -9,10 +9,12 @@ A feature of the class attribute `overlay = "mine"` is then drawn so in the repo
 
 import functools
 from dataclasses import dataclass
+from typing import Optional, Tuple
 
 import numpy as np
 
-from aras_visual_servo import ArasError, Feature, Outline, Registry, feature_class, scenario_from_dict, spatial
+from aras_visual_servo import (ArasError, Feature, Outline, Registry, RunRecord, feature_class, scenario_from_dict,
+                               spatial)
 from ...live.view.projection import project
 
 #: An outline of more corners is drawn through so many of them.
@@ -65,7 +67,7 @@ class Overlay:
     difference: bool = False
 
 
-def overlay_of(record):
+def overlay_of(record: RunRecord) -> Optional[Overlay]:
     """`Overlay` of a RunRecord's features; None for a record without camera_info or servo phase."""
     if not record.camera_info or not len(record.servo_rows) or not len(record.rows("teach")):
         return None
@@ -85,22 +87,22 @@ class Scene:
     Attributes: record.  rows: of the servo phase, n.  goal: row of the taught view.  width, height: of the image [px].
     """
 
-    def __init__(self, record):
+    def __init__(self, record: RunRecord):
         self.record, self.rows, self.goal = record, record.servo_rows, record.taught_row
         self.width, self.height = int(record.camera_info["width"]), int(record.camera_info["height"])
         self.focal_px = float(record.camera_info["K"][0])
 
-    def pixels(self, xy):
+    def pixels(self, xy: np.ndarray) -> np.ndarray:
         """(..., 2) pixels of normalised image coordinates (..., 2); NaN stays NaN."""
         xy = np.asarray(xy, dtype=float)
         return project(xy.reshape(-1, 2), self.record.camera_info).reshape(xy.shape)
 
-    def rays(self, pixels):
+    def rays(self, pixels: np.ndarray) -> np.ndarray:
         """(k, 2) normalised image coordinates of pixels (k, 2), for a camera without a lens."""
         K = np.array(self.record.camera_info["K"], dtype=float).reshape(3, 3)
         return (np.asarray(pixels, dtype=float) - K[:2, 2]) / K[[0, 1], [0, 1]]
 
-    def values(self, name):
+    def values(self, name: str) -> Tuple[np.ndarray, float]:
         """((n,) values of a feature, its value at the goal)."""
         column = self.record.feature_names.index(name)
         wanted = self.record.s_star[self.rows, column]
@@ -108,7 +110,7 @@ class Scene:
         return self.record.s[self.rows, column], wanted[-1] if len(wanted) else np.nan
 
     @functools.cached_property
-    def target(self):
+    def target(self) -> Tuple[np.ndarray, np.ndarray]:
         """((n, 4, 4) true pose of the target in the camera, (4, 4) at the goal), NaN where unknown."""
         record, rows = self.record, np.append(self.rows, self.goal)
         if record.X_WT is None and record.target_poses is None:
@@ -117,13 +119,13 @@ class Scene:
         found = [spatial.inverse(record.X_WC[row]) @ X for row, X in zip(rows, X_WT)]
         return np.array(found[:-1]), found[-1]
 
-    def seen_in(self, points_T, X_CT):
+    def seen_in(self, points_T: np.ndarray, X_CT: np.ndarray) -> np.ndarray:
         """(..., k, 2) pixels of points (k, 3) of the target's frame from X_CT (..., 4, 4); NaN behind the camera."""
         points = np.einsum("...ij,kj->...ki", X_CT[..., :3, :3], points_T) + X_CT[..., None, :3, 3]
         depth = np.where(points[..., 2:] > 1e-6, points[..., 2:], np.nan)
         return self.pixels(points[..., :2] / depth)
 
-    def outline(self, name, colour):
+    def outline(self, name: str, colour: str) -> Tuple[Shape, ...]:
         """Shapes, none or one: the target's outline as its true pose shows it."""
         corners = self.corners
         if corners is None:
@@ -133,7 +135,7 @@ class Scene:
         return (Shape(name, colour, True, self.seen_in(shown, now), self.seen_in(shown, then)),)
 
     @functools.cached_property
-    def corners(self):
+    def corners(self) -> Optional[np.ndarray]:
         """(k, 3) of the target's first outline in its frame [m], None where it is unknown."""
         try:
             outline = Outline.of(scenario_from_dict(self.record.settings))
@@ -142,7 +144,7 @@ class Scene:
         return None if outline is None else outline.points_T
 
 
-def circle(middle, radius, points=24):
+def circle(middle: np.ndarray, radius: np.ndarray, points: int = 24) -> np.ndarray:
     """(..., points, 2) of circles about (..., 2) of radius (...)."""
     angle = np.linspace(0.0, 2.0 * np.pi, points, endpoint=False)
     way = np.stack([np.cos(angle), np.sin(angle)], axis=-1)

@@ -1,9 +1,11 @@
 """Overlay `kernel`: the centroid, and lines along which the kernels weigh the object alike."""
 
+from typing import Sequence
+
 import numpy as np
 
 from aras_visual_servo import palette
-from .base import Overlay, Shape, register_overlay
+from .base import Overlay, Scene, Shape, register_overlay
 from .moments import moments
 
 #: Weights of the lines; in the middle of the image the weight is 1.
@@ -12,7 +14,7 @@ POINTS = 9  # of a line, which a lens bends
 
 
 @register_overlay("kernel")
-def kernel(scene, names):
+def kernel(scene: Scene, names: Sequence[str]) -> Overlay:
     """Lines of equal x^-p and y^-q, which begin one pixel outside the image (docs/theory.md T47)."""
     settings = scene.record.settings.get("vision", {}).get("kernel") or {}
     size = np.array([scene.width, scene.height])

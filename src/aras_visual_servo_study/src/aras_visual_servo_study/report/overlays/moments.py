@@ -1,9 +1,11 @@
 """Overlay `moments`: the target's centroid, its axis, a circle of its area; for features of its shape, its outline."""
 
+from typing import Sequence
+
 import numpy as np
 
 from aras_visual_servo import palette
-from .base import Overlay, Shape, Way, circle, register_overlay
+from .base import Overlay, Scene, Shape, Way, circle, register_overlay
 
 #: Half of the axis, as a part of the image's width.
 AXIS = 0.11
@@ -11,7 +13,7 @@ PLACE, SIZE, TURN = {"xg", "yg", "xn", "yn"}, {"an"}, {"alpha"}
 
 
 @register_overlay("moments")
-def moments(scene, names):
+def moments(scene: Scene, names: Sequence[str]) -> Overlay:
     """What the moments (area, xg, yg, alpha) of the record show."""
     raw, goal = scene.record.raw[scene.rows], scene.record.raw[scene.goal]
     shapes, others = [], set(names) - PLACE - SIZE - TURN

@@ -1,17 +1,19 @@
 """Overlay `photometric`: the image is coloured by how it differs from the goal image; a frame shows where the middle of
 the goal image lies in it."""
 
+from typing import Sequence
+
 import numpy as np
 
 from aras_visual_servo import palette
-from .base import Overlay, Shape, Way, register_overlay
+from .base import Overlay, Scene, Shape, Way, register_overlay
 
 #: The frame reaches so far from the middle of the goal image to its border.
 PART = 0.5
 
 
 @register_overlay("photometric")
-def photometric(scene, _names):
+def photometric(scene: Scene, _names: Sequence[str]) -> Overlay:
     """The corners of the frame move as the target's plane does, by the true poses; without these there is none."""
     now, then = scene.target
     middle = np.array([0.5 * (scene.width - 1), 0.5 * (scene.height - 1)])

@@ -1,15 +1,16 @@
 """Overlay `points`: followed points, the way of each through the image, and the lines from each to the next."""
 
 import re
+from typing import Sequence
 
 import numpy as np
 
 from aras_visual_servo import palette
-from .base import Overlay, Shape, Way, register_overlay
+from .base import Overlay, Scene, Shape, Way, register_overlay
 
 
 @register_overlay("points")
-def points(scene, names):
+def points(scene: Scene, names: Sequence[str]) -> Overlay:
     """Points of features xN, yN; of segments xmN, ymN, lN, alphaN their ends; of fewer features the true corners."""
     numbers = sorted({int(re.sub(r"\D", "", name)) for name in names})
     known = [n for n in numbers if {f"x{n}", f"y{n}"} <= set(names)]

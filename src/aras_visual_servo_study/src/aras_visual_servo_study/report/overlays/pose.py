@@ -1,10 +1,12 @@
 """Overlays of the camera's pose: `pose`, the target's frame as the servo measures it; `reference`, the reference point
 of law `hybrid` with a ring that tells its depth."""
 
+from typing import Sequence
+
 import numpy as np
 
 from aras_visual_servo import palette, spatial
-from .base import Overlay, Shape, Way, circle, register_overlay
+from .base import Overlay, Scene, Shape, Way, circle, register_overlay
 
 DISPLACEMENT = ("tx", "ty", "tz", "rx", "ry", "rz")
 #: Length of the axes and radius of the ring, as parts of the image's width.
@@ -12,7 +14,7 @@ AXIS, RING = 0.13, 0.03
 
 
 @register_overlay("pose")
-def pose(scene, names):
+def pose(scene: Scene, names: Sequence[str]) -> Overlay:
     """The target's axes: where the measured displacement puts them, or where they are if not all of it is measured."""
     now, then = scene.target
     if set(DISPLACEMENT) <= set(names):
@@ -38,7 +40,7 @@ def _displaced(s, X_CgT):
 
 
 @register_overlay("reference")
-def reference(scene, names):
+def reference(scene: Scene, names: Sequence[str]) -> Overlay:
     """The reference point; its ring is the larger, the nearer it is, and has its size at the goal when Z = Z*."""
     if not {"xr", "yr"} <= set(names):
         return Overlay()

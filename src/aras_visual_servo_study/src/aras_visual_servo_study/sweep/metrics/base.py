@@ -13,7 +13,6 @@ from typing import Callable, Dict, List, NamedTuple, Optional
 from aras_visual_servo import Registry
 
 
-
 class Outcome(NamedTuple):
     """How a run began and ended, by the true camera pose: distances and angles from the goal.
 

@@ -1,7 +1,7 @@
 """Cells of a map over distance and angle of the start, and what can be promised of them."""
 
 import math
-from typing import NamedTuple
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -20,7 +20,7 @@ class Map(NamedTuple):
     edges_m: np.ndarray
     edges_rad: np.ndarray
 
-    def interval(self, i, j):
+    def interval(self, i: int, j: int) -> Tuple[float, float]:
         """Wilson's 95 % interval of the rate in a cell, (low, high)."""
         return wilson(int(self.won[i, j]), int(self.runs[i, j]))
 
@@ -36,7 +36,7 @@ class Certificate(NamedTuple):
     runs: int
     least: float
 
-    def words(self):
+    def words(self) -> str:
         """As text, "" where there is none."""
         if not self.runs:
             return ""
@@ -44,7 +44,7 @@ class Certificate(NamedTuple):
                 f"> {100.0 * self.least:.0f} %")
 
 
-def map_of(rows, cells=None):
+def map_of(rows: List[Dict[str, Any]], cells: Optional[int] = None) -> Map:
     """`Map` of the rows of a case. cells: along an axis; None: so many that a cell has about RUNS_PER_CELL runs."""
     n = cells or int(np.clip(math.sqrt(len(rows) / RUNS_PER_CELL), 1, MOST_CELLS))
     edges_m, edges_rad = np.linspace(0.0, MOST_M, n + 1), np.linspace(0.0, MOST_RAD, n + 1)
@@ -57,7 +57,7 @@ def map_of(rows, cells=None):
     return Map(runs, won, edges_m, edges_rad)
 
 
-def certificate(found):
+def certificate(found: Map) -> Certificate:
     """`Certificate` of a `Map`: of the boxes in which every run succeeded that with most runs."""
     runs, won = (np.cumsum(np.cumsum(part, axis=0), axis=1) for part in (found.runs, found.won))
     whole = np.where(runs == won, runs, 0)

@@ -2,11 +2,13 @@
 
 import base64
 import math
-from typing import NamedTuple
+from pathlib import Path
+from typing import Any, Dict, Iterator, List, NamedTuple, Tuple
 
 from ....report.template import render
 from ....report.versions import installed_versions
 from ....sweep.statistics import wilson
+from ..base import Case
 from ..runner import digest
 from .cells import Certificate, Map, certificate, map_of
 
@@ -25,12 +27,12 @@ class Entry(NamedTuple):
     promised: Certificate
     hash: str
 
-    def rate(self):
+    def rate(self) -> str:
         """Success in percent with Wilson's 95 % interval, as text."""
         low, high = wilson(self.won, self.runs)
         return f"{_percent(self.won / self.runs)} ({_percent(low)} to {_percent(high)})" if self.runs else ""
 
-    def cells(self):
+    def cells(self) -> Iterator[Tuple[int, int, str, str]]:
         """Of each cell (column, row from above, colour, words); a column is a range of distances."""
         n, found = len(self.map.runs), self.map
         for i in range(n):
@@ -43,7 +45,7 @@ class Entry(NamedTuple):
                 yield i, n - 1 - j, _colour(won / runs) if runs else "#ffffff", words
 
 
-def entries(results):
+def entries(results: List[Tuple[Case, List[Dict[str, Any]]]]) -> List[Entry]:
     """List of `Entry` of results, list of (Case, rows)."""
     made = []
     for case, rows in results:
@@ -54,7 +56,7 @@ def entries(results):
     return made
 
 
-def save(results, left_out, folder):
+def save(results: List[Tuple[Case, List[Dict[str, Any]]]], left_out: List[Tuple[str, str]], folder: Path) -> List[Path]:
     """Write PAGE, PICTURE and TABLE into the folder. Returns their paths.
 
     Args: results: list of (Case, rows).  left_out: list of (what is not mapped, why).
@@ -71,7 +73,7 @@ def save(results, left_out, folder):
     return [page, picture, table]
 
 
-def as_markdown(made):
+def as_markdown(made: List[Entry]) -> str:
     """The success rates in percent with their intervals as a table, sets of features down and laws across."""
     laws, sets, places = _layout(made)
     lines = [["features", *(f"`{law}`" for law in laws)], ["---"] * (len(laws) + 1)]

@@ -1,10 +1,11 @@
 """Starts of the protocol `map`: by distance and angle they cover the map evenly, and each sees the whole target."""
 
 import math
+from typing import List
 
 import numpy as np
 
-from aras_visual_servo import Outline, ParameterError, robot_kinematics, spatial
+from aras_visual_servo import Outline, ParameterError, Scenario, robot_kinematics, spatial
 from ....sweep.plan import Start
 from ....sweep.space import offset_of, pose_of
 from ..base import halton
@@ -18,7 +19,7 @@ HALF_M = (0.12, 0.1)
 TRIES = 20_000
 
 
-def planned(scenario, count):
+def planned(scenario: Scenario, count: int) -> List[Start]:
     """The first `count` starts, list of `Start`; the first ones are the same, however many there are.
 
     Distances and angles are a Halton sequence. The direction of the way and the axis of the rotation are drawn
