@@ -7,15 +7,13 @@ import pytest
 import aras_visual_servo as avs
 
 LAW = """
+import numpy as np
 import aras_visual_servo as avs
-
 
 @avs.register_law("standing")
 class Standing(avs.Law):
-    features = ("xn", "yn", "an", "alpha")
-
-    def twist(self, look):
-        return [0.0] * 6
+    def _twist(self, look, s, e):
+        return np.zeros(6)
 """
 
 

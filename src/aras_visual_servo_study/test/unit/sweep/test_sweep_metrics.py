@@ -76,7 +76,7 @@ def test_the_goal_is_as_far_from_the_origin_as_the_target_is():
 
 
 def test_a_metric_is_known_to_whoever_asks_first():
-    asks = "from aras_visual_servo_study.sweep.metrics import metric; print(metric('vit_vs').label)"
+    asks = "from aras_visual_servo_study.sweep.metrics import METRICS; print(METRICS['vit_vs'].label)"
     said = subprocess.run([sys.executable, "-c", asks], stdout=subprocess.PIPE, text=True, check=True,
                           env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}).stdout
     assert said.strip() == METRICS["vit_vs"].label == "ViT-VS"
