@@ -6,6 +6,7 @@ import operator
 from typing import Any, Dict, List, Sequence, Tuple
 
 from aras_visual_servo import ParameterError
+from ..sweep.judge import COLUMNS
 from ..sweep.metrics import known_metrics
 from ..sweep.statistics import aggregate, mcnemar, signed_rank
 
@@ -179,4 +180,5 @@ def format_comparison(names: Sequence[str], sweeps: List[List[Dict[str, Any]]]) 
 
 
 def _start(row):
-    return {name: value for name, value in row.items() if name.startswith(("start_", "offset_", "goal_"))}
+    return {name: value for name, value in row.items()
+            if name.startswith(("start_", "offset_", "goal_")) and name not in COLUMNS}

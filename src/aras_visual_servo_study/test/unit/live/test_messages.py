@@ -19,7 +19,7 @@ def test_a_request_is_read_with_its_number():
 
 @pytest.mark.parametrize("text, said", [
     ("{", "allowed JSON"), ("[1]", "found \\[1\\], allowed an object"), ("12.5", "allowed an object"),
-    ('{"do": "explode"}', "found do 'explode', allowed start, stop"), ('{"do": ["start"]}', "found do"),
+    ('{"do": "explode"}', "found do 'explode', allowed .*start"), ('{"do": ["start"]}', "found do"),
     ('{"do": "speed", "factor": "fast"}', "speed/factor: found fast, allowed a finite number"),
     ('{"do": "speed", "factor": -1}', "speed/factor: found -1"), ('{"do": "speed", "factor": NaN}', "speed/factor"),
     ('{"do": "speed"}', "speed/factor"), ('{"do": "stop", "now": true}', "stop/now: unknown key"),

@@ -56,7 +56,7 @@ def dark(image):
 def test_every_feature_has_a_kind_of_overlay_that_is_known(records):
     kinds = {name: feature_class(name.replace("N", "1")).overlay for name in known_features()}
     overlay_of(records["kernel"])  # which loads them
-    assert set(kinds.values()) == set(base._OVERLAYS) and "" not in kinds.values()
+    assert set(kinds.values()) == set(base.OVERLAYS) and "" not in kinds.values()
 
 
 def test_the_overlay_shows_the_ways_and_shapes_of_its_features(shown):
