@@ -16,9 +16,8 @@ sys.path.append(str(ROOT / "tests" / "support"))
 @functools.lru_cache(maxsize=None)
 def _run(name, changes):
     import aras_visual_servo as avs
-    from aras_visual_servo.scenario.scenario import load_scenario
 
-    return avs.run(load_scenario(name, overrides=dict(changes)))
+    return avs.run(avs.load_scenario(name, overrides=dict(changes)))
 
 
 @pytest.fixture(scope="session")

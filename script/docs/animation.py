@@ -5,7 +5,7 @@ import tempfile
 
 from aras_visual_servo_study.report.video import save_video
 import aras_visual_servo as avs
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo import load_scenario
 
 WIDTH, RATE_HZ = 800, 10
 #: Of WebP, 0 to 100: below 60 the curves get smudged.

@@ -17,7 +17,7 @@ from aras_visual_servo_study.compare.laws import load_comparison, run_comparison
 from aras_visual_servo_study.compare.laws_figure import make_figure, part_of, save_figure
 from aras_visual_servo_study.report.observer import Observer
 from aras_visual_servo_study.report.report import save_results
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo import load_scenario
 
 #: Laws and tasks of the README's figure, which is read at a glance; docs/comparison.md shows all.
 LAWS = ("points", "points_goal", "points_mean", "pbvs", "hybrid")

@@ -7,8 +7,8 @@ from collections import Counter
 
 import numpy as np
 
-from aras_visual_servo.arm.kinematics import Kinematics
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo import Kinematics
+from aras_visual_servo import load_scenario
 from aras_visual_servo_study.sweep.plan import SweepSettings, make_starts
 from aras_visual_servo_study.sweep.run import SweepRunner
 

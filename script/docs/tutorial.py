@@ -4,7 +4,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 import aras_visual_servo as avs
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo import load_scenario
 
 GAINS_PER_S = (3.0, 1.0)
 COLOURS = ("#0072b2", "#d55e00")

@@ -18,9 +18,9 @@ SENTENCES = [
       for name in ("six_dof_points", "six_dof_hybrid", "six_dof_rgbd", "six_dof_sliding", "six_dof_broyden")),
     ("docs/extending.md", r"arrives after (\S+) s within (\S+) mm and (\S+) deg", "six_axis_flange",
      ("duration_s", "error_mm", "angle_deg")),
-    ("src/aras_visual_servo_controller/README.md", r"comes to rest (\S+) mm and (\S+) deg from the goal",
+    ("src/aras_visual_servo/README.md", r"comes to rest (\S+) mm and (\S+) deg from the goal",
      "naive_inverse", ("error_mm", "angle_deg")),
-    ("src/aras_visual_servo_controller/README.md", r"arrives within (\S+) mm and (\S+) deg", "redundant",
+    ("src/aras_visual_servo/README.md", r"arrives within (\S+) mm and (\S+) deg", "redundant",
      ("error_mm", "angle_deg")),
 ]
 

@@ -23,8 +23,7 @@ WITHOUT_FMA = {"NPY_DISABLE_CPU_FEATURES": f"AVX F16C FMA3 AVX2 {AVX512[0]}",
 RUN = """
 import json, sys
 import aras_visual_servo as avs
-from aras_visual_servo.scenario.scenario import load_scenario
-records = [avs.run(load_scenario(name)) for name in sys.argv[1:]]
+records = [avs.run(avs.load_scenario(name)) for name in sys.argv[1:]]
 print(json.dumps([[record.run_hash, record.opengl] for record in records]))
 """
 

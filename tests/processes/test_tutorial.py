@@ -72,8 +72,7 @@ def test_the_explained_numbers_are_those_of_the_run():
     import math
 
     import aras_visual_servo as avs
-    from aras_visual_servo.scenario.scenario import load_scenario
-    scenario = load_scenario("experiment_1")
+    scenario = avs.load_scenario("experiment_1")
     record = avs.run(scenario)
     e_mm = 1e3 * abs(record.e[record.servo_rows[0], record.feature_names.index("xn")])
     threshold_mm = 1e3 * scenario.servo["thresholds"]["xn"]
