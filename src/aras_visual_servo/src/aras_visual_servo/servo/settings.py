@@ -34,7 +34,7 @@ class ServoSettings(LawSetup):
              "settings of its own finds them in a section of its name.")
     plugins: Tuple[str, ...] = setting(
         (),
-        help="Python modules that register_law features and laws of their own; they are imported first.")
+        help="Python modules that register features and laws of their own; they are imported first.")
     mode: str = setting(
         choices=MODES,
         help="`continuous`: a velocity for every image. `look_then_move`: one image, one move, settle, the next image.")
