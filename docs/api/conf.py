@@ -12,7 +12,9 @@ highlight_language = "none"   # blocks of docstrings are sentences and formulas
 html_sidebars = {"**": ["about.html", "localtoc.html", "relations.html", "searchbox.html"]}
 autodoc_default_options = {"members": True, "undoc-members": True, "ignore-module-all": True, "show-inheritance": True,
                            "member-order": "bysource"}
-autodoc_typehints = "none"
+autodoc_typehints = "signature"
+autodoc_typehints_format = "short"
+python_use_unqualified_type_names = True
 #: What only PyPI has is not needed to read about it.
 autodoc_mock_imports = ["gymnasium", "mcap", "h5py"]
 SECTION = re.compile(r"\s*(Args|Returns|Raises|Attributes|References?|Yields)[^:]*:")
