@@ -1,7 +1,12 @@
 """CONVERGED means that the camera has arrived: forty of the runs of `script/bench --stop-rule`, from the same draw."""
+import pathlib
+import sys
+
 import numpy as np
 import aras_visual_servo as avs
-from aras_visual_servo_study.sweep.stop_rule import draw, run_case, tally
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "src/aras_visual_servo_study/bench"))
+from stop_rule import draw, run_case, tally  # noqa: E402
 
 RUNS, SEED = 40, 11
 #: Of forty runs. One in a hundred is the aim (docs/sweeps.md), and two of forty come of it once in seventeen draws.

@@ -2,9 +2,27 @@
 
 from pathlib import Path
 
-from aras_visual_servo import package_path
+from aras_visual_servo import ParameterError, package_path
+
+#: Where Debian's libjs-three puts its files.
+THREE = Path("/usr/share/javascript/three")
+#: Of three.js, what a page loads: the library, and what turns the view by mouse and finger.
+THREE_FILES = ("three.min.js", "examples/js/controls/OrbitControls.js")
 
 
 def share_dir() -> Path:
     """Returns the folder with `config` and `web`: in the source tree, or PREFIX/share of the installed package."""
     return package_path("aras_visual_servo_study")
+
+
+def web_dir() -> Path:
+    """Folder of the pages' own files."""
+    return share_dir() / "web"
+
+
+def three_file(name: str) -> Path:
+    """Path of one of THREE_FILES. Raises ParameterError: libjs-three is not installed."""
+    path = THREE / name
+    if not path.is_file():
+        raise ParameterError(f"three.js: no such file: {path}; on Debian: apt install libjs-three")
+    return path

@@ -1,6 +1,5 @@
 """Figure of a comparison of laws with a row per task and a line per law. The same runs give the same picture."""
 
-import io
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Dict, Sequence, Tuple
@@ -10,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from aras_visual_servo import palette
-from ..report.figure import STYLE
+from ..report.figure import STYLE, save_both
 from .laws import Comparison, Results
 
 #: Colours of laws and joints. The ninth law has the first colour again, with the next dash of STYLES.
@@ -68,13 +67,8 @@ def part_of(comparison: Comparison, results: Results, laws: Sequence[str],
 
 
 def save_figure(comparison: Comparison, results: Results, folder: Path) -> bytes:
-    """Write comparison.png and comparison.pdf. Returns the bytes of the PNG. Raises OSError."""
-    figure, stream = make_figure(comparison, results), io.BytesIO()
-    with matplotlib.rc_context(STYLE):
-        figure.savefig(stream, format="png", dpi=110, metadata={"Software": None})
-        figure.savefig(folder / "comparison.pdf", metadata={"CreationDate": None})
-    (folder / "comparison.png").write_bytes(stream.getvalue())
-    return stream.getvalue()
+    """Writes comparison.png and comparison.pdf. Returns the bytes of the PNG. Raises OSError."""
+    return save_both(make_figure(comparison, results), folder / "comparison")
 
 
 def _draw(row, track, line):

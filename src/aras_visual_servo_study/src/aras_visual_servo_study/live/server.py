@@ -21,10 +21,10 @@ import tornado.web
 import tornado.websocket
 
 from aras_visual_servo import ArasError, ParameterError
+from ..files import THREE_FILES, three_file, web_dir
 from .hub import Hub
 from .messages import parse
 from .runner import Runner
-from .view.files import THREE_FILES, three_file, web_dir
 from .view.robot import mesh_blocks, robot_of
 
 #: Between two looks at the run, while a page is ready for what is new, and while none is [s].

@@ -88,6 +88,16 @@ def save_figure(record: RunRecord, png_path: Optional[Path] = None, pdf_path: Op
                 figure.savefig(pdf_path, metadata={"CreationDate": None})
 
 
+def save_both(figure: Figure, path: Path, dpi: int = 110) -> bytes:
+    """Writes PATH.png and PATH.pdf, without a date: the same figure gives the same bytes. Returns those of the PNG."""
+    stream = io.BytesIO()
+    with matplotlib.rc_context(STYLE):
+        figure.savefig(stream, format="png", dpi=dpi, metadata={"Software": None})
+        figure.savefig(path.with_suffix(".pdf"), metadata={"CreationDate": None})
+    path.with_suffix(".png").write_bytes(stream.getvalue())
+    return stream.getvalue()
+
+
 def save_panels(record: RunRecord, folder: Path, size_in: Tuple[float, float] = (3.5, 2.7)) -> List[Path]:
     """Write each of the six panels as FOLDER/panel_NAME.pdf, of the width of a column of a paper, without title.
 

@@ -14,8 +14,8 @@ import numpy as np
 
 from aras_visual_servo import (ArasError, ParameterError, RunRecord, goal_pose, in_rgb, kinematics_of, package_paths,
                                scenario_from_dict, spatial)
+from ..files import THREE_FILES, three_file, web_dir
 from ..live.hub import jpeg
-from ..live.view.files import THREE_FILES, three_file, web_dir
 from ..live.view.robot import mesh_blocks, robot_of
 from ..live.view.scene import drawn, pose_numbers
 

@@ -1,6 +1,5 @@
 """Figures of a sweep: maps of the convergence domain, success against distance, and why runs failed."""
 
-import io
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
@@ -58,16 +57,8 @@ def save_figures(rows: List[Dict[str, Any]], folder: Path, axes: Tuple[str, str]
 
 
 def _save_figure(name, rows, folder, axes):
-    import matplotlib
-
-    from ..report.figure import STYLE
-    with matplotlib.rc_context(STYLE):
-        figure = make_figure(name, rows, axes)
-        stream = io.BytesIO()
-        figure.savefig(stream, format="png", dpi=150, metadata={"Software": None})
-        (folder / f"{name}.png").write_bytes(stream.getvalue())
-        figure.savefig(folder / f"{name}.pdf", metadata={"CreationDate": None})
-    return stream.getvalue()
+    from ..report.figure import save_both
+    return save_both(make_figure(name, rows, axes), folder / name, 150)
 
 
 def _map(rows, axes):

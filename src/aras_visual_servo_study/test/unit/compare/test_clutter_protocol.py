@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 
 from aras_visual_servo_study.compare.protocols import board as boards
-from aras_visual_servo_study.compare.protocols import clutter, clutter_scene, protocol_named
+from aras_visual_servo_study.compare.protocols import clutter, protocol_named
 from aras_visual_servo.config.files import load_yaml
 from aras_visual_servo.ground.errors import ParameterError
 
 
 def test_each_condition_brings_what_it_says():
     def made(condition, seed=5):
-        return clutter_scene.clutter(condition, np.random.default_rng(seed))
+        return clutter.clutter(condition, np.random.default_rng(seed))
 
     assert made("plain") == {"solids": [], "lights": []}
-    assert len(made("distractors")["solids"]) == clutter_scene.DISTRACTORS
+    assert len(made("distractors")["solids"]) == clutter.DISTRACTORS
     assert all("motion" in solid for solid in made("shadows")["solids"])
     assert {light["name"] for light in made("light")["lights"]} == {"lamp", "wanderer"}
     everything = [solid["name"] for solid in made("all")["solids"]]
@@ -24,7 +24,7 @@ def test_each_condition_brings_what_it_says():
     for seed in range(20):
         cover, = made("covered", seed)["solids"]
         x, y, _ = cover["box_m"]
-        assert x * y == pytest.approx(clutter_scene.COVERED * 0.8 * 0.6)
+        assert x * y == pytest.approx(clutter.COVERED * 0.8 * 0.6)
         assert abs(cover["position_m"][0]) + 0.5 * x == pytest.approx(0.3)  # within the board
         assert abs(cover["position_m"][1]) + 0.5 * y == pytest.approx(0.4)
 
@@ -39,7 +39,7 @@ def test_the_board_is_a_mesh_with_a_picture(tmp_path):
 
 def test_cases_share_starts_and_have_a_file_for_each_start(tmp_path):
     cases = protocol_named("clutter").cases(tmp_path, 2)
-    assert len(cases) == len(clutter.SCHEMES) * len(clutter_scene.CONDITIONS)
+    assert len(cases) == len(clutter.SCHEMES) * len(clutter.CONDITIONS)
     assert len({str([(start.id, start.joints) for start in case.starts]) for case in cases}) == 1
     plain, covered = (next(case for case in cases if case.name == f"orb_{name}") for name in ("plain", "covered"))
     assert plain.starts[1].parameters == {}

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo_study.compare.protocols import delay_map, latency, protocol_named, runner
+from aras_visual_servo_study.compare.protocols import latency, protocol_named, runner
 from aras_visual_servo.ground.errors import ParameterError
 
 AXES = (f"p_{latency.IMAGE}", f"p_{latency.COMMAND}")
@@ -48,7 +48,7 @@ def test_the_table_has_a_line_for_each_band_of_the_sum_of_delays():
 
 
 def test_the_map_shows_where_runs_succeed_and_is_the_same_for_the_same_runs(tmp_path):
-    rate, edges = delay_map.cells(rows_of(2000), AXES, latency.MOST_S)
+    rate, edges = latency.cells(rows_of(2000), AXES, latency.MOST_S)
     assert edges[-1] == latency.MOST_S and rate[0, 0] == 1.0 and rate[-1, -1] == 0.0
     middles = 0.5 * (edges[1:] + edges[:-1])
     total = np.add.outer(middles, middles)
@@ -74,7 +74,7 @@ def test_the_border_is_that_of_a_late_integrator():
             x.append(x[-1] + dt * u)
         return max(abs(value) for value in x[-3000:])
 
-    border = delay_map.border_s(3.0, 30.0)
+    border = latency.border_s(3.0, 30.0)
     assert ends(0.95 * border) < 0.1 and ends(1.05 * border) > 1.0
 
 

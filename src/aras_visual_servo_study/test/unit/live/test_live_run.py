@@ -9,7 +9,6 @@ from aras_visual_servo.ground.types import Status
 from aras_visual_servo_study.live import messages as ask
 from aras_visual_servo_study.live.run import LiveRun
 from aras_visual_servo_study.live.settings import acts_at_once
-from aras_visual_servo.spatial import rotation_rpy, rpy_of
 from aras_visual_servo.scenario.scenario import load_scenario
 
 WHOLE_NS = 10**12       # to the next image, however far
@@ -279,9 +278,3 @@ def test_a_target_that_does_not_exist_cannot_be_moved():
     run = LiveRun(load_scenario("experiment_1"))
     with pytest.raises(ParameterError, match="q_xyzw: found a length of 2"):
         run.do(ask.PlaceTarget((0.0, 0.0, 0.2), (0.0, 0.0, 0.0, 2.0)))
-
-
-@pytest.mark.parametrize("rpy", [(0.1, 0.2, 0.3), (3.0, -0.4, -2.0), (0.0, np.pi / 2, 0.5), (0.3, -np.pi / 2, 0.0)])
-def test_angles_of_a_rotation_give_it_back(rpy):
-    R = rotation_rpy(rpy)
-    assert rotation_rpy(rpy_of(R)) == pytest.approx(R, abs=1e-6)

@@ -220,10 +220,3 @@ def fits_and_can_be_read(browser, dark):
                               ".match(/[0-9]+/g).map(Number).reduce((a, b) => a + b) / 3)")
     assert (page < 60 and ink > 180) if dark else (page > 200 and ink < 80)
     assert browser.said == []
-
-
-def test_a_port_that_is_taken_is_named(serve):
-    port = serve().split(":")[2].split("/")[0]
-    found = subprocess.run([sys.executable, str(LIVE), "experiment_1", "--port", port], capture_output=True, text=True,
-                           timeout=LIMIT_S)
-    assert found.returncode == 2 and f"port: found {port}, which another program" in found.stderr

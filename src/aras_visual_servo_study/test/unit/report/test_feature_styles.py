@@ -110,19 +110,6 @@ def test_every_feature_has_a_line_at_its_threshold(record):
     assert drawn == [level["color"] for level in levels]
 
 
-def test_lines_at_one_height_take_turns():
-    levels = plots_of(record_of("six_dof_points"))[1]["data"]["levels"]
-    dash, gap = (int(part) for part in levels[0]["dash"].split())
-    offsets = sorted(-level["offset"] for level in levels)
-    assert len({level["dash"] for level in levels}) == 1
-    assert all(b - a >= dash for a, b in zip(offsets, [*offsets[1:], dash + gap]))
-
-
-def test_an_error_is_shown_with_the_digits_of_its_threshold():
-    row = table_of(record_of("six_dof_points"))[0]
-    assert row[2] == "0.0005" and re.fullmatch(r"[+-]\d\.\d{6}", row[1])
-
-
 @pytest.mark.parametrize("name, columns", [
     ("experiment_1", ["e_xn_m", "e_yn_m", "e_an_m", "e_alpha_rad"]), ("six_dof_photometric", ["e_photometric_grey"]),
     ("six_dof_hybrid", ["e_xr", "e_yr", "e_zr", "e_rx_rad", "e_ry_rad", "e_rz_rad"])])
@@ -143,15 +130,3 @@ def test_a_feature_of_a_plugin_that_is_not_here_is_shown_all_the_same():
     assert "of<old>bag" not in page and "of<old>bag" in unescape(page)
     [_, row] = table_of(record)
     assert "of<old>bag" in row[0] and "[-]" in row[0] and row[2:4] == ["", ""]
-
-
-def test_every_page_comes_from_one_jinja_environment():
-    users = [path.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob("*.py") if "jinja2." in path.read_text()]
-    assert users == ["report/template.py"]
-
-
-@pytest.mark.parametrize("style", styles(FEATURE_NAMES), ids=FEATURE_NAMES)
-def test_a_colour_of_a_feature_stands_in_one_file(style):
-    found = [path.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob("*.py")
-             if style.colour.lower() in path.read_text().lower()]
-    assert found == ["features/palette.py"]

@@ -164,9 +164,3 @@ def test_an_outline_has_its_corners_or_some_of_them_from_the_first_to_the_last(c
     assert outline.seen.shape == (1, shown, 2) and outline.wanted.shape == (shown, 2) and outline.closed
     for place, corner in ((0, 0.0), (-1, 0.1)):
         np.testing.assert_allclose(outline.wanted[place], seen(X_CGT, (corner, 0.0, 0.0)), atol=ROUNDING)
-
-
-def test_the_legend_of_the_image_says_what_the_star_is():
-    record = dataclasses.replace(make_record(), camera_info=INFO)
-    names = [one["name"] for one in image_plot(record)["legend"]]
-    assert names == ["centroid", "axis", "circle of the same area", "★ and dashed: at the goal"]

@@ -17,7 +17,7 @@ from aras_visual_servo_study.report.joint_plot import joint_plot  # noqa: E402
 from aras_visual_servo_study.report.overlays import base, overlay_of  # noqa: E402
 from aras_visual_servo_study.report.page import report_html  # noqa: E402
 from aras_visual_servo_study.report.report import summarise  # noqa: E402
-import aras_visual_servo as avs# noqa: E402
+import aras_visual_servo as avs  # noqa: E402
 from aras_visual_servo.scenario.scenario import load_scenario  # noqa: E402
 
 #: A scenario of each family of features, and what must be drawn: ways and shapes.

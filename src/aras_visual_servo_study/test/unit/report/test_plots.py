@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from synthetic import FEATURE_ERROR, RATE_PER_S, X_WCG, make_record
 
+from aras_visual_servo import palette
 from aras_visual_servo_study.report import plots
 from aras_visual_servo_study.report.page import png_bytes
 from aras_visual_servo_study.report.plots import nice_ticks, plots_of, tick_text
@@ -47,7 +48,7 @@ def test_the_script_gets_the_numbers_of_the_record():
 
 def test_an_exponential_is_a_straight_line_in_the_logarithmic_plot():
     svg = by_name(make_record())["convergence"]["svg"]
-    curve = re.findall(r'class="curve" stroke="%s"[^>]*points="([^"]*)"' % plots.BLUE, svg)[0]
+    curve = re.findall(r'class="curve" stroke="%s"[^>]*points="([^"]*)"' % palette.BLUE, svg)[0]
     points = np.array([[float(x) for x in pair.split(",")] for pair in curve.split()])
     line = np.polyval(np.polyfit(points[:, 0], points[:, 1], 1), points[:, 0])
     assert np.abs(points[:, 1] - line).max() < 2 * PIXEL_ROUNDING

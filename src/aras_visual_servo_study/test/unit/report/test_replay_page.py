@@ -12,7 +12,7 @@ pytest.importorskip("cv2")
 pytest.importorskip("aras_visual_servo_sim")
 from aras_visual_servo_study.report import replay  # noqa: E402
 from aras_visual_servo_study.report.report import save_results  # noqa: E402
-import aras_visual_servo as avs# noqa: E402
+import aras_visual_servo as avs  # noqa: E402
 from aras_visual_servo.scenario.scenario import load_scenario  # noqa: E402
 
 MOST_BYTES = 3_000_000

@@ -104,26 +104,12 @@ def test_the_report_is_one_self_contained_page_with_all_pictures_and_plots(saved
     assert not re.search(r"https?://", text)
 
 
-def test_the_report_compares_with_the_published_result(saved):
-    text = (saved[1] / "report.html").read_text()
-    for value in ("4.7", "2.6", "0.003", "+0.100"):
-        assert f"<td>{value}</td>" in text
-
-
 def test_text_of_a_run_cannot_break_the_page(tmp_path):
     record = make_record()
     text = record.status_text.astype(object)
     text[record.servo_rows[-1]] = "<script>alert(1)</script>"
     save_results(dataclasses.replace(record, status_text=text), tmp_path)
     assert "<script>alert" not in (tmp_path / "report.html").read_text()
-
-
-def test_the_table_shows_our_row_beside_the_papers(saved):
-    table = format_summary(saved[2])
-    assert max(map(len, table.splitlines()[:7])) <= 79
-    for part in ("PASSED", "this run", "paper", "4.7", "+0.100", "time to converge", "real-time factor",
-                 str(saved[1] / "report.html")):
-        assert part in table
 
 
 def test_a_failed_run_says_why():
@@ -197,11 +183,6 @@ def test_numbers_survive_when_there_is_nothing_to_judge(tmp_path):
     with pytest.raises(RuntimeError):
         save_results(dataclasses.replace(record, phase=np.full(len(record), "to_goal")), tmp_path)
     assert (tmp_path / "trace.csv").exists()
-
-
-def test_settings_of_the_run_are_in_the_report(saved):
-    text = (saved[1] / "report.html").read_text()
-    assert SETTINGS["servo"]["law"] in text and "experiment.judge" in text
 
 
 def test_a_process_beside_draws_the_same_figure_and_tells_of_a_file_that_it_cannot_write(saved, tmp_path):

@@ -41,15 +41,6 @@ def test_only_the_rule_of_the_pose_allows_no_more_than_its_bounds(rule, allowed)
     assert stop_rows({"stop": None}) == stop_rows({"stop": {"rule": rule, "tilt_rad": {"found": None}}}) == []
 
 
-def test_numbers_of_the_table_stand_below_their_names():
-    header, *rows = report.format_summary(report.summarise(make_record())).splitlines()[2:7]
-    ends = [header.index(name) + len(name) for name in ("x [mm]", "y [mm]", "z [mm]", "angle [deg]")]
-    assert header.startswith("final pose error") and len(rows) == 4 and rows[0].startswith("this run")
-    for row in rows:
-        assert len(row) == len(header) == ends[-1]
-        assert all(row[end - 1] != " " and row[end:end + 1] in (" ", "") for end in ends)
-
-
 @pytest.mark.parametrize("settings, rows", [
     ({"servo": {"law": "pbvs", "hold_s": 0.2}}, [("servo.law", "pbvs"), ("servo.hold_s", "0.2")]),
     ({"servo": {"gains": {"xn": 1.0, "yn": 2.0}}}, [("servo.gains", "xn 1.0, yn 2.0")]),

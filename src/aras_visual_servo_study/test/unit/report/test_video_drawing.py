@@ -59,15 +59,6 @@ def test_a_shape_has_all_its_sides_and_is_closed_only_if_it_says_so(closed):
     assert sides(drawn(Overlay(shapes=(shape(far, SQUARE, closed),)))) == wanted
 
 
-def test_where_it_is_wanted_a_shape_is_thinner_than_where_it_is():
-    def thickness(overlay):
-        return drawn(overlay)[90:111, 150].sum()
-
-    far = np.full((1, 4, 2), 20.0)
-    assert thickness(Overlay(shapes=(shape([SQUARE], closed=True),))) > \
-        1.4 * thickness(Overlay(shapes=(shape(far, SQUARE, True),))) > 0.5
-
-
 def test_a_way_leads_through_every_place_up_to_now_and_not_back():
     zigzag = way([[100, 100], [200, 100], [200, 200], [100, 200]])
     assert sides(drawn(Overlay((zigzag,)), now=3)) == {"top", "right", "bottom"}
@@ -93,16 +84,6 @@ def test_rings_are_about_the_place_wanted_and_the_dot_where_the_way_is():
 def test_the_middle_of_a_pixel_is_that_of_its_enlarged_square(scale):
     dots = np.argwhere(drawn(Overlay((way([[40, 60]]),)), scale=scale) > PART)
     np.testing.assert_allclose(dots.mean(axis=0), scale * (np.array([60, 40]) + 0.5) - 0.5, atol=0.26)
-
-
-def test_names_stand_one_below_the_other_in_their_colours():
-    overlay = Overlay((way([NOWHERE]),), (shape(np.full((1, 2, 2), np.nan)),))
-    picture = np.zeros((SIZE, SIZE, 3), np.uint8)
-    composer_of(overlay)._draw_overlay(picture, 1.0, 0)
-    blue, red = (np.argwhere((picture.argmax(axis=2) == channel) & (picture.max(axis=2) > 60))[:, 0]
-                 for channel in (2, 0))  # the strongest of each colour
-    assert 8 < blue.min() < blue.max() < 32
-    assert red.min() - blue.min() == pytest.approx(20, abs=3)
 
 
 @pytest.mark.parametrize("difference, desired, coloured", [(True, True, True), (False, True, False),
@@ -132,17 +113,6 @@ def curves():
     composer._rows = record.servo_rows
     composer._t_s = (record.stamp_ns[record.servo_rows] - record.stamp_ns[record.servo_rows[0]]) * 1e-9
     return composer._curves()
-
-
-def test_both_axes_of_the_curves_have_a_name_and_numbers(curves):
-    _, full, left, right = curves
-    dark = full.max(axis=2) < 140
-    assert (left, right) == pytest.approx((102.4, 1254.4))
-    assert dark[:, int(left) - 1:int(left) + 2].mean(axis=0).max() > 0.6, "the axis is where the columns say"
-    used = np.flatnonzero(dark[:, :int(left) - 2].any(axis=0))
-    gaps = np.flatnonzero(np.diff(used) > 4)
-    assert used[0] < 50 and used[-1] > 80 and len(gaps) >= 1, "the name, then the numbers"
-    assert dark[-20:, 500:860].any() and dark[-45:-25, 200:1200].any()
 
 
 def test_a_moment_that_has_not_come_is_faint(curves):

@@ -1,13 +1,11 @@
 """What the figures of a sweep show: which runs are on which panel, the scales of the colours, the cells behind them."""
 
-import json
 
 import numpy as np
 import pytest
 from matplotlib.colors import LogNorm
 
-from aras_visual_servo_study.sweep.figure import AXES, _cell_edges, _limits, _norm, known_axes, make_figure
-from aras_visual_servo_study.sweep.map import start_facts, sweep_maps
+from aras_visual_servo_study.sweep.figure import AXES, _cell_edges, _norm, known_axes, make_figure
 
 
 def row(number, outcome="success", **more):
@@ -72,11 +70,6 @@ def test_cells_are_about_four_runs_large_and_need_an_area():
     assert _cell_edges([row(k % 5) for k in range(20)], ("x0_mm", "y0_mm")) is None
 
 
-def test_limits_leave_a_margin():
-    assert _limits(np.array([0.0, 100.0])) == pytest.approx((-3.0, 103.0))
-    assert _limits(np.array([5.0, 5.0])) == (4.0, 6.0)
-
-
 def test_the_curve_has_a_point_for_each_bin_and_metric_with_its_interval():
     panel = make_figure("curve", ROWS).axes[0]
     success, strict = panel.containers
@@ -99,26 +92,3 @@ def test_axes_are_columns_that_hold_numbers_or_nothing():
             row(2, p_noise=None, start_J1=0.5, p_target=None, offset_x=3)]
     assert known_axes(rows)[-3:] == ["p_noise", "start_J1", "offset_x"] and "p_target" not in known_axes(rows)
     assert known_axes([]) == list(AXES) == ["x0_mm", "y0_mm", "z0_mm", "distance0_mm", "angle0_deg"]
-
-
-def test_under_the_pointer_a_map_tells_the_result_and_how_far_the_start_was():
-    rows = [dict(one, angle0_deg=1.0) for one in ROWS]
-    facts = json.loads(sweep_maps(rows, ("x0_mm", "y0_mm")))["facts"]
-    assert {one["key"] for one in facts if one["short"]} == {"outcome", "reason", "duration_s", "error_mm",
-                                                             "distance0_mm", "angle0_deg"}
-
-
-def test_axes_of_a_map_have_the_names_of_their_columns():
-    panels = [axes for axes in make_figure("map", ROWS, ("distance0_mm", "y0_mm")).axes if axes.get_title(loc="left")]
-    assert {(panel.get_xlabel(), panel.get_ylabel()) for panel in panels} == {("initial distance [mm]",
-                                                                              "initial $y$ [mm]")}
-
-
-def test_a_start_is_told_with_the_digits_of_each_length_and_angle_and_joints_by_their_own_names():
-    rows = [{"start_J1": 0.1, "start_start_x": None, "offset_x_m": 0.2, "p_target": "blob"}]
-    found = [(one["key"], one["label"], one["unit"], one["digits"]) for one in start_facts(rows)]
-    assert found == [
-        ("distance0_mm", "initial distance", "mm", 1), ("angle0_deg", "initial angle", "deg", 2),
-        ("x0_mm", "initial x", "mm", 2), ("y0_mm", "initial y", "mm", 2), ("z0_mm", "initial z", "mm", 2),
-        ("start_J1", "start, J1", "", 4), ("start_start_x", "start, start_x", "", 4),
-        ("offset_x_m", "offset_x_m", "", 4), ("p_target", "target", "", None)]

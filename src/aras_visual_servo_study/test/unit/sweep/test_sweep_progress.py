@@ -1,6 +1,5 @@
 """How a sweep is cut into pieces for its workers, and what it tells while it runs."""
 import sys
-import time
 
 import pytest
 
@@ -12,13 +11,6 @@ from aras_visual_servo_study.sweep import engine
 def test_every_worker_is_given_four_pieces_at_least_and_none_has_more_than_eight_runs(count, workers, sizes):
     pieces = engine._chunks(list(range(count)), workers)
     assert [len(piece) for piece in pieces] == sizes and sum(pieces, []) == list(range(count))
-
-
-@pytest.mark.parametrize("seconds, text", [
-    (0.4, "0 s"), (59.4, "59 s"), (59.6, "1 min 0 s"), (125.0, "2 min 5 s"), (3599.4, "59 min 59 s"),
-    (3600.0, "1 h 0 min"), (3725.0, "1 h 2 min"), (90000.0, "25 h 0 min")])
-def test_a_time_left_has_two_units_at_most(seconds, text):
-    assert engine._duration(seconds) == text
 
 
 class Screen:
@@ -54,18 +46,6 @@ def test_a_file_has_a_new_line_from_time_to_time_and_one_at_the_end():
     lines = progress_of(False, [9.9, 10.0, 19.9, 19.95]).splitlines()
     assert [line.split("  ")[0] for line in lines] == ["2/4 runs", "4/4 runs"]
     assert progress_of(False, [9.9, 10.0, 19.9], total=5).count("\n") == 1
-
-
-def test_a_rate_is_of_this_process_and_without_one_the_time_left_is_not_known():
-    before, counts = [{"outcome": "failure"}] * 2, "2 failure, 1 success\n"
-    assert progress_of(False, [0.0], 0.0, 4, before) == f"3/4 runs  0.0 runs/s  time left unknown  {counts}"
-    assert progress_of(False, [2.0], 0.0, 4, before) == f"3/4 runs  0.5 runs/s  2 s left  {counts}"
-
-
-def test_progress_is_shown_on_stderr_when_nobody_says_where(capsys):
-    progress = engine.Progress(1)
-    progress.add([{"outcome": "success"}])
-    assert capsys.readouterr().err.startswith("1/1 runs  ") and progress._clock is time.monotonic
 
 
 def test_progress_tells_rate_and_time_left():

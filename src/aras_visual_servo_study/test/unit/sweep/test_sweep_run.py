@@ -1,6 +1,5 @@
 """One run of a sweep with the real simulator: outcomes, reuse of the simulator, the result folder of a run."""
 
-import ctypes
 import json
 import math
 
@@ -12,7 +11,6 @@ from aras_visual_servo.runs.loop import ServoLoop
 from aras_visual_servo_study.report.report import save_results
 from aras_visual_servo.scenario.scenario import load_scenario
 from aras_visual_servo.servo.settings import ServoSettings
-from aras_visual_servo_study.sweep import worker
 from aras_visual_servo_study.sweep.perturb import perturbed
 from aras_visual_servo_study.sweep.plan import Start
 from aras_visual_servo_study.sweep.judge import trace_hash
@@ -196,27 +194,6 @@ def test_a_refused_start_tells_from_where_it_would_have_begun(bench):
     assert (row["distance0_mm"], row["angle0_deg"]) == pytest.approx((13.0, math.degrees(0.13)))
     row, _ = bench.run(Start(1, None, refusal="goal out of reach: far"))
     assert row["x0_mm"] is row["distance0_mm"] is row["angle0_deg"] is None
-
-
-@pytest.mark.parametrize("variable, calls", [({}, []),
-                                             ({"MALLOC_TRIM_THRESHOLD_": "65536"}, [(-1, 256 << 20), (-3, 32 << 20)])])
-def test_memory_is_kept_where_dask_would_return_it_and_the_system_takes_both_bounds(monkeypatch, variable, calls):
-    library, asked = ctypes.CDLL(None), []
-
-    class Library:
-        @staticmethod
-        def mallopt(parameter, value):
-            asked.append((parameter, value))
-            return library.mallopt(parameter, value)
-
-    monkeypatch.delenv("MALLOC_TRIM_THRESHOLD_", raising=False)
-    for name, value in variable.items():
-        monkeypatch.setenv(name, value)
-    monkeypatch.setattr(worker.ctypes, "CDLL", lambda _: Library)
-    worker._keep_memory()
-    assert asked == calls
-    for parameter in (-1, -3):
-        library.mallopt(parameter, 128 << 10)  # as before
 
 
 @pytest.mark.parametrize("name, where", [("clutter", "start"), ("scene", "goal")])

@@ -18,22 +18,6 @@ def summary(rows):
     return format_summary(store).splitlines()
 
 
-def test_the_summary_tells_counts_rates_times_errors_and_reasons():
-    rows = [*(row(k) for k in range(1, 22)), *(row(k, "failure", reason="timed out") for k in range(22, 25)),
-            row(25, "error", reason="error: ValueError"), row(26, "infeasible", reason="out of reach")]
-    assert summary(rows) == [
-        "mine: 26 runs, 25 feasible, 1 starts refused, 1 errors",
-        "success             84.00 %   (95 %: 65.35 to 93.60 %)",
-        "strict              0.00 %   (95 %: 0.00 to 13.32 %)",
-        "CNS                 84.00 %   (95 %: 65.35 to 93.60 %)",
-        "converged           84.00 %   (95 %: 65.35 to 93.60 %)",
-        "time, median        22.00 s simulated, 95 % below 40.00 s",
-        "error, median       0.1100 mm, 95 % below 0.2000 mm",
-        "     3 failure     timed out",
-        "     1 error       error: ValueError",
-        "     1 infeasible  out of reach"]
-
-
 def test_without_a_success_no_time_is_told():
     said = summary([row(1, "failure", reason="timed out", success=0)])
     assert said[-1] == "     1 failure     timed out" and not any("median" in line for line in said)
