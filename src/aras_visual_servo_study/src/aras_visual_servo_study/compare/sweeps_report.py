@@ -1,6 +1,8 @@
 """Page of a comparison of sweeps: the numbers of each, the statistics of the pairs, and maps of what changed where."""
 
 import math
+from pathlib import Path
+from typing import Any, Dict, List, Sequence, Tuple, Union
 
 from aras_visual_servo import palette
 from ..report.report import ResultFolderError
@@ -15,7 +17,8 @@ FILE = "compare.html"
 SIGNIFICANT_P = 0.05
 
 
-def save_sweeps_page(names, folders, sweeps, gates, folder, command):
+def save_sweeps_page(names: Sequence[str], folders: Sequence[Union[str, Path]], sweeps: List[List[Dict[str, Any]]],
+                     gates: Sequence[Tuple[str, bool, str]], folder: Path, command: str) -> Path:
     """Write compare.html. Returns its path.
 
     Args:
@@ -33,7 +36,8 @@ def save_sweeps_page(names, folders, sweeps, gates, folder, command):
     return path
 
 
-def sweeps_page(names, folders, sweeps, gates, command):
+def sweeps_page(names: Sequence[str], folders: Sequence[Union[str, Path]], sweeps: List[List[Dict[str, Any]]],
+                gates: Sequence[Tuple[str, bool, str]], command: str) -> str:
     """The page as text; arguments as of `save_sweeps_page`."""
     letters = LETTERS[:len(sweeps)]
     numbers = numbers_of(sweeps)
@@ -47,7 +51,8 @@ def sweeps_page(names, folders, sweeps, gates, command):
                   gates=gates, command=command, versions=installed_versions(), script=source("map.js"))
 
 
-def paired_maps(rows_a, rows_b, letter, folders):
+def paired_maps(rows_a: List[Dict[str, Any]], rows_b: List[Dict[str, Any]], letter: str,
+                folders: Tuple[str, str]) -> str:
     """Data of the maps of sweep B, called `letter`, against A: JSON for the page. A dot is a pair of runs."""
     rows = [_pair_row(a, b) for a, b in pair(rows_a, rows_b)]
     looks = {"both": ("both succeed", palette.BLUE), "neither": ("neither", palette.GREY),

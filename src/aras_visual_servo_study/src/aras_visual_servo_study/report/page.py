@@ -5,6 +5,7 @@ import json
 import math
 import struct
 import zlib
+from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
 import yaml
@@ -14,14 +15,14 @@ from .image_plot import image_plot
 from .joint_plot import joint_plot
 from .replay import ReplayError, replay_of
 from .rows import comparison_rows, is_number, stop_rows
-from aras_visual_servo import styles
+from aras_visual_servo import RunRecord, styles
 from .template import render, source
 
 # A larger video is not put into the page but stays a file beside it: mail programs and phones refuse larger pages.
 EMBEDDED_VIDEO_BYTES = 8_000_000
 
 
-def report_html(record, summary, command=None, film=None):
+def report_html(record: RunRecord, summary: Dict[str, Any], command: Optional[str] = None, film: Any = None) -> str:
     """The report as one page, str: pictures, plots, their script and a small video inside.
 
     Args:
@@ -49,12 +50,12 @@ def report_html(record, summary, command=None, film=None):
         command=command or f"rosrun aras_visual_servo_controller run {summary['scenario']} --in-process")
 
 
-def data_uri(content, kind):
+def data_uri(content: bytes, kind: str) -> str:
     """A data: address that contains these bytes, str."""
     return f"data:{kind};base64," + base64.b64encode(content).decode("ascii")
 
 
-def png_bytes(image):
+def png_bytes(image: np.ndarray) -> bytes:
     """The bytes of a PNG file of a uint8 image (h, w) or (h, w, 3) rgb. The same pixels always give the same bytes."""
     height, width = image.shape[:2]
     colour = 2 if image.ndim == 3 else 0
@@ -103,7 +104,7 @@ def _feature_rows(summary):
     return rows
 
 
-def flat_settings(record):
+def flat_settings(record: RunRecord) -> List[Tuple[str, str]]:
     """Rows (dotted key, value as text): every setting of the record's scenario that influences the result."""
     rows = []
     for section in ("robot", "sim", "vision", "servo", "experiment"):

@@ -24,7 +24,7 @@ RESULTS = (("duration_s", "time", "s", 3), ("error_mm", "final error", "mm", 4),
 SIGNIFICANT = 7
 
 
-def sweep_maps(rows, axes, folder=None):
+def sweep_maps(rows: List[Dict[str, Any]], axes: Tuple[str, str], folder: Optional[str] = None) -> str:
     """The data of a sweep's maps, as JSON that may stand in a page.
 
     Args:

@@ -5,15 +5,19 @@ import csv
 import hashlib
 import io
 import math
+from pathlib import Path
+from typing import Any, Dict, List, Optional, Tuple
 
 from ...sweep.engine import open_sweep, run_pending
 from ...sweep.statistics import wilson
+from .base import Case, Protocol
 
 HEADINGS = ("starts", "success", "95 % interval", "published", "whose", "median error [mm]", "[deg]", "broke off",
             "hash")
 
 
-def run_case(protocol, case, folder, command="", versions=None, workers=None, scheduler=None):
+def run_case(protocol: Protocol, case: Case, folder: Path, command: str = "", versions: Optional[Dict[str, str]] = None,
+             workers: Optional[int] = None, scheduler: Optional[str] = None) -> List[Dict[str, Any]]:
     """Does the pending runs of a case. Returns its rows, list of dicts. Raises the errors of `run_pending`."""
     settings = {"protocol": protocol.name, "case": case.name, "starts": len(case.starts), "method": protocol.name,
                 "space": "joint", "seed": 0, "drive_to_start": False, "ranges": {}, "goal": {}, "perturb": {}}
@@ -22,7 +26,7 @@ def run_case(protocol, case, folder, command="", versions=None, workers=None, sc
         return store.rows()
 
 
-def table(protocol, results):
+def table(protocol: Protocol, results: List[Tuple[Case, List[Dict[str, Any]]]]) -> List[List[str]]:
     """Rows of the table, lists of text, the headings first.
 
     A start that could not be tried, because nothing was recognised in its first view, counts as a failure: the protocol
@@ -42,13 +46,13 @@ def table(protocol, results):
     return lines
 
 
-def digest(rows):
+def digest(rows: List[Dict[str, Any]]) -> str:
     """SHA-256 over the traces of all runs, hexadecimal: equal for benchmarks that are equal bit for bit."""
     text = "\n".join(f"{row['id']} {row['outcome']} {row['trace_hash']}" for row in rows)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def total(lines):
+def total(lines: List[List[str]]) -> str:
     """SHA-256 over the hashes of all lines of a table with what they are of, hexadecimal: that of the whole benchmark.
 
     Args: lines: of `table`.
