@@ -95,7 +95,7 @@ def save_results(record: RunRecord, folder: Union[str, Path], command: Optional[
     """
     from . import page  # only here: jinja2 is slow to import, and so is matplotlib
     folder = Path(folder)
-    _write(folder / "trace.csv", trace_csv(record))
+    write_whole(folder / "trace.csv", trace_csv(record))
     summary = summarise(record)
     files = folder / "figure.png", folder / "figure.pdf"
     drawn = None if drawing is None else drawing.save(record, *files)
@@ -105,7 +105,7 @@ def save_results(record: RunRecord, folder: Union[str, Path], command: Optional[
         summary["notes"] += notes
     else:
         (folder / "video.mp4").unlink(missing_ok=True)  # an earlier report may have left one
-    _write(folder / "summary.json", json.dumps(_json_safe(summary), indent=2) + "\n")
+    write_whole(folder / "summary.json", json.dumps(_json_safe(summary), indent=2) + "\n")
     try:
         if drawn is None or panels:
             from . import figure
@@ -113,7 +113,7 @@ def save_results(record: RunRecord, folder: Union[str, Path], command: Optional[
             figure.save_figure(record, *files)
         if panels:
             figure.save_panels(record, folder)
-        _write(folder / "report.html", page.report_html(record, summary, command, film))
+        write_whole(folder / "report.html", page.report_html(record, summary, command, film))
         if drawn is not None:
             drawn()
     except OSError as error:
@@ -257,11 +257,11 @@ def _json_safe(value):
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _write(path, text):
-    """Write a whole file or none, so that an interrupted run leaves no half of a file."""
+def write_whole(path: Path, content: Union[str, bytes]) -> None:
+    """Writes a whole file or none, so that an interrupted run leaves no half of a file. Raises ResultFolderError."""
     partial = path.with_name(path.name + ".part")
     try:
-        partial.write_text(text, encoding="utf-8")
+        partial.write_bytes(content.encode() if isinstance(content, str) else content)
         partial.replace(path)
     except OSError as error:
         raise ResultFolderError(f"{path}: cannot be written: {error.strerror}") from error

@@ -8,7 +8,7 @@ import math
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
-from ..report.report import ResultFolderError
+from ..report.report import ResultFolderError, write_whole
 from ..report.template import render, source
 from .figure import DEFAULT_AXES, save_figures
 from .map import sweep_maps
@@ -25,7 +25,7 @@ CAPTIONS = {"map": "Result, time to the end and final error over two axes.",
 def save_csv(store: SweepStore) -> Path:
     """Write runs.csv. Returns its path."""
     path = store.folder / "runs.csv"
-    _write(path, store.csv().encode())
+    write_whole(path, store.csv())
     return path
 
 
@@ -47,7 +47,7 @@ def save_report(store: SweepStore, axes: Tuple[str, str] = DEFAULT_AXES, drawing
     except OSError as error:
         raise ResultFolderError(f"{store.folder}: a figure cannot be written: {error}") from error
     path = store.folder / "sweep.html"
-    _write(path, report_html(store, rows, pictures, axes).encode())
+    write_whole(path, report_html(store, rows, pictures, axes))
     return path
 
 
@@ -115,12 +115,3 @@ def format_rows(scenario: str, rows: List[Dict[str, Any]]) -> str:
 
 def _number(value, form):
     return "" if math.isnan(value) else form.format(value)
-
-
-def _write(path, data):
-    partial = path.with_name(path.name + ".part")
-    try:
-        partial.write_bytes(data)
-        partial.replace(path)
-    except OSError as error:
-        raise ResultFolderError(f"{path}: cannot be written: {error.strerror}") from error
