@@ -1,7 +1,8 @@
-"""Tab completion by python3-argcomplete: eval "$(register-python-argcomplete3 aras-servo)"."""
+"""Tab completion by python3-argcomplete: `eval "$(register-python-argcomplete aras-servo)"` in bash."""
 
 import argparse
 import os
+import re
 from pathlib import Path
 from typing import Any, Callable, List
 
@@ -20,7 +21,8 @@ def offer(parser: argparse.ArgumentParser) -> None:
             for inner in one._actions:
                 if inner.dest in _BY_NAME:
                     inner.completer = _completer(_BY_NAME[inner.dest])
-    argcomplete.autocomplete(parser)
+    in_key = re.search(r"--set\s+\S*$", os.environ["COMP_LINE"][:int(os.environ["COMP_POINT"])])
+    argcomplete.autocomplete(parser, append_space=not in_key)  # a dotted key goes on
 
 
 def _completer(words: Callable[[str], List[str]]) -> Callable[..., List[str]]:

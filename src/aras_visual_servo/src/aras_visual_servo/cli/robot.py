@@ -39,5 +39,5 @@ def _work(arguments: Namespace) -> int:
 
 VERBS = {"robot": Command("Print the chain of joints that carries the camera, their limits, and where the camera is.",
                           [("experiment_1", "the arm of a scenario"),
-                           ("arm.urdf --base-link base --tip-link camera_optical_frame", "an arm of your own")],
+                           ("arm.urdf --base-link world --tip-link camera_link", "an arm of your own")],
                           _options, _work)}

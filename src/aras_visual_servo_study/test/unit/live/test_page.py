@@ -10,7 +10,7 @@ import pytest
 from browser import CHROMIUM, Browser, end
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
-LIVE = Path(__file__).resolve().parents[3] / "scripts" / "live"
+PROGRAM = Path(__file__).resolve().parents[4] / "aras_visual_servo" / "scripts" / "aras-servo"
 READY = "document.body.classList.contains('ready') && aras.model.state && aras.model.image"
 LIMIT_S = 60.0
 
@@ -21,7 +21,7 @@ def serve():
     processes = []
 
     def start(*arguments):
-        process = subprocess.Popen([sys.executable, str(LIVE), "experiment_1", "--port", "0", *arguments],
+        process = subprocess.Popen([sys.executable, str(PROGRAM), "live", "experiment_1", "--port", "0", *arguments],
                                    stdout=subprocess.PIPE, text=True)
         processes.append(process)
         return process.stdout.readline().split()[-1]
@@ -224,6 +224,6 @@ def fits_and_can_be_read(browser, dark):
 
 def test_a_port_that_is_taken_is_named(serve):
     port = serve().split(":")[2].split("/")[0]
-    found = subprocess.run([sys.executable, str(LIVE), "experiment_1", "--port", port], capture_output=True, text=True,
+    found = subprocess.run([sys.executable, str(PROGRAM), "live", "experiment_1", "--port", port], capture_output=True, text=True,
                            timeout=LIMIT_S)
     assert found.returncode == 2 and f"port: found {port}, which another program" in found.stderr
