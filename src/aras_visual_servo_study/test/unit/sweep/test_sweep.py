@@ -113,7 +113,7 @@ def test_control_c_keeps_what_is_done_and_ends_the_workers(undisturbed, tmp_path
     os.killpg(process.pid, signal.SIGINT)  # what a terminal does
     _, said = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 130, said
-    assert "go on with: sweep --resume" in said and "Traceback" not in said
+    assert "aras-servo sweep --resume" in said and "Traceback" not in said
     assert not psutil.wait_procs(children, timeout=PATIENCE_S)[1]
     kept = rows_of(folder)
     assert saved <= len(kept) < STARTS
