@@ -69,13 +69,8 @@ def test_its_row_is_that_of_the_depth_over_the_depth(folder):
     np.testing.assert_allclose(L[1] * here.features.an, L[0], atol=ROUNDING)
 
 
-def commands():
-    """The lines to type that the page prints after the scenario."""
-    return re.findall(r"```\n(PYTHONPATH=.*?)\n```", PAGE.read_text())
-
-
 def test_the_command_is_run_as_printed_and_passes(folder):
-    [command] = commands()
+    [command] = re.findall(r"```\n(aras-servo run mine.yaml)\n```", PAGE.read_text())
     result = subprocess.run(["bash", "-c", command], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                             timeout=240)
     said = result.stdout.decode()
@@ -109,9 +104,8 @@ def test_every_bad_setting_is_named_with_what_is_allowed_whichever_law_is_in_use
 
 
 def test_over_ros_the_law_and_its_settings_give_the_run_in_process(folder):
-    command = commands()[0].replace(" --in-process", "")
-    result = subprocess.run(["bash", "-c", command], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                            timeout=240)
+    result = subprocess.run(["aras-servo", "run", "mine.yaml", "--ros"], cwd=folder, stdout=subprocess.PIPE,
+                            stderr=subprocess.STDOUT, timeout=240)
     said = result.stdout.decode()
     assert result.returncode == 0, said
     in_process = avs.run(avs.load_scenario(folder / "mine.yaml"))

@@ -11,7 +11,7 @@ import yaml
 from mcap.reader import make_reader
 
 import aras_visual_servo as avs
-from aras_visual_servo_study.cli.sweep import sweep_main
+from aras_visual_servo.cli.main import main
 from aras_visual_servo_learning.command import export_main
 
 STARTS = 3
@@ -65,7 +65,7 @@ def test_the_numbers_are_those_of_the_run(hdf5, record):
 
 
 def test_a_sweep_gives_one_demonstration_a_run(tmp_path):
-    assert sweep_main(["experiment_1", "--starts", str(STARTS), "--workers", "0", "--output", str(tmp_path),
+    assert main(["sweep", "experiment_1", "--starts", str(STARTS), "--workers", "0", "--output", str(tmp_path),
                        "--name", "few"]) == 0
     folder = tmp_path / "sweeps" / "experiment_1" / "few"
     assert export_main([str(folder), "--to", str(tmp_path / "sweep.hdf5")]) == 0

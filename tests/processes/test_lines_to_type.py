@@ -32,7 +32,6 @@ def test_the_page_has_lines_of_every_kind():
 
 @pytest.mark.parametrize("line", LINES)
 def test_a_line_works(graph, line):
-    line = line.replace("by_hand.bag", str(graph.folder / "by_hand.bag"))
     result = subprocess.run(["bash", "-c", line], env=graph.environment, cwd=graph.folder, stdout=subprocess.PIPE,
                             stderr=subprocess.STDOUT, timeout=2 * LIMIT_S)
     said = result.stdout.decode()

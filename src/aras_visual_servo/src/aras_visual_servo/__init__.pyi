@@ -46,6 +46,7 @@ from .servo.servo import Servo as Servo
 from .servo.settings import ServoSettings as ServoSettings
 
 # Modules: poses and rotations; signals and child processes; colours
+from . import cli as cli
 from . import palette as palette
 from . import processes as processes
 from . import spatial as spatial
@@ -72,8 +73,8 @@ from .config.files import package_path as package_path
 from .config.files import package_paths as package_paths
 from .config.files import resolve_uri as resolve_uri
 from .config.files import share_dir as share_dir
+from .config.plugins import line_of as line_of
 from .config.plugins import load_plugins as load_plugins
-from .config.plugins import load_room as load_room
 from .config.reader import Names as Names
 from .config.reader import is_number as is_number
 from .config.reader import read as read
@@ -95,6 +96,7 @@ from .ground.images import eight_bit as eight_bit
 from .ground.images import image_of as image_of
 from .ground.registry import Registry as Registry
 from .ground.images import in_rgb as in_rgb
+from .ground.registry import load_room as load_room
 from .ground.types import FEATURE_NAMES as FEATURE_NAMES
 from .laws.base import works_on as works_on
 from .runs.judge import fit_decay as fit_decay
@@ -127,4 +129,5 @@ from .scenario.sweep import JOINT_HALF_WIDTH as JOINT_HALF_WIDTH
 from .scenario.sweep import Perturbations as Perturbations
 from .scenario.sweep import SweepSection as SweepSection
 from .servo.stop_rule import StopSettings as StopSettings
+from .studies import sister as sister
 from .studies import study as study

@@ -1,4 +1,4 @@
-"""The package of studies, which stands above this one: loaded by name, when something of it is asked for."""
+"""The packages that are built on this one: loaded by name, when something of them is asked for."""
 
 import importlib
 from types import ModuleType
@@ -9,20 +9,25 @@ from .ground.errors import ArasError
 PACKAGE = "aras_visual_servo_study"
 
 
-def study(room: str = "") -> ModuleType:
-    """Returns the package of sweeps, comparisons and reports, or one room of it.
+def sister(package: str, module: str, needed_by: str) -> ModuleType:
+    """Returns a module of a package that is built on this one.
 
     Args:
-        room: dotted name within the package, e.g. "report"; "" is the package itself.
+        module: dotted name within the package; "" is the package itself.  needed_by: what the user asked for.
     Raises:
         ArasError: the package is not installed.
     """
     try:
-        return importlib.import_module(f"{PACKAGE}.{room}" if room else PACKAGE)
+        return importlib.import_module(f"{package}.{module}" if module else package)
     except ModuleNotFoundError as error:
-        if error.name is None or not error.name.startswith(PACKAGE):
+        if error.name is None or error.name.partition(".")[0] != package:
             raise
-        raise ArasError(f"{error.name}: not installed; reports, sweeps and comparisons need {PACKAGE}") from error
+        raise ArasError(f"{needed_by} needs the package {package}, which is not installed") from error
+
+
+def study(room: str = "") -> ModuleType:
+    """Returns the package of sweeps, comparisons and reports, or a room of it, e.g. "report". Errors as `sister`."""
+    return sister(PACKAGE, room, f"`{room or 'study'}`")
 
 
 def sweep(*arguments: Any, **settings: Any) -> Any:

@@ -14,7 +14,7 @@ const make = (page) => {
   }, { id: "save" });
   body.append(el("div", { class: "field" }, el("label", {}, "name"), name),
     el("label", { class: "check" }, here, "the arm's position now becomes the start"),
-    el("p", { class: "soft" }, "All settings as they stand, and the target where it is. Run it with ", el("code", {}, "rosrun aras_visual_servo_controller run FILE"), "."), save);
+    el("p", { class: "soft" }, "All settings as they stand, and the target where it is. Run it with ", el("code", {}, "aras-servo run FILE"), "."), save);
   return box;
 };
 

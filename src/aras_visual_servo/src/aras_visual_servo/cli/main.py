@@ -1,35 +1,80 @@
-"""The command `aras-servo VERB ...`. Each verb is a function in the package that does the work."""
+"""The command `aras-servo VERB ...`. Each verb is described by the package that does its work."""
 
-import importlib
+import argparse
 import os
 import sys
 from typing import Dict, List, Optional, Tuple
 
-#: verb -> (module, function); a module is imported only when its verb is used.
-VERBS: Dict[str, Tuple[str, str]] = {
-    "run": ("aras_visual_servo.cli.run", "run_main"),
-    "report": ("aras_visual_servo.cli.run", "report_main"),
-    "live": ("aras_visual_servo_study.cli.live", "live_main"),
-    "sweep": ("aras_visual_servo_study.cli.sweep", "sweep_main"),
-    "rerun": ("aras_visual_servo_study.cli.sweep", "rerun_main"),
-    "compare": ("aras_visual_servo_study.cli.sweep", "compare_main"),
-    "compare_laws": ("aras_visual_servo_study.cli.compare", "compare_laws_main"),
-    "compare_runs": ("aras_visual_servo_study.cli.compare", "compare_runs_main"),
-    "benchmark": ("aras_visual_servo_study.cli.benchmark", "benchmark_main"),
-    "calibrate": ("aras_visual_servo_controller.cli.calibrate", "calibrate_main"),
+from . import EXIT_BROKEN, PROGRAM, Verb, complete, run
+from ..ground.errors import ArasError
+from ..studies import sister
+
+CORE, ROS, STUDY = "aras_visual_servo", "aras_visual_servo_controller", "aras_visual_servo_study"
+#: verb -> (package, module of its folder `cli`, what it does). The module has the verb in a dict VERBS.
+VERBS: Dict[str, Tuple[str, str, str]] = {
+    "run": (CORE, "run", "run a scenario, judge it by the true camera pose, and write a report"),
+    "live": (STUDY, "live", "watch and change a run on a page"),
+    "report": (STUDY, "report", "make the report of a run again from its bag"),
+    "sweep": (STUDY, "sweep", "run a scenario from many starts"),
+    "rerun": (STUDY, "sweep", "repeat one run of a sweep, with its report"),
+    "compare": (STUDY, "compare", "compare sweeps, laws or single runs"),
+    "benchmark": (STUDY, "benchmark", "run a published protocol and write its table"),
+    "calibrate": (ROS, "calibrate", "calibrate a camera, its place on the arm, or the plane of the target"),
+    "robot": (CORE, "robot", "print the joints, limits and camera pose of an arm"),
+    "scenario": (CORE, "scenario", "list, print, begin and check scenarios; print their keys"),
 }
 
 
 def main(argv: Optional[List[str]] = None) -> int:
     """Runs one verb. Returns the exit code."""
-    words = sys.argv[1:] if argv is None else argv
-    if not words or words[0] not in VERBS:
-        print("usage: aras-servo VERB ...; verbs: " + ", ".join(VERBS), file=sys.stderr)
-        return 2
-    module, function = VERBS[words[0]]
-    return getattr(importlib.import_module(module), function)(words[1:])
+    words = list(sys.argv[1:] if argv is None else argv)
+    typed = os.environ.get("COMP_LINE", "")[:int(os.environ.get("COMP_POINT", 0))].split(" ")
+    if "_ARGCOMPLETE" in os.environ and len(typed) > 2 and typed[1] in VERBS:
+        os.environ["_ARGCOMPLETE"], words = "2", [typed[1]]  # the words before the verb's own
+    if words and words[0] in VERBS:
+        try:
+            verb = verb_named(words[0])
+        except ArasError as error:
+            print(f"error: {error}", file=sys.stderr)
+            return EXIT_BROKEN
+        return run(f"{PROGRAM} {words[0]}", verb, words[1:])
+    parser = argparse.ArgumentParser(
+        prog=PROGRAM, formatter_class=argparse.RawDescriptionHelpFormatter,
+        description="Visual servoing: run, watch, sweep and compare scenarios.",
+        epilog="verbs:\n" + "\n".join(f"  {verb:<11}{what}" for verb, (_, _, what) in VERBS.items())
+               + f"\n\n`{PROGRAM} VERB --help` explains a verb and ends with examples.")
+    parser.add_argument("verb", choices=list(VERBS), metavar="VERB ...", help="what to do")
+    complete.offer(parser)
+    parser.parse_args(words)
+    return 0
+
+
+def verb_named(name: str) -> Verb:
+    """Returns a verb. Raises ArasError: the package that has it is not installed."""
+    package, module, _ = VERBS[name]
+    return sister(package, f"cli.{module}", f"`{PROGRAM} {name}`").VERBS[name]
 
 
 def alias_main() -> int:
-    """`rosrun aras_visual_servo_controller VERB ...`: the verb is the name of the program."""
-    return main([os.path.basename(sys.argv[0]), *sys.argv[1:]])
+    """`rosrun aras_visual_servo_controller VERB ...` with the verbs and defaults of 2026. Returns the exit code."""
+    return main(as_of_2026(os.path.basename(sys.argv[0]), sys.argv[1:]))
+
+
+def as_of_2026(verb: str, words: List[str]) -> List[str]:
+    """Returns the arguments of `aras-servo` for a command of 2026: `run` went over ROS, and had --list and others."""
+    if verb in ("compare", "compare_laws", "compare_runs"):
+        return ["compare", verb.partition("_")[2] or "sweeps", *words]
+    if verb != "run":
+        return [verb, *words]
+    parser = argparse.ArgumentParser(add_help=False)
+    for option in ("--in-process", "--list", "--resolve"):
+        parser.add_argument(option, action="store_true")
+    parser.add_argument("--init", nargs=1)
+    asked, rest = parser.parse_known_args(words)
+    if asked.list:
+        return ["scenario", "list"]
+    if asked.init:
+        return ["scenario", "new", *asked.init, *rest]
+    if asked.resolve:
+        return ["scenario", "show", *rest]
+    return ["run", *([] if asked.in_process else ["--ros"]), *rest]

@@ -1,21 +1,83 @@
-"""Features and laws from outside this package: modules that register_law them on import (docs/extending.md)."""
+"""Features and laws from outside this package: modules that register them on import (docs/extending.md).
+
+A plugin is the dotted name of a module, `my_laws`, or with the folder that it is in, `/home/me/my_laws`.
+"""
 
 import importlib
+import importlib.util
+import os
+import sys
+import traceback
+from pathlib import Path
+from types import ModuleType
+from typing import Iterable, List, Set, Union
 
-from ..ground.registry import load_room  # noqa: F401
+_CODE: Set[str] = set()  # real paths of the files, and of the folders of packages, that are plugins
 
 
-def load_plugins(modules):
-    """Import them.
+def placed(plugin: str, folder: Union[str, Path]) -> str:
+    """Returns the plugin with its absolute folder, for processes that work in another folder.
 
-    Args: modules: dotted names, found as Python finds modules (PYTHONPATH, installed packages).
-    Returns: faults, one line per module that could not be imported.
+    The module is looked for in `folder` (that of the scenario file), then in the relative entries of PYTHONPATH. A
+    plugin that is in none of them is returned as it is.
+    """
+    name = plugin[:-len(".py")] if plugin.endswith(".py") else plugin
+    above, _, module = os.path.expanduser(name).rpartition(os.sep)
+    top = module.partition(".")[0]
+    search = os.environ.get("PYTHONPATH")
+    relative = [entry for entry in search.split(os.pathsep) if not os.path.isabs(entry)] if search else []
+    for entry in (folder, *relative):
+        home = os.path.abspath(os.path.join(entry, above))
+        if os.path.isfile(os.path.join(home, f"{top}.py")) or os.path.isfile(os.path.join(home, top, "__init__.py")):
+            return os.path.join(home, module)
+    return name
+
+
+def load_plugins(plugins: Iterable[str]) -> List[str]:
+    """Imports plugins. A plugin whose folder is gone is looked for as Python finds modules.
+
+    Returns:
+        faults, one line per module that could not be imported.
     """
     faults = []
-    for name in modules:
+    for plugin in plugins:
         try:
-            importlib.import_module(name)
+            _load(plugin)
         except Exception as error:  # somebody else's code may raise anything; it is reported as a fault of that plugin
-            faults.append(f"plugins: found '{name}', allowed a module that can be imported: "
-                          f"{type(error).__name__}: {error}")
+            faults.append(f"plugins: found '{plugin}', allowed a module that can be imported: "
+                          f"{type(error).__name__}: {error}{line_of(error)}")
     return faults
+
+
+def line_of(error: BaseException) -> str:
+    """Returns " (FILE, line N)" for an error that was raised in the code of a plugin, else ""."""
+    for frame in reversed(traceback.extract_tb(error.__traceback__)):
+        if os.path.realpath(frame.filename).startswith(tuple(_CODE)):
+            return f" ({frame.filename}, line {frame.lineno})"
+    return ""
+
+
+def _load(plugin: str) -> None:
+    folder, _, name = plugin.rpartition(os.sep)
+    if not os.path.isdir(folder):
+        _import(name)
+        return
+    sys.path.insert(0, folder)
+    try:
+        module = _import(name)
+    finally:
+        sys.path.remove(folder)
+        if folder not in sys.path:
+            sys.path.append(folder)  # for what it imports later
+    found = os.path.realpath(getattr(module, "__file__", None) or "")
+    if not found.startswith(os.path.realpath(folder) + os.sep):
+        raise ImportError(f"a module of this name was imported before, {found}: rename one of them")
+
+
+def _import(name: str) -> ModuleType:
+    top = name.partition(".")[0]
+    spec = None if top in sys.modules else importlib.util.find_spec(top)
+    if spec is not None and spec.origin is not None:
+        file = Path(os.path.realpath(spec.origin))
+        _CODE.add(f"{file.parent}{os.sep}" if file.name == "__init__.py" else str(file))
+    return importlib.import_module(name)

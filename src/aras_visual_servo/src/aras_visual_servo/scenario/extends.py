@@ -7,10 +7,12 @@ The rules are those of a JSON Merge Patch (RFC 7396) and two more of our own, se
 import os
 import re
 from pathlib import Path
+from typing import Any, Dict
 
 import yaml
 
 from ..config.files import load_yaml
+from ..config.plugins import placed
 from ..config.settings import keys_of
 from ..features.base import expand
 from ..ground.errors import ParameterError
@@ -37,7 +39,7 @@ def load_resolved(path):
 
 
 def _load(path, way):
-    document = load_yaml(path)
+    document = with_places(load_yaml(path), path.parent)
     if "extends" not in document:
         return document, [path]
     where = f"{path}:{_line_of(path, 'extends')}: extends"
@@ -111,6 +113,15 @@ def anchored(node, folder, key=None):
     if key in FILE_KEYS and isinstance(node, str) and (folder / node).is_file():
         return str(folder / node)
     return node
+
+
+def with_places(document: Dict[str, Any], folder: Path) -> Dict[str, Any]:
+    """Returns the scenario with the absolute folders of plugins, which are looked for in `folder` first."""
+    servo = document.get("servo") if isinstance(document, dict) else None
+    if not isinstance(servo, dict) or not isinstance(servo.get("plugins"), list):
+        return document
+    plugins = [placed(name, folder) if isinstance(name, str) else name for name in servo["plugins"]]
+    return {**document, "servo": {**servo, "plugins": plugins}}
 
 
 def with_lines(faults, files, document):

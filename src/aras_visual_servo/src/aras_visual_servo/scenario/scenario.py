@@ -14,7 +14,7 @@ import yaml
 
 from ..ground.errors import ParameterError
 from .check import check
-from .extends import anchored, load_resolved, with_lines
+from .extends import anchored, load_resolved, with_lines, with_places
 from .files import find_scenario
 from ..config.files import load_yaml, resolve_uri
 from ..runs.settings import place_of
@@ -147,6 +147,7 @@ def load_scenario(name_or_path, overrides=None):
 def scenario_from_dict(document, source="scenario", base=None, path=None):
     """Check a nested dict (as in the file, without `extends`) and make a Scenario of it; relative file names start at
     `base`."""
+    document = with_places(document, base or Path())
     faults = faults_of(document, base)
     if faults:
         raise ParameterError([f"{source}: {fault}" for fault in faults])

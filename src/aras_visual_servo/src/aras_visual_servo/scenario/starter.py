@@ -1,6 +1,9 @@
 """A scenario to begin with: it extends another one, and every key that it may change stands there with its meaning."""
 
+import shlex
 import textwrap
+from pathlib import Path
+from typing import Optional
 
 from ..config.tables import allowed_of, flow, section_of
 from .scenario import load_scenario
@@ -8,7 +11,7 @@ from .schema import scenario_schema
 
 HEAD = """\
 # {name}: a scenario that says only in what it differs from {base}.
-# Run it:  rosrun aras_visual_servo_controller run {name}.yaml --in-process
+# Run it:  {run}
 # Lines with ## explain. A line with # holds what {base} says, or the default: take the # away, from the line
 # and from those of the sections that it is in, and change the value. `null` takes away what {base} says.
 name: {name}
@@ -25,15 +28,16 @@ WHAT = {"servo": "The law, its features and gains, when it has arrived, and how 
 WIDTH = 120
 
 
-def starter(name, base="experiment_1"):
+def starter(name: str, base: str = "experiment_1", path: Optional[Path] = None) -> str:
     """Text of a scenario file that does what `base` does, with every key commented out, from the schema.
 
-    Args: name: of the new scenario.  base: name or path of the one that it extends.
+    Args: name: of the new scenario.  base: name or path of the one that it extends.  path: absolute, of the file.
     Raises: ParameterError: there is no such scenario, or it has faults.
     """
     scenario = load_scenario(base)
     said, sections = scenario.as_dict(), scenario_schema()["properties"]
-    lines = HEAD.format(name=name, base=scenario.name, extends=flow(str(base))).splitlines()
+    lines = HEAD.format(name=name, base=scenario.name, extends=flow(str(base)),
+                        run=shlex.join(["aras-servo", "run", str(path or f"{name}.yaml")])).splitlines()
     for section in SECTIONS:
         meaning = _first(sections[section]) or WHAT[section]
         lines += ["", *_wrapped(meaning, ""), f"#{section}:", *_keys(sections[section], said.get(section, {}), "  ")]

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from aras_visual_servo.cli.run import EXIT_PARAMETERS, run_main
+from aras_visual_servo.cli import EXIT_PARAMETERS
+from aras_visual_servo.cli.main import main
 from aras_visual_servo.scenario.feasibility import Feasibility, check_feasible
 from aras_visual_servo.arm.kinematics import Kinematics
 from aras_visual_servo.runs.loop import ServoLoop
@@ -148,8 +149,8 @@ def test_a_posture_reached_is_where_it_was_asked_for(kinematics):
     ("experiment.goal.joints.J3=2.5", "goal outside joint limits: J3 2.5 not in [-2.094, 2.094]"),
 ])
 def test_a_run_that_cannot_be_done_is_refused_before_anything_moves(tmp_path, capsys, override, expected):
-    words = ["field_of_view", "--in-process", "--output", str(tmp_path), "--set", override]
-    assert run_main(words) == EXIT_PARAMETERS
+    words = ["field_of_view", "--output", str(tmp_path), "--set", override]
+    assert main(["run", *words]) == EXIT_PARAMETERS
     assert f"scenario 'field_of_view' refused, nothing has moved: {expected}" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 

@@ -1,30 +1,18 @@
-"""The command `calibrate camera | hand_eye | target`: what a real arm needs to know, from images of a board.
+"""The verb `calibrate camera | hand_eye | target`: what a real arm needs to know, from images of a board."""
 
-Exit codes: 0 done, 2 bad input, 3 could not read or write a file.
-"""
-
+from argparse import ArgumentParser, Namespace
 from pathlib import Path
-from typing import List, Optional
+from typing import Any, Dict, List, Sequence, Tuple, Union
 
+import numpy as np
 import yaml
 
-from aras_visual_servo.cli.parser import command_parser, parse
-from aras_visual_servo.cli.run import EXIT_PASSED, guarded
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import ParameterError, cli
 from ..calibration.boards import KINDS, Board
 
 BOARD = "--columns 8 --rows 5 --size-m 0.03"
-EXAMPLES = ((f"camera images/*.png {BOARD} --output camera.yaml", "the intrinsics, as camera_info_url reads them"),
-            (f"hand_eye samples.yaml --camera camera.yaml --scenario my_arm.yaml --link flange {BOARD}",
-             "where the camera is on its link, for robot.hand_eye"),
-            (f"target at_goal.png --camera camera.yaml {BOARD}", "depth and normal of the plane that the board is on"))
 
-
-def calibrate_main(argv: Optional[List[str]] = None) -> int:
-    """Calibrate and print what was found, its residual, and what its error costs at the goal. Returns the exit code."""
-    parser = command_parser("calibrate", "Calibrate a camera, its place on the arm, or the target's plane, from images "
-                            "of a chessboard or of a grid of circles. Every result comes with its residual and with "
-                            "what its error costs at the goal.", EXAMPLES)
+def _options(parser: ArgumentParser) -> None:
     parser.add_argument("what", choices=tuple(_WORK), help="what to calibrate")
     parser.add_argument("files", nargs="+", metavar="FILE",
                         help="camera: images of the board; hand_eye: a YAML list of {image: FILE, joints: {NAME: "
@@ -42,11 +30,9 @@ def calibrate_main(argv: Optional[List[str]] = None) -> int:
                         help="depth of the target at the goal, for what the error costs there (default: 0.5)")
     parser.add_argument("--output", metavar="FILE", help="write the result there too: a camera_info file, or the part "
                                                          "of a scenario")
-    arguments = parse(parser, argv)
-    return guarded(lambda: _calibrate(arguments))
 
 
-def _calibrate(arguments):
+def _calibrate(arguments: Namespace) -> int:
     if not arguments.z_star_m > 0.0:
         raise ParameterError(f"--z-star-m: found {arguments.z_star_m:g}, allowed > 0")
     board = Board(arguments.board, arguments.columns, arguments.rows, arguments.size_m)
@@ -54,10 +40,10 @@ def _calibrate(arguments):
     print(result.rstrip())
     if arguments.output:
         Path(arguments.output).write_text(result, encoding="utf-8")
-    return EXIT_PASSED
+    return cli.EXIT_PASSED
 
 
-def _camera(arguments, board):
+def _camera(arguments: Namespace, board: Board) -> str:
     from ..calibration.camera import calibrate_camera
     images = [_image(path) for path in arguments.files]
     sizes = {image.shape[1::-1] for image in images}
@@ -74,7 +60,7 @@ def _camera(arguments, board):
     return camera.as_yaml()
 
 
-def _hand_eye(arguments, board):
+def _hand_eye(arguments: Namespace, board: Board) -> str:
     from ..calibration.hand_eye import calibrate_hand_eye
     from aras_visual_servo.arm.robot import robot_kinematics
     from aras_visual_servo.scenario.scenario import load_scenario
@@ -98,7 +84,7 @@ def _hand_eye(arguments, board):
         "rpy_rad": [float(round(value, 6)) for value in found.rpy_rad]}}}, sort_keys=False)
 
 
-def _target(arguments, board):
+def _target(arguments: Namespace, board: Board) -> str:
     from ..calibration.target import target_plane
     if len(arguments.files) != 1:
         raise ParameterError(f"target: found {len(arguments.files)} images, allowed one, at the goal")
@@ -113,7 +99,7 @@ def _target(arguments, board):
 _WORK = {"camera": _camera, "hand_eye": _hand_eye, "target": _target}
 
 
-def _image(path):
+def _image(path: Union[str, Path]) -> np.ndarray:
     import cv2
     image = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
     if image is None:
@@ -121,7 +107,7 @@ def _image(path):
     return image
 
 
-def _found(names, images, board):
+def _found(names: Sequence[str], images: Sequence[np.ndarray], board: Board) -> Tuple[List[str], List[Any]]:
     """(names, views) of the images in which the board is; the others are named."""
     views = [board.find(image) for image in images]
     for name, view in zip(names, views):
@@ -134,7 +120,7 @@ def _found(names, images, board):
     return [name for name, _ in seen], [view for _, view in seen]
 
 
-def _camera_of(arguments):
+def _camera_of(arguments: Namespace) -> Any:
     from ..calibration.camera import CameraCalibration
     if not arguments.camera:
         raise ParameterError(f"--camera: found nothing, `calibrate {arguments.what}` needs the file that `calibrate "
@@ -142,7 +128,7 @@ def _camera_of(arguments):
     return CameraCalibration.from_yaml(Path(arguments.camera).read_text(encoding="utf-8"), arguments.camera)
 
 
-def _samples(files):
+def _samples(files: Sequence[str]) -> List[Dict[str, Any]]:
     """List of {image, joints}; images are relative to the file that names them."""
     samples = []
     for file in map(Path, files):
@@ -156,13 +142,23 @@ def _samples(files):
     return samples
 
 
-def _residual(residual_px, names, each):
+def _residual(residual_px: float, names: Sequence[str], each: Sequence[float]) -> None:
     worst = max(range(len(names)), key=lambda k: each[k])
     print(f"# residual {residual_px:.3f} px over {len(names)} views, the worst {each[worst]:.3f} px in {names[worst]}")
 
 
-def _cost(costs, unit):
+def _cost(costs: Dict[str, float], unit: str) -> None:
     """One standard deviation of each."""
     print(f"# what the error costs at the goal, one standard deviation {unit}".rstrip())
     for what, value in costs.items():
         print(f"#   {what}: {value:.3g}")
+
+
+VERBS = {"calibrate": cli.Command(
+    "Calibrate a camera, its place on the arm, or the target's plane, from images of a chessboard or of a grid of "
+    "circles. Every result comes with its residual and with what its error costs at the goal.",
+    [(f"camera images/*.png {BOARD} --output camera.yaml", "the intrinsics, as camera_info_url reads them"),
+     (f"hand_eye samples.yaml --camera camera.yaml --scenario my_arm.yaml --link flange {BOARD}",
+      "where the camera is on its link, for robot.hand_eye"),
+     (f"target at_goal.png --camera camera.yaml {BOARD}", "depth and normal of the plane that the board is on")],
+    _options, _calibrate)}

@@ -314,9 +314,8 @@ class ExperimentNode:
         simulated_s = float(record.t_s[-1]) if self._done_ns is None else self._done_ns * 1e-9
         record = dataclasses.replace(record, wall_s=wall_s, real_time_factor=simulated_s / wall_s)
         report = study("report")
-        again = "roslaunch aras_visual_servo_controller servo.launch scenario:="
-        again += str(self._scenario.path or self._scenario.name)
-        summary = report.save_results(record, self.folder, again, self._video, drawing=self._drawing)
+        summary = report.save_results(record, self.folder, rospy.get_param("~repeat", None), self._video,
+                                      drawing=self._drawing)
         print(report.format_summary(summary), flush=True)
         if "truth" not in self._groups:
             rospy.logwarn("the true camera pose was not recorded (record_groups without truth): the run is not judged "

@@ -14,7 +14,7 @@ from std_msgs.msg import String
 from synthetic import SETTINGS, blob, make_record
 
 from aras_visual_servo_controller.bags.bag import BagError, decode, read_bag
-from aras_visual_servo.cli.run import report_main
+from aras_visual_servo.cli.main import main
 from aras_visual_servo.features import base as features, styles
 from aras_visual_servo.runs.judge import judge
 
@@ -127,7 +127,7 @@ def test_a_message_that_is_missing_in_the_bag_is_said_plainly(tmp_path, original
     assert count["published"] == count["in_bag"] + 1
     [note] = [note for note in record.notes if note.startswith("LOST in recording")]
     assert f"{NAMESPACE}/{topic}: {count['published']} messages were published, {count['in_bag']} are in" in note
-    report_main([str(path)])
+    main(["report", str(path)])
     assert json.loads((tmp_path / "summary.json").read_text())["recorded"] == record.recorded
     page = (tmp_path / "report.html").read_text()
     assert note in page and f"{count['in_bag']} of {count['published']} messages published" in page
@@ -190,7 +190,7 @@ def test_a_missing_file_is_an_error_with_its_name():
 
 def test_the_report_command_rebuilds_every_file_beside_the_bag(tmp_path, original, capsys):
     write(tmp_path / "run.bag", messages_of(original))
-    assert report_main([str(tmp_path / "run.bag")]) == 0
+    assert main(["report", str(tmp_path / "run.bag")]) == 0
     assert {path.name for path in tmp_path.iterdir()} == {"run.bag", "summary.json", "trace.csv", "figure.png",
                                                           "figure.pdf", "report.html"}
     assert "PASSED" in capsys.readouterr().out
@@ -199,7 +199,7 @@ def test_the_report_command_rebuilds_every_file_beside_the_bag(tmp_path, origina
 def test_a_report_without_images_or_truth_is_made_and_says_what_it_lacks(tmp_path, original, capsys):
     path = write(tmp_path / "run.bag", messages_of(original),
                  without=("camera/image_raw", "ground_truth/camera_pose", "camera/features"))
-    assert report_main([str(path), "--video"]) == 1
+    assert main(["report", str(path), "--video"]) == 1
     out = capsys.readouterr().out
     for words in ("camera/image_raw (group images)", "ground_truth/camera_pose (group truth)", "unknown",
                   "no video: the record has no images"):
@@ -233,7 +233,7 @@ def test_the_report_command_compares_a_replay_when_asked(tmp_path, original, mon
     monkeypatch.setattr("aras_visual_servo_controller.bags.replay.replay",
                         lambda *words: asked.append(words) or Result())
     path = str(write(tmp_path / "run.bag", messages_of(original)))
-    assert report_main([path]) == 0 and not asked
+    assert main(["report", path]) == 0 and not asked
     assert "what the replay found" not in capsys.readouterr().out
-    assert report_main([path, "--replay"]) == (0 if same else 1)
+    assert main(["report", path, "--replay"]) == (0 if same else 1)
     assert "what the replay found" in capsys.readouterr().out and asked[0][0] == [path]

@@ -14,7 +14,7 @@ from aras_visual_servo_controller.calibration.camera import CameraCalibration, c
 from aras_visual_servo_controller.calibration.hand_eye import calibrate_hand_eye, projected
 from aras_visual_servo_controller.calibration.target import target_plane
 from aras_visual_servo.arm.robot import kinematics_of, robot_kinematics
-from aras_visual_servo_controller.cli.calibrate import calibrate_main
+from aras_visual_servo.cli.main import main
 from aras_visual_servo.ground.errors import ParameterError
 from aras_visual_servo.spatial import inverse, rotation_angle, rotation_rpy, rotation_vector
 import aras_visual_servo as avs
@@ -124,12 +124,12 @@ def test_the_commands_write_what_the_scenario_reads_and_a_taught_goal_is_reached
     grid = ["--board", "circles", "--columns", "4", "--rows", "11", "--size-m", "0.025", "--z-star-m", str(Z_STAR_M)]
     camera, hand = str(tmp_path / "camera.yaml"), tmp_path / "hand_eye.yaml"
     images = [str(path) for path in sorted(tmp_path.glob("*.png"))]
-    assert calibrate_main(["camera", *images, *grid, "--output", camera]) == 0
+    assert main(["calibrate", "camera", *images, *grid, "--output", camera]) == 0
     told = capsys.readouterr().out
     assert "# residual 0.0" in told and f"over {VIEWS} views" in told and "taught goal: 0" in told
-    assert calibrate_main(["hand_eye", str(tmp_path / "samples.yaml"), *grid, "--camera", camera, "--scenario",
+    assert main(["calibrate", "hand_eye", str(tmp_path / "samples.yaml"), *grid, "--camera", camera, "--scenario",
                            "experiment_1", "--link", LINK, "--output", str(hand)]) == 0
-    assert calibrate_main(["target", images[0], *grid, "--camera", camera, "--output", str(tmp_path / "t.yaml")]) == 0
+    assert main(["calibrate", "target", images[0], *grid, "--camera", camera, "--output", str(tmp_path / "t.yaml")]) == 0
     found = yaml.safe_load(hand.read_text())["robot"]["hand_eye"]
     scenario = load_scenario("experiment_1", {"robot.hand_eye": found})
     q = np.zeros(6)
@@ -171,7 +171,7 @@ def test_bad_input_of_the_command_is_named(tmp_path, monkeypatch, capsys, argume
     import cv2
     monkeypatch.chdir(tmp_path)
     cv2.imwrite("grey.png", np.full((48, 64), 128, dtype=np.uint8))
-    assert calibrate_main([*arguments, "--columns", "8", "--rows", "5", "--size-m", "0.03"]) in (2, 3)
+    assert main(["calibrate", *arguments, "--columns", "8", "--rows", "5", "--size-m", "0.03"]) in (2, 3)
     assert fault in capsys.readouterr().err
 
 

@@ -12,7 +12,7 @@ from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
 
-from aras_visual_servo import (Feasibility, Outline, ParameterError, Track, kinematics_of, load_scenario,
+from aras_visual_servo import (Feasibility, Outline, ParameterError, Track, kinematics_of, known_laws, load_scenario,
                                load_yaml, processes, reach, read, track_of)
 from ..files import share_dir
 from ..sweep.plan import Start
@@ -53,7 +53,8 @@ def load_comparison(name_or_path, laws=(), tasks=(), overrides=None, scenario=No
 
     Args:
         name_or_path: name of a file of config/comparisons, or path of a YAML file.
-        laws, tasks: the names to compare, in this order; () takes all of the file.  A law may be NAME:INTERACTION.
+        laws, tasks: the names to compare, in this order; () takes all of the file.  A law may be NAME:INTERACTION. A
+            registered law that the file does not name runs with the values of the scenario.
         overrides: dotted path -> value, put into the scenario of every law, see `load_scenario`.
         scenario: name or path of a scenario to take in place of the file's, for example another robot.
     Raises:
@@ -64,12 +65,13 @@ def load_comparison(name_or_path, laws=(), tasks=(), overrides=None, scenario=No
     faults, scenarios = [], {}
     for wanted in laws or file.laws:
         law, _, interaction = wanted.partition(":")
-        if law not in file.laws:
-            faults.append(f"--laws: found {law}, allowed {', '.join(file.laws)}")
+        if law not in file.laws and law not in known_laws():
+            faults.append(f"--laws: found {law}, allowed {', '.join(dict.fromkeys([*file.laws, *known_laws()]))}")
             continue
-        changes = dict(file.laws[law].overrides(), **({"servo.interaction": interaction} if interaction else {}))
+        changes = file.laws[law].overrides() if law in file.laws else {"servo.law": law}
         try:
-            scenarios[wanted] = base.with_overrides(changes)
+            scenarios[wanted] = base.with_overrides({**changes, **({"servo.interaction": interaction} if interaction
+                                                                   else {})})
         except ParameterError as error:
             faults += [f"law {wanted}: {fault}" for fault in error.faults]
     faults += [f"--tasks: found {task}, allowed {', '.join(file.tasks)}" for task in tasks if task not in file.tasks]

@@ -7,6 +7,7 @@ import base64
 import io
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, Dict, Optional
 
 import matplotlib
 import numpy as np
@@ -36,12 +37,13 @@ class Run:
     outline: object = None
 
 
-def read_run(source):
+def read_run(source: str, changes: Optional[Dict[str, Any]] = None) -> Run:
     """Read or make a run that is to be compared.
 
     Args:
         source: name of a scenario or path of its YAML file, which is run in this process; or path of a bag, or of a
             folder of bags.
+        changes: dotted path -> value, of the scenario that is run.
     Raises:
         ParameterError: there is no such scenario.  BagError: the bags hold no run.
     """
@@ -52,7 +54,7 @@ def read_run(source):
         scenario = scenario_from_dict(dict(record.settings), source=str(path))
         label = f"{record.scenario} ({path.parent.name if path.suffix == '.bag' else path.name})"
     else:
-        scenario = load_scenario(source)
+        scenario = load_scenario(source, changes)
         record, label = avs.run(scenario), scenario.name
     kinematics = kinematics_of(scenario.urdf_xml(), scenario.robot, calibrated=False)
     limits = [dict(zip(kinematics.joint_names, ends)) for ends in (kinematics.lower, kinematics.upper)]

@@ -69,7 +69,7 @@ def paired_maps(rows_a: List[Dict[str, Any]], rows_b: List[Dict[str, Any]], lett
                                               ("duration_s", "time", "s", 3), ("error_mm", "final error", "mm", 4))
              for which, name in (("a", "A"), ("b", letter))] + start_facts(rows)
     commands = [{"label": f"Run it again in {name}:", "folder": folder,
-                 "text": "rosrun aras_visual_servo_controller rerun {id} --sweep {folder}"}
+                 "text": "aras-servo rerun {id} --sweep {folder}"}
                 for name, folder in zip(("A", letter), folders)]
     return page_data(rows, DEFAULT_AXES, maps, facts, commands, None)
 

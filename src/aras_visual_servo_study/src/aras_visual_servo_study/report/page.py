@@ -47,7 +47,7 @@ def report_html(record: RunRecord, summary: Dict[str, Any], command: Optional[st
         recorded=[(topic, f"{count['in_bag']} of {count['published']} messages published")
                   for topic, count in record.recorded.items()],
         scenario=scenario, scenario_src=data_uri(scenario.encode(), "text/yaml"),
-        command=command or f"rosrun aras_visual_servo_controller run {summary['scenario']} --in-process")
+        command=command or f"aras-servo run {summary['scenario']}")
 
 
 def data_uri(content: bytes, kind: str) -> str:

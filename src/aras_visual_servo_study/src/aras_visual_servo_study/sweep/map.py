@@ -39,7 +39,7 @@ def sweep_maps(rows: List[Dict[str, Any]], axes: Tuple[str, str], folder: Option
              *(fact(key, label, unit, digits, short=key in ("duration_s", "error_mm"))
                for key, label, unit, digits in RESULTS), *start_facts(rows)]
     command = {"label": "Run it again, with its full report:", "folder": folder,
-               "text": "rosrun aras_visual_servo_controller rerun {id} --sweep {folder}"}
+               "text": "aras-servo rerun {id} --sweep {folder}"}
     maps = [time, error] if every_run_succeeds(rows) else [success, time, error]
     return page_data(rows, axes, maps, facts, [command], {"key": "outcome", "value": "infeasible"})
 

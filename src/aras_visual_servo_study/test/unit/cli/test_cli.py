@@ -7,7 +7,8 @@ import pathlib
 import pytest
 from synthetic import make_record
 
-from aras_visual_servo.cli import run as cli
+from aras_visual_servo import cli
+from aras_visual_servo.cli.main import main
 
 from aras_visual_servo.runs import judge as experiment
 
@@ -29,32 +30,32 @@ def runs(monkeypatch):
 
 
 def test_a_run_in_process_writes_its_folder_and_prints_the_table(runs, tmp_path, capsys):
-    assert cli.run_main(["experiment_1", "--in-process", "--output", str(tmp_path)]) == cli.EXIT_PASSED
+    assert main(["run", "experiment_1", "--output", str(tmp_path)]) == cli.EXIT_PASSED
     [folder] = (tmp_path / "experiment_1").iterdir()
     assert (folder / "report.html").is_file()
     assert "PASSED" in capsys.readouterr().out
 
 
 def test_overrides_reach_the_run_and_the_report(runs, tmp_path):
-    cli.run_main(["experiment_1", "--in-process", "--output", str(tmp_path), "--set", "servo.gains_per_s.xn=1.5"])
+    main(["run", "experiment_1", "--output", str(tmp_path), "--set", "servo.gains_per_s.xn=1.5"])
     assert runs[0].servo["gains_per_s"]["xn"] == 1.5
     [page] = tmp_path.glob("experiment_1/*/report.html")
-    assert "run experiment_1 --in-process --set servo.gains_per_s.xn=1.5" in page.read_text()
+    assert "aras-servo run experiment_1 --set servo.gains_per_s.xn=1.5" in page.read_text()
 
 
 def test_a_run_that_missed_the_goal_exits_with_one(monkeypatch, tmp_path):
     monkeypatch.setattr(experiment, "run", lambda scenario, progress=None: make_record((0.01, 0, 0)))
-    assert cli.run_main(["experiment_1", "--in-process", "--output", str(tmp_path)]) == cli.EXIT_FAILED
+    assert main(["run", "experiment_1", "--output", str(tmp_path)]) == cli.EXIT_FAILED
 
 
 def test_a_wrong_scenario_exits_with_two_and_says_why(runs, tmp_path, capsys):
-    assert cli.run_main(["experiment_1", "--in-process", "--output", str(tmp_path), "--set", "sim.sed=3"]) == 2
+    assert main(["run", "experiment_1", "--output", str(tmp_path), "--set", "sim.sed=3"]) == 2
     assert "sim.sed: unknown key" in capsys.readouterr().err and not runs
 
 
 def test_a_folder_that_cannot_be_written_stops_before_the_run(runs, tmp_path, capsys):
     (tmp_path / "file").write_text("")
-    assert cli.run_main(["experiment_1", "--in-process", "--output", str(tmp_path / "file")]) == cli.EXIT_BROKEN
+    assert main(["run", "experiment_1", "--output", str(tmp_path / "file")]) == cli.EXIT_BROKEN
     assert "cannot be written" in capsys.readouterr().err and not runs
 
 
@@ -63,7 +64,7 @@ def test_an_error_of_the_run_exits_with_three(monkeypatch, tmp_path, capsys):
         raise ModelError("joint 'J9': unknown")
 
     monkeypatch.setattr(experiment, "run", broken)
-    assert cli.run_main(["experiment_1", "--in-process", "--output", str(tmp_path)]) == cli.EXIT_BROKEN
+    assert main(["run", "experiment_1", "--output", str(tmp_path)]) == cli.EXIT_BROKEN
     assert "joint 'J9': unknown" in capsys.readouterr().err
 
 
@@ -84,7 +85,7 @@ def test_a_run_over_ros_gives_the_exit_code_of_the_experiment_node(monkeypatch, 
             pass
     monkeypatch.setattr(launch.subprocess, "Popen", Roslaunch)
     monkeypatch.setenv("ROS_MASTER_URI", "http://localhost:1")
-    assert cli.run_main(["experiment_1", "--output", str(tmp_path)]) == cli.EXIT_FAILED
+    assert main(["run", "experiment_1", "--ros", "--output", str(tmp_path)]) == cli.EXIT_FAILED
     assert commands[0][:4] == ["roslaunch", "--skip-log-check", "aras_visual_servo_controller", "servo.launch"]
     assert commands[0][4].startswith("scenario:=/") and commands[0][4].endswith("experiment_1.yaml")
     assert f"results_dir:={tmp_path}" in commands[0]
@@ -107,16 +108,15 @@ def test_a_log_that_cannot_be_kept_does_not_hide_why_the_run_failed(monkeypatch,
 def test_the_namespace_of_a_run_is_checked_and_reaches_the_launch_file(monkeypatch, tmp_path, capsys):
     given = []
     monkeypatch.setattr(launch, "run_over_ros", lambda *_, namespace, **__: given.append(namespace) or 0)
-    assert cli.run_main(["experiment_1", "--output", str(tmp_path), "--namespace", "/left/arm"]) == 0
+    assert main(["run", "experiment_1", "--ros", "--output", str(tmp_path), "--namespace", "/left/arm"]) == 0
     assert given == ["/left/arm"]
     for name in ("a b", "1a", "/", "a//b", "~a"):
-        with pytest.raises(SystemExit):
-            cli.run_main(["experiment_1", "--namespace", name])
+        assert main(["run", "experiment_1", "--ros", "--namespace", name]) == cli.EXIT_PARAMETERS
         assert f"--namespace: found '{name}', allowed is a name of ROS" in capsys.readouterr().err
 
 
 def test_the_list_names_every_shipped_scenario(capsys):
-    assert cli.run_main(["--list"]) == 0
+    assert main(["scenario", "list"]) == 0
     assert {"experiment_1", "experiment_2"} <= {line.split()[0] for line in capsys.readouterr().out.splitlines()}
 
 

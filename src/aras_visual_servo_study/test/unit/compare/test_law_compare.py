@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import yaml
 
-from aras_visual_servo.cli.run import EXIT_PARAMETERS, EXIT_PASSED
-from aras_visual_servo_study.cli.compare import compare_laws_main, compare_runs_main
+from aras_visual_servo.cli import EXIT_PARAMETERS, EXIT_PASSED
+from aras_visual_servo.cli.main import main
 from aras_visual_servo.ground.errors import ParameterError
 from aras_visual_servo_study.compare.laws import load_comparison, run_comparison
 from aras_visual_servo_study.compare.laws_figure import make_figure, part_of
@@ -120,7 +120,7 @@ def test_a_task_that_cannot_be_done_is_refused_not_failed(tmp_path):
 def test_the_command_writes_table_and_figure(tmp_path, capsys):
     words = ["canonical", "--laws", "pbvs,points", "--tasks", "retreat,general", "--workers", "0"]
     words += ["--output", str(tmp_path)]
-    assert compare_laws_main([*words, "--name", "one"]) == EXIT_PASSED
+    assert main(["compare", "laws", *words, "--name", "one"]) == EXIT_PASSED
     text = capsys.readouterr().out
     assert "retreat, 0.15 m" in text and text.count("arrived") == 4
     folder = tmp_path / "comparisons" / "canonical" / "one"
@@ -138,27 +138,27 @@ def test_the_same_tasks_on_another_robot(tmp_path, capsys):
     words = ["canonical", "--laws", "pbvs,photometric", "--tasks", "turn_45", "--workers", "0", "--set",
              "servo.time_limit_s=6"]
     words += ["--output", str(tmp_path), "--name", "one", "--scenario"]
-    assert compare_laws_main([*words, "free_camera"]) == EXIT_PASSED
+    assert main(["compare", "laws", *words, "free_camera"]) == EXIT_PASSED
     assert capsys.readouterr().out.count("arrived") == 2
     folder = tmp_path / "comparisons" / "canonical_free_camera" / "one"
     with open(folder / "comparison.csv", encoding="utf-8") as stream:
         row = next(csv.DictReader(stream))
     assert float(row["farthest_mm"]) < 1.0 and row["joint_room"] == ""  # no lag, and no limits
     assert "--scenario free_camera" in (folder / "comparison.html").read_text(encoding="utf-8")
-    assert compare_laws_main([*words, "free_kamera"]) == EXIT_PARAMETERS
+    assert main(["compare", "laws", *words, "free_kamera"]) == EXIT_PARAMETERS
     assert "free_kamera" in capsys.readouterr().err
 
 
 def test_bad_words_are_bad_input(tmp_path, capsys):
-    assert compare_laws_main(["canonical", "--laws", "nobody", "--output", str(tmp_path)]) == EXIT_PARAMETERS
-    assert compare_laws_main(["canonical", "--workers", "-1", "--output", str(tmp_path)]) == EXIT_PARAMETERS
-    assert compare_runs_main(["experiment_1", "--output", str(tmp_path)]) == EXIT_PARAMETERS
+    assert main(["compare", "laws", "canonical", "--laws", "nobody", "--output", str(tmp_path)]) == EXIT_PARAMETERS
+    assert main(["compare", "laws", "canonical", "--workers", "-1", "--output", str(tmp_path)]) == EXIT_PARAMETERS
+    assert main(["compare", "runs", "experiment_1", "--output", str(tmp_path)]) == EXIT_PARAMETERS
     assert "found 1 run, allowed two or more" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 
 
 def test_runs_side_by_side(tmp_path, capsys):
-    assert compare_runs_main(["experiment_1", "experiment_1_paper", "--output", str(tmp_path), "--name", "a"]) == 0
+    assert main(["compare", "runs", "experiment_1", "experiment_1_paper", "--output", str(tmp_path), "--name", "a"]) == 0
     page = (tmp_path / "comparisons" / "runs" / "a" / "runs.html").read_text(encoding="utf-8")
     assert "experiment_1_paper" in page and "servo.law" in page and "data:image/png;base64," in page
     assert "joint room" in capsys.readouterr().out

@@ -1,4 +1,4 @@
-"""`compare_laws` that is ended by a signal leaves no worker."""
+"""`compare laws` that is ended by a signal leaves no worker."""
 
 import pathlib
 import signal
@@ -9,14 +9,14 @@ import time
 import psutil
 import pytest
 
-SCRIPT = pathlib.Path(__file__).resolve().parents[3] / "scripts" / "compare_laws"
+PROGRAM = pathlib.Path(__file__).resolve().parents[4] / "aras_visual_servo" / "scripts" / "aras-servo"
 PATIENCE_S = 120.0
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL], ids=lambda number: number.name)
 def test_a_signal_ends_a_comparison_and_its_workers(number, tmp_path):
-    process = subprocess.Popen([sys.executable, str(SCRIPT), "--workers", "2", "--output", str(tmp_path)],
-                               stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen([sys.executable, str(PROGRAM), "compare", "laws", "--workers", "2", "--output",
+                                str(tmp_path)], stderr=subprocess.PIPE, text=True)
     end_s, workers = time.monotonic() + PATIENCE_S, []
     while sum(worker.cpu_times().user > 1.0 for worker in workers) < 2:  # at work
         assert time.monotonic() < end_s and process.poll() is None

@@ -8,7 +8,7 @@ from html import unescape
 import pytest
 from browser import CHROMIUM, Browser
 
-from aras_visual_servo_study.cli.sweep import compare_main, sweep_main
+from aras_visual_servo.cli.main import main
 from aras_visual_servo_study.compare.sweeps import compare_pair
 from aras_visual_servo_study.compare.sweeps_report import paired_maps, sweeps_page
 from aras_visual_servo_study.sweep.store import SweepStore
@@ -21,11 +21,11 @@ def output(tmp_path_factory):
     """Two sweeps of the same starts, one of which is cut off earlier, and their comparison."""
     output = tmp_path_factory.mktemp("output")
     for name, limit_s in LIMITS_S.items():
-        assert sweep_main(["experiment_1", "--seed", "4", "--starts", "10", "--set", f"servo.time_limit_s={limit_s}",
+        assert main(["sweep", "experiment_1", "--seed", "4", "--starts", "10", "--set", f"servo.time_limit_s={limit_s}",
                            "--set", "sweep.perturb={servo.gains_per_s.xn: [1.0, 4.0]}",
                            "--workers", "0", "--output", str(output), "--name", name]) == 0
     words = [str(output / "sweeps" / "experiment_1" / name) for name in LIMITS_S]
-    assert compare_main([*words, "--fail-if", "success < 0.999", "--output", str(output), "--name", "page"]) == 1
+    assert main(["compare", "sweeps", *words, "--fail-if", "success < 0.999", "--output", str(output), "--name", "page"]) == 1
     return output
 
 

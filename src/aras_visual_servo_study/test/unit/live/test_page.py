@@ -10,7 +10,7 @@ import pytest
 from browser import CHROMIUM, Browser, end
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
-LIVE = Path(__file__).resolve().parents[3] / "scripts" / "live"
+PROGRAM = Path(__file__).resolve().parents[4] / "aras_visual_servo" / "scripts" / "aras-servo"
 READY = "document.body.classList.contains('ready') && aras.model.state && aras.model.image"
 LIMIT_S = 60.0
 
@@ -21,7 +21,7 @@ def serve():
     processes = []
 
     def start(*arguments):
-        process = subprocess.Popen([sys.executable, str(LIVE), "experiment_1", "--port", "0", *arguments],
+        process = subprocess.Popen([sys.executable, str(PROGRAM), "live", "experiment_1", "--port", "0", *arguments],
                                    stdout=subprocess.PIPE, text=True)
         processes.append(process)
         return process.stdout.readline().split()[-1]

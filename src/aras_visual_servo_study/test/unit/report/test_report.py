@@ -196,8 +196,8 @@ def test_a_process_beside_draws_the_same_figure_and_tells_of_a_file_that_it_cann
 
 
 def test_a_run_without_a_lens_does_not_wait_for_opencv(tmp_path):
-    program = ("import sys; from aras_visual_servo.cli.run import run_main; "
-               "code = run_main(['experiment_1', '--in-process', '--output', sys.argv[1]]); "
+    program = ("import sys; from aras_visual_servo.cli.main import main; "
+               "code = main(['run', 'experiment_1', '--output', sys.argv[1]]); "
                "sys.exit('imported' if 'cv2' in sys.modules else code)")
     run = subprocess.run([sys.executable, "-c", program, str(tmp_path)], capture_output=True, text=True,
                          env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)})

@@ -16,11 +16,11 @@ import pytest
 from aras_visual_servo_study.sweep import engine as sweep_engine
 
 from aras_visual_servo_study.sweep import worker as sweep_worker
-from aras_visual_servo_study.cli.sweep import compare_main, rerun_main, sweep_main
+from aras_visual_servo.cli.main import main
 from aras_visual_servo.processes import Interrupted
 from aras_visual_servo_study.sweep.store import SweepStore
 
-SCRIPTS = pathlib.Path(__file__).resolve().parents[3] / "scripts"
+PROGRAM = pathlib.Path(__file__).resolve().parents[4] / "aras_visual_servo" / "scripts" / "aras-servo"
 STARTS = 40
 #: Wall time for what takes some seconds on a busy machine [s].
 PATIENCE_S = 120.0
@@ -29,7 +29,7 @@ QUICK = ["experiment_1", "--seed", "4", "--set", "servo.time_limit_s=0.5"]
 
 
 def sweep(output, name, *words, starts=STARTS):
-    return sweep_main([*QUICK, "--starts", str(starts), "--output", str(output), "--name", name, *words])
+    return main(["sweep", *QUICK, "--starts", str(starts), "--output", str(output), "--name", name, *words])
 
 
 def folder_of(output, name):
@@ -37,7 +37,7 @@ def folder_of(output, name):
 
 
 def start_process(output, name, *words):
-    command = [sys.executable, str(SCRIPTS / "sweep"), *QUICK, "--starts", str(STARTS), "--output", str(output),
+    command = [sys.executable, str(PROGRAM), "sweep", *QUICK, "--starts", str(STARTS), "--output", str(output),
                "--name", name, *words]
     (output / "tmp").mkdir()
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
@@ -113,11 +113,11 @@ def test_control_c_keeps_what_is_done_and_ends_the_workers(undisturbed, tmp_path
     os.killpg(process.pid, signal.SIGINT)  # what a terminal does
     _, said = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 130, said
-    assert "go on with: sweep --resume" in said and "Traceback" not in said
+    assert "aras-servo sweep --resume" in said and "Traceback" not in said
     assert not psutil.wait_procs(children, timeout=PATIENCE_S)[1]
     kept = rows_of(folder)
     assert saved <= len(kept) < STARTS
-    assert sweep_main(["--resume", str(folder), "--workers", "0"]) == 0
+    assert main(["sweep", "--resume", str(folder), "--workers", "0"]) == 0
     assert rows_of(folder) == rows_of(undisturbed)
 
 
@@ -171,7 +171,7 @@ def test_a_killed_process_loses_nothing(undisturbed, tmp_path, which):
 
 def test_a_rerun_gives_the_same_bytes_and_a_whole_result_folder(undisturbed, tmp_path, capsys):
     feasible = next(row for row in rows_of(undisturbed) if row["run_hash"])
-    assert rerun_main([str(feasible["id"]), "--sweep", str(undisturbed), "--output", str(tmp_path)]) == 0
+    assert main(["rerun", str(feasible["id"]), "--sweep", str(undisturbed), "--output", str(tmp_path)]) == 0
     assert f"same bytes as in the sweep, trace {feasible['trace_hash']}" in capsys.readouterr().out
     assert (tmp_path / "report.html").is_file() and (tmp_path / "trace.csv").is_file()
 
@@ -183,16 +183,16 @@ def test_a_rerun_that_differs_says_so(undisturbed, tmp_path, capsys):
     with sqlite3.connect(str(undisturbed / "sweep.db")) as source, sqlite3.connect(str(copy / "sweep.db")) as target:
         source.backup(target)
         target.execute("UPDATE runs SET run_hash = 'other' WHERE id = ?", (feasible["id"],))
-    assert rerun_main([str(feasible["id"]), "--sweep", str(copy)]) == 1
+    assert main(["rerun", str(feasible["id"]), "--sweep", str(copy)]) == 1
     assert "other values than in the sweep: run_hash" in capsys.readouterr().out
 
 
 def test_a_gate_decides_the_exit_code(undisturbed, tmp_path, capsys):
     words = ["--output", str(tmp_path)]
-    assert compare_main([str(undisturbed), str(undisturbed), "--fail-if", "mcnemar_p < 0.05", *words]) == 0
-    assert compare_main([str(undisturbed), "--fail-if", "success < 0.98", *words]) == 1
+    assert main(["compare", "sweeps", str(undisturbed), str(undisturbed), "--fail-if", "mcnemar_p < 0.05", *words]) == 0
+    assert main(["compare", "sweeps", str(undisturbed), "--fail-if", "success < 0.98", *words]) == 1
     assert "FAILED: success < 0.98" in capsys.readouterr().out
-    assert compare_main([str(undisturbed), "--fail-if", "sucess < 0.98"]) == 2
+    assert main(["compare", "sweeps", str(undisturbed), "--fail-if", "sucess < 0.98"]) == 2
     assert "unknown name 'sucess', known are runs" in capsys.readouterr().err
 
 
@@ -212,21 +212,21 @@ def test_bad_input_is_told_clearly(words, code, message, tmp_path, capsys, monke
     monkeypatch.setattr(sweep_engine, "CONNECT_S", 0.5)
     few = [] if "--starts" in words or words[0] == "--resume" or "--resume" in words else ["--starts", "2"]
     local = [] if "--workers" in words or "--scheduler" in words else ["--workers", "0"]
-    assert sweep_main([*words, *few, *local, "--output", str(tmp_path)]) == code
+    assert main(["sweep", *words, *few, *local, "--output", str(tmp_path)]) == code
     assert message in capsys.readouterr().err
 
 
 def test_a_resume_must_ask_for_the_same_sweep(undisturbed, capsys):
     words = ["--output", str(undisturbed.parents[2]), "--name", "whole", "--resume", "--workers", "0"]
-    assert sweep_main([*QUICK, "--starts", "41", *words]) == 2
+    assert main(["sweep", *QUICK, "--starts", "41", *words]) == 2
     assert f"starts: found 41, the sweep was begun with {STARTS}" in capsys.readouterr().err
-    assert sweep_main(["experiment_1", "--seed", "4", "--starts", str(STARTS), *words]) == 2
+    assert main(["sweep", "experiment_1", "--seed", "4", "--starts", str(STARTS), *words]) == 2
     assert "have changed since the sweep was begun" in capsys.readouterr().err
 
 
 def test_a_resume_without_options_takes_those_it_was_begun_with(undisturbed, capsys):
     words = ["--output", str(undisturbed.parents[2]), "--name", "whole", "--resume", "--workers", "0"]
-    assert sweep_main([*QUICK, *words]) == 0
+    assert main(["sweep", *QUICK, *words]) == 0
     assert f"{STARTS} runs" in capsys.readouterr().out
 
 
@@ -239,7 +239,7 @@ def test_a_file_with_broken_values_is_told_in_one_sentence(undisturbed, tmp_path
     shutil.copytree(undisturbed, tmp_path / "broken")
     with contextlib.closing(sqlite3.connect(str(tmp_path / "broken" / "sweep.db"))) as connection, connection:
         connection.execute(statement)
-    assert sweep_main(["--resume", str(tmp_path / "broken"), "--workers", "0"]) == 3
+    assert main(["sweep", "--resume", str(tmp_path / "broken"), "--workers", "0"]) == 3
     said = capsys.readouterr().err
     assert "broken" in said and "Traceback" not in said
 
@@ -251,7 +251,7 @@ def test_a_name_that_leaves_the_folder_of_sweeps_is_refused(tmp_path, capsys):
 
 def test_a_second_writer_is_refused(undisturbed, capsys):
     with SweepStore.open(undisturbed, writing=True):
-        assert sweep_main(["--resume", str(undisturbed), "--workers", "0"]) == 3
+        assert main(["sweep", "--resume", str(undisturbed), "--workers", "0"]) == 3
     assert "another sweep is writing there" in capsys.readouterr().err
 
 
@@ -261,7 +261,7 @@ def test_a_name_that_is_taken_is_refused(undisturbed, capsys):
 
 
 def test_runs_outside_the_sweep_are_refused(undisturbed, capsys):
-    assert rerun_main(["99", "--sweep", str(undisturbed)]) == 3
+    assert main(["rerun", "99", "--sweep", str(undisturbed)]) == 3
     assert "no run 99, there are 1 to 40" in capsys.readouterr().err
 
 

@@ -7,7 +7,7 @@ import shlex
 import pytest
 from browser import CHROMIUM, Browser
 
-from aras_visual_servo_study.cli.sweep import rerun_main, sweep_main
+from aras_visual_servo.cli.main import main
 from aras_visual_servo_study.sweep.figure import DEFAULT_AXES, make_figure
 from aras_visual_servo_study.sweep.map import sweep_maps
 from aras_visual_servo_study.sweep.statistics import every_run_succeeds
@@ -22,7 +22,7 @@ TEXT = "(one) => one.textContent"
 def folder(tmp_path_factory):
     """A sweep whose servo is cut off, with different gains and wide ranges: runs succeed, fail and are refused."""
     output = tmp_path_factory.mktemp("a folder")  # a command must quote it
-    assert sweep_main(["experiment_1", "--seed", "4", "--starts", str(STARTS), "--set", "servo.time_limit_s=0.9",
+    assert main(["sweep", "experiment_1", "--seed", "4", "--starts", str(STARTS), "--set", "servo.time_limit_s=0.9",
                        "--set", "sweep.perturb={servo.gains_per_s.xn: [1.0, 4.0]}",
                        "--set", "sweep.camera={x_m: [-0.2, 0.2], y_m: [-0.25, 0.25]}",
                        "--workers", "0", "--output", str(output), "--name", "page"]) == 0
@@ -75,9 +75,9 @@ def test_the_command_of_a_clicked_dot_gives_the_result_of_its_row(browser, folde
         assert float(told["final error"].split()[0]) == pytest.approx(row["error_mm"], abs=1e-3)
     [command] = browser.value(f"[...document.querySelectorAll('.run code')].map({TEXT})")
     words = shlex.split(command)
-    assert words[:3] == ["rosrun", "aras_visual_servo_controller", "rerun"] and words[4:] == ["--sweep", str(folder)]
+    assert words[:2] == ["aras-servo", "rerun"] and words[3:] == ["--sweep", str(folder)]
     capsys.readouterr()
-    assert rerun_main([*words[3:], "--output", str(tmp_path)]) == 0
+    assert main([*words[1:], "--output", str(tmp_path)]) == 0
     said = capsys.readouterr().out
     assert f"same bytes as in the sweep, trace {row['trace_hash']}" in said
     if outcome == "infeasible":

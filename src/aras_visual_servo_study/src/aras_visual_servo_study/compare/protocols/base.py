@@ -10,8 +10,9 @@ sweep and makes the table. The simulated time of an iteration is fixed by the sc
 depend on the speed of the machine.
 """
 
-from dataclasses import dataclass, field
-from typing import Dict, List, Tuple
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Dict, List, Tuple
 
 import numpy as np
 
@@ -58,6 +59,16 @@ class Protocol:
         Raises ParameterError.
         """
         raise NotImplementedError
+
+    def changed_cases(self, folder: Path, count: int, changes: Dict[str, Any], **own: str) -> List[Case]:
+        """Returns the cases with `changes` (dotted path -> value) in their scenarios; the starts stay the same.
+
+        A protocol that compares laws overrides this, and takes `servo.law` as the only law to run.
+        Raises ParameterError: a scenario cannot have these values.
+        """
+        columns = {"law": changes["servo.law"]} if "servo.law" in changes else {}
+        return [replace(case, scenario=case.scenario.with_overrides(changes), columns={**case.columns, **columns})
+                if changes else case for case in self.cases(folder, count, **own)]
 
     def check_own(self, own):
         """Raises ParameterError: this protocol does not take one of these, {name: text}."""

@@ -1,5 +1,8 @@
 """Protocol `canonical`: the laws on the tasks of Gans, Hutchinson and Corke, on the free camera and on the arm."""
 
+from pathlib import Path
+from typing import Any, Dict, List
+
 from ..laws import load_comparison, starts_of
 from .base import Case, Protocol, register_protocol, spread
 
@@ -9,17 +12,21 @@ TASKS = 7
 
 @register_protocol("canonical")
 class Canonical(Protocol):
-    """Each law of the comparison `canonical` on its seven tasks. `compare_laws canonical` draws the figure of them."""
+    """Each law of the comparison `canonical` on its seven tasks. `compare laws canonical` draws the figure of them."""
 
     title = "The canonical tasks: turns, retreat, feature plane, general motion"
     source = ("N. Gans, S. Hutchinson, P. Corke, \"Performance tests for visual servo control systems, with "
               "application to partitioned approaches to visual servo control\", IJRR 22(10-11), 2003")
     metric, published_starts = "strict", TASKS
 
-    def cases(self, folder, count):
-        cases = []
+    def cases(self, folder: Path, count: int) -> List[Case]:
+        return self.changed_cases(folder, count, {})
+
+    def changed_cases(self, folder: Path, count: int, changes: Dict[str, Any]) -> List[Case]:
+        rest, cases = dict(changes), []
+        law = rest.pop("servo.law", None)
         for robot, scenario in ROBOTS.items():
-            comparison = load_comparison("canonical", scenario=scenario)
+            comparison = load_comparison("canonical", (law,) if law else (), overrides=rest, scenario=scenario)
             tasks = [comparison.tasks[index] for index in spread(count, TASKS)]
             for law, changed in comparison.scenarios.items():
                 cases.append(Case(f"{law}_{robot.replace(' ', '_').replace('-', '_')}", changed,

@@ -62,21 +62,21 @@ def total(lines: List[List[str]]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def as_markdown(protocol, lines):
-    """The table and its source as text."""
+def as_markdown(protocol, lines, command):
+    """The table, its source and the line that repeats it, as text."""
     body = [lines[0], ["---"] * len(lines[0]), *lines[1:]]
     return "\n".join([f"# {protocol.title}", "", *("| " + " | ".join(line) + " |" for line in body), "",
                       f"Success as metric `{protocol.metric}` has it. Source: {protocol.source}.", "",
-                      f"Hash of the whole table: {total(lines)[:16]}"]) + "\n"
+                      f"Hash of the whole table: {total(lines)[:16]}", "", f"Repeat it: `{command}`"]) + "\n"
 
 
-def save_table(protocol, lines, folder):
+def save_table(protocol, lines, folder, command):
     """Write benchmark.md and benchmark.csv. Returns the path of the first."""
     stream = io.StringIO()
     csv.writer(stream, lineterminator="\n").writerows(lines)
     (folder / "benchmark.csv").write_text(stream.getvalue(), encoding="utf-8")
     path = folder / "benchmark.md"
-    path.write_text(as_markdown(protocol, lines), encoding="utf-8")
+    path.write_text(as_markdown(protocol, lines, command), encoding="utf-8")
     return path
 
 

@@ -1,5 +1,8 @@
 """Protocol `map`: from which distances and angles each law arrives with each set of features."""
 
+from pathlib import Path
+from typing import Any, Dict, List
+
 from aras_visual_servo import ParameterError, load_scenario
 from ..base import Case, Protocol, register_protocol
 from . import page
@@ -23,14 +26,15 @@ class ConvergenceMap(Protocol):
     source = "this project"
     metric, published_starts = "success", STARTS
 
-    def cases(self, folder, count, board=None):
-        if board is not None:
-            raise ParameterError(f"--board: found {board}, allowed nothing: the pictures of this protocol are fixed")
+    def cases(self, folder: Path, count: int) -> List[Case]:
+        return self.changed_cases(folder, count, {})
+
+    def changed_cases(self, folder: Path, count: int, changes: Dict[str, Any]) -> List[Case]:
         if not 1 <= count <= STARTS:
             raise ParameterError(f"starts: found {count}, allowed 1 to {STARTS}")
         starts = planned(load_scenario(SCENARIO), count)
         return [Case(row.name, row.scenario, starts, {"law": row.law, "features": row.set.label})
-                for row in plan()[0]]
+                for row in plan(changes)[0]]
 
     def lines(self, case, rows):
         strict = sum(row["strict"] == 1 for row in rows)

@@ -4,9 +4,9 @@ A new law appears by itself, and so does a new mapping of the grey levels. A new
 set of SETS has it; where one of a kind stands for all of them, or where there is a reason, STANDS_FOR says so.
 """
 
-from typing import Dict, NamedTuple, Optional, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
-from aras_visual_servo import (FeatureSet, ParameterError, expand, feature_class, known_features, known_laws,
+from aras_visual_servo import (FeatureSet, ParameterError, Scenario, expand, feature_class, known_features, known_laws,
                                load_scenario, works_on, yaml_section)
 
 SCENARIO = "free_camera"
@@ -124,11 +124,18 @@ class Row(NamedTuple):
     scenario: object
 
 
-def plan():
-    """(rows, left_out): list of `Row`, and what is not mapped with why, list of (text, text)."""
-    base, rows, left_out = load_scenario(SCENARIO), [], []
+def plan(changes: Optional[Dict[str, Any]] = None) -> Tuple[List[Row], List[Tuple[str, str]]]:
+    """Returns (rows, left_out): what is mapped, and what is not with why.
+
+    Args: changes: dotted path -> value, put into every scenario; `servo.law` is the only law to map.
+    Raises ParameterError: the law is not registered.
+    """
+    base, rows, left_out, rest = load_scenario(SCENARIO), [], [], dict(changes or {})
+    chosen = rest.pop("servo.law", None)
+    if chosen is not None and chosen not in known_laws():
+        raise ParameterError(f"--law: found {chosen}, allowed {', '.join(known_laws())}")
     for one in SETS:
-        for law in known_laws():
+        for law in known_laws() if chosen is None else (chosen,):
             made_for = works_on(law)
             if made_for is not None and tuple(made_for) != expand(one.features):
                 continue
@@ -138,7 +145,7 @@ def plan():
             for matrix in WITH_EACH_MATRIX.get(law, ("",)):
                 name = f"{law}_{matrix}" if matrix else law
                 try:
-                    scenario = scenario_of(base, one, law, matrix)
+                    scenario = scenario_of(base, one, law, matrix, rest)
                 except ParameterError as error:
                     left_out.append((f"{law}: {one.label}", str(error)))
                     continue
@@ -146,19 +153,20 @@ def plan():
     return rows, left_out + _features_left_out()
 
 
-def scenario_of(base, one, law, matrix=""):
-    """The scenario of a law on a `Set`. Raises ParameterError: the scenario is not valid."""
+def scenario_of(base: Scenario, one: Set, law: str, matrix: str = "",
+                changes: Optional[Dict[str, Any]] = None) -> Scenario:
+    """Returns the scenario of a law on a `Set`, with `changes` (dotted path -> value). Raises ParameterError: the scenario is not valid."""
     names = expand(one.features)
     units = {name: feature_class(name).unit for name in names}
     boundary = {name: BOUNDARIES.get(unit, 0.01) for name, unit in units.items()}
-    changes = {
+    values = {
         "vision.order": max(3, FeatureSet(one.features, {}, one.changes.get("servo.source", "")).order),
         "servo.law": law, "servo.features": list(one.features), "servo.time_limit_s": TIME_LIMIT_S,
         "servo.gains_per_s": dict.fromkeys(names, GAIN_PER_S),
         "servo.thresholds": {name: one.coarse * THRESHOLDS.get(unit, 0.0002) for name, unit in units.items()},
         **({"servo.sliding": {"switching_per_s": 2.0, "boundary": boundary}} if law == "sliding" else {}),
-        **({"servo.interaction": matrix} if matrix else {}), **LAWS.get(law, {}), **one.changes}
-    return base.with_overrides(changes)
+        **({"servo.interaction": matrix} if matrix else {}), **LAWS.get(law, {}), **one.changes, **(changes or {})}
+    return base.with_overrides(values)
 
 
 def _features_left_out():

@@ -1,0 +1,99 @@
+"""The verb `scenario list | show | new | check | keys`."""
+
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+
+from . import EXIT_PARAMETERS, EXIT_PASSED, Command, add_changes, add_scenario, check_name, \
+    command_line, file, scenario_name, scenario_of
+from ..ground.errors import ParameterError
+
+
+def _list(arguments: Namespace) -> int:
+    from ..scenario.files import scenario_names
+    from ..scenario.scenario import load_scenario
+    for name in scenario_names():
+        print(f"{name:<28} {load_scenario(name).description}")
+    return EXIT_PASSED
+
+
+def _show(arguments: Namespace) -> int:
+    print(scenario_of(arguments).as_yaml(), end="")
+    return EXIT_PASSED
+
+
+def _new_options(parser: ArgumentParser) -> None:
+    parser.add_argument("new", metavar="NAME", help="NAME.yaml is written in this folder")
+    parser.add_argument("scenario", nargs="?", default="experiment_1", metavar="SCENARIO",
+                        help="name or path of the scenario that it extends (default: experiment_1)")
+
+
+def _new(arguments: Namespace) -> int:
+    from ..scenario.starter import starter
+    name = arguments.new[:-len(".yaml")] if arguments.new.endswith(".yaml") else arguments.new
+    check_name(name, "NAME")
+    path = Path(file(f"{name}.yaml"))
+    text = starter(name, arguments.scenario, path)
+    try:
+        with open(path, "x", encoding="utf-8") as stream:
+            stream.write(text)
+    except FileExistsError:
+        raise ParameterError(f"NAME: {path} is there already; choose another name") from None
+    print(f"{path.name} is written; run it:  {command_line('run', path)}")
+    return EXIT_PASSED
+
+
+def _check_options(parser: ArgumentParser) -> None:
+    parser.add_argument("files", nargs="+", type=scenario_name, metavar="SCENARIO", help="names or paths")
+    add_changes(parser)
+
+
+def _check(arguments: Namespace) -> int:
+    from ..scenario.feasibility import check_feasible
+    code = EXIT_PASSED
+    for name in arguments.files:
+        try:
+            check_feasible(scenario_of(Namespace(**{**vars(arguments), "scenario": name})))
+            print(f"{name}: ok")
+        except ParameterError as error:
+            print(f"{name}:\n{error}")
+            code = EXIT_PARAMETERS
+    return code
+
+
+def _keys_options(parser: ArgumentParser) -> None:
+    parser.add_argument("section", nargs="?", default="", help="dotted name of a section, e.g. servo.stop")
+
+
+def _keys(arguments: Namespace) -> int:
+    from ..config.tables import allowed_of, section_of
+    from ..scenario.schema import scenario_schema
+    node = scenario_schema()
+    for key in filter(None, arguments.section.split(".")):
+        known = section_of(node).get("properties", {})
+        if key not in known:
+            raise ParameterError(f"{arguments.section}: found '{key}', allowed {', '.join(known) or 'no key'}")
+        node = known[key]
+    for key, value in section_of(node).get("properties", {}).items():
+        kind = "section" if section_of(value).get("properties") else allowed_of(value).replace("\\|", "|")
+        default = f", default {value['default']}" if "default" in value else ""
+        unit = f" [{value['unit']}]" if value.get("unit") else ""
+        print(f"{key}{unit}: {kind.replace('`', '')}{default}\n    {' '.join(value.get('description', '').split())}")
+    return EXIT_PASSED
+
+
+VERBS = {"scenario": {
+    "list": Command("List the scenarios that come with the package.", [("", "every name, with what it is")],
+                    lambda parser: None, _list),
+    "show": Command("Print a scenario as it runs: with all that it extends and with what is changed.",
+                    [("experiment_2 --set sim.seed=3", "with another seed"), ("mine.yaml", "a file of your own")],
+                    add_scenario, _show),
+    "new": Command("Write a scenario to begin with. It extends another one, and every key stands there with its "
+                   "meaning.", [("mine", "mine.yaml, which extends experiment_1"),
+                                ("mine six_dof_points", "it extends another one")], _new_options, _new),
+    "check": Command("Check scenarios and print every fault with its file and line.",
+                     [("mine.yaml", "a file of your own"), ("experiment_1 --law ibvs", "with another law")],
+                     _check_options, _check),
+    "keys": Command("Print the keys of a section: unit, what is allowed, default, meaning.",
+                    [("servo", "the keys of a section"), ("servo.stop", "and of one within it")],
+                    _keys_options, _keys),
+}}
