@@ -7,6 +7,8 @@ from .scenario.scenario import load_scenario as load_scenario
 from .scenario.scenario import scenario_from_dict as scenario_from_dict
 from .runs.judge import Judgement as Judgement
 from .runs.judge import judge as judge
+from .runs.cell import SimulatedCell as SimulatedCell
+from .runs.cell import simulation_of as simulation_of
 from .runs.judge import run as run
 from .runs.loop import ServoLoop as ServoLoop
 from .runs.record import RunRecord as RunRecord
@@ -34,6 +36,7 @@ from .laws.look import Look as Look
 
 # The servo, for programs that bring images and joints of their own
 from .arm.kinematics import Kinematics as Kinematics
+from .arm.kinematics import RobotKinematics as RobotKinematics
 from .arm.robot import kinematics_of as kinematics_of
 from .arm.robot import robot_kinematics as robot_kinematics
 from .ground.types import Command as Command

@@ -45,7 +45,7 @@ class BoardViews:
         for _ in range(20 * count):
             joints = {name: at + SPREAD[name] * random.uniform(-1.0, 1.0) for name, at in GOAL.items()}
             loop.place(joints, settle_s=0.3)
-            _, image, q = loop._take()
+            _, image, q = loop.take()
             if board.find(np.array(image)) is not None:
                 self.images.append(np.array(image))
                 self.joints.append(loop.kinematics.by_name(q))

@@ -22,7 +22,7 @@ A feature with settings of its own describes them as a frozen dataclass (config/
 """
 
 import re
-from typing import Callable, Dict, Iterable, List, Mapping, Optional, Tuple, Type, TypeVar
+from typing import Callable, Dict, Iterable, List, Optional, Tuple, Type, TypeVar
 
 import numpy as np
 

@@ -4,19 +4,21 @@ The nodes call the same objects in the same order, and in lockstep they give the
 """
 
 import time
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, Callable, Iterator, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from ..ground.errors import ParameterError
-from ..ground.images import in_rgb
-from ..arm.robot import kinematics_of
-from .record import RecordBuilder
-from ..config.files import package_paths
 from ..features.sources import source_named
-from .sequence import ExperimentSequence
-from ..servo.servo import Servo
+from ..ground.errors import ParameterError
 from ..ground.types import Observation, Reference, ServoRecord, Status
+from ..scenario.scenario import Scenario
+from ..servo.servo import Servo
+from .cell import SimulatedCell
+from .record import RecordBuilder, RunRecord
+from .sequence import ExperimentSequence
+
+if TYPE_CHECKING:
+    from aras_visual_servo_sim import Simulation
 
 #: Simulated time for which a run goes on after its end, with the arm at rest [s]. Over ROS the simulator cannot be
 #: paused at once, and a run over ROS and one in process must end at the same tick to have the same run hash.
@@ -44,8 +46,8 @@ class TaughtGoal(NamedTuple):
     answers: tuple
 
 
-class ServoLoop:
-    """Simulator, moment extractor and experiment in one process.
+class ServoLoop(SimulatedCell):
+    """Simulator, moment extractor and experiment in one process; arguments and errors are those of `SimulatedCell`.
 
     >>> loop = ServoLoop(load_scenario("experiment_1"))
     >>> record = loop.run()
@@ -53,52 +55,21 @@ class ServoLoop:
     In one step the simulator advances to the next image and renders it, the extractor computes its features, and the
     sequence answers with a command. The simulator applies the command from the state that the image shows.
 
-    Args:
-        scenario: a `Scenario`.
-        camera: name of the camera; None: the first of the scenario.
-        sim: a Simulation made of the same robot, controllers and `sim` section, which is reset and used again; None: a
-            new one is made, which takes as long as a second of simulated time. Either way the bytes are the same.
-    Raises:
-        ParameterError, ModelError and the errors of simulator and extractor: what is wrong with the scenario.
-
     Attributes:
-        sim, extractor, kinematics, servo, sequence: the parts.  extractor: makes the moments that the record shows.
+        extractor: makes the moments that the record shows.
         servo_extractor: makes the features that the servo works on; where these are moments, it is `extractor`.
         frame: index of the image answered last, -1 before the first.
-        eye_to_hand: whether the arm carries the target, and the camera stands still.
         seen: the last answered `Observation`, None before the first.
     """
 
-    def __init__(self, scenario, camera=None, sim=None):
-        from aras_visual_servo_sim import Simulation  # C++: not needed to import this
-
-        self.scenario, urdf = scenario, scenario.urdf_xml()
-        cameras = scenario.sim.get("cameras") or [{"name": "camera"}]
-        self.camera = camera or cameras[0]["name"]
-        if sim is None:
-            sim = Simulation(urdf, scenario.sim, scenario.controllers(), package_paths())
-        else:
-            sim.reset()
-        self.sim = sim
-        self.camera_info = self.sim.camera_info(self.camera)
-        self._encoding = self.sim.camera_encoding(self.camera)
+    def __init__(self, scenario: Scenario, camera: Optional[str] = None, sim: Optional["Simulation"] = None) -> None:
+        super().__init__(scenario, camera, sim)
         self._believed = scenario.believed_camera_info(self.camera_info)
-        self.kinematics = kinematics_of(urdf, scenario.robot)
-        self.eye_to_hand = scenario.robot.get("target_link") is not None
         self.servo = Servo(self.kinematics, scenario.servo)
         self._sources = source_named(SHOWN), self.servo.source
         self._want_depth = [source.wants_depth(scenario.vision) for source in self._sources]
         self.extractor = self.servo_extractor = None
         self._renew_extractors()
-        target = next(iter(scenario.sim.get("scene", {}).get("models", [])), None)
-        self._target = target and target["name"]
-        self._target_moves = target is not None and not {"motion", "attached_to"}.isdisjoint(target)
-        names = list(self.sim.joint_names)
-        missing = [name for name in self.kinematics.joint_names if name not in names]
-        if missing:
-            raise ParameterError(f"robot: the simulator has no joint {', '.join(missing)}, it has {', '.join(names)}")
-        order = [names.index(name) for name in self.kinematics.joint_names]
-        self._order = None if order == list(range(len(names))) else order
         self._begin(scenario.experiment)
 
     def _renew_extractors(self):
@@ -110,15 +81,15 @@ class ServoLoop:
         self.extractor = renewed(shown, self.extractor)
         self.servo_extractor = self.extractor if servoed_on is shown else renewed(servoed_on, self.servo_extractor)
 
-    def _begin(self, experiment):
+    def _begin(self, experiment: Any) -> None:
         self.sequence = ExperimentSequence(self.kinematics, self.servo, experiment, self._teach_camera)
         self.frame, self.seen = -1, None
         self._placed_ns = 0
         self._taught = (None, [])  # by `teach`: depth of the target, and its first answers, as in `TaughtGoal`
-        self._frame = None  # taken last: image, joints, poses of camera and models at its stamp
+        self._frame = None
 
-    def begin_again(self, scenario, goal=None):
-        """Be a loop of another scenario, which differs in `experiment` alone, as if it had been made of it.
+    def begin_again(self, scenario: Scenario, goal: Optional[TaughtGoal] = None) -> None:
+        """Becomes a loop of another scenario, which differs in `experiment` alone.
 
         Simulator, servo and extractors are used again, and the other sections are not read again. The bytes are those
         of a new loop.
@@ -161,20 +132,8 @@ class ServoLoop:
             return features, features
         return features, self.servo_extractor.process(image, stamp_ns, *of_servo)
 
-    def place(self, joints, settle_s=0.0):
-        """Put the arm at joint positions at once instead of driving it there.
-
-        Args:
-            joints: dict of joint name -> position [m, rad]; the others stay.
-            settle_s: simulated time in which the arm comes to rest under gravity and friction, with these positions as
-                set-points [s].
-        """
-        self.sim.set_joint_positions(joints)
-        self.sim.step(round(settle_s * 1e9 / self.sim.period_ns))
-        self._placed_ns = self.sim.time_ns
-
-    def taught_goal(self):
-        """`TaughtGoal` of a loop that has just taught its goal by `teach`, and has done nothing else but `place`.
+    def taught_goal(self) -> Optional[TaughtGoal]:
+        """Returns the goal of a loop that has just taught it by `teach`, and has done nothing else but `place`.
 
         None where it cannot be kept: features that use depth images, and goals that take many images to teach.
         """
@@ -192,8 +151,8 @@ class ServoLoop:
         if self.servo.reference is not goal.reference:
             self.servo.set_reference(goal.reference)
 
-    def teach(self, z_star_m):
-        """Make the next images the reference, as many as their noise asks for, outside an experiment.
+    def teach(self, z_star_m: float) -> Iterator[Tuple[Any, ...]]:
+        """Makes the next images the reference, as many as their noise asks for, outside an experiment.
 
         Args:
             z_star_m: depth of the target in this view [m].
@@ -205,7 +164,7 @@ class ServoLoop:
         """
         taught, self._taught = False, (z_star_m, answers := [])
         while not taught:
-            stamp_ns, image, q = self._take()
+            stamp_ns, image, q = self.take()
             features, seen = self._see(image, stamp_ns)
             self.frame += 1
             if self.servo.why_lost(seen):
@@ -218,29 +177,28 @@ class ServoLoop:
                 answers.append((*answer[:3], np.array(image), answer[4]))
             yield answer
 
-    def use(self, servo):
-        """Go on with another servo, of the same kinematics and source of features."""
+    def use(self, servo: Servo) -> None:
+        """Goes on with another servo, of the same kinematics and source of features."""
         self.servo = servo
         self.sequence.use(servo)
 
-    def teach_here(self, z_star_m):
-        """Make the view of the image answered last the goal. Args and errors: those of `ExperimentSequence.teach`."""
+    def teach_here(self, z_star_m: float) -> None:
+        """Makes the view of the image answered last the goal. Args and errors: those of `ExperimentSequence.teach`."""
         if self.seen is None:
             raise ParameterError("teach: no image has come yet")
         self.sequence.teach(self.seen.stamp_ns, self.seen.features, self.seen.q, z_star_m)
 
-    def start(self, servo_only=False):
-        """Begin the experiment with the next image; servo_only: servo to the reference taught last."""
+    def start(self, servo_only: bool = False) -> None:
+        """Begins the experiment with the next image; servo_only: servo to the reference taught last."""
         self.sequence.start(servo_only=servo_only)
 
-    def step(self):
-        """One image.
+    def step(self) -> Tuple[ServoRecord, Any, np.ndarray]:
+        """Takes one image and answers it.
 
         Returns:
-            (record, features, image): ServoRecord, the extractor's features (moments), and the image, a view that the
-            next step overwrites.
+            (record, features, image): features are the extractor's moments, image is overwritten by the next step.
         """
-        stamp_ns, image, q = self._take()
+        stamp_ns, image, q = self.take()
         features, seen = self._see(image, stamp_ns)
         self.frame += 1
         self.seen = Observation(stamp_ns, seen, q, self.frame)
@@ -248,32 +206,15 @@ class ServoLoop:
         self.sim.set_command(command.position, command.velocity, None, stamp_ns)
         return record, features, image
 
-    def _take(self):
-        """Take the next image that was not on its way while the arm was put elsewhere.
-
-        Returns: (stamp_ns, image, q), q (n,) the joint positions that it shows, in the order of the kinematics.
-        """
-        stamp_ns = self.sim.step_to_image(self.camera)
-        while stamp_ns < self._placed_ns:
-            stamp_ns = self.sim.step_to_image(self.camera)
-        frame = self._frame = self.sim.frame(self.camera)
-        q = frame.joint_positions
-        image = in_rgb(frame.image, self._encoding)
-        return stamp_ns, image, q if self._order is None else q[self._order]
-
-    def camera_pose(self):
-        """X_WC, (4, 4), of the instant that the image answered last shows."""
-        return self._frame.camera_pose
-
-    def run(self, progress=None, limit_s=DEFAULT_LIMIT_S, closing_s=CLOSING_S, keep_images=False):
-        """Run the experiment from here to its end.
+    def run(self, progress: Optional[Callable[[float, str], None]] = None, limit_s: float = DEFAULT_LIMIT_S,
+            closing_s: float = CLOSING_S, keep_images: bool = False) -> RunRecord:
+        """Runs the experiment from here to its end.
 
         Args:
             progress: called about once a simulated second with (t_s, phase), or None.
             limit_s: simulated time after which to give up [s].  closing_s: simulated time to go on after the end [s].
             keep_images: keep every image of the servo phase in the record, for a video.
-        Returns:
-            RunRecord, one row per image.
+        Returns: the record, one row per image.
         """
         builder = RecordBuilder(self.scenario.name, self.kinematics.joint_names, settings=self.scenario.as_dict(),
                                 keep_images=keep_images, feature_names=self.servo.feature_names)
@@ -286,7 +227,7 @@ class ServoLoop:
         if self.sequence.done:
             end_ns = record.stamp_ns + round(closing_s * 1e9)
             while self.sim.next_image_ns(self.camera) <= end_ns:  # drawn for the run hash; nobody asks what they show
-                last_ns, _, _ = self._take()
+                last_ns, _, _ = self.take()
                 self.frame += 1
                 self._tell(progress, last_ns, record.phase)
             self.sim.step(max(0, (end_ns - self.sim.time_ns) // self.sim.period_ns))
@@ -298,18 +239,6 @@ class ServoLoop:
         return builder.finish(run_hash=self.sim.run_hash, wall_s=wall_s, camera_info=self.camera_info,
                               real_time_factor=1e-9 * (last_ns - builder.begin_ns) / wall_s,
                               X_WT=self.target_pose(), opengl=self.sim.opengl)
-
-    def moving_target_pose(self):
-        """X_WT, (4, 4), at the last image, of a target that moves; None of one that rests."""
-        return self.seen_target_pose() if self._target_moves else None
-
-    def seen_target_pose(self):
-        """X_WT, (4, 4), of the target at the last image; None in a scene without one."""
-        return self._target and self._frame.model_poses[self._target]
-
-    def target_pose(self):
-        """X_WT, (4, 4), of the target now; None in a scene without one."""
-        return self._target and self.sim.model_pose(self._target)
 
     def _row(self, builder, progress):
         record, features, image = self.step()

@@ -10,7 +10,6 @@ from math import pi
 import numpy as np
 
 from ..ground.errors import ParameterError
-from ..arm.robot import kinematics_of
 from ..features.sources.base import source_named
 from ..features.target.outline import Outline
 from ..arm.reach import outside_limits
@@ -25,7 +24,7 @@ OTHERS_TURN = 0.02
 
 def check_feasible(scenario):
     """Raises ParameterError, naming the reason, if the scenario's experiment cannot be done as it stands."""
-    kinematics = kinematics_of(scenario.urdf_xml(), scenario.robot)
+    kinematics = scenario.kinematics()
     source = scenario.servo.get("source")
     whole = not source or not source_named(source).sees_parts
     feasibility = Feasibility(scenario, kinematics, look=whole)

@@ -12,6 +12,8 @@ from pathlib import Path
 import numpy as np
 import yaml
 
+from ..arm.kinematics import RobotKinematics
+from ..arm.robot import kinematics_of
 from ..ground.errors import ParameterError
 from .check import check
 from .extends import anchored, load_resolved, with_lines, with_places
@@ -62,6 +64,13 @@ class Scenario:
     def urdf_xml(self):
         """The robot's URDF as text."""
         return self.urdf_path.read_text(encoding="utf-8")
+
+    def kinematics(self, calibrated: bool = True) -> RobotKinematics:
+        """Returns the kinematics of the robot, with the camera where `robot.hand_eye` has it, else where it truly is.
+
+        Args: calibrated: False leaves `robot.hand_eye` aside.
+        """
+        return kinematics_of(self.urdf_xml(), self.robot, calibrated)
 
     def believed_camera_info(self, camera_info):
         """Intrinsics with which the moments are computed: the true ones, unless a sweep perturbs them."""

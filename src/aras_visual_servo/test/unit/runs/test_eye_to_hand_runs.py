@@ -98,7 +98,7 @@ def test_with_the_sign_of_a_camera_in_the_hand_the_target_goes_away(name, monkey
         self.held = lambda inverse, wrong, *others: held(inverse, -wrong, *others)
 
     monkeypatch.setattr(EyeToHand, "__init__", wrong)
-    monkeypatch.setattr("aras_visual_servo.runs.loop.kinematics_of", _anew)
+    monkeypatch.setattr("aras_visual_servo.scenario.scenario.kinematics_of", _anew)
     scenario, changes = RUNS[name]
     record = avs.run(load_scenario(scenario, {**changes, "servo.time_limit_s": 1.0}))
     rows = record.servo_rows
@@ -109,7 +109,7 @@ def test_with_the_sign_of_a_camera_in_the_hand_the_target_goes_away(name, monkey
     assert not judge(record).converged
 
 
-def _anew(urdf_xml, robot):
+def _anew(urdf_xml, robot, calibrated):
     """Kinematics that are not shared with other runs."""
     return EyeToHand(urdf_xml, robot["base_link"], robot["tip_link"], robot["target_link"])
 
