@@ -76,8 +76,8 @@ def make_law(name: str, gains_per_s: Sequence[float], setup: LawSetup = LawSetup
     """Makes the law of that name.
 
     Args: gains_per_s: (k,), > 0, one per feature, in the order of the features [1/s].
-    Raises ParameterError: the name is unknown, a gain is not > 0, a setting is out of range, or the law does not work on
-        the features of the setup.
+    Raises ParameterError: the name is unknown, a gain is not > 0, a setting is out of range, or the law does not work
+        on the features of the setup.
     """
     return LAWS.find(name)(gains_per_s, setup)
 

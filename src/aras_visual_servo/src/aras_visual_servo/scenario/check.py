@@ -135,7 +135,7 @@ def _latency_faults(value, schema) -> Iterator[Fault]:
         try:
             latency_s, longest_s = here("latency_s", 0.0), timeout_s - 1.0 / here("rate_hz", rate) - 2.0 * period_s
             if latency_s > max(0.0, longest_s):
-                yield Fault(("sim", "cameras", i, "latency_s"), f"found {latency_s:g}, allowed <= servo.input_timeout_s "
-                            f"- 1 / rate_hz - 2 sim.period_s = {longest_s:.4g}", True)
+                yield Fault(("sim", "cameras", i, "latency_s"), f"found {latency_s:g}, allowed <= "
+                            f"servo.input_timeout_s - 1 / rate_hz - 2 sim.period_s = {longest_s:.4g}", True)
         except (TypeError, ArithmeticError, ValueError):  # one of them is no number: the schema says so
             continue

@@ -135,8 +135,8 @@ def located(faults: Iterable[Fault], document: Any, files: Sequence[Path], overr
             source: str = "scenario") -> List[str]:
     """Returns the faults as texts `FILE:LINE: fault`, or `--set KEY=VALUE: fault`, in the order in which they stand.
 
-    A fault is blamed on what says its key, else the section in which it is missing. A fault of several keys is blamed on
-    the one that was said last: a scenario goes before those that it extends, and `--set` before both.
+    A fault is blamed on what says its key, else the section in which it is missing. A fault of several keys is blamed
+    on the one that was said last: a scenario goes before those that it extends, and `--set` before both.
 
     Args:
         document: the resolved one, to which the faults belong.  files: that it is made of, the last one wins.

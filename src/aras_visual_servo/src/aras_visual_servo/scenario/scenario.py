@@ -70,7 +70,7 @@ class Scenario:
         return self.urdf_path.read_text(encoding="utf-8")
 
     def believed_camera_info(self, camera_info: Dict[str, Any]) -> Dict[str, Any]:
-        """Returns the intrinsics (fields of CameraInfo) with which the moments are computed: the true ones, unless a sweep perturbs them."""
+        """Returns the intrinsics (fields of CameraInfo) of the moments: the true ones, unless a sweep perturbs them."""
         return camera_info
 
     def controllers(self) -> Dict[str, Any]:
@@ -107,8 +107,10 @@ class Scenario:
         return result
 
     def as_yaml(self) -> str:
-        """Returns the text of a file that is this scenario, whole and from any folder: with nothing that it extends, and
-        with files by their absolute paths where they are relative to its own."""
+        """Returns the text of a file that is this scenario, whole and from any folder.
+
+        It extends nothing, and names files by absolute paths where they are relative to its own.
+        """
         document = self.as_dict()
         return yaml.safe_dump(anchored(document, self._base) if self._base else document, sort_keys=False)
 

@@ -46,7 +46,7 @@ SECTIONS = {"robot": RobotSettings, "experiment": ExperimentSettings, "sweep": S
 
 
 def scenario_schema() -> Dict[str, Any]:
-    """Returns the JSON Schema (draft 7) of a scenario; laws, features and plugins registered so far have their sections.
+    """Returns the JSON Schema (draft 7) of a scenario, with the sections of all laws and features registered so far.
 
     Raises ParameterError: a section is missing, or two describe the same.
     """

@@ -9,7 +9,7 @@ from typing import Any, Dict, List, Optional, Tuple
 from ..arm.settings import InverseSettings, LimitsSettings, NullSpaceSettings
 from ..config.files import load_yaml, resolve_uri
 from ..config.plugins import load_plugins
-from ..config.reader import Names, build, cross_faults, keyed
+from ..config.reader import Names, build, keyed
 from ..config.schema import schema_of, with_sections
 from ..config.settings import keys_of, required_keys, setting
 from ..config.validate import Fault, validate
@@ -156,9 +156,9 @@ class ServoSettings(LawSetup):
         if self.source and self.source not in SOURCES:
             yield unknown_name("source", self.source, SOURCES)
         if len(self.thresholds) != len(names) or not all(0.0 < value < inf for value in self.thresholds):
-            yield f"thresholds: found {list(self.thresholds)}, allowed {len(names)} numbers > 0, one for each of features"
+            yield f"thresholds: found {list(self.thresholds)}, allowed {len(names)} numbers > 0, as many as features"
         if self.filter is not None and law is not None and not law.foresees:
-            yield f"filter: found with law '{self.law}', which needs more of an image than its features, allowed without"
+            yield f"filter: found with law '{self.law}', allowed with laws that need no more than features"
         if self.filter is not None and self.point_depth == "image":
             yield "filter: found with point_depth: image, allowed with depths that can be foreseen: plane, goal"
         if self.mode != "look_then_move":
