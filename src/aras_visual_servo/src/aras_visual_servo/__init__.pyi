@@ -79,7 +79,7 @@ from .config.files import share_dir as share_dir
 from .config.plugins import line_of as line_of
 from .config.plugins import load_plugins as load_plugins
 from .config.reader import Names as Names
-from .config.reader import is_number as is_number
+from .config.validate import is_number as is_number
 from .config.reader import read as read
 from .config.schema import yaml_section as yaml_section
 from .config.settings import keys_of as keys_of

@@ -147,7 +147,7 @@ class ServoEnv(gymnasium.Env):
         return in_rgb(self.sim.render(self.camera), self._encoding)
 
     def _start_ranges(self):
-        section = read(SweepSection, self.scenario.sweep, "sweep", Names(joints=self._names), separator=".")
+        section = read(SweepSection, self.scenario.sweep, "sweep", Names(joints=self._names))
         goal = self._experiment.goal.joints
         return section.joints or {name: (at - JOINT_HALF_WIDTH, at + JOINT_HALF_WIDTH) for name, at in goal.items()}
 

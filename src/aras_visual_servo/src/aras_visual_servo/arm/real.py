@@ -14,12 +14,13 @@ from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Op
 
 import numpy as np
 
-from ..config.reader import Names, read
+from ..config.reader import Names, faults_of, read
 from ..config.settings import setting
+from ..ground.errors import ParameterError
 from ..ground.registry import Registry, unknown_name
 from .kinematics import RobotKinematics
 
-FORMS: Registry[Type["Form"]] = Registry("real/command")
+FORMS: Registry[Type["Form"]] = Registry("real.command")
 F = TypeVar("F", bound="Form")
 
 
@@ -57,8 +58,11 @@ def register_form(name: str) -> Callable[[Type[F]], Type[F]]:
 
 
 def make_form(settings: "RealSettings") -> "Form":
-    """Makes the `Form` that the settings name. Raises ParameterError: unknown."""
-    return FORMS.find(settings.command)(settings)
+    """Makes the `Form` that the settings name. Raises ParameterError: the settings have faults."""
+    faults = faults_of(settings)
+    if faults:
+        raise ParameterError(faults)
+    return FORMS[settings.command](settings)
 
 
 class Form:

@@ -38,7 +38,7 @@ def kinematics_of(urdf_xml: str, robot: Mapping[str, Any], calibrated: bool = Tr
     target_link = robot.get("target_link")
     if robot.get("hand_eye") is None or not calibrated:
         return robot_kinematics(urdf_xml, robot["base_link"], robot["tip_link"], target_link)
-    hand_eye = read(HandEyeSettings, robot["hand_eye"], "robot/hand_eye")
+    hand_eye = read(HandEyeSettings, robot["hand_eye"], "robot.hand_eye")
     return robot_kinematics(with_camera(urdf_xml, hand_eye), robot["base_link"], CALIBRATED_LINK, target_link)
 
 
@@ -49,7 +49,7 @@ def with_camera(urdf_xml: str, hand_eye: HandEyeSettings) -> str:
     except ElementTree.ParseError as error:
         raise ModelError(f"the URDF is no XML: {error}") from error
     if hand_eye.link not in (link.get("name") for link in robot.findall("link")):
-        raise ModelError(f"robot/hand_eye/link: found {hand_eye.link}, allowed a link of the URDF")
+        raise ModelError(f"robot.hand_eye.link: found {hand_eye.link}, allowed a link of the URDF")
     ElementTree.SubElement(robot, "link", name=CALIBRATED_LINK)
     joint = ElementTree.SubElement(robot, "joint", name=CALIBRATED_LINK + "_joint", type="fixed")
     ElementTree.SubElement(joint, "parent", link=hand_eye.link)

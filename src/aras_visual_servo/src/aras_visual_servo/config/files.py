@@ -2,8 +2,10 @@
 
 import functools
 import os
+import re
 from collections.abc import Hashable
 from pathlib import Path
+from typing import Any, Dict, Optional, Union
 
 import yaml
 
@@ -15,8 +17,8 @@ MOST_VALUES = 500_000   # in it
 MOST_NESTED = 64        # sections within sections: ours go to 8
 
 
-def load_yaml(path):
-    """A YAML file's content.
+def load_yaml(path: Union[str, Path]) -> Dict[Any, Any]:
+    """Reads a YAML file.
 
     Raises:
         ParameterError: the file cannot be read, is too big, is no YAML (with the line), or no mapping.
@@ -25,6 +27,12 @@ def load_yaml(path):
     try:
         _check_nesting(path, text)
         document = yaml.load(text, Loader=_UniqueKeyLoader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line = mark.line if mark else 0
+        indent = re.match(r"\s*", text.split("\n")[line])[0] if line < text.count("\n") + 1 else ""
+        tab = "found a tab in the indentation, allowed spaces" if "\t" in indent else ""
+        raise ParameterError(f"{path}:{line + 1}: {tab or f'not YAML: {error.problem or error.context}'}") from error
     except yaml.YAMLError as error:
         raise ParameterError(f"{path}: not YAML: {error}") from error
     if not isinstance(document, dict):
@@ -61,8 +69,8 @@ def _check_nesting(path, text):
             anchor, values, depth = within.pop()
         elif isinstance(event, yaml.AliasEvent):
             if anchor not in anchored:
-                raise ParameterError(f"{path}: line {event.start_mark.line + 1}: *{anchor} stands for nothing that is "
-                                     "before it")
+                raise ParameterError(f"{path}:{event.start_mark.line + 1}: *{anchor} stands for nothing that is before "
+                                     "it")
             values, depth = anchored[anchor]
         elif not isinstance(event, yaml.ScalarEvent):
             continue
@@ -74,30 +82,29 @@ def _check_nesting(path, text):
         for what, found, most in (("sections within sections", len(within) + depth - 1, MOST_NESTED),
                                   ("values", max(values, within[0][1] if within else 0), MOST_VALUES)):
             if found > most:
-                raise ParameterError(f"{path}: line {event.start_mark.line + 1}: found {found} {what}, "
-                                     f"allowed <= {most}")
+                raise ParameterError(f"{path}:{event.start_mark.line + 1}: found {found} {what}, allowed <= {most}")
 
 
-def resolve_uri(uri, base=None, key="file"):
-    """Path of `package://PACKAGE/REST`, `file://PATH`, an absolute path, or a path relative to `base`.
+def resolve_uri(uri: Union[str, Path], base: Optional[Path] = None, key: str = "file") -> Path:
+    """Returns the path of `package://PACKAGE/REST`, `file://PATH`, an absolute path, or a path relative to `base`.
 
     Raises:
-        ParameterError: no such package or file; the text starts with `key`.
+        ParameterError: no such package or file; the text starts with `key: ` unless that is "".
     """
-    text = str(uri)
+    text, key = str(uri), f"{key}: " if key else ""
     if text.startswith("package://"):
         name, _, rest = text[len("package://"):].partition("/")
         folder = package_path(name)
         if folder is None:
-            raise ParameterError(f"{key}: found '{text}', package '{name}' is neither beside this one nor in "
-                                 "ROS_PACKAGE_PATH")
+            raise ParameterError(f"{key}found {text}, allowed a package beside this one or in ROS_PACKAGE_PATH: "
+                                 f"{name} is neither")
         path = folder / rest
     else:
         path = Path(text[len("file://"):] if text.startswith("file://") else os.path.expanduser(text))
         if not path.is_absolute():
             path = Path(base or ".") / path
     if not path.is_file():
-        raise ParameterError(f"{key}: found '{text}', no such file: {path}")
+        raise ParameterError(f"{key}found {text}, allowed a file; no such file: {path}")
     return path
 
 
@@ -114,20 +121,20 @@ def _package_path(name, ros_package_path):
         return None
 
 
-def package_path(name):
-    """Folder of a ROS package: in ROS_PACKAGE_PATH, else beside this package; None if unknown."""
+def package_path(name: str) -> Optional[Path]:
+    """Returns the folder of a ROS package: in ROS_PACKAGE_PATH, else beside this package; None if unknown."""
     return _package_path(name, os.environ.get("ROS_PACKAGE_PATH", ""))
 
 
-def package_paths(*names):
-    """Dict of package name -> folder (str) of the known ones, for `Simulation(package_paths=...)`."""
+def package_paths(*names: str) -> Dict[str, str]:
+    """Returns package name -> folder of the known ones, for `Simulation(package_paths=...)`."""
     names = names or ("aras_description", PACKAGE)
     return {name: str(package_path(name)) for name in names if package_path(name) is not None}
 
 
 @functools.lru_cache(maxsize=None)
-def share_dir():
-    """Folder of this package's config: in the source tree, else PREFIX/share of the installed package."""
+def share_dir() -> Path:
+    """Returns the folder of this package's config: in the source tree, else PREFIX/share of the installed package."""
     for parent in Path(__file__).resolve().parents:
         if (parent / "package.xml").is_file() and (parent / "config").is_dir():
             return parent

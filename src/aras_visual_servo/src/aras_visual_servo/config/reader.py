@@ -1,183 +1,162 @@
-"""Reads a section of a scenario: every fault is collected and raised in one ParameterError."""
+"""Reads a section of a scenario into its settings class; all faults are collected and raised in one ParameterError."""
 
-import operator
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import is_dataclass
-from math import isfinite
-from typing import Callable, NamedTuple, Tuple
+from typing import Any, Callable, List, NamedTuple, Optional, Set, Tuple, Type, TypeVar
 
 from ..ground.errors import ParameterError
+from ..ground.registry import one_of
+from .schema import instance_value, property_of, schema_of
 from .settings import entry_type, is_table, keys_of
+from .validate import REMOVED, Fault, Path, shown, validate
 
-_TABLE = "a table of keys"
-_WORDS = {float: "a finite number", int: "a whole number", bool: "true, false", str: "text", object: "a value"}
-MOST_SHOWN = 200  # characters of what was found, in a fault
-_COMPARE = {">": operator.gt, ">=": operator.ge, "<": operator.lt, "<=": operator.le}
+T = TypeVar("T")
+_KEYED = re.compile(r"([^\s:]+): (.*)", re.DOTALL)
 
 
 class Names(NamedTuple):
     """Names of features and joints of one scenario, which keys such as gains are given by.
 
     Attributes:
-        features, joints: names, in order; joints (): the joints are not known, so that any name is accepted.
-        limits: (lower, upper) by joint.
+        features, joints: names, in order; (): they are not known, so that any name is accepted.
+        limits: (lower, upper) by joint [m, rad].
         expand: function that replaces a name that stands for several features (points4) by all of them.
     """
 
     features: Tuple[str, ...] = ()
     joints: Tuple[str, ...] = ()
-    limits: Mapping = {}
-    expand: Callable = tuple
+    limits: Mapping[str, Tuple[float, float]] = {}
+    expand: Callable[[Iterable[str]], Iterable[str]] = tuple
 
 
-def read(cls, source, where, names=Names(), also=(), faults=None, separator="/"):
-    """Settings from a table of keys.
+def read(cls: Type[T], source: Any, where: str, names: Names = Names(),
+         faults: Optional[List[Fault]] = None) -> Optional[T]:
+    """Returns the settings that a table of keys holds; missing keys have their defaults.
 
     Args:
-        cls: settings class (config/settings.py).  source: mapping of key -> value.  where: its place, for the messages.
-        names: `Names`.  also: further keys that the table may have, which other code reads.
-        faults: list to add faults to, instead of raising them.  separator: between the parts of a place.
-    Returns:
-        An instance, in which missing keys have their defaults; None when faults were added to the list.
+        cls: settings class (config/settings.py).  source: mapping of key -> value.  where: its place, for the faults.
+        faults: list to add faults to, instead of raising them; then None is returned after a fault.
     Raises:
-        ParameterError: every fault, a line each: "where/key: found X, allowed Y".
+        ParameterError: every fault, a line each: "where.key: found X, allowed Y".
     """
-    found = [] if faults is None else faults
-    result = _Reader(names, separator, found).section(cls, source, where, also)
-    if faults is None and found:
+    found: List[Fault] = []
+    validate(schema_of(cls), source, (where,), found)
+    result = build(cls, source, (where,), found, names)
+    if found and faults is None:
         raise ParameterError(found)
+    if faults is not None:
+        faults.extend(found)
     return result
 
 
-class _Reader:
-    """Reads one table and those in it."""
+def build(cls: Type[T], source: Any, path: Path, faults: List[Fault], names: Names = Names()) -> Optional[T]:
+    """Returns the settings that a table holds which has been validated; None after a fault in it.
 
-    def __init__(self, names, separator, faults):
-        self._names, self._separator, self._faults = names, separator, faults
+    Adds the faults that a schema does not tell: of conditions, of names, and of keys that do not fit each other.
 
-    def _fault(self, where, found, allowed):
-        shown = str(found)
-        shown = shown if len(shown) <= MOST_SHOWN else shown[:MOST_SHOWN] + "..."
-        self._faults.append(f"{where}: found {shown}, allowed {allowed}")
+    Args: faults: those of the validation.  path: of the table, as in the faults.
+    """
+    bad = {fault.path[:n] for fault in faults for n in range(len(path), len(fault.path) + 1)}
+    return _Builder(names, faults, bad).section(cls, source, path)
 
-    def section(self, cls, source, where, also=()):
+
+def faults_of(settings: Any) -> List[Fault]:
+    """Returns the faults of an instance of a settings class that was not read but made in Python."""
+    faults: List[Fault] = []
+    for key in keys_of(type(settings)):
+        value = getattr(settings, key.name)
+        if key.by != "feature" and not (value is None and key.optional or value == key.default):
+            count = len(faults)
+            validate(property_of(key), instance_value(value), (key.name,), faults)
+            if len(faults) == count and key.condition is not None and not key.condition[1](value):
+                faults.append(Fault((key.name,), f"found {shown(value)}, allowed {key.condition[0]}"))
+    return faults or cross_faults(settings, ())
+
+
+def cross_faults(settings: Any, path: Path) -> List[Fault]:
+    """Returns the faults that an instance's own `check` yields."""
+    return keyed(settings.check(), path) if hasattr(settings, "check") else []
+
+
+def keyed(texts: Iterable[str], path: Path) -> List[Fault]:
+    """Returns faults of several keys from texts "key: found X, allowed Y". Args: path: of the section of the keys."""
+    matches = [(_KEYED.fullmatch(text), text) for text in texts]
+    return [Fault((*path, *match[1].split(".")), match[2], True) if match else Fault(path, text, True)
+            for match, text in matches]
+
+
+class _Builder:
+    """Makes instances of settings classes; leaves out the keys that have a fault already."""
+
+    def __init__(self, names: Names, faults: List[Fault], bad: Set[Path]):
+        self._names, self._faults, self._bad = names, faults, bad
+
+    def section(self, cls, source, path):
         """An instance of a settings class, None after a fault."""
         if not isinstance(source, Mapping):
-            return self._fault(where, source, _TABLE)
-        values, before, known = {}, len(self._faults), {key.name for key in keys_of(cls)} | set(also)
-        for key in keys_of(cls):
-            if key.name in source:
-                values[key.name] = self._value(key, source[key.name], self._join(where, key.name))
-            elif key.required:
-                self._fault(self._join(where, key.name), "nothing", _allowed_for(key))
-        for name in source:
-            if name not in known:
-                self._faults.append(f"{self._join(where, name)}: unknown key, allowed {', '.join(sorted(known))}")
-        if len(self._faults) > before:
             return None
-        result = cls(**values)
-        if hasattr(result, "check"):
-            self._faults += [self._join(where, fault) for fault in result.check()]
-        return result if len(self._faults) == before else None
+        values, before, keys = {}, len(self._faults), keys_of(cls)
+        for key in keys:
+            if source.get(key.name, REMOVED) not in (None, REMOVED):
+                values[key.name] = self._value(key, source[key.name], (*path, key.name))
+        wrong = {name for name, value in values.items() if value is None}
+        right = {name: value for name, value in values.items() if name not in wrong}
+        if all(key.name in right for key in keys if key.required):  # else there is nothing to call `check` of
+            result = cls(**right)
+            self._faults += [fault for fault in cross_faults(result, path)
+                             if not wrong.intersection(fault.path, re.findall(r"\w+", fault.text))]
+            if path not in self._bad and len(self._faults) == before:
+                return result
+        return None
 
-    def _join(self, where, name):
-        return f"{where}{self._separator}{name}"
-
-    def _value(self, key, value, where):
-        if is_table(key):
-            return self._table(key, value, where)
+    def _value(self, key, value, path):
         if is_dataclass(key.type):
-            if key.not_empty and value == {}:
-                return self._fault(where, value, _TABLE)
-            return self.section(key.type, value, where)
-        return self._plain(key, key.type, value, where, key.bounds)
+            return self.section(key.type, value, path)
+        if is_table(key) and isinstance(value, Mapping):
+            return self._by_feature(value, path) if key.by == "feature" else self._table(key, value, path)
+        return None if path in self._bad else self._plain(key, key.type, value, path)
 
-    def _table(self, key, source, where):
-        """Entries by name: a dict, or a tuple in the order of the features."""
-        if not isinstance(source, Mapping) or (key.not_empty and not source):
-            return self._fault(where, source, _TABLE)
-        kind = entry_type(key.type)
-        if key.by == "feature":
-            return self._by_feature(key, source, where)
-        known, result = self._names.joints if key.by else (), {}
-        for name in source:
-            at, bounds = self._join(where, name), key.bounds
-            if key.by == "joint_position" and name in self._names.limits:
-                bounds += tuple(zip((">=", "<="), self._names.limits[name]))
+    def _table(self, key, source, path):
+        kind, known = entry_type(key.type), self._names.joints if key.by else ()
+        result = {}
+        for name, value in source.items():
+            at = (*path, str(name))
+            if at in self._bad:
+                continue
+            low, high = self._names.limits.get(name, (None, None)) if key.by == "joint_position" else (None, None)
             if known and name not in known:
-                self._faults.append(f"{at}: unknown joint, allowed {', '.join(known)}")
-            elif is_dataclass(kind):
-                result[name] = self.section(kind, source[name], at)
+                self._faults.append(Fault(at, f"found an unknown joint, allowed {one_of(known, name)}"))
+            elif low is not None and not low <= value <= high:
+                self._faults.append(Fault(at, f"found {shown(value)}, allowed a finite number >= {low} and <= {high}"))
             else:
-                result[name] = self._plain(key, kind, source[name], at, bounds)
+                result[name] = self.section(kind, value, at) if is_dataclass(kind) else self._plain(
+                    key, kind, value, at)
         return result
 
-    def _by_feature(self, key, source, where):
+    def _by_feature(self, source, path):
+        """The numbers in the order of the features."""
         given = {name: value for group, value in source.items() for name in self._names.expand((group,))}
-        known = self._names.features
-        for name in given:
-            if name not in known:
-                self._faults.append(f"{self._join(where, name)}: unknown key, allowed {', '.join(sorted(known))}")
+        known, before = self._names.features, len(self._faults)
+        for group in source if known else ():
+            if (*path, str(group)) not in self._bad and not set(self._names.expand((group,))) <= set(known):
+                text = f"found an unknown key, allowed {one_of(known, group)}, which features names"
+                self._faults.append(Fault((*path, str(group)), text.replace("?, which features names", "?"), True))
         for name in known:
             if name not in given:
-                self._fault(self._join(where, name), "nothing", _allowed(float, key.bounds))
-        return tuple(self._plain(key, float, given[name], self._join(where, name), key.bounds)
-                     for name in known if name in given)
+                self._faults.append(Fault((*path, name), "found nothing, allowed a number for each of features", True))
+        wrong = path in self._bad or len(self._faults) > before
+        return None if wrong else tuple(float(given[name]) for name in known)
 
-    def _plain(self, key, kind, value, where, bounds):
-        """A scalar or a list of them."""
+    def _plain(self, key, kind, value, path):
+        """A scalar or a list of them, None after a fault."""
         entries = entry_type(kind)
-        if entries is None:
-            fits = _fits(key, kind, value, bounds) and not (kind is str and key.not_empty and not value)
-            converted = kind(value) if fits and kind is not object else value
-        else:
-            fits = (isinstance(value, (list, tuple)) and len(value) >= int(key.not_empty)
-                    and key.size in (None, len(value)) and all(_fits(key, entries, entry, bounds) for entry in value))
-            converted = tuple(entries(entry) for entry in value) if fits else None
-        if not fits:
-            return self._fault(where, value, _allowed(kind, bounds, key.choices, key.size))
-        if key.condition is not None and not key.condition[1](converted):
-            return self._fault(where, value, key.condition[0])
-        return converted
-
-
-def is_number(value):
-    """Whether a value is a finite number that a float can hold."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return False
-    try:
-        return isfinite(value)
-    except OverflowError:  # a whole number of some hundred digits
-        return False
-
-
-def _within(value, bounds):
-    return all(_COMPARE[sign](value, bound) for sign, bound in bounds)
-
-
-def _fits(key, kind, value, bounds):
-    """Whether a scalar is one of this type, and in its range."""
-    if kind in (float, int):
-        return is_number(value) and (kind is float or value == int(value)) and _within(value, bounds)
-    if kind is str and key.choices:
-        return value in key.choices
-    return isinstance(value, kind)
-
-
-def _allowed_for(key):
-    if is_table(key) or is_dataclass(key.type):
-        return _TABLE
-    return _allowed(key.type, key.bounds, key.choices, key.size)
-
-
-def _allowed(kind, bounds=(), choices=(), size=None):
-    """What is allowed, in words."""
-    entries = entry_type(kind)
-    if entries is str:
-        return "a list of names"
-    if entries is not None:
-        kind, name = entries, "finite numbers" if entries is float else "whole numbers"
-        text = f"{size} {name}" if size else f"a list of {name}"
-    else:
-        text = ", ".join(choices) or _WORDS[kind]
-    return f"{text} {' and '.join(f'{sign} {bound}' for sign, bound in bounds)}".strip()
+        if entries is not None:
+            value = tuple(entries(entry) for entry in value)
+        elif kind is not object:
+            value = kind(value)
+        if key.condition is not None and not key.condition[1](value):
+            self._faults.append(Fault(path, f"found {shown(list(value) if entries else value)}, "
+                                            f"allowed {key.condition[0]}"))
+            return None
+        return value

@@ -6,35 +6,38 @@ the keywords that aras_visual_servo_common/README.md lists; `$ref: other` stands
 
 import copy
 import functools
+from collections.abc import Mapping
 from dataclasses import is_dataclass
 from math import inf
+from typing import Any, Dict
 
 import yaml
 
 from ..ground.errors import ParameterError
 from .files import package_path
-from .settings import entry_type, is_table, keys_of, required_keys
+from .settings import Key, entry_type, is_table, keys_of, required_keys
 
 _TYPES = {float: "number", int: "integer", bool: "boolean", str: "string"}
 _BOUNDS = {">": "exclusiveMinimum", ">=": "minimum", "<": "exclusiveMaximum", "<=": "maximum"}
 
 
-def schema_of(cls):
-    """Schema of a section, dict, the keys in the order in which the settings class describes them."""
+@functools.lru_cache(maxsize=None)
+def schema_of(cls: type) -> Dict[str, Any]:
+    """Returns the schema of a section, the keys in the order in which the settings class describes them."""
     keys = keys_of(cls)
     return {"type": "object", "additionalProperties": False, "required": [key.name for key in keys if key.required],
-            "properties": {key.name: _property(key) for key in keys}}
+            "properties": {key.name: property_of(key) for key in keys}}
 
 
-def with_sections(schema, sections):
-    """The schema of a section, with further sections in it: name -> settings class."""
-    more = {name: {"description": first_line(cls), **schema_of(cls), **({} if required_keys(cls) else {"default": {}})}
-            for name, cls in sections.items()}
+def with_sections(schema: Mapping, sections: Mapping[str, type]) -> Dict[str, Any]:
+    """Returns the schema of a section, with further sections in it by name."""
+    more = {name: {"description": (cls.__doc__ or "").strip().split("\n", 1)[0], **schema_of(cls),
+                   **({} if required_keys(cls) else {"default": {}})} for name, cls in sections.items()}
     return {**schema, "properties": {**schema["properties"], **more}}
 
 
-def yaml_section(package, name):
-    """Schema of a section that another package describes. Raises ParameterError: there is no such file."""
+def yaml_section(package: str, name: str) -> Dict[str, Any]:
+    """Returns the schema of a section that another package describes. Raises ParameterError: there is no such file."""
     folder = package_path(package)
     if folder is None:
         raise ParameterError(f"schema {package}/{name}: the package is neither beside this one nor in ROS_PACKAGE_PATH")
@@ -63,18 +66,14 @@ def _in_place(node, folder, way):
     return {**_section(folder, node["$ref"], way), **rest} if isinstance(node.get("$ref"), str) else rest
 
 
-def first_line(cls):
-    """First line of its docstring."""
-    return (cls.__doc__ or "").strip().split("\n", 1)[0]
-
-
-def _property(key):
+def property_of(key: Key) -> Dict[str, Any]:
+    """Returns the schema of one key."""
     schema = {"description": key.help}
     if key.unit:
         schema["unit"] = key.unit
     schema.update(_table(key) if is_table(key) else _type(key, key.type))
     if not key.required and key.default not in (None, inf):
-        schema["default"] = _plain(key.default)
+        schema["default"] = instance_value(key.default)
     return schema
 
 
@@ -100,11 +99,11 @@ def _type(key, kind):
     return {**({} if kind is object else {"type": _TYPES[kind]}), **bounds, **text}
 
 
-def _plain(value):
-    """A default as YAML and JSON have it."""
+def instance_value(value: Any) -> Any:
+    """Returns a default or another value of a settings class as YAML and JSON have it."""
     if is_dataclass(value):
-        return {key.name: _plain(getattr(value, key.name)) for key in keys_of(type(value))
+        return {key.name: instance_value(getattr(value, key.name)) for key in keys_of(type(value))
                 if getattr(value, key.name) not in (None, inf)}
     if isinstance(value, dict):
-        return {name: _plain(entry) for name, entry in value.items()}
-    return [_plain(entry) for entry in value] if isinstance(value, tuple) else copy.copy(value)
+        return {name: instance_value(entry) for name, entry in value.items()}
+    return [instance_value(entry) for entry in value] if isinstance(value, tuple) else copy.copy(value)

@@ -79,8 +79,8 @@ def _default(found, inner, required):
 
 def flow(value):
     """As YAML has it, in one line."""
-    if isinstance(value, bool):
-        return str(value).lower()
+    if isinstance(value, bool) or value is None:
+        return "null" if value is None else str(value).lower()
     if isinstance(value, float):
         return f"{value:g}"
     if isinstance(value, dict):

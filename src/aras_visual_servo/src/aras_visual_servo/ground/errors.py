@@ -16,8 +16,8 @@ class ParameterError(ArasError):
     """A parameter is missing, unknown or out of range. One error lists every fault, one per line."""
 
     def __init__(self, faults):
-        """Args: faults: one text or a sequence of texts `key: found X, allowed Y`."""
-        self.faults = [faults] if isinstance(faults, str) else list(faults)
+        """Args: faults: one text, or texts or `Fault`s "key: found X, allowed Y"."""
+        self.faults = [faults] if isinstance(faults, str) else list(map(str, faults))
         super().__init__("\n".join(self.faults))
 
 

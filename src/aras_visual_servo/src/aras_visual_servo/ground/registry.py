@@ -5,14 +5,14 @@
     @LAWS.register("mine")
     class Mine(Law): ...
 
-    LAWS.find("mien")                           # ParameterError: law: found 'mien', did you mean 'mine'?
+    LAWS.find("mien")                           # ParameterError: law: found mien, allowed ...; did you mean mine?
 """
 
 import difflib
 import functools
 import importlib
 import pkgutil
-from collections.abc import Collection, Iterator, MutableMapping
+from collections.abc import Iterable, Iterator, MutableMapping
 from typing import Any, Callable, Dict, TypeVar
 
 from .errors import ParameterError
@@ -79,11 +79,14 @@ def load_room(package: str) -> None:
         importlib.import_module(f"{package}.{module.name}")
 
 
-def unknown_name(key: str, found: object, known: Collection[str]) -> str:
-    """Returns the text of a fault: the nearest known name if one is near, else the known ones, at most MOST_LISTED."""
-    near = difflib.get_close_matches(str(found), known, n=1)
-    if near:
-        return f"{key}: found '{found}', did you mean '{near[0]}'?"
-    names = sorted(known)
-    more = f" and {len(names) - MOST_LISTED} more" if len(names) > MOST_LISTED else ""
-    return f"{key}: found '{found}', allowed {', '.join(names[:MOST_LISTED])}{more}"
+def unknown_name(key: str, found: object, known: Iterable[str]) -> str:
+    """Returns the text of a fault: a name that is not known."""
+    return f"{key}: found {found}, allowed {one_of(known, found)}"
+
+
+def one_of(names: Iterable[str], found: object = None) -> str:
+    """Returns the names that are allowed, of more than MOST_LISTED their number, and the nearest to what was found."""
+    names = list(names)
+    near = difflib.get_close_matches(str(found), names, 1) if found is not None else ()
+    listed = ", ".join(names) if len(names) <= MOST_LISTED else f"{len(names)} names"
+    return ("one of " * (len(names) > 1) + listed or "none") + (f"; did you mean {near[0]}?" if near else "")

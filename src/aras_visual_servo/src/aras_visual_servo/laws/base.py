@@ -27,7 +27,9 @@ from typing import Callable, Dict, List, Optional, Sequence, Tuple, Type, TypeVa
 
 import numpy as np
 
+from ..config.reader import faults_of
 from ..config.settings import keys_of, settings_of
+from ..config.validate import validate
 from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError, ShapeError
 from ..features.base import FeatureSet, View
 from ..features.interaction import parallel_condition
@@ -35,7 +37,7 @@ from ..features.points import depths_in_image
 from ..ground.registry import Registry
 from ..ground.types import FEATURE_NAMES, Reference
 from .look import Answer
-from .setup import INTERACTIONS, POINT_DEPTHS, POSES, LawSetup
+from .setup import LawSetup
 
 #: An interaction matrix with a larger condition number is not inverted, because in such a view some camera motion
 #: hardly changes the features.
@@ -74,8 +76,8 @@ def make_law(name: str, gains_per_s: Sequence[float], setup: LawSetup = LawSetup
     """Makes the law of that name.
 
     Args: gains_per_s: (k,), > 0, one per feature, in the order of the features [1/s].
-    Raises ParameterError: the name is unknown, a gain is not > 0, or the law does not work on the features of the
-        setup.
+    Raises ParameterError: the name is unknown, a gain is not > 0, a setting is out of range, or the law does not work
+        on the features of the setup.
     """
     return LAWS.find(name)(gains_per_s, setup)
 
@@ -121,23 +123,14 @@ class Law:
         self.features, self._setup = FeatureSet(setup.features, setup.settings, setup.source), setup
         names = self.features.names
         self.gains_per_s = tuple(float(gain) for gain in gains_per_s)
-        faults = []
+        faults = faults_of(setup)
         if self.works_on is not None and names != tuple(self.works_on):
             faults.append(f"features: found {', '.join(names)}, allowed with law '{self.name}': "
                           f"{', '.join(self.works_on)}")
         if len(self.gains_per_s) != len(names):
             faults.append(f"gains_per_s: found {len(self.gains_per_s)} gains, allowed {len(names)}")
-        faults += [
-            f"gains_per_s/{name}: found {gain}, allowed > 0"
-            for name, gain in zip(names, self.gains_per_s)
-            if not (isfinite(gain) and gain > 0.0)
-        ]
-        if setup.interaction not in INTERACTIONS:
-            faults.append(f"interaction: found '{setup.interaction}', allowed {', '.join(INTERACTIONS)}")
-        if setup.point_depth not in POINT_DEPTHS:
-            faults.append(f"point_depth: found '{setup.point_depth}', allowed {', '.join(POINT_DEPTHS)}")
-        if setup.pose_from not in POSES:
-            faults.append(f"pose_from: found '{setup.pose_from}', allowed {', '.join(POSES)}")
+        for name, gain in zip(names, self.gains_per_s):
+            validate({"type": "number", "exclusiveMinimum": 0}, gain, ("gains_per_s", name), faults)
         if faults:
             raise ParameterError(faults)
         self.settings = None

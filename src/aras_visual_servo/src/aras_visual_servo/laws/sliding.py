@@ -45,7 +45,7 @@ class Sliding(ImageBased):
         super().__init__(gains_per_s, setup)
         self._switching, self._boundary = self.settings.switching_per_s, self.settings.boundary
         if len(self._boundary) != len(self.features):
-            raise ParameterError(f"{self.name}/boundary: found {len(self._boundary)} numbers, allowed "
+            raise ParameterError(f"{self.name}.boundary: found {len(self._boundary)} numbers, allowed "
                                  f"{len(self.features)}")
 
     def _wanted(self, e, dt_s):

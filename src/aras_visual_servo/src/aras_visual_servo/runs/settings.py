@@ -6,6 +6,7 @@ from typing import Dict, Optional, Tuple
 
 import numpy as np
 
+from ..arm.kinematics import Kinematics
 from ..arm.reach import outside_limits, reach
 from ..config.reader import Names, read
 from ..config.settings import setting
@@ -107,8 +108,8 @@ class ExperimentSettings:
         help="A run passes when its final error is within these; without, when it has converged.")
 
     @classmethod
-    def from_dict(cls, source, kinematics):
-        """Read the section, but for `judge`, which is not the arm's. Raises ParameterError listing every fault."""
+    def from_dict(cls, source: Mapping, kinematics: Kinematics) -> "ExperimentSettings":
+        """Reads the section, but for `judge`, which is not the arm's. Raises ParameterError listing every fault."""
         if isinstance(source, Mapping):
             source = {key: value for key, value in source.items() if key != "judge"}
         config = read(cls, source, "experiment", _within_limits(kinematics))
@@ -117,7 +118,7 @@ class ExperimentSettings:
             try:
                 places[name] = getattr(config, name).at(kinematics, near)
             except ParameterError as error:
-                faults += [f"experiment/{name}/{fault}" for fault in error.faults]
+                faults += [f"experiment.{name}.{fault}" for fault in error.faults]
             if name in places:
                 near = _posture(places[name], kinematics, near)
         if faults:
@@ -126,7 +127,7 @@ class ExperimentSettings:
 
     def with_start(self, source, kinematics):
         """These settings with another start: its section, dict. Raises ParameterError listing every fault."""
-        start = read(Place, source, "experiment/start", _within_limits(kinematics))
+        start = read(Place, source, "experiment.start", _within_limits(kinematics))
         return replace(self, start=start.at(kinematics, _posture(self.goal, kinematics)))
 
 

@@ -6,14 +6,17 @@ The rules are those of a JSON Merge Patch (RFC 7396) and two more of our own, se
 
 import os
 import re
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Dict
+from typing import Any, Dict, List, Tuple
 
 import yaml
 
 from ..config.files import load_yaml
 from ..config.plugins import placed
 from ..config.settings import keys_of
+from ..config.tables import flow
+from ..config.validate import REMOVED, Fault, shown
 from ..features.base import expand
 from ..ground.errors import ParameterError
 from ..servo.settings import ServoSettings
@@ -24,14 +27,15 @@ OWN = ("name", "description", "extends")
 #: Keys that name a file; in a scenario that is extended from another folder they stay relative to their own.
 FILE_KEYS = ("urdf", "controllers", "file", "mesh")
 _BY_FEATURE = tuple(key.name for key in keys_of(ServoSettings) if key.by == "feature")
-_PLACE = re.compile(r"[^\s:]+(?=: )")
+_KEY = re.compile(r"[A-Za-z_]\w*(?:\.\w+)*")
 
 
-def load_resolved(path):
-    """A scenario file with everything that it extends in place.
+def load_resolved(path: Path) -> Tuple[Dict[str, Any], List[Path]]:
+    """Reads a scenario file with everything that it extends in place.
 
     Returns:
-        (document, files): nested dict without `extends`; the files that it is made of, the first extended one first.
+        (document, files): nested dict without `extends`, with marks as of `marked_merge`; the files that it is made of,
+            the first extended one first.
     Raises:
         ParameterError: a file cannot be read, nobody knows the name, or the way leads in a circle.
     """
@@ -42,10 +46,10 @@ def _load(path, way):
     document = with_places(load_yaml(path), path.parent)
     if "extends" not in document:
         return document, [path]
-    where = f"{path}:{_line_of(path, 'extends')}: extends"
+    where = f"{path}:{_lines(path)[('extends',)]}: extends"
     base = document["extends"]
     if not isinstance(base, str) or not base:
-        raise ParameterError(f"{where}: found {base!r}, allowed is the name of a scenario or the path of a file")
+        raise ParameterError(f"{where}: found {shown(base)}, allowed the name of a scenario or the path of a file")
     if os.sep in base or base.endswith((".yaml", ".yml")):
         base = os.path.join(path.parent, os.path.expanduser(base))
     try:
@@ -59,17 +63,29 @@ def _load(path, way):
     extended, files = _load(found, way)
     if found.parent != path.resolve().parent:
         extended = anchored(extended, found.parent)
-    return merge(extended, document), [*files, path]
+    return marked_merge(extended, document), [*files, path]
 
 
-def merge(base, changes):
-    """What `base` becomes by `changes`, a new document. Neither is changed.
+def merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> Dict[str, Any]:
+    """Returns what `base` becomes by `changes`, a new document. Neither is changed.
 
     Sections are merged key by key; `null` takes a key away; any other value, a list too, replaces the old one.
     Two rules more: in lists whose entries all have a `name` (cameras, models) the entries are merged by name, and new
     ones come last; and where `servo.features` changes, numbers by feature (gains, thresholds) of features that are
     no longer used go with them.
     """
+    return cleared(marked_merge(base, changes))
+
+
+def cleared(node: Any) -> Any:
+    """Returns a document without the marks of nulls that took nothing away."""
+    if isinstance(node, dict):
+        return {key: cleared(value) for key, value in node.items() if value is not REMOVED}
+    return [cleared(value) for value in node] if isinstance(node, list) else node
+
+
+def marked_merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> Dict[str, Any]:
+    """As `merge`, with REMOVED for each null that took nothing away, so that one at an unknown key is a fault."""
     result = _merged({key: value for key, value in base.items() if key not in OWN},
                      {key: value for key, value in changes.items() if key != "extends"})
     servo, changed = result.get("servo"), changes.get("servo")
@@ -85,10 +101,11 @@ def merge(base, changes):
 
 def _merged(base, changes):
     if isinstance(base, dict) and isinstance(changes, dict):
-        both = {key: _merged(base.get(key), value) for key, value in changes.items() if value is not None}
+        both = {key: _merged(base.get(key), REMOVED if value is None else value) for key, value in changes.items()
+                if value is not None or base.get(key, REMOVED) is REMOVED}
         return {**{key: value for key, value in base.items() if key not in changes or key in both}, **both}
     if isinstance(changes, dict):
-        return {key: _merged(None, value) for key, value in changes.items() if value is not None}
+        return _merged({}, changes)
     if _named(base) and _named(changes):
         known, new = {entry["name"]: entry for entry in base}, {entry["name"]: entry for entry in changes}
         return [_merged(entry, new.get(name, {})) for name, entry in known.items()] + \
@@ -104,8 +121,8 @@ def _named(entries):
     return all(isinstance(name, str) for name in names) and len(set(names)) == len(names)
 
 
-def anchored(node, folder, key=None):
-    """The same with names of files that are relative to `folder` made absolute."""
+def anchored(node: Any, folder: Path, key: str = "") -> Any:
+    """Returns the same with names of files that are relative to `folder` made absolute."""
     if isinstance(node, dict):
         return {name: anchored(value, folder, name) for name, value in node.items()}
     if isinstance(node, list):
@@ -124,37 +141,56 @@ def with_places(document: Dict[str, Any], folder: Path) -> Dict[str, Any]:
     return {**document, "servo": {**servo, "plugins": plugins}}
 
 
-def with_lines(faults, files, document):
-    """The same faults, `FILE:LINE: fault` each: the line that says the key, else that of the section it should be in.
+def located(faults: Iterable[Fault], document: Any, files: Sequence[Path], overrides: Mapping[str, Any] = {},
+            source: str = "scenario") -> List[str]:
+    """Returns the faults as texts `FILE:LINE: fault`, or `--set KEY=VALUE: fault`, in the order in which they stand.
+
+    A fault is blamed on what says its key, else the section in which it is missing. A fault of several keys is blamed
+    on the one that was said last: a scenario goes before those that it extends, and `--set` before both.
 
     Args:
-        faults: texts `dotted.path: what is wrong`.  files: that the document is made of, the last one wins.
-        document: the resolved one, to which the paths belong.
+        document: the resolved one, to which the faults belong.  files: that it is made of, the last one wins.
+        overrides: values set by dotted key.  source: stands for a document without file.
     """
-    said = {}  # place -> (file, line), entries of lists by name
-    for file in files:
-        said.update({place: (file, line) for place, line in _lines(file).items()})
-    places = dict(_places(document, "", ""))  # place as faults write it -> as `said` has it
-    result = []
-    for fault in faults:
-        match = _PLACE.match(fault)
-        place = match[0] if match else ""
-        while place and said.get(places.get(place)) is None:
-            place = re.sub(r"(\.[^.\[\]]*|\[\d+\]|^[^.\[\]]+)$", "", place)
-        file, line = said.get(places.get(place), (files[-1], 1))
-        result.append(f"{file}:{line}: {fault}")
-    return result
+    said = {}  # place -> (rank, line, text)
+    for rank, file in enumerate(files):
+        said.update({place: (rank, line, f"{file}:{line}") for place, line in _lines(file).items()})
+    for key, value in overrides.items():
+        place = tuple(key.split("."))
+        text = f"--set {key}={flow(value)}"
+        said.update({(*place, *inner): (len(files), 0, text) for inner in [(), *_places(value)]})
+    nowhere = (len(files) - 1, 1, f"{files[-1]}:1") if files else (-1, 0, source)
+
+    def origin(fault):
+        place = _by_name(fault.path, document)
+        places = [place[:n] for n in range(len(place), 0, -1)]
+        found = [next((said[above] for above in places if above in said), nowhere)]
+        for word in _KEY.findall(fault.text if fault.cross else ""):
+            key = tuple(word.split("."))
+            found += [said[above + key] for above in (places[1:] if len(key) == 1 else [()]) if above + key in said]
+        return max(found, key=lambda entry: entry[0])
+
+    placed = sorted(((origin(fault), fault) for fault in faults), key=lambda pair: pair[0][:2])
+    return [f"{where}: {fault}" for (_, _, where), fault in placed]
 
 
-def _places(node, place, by_name):
-    yield place, by_name
-    if isinstance(node, dict):
-        for key, value in node.items():
-            yield from _places(value, f"{place}.{key}".lstrip("."), f"{by_name}.{key}".lstrip("."))
-    elif isinstance(node, list):
-        named = _named(node)
-        for i, value in enumerate(node):
-            yield from _places(value, f"{place}[{i}]", f"{by_name}[{value['name'] if named else i}]")
+def _by_name(path, document):
+    """The path, with entries of lists by name where they have one."""
+    result, node = [], document
+    for part in path:
+        entry = isinstance(part, int) and isinstance(node, list) and part < len(node)
+        result.append(f"[{node[part]['name']}]" if entry and _named(node) else part)
+        node = node[part] if entry else node.get(part) if isinstance(node, dict) else None
+    return tuple(result)
+
+
+def _places(node):
+    """Places within a value."""
+    named = _named(node)
+    for key, value in node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ():
+        place = f"[{value['name']}]" if named else key if isinstance(node, list) else str(key)
+        yield (place,)
+        yield from ((place, *inner) for inner in _places(value))
 
 
 def _lines(file):
@@ -162,7 +198,7 @@ def _lines(file):
     def walk(node, place):
         if isinstance(node, yaml.MappingNode):
             for key, value in node.value:
-                at = f"{place}.{key.value}".lstrip(".")
+                at = (*place, str(key.value))
                 yield at, key.start_mark.line + 1
                 yield from walk(value, at)
         elif isinstance(node, yaml.SequenceNode):
@@ -170,12 +206,8 @@ def _lines(file):
                      if isinstance(entry, yaml.MappingNode) else None for entry in node.value]
             named = all(names) and len(set(names)) == len(names)
             for i, entry in enumerate(node.value):
-                at = f"{place}[{names[i] if named else i}]"
+                at = (*place, f"[{names[i]}]" if named else i)
                 yield at, entry.start_mark.line + 1
                 yield from walk(entry, at)
     with open(file, encoding="utf-8") as stream:
-        return dict(walk(yaml.compose(stream, Loader=yaml.CSafeLoader), ""))
-
-
-def _line_of(file, place):
-    return _lines(file).get(place, 1)
+        return dict(walk(yaml.compose(stream, Loader=yaml.CSafeLoader), ()))

@@ -2,7 +2,7 @@
 
 import functools
 from dataclasses import dataclass
-from typing import Optional
+from typing import Any, Dict, Optional
 
 from ..arm.settings import HandEyeSettings
 from ..config.files import package_path
@@ -41,42 +41,38 @@ class RobotSettings:
              "not by tip_link.")
 
 
-def sources():
-    """What the schema is made of: sections of laws and features, folders of packages. The same sources, the same
-    schema."""
-    return tuple(own_sections().items()), tuple(package_path(package) for package in ELSEWHERE.values())
+#: Sections that settings classes of this package describe; `servo` has those of laws and features too.
+SECTIONS = {"robot": RobotSettings, "experiment": ExperimentSettings, "sweep": SweepSection, "real": RealSettings}
 
 
-def scenario_schema():
-    """JSON Schema (draft 7) of a scenario, dict; laws, features and plugins registered so far have their sections.
+def scenario_schema() -> Dict[str, Any]:
+    """Returns the JSON Schema (draft 7) of a scenario, with the sections of all laws and features registered so far.
 
     Raises ParameterError: a section is missing, or two describe the same.
     """
-    return _schema(sources())
+    return _schema(tuple(own_sections().items()), tuple(package_path(package) for package in ELSEWHERE.values()))
 
 
-def default_of(name, schema=None):
-    """Default of a key, e.g. of "sim.cameras.rate_hz". KeyError: it has no default."""
+def default_of(name: str, schema: Optional[Dict[str, Any]] = None) -> Any:
+    """Returns the default of a key, e.g. of "sim.cameras.rate_hz". KeyError: it has no default."""
     return part_of((schema or scenario_schema())["properties"], name)["default"]
 
 
 @functools.lru_cache(maxsize=4)
-def _schema(made_of):
+def _schema(own, folders):
     properties = {
         "name": {"type": "string", "pattern": NAME, "description": "Name of the scenario, and of the folder "
                  "of its results: letters, digits, _ . -, not only dots."},
         "description": {"type": "string", "description": "What it is, in a line."},
         "robot": schema_of(RobotSettings),
         **{name: yaml_section(package, name) for name, package in ELSEWHERE.items()},
-        "servo": servo_schema(dict(made_of[0])),
-        "experiment": schema_of(ExperimentSettings),
-        "sweep": schema_of(SweepSection),
-        "real": schema_of(RealSettings),
+        "servo": servo_schema(dict(own)),
+        **{name: schema_of(section) for name, section in SECTIONS.items() if name != "robot"},
     }
     return {"$schema": "http://json-schema.org/draft-07/schema#", "title": "ARAS Visual Servo scenario",
             "type": "object", "additionalProperties": False, "required": list(REQUIRED), "properties": properties}
 
 
-def described_sections():
-    """Every section that has a table in some page: name -> schema. Names with a dot are parts of a section."""
+def described_sections() -> Dict[str, Dict[str, Any]]:
+    """Returns the schema of every section that has a table in some page. Names with a dot are parts of a section."""
     return {**scenario_schema()["properties"], "sweep.perturb": schema_of(Perturbations)}

@@ -1,19 +1,24 @@
 """Settings of the servo: the scenario's section `servo`, checked as a whole."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Optional, Tuple
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from math import inf
+from types import SimpleNamespace
+from typing import Any, Dict, List, Optional, Tuple
 
 from ..arm.settings import InverseSettings, LimitsSettings, NullSpaceSettings
 from ..config.files import load_yaml, resolve_uri
 from ..config.plugins import load_plugins
-from ..config.reader import Names, read
+from ..config.reader import Names, build, keyed
 from ..config.schema import schema_of, with_sections
 from ..config.settings import keys_of, required_keys, setting
+from ..config.validate import Fault, validate
+from ..features.sources.base import SOURCES
 from ..features.base import expand, feature_settings, is_known, known_features
 from ..ground.errors import ParameterError
+from ..ground.registry import one_of, unknown_name
 from ..ground.types import FEATURE_NAMES
-from ..laws.base import LawSetup, known_laws, law_settings, make_law
+from ..laws.base import LAWS, LawSetup, law_settings
 from ..features.target.target_pose import PlanarTarget
 from .feature_filter import FilterSettings
 from .feed_forward import FeedForwardSettings
@@ -21,6 +26,7 @@ from .lost_target import ACTIONS, LostTargetSettings
 from .stop_rule import StopSettings
 from .visibility import VisibilitySettings
 
+PATH = ("servo",)
 MODES = ("continuous", "look_then_move")
 
 
@@ -102,80 +108,112 @@ class ServoSettings(LawSetup):
     lost_target: LostTargetSettings = setting(LostTargetSettings(), help="How `back_off` and `search` are done.")
 
     @classmethod
-    def from_dict(cls, source, joint_names=()):
-        """Read the section. Raises ParameterError listing every fault."""
-        faults = [f"servo/{fault}" for fault in load_plugins(_names_in(source, "plugins"))]
-        sections = own_sections()
-        features = expand(_names_in(source, "features") or FEATURE_NAMES)
-        law = source.get("law") if isinstance(source, Mapping) else None
-        if isinstance(law, str) and law not in known_laws():
-            faults.append(f"servo/law: found {law}, allowed {', '.join(known_laws())}")
-        faults += [f"servo/features: found {name}, allowed {', '.join(known_features())}"
-                   for name in features if not is_known(name)]
-        names = Names(features, tuple(joint_names), expand=expand)
-        config, settings = read(cls, source, "servo", names, sections, faults), {}
-        for name, section in sections.items():
-            if isinstance(source, Mapping) and name in source:
-                settings[name] = read(section, source[name], f"servo/{name}", names, faults=faults)
-            elif not required_keys(section):
-                settings[name] = section()
-        target = _target(config.target_model if config else "", faults)
-        if faults:
+    def from_dict(cls, source: Mapping, joint_names: Sequence[str] = ()) -> "ServoSettings":
+        """Reads the section. Args: joint_names: of the arm; (): any. Raises ParameterError listing every fault."""
+        faults = keyed(load_plugins(names_in(source, "plugins")), PATH)
+        validate(servo_schema(own_sections()), source, PATH, faults)
+        config = cls.checked(source, faults, joint_names)
+        if config is None:
             raise ParameterError(faults)
-        config = replace(config, features=features, target=target, settings=settings)
-        config._check_law(config.law)
         return config
 
-    def check(self):
-        """Yield a fault for each setting that does not fit the mode."""
+    @classmethod
+    def checked(cls, source: Any, faults: List[Fault], joint_names: Sequence[str] = ()) -> Optional["ServoSettings"]:
+        """Returns the settings of a section that the schema has checked; None after a fault in it.
+
+        Adds the faults that the schema does not tell: unknown names, and keys that do not fit each other.
+        Args: faults: those of the schema.  joint_names: of the arm; (): any.
+        """
+        if not isinstance(source, Mapping):
+            return None
+        features = expand(names_in(source, "features") or FEATURE_NAMES)
+        unknown = [name for name in features if not is_known(name)]
+        faults += [Fault((*PATH, "features", i), f"found {name}, allowed {one_of(known_features(), name)}")
+                   for i, name in enumerate(source.get("features", ())) if name in unknown]
+        if unknown:  # what stands by the names of features is checked for those that are known
+            features = tuple(name for name in features if name not in unknown)
+            source = {**source, **{table: {name: value for name, value in source[table].items()
+                                           if name in features or not (is_known(str(name)) or name in unknown)}
+                                   for table in _BY_FEATURE if isinstance(source.get(table), Mapping)}}
+        names = Names(features, tuple(joint_names), expand=expand)
+        settings = {name: build(section, source.get(name, {}), (*PATH, name), faults, names)
+                    for name, section in own_sections().items() if name in source or not required_keys(section)}
+        target = _target(source.get("target_model"), faults)
+        more = {"features": features, "target": target, "settings": settings}
+        config = build(cls, source, PATH, faults, names)
+        config = _partial(source, faults, more) if config is None else replace(config, **more)
+        fits = not unknown and None not in settings.values()
+        for fault in keyed([*cls.check(config), *(_law_faults(config) if fits else ())], PATH):
+            if fault.path not in [known.path for known in faults]:
+                faults.append(fault)
+        return None if any(fault.path[:1] == PATH for fault in faults) else config
+
+    def check(self) -> Iterator[str]:
+        """Yields a fault for each setting that does not fit law, features or mode."""
+        names, law = expand(self.features), LAWS.get(self.law)
+        if law is None and self.law is not None:
+            yield unknown_name("law", self.law, LAWS)
+        if self.source and self.source not in SOURCES:
+            yield unknown_name("source", self.source, SOURCES)
+        if len(self.thresholds) != len(names) or not all(0.0 < value < inf for value in self.thresholds):
+            yield f"thresholds: found {list(self.thresholds)}, allowed {len(names)} numbers > 0, as many as features"
+        if self.filter is not None and law is not None and not law.foresees:
+            yield f"filter: found with law '{self.law}', allowed with laws that need no more than features"
+        if self.filter is not None and self.point_depth == "image":
+            yield "filter: found with point_depth: image, allowed with depths that can be foreseen: plane, goal"
         if self.mode != "look_then_move":
             return
-        if self.filter is not None:
-            yield "filter: found with mode look_then_move, allowed with mode continuous"
-        if self.feed_forward is not None or self.track:
-            yield "feed_forward, track: found with mode look_then_move, allowed with mode continuous"
-        for name, gain in zip(expand(self.features), self.gains_per_s):
+        if law is not None and law.continuous_only:
+            yield f"mode: found look_then_move, allowed with law '{self.law}': continuous"
+        for key in ("filter", "feed_forward", "track"):
+            if getattr(self, key):
+                yield f"{key}: found with mode: look_then_move, allowed with mode: continuous"
+        for name, gain in zip(names, self.gains_per_s):
             if gain * self.sample_time_s >= 2.0:
-                yield f"gains_per_s/{name}: found {gain}, allowed < 2 / sample_time_s (it would diverge)"
+                yield f"gains_per_s.{name}: found {gain}, allowed < 2 / sample_time_s (it would diverge)"
 
-    def _check_law(self, name):
-        """Raises ParameterError when law, features and mode do not fit."""
-        law = make_law(name, self.gains_per_s, self)
-        if law.continuous_only and self.mode != "continuous":
-            raise ParameterError(f"mode: found {self.mode}, allowed with law '{name}': continuous")
-        if self.filter is not None and not law.foresees:
-            raise ParameterError(f"filter: found with law '{name}', which needs more of an image than its features")
-        if self.filter is not None and self.point_depth == "image":
-            raise ParameterError("filter: found with point_depth image, allowed with depths that can be foreseen: "
-                                 "plane, goal")
-
-    def with_overrides(self, law="", gains_per_s=(), thresholds=(), time_limit_s=0.0):
-        """Copy with the values of a goal of VisualServo.action; empty or 0 keeps. Raises ParameterError."""
-        faults, changes = [], {}
-        for key, values in (("gains_per_s", gains_per_s), ("thresholds", thresholds)):
-            values = tuple(float(value) for value in values)
-            fit = len(values) == len(self.features) and all(0.0 < value < float("inf") for value in values)
-            if values and not fit:
-                faults.append(f"{key}: found {values}, allowed {len(self.features)} numbers > 0")
-            elif values:
-                changes[key] = values
-        if not 0.0 <= time_limit_s < float("inf"):
-            faults.append(f"time_limit_s: found {time_limit_s}, allowed >= 0")
-        elif time_limit_s:
-            changes["time_limit_s"] = float(time_limit_s)
-        if law:
-            changes["law"] = law
-        try:
-            self._check_law(law or self.law)
-        except ParameterError as error:
-            faults += error.faults
+    def with_overrides(self, law: str = "", gains_per_s: Sequence[float] = (), thresholds: Sequence[float] = (),
+                       time_limit_s: float = 0.0) -> "ServoSettings":
+        """Returns a copy with the values of a goal of VisualServo.action; empty or 0 keeps. Raises ParameterError."""
+        given = {"law": law, "gains_per_s": tuple(map(float, gains_per_s)), "thresholds": tuple(map(float, thresholds)),
+                 "time_limit_s": time_limit_s}
+        changed = replace(self, **{key: value for key, value in given.items() if value})
+        faults = _law_faults(changed) or list(changed.check())
         if faults:
             raise ParameterError(faults)
-        return replace(self, **changes)
+        return changed
 
 
-def own_sections():
-    """Sections of the laws and features that have settings of their own: name -> settings class.
+_BY_FEATURE = tuple(key.name for key in keys_of(ServoSettings) if key.by == "feature")
+
+
+def _partial(source, faults, more):
+    """What of the settings is right, with defaults in the place of the rest, and 1 for each gain that is wrong."""
+    bad, values = {fault.path[:2] for fault in faults}, {}
+    for key in keys_of(ServoSettings):
+        right = key.name in source and (*PATH, key.name) not in bad
+        values[key.name] = source[key.name] if right else None if key.required else key.default
+    for table in _BY_FEATURE:
+        given = {name: value for group, value in (values[table] or {}).items() for name in expand((group,))}
+        values[table] = tuple(given.get(name, 1.0) for name in more["features"])
+    return SimpleNamespace(**{**values, **more})
+
+
+def _law_faults(config):
+    """Faults that the law itself finds. Args: config: settings, or a part of them."""
+    if config.law not in LAWS:
+        return []
+    setup = config if isinstance(config, LawSetup) else LawSetup(
+        **{key.name: getattr(config, key.name) for key in fields(LawSetup)})
+    try:
+        LAWS[config.law](config.gains_per_s, setup)
+    except ParameterError as error:
+        return error.faults
+    return []
+
+
+def own_sections() -> Dict[str, type]:
+    """Returns the sections of the laws and features that have settings of their own: name -> settings class.
 
     Raises ParameterError: two of them want the same section, or one that is a key of the servo already.
     """
@@ -184,28 +222,28 @@ def own_sections():
     keys = {key.name for key in keys_of(ServoSettings)}
     taken += [name for name in (*laws, *features) if name in keys]
     if taken:
-        raise ParameterError([f"servo/{name}: found a law or feature of this name with settings, allowed a name that "
+        raise ParameterError([f"servo.{name}: found a law or feature of this name with settings, allowed a name that "
                               "no other section and no key has" for name in taken])
     return {**laws, **features}
 
 
-def servo_schema(sections):
-    """JSON Schema of the section `servo`. Args: sections: as of `own_sections`."""
+def servo_schema(sections: Mapping[str, type]) -> Dict[str, Any]:
+    """Returns the JSON Schema of the section `servo`. Args: sections: as of `own_sections`."""
     return with_sections(schema_of(ServoSettings), sections)
 
 
-def _names_in(source, key):
-    """The names that a list holds, () if it is none; its faults are for the reader to tell."""
+def names_in(source: Any, key: str) -> Tuple[str, ...]:
+    """Returns the names that a section's list holds, () if it is none; its faults are for the schema to tell."""
     names = source.get(key, ()) if isinstance(source, Mapping) else ()
     return tuple(name for name in names if isinstance(name, str)) if isinstance(names, (list, tuple)) else ()
 
 
 def _target(uri, faults):
-    """The planar target that a file describes, None for ""."""
-    if not uri:
+    """The planar target that a file describes, None for "" and after a fault."""
+    if not uri or not isinstance(uri, str):
         return None
     try:
         return PlanarTarget(load_yaml(resolve_uri(uri, key="target_model"))["outlines_m"])
     except (ParameterError, KeyError, ValueError) as error:
-        faults.append(f"servo/target_model: found {uri}, allowed the file of a planar target: {error}")
+        faults.append(Fault((*PATH, "target_model"), f"found {uri}, allowed the file of a planar target: {error}"))
         return None

@@ -47,4 +47,16 @@ def test_any_bytes_are_a_mapping_or_refused_by_the_name_of_their_file(folder, da
 def test_a_value_that_does_not_exist_is_refused_with_its_line(folder, text):
     error = load(folder, f"first: 1\n{text}\n".encode())
     assert isinstance(error, ParameterError), f"found {error}"
-    assert "line 2" in str(error)
+    assert str(error).startswith(f"{folder}/any.yaml:2: ")
+
+
+@pytest.mark.parametrize("text", ["a:\n\tb: 1", "a:\n  b: 1\n\tc: 2", "a: 1\n\tb: 2"])
+def test_a_tab_in_the_indentation_is_called_a_tab(folder, text):
+    error = load(folder, text.encode())
+    line = 1 + text[:text.index("\t")].count("\n")
+    assert str(error).startswith(f"{folder}/any.yaml:{line}: ") and "tab" in str(error)
+
+
+def test_other_tabs_and_other_faults_are_not_blamed_on_tabs(folder):
+    assert load(folder, b"a:\tb # \t\n") == {"a": "b"}
+    assert "tab" not in str(load(folder, b"a: [\n"))

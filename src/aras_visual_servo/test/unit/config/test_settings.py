@@ -7,11 +7,12 @@ from typing import Dict, Optional, Tuple
 import jsonschema
 import pytest
 
-from aras_visual_servo.config.reader import Names, read
+from aras_visual_servo.config.reader import Names, faults_of, read
 from aras_visual_servo.config.schema import schema_of
 from aras_visual_servo.config.settings import keys_of, setting
 from aras_visual_servo.config.tables import table_of
 from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo.ground.registry import one_of
 
 
 @dataclass(frozen=True)
@@ -65,37 +66,59 @@ def test_values_come_typed_and_what_is_missing_has_its_default():
     assert isinstance(settings.gain_per_s, float) and isinstance(settings.count, int)
 
 
-@pytest.mark.parametrize("change, fault", [
-    ({"gain_per_s": 11}, "gain_per_s: found 11, allowed a finite number > 0 and <= 10"),
-    ({"gain_per_s": True}, "gain_per_s: found True, allowed a finite number"),
-    ({"gain_per_s": float("nan")}, "gain_per_s: found nan, allowed a finite number"),
-    ({"count": 2.5}, "count: found 2.5, allowed a whole number >= 1"),
-    ({"open": 1}, "open: found 1, allowed true, false"),
-    ({"normal": [0, 1]}, "normal: found [0, 1], allowed 3 finite numbers"),
-    ({"names": "n"}, "names: found n, allowed a list of names"),
-    ({"weights": {"J3": 1}}, "weights/J3: unknown joint, allowed J1, J2"),
-    ({"weights": {"J1": -1}}, "weights/J1: found -1, allowed a finite number >= 0"),
-    ({"ranges": {"x": [0]}}, "ranges/x: found [0], allowed 2 finite numbers"),
-    ({"boundary": {"a": 1}}, "boundary/b: found nothing, allowed a finite number > 0"),
-    ({"boundary": {"pair": 1, "c": 1}}, "boundary/c: unknown key, allowed a, b"),
-    ({"boundary": 1}, "boundary: found 1, allowed a table of keys"),
-    ({"inner": {"name": "z", "weight": 1}}, "inner/name: found z, allowed x, y"),
-    ({"maybe": {}}, "maybe/weight: found nothing, allowed a finite number > 0"),
-    ({"inner": []}, "inner: found [], allowed a table of keys"),
-    ({"more": 1}, "more: unknown key, allowed anything, boundary, count"),
-    ({"made_of_it": 1}, "made_of_it: unknown key"),
-    ({"count": 6, "open": True}, "count: found 6, allowed <= 5 with open: true")])
-def test_a_fault_names_place_value_and_what_is_allowed(change, fault):
+@pytest.mark.parametrize("change, key, found, allowed", [
+    ({"gain_per_s": 11}, "gain_per_s", "11", ["> 0", "<= 10"]),
+    ({"gain_per_s": True}, "gain_per_s", "true", ["number"]),
+    ({"gain_per_s": float("nan")}, "gain_per_s", "nan", ["finite"]),
+    ({"gain_per_s": "1,5"}, "gain_per_s", "'1,5'", ["decimal mark", "1.5"]),
+    ({"gain_per_s": "5e-5"}, "gain_per_s", "'5e-5'", ["5.0e-5"]),
+    ({"count": 2.5}, "count", "2.5", ["whole", ">= 1"]),
+    ({"open": 1}, "open", "1", ["true, false"]),
+    ({"normal": [0, 1]}, "normal", "[0, 1]", ["3 numbers"]),
+    ({"normal": [0, 1, "x"]}, "normal[2]", "x", ["number"]),
+    ({"names": "n"}, "names", "n", ["a list"]),
+    ({"weights": {"J3": 1}}, "weights.J3", "an unknown joint", ["J1, J2"]),
+    ({"weights": {"J1": -1}}, "weights.J1", "-1", [">= 0"]),
+    ({"ranges": {"x": [0]}}, "ranges.x", "[0]", ["2 numbers"]),
+    ({"boundary": {"a": 1}}, "boundary.b", "nothing", ["number"]),
+    ({"boundary": {"pair": 1, "c": 1}}, "boundary.c", "an unknown key", ["a, b"]),
+    ({"boundary": 1}, "boundary", "1", ["table"]),
+    ({"inner": {"name": "z", "weight": 1}}, "inner.name", "z", ["x, y"]),
+    ({"maybe": {}}, "maybe.weight", "nothing", ["> 0", "required"]),
+    ({"inner": []}, "inner", "[]", ["table"]),
+    ({"contn": 1}, "contn", "an unknown key", ["did you mean count?"]),
+    ({"contn": None}, "contn", "an unknown key", ["did you mean count?"]),
+    ({"ranges": {"x": [0, 1], 5: None}}, "ranges.5", "a key without a value", ["decimal mark"]),
+    ({"made_of_it": 1}, "made_of_it", "an unknown key", []),
+    ({"count": 6, "open": True}, "count", "6", ["<= 5", "open: true"])])
+def test_a_fault_names_place_value_and_what_is_allowed(change, key, found, allowed):
     with pytest.raises(ParameterError) as caught:
         read(Everything, {**GOOD, **change}, "here", NAMES)
-    assert len(caught.value.faults) == 1 and caught.value.faults[0].startswith("here/" + fault), str(caught.value)
+    [fault] = caught.value.faults
+    said, _, rest = fault.partition(", allowed ")
+    assert said == f"here.{key}: found {found}" and all(part in rest for part in allowed), fault
 
 
 def test_every_fault_is_listed():
     with pytest.raises(ParameterError) as caught:
         read(Everything, {"count": 0, "inner": {"weight": 0, "extra": 1}, "normal": 3, "boundary": {}}, "here", NAMES)
-    assert [fault.split(":")[0] for fault in caught.value.faults] == [
-        "here/gain_per_s", "here/boundary", "here/count", "here/normal", "here/inner/weight", "here/inner/extra"]
+    assert sorted(fault.split(":")[0] for fault in caught.value.faults) == [
+        "here.boundary", "here.boundary.a", "here.boundary.b", "here.count", "here.gain_per_s", "here.inner.extra",
+        "here.inner.weight", "here.normal"]
+
+
+def test_of_many_names_a_fault_says_how_many_there_are_and_the_nearest():
+    names = [f"name_{k}" for k in range(60)]
+    assert one_of(names, "nme_7") == "one of 60 names; did you mean name_7?"
+    assert one_of(names, "else") == "one of 60 names"
+
+
+def test_what_is_made_in_python_gets_the_same_check():
+    assert faults_of(Everything(1.0, (0.1,))) == []
+    bad = Everything(11.0, (0.1,), normal=(0.0, 1.0), inner=Inner(-1.0), count=0)
+    assert sorted(str(fault).split(":")[0] for fault in faults_of(bad)) == [
+        "count", "gain_per_s", "inner.weight", "normal"]
+    assert [fault.path for fault in faults_of(Everything(1.0, (), count=6, open=True))] == [("count",)]
 
 
 def test_positions_of_joints_keep_their_limits():
@@ -105,7 +128,7 @@ def test_positions_of_joints_keep_their_limits():
 
     names = Names(joints=("J1", "J2"), limits={"J1": (-1.0, 1.0)})
     assert read(Place, {"joints": {"J1": 1, "J2": 9}}, "place", names).joints == {"J1": 1.0, "J2": 9.0}
-    with pytest.raises(ParameterError, match="place/joints/J1: found 2, allowed a finite number >= -1.0 and <= 1.0"):
+    with pytest.raises(ParameterError, match=r"place.joints.J1: found 2, .*>= -1.0 and <= 1.0"):
         read(Place, {"joints": {"J1": 2}}, "place", names)
 
 
@@ -132,7 +155,7 @@ def test_a_key_taken_out_of_its_class_is_lost_to_reader_schema_and_table():
     smaller = without(Everything, "count")
     document = {**GOOD, "count": 4}
     assert read(Everything, document, "here", NAMES).count == 4
-    with pytest.raises(ParameterError, match="here/count: unknown key"):
+    with pytest.raises(ParameterError, match="here.count: found an unknown key"):
         read(smaller, document, "here", NAMES)
     for cls, there in ((Everything, True), (smaller, False)):
         assert ("count" in schema_of(cls)["properties"]) == there

@@ -76,7 +76,7 @@ def test_px_and_py_cannot_tell_the_tilt_of_a_rectangle():
 
 
 def test_unknown_feature_names_the_nearest_one():
-    with pytest.raises(ParameterError, match="'alpa', did you mean 'alpha'"):
+    with pytest.raises(ParameterError, match=r"alpa,.* did you mean alpha\?"):
         FeatureSet(("xn", "alpa"))
     with pytest.raises(ParameterError, match="different names"):
         FeatureSet(("xn", "xn"))

@@ -67,7 +67,7 @@ def test_points_are_written_out_and_known_by_number():
     assert FeatureSet(["points4"]).names == ("x1", "y1", "x2", "y2", "x3", "y3", "x4", "y4")
     assert {"xN", "yN", "xmN", "ymN", "lN", "alphaN", *ELLIPSE} <= set(known_features())
     for name in ("x0", "x100", "x", "points0", "z1"):
-        with pytest.raises(ParameterError, match=f"features: found '{name}', "):
+        with pytest.raises(ParameterError, match=f"features: found {name}, "):
             FeatureSet([name])
 
 
@@ -122,7 +122,7 @@ def test_number_of_points_that_changes_is_refused():
 def test_depth_at_the_goal_needs_the_goal():
     with pytest.raises(ParameterError, match="teach the goal again"):
         make_law("ibvs", [2.0] * 8, LawSetup(("points4",), "current", point_depth="goal")).reset([0.0] * 8)
-    with pytest.raises(ParameterError, match="point_depth: found 'near', allowed plane, goal"):
+    with pytest.raises(ParameterError, match="point_depth: found near, .*plane, goal"):
         make_law("ibvs", [2.0] * 8, LawSetup(("points4",), point_depth="near"))
 
 
@@ -143,7 +143,7 @@ def test_a_scenario_gives_all_points_one_gain():
     config = ServoSettings.from_dict(section)
     assert config.features == EIGHT and config.gains_per_s == (2.0,) * 8 and config.thresholds == (0.002,) * 8
     assert config.point_depth == "goal"
-    with pytest.raises(ParameterError, match="gains_per_s/4: unknown key"):
+    with pytest.raises(ParameterError, match="gains_per_s.4: found"):
         ServoSettings.from_dict({**section, "gains_per_s": {4: 2.0, "points4": 2.0}})
-    with pytest.raises(ParameterError, match="gains_per_s/x4: found nothing"):
+    with pytest.raises(ParameterError, match="gains_per_s.x4: found nothing"):
         ServoSettings.from_dict({**section, "gains_per_s": {"points3": 2.0}})

@@ -87,7 +87,7 @@ def test_laws_made_for_four_features_refuse_others_by_name(name):
 
 
 def test_unknown_interaction_lists_the_known_ones():
-    with pytest.raises(ParameterError, match="'goal', allowed desired, current, mean"):
+    with pytest.raises(ParameterError, match="interaction: found goal, .*desired, current, mean"):
         make_law("ibvs", GAINS, LawSetup(SIX, "goal"))
 
 

@@ -269,10 +269,10 @@ def test_sections_of_both_laws_are_read():
 
 
 @pytest.mark.parametrize("changes, text", [
-    ({"broyden": {"forgetting": 1.5}}, "servo/broyden/forgetting: found 1.5"),
-    ({"broyden": {"initial": "guess"}}, "servo/broyden/initial: found guess, allowed desired, moves"),
-    ({"broyden": {"speed": 1.0}}, "servo/broyden/speed: unknown key"),
-    ({"sliding": {"switching_per_s": 1.0}}, "servo/sliding/boundary"),
+    ({"broyden": {"forgetting": 1.5}}, "servo.broyden.forgetting: found 1.5"),
+    ({"broyden": {"initial": "guess"}}, "servo.broyden.initial: found guess, .*desired, moves"),
+    ({"broyden": {"speed": 1.0}}, "servo.broyden.speed: found"),
+    ({"sliding": {"switching_per_s": 1.0}}, "servo.sliding.boundary"),
     ({"mode": "look_then_move"}, "mode: found look_then_move, allowed with law 'broyden': continuous"),
     ({"law": "sliding"}, "sliding: found nothing")])
 def test_faults_are_named(changes, text):

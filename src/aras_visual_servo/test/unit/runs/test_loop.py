@@ -237,5 +237,5 @@ def test_another_start_is_checked_as_the_first_one(sign):
     list(loop.teach(0.5))
     outside = load_scenario("experiment_1")
     outside.experiment["start"]["joints"]["gantry"] = sign * 1.6
-    with pytest.raises(ParameterError, match=f"experiment/start/joints/gantry: found {sign * 1.6}, allowed .*1.5"):
+    with pytest.raises(ParameterError, match=f"experiment.start.joints.gantry: found {sign * 1.6}, allowed .*1.5"):
         loop.begin_again(outside, loop.taught_goal())

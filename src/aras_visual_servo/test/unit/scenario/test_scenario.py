@@ -105,21 +105,21 @@ def test_every_fault_is_listed_with_its_path(document):
         scenario_from_dict(document, source="mine")
     text = str(caught.value)
     assert len(caught.value.faults) == 4
-    for part in ("servo.gains_per_s.xn: found -1, allowed > 0", "servo.lambda: unknown key, known are",
-                 "sim.cameras[0].width: found 'wide', allowed integer", "experiment.z_star_m: missing"):
+    for part in ("servo.gains_per_s.xn: found -1,", "servo.lambda: found an unknown key",
+                 "sim.cameras[0].width: found wide,", "experiment.z_star_m: found nothing,"):
         assert f"mine: {part}" in text
 
 
 @pytest.mark.parametrize("section", ["", "robot", "sim", "time", "vision", "servo", "experiment"])
 def test_an_unknown_key_in_any_section_is_rejected(document, section):
     (document[section] if section else document)["surprise"] = 1
-    assert any("surprise: unknown key" in fault for fault in check(document))
+    assert [fault.path for fault in check(document)] == [(section, "surprise") if section else ("surprise",)]
 
 
 @pytest.mark.parametrize("section", ["robot", "sim", "vision", "servo", "experiment"])
 def test_a_missing_section_is_a_fault(document, section):
     del document[section]
-    assert check(document) == [f"{section}: missing"]
+    assert [fault.path for fault in check(document)] == [(section,)]
 
 
 def test_motion_of_a_model_is_checked(document):
@@ -127,9 +127,7 @@ def test_motion_of_a_model_is_checked(document):
     model["motion"] = {"type": "circle", "radius_m": 0.1, "angular_speed_rad_per_s": -0.5, "delay_s": 1.0}
     assert check(document) == []
     model["motion"] = {"type": "circle", "speed": 1.0}
-    faults = "\n".join(check(document))
-    for part in ("motion.speed: unknown key", "motion.radius_m: missing", "motion.angular_speed_rad_per_s: missing"):
-        assert part in faults
+    assert {fault.path[-1] for fault in check(document)} == {"speed", "radius_m", "angular_speed_rad_per_s"}
     model["motion"] = {"type": "dance"}
     assert len(check(document)) == 1
 
@@ -137,11 +135,11 @@ def test_motion_of_a_model_is_checked(document):
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), True])
 def test_a_number_that_is_not_finite_is_a_fault(document, value):
     document["servo"]["time_limit_s"] = value
-    assert len(check(document)) == 1 and "servo.time_limit_s: found" in check(document)[0]
+    assert [fault.path for fault in check(document)] == [("servo", "time_limit_s")]
 
 
 def test_a_number_that_yaml_takes_for_text_is_explained():
-    with pytest.raises(ParameterError, match=r"found '5e-5', allowed a finite number; .* write 5\.0e-5"):
+    with pytest.raises(ParameterError, match=r"found '5e-5', .*5\.0e-5"):
         load_scenario("experiment_1", {"servo.thresholds.xn": yaml.safe_load("5e-5")})
 
 
@@ -152,14 +150,14 @@ def test_missing_files_are_all_named(document):
     with pytest.raises(ParameterError) as caught:
         scenario_from_dict(document)
     text = str(caught.value)
-    assert "robot.urdf: found 'package://aras_description/urdf/none.urdf', no such file" in text
-    assert "package 'no_such_package' is neither" in text
+    assert "robot.urdf: found package://aras_description/urdf/none.urdf," in text
+    assert "robot.controllers: found package://no_such_package/x.yaml," in text
     assert "sim.scene.models[0].file" in text
 
 
-def test_an_unknown_name_lists_the_known_ones():
-    with pytest.raises(ParameterError, match="experiment_1, experiment_1_binary"):
-        find_scenario("experiment_99")
+def test_an_unknown_name_gets_the_nearest_one():
+    with pytest.raises(ParameterError, match="experimnt_1_binary.*did you mean experiment_1_binary?"):
+        find_scenario("experimnt_1_binary")
 
 
 def test_a_path_loads_and_relative_files_start_at_it(tmp_path, document):
@@ -180,10 +178,10 @@ def test_a_file_that_is_no_mapping_is_refused_with_its_name(tmp_path, text, reas
 
 @pytest.mark.parametrize("bytes_, reason", [
     (b"name: caf\xe9\n", "not UTF-8: found the byte 0xe9 at position 9"),
-    (b"a: " + b"[" * 100_000 + b"]" * 100_000, "line 1: found 65 sections within sections, allowed <= 64"),
-    (b"a: &a [*a]", "line 1: *a stands for nothing that is before it"),
+    (b"a: " + b"[" * 100_000 + b"]" * 100_000, "yaml:1: found 65 sections within sections, allowed <= 64"),
+    (b"a: &a [*a]", "yaml:1: *a "),
     (b"a0: &a0 [1, 1]\n" + b"".join(b"a%d: &a%d [*a%d, *a%d]\n" % (k, k, k - 1, k - 1) for k in range(1, 40)),
-     "line 17: found 524285 values, allowed <= 500000"),
+     "yaml:17: found 524285 values, allowed <= 500000"),
     (b"a0: &a0 [1]\n" + b"".join(b"a%d: &a%d [*a%d]\n" % (k, k, k - 1) for k in range(1, 100)),
      "sections within sections, allowed <= 64"),
     (b"a: " + b"1" * 2**22, "found 4194307 bytes, allowed <= 4194304"),
@@ -213,9 +211,9 @@ def test_overrides_replace_values_and_are_checked():
     scenario = load_scenario("experiment_1", {"servo.gains_per_s.xn": 1.5, "sim.seed": 7})
     assert scenario.servo["gains_per_s"]["xn"] == 1.5 and scenario.sim["seed"] == 7
     assert load_scenario("experiment_1").sim["seed"] == 0
-    with pytest.raises(ParameterError, match="servo.nonsense: unknown key"):
+    with pytest.raises(ParameterError, match="--set servo.nonsense=1: servo.nonsense: "):
         load_scenario("experiment_1", {"servo.nonsense": 1})
-    with pytest.raises(ParameterError, match="through a value"):
+    with pytest.raises(ParameterError, match="--set servo.law.name=1: servo.law.name: "):
         load_scenario("experiment_1", {"servo.law.name": 1})
 
 

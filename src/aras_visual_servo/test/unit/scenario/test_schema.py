@@ -71,13 +71,8 @@ def test_five_faults_in_five_sections_are_all_listed(document):
     document["vision"]["order"] = 2
     document["servo"]["inverse"]["damping"] = "some"
     del document["experiment"]["goal"]
-    assert check(document) == [
-        "experiment.goal: missing",
-        "robot.wheels: unknown key, known are base_link, controllers, hand_eye, target_link, "
-        "tip_link, urdf",
-        "servo.inverse.damping: found 'some', allowed a finite number",
-        "sim.period_s: found 0, allowed >= 1e-06",
-        "vision.order: found 2, allowed >= 3"]
+    assert sorted(".".join(fault.path) for fault in check(document)) == [
+        "experiment.goal", "robot.wheels", "servo.inverse.damping", "sim.period_s", "vision.order"]
 
 
 def test_a_key_taken_out_of_a_yaml_section_is_lost_to_schema_check_and_table(document, tmp_path, monkeypatch):
@@ -91,7 +86,7 @@ def test_a_key_taken_out_of_a_yaml_section_is_lost_to_schema_check_and_table(doc
         path.write_text(yaml.safe_dump(content))
     assert row_of("latency_s")
     monkeypatch.setenv("ROS_PACKAGE_PATH", f"{tmp_path}{os.pathsep}{os.environ.get('ROS_PACKAGE_PATH', '')}")
-    assert [fault.split(",")[0] for fault in check(document)] == ["sim.cameras[0].latency_s: unknown key"]
+    assert [fault.path for fault in check(document)] == [("sim", "cameras", 0, "latency_s")]
     assert not row_of("latency_s") and row_of("width")
 
 
@@ -128,8 +123,7 @@ def test_a_law_whose_section_is_a_key_of_the_servo_is_refused(document):
 
     try:
         register_law("limits", settings=Settings)(type("Mine", (Law,), {}))
-        assert check(document) == ["servo/limits: found a law or feature of this name with settings, allowed a name "
-                                   "that no other section and no key has"]
+        assert [fault.path for fault in check(document)] == [("servo", "limits")]
     finally:
         laws.LAWS.pop("limits")
     assert check(document) == []

@@ -172,8 +172,8 @@ def test_the_matrix_of_the_pose_is_its_derivative(angle):
 
 @pytest.mark.parametrize("changes, text", [
     ({"law": "broyden"}, "filter: found with law 'broyden'"),
-    ({"mode": "look_then_move", "law": "decoupled"}, "filter: found with mode look_then_move"),
-    ({"filter": {"outage_s": -1.0}}, "servo/filter/outage_s: found -1.0, allowed a finite number >= 0")])
+    ({"mode": "look_then_move", "law": "decoupled"}, "filter: found with mode: look_then_move"),
+    ({"filter": {"outage_s": -1.0}}, "servo.filter.outage_s: found -1.0, .*>= 0")])
 def test_what_cannot_be_filtered_is_refused(changes, text):
     with pytest.raises(ParameterError, match=text):
         ServoSettings.from_dict({**config(filter={}), **changes}, arm().joint_names)

@@ -185,7 +185,7 @@ def test_two_runs_give_the_same_bytes():
 
 
 @pytest.mark.parametrize("bad, word", [
-    ({"on_lost": "run"}, "on_lost"), ({"lost_target": {"speed": 0.0}}, "lost_target/speed"),
+    ({"on_lost": "run"}, "on_lost"), ({"lost_target": {"speed": 0.0}}, "lost_target.speed"),
     ({"lost_target": {"attempts": 1.5}}, "attempts"), ({"lost_target": {"slow_down": 1.5}}, "slow_down"),
     ({"lost_target": {"pattern": "spiral"}}, "pattern"), ({"lost_target": {"surprise": 1}}, "surprise")])
 def test_faults_of_the_section_are_named(bad, word):

@@ -305,8 +305,8 @@ def test_configuration_lists_every_fault():
     with pytest.raises(ParameterError) as caught:
         Servo(arm(), bad)
     text = str(caught.value)
-    for part in ("servo/law", "servo/mode", "time_limit_s", "surprise", "inverse/method", "J9", "gains_per_s/xn",
-                 "gains_per_s/an", "gains_per_s/alpha"):  # fmt: skip
+    for part in ("servo.law", "servo.mode", "time_limit_s", "surprise", "inverse.method", "J9", "gains_per_s.xn",
+                 "gains_per_s.an", "gains_per_s.alpha"):  # fmt: skip
         assert part in text
     assert len(caught.value.faults) == 9
 

@@ -51,7 +51,7 @@ def test_features_that_see_tilt_are_recorded_by_name_with_the_condition_of_their
 
 def test_a_goal_of_four_gains_for_six_features_is_refused():
     servo = Servo(arm(), config(**IBVS))
-    with pytest.raises(ParameterError, match="allowed 6 numbers"):
+    with pytest.raises(ParameterError, match="gains_per_s: found 4 .*allowed 6"):
         servo.configure(gains_per_s=[1.0] * 4)
     with pytest.raises(ParameterError, match="allowed with law 'paper'"):
         servo.configure(law="paper")
@@ -107,8 +107,7 @@ def test_every_fault_of_the_features_is_listed():
                             target_normal_C=[0.0, 0.0, -1.0], adaptive_gain={"infinity_part": 2.0},
                             interaction="goal", smooth_start_per_s=-1.0, plugins=["no.such.module"]))
     text = str(caught.value)
-    for part in ("features: found zn, allowed", "gains_per_s/zn: found nothing", "target_normal_C", "infinity_part",
-                 "slope: found nothing", "interaction: found goal, allowed desired, current, mean",
-                 "smooth_start_per_s", "'no.such.module'"):
+    for part in ("features[1]: found zn, ", "target_normal_C", "infinity_part", "slope: found nothing",
+                 "interaction: found goal, ", "smooth_start_per_s", "no.such.module"):
         assert part in text, part
     assert "px" in features.known_features()

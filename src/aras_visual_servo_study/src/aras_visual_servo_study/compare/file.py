@@ -23,7 +23,7 @@ class TaskSettings:
         for key, axes in (("offset", CAMERA_AXES), ("tilt", GOAL_AXES)):
             for name in getattr(self, key):
                 if name not in axes:
-                    yield f"{key}/{name}: unknown key, allowed {', '.join(axes)}"
+                    yield f"{key}.{name}: found an unknown key, allowed {', '.join(axes)}"
         if bool(self.offset) == bool(self.tilt) or len(self.tilt) not in (0, len(GOAL_AXES)):
             yield "allowed is either offset, or tilt with tilt_rad and about_rad"
 

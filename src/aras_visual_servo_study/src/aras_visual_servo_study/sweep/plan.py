@@ -59,7 +59,7 @@ class SweepSettings:
         given = dict(scenario.sweep)
         given.update({key: value for key, value in changes.items() if value is not None})
         faults, perturbations = [], ()
-        section = read(SweepSection, given, "sweep", Names(joints=kinematics.joint_names), faults=faults, separator=".")
+        section = read(SweepSection, given, "sweep", Names(joints=kinematics.joint_names), faults=faults)
         try:
             perturbations = tuple(read_perturbations(given.get("perturb", {}), scenario))
         except ParameterError as error:
