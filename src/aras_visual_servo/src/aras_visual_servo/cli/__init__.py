@@ -14,7 +14,7 @@ from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tupl
 import yaml
 
 from . import complete
-from ..config.plugins import line_of, load_plugins, placed
+from ..config.plugins import described, line_of, load_plugins, placed
 from ..ground.errors import ArasError, ParameterError
 from ..processes import Interrupted, signals_raise
 
@@ -90,7 +90,7 @@ def guarded(work: Callable[[], int]) -> int:
         line, expected = line_of(error), isinstance(error, (ArasError, ImportError, RuntimeError, OSError))
         if not (line or expected):
             raise
-        print(f"error: {'' if expected else type(error).__name__ + ': '}{error}{line}", file=sys.stderr)
+        print(f"error: {f'{error}{line}' if expected else described(error)}", file=sys.stderr)
         return EXIT_BROKEN
 
 

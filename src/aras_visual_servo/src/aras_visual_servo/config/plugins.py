@@ -49,6 +49,11 @@ def load_plugins(plugins: Iterable[str]) -> List[str]:
     return faults
 
 
+def described(error: BaseException) -> str:
+    """Returns the kind of an error, its text, and its place in the code of a plugin."""
+    return f"{type(error).__name__}: {error}{line_of(error)}"
+
+
 def line_of(error: BaseException) -> str:
     """Returns " (FILE, line N)" for an error that was raised in the code of a plugin, else ""."""
     for frame in reversed(traceback.extract_tb(error.__traceback__)):

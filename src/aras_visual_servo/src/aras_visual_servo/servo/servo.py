@@ -20,6 +20,7 @@ from typing import Mapping, Optional, Tuple
 import numpy as np
 
 from ..arm.motion import ArmMotion
+from ..config.plugins import described
 from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError
 from .creep import CreepCompensation
 from .feature_filter import FeatureFilter
@@ -278,7 +279,7 @@ class Servo:
         except DegenerateFeature as error:
             return self._without_target(stamp_ns, q, dt_s, str(error))
         except Exception as error:  # a law or feature of somebody else: the arm must stand still, whatever it raises
-            return self._rest(stamp_ns, Status.FAULT, f"law '{law.name}': {type(error).__name__}: {error}")
+            return self._rest(stamp_ns, Status.FAULT, f"law '{law.name}': {described(error)}")
         if getattr(twist, "shape", None) != (6,) or not isfinite(sum(twist.tolist())):
             return self._rest(stamp_ns, Status.FAULT, f"law '{law.name}' gave a twist that is not six finite numbers")
         self._applied, self._s, self._e, self._cond_l = twist, answer.s, answer.e, answer.condition
@@ -329,7 +330,7 @@ class Servo:
             except DegenerateFeature as error:
                 return self._without_target(stamp_ns, q, dt_s, str(error))
             except Exception as error:  # as above
-                return self._rest(stamp_ns, Status.FAULT, f"law '{law.name}': {type(error).__name__}: {error}")
+                return self._rest(stamp_ns, Status.FAULT, f"law '{law.name}': {described(error)}")
             q_dot, self._twist, status, text = self._arm.told(joints.q_dot, jacobian, joints.status, joints.text)
             self._text = text or self._text
         else:

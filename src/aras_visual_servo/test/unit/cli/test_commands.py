@@ -91,8 +91,8 @@ def forgotten():
     from aras_visual_servo.features import base as features
     from aras_visual_servo.laws import base as laws
     sys.modules.pop("my_servo", None)
-    features._FEATURES.pop("log_an", None)
-    laws._LAWS.pop("bounded", None)
+    features.FEATURES.pop("log_an", None)
+    laws.LAWS.pop("bounded", None)
 
 
 def test_the_line_that_repeats_a_run_works_from_any_folder_with_a_law_of_ones_own(folder, tmp_path):
@@ -126,15 +126,15 @@ def test_a_plugin_is_looked_for_beside_the_scenario_then_on_relative_entries_of_
     assert load_scenario(folder / "mine.yaml").servo["plugins"] == [str(folder / "my_servo")]
 
 
-@pytest.mark.parametrize("place, code", [("module", 2), ("law", 3)])
-def test_an_error_of_ones_own_code_names_file_and_line(folder, tmp_path, place, code):
-    text = (folder / "my_servo.py").read_text()
-    wrong = "import nothing_of_this_name\n" + text if place == "module" else text.replace(
-        "    works_on, needs_plane", "    def __init__(self, *a):\n        1 / 0\n\n    works_on, needs_plane")
-    (tmp_path / "my_servo.py").write_text(wrong)
+@pytest.mark.parametrize("before, wrong, code", [
+    ("@register_feature", "1 / 0\n", 2), ("        inverse = self", "        1 / 0\n", 1),
+    ("    works_on, needs_plane", "    def __init__(self, *a):\n        1 / 0\n\n", 3)], ids=["import", "twist", "init"])
+def test_an_error_of_ones_own_code_names_file_and_line(folder, tmp_path, before, wrong, code):
+    text = (folder / "my_servo.py").read_text().replace(before, wrong + before, 1)
+    (tmp_path / "my_servo.py").write_text(text)
     (tmp_path / "mine.yaml").write_text((folder / "mine.yaml").read_text())
     found, said = run(tmp_path, "run", "mine.yaml")
-    line = wrong.splitlines().index("import nothing_of_this_name" if place == "module" else "        1 / 0") + 1
+    line = [words.strip() for words in text.splitlines()].index("1 / 0") + 1
     assert found == code and f"({tmp_path / 'my_servo.py'}, line {line})" in said and "Traceback" not in said
 
 

@@ -7,7 +7,7 @@ from typing import Any, Dict, List, Sequence, Tuple, Union
 import numpy as np
 import yaml
 
-from aras_visual_servo import ParameterError, cli
+from aras_visual_servo import ParameterError, cli, load_scenario, robot_kinematics
 from ..calibration.boards import KINDS, Board
 
 BOARD = "--columns 8 --rows 5 --size-m 0.03"
@@ -62,8 +62,6 @@ def _camera(arguments: Namespace, board: Board) -> str:
 
 def _hand_eye(arguments: Namespace, board: Board) -> str:
     from ..calibration.hand_eye import calibrate_hand_eye
-    from aras_visual_servo.arm.robot import robot_kinematics
-    from aras_visual_servo.scenario.scenario import load_scenario
     for key in ("scenario", "link"):
         if not getattr(arguments, key):
             raise ParameterError(f"--{key}: found nothing, `calibrate hand_eye` needs it")

@@ -79,8 +79,8 @@ def test_starts_cover_distance_and_angle_evenly_and_see_the_whole_target():
     assert all(outline.border_px(kinematics.pose(kinematics.vector(start.joints))) >= 0.0 for start in planned)
     with pytest.raises(ParameterError, match="starts: found 251, allowed 1 to 250"):
         protocol_named("map").cases(None, 251)
-    with pytest.raises(ParameterError, match="--board: found a.png, allowed nothing"):
-        protocol_named("map").cases(None, 1, "a.png")
+    with pytest.raises(ParameterError, match="--board: found a.png"):
+        protocol_named("map").check_own({"board": "a.png"})
 
 
 def test_cells_count_the_runs_and_only_a_box_in_which_all_arrive_is_promised():

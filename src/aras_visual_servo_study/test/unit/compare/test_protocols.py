@@ -127,7 +127,7 @@ def test_the_table_has_wilson_intervals_beside_the_published_rates():
     assert dict(zip(*runner.table(protocol, [(case, broken)])))["broke off"] == "1: error: KeyError: 'x'"
     changed = [dict(rows[0], trace_hash="other"), *rows[1:]]
     assert runner.digest(rows) != runner.digest(changed) and runner.digest(rows) == runner.digest(list(rows))
-    assert protocol.source in runner.as_markdown(protocol, [head, line])
+    assert protocol.source in runner.as_markdown(protocol, [head, line], "aras-servo benchmark vit_vs")
 
 
 def test_a_benchmark_is_gone_on_with_and_refuses_another_one_in_its_folder(tmp_path):

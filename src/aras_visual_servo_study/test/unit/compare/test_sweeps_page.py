@@ -88,7 +88,7 @@ def test_a_click_gives_the_commands_of_both_runs_and_print_cuts_nothing(page, ou
         number = next(row["id"] for row in sweeps[0] if row["success"])
         browser.click(f".maps figure .dot[data-id='{number}']")
         commands = browser.value("[...document.querySelectorAll('.run code')].map((one) => one.textContent)")
-        assert [shlex.split(one)[2:] for one in commands] == [
+        assert [shlex.split(one)[1:] for one in commands] == [
             ["rerun", str(number), "--sweep", str(output / "sweeps" / "experiment_1" / name)] for name in LIMITS_S]
         assert browser.value("document.documentElement.scrollWidth <= innerWidth")
         pages = browser.printed(tmp_path / "compare.pdf")

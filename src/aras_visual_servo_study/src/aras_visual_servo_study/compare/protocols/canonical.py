@@ -24,9 +24,9 @@ class Canonical(Protocol):
 
     def changed_cases(self, folder: Path, count: int, changes: Dict[str, Any]) -> List[Case]:
         rest, cases = dict(changes), []
-        law = rest.pop("servo.law", None)
+        wanted = rest.pop("servo.law", None)
         for robot, scenario in ROBOTS.items():
-            comparison = load_comparison("canonical", (law,) if law else (), overrides=rest, scenario=scenario)
+            comparison = load_comparison("canonical", (wanted,) if wanted else (), overrides=rest, scenario=scenario)
             tasks = [comparison.tasks[index] for index in spread(count, TASKS)]
             for law, changed in comparison.scenarios.items():
                 cases.append(Case(f"{law}_{robot.replace(' ', '_').replace('-', '_')}", changed,
