@@ -44,8 +44,7 @@ def load_plugins(plugins: Iterable[str]) -> List[str]:
         try:
             _load(plugin)
         except Exception as error:  # somebody else's code may raise anything; it is reported as a fault of that plugin
-            faults.append(f"plugins: found {plugin}, allowed a module that can be imported: {_place_of(error)}"
-                          f"{type(error).__name__}: {getattr(error, 'msg', error)}")
+            faults.append(f"plugins: found {plugin}, allowed a module that can be imported: {described(error)}")
     return faults
 
 
@@ -86,11 +85,3 @@ def _import(name: str) -> ModuleType:
         file = Path(os.path.realpath(spec.origin))
         _CODE.add(f"{file.parent}{os.sep}" if file.name == "__init__.py" else str(file))
     return importlib.import_module(name)
-
-
-def _place_of(error: BaseException) -> str:
-    """Returns "FILE:LINE: " of the code that raised the error on import; "" where no file is to blame."""
-    if isinstance(error, SyntaxError):
-        return f"{error.filename}:{error.lineno}: "
-    frames = [frame for frame in traceback.extract_tb(error.__traceback__)[3:] if "importlib" not in frame.filename]
-    return f"{frames[-1].filename}:{frames[-1].lineno}: " if frames else ""

@@ -86,7 +86,8 @@ def test_an_example_of_the_help_works_as_printed(words, folder, tmp_path, monkey
 
 @pytest.fixture
 def forgotten():
-    """What the plugin of docs/extending.md registers is forgotten again."""
+    """What the plugin of docs/extending.md registers is forgotten, before and after."""
+    sys.modules.pop("my_servo", None)
     yield
     from aras_visual_servo.features import base as features
     from aras_visual_servo.laws import base as laws
@@ -127,7 +128,7 @@ def test_a_plugin_is_looked_for_beside_the_scenario_then_on_relative_entries_of_
 
 
 @pytest.mark.parametrize("before, wrong, code", [
-    ("@register_feature", "1 / 0\n", 2), ("        inverse = self", "        1 / 0\n", 1),
+    ("@register_feature", "1 / 0\n", 2), ("        inverse = self", "        1 / 0\n", 3),
     ("    works_on, needs_plane", "    def __init__(self, *a):\n        1 / 0\n\n", 3)], ids=["import", "twist", "init"])
 def test_an_error_of_ones_own_code_names_file_and_line(folder, tmp_path, before, wrong, code):
     text = (folder / "my_servo.py").read_text().replace(before, wrong + before, 1)

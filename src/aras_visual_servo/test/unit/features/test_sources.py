@@ -167,7 +167,7 @@ def test_a_source_of_somebody_else_is_taught_and_servoed_on(sonar):
 
 def test_a_scenario_names_the_section_that_its_source_needs(sonar):
     document = load_scenario("experiment_1").as_dict()
-    document["servo"].update(features=["echo"], gains_per_s={"echo": 1.0}, thresholds={"echo": 1.0})
+    document["servo"].update(law="ibvs", features=["echo"], gains_per_s={"echo": 1.0}, thresholds={"echo": 1.0})
     assert [fault.path for fault in check(document)] == [("vision", "kernel")]
     document["vision"]["kernel"] = {"p": 1.0, "q": 1.0}
     assert check(document) == []

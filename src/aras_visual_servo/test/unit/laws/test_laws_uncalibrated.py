@@ -120,7 +120,7 @@ def test_a_thin_layer_does_not_chatter():
 def test_sliding_needs_its_section():
     with pytest.raises(ParameterError, match="sliding: found nothing"):
         start_law("sliding")
-    with pytest.raises(ParameterError, match="sliding/boundary: found 2 numbers, allowed 8"):
+    with pytest.raises(ParameterError, match=r"sliding\.boundary: found 2 numbers, allowed 8"):
         start_law("sliding", settings=SlidingSettings(1.0, (0.1, 0.1)))
 
 
