@@ -14,7 +14,7 @@ from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tupl
 import yaml
 
 from . import complete
-from ..config.plugins import described, line_of, load_plugins, placed
+from ..config.plugins import described, load_plugins, place_of, placed
 from ..ground.errors import ArasError, ParameterError
 from ..processes import Interrupted, signals_raise
 
@@ -81,16 +81,16 @@ def guarded(work: Callable[[], int]) -> int:
         with signals_raise():
             return work()
     except ParameterError as error:
-        print(f"bad input:\n{error}{line_of(error)}", file=sys.stderr)
+        print(f"bad input:\n{place_of(error)}{error}", file=sys.stderr)
         return EXIT_PARAMETERS
     except Interrupted as interrupt:
         print(interrupt, file=sys.stderr)
         return interrupt.exit_code
     except Exception as error:
-        line, expected = line_of(error), isinstance(error, (ArasError, ImportError, RuntimeError, OSError))
-        if not (line or expected):
+        place, expected = place_of(error), isinstance(error, (ArasError, ImportError, RuntimeError, OSError))
+        if not (place or expected):
             raise
-        print(f"error: {f'{error}{line}' if expected else described(error)}", file=sys.stderr)
+        print(f"error: {f'{place}{error}' if expected else described(error)}", file=sys.stderr)
         return EXIT_BROKEN
 
 

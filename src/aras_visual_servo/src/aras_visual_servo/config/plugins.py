@@ -49,15 +49,17 @@ def load_plugins(plugins: Iterable[str]) -> List[str]:
 
 
 def described(error: BaseException) -> str:
-    """Returns the kind of an error, its text, and its place in the code of a plugin."""
-    return f"{type(error).__name__}: {error}{line_of(error)}"
+    """Returns the kind of an error and its text, after its place in the code of a plugin."""
+    return f"{place_of(error)}{type(error).__name__}: {getattr(error, 'msg', error)}"
 
 
-def line_of(error: BaseException) -> str:
-    """Returns " (FILE, line N)" for an error that was raised in the code of a plugin, else ""."""
+def place_of(error: BaseException) -> str:
+    """Returns "FILE:LINE: " of an error that was raised in the code of a plugin, else ""."""
+    if isinstance(error, SyntaxError) and error.filename:
+        return f"{error.filename}:{error.lineno}: "
     for frame in reversed(traceback.extract_tb(error.__traceback__)):
         if os.path.realpath(frame.filename).startswith(tuple(_CODE)):
-            return f" ({frame.filename}, line {frame.lineno})"
+            return f"{frame.filename}:{frame.lineno}: "
     return ""
 
 

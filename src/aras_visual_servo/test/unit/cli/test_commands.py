@@ -16,11 +16,10 @@ from aras_visual_servo.cli.main import VERBS, alias_main, main, verb_named
 
 DOCS = pathlib.Path(__file__).resolve().parents[5] / "docs"
 PROGRAM = pathlib.Path(__file__).resolve().parents[3] / "scripts" / "aras-servo"
-COMMANDS = {f"aras-servo {verb}{word}": (cli.parser_of(f"aras-servo {verb}", verb_named(verb)), command)
-            for verb in VERBS
+COMMANDS = {f"aras-servo {verb}{word}": command for verb in VERBS
             for word, command in ([("", verb_named(verb))] if isinstance(verb_named(verb), cli.Command) else
                                   [(f" {word}", one) for word, one in verb_named(verb).items()])}
-EXAMPLES = [shlex.split(f"{prog} {line}")[1:] for prog, (_, command) in COMMANDS.items() for line, _ in command.examples]
+EXAMPLES = [shlex.split(f"{prog} {line}")[1:] for prog, command in COMMANDS.items() for line, _ in command.examples]
 
 
 def run(folder, *words, **environment):
@@ -51,7 +50,7 @@ def test_the_help_lists_every_verb_and_each_verb_ends_with_examples(capsys):
         main(["--help"])
     assert left.value.code == 0
     assert set(VERBS) <= {line.split()[0] for line in capsys.readouterr().out.splitlines() if line.startswith("  ")}
-    for prog, (_, command) in COMMANDS.items():
+    for prog, command in COMMANDS.items():
         with pytest.raises(SystemExit):
             main([*prog.split()[1:], "--help"])
         said = capsys.readouterr().out
@@ -86,14 +85,17 @@ def test_an_example_of_the_help_works_as_printed(words, folder, tmp_path, monkey
 
 @pytest.fixture
 def forgotten():
-    """What the plugin of docs/extending.md registers is forgotten, before and after."""
-    sys.modules.pop("my_servo", None)
-    yield
+    """What the plugin of docs/extending.md registers is forgotten before and after."""
     from aras_visual_servo.features import base as features
     from aras_visual_servo.laws import base as laws
-    sys.modules.pop("my_servo", None)
-    features.FEATURES.pop("log_an", None)
-    laws.LAWS.pop("bounded", None)
+
+    def forget():
+        sys.modules.pop("my_servo", None)
+        features.FEATURES.pop("log_an", None)
+        laws.LAWS.pop("bounded", None)
+    forget()
+    yield
+    forget()
 
 
 def test_the_line_that_repeats_a_run_works_from_any_folder_with_a_law_of_ones_own(folder, tmp_path):
@@ -129,14 +131,15 @@ def test_a_plugin_is_looked_for_beside_the_scenario_then_on_relative_entries_of_
 
 @pytest.mark.parametrize("before, wrong, code", [
     ("@register_feature", "1 / 0\n", 2), ("        inverse = self", "        1 / 0\n", 3),
-    ("    works_on, needs_plane", "    def __init__(self, *a):\n        1 / 0\n\n", 3)], ids=["import", "twist", "init"])
+    ("    works_on, needs_plane", "    def __init__(self, *a):\n        1 / 0\n\n", 3)],
+    ids=["import", "twist", "init"])
 def test_an_error_of_ones_own_code_names_file_and_line(folder, tmp_path, before, wrong, code):
     text = (folder / "my_servo.py").read_text().replace(before, wrong + before, 1)
     (tmp_path / "my_servo.py").write_text(text)
     (tmp_path / "mine.yaml").write_text((folder / "mine.yaml").read_text())
     found, said = run(tmp_path, "run", "mine.yaml")
     line = [words.strip() for words in text.splitlines()].index("1 / 0") + 1
-    assert found == code and f"({tmp_path / 'my_servo.py'}, line {line})" in said and "Traceback" not in said
+    assert found == code and f"{tmp_path / 'my_servo.py'}:{line}: " in said and "Traceback" not in said
 
 
 def test_new_writes_a_scenario_that_runs_and_never_writes_over_one(tmp_path, monkeypatch, capsys):

@@ -12,6 +12,7 @@ from ..calibration.boards import KINDS, Board
 
 BOARD = "--columns 8 --rows 5 --size-m 0.03"
 
+
 def _options(parser: ArgumentParser) -> None:
     parser.add_argument("what", choices=tuple(_WORK), help="what to calibrate")
     parser.add_argument("files", nargs="+", metavar="FILE",

@@ -19,7 +19,8 @@ def _options(parser: ArgumentParser) -> None:
     parser.add_argument("--cases", type=cli.names, default=(), metavar="A,B,...",
                         help="cases to run, by their names or their beginnings, e.g. orb or orb_plain (default: all)")
     cli.add_changes(parser)
-    parser.add_argument("--board", type=cli.file, metavar="FILE", help="picture to put on the board in place of our own")
+    parser.add_argument("--board", type=cli.file, metavar="FILE",
+                        help="picture to put on the board in place of our own")
     parser.add_argument("--meshes", type=cli.file, metavar="FOLDER", help="meshes to drop in place of our own")
     cli.add_workers(parser)
     cli.add_output(parser, "benchmarks/PROTOCOL")

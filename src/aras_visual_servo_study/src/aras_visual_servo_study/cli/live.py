@@ -56,5 +56,6 @@ def _work(arguments: Namespace) -> int:
 VERBS = {"live": cli.Command(
     "Run a scenario in this process and watch and change it on a page: 3-D view, camera image, curves, controls. "
     "Ctrl-C ends it.",
-    [("experiment_1", "prints the address of the page"), ("mine.yaml --port 0 --open", "on any free port, in a browser"),
+    [("experiment_1", "prints the address of the page"),
+     ("mine.yaml --port 0 --open", "on any free port, in a browser"),
      ("experiment_1 --law ibvs --set servo.hold_s=1", "with another law and value")], _options, _work)}

@@ -8,8 +8,8 @@ from aras_visual_servo import cli, load_scenario, sister
 
 
 def _options(parser: ArgumentParser) -> None:
-    parser.add_argument("bag", nargs="+", type=cli.file, help="the rosbag of a run, under any namespace; several bags, or "
-                        "a folder of bags, are read as the parts of one run")
+    parser.add_argument("bag", nargs="+", type=cli.file, help="the rosbag of a run, under any namespace; several bags, "
+                        "or a folder of bags, are read as the parts of one run")
     parser.add_argument("--output", metavar="DIR", help="folder to write to; files of an earlier report there are "
                                                         "replaced (default: the folder of the bag)")
     parser.add_argument("--scenario", type=cli.scenario_name,
@@ -29,7 +29,8 @@ def _work(arguments: Namespace) -> int:
                   os.path.dirname(first))
     scenario = load_scenario(arguments.scenario) if arguments.scenario else None
     record = bags.read_bag(arguments.bag, arguments.namespace, scenario, keep_images=arguments.video)
-    summary = save_results(record, create_result_folder(folder.parent, "", folder.name), arguments.repeat, video=arguments.video, panels=arguments.panels)
+    create_result_folder(folder.parent, "", folder.name)
+    summary = save_results(record, folder, arguments.repeat, video=arguments.video, panels=arguments.panels)
     print(format_summary(summary))
     passed = summary["passed"]
     if arguments.replay:
