@@ -20,7 +20,7 @@ def offer(parser: argparse.ArgumentParser) -> None:
         for one in getattr(action.choices, "values", list)() if isinstance(action.choices, dict) else [parser]:
             for inner in one._actions:
                 if inner.dest in _BY_NAME:
-                    inner.completer = _completer(_BY_NAME[inner.dest])
+                    setattr(inner, "completer", _completer(_BY_NAME[inner.dest]))
     in_key = re.search(r"--set\s+\S*$", os.environ["COMP_LINE"][:int(os.environ["COMP_POINT"])])
     argcomplete.autocomplete(parser, append_space=not in_key)  # a dotted key goes on
 

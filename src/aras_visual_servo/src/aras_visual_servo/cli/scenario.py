@@ -68,7 +68,7 @@ def _keys(arguments: Namespace) -> int:
     from ..config.tables import allowed_of, section_of
     from ..scenario.schema import scenario_schema
     node = scenario_schema()
-    for key in filter(None, arguments.section.split(".")):
+    for key in [part for part in arguments.section.split(".") if part]:
         known = section_of(node).get("properties", {})
         if key not in known:
             raise ParameterError(f"{arguments.section}: found '{key}', allowed {', '.join(known) or 'no key'}")
