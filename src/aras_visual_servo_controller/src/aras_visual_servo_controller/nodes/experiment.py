@@ -37,7 +37,7 @@ NODES = ("sim", "controller")   # and who publishes FEATURES: a node of its own,
 FEATURES = "camera/features"
 OUTSIDE = ("/clock", "/tf", "/tf_static")
 PRIVATE_PARAMETERS = ("results_dir", "record", "record_groups", "record_split_mb", "record_compression", "video",
-                      "startup_timeout_s", "stall_timeout_s", "exit_code_file")
+                      "startup_timeout_s", "stall_timeout_s", "exit_code_file", "repeat")
 POLL_S = 0.05             # wall time between looks
 GRAPH_POLL_S = 0.5        # wall time between looks at the master while running
 EXIT_PASSED, EXIT_FAILED, EXIT_PARAMETERS, EXIT_BROKEN = range(4)
