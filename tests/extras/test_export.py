@@ -66,7 +66,7 @@ def test_the_numbers_are_those_of_the_run(hdf5, record):
 
 def test_a_sweep_gives_one_demonstration_a_run(tmp_path):
     assert main(["sweep", "experiment_1", "--starts", str(STARTS), "--workers", "0", "--output", str(tmp_path),
-                       "--name", "few"]) == 0
+                 "--name", "few"]) == 0
     folder = tmp_path / "sweeps" / "experiment_1" / "few"
     assert export_main([str(folder), "--to", str(tmp_path / "sweep.hdf5")]) == 0
     with h5py.File(tmp_path / "sweep.hdf5", "r") as file:

@@ -98,7 +98,7 @@ class Position(Form):
 
 @register_form("velocity")
 class Velocity(Form):
-    """One velocity per joint [m/s or rad/s]: JointVelocityController, or JointGroupVelocityController for all joints."""
+    """One velocity per joint [m/s or rad/s]: JointVelocityController, or JointGroupVelocityController for all."""
 
     def messages(self, point: SetPoint) -> List[Message]:
         return self._numbers(point.joint_names, point.velocity)

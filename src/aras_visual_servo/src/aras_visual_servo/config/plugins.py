@@ -1,6 +1,6 @@
 """Features and laws from outside this package: modules that register them on import (docs/extending.md).
 
-A plugin is the dotted name of a module, `my_laws`, or with the folder that it is in, `/home/me/my_laws`.
+A plugin is the dotted name of a module, `my_laws`, or with the folder that it is in, `FOLDER/my_laws`.
 """
 
 import importlib

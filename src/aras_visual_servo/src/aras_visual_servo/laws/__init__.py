@@ -4,5 +4,5 @@ from ..config.settings import setting
 from .base import Law, LawSetup, adaptive_factor, known_laws, law_settings, make_law, register_law, sampled_gains
 from .look import Answer, Look
 
-__all__ = ["Answer", "Law", "LawSetup", "Look", "adaptive_factor", "known_laws", "law_settings", "make_law", "register_law",
-           "sampled_gains", "setting"]
+__all__ = ["Answer", "Law", "LawSetup", "Look", "adaptive_factor", "known_laws", "law_settings", "make_law",
+           "register_law", "sampled_gains", "setting"]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from aras_visual_servo.arm.limits import (accelerated, braking_factor, joint_bounds, limit_factors,
-                                                     position_factor, velocity_factor)
+                                          position_factor, velocity_factor)
 
 ROUNDING = 1e-15  # of one division
 LOWER, UPPER = np.array([-1.0, -np.inf]), np.array([1.0, np.inf])

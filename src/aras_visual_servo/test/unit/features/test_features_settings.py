@@ -7,7 +7,7 @@ from bench import config
 
 from aras_visual_servo.features import base
 from aras_visual_servo.features.base import (Feature, FeatureSet, feature_settings, register_family,
-                                                        register_feature)
+                                             register_feature)
 from aras_visual_servo.config.settings import setting
 from aras_visual_servo.ground.errors import ParameterError
 from aras_visual_servo.servo.settings import ServoSettings

@@ -5,7 +5,7 @@ import pytest
 from matplotlib.mathtext import MathTextParser
 
 from aras_visual_servo.features import (Feature, base, expand, known_features, register_family,
-                                                   register_feature, spread, styles)
+                                        register_feature, spread, styles)
 from aras_visual_servo.palette import LEAST_DISTANCE, PALETTE, distance, oklab, rgb, spare
 from aras_visual_servo.features.style import units
 

@@ -15,8 +15,8 @@ import pytest
 
 from aras_visual_servo import processes
 from aras_visual_servo.processes import (EXIT_SIGNALLED, SIGNALS, Interrupted, check_signals, marked,
-                                                           processes_of, run_until_signal, signals_held,
-                                                           signals_let_through, signals_raise, temporary_folder)
+                                         processes_of, run_until_signal, signals_held,
+                                         signals_let_through, signals_raise, temporary_folder)
 
 PATIENCE_S = 60.0
 

@@ -10,8 +10,8 @@ from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
 from aras_visual_servo.spatial import (adjoint, adjoints, exponential, exponentials, inverse,
-                                                         logarithm, pose_from_quaternion, quaternion_xyzw,
-                                                         rotation, rotation_angle, rotation_rpy, rotation_vector, skew)
+                                       logarithm, pose_from_quaternion, quaternion_xyzw,
+                                       rotation, rotation_angle, rotation_rpy, rotation_vector, skew)
 
 #: Of the axes of rotation that a test tries in turn. As tests of their own they would be fifteen hundred.
 SEEDS = range(40)

@@ -7,7 +7,7 @@ from views import assert_same, differences, look_at, plane_of, tilted_pose, view
 
 from aras_visual_servo.laws.constraints import ConstraintSettings, WallSettings, rooms_of
 from aras_visual_servo.laws.mpc import (CONTOUR, MpcSettings, _contour, _poses, _rooms_of_contour,
-                                                   predicted_points)
+                                        predicted_points)
 
 
 def test_predicted_points_and_their_rows_are_those_of_the_moved_camera():

@@ -128,8 +128,9 @@ def test_the_commands_write_what_the_scenario_reads_and_a_taught_goal_is_reached
     told = capsys.readouterr().out
     assert "# residual 0.0" in told and f"over {VIEWS} views" in told and "taught goal: 0" in told
     assert main(["calibrate", "hand_eye", str(tmp_path / "samples.yaml"), *grid, "--camera", camera, "--scenario",
-                           "experiment_1", "--link", LINK, "--output", str(hand)]) == 0
-    assert main(["calibrate", "target", images[0], *grid, "--camera", camera, "--output", str(tmp_path / "t.yaml")]) == 0
+                 "experiment_1", "--link", LINK, "--output", str(hand)]) == 0
+    words = [images[0], *grid, "--camera", camera, "--output", str(tmp_path / "t.yaml")]
+    assert main(["calibrate", "target", *words]) == 0
     found = yaml.safe_load(hand.read_text())["robot"]["hand_eye"]
     scenario = load_scenario("experiment_1", {"robot.hand_eye": found})
     q = np.zeros(6)

@@ -158,7 +158,8 @@ def test_bad_words_are_bad_input(tmp_path, capsys):
 
 
 def test_runs_side_by_side(tmp_path, capsys):
-    assert main(["compare", "runs", "experiment_1", "experiment_1_paper", "--output", str(tmp_path), "--name", "a"]) == 0
+    runs = ["experiment_1", "experiment_1_paper"]
+    assert main(["compare", "runs", *runs, "--output", str(tmp_path), "--name", "a"]) == 0
     page = (tmp_path / "comparisons" / "runs" / "a" / "runs.html").read_text(encoding="utf-8")
     assert "experiment_1_paper" in page and "servo.law" in page and "data:image/png;base64," in page
     assert "joint room" in capsys.readouterr().out

@@ -14,7 +14,7 @@ def test_a_protocol_that_is_run_twice_gives_the_same_bytes(name, tmp_path, capsy
     written, printed = [], []
     for workers in ("0", "1"):  # this process, and one of its own
         assert main(["benchmark", name, "--starts", "1", "--cases", first, "--workers", workers, "--name", "once",
-                               "--output", str(tmp_path / workers)]) == 0
+                     "--output", str(tmp_path / workers)]) == 0
         folder = tmp_path / workers / "benchmarks" / name / "once"
         written.append({path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()})
         printed += [line.split()[1] for line in capsys.readouterr().out.splitlines() if line.startswith("hash ")]

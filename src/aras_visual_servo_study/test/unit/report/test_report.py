@@ -23,7 +23,7 @@ from aras_visual_servo_study.report.drawing import Drawing
 from aras_visual_servo_study.report.pictures import PANELS, image_of
 from aras_visual_servo_study.report.plots import plots_of
 from aras_visual_servo_study.report.report import (ResultFolderError, create_result_folder, format_summary,
-                                                        save_results, summarise, trace_csv)
+                                                   save_results, summarise, trace_csv)
 
 FILES = {"summary.json", "trace.csv", "figure.png", "figure.pdf", "report.html"}
 # trace.csv keeps nine significant digits.

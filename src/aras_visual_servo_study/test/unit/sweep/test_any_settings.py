@@ -7,7 +7,7 @@ from aras_visual_servo.config.settings import keys_of
 from aras_visual_servo.ground.errors import ArasError, ParameterError
 from aras_visual_servo.scenario.scenario import load_scenario, scenario_from_dict
 from aras_visual_servo.scenario.sweep import (BALL_AXES, CAMERA_AXES, GOAL_AXES, METHODS, SPACES,
-                                                         Perturbations, SweepSection, ViewRanges)
+                                              Perturbations, SweepSection, ViewRanges)
 from aras_visual_servo_study.sweep.perturb import perturbed
 from aras_visual_servo_study.sweep.plan import SweepSettings, make_starts
 

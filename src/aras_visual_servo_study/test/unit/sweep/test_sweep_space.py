@@ -10,7 +10,7 @@ from aras_visual_servo.scenario.scenario import load_scenario, scenario_from_dic
 from aras_visual_servo_study.sweep.plan import SweepSettings, make_starts, sample
 from aras_visual_servo_study.sweep.run import placed
 from aras_visual_servo_study.sweep.space import (CAMERA_AXES, VIEW_MARGIN_PX, View, in_ball, offset_of, pose_of,
-                                                      tilted_goal)
+                                                 tilted_goal)
 
 #: Sums and products of a few rounding errors, in metres, radians and pixels.
 ROUNDING = 1e-9

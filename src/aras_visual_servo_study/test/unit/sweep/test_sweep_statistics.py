@@ -7,7 +7,7 @@ import pytest
 from aras_visual_servo.ground.errors import ParameterError
 from aras_visual_servo_study.compare.sweeps import compare_pair, format_comparison, gate_fires, numbers_of
 from aras_visual_servo_study.sweep.statistics import (aggregate, mcnemar, reasons, signed_rank, success_curve,
-                                                           wilson)
+                                                      wilson)
 
 #: Tables give four digits.
 TABLE = 5e-5

@@ -131,7 +131,7 @@ POSE_RATES = {"servo.law": "pbvs", "servo.features": list(POSE), "servo.gains_pe
 
 @pytest.mark.parametrize("name, changes, text", [
     ("six_dof_points", {"servo.point_depth": "image"}, "vision.depth: found nothing, .*point_depth: image"),
-    ("six_dof_points", {**POSE_RATES, "servo.pose_from": "depth"}, "vision.depth: found nothing, .*servo.pose_from: depth"),
+    ("six_dof_points", {**POSE_RATES, "servo.pose_from": "depth"}, "vision.depth: found nothing, .*pose_from: depth"),
     ("six_dof_matches", {"servo.pose_from": "depth"}, "vision.matches.depth: found nothing"),
     ("six_dof_rgbd", {"vision.depth": {"window_px": 4}}, "window_px: found 4, allowed an odd number"),
     ("six_dof_rgbd", {"vision.points": "none"}, "allowed with points corners or blobs"),

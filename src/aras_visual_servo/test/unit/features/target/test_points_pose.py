@@ -8,7 +8,7 @@ from toy_plant import OUTLINE
 
 from aras_visual_servo.ground.errors import DegenerateFeature
 from aras_visual_servo.features.target.points_pose import (PlanarPoints, corners_clockwise, find_corners,
-                                                                      homography)
+                                                           homography)
 from aras_visual_servo.spatial import rotation_vector
 
 SEEDS = (1, 2, 3, 4)

@@ -155,7 +155,7 @@ def plan(changes: Optional[Dict[str, Any]] = None) -> Tuple[List[Row], List[Tupl
 
 def scenario_of(base: Scenario, one: Set, law: str, matrix: str = "",
                 changes: Optional[Dict[str, Any]] = None) -> Scenario:
-    """Returns the scenario of a law on a `Set`, with `changes` (dotted path -> value). Raises ParameterError: the scenario is not valid."""
+    """Returns the scenario of a law on a `Set`, with `changes` (dotted path -> value). Raises ParameterError."""
     names = expand(one.features)
     units = {name: feature_class(name).unit for name in names}
     boundary = {name: BOUNDARIES.get(unit, 0.01) for name, unit in units.items()}
