@@ -48,7 +48,7 @@ class BadParameters(unittest.TestCase):
         self.set_up("/robot", change)
         code, output = run("controller", "/robot")
         self.assertEqual(code, 2, output)
-        for word in ("robot.base_link: found nothing", "robot.tip: unknown key"):
+        for word in ("robot.base_link: found nothing", "robot.tip: found an unknown key"):
             self.assertIn(word, output)
 
     def test_controller_without_any_parameter_names_what_is_missing(self):
