@@ -188,4 +188,4 @@ def _flow(value):
 def dotted(path: Path) -> str:
     """Returns a path as text, e.g. sim.cameras[0].width."""
     text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
-    return text.lstrip(".") or "scenario"
+    return text[1:] or "scenario"

@@ -25,7 +25,7 @@ class TaskSettings:
                 if name not in axes:
                     yield f"{key}.{name}: found an unknown key, allowed {', '.join(axes)}"
         if bool(self.offset) == bool(self.tilt) or len(self.tilt) not in (0, len(GOAL_AXES)):
-            yield "allowed is either offset, or tilt with tilt_rad and about_rad"
+            yield f"found {[*self.offset, *self.tilt]}, allowed either offset, or tilt with tilt_rad and about_rad"
 
 
 @dataclass(frozen=True)
