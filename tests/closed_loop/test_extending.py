@@ -92,7 +92,8 @@ def test_every_bad_setting_is_named_with_what_is_allowed_whichever_law_is_in_use
               "servo.bounded.max_turn_rad_s: found 4"}
     with pytest.raises(avs.ParameterError) as caught:
         avs.load_scenario("experiment_1", {**overrides(), "servo.law": law, "servo.bounded": bad})
-    assert {fault.split(": ", 1)[1].split(", ")[0] for fault in caught.value.faults} == faults
+    assert len(caught.value.faults) == 3 and all(any(f": {part}, " in text for text in caught.value.faults)
+                                                 for part in faults)
     good = avs.load_scenario("experiment_1", {**overrides(), "servo.law": law}).servo
     with pytest.raises(avs.ParameterError) as caught:  # as the controller node reads it
         avs.ServoSettings.from_dict({**good, "bounded": bad})
@@ -113,6 +114,6 @@ def test_a_module_that_is_not_there_and_an_unknown_name_list_what_is_known(folde
     with pytest.raises(avs.ParameterError) as caught:
         avs.ServoLoop(avs.load_scenario("experiment_1", changes))
     text = str(caught.value)
-    assert "'not_there'" in text and "ModuleNotFoundError" in text
-    listed = text.split("found unbounded, allowed ")[1].splitlines()[0].split(", ")
-    assert {"bounded", "decoupled", "ibvs"} <= set(listed) and listed == sorted(listed)
+    assert "found not_there" in text and "ModuleNotFoundError" in text
+    [law] = [fault for fault in caught.value.faults if "servo.law: found unbounded, " in fault]
+    assert all(name in law for name in ("decoupled", "ibvs", "did you mean bounded?"))

@@ -12,16 +12,8 @@ from ..ground.registry import one_of
 from .tables import allowed_of, flow
 
 MOST_SHOWN = 60  # characters of what was found, in a fault
-
-
-class _Removed:
-    """Stands for a `null` of a scenario that extends another one which has nothing there to take away."""
-
-    def __deepcopy__(self, memo):
-        return self
-
-
-REMOVED = _Removed()
+#: Stands for a `null` of a scenario that extends another one which has nothing there to take away.
+REMOVED = ...
 Path = Tuple[Union[str, int], ...]
 
 
@@ -172,17 +164,10 @@ def words(schema: Mapping) -> str:
 
 def shown(value: Any) -> str:
     """Returns a value as YAML has it, cut where it is long."""
-    text = "nothing" if value is None or value is REMOVED else f"'{value}'" if _is_quoted(value) else _flow(value)
+    text = str(value) if isinstance(value, float) else "nothing" if value in (None, REMOVED) else flow(value)
+    if isinstance(value, str) and re.fullmatch(r"[\d.,+\-eE\s]*|true|false|null|\s.*|.*\s", value):
+        text = f"'{value}'"  # without quotes it would read as something else
     return text if len(text) <= MOST_SHOWN else text[:MOST_SHOWN - 3] + "..."
-
-
-def _is_quoted(value):
-    """Whether a text reads as something else without quotes."""
-    return isinstance(value, str) and (not value or re.fullmatch(r"[\d.,+\-eE\s]+|true|false|null|\s.*|.*\s", value))
-
-
-def _flow(value):
-    return str(value) if isinstance(value, float) else flow(value)
 
 
 def dotted(path: Path) -> str:

@@ -157,8 +157,8 @@ def located(faults: Iterable[Fault], document: Any, files: Sequence[Path], overr
         said.update({place: (rank, line, f"{file}:{line}") for place, line in _lines(file).items()})
     for key, value in overrides.items():
         place = tuple(key.split("."))
-        text = f"--set {key}={flow(value)}"
-        said.update({(*place, *inner): (len(files), 0, text) for inner in [(), *_places(value)]})
+        said = {other: what for other, what in said.items() if other[:len(place)] != place}
+        said[place] = len(files), 0, f"--set {key}={flow(value)}"
     nowhere = (len(files) - 1, 1, f"{files[-1]}:1") if files else (-1, 0, source)
 
     def origin(fault):
@@ -182,15 +182,6 @@ def _by_name(path, document):
         result.append(f"[{node[part]['name']}]" if entry and _named(node) else part)
         node = node[part] if entry else node.get(part) if isinstance(node, dict) else None
     return tuple(result)
-
-
-def _places(node):
-    """Places within a value."""
-    named = _named(node)
-    for key, value in node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ():
-        place = f"[{value['name']}]" if named else key if isinstance(node, list) else str(key)
-        yield (place,)
-        yield from ((place, *inner) for inner in _places(value))
 
 
 def _lines(file):

@@ -130,8 +130,8 @@ class Scenario:
         Raises:
             ParameterError: a path that leads through something that is no section, or a value not allowed.
         """
-        return _checked(self.as_dict(), self._base, self.path, self._files, {**self._overrides, **overrides},
-                        str(self.path or self.name))
+        return _checked(self.as_dict(), self._base, self.path, self._files, overrides, str(self.path or self.name),
+                        self._overrides)
 
 
 def load_scenario(name_or_path: Union[str, Path], overrides: Optional[Mapping[str, Any]] = None) -> Scenario:
@@ -161,8 +161,8 @@ def scenario_from_dict(document: Mapping[str, Any], source: str = "scenario", ba
     return _checked(document, base, path, (), {}, source)
 
 
-def _checked(document, base, path, files, overrides, source="scenario"):
-    """The `Scenario` of a document with overrides. Raises ParameterError."""
+def _checked(document, base, path, files, overrides, source="scenario", before={}):
+    """The `Scenario` of a document with overrides; `before` are those that it has already. Raises ParameterError."""
     document, faults = copy.deepcopy(document) if overrides else document, []
     for key, value in overrides.items():
         *parents, last = key.split(".")
@@ -173,7 +173,7 @@ def _checked(document, base, path, files, overrides, source="scenario"):
             node[last] = copy.deepcopy(value)
         else:
             faults.append(Fault(tuple(key.split(".")), "found a path through a value, allowed section.key"))
-    document = with_places(document, base or Path())
+    document, overrides = with_places(document, base or Path()), {**before, **overrides}
     faults += check(document, base)
     if faults:
         raise ParameterError(located(faults, document, files, overrides, source))

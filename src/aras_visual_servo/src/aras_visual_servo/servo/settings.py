@@ -129,7 +129,7 @@ class ServoSettings(LawSetup):
         features = expand(names_in(source, "features") or FEATURE_NAMES)
         unknown = [name for name in features if not is_known(name)]
         faults += [Fault((*PATH, "features", i), f"found {name}, allowed {one_of(known_features(), name)}")
-                   for i, name in enumerate(source.get("features", ())) if name in unknown]
+                   for i, name in enumerate(source["features"]) if name in unknown] if unknown else []
         if unknown:  # what stands by the names of features is checked for those that are known
             features = tuple(name for name in features if name not in unknown)
             source = {**source, **{table: {name: value for name, value in source[table].items()

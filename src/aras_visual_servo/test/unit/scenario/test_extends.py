@@ -210,6 +210,15 @@ def test_what_does_not_fit_is_blamed_on_the_file_that_said_it_last(tmp_path, sai
     assert any(key in fault for fault in caught.value.faults)
 
 
+def test_values_set_before_stay_where_they_are_and_are_still_known(tmp_path):
+    first = load_scenario("experiment_1", {"servo.mode": "look_then_move", "sim.seed": 3})
+    first.sim["seed"] = 4
+    assert first.with_overrides({"time.real_time_factor": 2.0}).sim["seed"] == 4
+    with pytest.raises(ParameterError) as caught:
+        first.with_overrides({"servo.law": "qp"})
+    assert all(fault.startswith("--set servo.") for fault in caught.value.faults)
+
+
 def test_a_null_takes_away_what_may_be_left_out_and_nothing_else(tmp_path):
     text = "name: mine\nextends: experiment_1\nexperiment: {judge: null}\nservo: {visibility: null}\n"
     mine = load_scenario(written(tmp_path, "mine", text))
@@ -225,8 +234,8 @@ def test_a_module_that_fails_on_import_is_a_fault_with_the_line_of_its_code(tmp_
     found = faults(written(tmp_path, "mine", "name: mine\nextends: experiment_1\nservo:\n"
                                              "  plugins: [own_laws, unreadable_laws]\n"))
     assert [fault.split(": ")[0] for fault in found] == [f"{tmp_path}/mine.yaml:4"] * 2
-    assert f"{tmp_path}/own_laws.py:3: AttributeError" in found[0]
-    assert f"{tmp_path}/unreadable_laws.py:1: SyntaxError" in found[1]
+    assert re.search(r"AttributeError.*own_laws\.py\W+line 3\b", found[0])
+    assert re.search(r"unreadable_laws\.py\W+line 1\b", found[1])
 
 
 @pytest.mark.parametrize("name", scenario_names())

@@ -155,6 +155,13 @@ def test_missing_files_are_all_named(document):
     assert "sim.scene.models[0].file" in text
 
 
+@pytest.mark.parametrize("key", ["features", "plugins", "law", "gains_per_s", "mode", "source", "target_model"])
+@pytest.mark.parametrize("value", [None, True, 5, "", "xn", [], {}, [[]], [None], {5: None}, {"xn": []}])
+def test_whatever_stands_at_a_key_of_several_checks_is_a_fault_or_fits(document, key, value):
+    document["servo"][key] = value
+    assert all(fault.path[1] in (key, "thresholds", "gains_per_s", "features") for fault in check(document))
+
+
 def test_an_unknown_name_gets_the_nearest_one():
     with pytest.raises(ParameterError, match="experimnt_1_binary.*did you mean experiment_1_binary?"):
         find_scenario("experimnt_1_binary")

@@ -67,7 +67,7 @@ class SweepSettings:
         if faults:
             raise ParameterError(faults)
         if section.space == "joint":
-            goal = place_of(scenario.experiment["goal"], "experiment/goal", kinematics)
+            goal = place_of(scenario.experiment["goal"], "experiment.goal", kinematics)
             ranges = section.joints or _around(goal.joints)
             ranges = {name: ranges[name] for name in kinematics.joint_names if name in ranges}
         else:

@@ -96,11 +96,10 @@ def test_starts_do_not_depend_on_what_is_perturbed(scenario, kinematics):
 
 
 def test_every_fault_of_the_section_is_named(scenario, kinematics):
-    section = {"camera": {"x_m": [0.2, 0.1]},
-               "perturb": {"wind": [0, 1], "noise_stddev": [-1.0, 2.0], "z_star_error": 3, "target": ["blobb"],
+    section = {"perturb": {"wind": [0, 1], "noise_stddev": [-1.0, 2.0], "z_star_error": 3, "target": ["blobb"],
                            "servo.gain": [1, 2], "experiment.start.joints.J1": [0, 1]}}
     with pytest.raises(ParameterError) as caught:
-        plan(scenario, kinematics, section, method="sobol", seed=-1)
+        plan(scenario, kinematics, section, method="sobol", seed=-1, camera={"x_m": [0.2, 0.1]})
     text = str(caught.value)
     for expected in ("sweep.method: found sobol, ", "sweep.seed: found -1",
                      "sweep.camera.x_m: found [0.2, 0.1]", "sweep.perturb.wind: unknown, known are z_star_error",
