@@ -234,8 +234,8 @@ def test_a_module_that_fails_on_import_is_a_fault_with_the_line_of_its_code(tmp_
     found = faults(written(tmp_path, "mine", "name: mine\nextends: experiment_1\nservo:\n"
                                              "  plugins: [own_laws, unreadable_laws]\n"))
     assert [fault.split(": ")[0] for fault in found] == [f"{tmp_path}/mine.yaml:4"] * 2
-    assert re.search(r"AttributeError.*own_laws\.py\W+line 3\b", found[0])
-    assert re.search(r"unreadable_laws\.py\W+line 1\b", found[1])
+    assert f"{tmp_path}/own_laws.py:3: AttributeError" in found[0]
+    assert f"{tmp_path}/unreadable_laws.py:1: SyntaxError" in found[1]
 
 
 @pytest.mark.parametrize("name", scenario_names())
