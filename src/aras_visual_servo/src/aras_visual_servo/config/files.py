@@ -30,7 +30,7 @@ def load_yaml(path: Union[str, Path]) -> Dict[Any, Any]:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = mark.line if mark else 0
-        indent = re.match(r"\s*", text.split("\n")[line])[0] if line < text.count("\n") + 1 else ""
+        indent = re.sub(r"\S.*", "", [*text.split("\n"), ""][line])
         tab = "found a tab in the indentation, allowed spaces" if "\t" in indent else ""
         raise ParameterError(f"{path}:{line + 1}: {tab or f'not YAML: {error.problem or error.context}'}") from error
     except yaml.YAMLError as error:

@@ -31,8 +31,9 @@ def schema_of(cls: type) -> Dict[str, Any]:
 
 def with_sections(schema: Mapping, sections: Mapping[str, type]) -> Dict[str, Any]:
     """Returns the schema of a section, with further sections in it by name."""
-    more = {name: {"description": (cls.__doc__ or "").strip().split("\n", 1)[0], **schema_of(cls),
-                   **({} if required_keys(cls) else {"default": {}})} for name, cls in sections.items()}
+    more: Dict[str, Any] = {
+        name: {"description": (cls.__doc__ or "").strip().split("\n", 1)[0], **schema_of(cls),
+               **({} if required_keys(cls) else {"default": {}})} for name, cls in sections.items()}
     return {**schema, "properties": {**schema["properties"], **more}}
 
 

@@ -1,14 +1,14 @@
 """The check of a scenario: the schema, each section's own checks, and what fits across sections. Lists every fault."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
-from typing import Any, Callable, List, Optional
+import pathlib
+from collections.abc import Iterator, Mapping
+from typing import Any, Callable, List, Optional, Tuple
 
 from ..arm.robot import kinematics_of
 from ..config.files import resolve_uri
 from ..config.plugins import load_plugins
 from ..config.reader import Names, build, keyed
-from ..config.validate import REMOVED, Fault, shown, validate
+from ..config.validate import REMOVED, Fault, Path, shown, validate
 from ..features.base import expand, source_of
 from ..features.sources import known_sources, source_named
 from ..ground.errors import ArasError, ParameterError
@@ -17,7 +17,7 @@ from ..servo.settings import ServoSettings, names_in
 from .schema import SECTIONS, default_of, scenario_schema
 
 
-def check(document: Any, base: Optional[Path] = None) -> List[Fault]:
+def check(document: Any, base: Optional[pathlib.Path] = None) -> List[Fault]:
     """Returns the faults of a scenario document, [] if there are none. Args: base: where relative file names start."""
     servo = document.get("servo") if isinstance(document, Mapping) else None
     faults = keyed(load_plugins(names_in(servo, "plugins")), ("servo",))
@@ -51,7 +51,7 @@ def _values(document, bad) -> Callable:
 
 
 def _file_faults(value, base) -> Iterator[Fault]:
-    files = [(("robot", key), value(f"robot.{key}")) for key in ("urdf", "controllers")]
+    files: List[Tuple[Path, Any]] = [(("robot", key), value(f"robot.{key}")) for key in ("urdf", "controllers")]
     files += [(("sim", "scene", "models", i, "file"), model["file"]) for i, model in _entries(value, "sim.scene.models")
               if "file" in model]
     for path, uri in files:
@@ -69,7 +69,7 @@ def _entries(value, key):
             if isinstance(entry, Mapping)]
 
 
-def _joint_names(value, base) -> Sequence[str]:
+def _joint_names(value, base) -> Tuple[str, ...]:
     """Names of the arm's joints; () where robot and URDF do not tell them, which building the loop then reports."""
     try:
         urdf = resolve_uri(value("robot.urdf"), base).read_text(encoding="utf-8")
@@ -85,13 +85,12 @@ def _source_faults(value) -> Iterator[Fault]:
     names = [name for name in _features(value) if source_of(name) is not None]
     if not isinstance(vision, Mapping) or chosen not in ("", *(source.name for source in known_sources())):
         return
-    sources = dict.fromkeys(chosen or source_of(name) for name in names)
-    for source in map(source_named, sources):
+    for source in map(source_named, dict.fromkeys(chosen or str(source_of(name)) for name in names)):
         name = next(name for name in names if source.name in (chosen, source_of(name)))
         if source.section and source.section not in vision:
             yield Fault(("vision", source.section), f"found nothing, allowed a section, {{}} for its defaults: "
                                                     f"servo.features names {name}, which is made there", True)
-        elif not source.wants_depth(vision):
+        elif isinstance(vision.get(source.section, {}), Mapping) and not source.wants_depth(vision):
             for key, depths in (("point_depth", "image"), ("pose_from", "depth")):
                 if value(f"servo.{key}") == depths:
                     path = ("vision", *([source.section] if source.section else []), "depth")

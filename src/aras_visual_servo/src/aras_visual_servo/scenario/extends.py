@@ -90,9 +90,9 @@ def marked_merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> Dict[st
                      {key: value for key, value in changes.items() if key != "extends"})
     servo, changed = result.get("servo"), changes.get("servo")
     if isinstance(servo, dict) and isinstance(changed, dict) and isinstance(changed.get("features"), list):
-        used = set(expand(changed["features"]))
+        used = set(map(str, expand(changed["features"])))
         for table in _BY_FEATURE:
-            given = changed.get(table) if isinstance(changed.get(table), dict) else {}
+            given = changed[table] if isinstance(changed.get(table), dict) else {}
             if isinstance(servo.get(table), dict):
                 servo[table] = {name: value for name, value in servo[table].items()
                                 if name in given or used.issuperset(expand([name]))}

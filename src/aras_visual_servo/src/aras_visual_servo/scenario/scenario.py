@@ -51,8 +51,8 @@ class Scenario:
     experiment: dict
     sweep: dict = field(default_factory=dict)
     real: dict = field(default_factory=dict)
-    path: Path = None
-    _base: Path = field(default=None, repr=False)
+    path: Optional[Path] = None
+    _base: Optional[Path] = field(default=None, repr=False)
     _files: Tuple[Path, ...] = field(default=(), repr=False, compare=False)
     _overrides: Dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
 

@@ -219,6 +219,15 @@ def test_values_set_before_stay_where_they_are_and_are_still_known(tmp_path):
     assert all(fault.startswith("--set servo.") for fault in caught.value.faults)
 
 
+@pytest.mark.parametrize("base, said, key", [
+    ("experiment_1", "servo: {features: [[1], {a: 1}]}", "servo.features"),
+    ("six_dof_matches", "vision: {matches: 5}\nservo: {pose_from: depth}", "vision.matches"),
+    ("experiment_1", "sim: {scene: {models: [5]}}\nrobot: {target_link: a}", "sim.scene.models[0]")])
+def test_a_value_of_another_kind_where_sections_meet_is_a_fault(tmp_path, base, said, key):
+    found = faults(written(tmp_path, "mine", f"name: mine\nextends: {base}\n{said}\n"))
+    assert any(f": {key}" in fault for fault in found), found
+
+
 def test_a_null_takes_away_what_may_be_left_out_and_nothing_else(tmp_path):
     text = "name: mine\nextends: experiment_1\nexperiment: {judge: null}\nservo: {visibility: null}\n"
     mine = load_scenario(written(tmp_path, "mine", text))
