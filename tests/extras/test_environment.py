@@ -122,7 +122,7 @@ def test_environments_run_in_processes_of_their_own():
 @pytest.mark.parametrize("arguments, said", [
     ({"observation": "sound"}, "observation: found 'sound', allowed state | image | dict"),
     ({"action": "torque"}, "action: found 'torque', allowed twist | joints"),
-    ({"scenario": "experiment_99"}, "scenario 'experiment_99': not found")])
+    ({"scenario": "experiment_99"}, "experiment_99")])
 def test_what_is_not_allowed_is_named(arguments, said):
     with pytest.raises(avs.ParameterError, match=said.replace("|", r"\|")):
         make(**arguments)

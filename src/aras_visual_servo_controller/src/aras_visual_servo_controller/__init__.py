@@ -3,6 +3,14 @@
 `__init__.pyi` lists the public names. Each is imported when it is first used: ROS only with what needs it.
 """
 
+from typing import Any
+
 import lazy_loader
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> Any:
+    value = _load(name)
+    globals()[name] = value  # found here from now on
+    return value
