@@ -307,7 +307,7 @@ def test_a_trajectory_has_one_point_ahead():
 
 
 @pytest.mark.parametrize("settings, fault", [
-    ({"command": "torque"}, "command: found 'torque', allowed position, trajectory, velocity"),
+    ({"command": "torque"}, "command: found torque, allowed one of position, trajectory, velocity"),
     ({"command": "trajectory", "controller": ""}, "controller"),
     ({"joint_controllers": {"gantry": "x"}}, "joint_controllers"),
     ({"command_period_s": 0}, "command_period_s: found 0, allowed a finite number > 0"),

@@ -53,7 +53,7 @@ def test_the_loop_believes_it_and_the_simulated_camera_stays():
 
 def test_a_link_that_the_urdf_does_not_have_is_named():
     scenario = load_scenario("experiment_1")
-    with pytest.raises(ModelError, match="hand_eye/link: found hand"):
+    with pytest.raises(ModelError, match="hand_eye.link: found hand"):
         kinematics_of(scenario.urdf_xml(), {**scenario.robot, "hand_eye": {**HAND_EYE, "link": "hand"}})
 
 
