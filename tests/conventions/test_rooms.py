@@ -23,7 +23,10 @@ def folder_of(package):
 def imports_of(path):
     """Dotted names of all that a module imports, relative imports included; the first part is the package."""
     place = path.relative_to(ROOT / "src").with_suffix("").parts[2:]
-    for node in ast.walk(ast.parse(path.read_text())):
+    tree = ast.parse(path.read_text())
+    tree.body = [node for node in tree.body if "TYPE_CHECKING" not in ast.dump(getattr(node, "test", node))
+                 or not isinstance(node, ast.If)]  # what only type checkers read is no import
+    for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom):
             above = place[:len(place) - node.level] if node.level else ()
             for alias in node.names:

@@ -8,13 +8,13 @@ from ..arm.kinematics import RobotKinematics
 from ..config.files import package_paths
 from ..ground.errors import ParameterError
 from ..ground.images import in_rgb
-from ..scenario.scenario import Scenario
 
 if TYPE_CHECKING:
+    from ..scenario.scenario import Scenario
     from aras_visual_servo_sim import Simulation
 
 
-def simulation_of(scenario: Scenario, urdf_xml: Optional[str] = None,
+def simulation_of(scenario: "Scenario", urdf_xml: Optional[str] = None,
                   sim: Optional[Dict[str, Any]] = None) -> "Simulation":
     """Makes the scenario's simulator, with another URDF or another section `sim` where they are given."""
     from aras_visual_servo_sim import Simulation  # C++: not needed to import this
@@ -37,7 +37,7 @@ class SimulatedCell:
         eye_to_hand: whether the arm carries the target, and the camera stands still.
     """
 
-    def __init__(self, scenario: Scenario, camera: Optional[str] = None, sim: Optional["Simulation"] = None,
+    def __init__(self, scenario: "Scenario", camera: Optional[str] = None, sim: Optional["Simulation"] = None,
                  calibrated: bool = True) -> None:
         self.scenario = scenario
         self.camera: str = camera or (scenario.sim.get("cameras") or [{"name": "camera"}])[0]["name"]

@@ -11,13 +11,13 @@ import numpy as np
 from ..features.sources import source_named
 from ..ground.errors import ParameterError
 from ..ground.types import Observation, Reference, ServoRecord, Status
-from ..scenario.scenario import Scenario
 from ..servo.servo import Servo
 from .cell import SimulatedCell
 from .record import RecordBuilder, RunRecord
 from .sequence import ExperimentSequence
 
 if TYPE_CHECKING:
+    from ..scenario.scenario import Scenario
     from aras_visual_servo_sim import Simulation
 
 #: Simulated time for which a run goes on after its end, with the arm at rest [s]. Over ROS the simulator cannot be
@@ -62,7 +62,7 @@ class ServoLoop(SimulatedCell):
         seen: the last answered `Observation`, None before the first.
     """
 
-    def __init__(self, scenario: Scenario, camera: Optional[str] = None, sim: Optional["Simulation"] = None) -> None:
+    def __init__(self, scenario: "Scenario", camera: Optional[str] = None, sim: Optional["Simulation"] = None) -> None:
         super().__init__(scenario, camera, sim)
         self._believed = scenario.believed_camera_info(self.camera_info)
         self.servo = Servo(self.kinematics, scenario.servo)
@@ -88,7 +88,7 @@ class ServoLoop(SimulatedCell):
         self._taught = (None, [])  # by `teach`: depth of the target, and its first answers, as in `TaughtGoal`
         self._frame = None
 
-    def begin_again(self, scenario: Scenario, goal: Optional[TaughtGoal] = None) -> None:
+    def begin_again(self, scenario: "Scenario", goal: Optional[TaughtGoal] = None) -> None:
         """Becomes a loop of another scenario, which differs in `experiment` alone.
 
         Simulator, servo and extractors are used again, and the other sections are not read again. The bytes are those
