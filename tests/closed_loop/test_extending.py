@@ -18,8 +18,8 @@ BOUNDS = {"x_mm": 0.2, "y_mm": 0.2, "z_mm": 0.5, "angle_deg": 0.05}
 ROUNDING = 1e-12
 
 
-def block(language):
-    return re.findall(rf"```{language}\n(.*?)```", PAGE.read_text(), re.DOTALL)[0]
+def block(language, number=0):
+    return re.findall(rf"```{language}\n(.*?)```", PAGE.read_text(), re.DOTALL)[number]
 
 
 @pytest.fixture
@@ -117,3 +117,28 @@ def test_a_module_that_is_not_there_and_an_unknown_name_list_what_is_known(folde
     assert "found not_there" in text and "ModuleNotFoundError" in text
     [law] = [fault for fault in caught.value.faults if "servo.law: found unbounded, " in fault]
     assert all(name in law for name in ("decoupled", "ibvs", "did you mean bounded?"))
+
+
+def test_the_stage_on_the_page_limits_the_speed_where_people_stand(tmp_path, monkeypatch):
+    from aras_visual_servo.servo.stage import STAGES
+
+    module = block("python", 1)
+    assert len([line for line in module.splitlines() if line.strip()]) <= 25
+    (tmp_path / "near_people.py").write_text(module)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    printed = re.search(r"```\n(servo:\n  plugins: \[near_people\].*?)```", PAGE.read_text(), re.DOTALL)[1]
+    settings = {f"servo.{key}": value for key, value in yaml.safe_load(printed)["servo"].items()}
+    try:
+        for distance_m, slow in ((1.0, True), (0.01, False)):
+            settings["servo.speed_limit_near_people"]["distance_m"] = distance_m
+            record = avs.run(avs.load_scenario("experiment_1", settings))
+            speed = np.linalg.norm(record.twist[record.servo_rows][:, :3], axis=1).max()
+            assert avs.judge(record).converged and (speed < 0.0301) == slow
+            assert any("near people" in text for text in record.status_text) is slow
+        settings["servo.speed_limit_near_people"] = {"max_speed_m_s": 0.0}
+        with pytest.raises(avs.ParameterError) as caught:
+            avs.load_scenario("experiment_1", settings)
+        assert "servo.speed_limit_near_people.max_speed_m_s" in str(caught.value)
+    finally:
+        sys.modules.pop("near_people", None)
+        STAGES.pop("speed_limit_near_people", None)

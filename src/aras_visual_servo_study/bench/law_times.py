@@ -118,7 +118,8 @@ def times(kinematics, law, features, more, steps):
 
 
 def _time_the_law(servo, durations):
-    law_step = servo._law.step
+    [law] = [stage.law for stage in servo._stages if hasattr(stage, "law")]
+    law_step = law.step
 
     def step(look):
         begin = time.perf_counter()
@@ -126,11 +127,11 @@ def _time_the_law(servo, durations):
         durations.append(time.perf_counter() - begin)
         return answer
 
-    servo._law.step = step
+    law.step = step
 
-    if not servo._law.moves_joints:
+    if not law.moves_joints:
         return
-    motion = servo._law.joint_velocity
+    motion = law.joint_velocity
 
     def joint_velocity(*arguments):
         begin = time.perf_counter()
@@ -138,7 +139,7 @@ def _time_the_law(servo, durations):
         durations[-1] += time.perf_counter() - begin
         return answer
 
-    servo._law.joint_velocity = joint_velocity
+    law.joint_velocity = joint_velocity
 
 
 def svd_s(repeats=2000):

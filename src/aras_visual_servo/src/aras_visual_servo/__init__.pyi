@@ -47,6 +47,9 @@ from .ground.types import ServoRecord as ServoRecord
 from .ground.types import Status as Status
 from .servo.servo import Servo as Servo
 from .servo.settings import ServoSettings as ServoSettings
+from .servo.stage import Stage as Stage
+from .servo.stage import Tick as Tick
+from .servo.stage import register_stage as register_stage
 
 # Modules: poses and rotations; signals and child processes; colours
 from . import cli as cli

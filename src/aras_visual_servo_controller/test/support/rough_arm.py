@@ -156,7 +156,7 @@ class RoughRun:
     def _answer(self):
         for sight in self.link.sights(self.now_ns):
             if self.settings.predict and self.loop.sequence.phase == "servo":
-                sight = self.link.predict(sight, self.now_ns, self.loop.servo.plane_at, predicted)
+                sight = self.link.predict(sight, self.now_ns, self.loop.servo.goal.plane_at, predicted)
             command, record = self.session.answer(sight.stamp_ns, sight.features, sight.q, self.now_ns,
                                                   self.now_ns * 1e-9, sight.refusal)
             if sight.refusal:

@@ -14,7 +14,7 @@ from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tupl
 import yaml
 
 from . import complete
-from ..config.plugins import described, load_plugins, place_of, placed
+from ..config.plugins import described, load_plugins, code_place, placed
 from ..ground.errors import ArasError, ParameterError
 from ..processes import Interrupted, signals_raise
 
@@ -81,13 +81,13 @@ def guarded(work: Callable[[], int]) -> int:
         with signals_raise():
             return work()
     except ParameterError as error:
-        print(f"bad input:\n{place_of(error)}{error}", file=sys.stderr)
+        print(f"bad input:\n{code_place(error)}{error}", file=sys.stderr)
         return EXIT_PARAMETERS
     except Interrupted as interrupt:
         print(interrupt, file=sys.stderr)
         return interrupt.exit_code
     except Exception as error:
-        place, expected = place_of(error), isinstance(error, (ArasError, ImportError, RuntimeError, OSError))
+        place, expected = code_place(error), isinstance(error, (ArasError, ImportError, RuntimeError, OSError))
         if not (place or expected):
             raise
         print(f"error: {f'{place}{error}' if expected else described(error)}", file=sys.stderr)

@@ -50,10 +50,10 @@ def load_plugins(plugins: Iterable[str]) -> List[str]:
 
 def described(error: BaseException) -> str:
     """Returns the kind of an error and its text, after its place in the code of a plugin."""
-    return f"{place_of(error)}{type(error).__name__}: {getattr(error, 'msg', error)}"
+    return f"{code_place(error)}{type(error).__name__}: {getattr(error, 'msg', error)}"
 
 
-def place_of(error: BaseException) -> str:
+def code_place(error: BaseException) -> str:
     """Returns "FILE:LINE: " of an error that was raised in the code of a plugin, else ""."""
     if isinstance(error, SyntaxError) and error.filename:
         return f"{error.filename}:{error.lineno}: "

@@ -138,7 +138,7 @@ class Law:
             self.settings = settings_of(self.name, self.settings_class, setup.settings, f"law '{self.name}'")
         self._rates = self.gains_per_s
         self._s_star = self._inverse_depths = None
-        self._first, self._t_s, self._condition = None, 0.0, float("nan")
+        self._condition = float("nan")
 
     def reset(self, reference):
         """Forget the past and servo to `reference` from now on.
@@ -154,7 +154,6 @@ class Law:
         if not all(map(isfinite, s_star)):
             raise NotFiniteError(f"s_star: found {s_star}, allowed finite numbers")
         self._s_star = s_star
-        self._first, self._t_s = None, 0.0
         if self._setup.point_depth == "goal":
             view, (A, B, C) = self.taught_view(reference)
             self._inverse_depths = [A * x + B * y + C for x, y in zip(view.point_x, view.point_y)]
@@ -184,11 +183,8 @@ class Law:
         if adaptive is not None:
             factor = adaptive_factor(max(map(abs, e)), adaptive.infinity_part, adaptive.slope)
             self.gains_per_s = tuple([factor * rate for rate in self._rates])
-        twist = self._twist(look, s, e)
-        settled = self._settled(twist)
-        if self._setup.smooth_start_per_s > 0.0:
-            twist = self._let_in(twist, look.dt_s)
-        return Answer(twist, s, e, self._condition_at(s), settled, self._pose(look))
+        twist = np.asarray(self._twist(look, s, e), dtype=float)
+        return Answer(twist, s, e, self._condition_at(s), self._settled(twist), self._pose(look), self.gains_per_s)
 
     def joint_velocity(self, view, arm, twist):
         """`Joints` of a law that `moves_joints`, after `step` has answered the same image.
@@ -222,7 +218,7 @@ class Law:
     def _settled(self, twist):
         """Whether the law itself regards the goal as reached. A law may want more for that than small errors.
 
-        Args: twist: (6,) of `_twist`, as it is before a smooth start makes it smaller.
+        Args: twist: (6,) of `_twist`.
         """
         return True
 
@@ -243,16 +239,6 @@ class Law:
             raise ParameterError(f"law '{self.name}': needs the moments and the plane of the goal's view, but the "
                                  "reference was stored without them: teach the goal again")
         return reference.view, reference.plane_C
-
-    def _let_in(self, twist, dt_s):
-        """The twist less what is left of the first one, which vanishes at the rate smooth_start_per_s (T23).
-
-        So the camera starts from rest instead of with a jump of its velocity.
-        """
-        if self._first is None:
-            self._first = np.array(twist, dtype=float)
-        self._t_s += dt_s  # the end of the time for which this twist is held, so that the first one moves already
-        return twist - exp(-self._setup.smooth_start_per_s * self._t_s) * self._first
 
     def goal_matrix(self, view, plane):
         """L, (k, 6), at the goal. Args: view: taught `Features`.  plane: its (A, B, C), (3,) [1/m]."""

@@ -40,6 +40,7 @@ class Answer(NamedTuple):
         settled: False keeps the servo from ending as converged, however small e is.
         pose: (6,) displacement of the camera from the goal, [p_CgC; theta u], where the law itself knows it; None: the
             servo takes the one that e stands for.
+        gains_per_s: tuple of k, the gains used [1/s]; () if the law does not tell.
     """
 
     twist: np.ndarray
@@ -48,6 +49,7 @@ class Answer(NamedTuple):
     condition: float
     settled: bool
     pose: Optional[np.ndarray] = None
+    gains_per_s: Tuple[float, ...] = ()
 
 
 class Arm(NamedTuple):

@@ -21,14 +21,14 @@ class Teaching:
     """
 
     def __init__(self, servo, stamp_ns, features, q, z_star_m, most):
-        """Begin with the image of this stamp. Args: as of `Servo.as_reference`. most: images at most, >= 1."""
+        """Begin with the image of this stamp. Args: as of `Goal.taught_by`. most: images at most, >= 1."""
         self._servo, self._stamp_ns, self._most, self._tried = servo, stamp_ns, most, 1
-        self.reference = servo.as_reference(features, q, z_star_m)
+        self.reference = servo.goal.taught_by(features, q, z_star_m)
         self._views, self._q = [self.reference.view], [self._vector(q)]
-        self.done = most == 1 or self.reference.view is None or servo.follows
+        self.done = most == 1 or self.reference.view is None or servo.config.follows
 
     def _vector(self, q):
-        return np.array(self._servo.joint_vector(q))
+        return np.array(self._servo.goal.kinematics.vector(q))
 
     def add(self, features, q):
         """One more image of the view. It counts if its features are relative to the first one."""
@@ -40,11 +40,11 @@ class Teaching:
         if self._tried >= self._most or len(self._views) > 1 and self._sure():
             self.done = True
             if len(self._views) > 1:
-                self.reference = self._servo.averaged(self.reference, self._views, np.mean(self._q, axis=0))
+                self.reference = self._servo.goal.averaged(self.reference, self._views, np.mean(self._q, axis=0))
 
     def _sure(self):
         config, root = self._servo.config, len(self._views) ** 0.5 * (1.0 if len(self._views) >= FEW else VANISHING)
-        values, poses = self._servo.goal_errors(self._views)
+        values, poses = self._servo.goal.errors(self._views)
         if not (np.std(values, axis=0) / root < PART * np.array(config.thresholds)).all():
             return False
         if poses is None:

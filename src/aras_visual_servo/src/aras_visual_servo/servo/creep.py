@@ -9,32 +9,50 @@ Far from the goal this difference is the delay of the arm, which is not to be co
 on. It is bounded, so that a joint that sticks does not shoot ahead when it comes free.
 """
 
+from typing import Optional
+
 import numpy as np
+
+from .stage import Stage, Tick
+from .stop_rule import StopRule
 
 #: The correction is no faster than this [m/s; rad/s]: the creep of dry friction five times that of the shipped arm.
 FASTEST = np.array([0.0003, 0.0003, 0.0003, 0.003, 0.003, 0.003])
 
 
-class CreepCompensation:
+class CreepCompensation(Stage):
     """What the camera was told to do near the goal, less what it did.
 
     Attributes:
         twist: (6,) the correction last given, [v; w] [m/s; rad/s].
     """
 
-    def __init__(self, rate_per_s):
-        """Args: rate_per_s: of working the difference off, 0: never."""
+    def __init__(self, rate_per_s: float, rule: Optional[StopRule] = None):
+        """Args: rate_per_s: of working the difference off, 0: never.  rule: tells where the camera is close."""
         from .._kinematics import between  # C++: not needed to describe the settings of the servo
-        self._rate_per_s, self._between = rate_per_s, between
+        self._rate_per_s, self._between, self._rule = rate_per_s, between, rule
         self._most = FASTEST / rate_per_s if rate_per_s > 0.0 else FASTEST
         self._X_BC, self._off, self.twist = None, np.zeros(6), np.zeros(6)
 
-    def clear(self):
+    def apply(self, tick: Tick) -> Tick:
+        """Returns the tick with the correction added to the twist, close to the goal."""
+        if not self._rule.close:
+            self.clear()
+            return tick
+        tick.twist = tick.twist + self.correction(tick.twist, tick.X_BC, tick.dt_s)
+        return tick
+
+    def rest(self, tick: Tick) -> Tick:
+        """Begins anew with the next image."""
+        self.clear()
+        return tick
+
+    def clear(self) -> None:
         """Begin anew with the next image."""
         if self._X_BC is not None:
             self._X_BC, self._off, self.twist = None, np.zeros(6), np.zeros(6)
 
-    def correction(self, twist, X_BC, dt_s):
+    def correction(self, twist: np.ndarray, X_BC: np.ndarray, dt_s: float) -> np.ndarray:
         """`twist` of this image.
 
         Args: twist: (6,) V_C that is asked for beside the correction, for the next dt_s.  X_BC: (4, 4) by the joints.

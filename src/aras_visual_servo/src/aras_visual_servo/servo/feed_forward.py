@@ -24,6 +24,7 @@ from ..ground.errors import ParameterError
 from ..features.base import View
 from ..spatial import exponential, inverse, rotation, rotation_vector
 from ..ground.types import FEATURE_NAMES
+from .stage import Stage, Tick
 
 POSE_FEATURES = ("tx", "ty", "tz", "rx", "ry", "rz")
 #: A singular value of the interaction matrix at the goal below this part of the largest one is not inverted.
@@ -73,8 +74,8 @@ class ConstantVelocity:
         return place, velocity
 
 
-class TargetMotion:
-    """Estimate of the target's motion.
+class TargetMotion(Stage):
+    """Twist stage: estimates the target's motion and feeds it forward.
 
     Attributes:
         velocity: (3,) of the followed point in B [m/s].  turn: (3,) angular velocity in B [rad/s].
@@ -107,6 +108,11 @@ class TargetMotion:
             L = self._features.matrix(View(view, reference.plane_C))
             self._to_go = -np.linalg.pinv(L, rcond=RANK)
         self.clear()
+
+    def apply(self, tick: Tick) -> Tick:
+        """Returns the tick with the twist of a camera that moves along with the target added."""
+        tick.twist = tick.twist + self.twist(tick.stamp_ns, tick.X_BC, tick.answer.s, tick.answer.e)
+        return tick
 
     def goal_and_point(self, s, e):
         """(R_CG, p_CP): attitude of the goal and place of the followed point in the camera, from s and e, (k,)."""

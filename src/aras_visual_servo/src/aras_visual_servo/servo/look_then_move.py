@@ -1,18 +1,24 @@
 """Look then move: one image, one move of the set-points, wait until the arm rests, the next image (T15)."""
 
 from math import inf
+from typing import Optional
 
 import numpy as np
 
 from ..arm.limits import position_factor
 from ..arm.trajectory import JointTrajectory
+from ..ground.types import Status
+from .arrival import Arrival
+from .hindrance import Hindrance
+from .stage import Stage, Tick
 
 #: A look's displacement is followed in this many steps (the arm's Jacobian turns on the way), and this part of the tilt
 #: is corrected by each look.
 LOOK_STEPS, LOOK_TILT = 10, 0.9
+_MOVING = (Status.SERVOING, Status.JOINT_LIMIT, Status.NEAR_SINGULARITY)
 
 
-class LookThenMove:
+class LookThenMove(Stage):
     """The moves of the set-points, one after the other.
 
     Attributes:
@@ -20,20 +26,45 @@ class LookThenMove:
         under_way: a move is not finished, or its joints have not settled.
     """
 
-    def __init__(self, kinematics, arm, config):
-        """Args: kinematics: `Kinematics`. arm: `ArmMotion`. config: `ServoSettings`."""
+    def __init__(self, kinematics, arm, config, arrival: Arrival, hindrance: Hindrance,
+                 set_point: Optional[np.ndarray] = None):
+        """Args: kinematics: `Kinematics`. arm: `ArmMotion`. config: `ServoSettings`.
+
+        set_point: (n,) joint set-points commanded last; None: the positions measured at the first look.
+        """
         self._kinematics, self._arm, self._config = kinematics, arm, config
-        self.clear(None)
+        self._arrival, self._hindrance, self.set_point = arrival, hindrance, set_point
+        self._move, self._begin_ns, self._followed_s, self._last = None, 0, 0.0, None
 
-    def clear(self, set_point):
-        """Forget the past. set_point: (n,) or None: the positions measured at the first look."""
-        self.set_point = set_point
-        self._move, self._begin_ns, self._followed_s, self._last_q = None, 0, 0.0, None
+    def apply(self, tick: Tick) -> Tick:
+        """Returns the tick with the begin of the move that this look asks for."""
+        if self._arrival.below:
+            return tick.set(twist=np.zeros(6), applied=np.zeros(6), q_dot=np.zeros_like(tick.q), text="holding")
+        rule, target_C, applied, features = self._arrival.rule, None, tick.twist, tick.view.features
+        rule.clear()
+        if self._arrival.holds_tilt:
+            target_C = features.xn, features.yn, features.an
+        twist, manipulability, joint = self.plan(tick.stamp_ns, tick.q, tick.X_BC, tick.twist, target_C)
+        tick = tick.set(twist=twist, applied=applied, manipulability=manipulability, judged=rule.judged)
+        if joint is not None:
+            tick = tick.set(status=Status.JOINT_LIMIT, text=f"joint '{joint}' at its limit")
+            self._hindrance.seen(tick.stamp_ns, tick.text)
+        return self.followed(tick)
 
-    def shift(self, way):
-        """The set-points were moved by something else: way, (n,)."""
+    def followed(self, tick: Tick) -> Tick:
+        """Returns the tick with the next period of the move under way."""
+        set_point, q_dot = self.follow(tick.stamp_ns, tick.dt_s)
+        if tick.status not in _MOVING:
+            tick = tick.set(status=Status.SERVOING, text="moving")
+        return tick.set(q_dot=q_dot, set_point=set_point)
+
+    def rest(self, tick: Tick) -> Tick:
+        """Breaks the move off where it is, and follows what moves the arm while the target is lost."""
+        if self.under_way:
+            tick = tick.set(set_point=self.break_off(tick.stamp_ns))
         if self.set_point is not None:
-            self.set_point = self._kinematics.moved(self.set_point, way, 1.0)
+            self.set_point = self._kinematics.moved(self.set_point, tick.q_dot * tick.dt_s, 1.0)
+        return tick
 
     @property
     def under_way(self):
@@ -73,17 +104,18 @@ class LookThenMove:
         self._begin_ns = stamp_ns
         return twist, manipulability, shortened_by
 
-    def goes_on(self, stamp_ns, q, gap_s):
-        """Whether the move is still under way or settling at q, gap_s after the image before; if not, it is over."""
-        way = self._kinematics.way
-        speed = inf if self._last_q is None else float(np.abs(way(self._last_q, q)).max()) / gap_s
-        self._last_q = q
+    def goes_on(self, stamp_ns, q):
+        """Whether the move is still under way or settling at q; if not, it is over."""
+        way, speed = self._kinematics.way, inf
+        if self._last is not None:
+            speed = float(np.abs(way(self._last[1], q)).max()) / (1e-9 * (stamp_ns - self._last[0]))
+        self._last = stamp_ns, q
         waited_s = 1e-9 * (stamp_ns - self._begin_ns) - self._move.duration_s
         if waited_s < 0.0:
             return True
         near = float(np.abs(way(self.set_point, q)).max()) < self._config.settle_tolerance
         if (near and speed < self._config.settle_speed) or waited_s > self._config.settle_limit_s:
-            self._move = self._last_q = None
+            self._move = self._last = None
             return False
         return True
 
@@ -98,5 +130,17 @@ class LookThenMove:
         """End the move where the integrated set-point now is, (n,); the next look starts from there."""
         t_s = min(1e-9 * (stamp_ns - self._begin_ns), self._followed_s)
         self.set_point = self._move.position(t_s)
-        self._move = self._last_q = None
+        self._move = self._last = None
         return self.set_point
+
+
+class UnderWay(Stage):
+    """Gate: takes no look while a move is under way or its joints have not settled."""
+
+    def __init__(self, moves: LookThenMove):
+        self._moves = moves
+
+    def apply(self, tick: Tick) -> Tick:
+        """Returns the tick, with the next period of the move under way."""
+        moves = self._moves
+        return moves.followed(tick) if moves.under_way and moves.goes_on(tick.stamp_ns, tick.q) else tick

@@ -12,7 +12,10 @@ from typing import NamedTuple, Optional
 import numpy as np
 
 from ..config.settings import setting
+from ..ground.types import Status
 from ..spatial import exponential, inverse, rotation_vector
+from .stage import Stage, Tick
+from .stale import foreseen
 
 ACTIONS = ("hold", "back_off", "search")
 #: Images whose joint positions are kept for the way back: ten minutes at 30 Hz.
@@ -86,24 +89,41 @@ def search_places(config, first_angle):
     return places
 
 
-class LostTarget:
-    """Follows the servo, and takes over while the target is lost.
+class LostTarget(Stage):
+    """Gate: follows the servo, and takes over while the target is lost.
 
     Attributes:
         recoveries: how often the arm moved until the target was found again, since `clear`.
     """
 
-    def __init__(self, kinematics, arm, action, config):
-        """Args: kinematics: `Kinematics`. arm: `ArmMotion`. action: one of ACTIONS. config: `LostTargetSettings`."""
+    def __init__(self, kinematics, arm, action, config, source=None, tracker=None):
+        """Args: kinematics: `Kinematics`. arm: `ArmMotion`. action: one of ACTIONS. config: `LostTargetSettings`.
+
+        source: `Source` of the features.  tracker: foresees the features, or None.
+        """
+        self._source, self._tracker = source, tracker
         self._kinematics, self._arm, self._action, self._config = kinematics, arm, action, config
         self._speed = np.minimum(kinematics.velocity, config.speed)
-        self.clear()
-
-    def clear(self):
-        """Forget the past."""
         self._path, self.recoveries = deque(maxlen=PATH_LENGTH), 0
         self._direction = 0.0
         self._found()
+
+    def apply(self, tick: Tick) -> Tick:
+        """Returns the tick: without features where these are foreseen, at rest where the target is lost."""
+        if tick.features is None:
+            return tick
+        text = self._source.why_lost(tick.features)
+        if text:
+            return tick.set(features=None) if foreseen(self._tracker, tick) else self.recover(tick, text)
+        return tick if self.found(tick.stamp_ns) else self.recover(tick, "", visible=True)
+
+    def recover(self, tick: Tick, text: str, visible: bool = False) -> Tick:
+        """Returns the tick of an image without a usable target. Args: visible: it is seen, but not for long enough."""
+        recovery = self.step(tick.stamp_ns, tick.q, tick.dt_s, visible)
+        if recovery is None:
+            return tick.rest(Status.TARGET_LOST, text)
+        tick = tick.rest(Status.STOPPED if recovery.gave_up else Status.TARGET_LOST, recovery.text)
+        return tick.set(q_dot=recovery.q_dot, twist=recovery.twist)
 
     def _found(self):
         self._lost_ns = self._seen_ns = self._here = self._places = None
@@ -212,3 +232,16 @@ class LostTarget:
     def _size(self, way):
         """Length of a way in steps of the pattern."""
         return max(np.linalg.norm(way[:3]) / self._config.step_m, np.linalg.norm(way[3:]) / self._config.step_rad)
+
+
+class AfterLoss(Stage):
+    """Twist stage: remembers the path, and slows the law down after each recovery."""
+
+    def __init__(self, lost: LostTarget):
+        self._lost = lost
+
+    def apply(self, tick: Tick) -> Tick:
+        """Returns the tick, slower by `slow_down` for each recovery."""
+        if tick.features is not None:
+            self._lost.servoed(tick.q, tick.features)
+        return tick.set(twist=tick.twist * self._lost.factor) if self._lost.recoveries else tick

@@ -23,6 +23,7 @@ from ..features.target.target_pose import PlanarTarget
 from .feature_filter import FilterSettings
 from .feed_forward import FeedForwardSettings
 from .lost_target import ACTIONS, LostTargetSettings
+from .stage import STAGES
 from .stop_rule import StopSettings
 from .visibility import VisibilitySettings
 
@@ -56,6 +57,10 @@ class ServoSettings(LawSetup):
         0.2, unit="s", at_least=0,
         help="The servo has converged when all that is judged was within its threshold for this long.")
     time_limit_s: float = setting(unit="s", above=0, help="Simulated time after which the servo ends.")
+    stages: Tuple[str, ...] = setting(
+        (),
+        help="Stages of your own, by name: each may change the twist, or stop the arm, right before it moves. Mode "
+             "`continuous` only.")
     stop: StopSettings = setting(
         StopSettings(), help="What else has to be within bounds before the servo has converged (T60, T61).")
     creep_rate_per_s: float = setting(
@@ -107,6 +112,11 @@ class ServoSettings(LawSetup):
              "`search` around the pose that saw it last.")
     lost_target: LostTargetSettings = setting(LostTargetSettings(), help="How `back_off` and `search` are done.")
 
+    @property
+    def follows(self) -> bool:
+        """Whether the goal may move."""
+        return self.track or self.feed_forward is not None
+
     @classmethod
     def from_dict(cls, source: Mapping, joint_names: Sequence[str] = ()) -> "ServoSettings":
         """Reads the section. Args: joint_names: of the arm; (): any. Raises ParameterError listing every fault."""
@@ -155,6 +165,7 @@ class ServoSettings(LawSetup):
             yield unknown_name("law", self.law, LAWS)
         if self.source and self.source not in SOURCES:
             yield unknown_name("source", self.source, SOURCES)
+        yield from (unknown_name("stages", name, STAGES) for name in self.stages if name not in STAGES)
         if len(self.thresholds) != len(names) or not all(0.0 < value < inf for value in self.thresholds):
             yield f"thresholds: found {list(self.thresholds)}, allowed {len(names)} numbers > 0, as many as features"
         if self.filter is not None and law is not None and not law.foresees:
@@ -165,7 +176,7 @@ class ServoSettings(LawSetup):
             return
         if law is not None and law.continuous_only:
             yield f"mode: found look_then_move, allowed with law '{self.law}': continuous"
-        for key in ("filter", "feed_forward", "track"):
+        for key in ("filter", "feed_forward", "track", "stages"):
             if getattr(self, key):
                 yield f"{key}: found with mode: look_then_move, allowed with mode: continuous"
         for name, gain in zip(names, self.gains_per_s):
@@ -213,18 +224,19 @@ def _law_faults(config):
 
 
 def own_sections() -> Dict[str, type]:
-    """Returns the sections of the laws and features that have settings of their own: name -> settings class.
+    """Returns the sections of laws, features and stages that have settings of their own: name -> settings class.
 
     Raises ParameterError: two of them want the same section, or one that is a key of the servo already.
     """
     laws, features = law_settings(), feature_settings()
-    taken = [name for name in features if name in laws]
+    stages = {name: stage.settings_class for name, stage in STAGES.items() if stage.settings_class}
+    names = [*laws, *features, *stages]
     keys = {key.name for key in keys_of(ServoSettings)}
-    taken += [name for name in (*laws, *features) if name in keys]
+    taken = [name for name in dict.fromkeys(names) if name in keys or names.count(name) > 1]
     if taken:
-        raise ParameterError([f"servo.{name}: found a law or feature of this name with settings, allowed a name that "
-                              "no other section and no key has" for name in taken])
-    return {**laws, **features}
+        raise ParameterError([f"servo.{name}: found a law, feature or stage of this name with settings, allowed a name "
+                              "that no other section and no key has" for name in taken])
+    return {**laws, **features, **stages}
 
 
 def servo_schema(sections: Mapping[str, type]) -> Dict[str, Any]:

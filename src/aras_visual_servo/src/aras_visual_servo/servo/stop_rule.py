@@ -25,6 +25,7 @@ from ..features.base import View
 from ..features.points import depths_in_image
 from ..ground.errors import DegenerateFeature
 from ..laws.base import MAX_CONDITION
+from .stage import UNKNOWN
 
 RULES = ("pose", "published")
 #: The camera is close to the goal while every error is below this many times its threshold. Only there does the matrix
@@ -63,10 +64,6 @@ class StopSettings:
         help="Largest distance of the camera from the goal, by the pose that the feature errors stand for.")
     rotation_rad: float = setting(
         0.0024, unit="rad", above=0, help="Largest angle of the camera from the goal, likewise.")
-
-
-#: tilt_rad, position_m, rotation_rad of an image that tells none of them.
-UNKNOWN = (nan, nan, nan)
 
 
 class GoalPose:

@@ -18,6 +18,7 @@ import numpy as np
 from ..config.settings import setting
 from ..features.base import View
 from ..features.interaction import centroid
+from .stage import Stage, Tick
 
 #: The camera is moved sideways for an edge only if that moves the edge by at least this part of the centroid's motion.
 LEAST_EFFECT = 0.2
@@ -38,6 +39,20 @@ class VisibilitySettings:
     rate_per_s: float = setting(
         3.0, unit="1/s", above=0,
         help="The object uses up its room to the border at this rate at most (T43).")
+
+
+class Visibility(Stage):
+    """Keeps the object in view (T43)."""
+
+    def __init__(self, config: VisibilitySettings):
+        self._config = config
+
+    def apply(self, tick: Tick) -> Tick:
+        """Returns the tick with a twist that keeps a target which is seen in view."""
+        if tick.features is None:
+            return tick
+        twist, bent = keep_in_view(self._config, tick.features, tick.twist)
+        return tick.set(twist=twist, text="servoing, kept in view") if bent else tick
 
 
 def keep_in_view(config, features, twist):

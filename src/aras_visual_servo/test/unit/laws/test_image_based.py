@@ -122,24 +122,3 @@ def test_adaptive_gain_scales_the_twist_of_any_law_by_its_factor():
     assert factor < 0.9
     for _ in range(2):  # not factor squared the second time
         np.testing.assert_allclose(adaptive.step(look_at(here, 0.0)).twist, factor * twist, atol=ROUNDING)
-
-
-# --- smooth start ---------------------------------------------------------------------------------------------------
-
-
-def test_smooth_start_lets_the_first_twist_in_at_its_rate_and_ends_at_the_plain_law():
-    here, rate = view(HERE).features, 4.0
-    first = law_of("desired").step(look_at(here, DT_S)).twist
-    law = law_of("desired", smooth_start_per_s=rate)
-    for k in range(1, 200):
-        expected = (1.0 - np.exp(-rate * k * DT_S)) * first
-        np.testing.assert_allclose(law.step(look_at(here, DT_S)).twist, expected, atol=ROUNDING)
-
-
-def test_smooth_start_begins_anew_with_each_reset():
-    here, law = view(HERE).features, law_of("desired", smooth_start_per_s=4.0)
-    first = law.step(look_at(here, DT_S)).twist
-    law.step(look_at(here, DT_S))
-    goal = view(GOAL)
-    law.reset(Reference(FeatureSet(SIX).values(goal), view=goal.features, plane_C=plane_of(GOAL)))
-    np.testing.assert_array_equal(law.step(look_at(here, DT_S)).twist, first)

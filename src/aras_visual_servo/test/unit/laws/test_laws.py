@@ -125,7 +125,7 @@ def test_a_law_answers_with_values_that_the_next_look_does_not_change():
     law = law_of("decoupled")
     look = look_at(features(S), 0.01)
     first = law.step(look)
-    kept = (first.twist.copy(), first.s, first.e, first.condition, first.settled, first.pose)
+    kept = (first.twist.copy(), first.s, first.e, first.condition, first.settled, first.pose, first.gains_per_s)
     law.step(look_at(features(S_STAR), 0.02))
     assert (first.twist == kept[0]).all() and first[1:] == kept[1:]
     assert first.s == tuple(S) and first.settled

@@ -96,7 +96,7 @@ def test_a_law_with_the_wrong_sign_does_not_converge(monkeypatch):
         law = make_law(*arguments)
         law.__class__ = turned(law.__class__)
         return law
-    monkeypatch.setattr("aras_visual_servo.servo.servo.make_law", make_turned)
+    monkeypatch.setattr("aras_visual_servo.servo.pipeline.make_law", make_turned)
     record = ServoLoop(scenario).run()
     judgement = judge(record)
     assert not judgement.converged

@@ -297,8 +297,6 @@ def test_a_new_one_has_recovered_from_nothing_and_each_recovery_slows_the_law_do
         assert target.found(k)
         target.servoed(np.zeros(6), seen())
         assert (target.recoveries, target.factor) == (k, 0.5**k)
-    target.clear()
-    assert target.recoveries == 0
 
 
 @pytest.mark.parametrize("xg, yg, angle", [(0.1, 0.0, 0.0), (0.0, 0.2, 0.5 * np.pi), (-0.1, 0.0, np.pi),

@@ -356,9 +356,9 @@ def test_a_retuned_servo_has_the_same_goal_and_goes_on():
 def test_errors_of_views_of_the_goal_are_those_to_the_first_of_them():
     bench = Bench()
     view, moved = bench.servo.reference.view, bench.look().features
-    errors, poses = bench.servo.goal_errors([view])
+    errors, poses = bench.servo.goal.errors([view])
     assert errors.shape == (1, 4) and not errors.any() and (poses is None or not poses.any())
-    errors, _ = bench.servo.goal_errors([view, moved, view])
+    errors, _ = bench.servo.goal.errors([view, moved, view])
     assert errors[1].all() and not errors[0].any() and not errors[2].any()
 
 

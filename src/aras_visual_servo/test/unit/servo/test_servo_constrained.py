@@ -5,7 +5,8 @@ import pytest
 from bench import Bench, resting
 
 from aras_visual_servo.ground.types import Status
-from aras_visual_servo.servo.servo import Servo
+from aras_visual_servo.laws.base import LAWS
+from aras_visual_servo.servo.goal import Goal
 
 WIDE = {"half_width": 0.8, "half_height": 0.6}
 #: The object is larger than this view.
@@ -47,7 +48,7 @@ def test_an_infeasible_program_is_a_status_with_its_slack_or_a_still_camera(law)
 @pytest.mark.parametrize("plane", [(0.0, 0.0, -1.0), (0.0, 0.0, np.nan)])
 def test_a_depth_that_is_not_known_is_a_lost_target_and_a_still_camera(law, plane, monkeypatch):
     bench = Bench(law=law, **{law: WIDE})
-    monkeypatch.setattr(Servo, "_plane", lambda servo, X_BC: plane)
+    monkeypatch.setattr(Goal, "plane", lambda goal, X_BC: plane)
     command, record = bench.step()
     assert record.status in (Status.TARGET_LOST, Status.FAULT) and resting(command)
     assert record.status_text
@@ -56,6 +57,6 @@ def test_a_depth_that_is_not_known_is_a_lost_target_and_a_still_camera(law, plan
 @pytest.mark.parametrize("law", ["qp", "mpc"])
 def test_whatever_the_law_raises_the_arm_stands_still(law, monkeypatch):
     bench = Bench(law=law, **{law: WIDE})
-    monkeypatch.setattr(bench.servo._law, "joint_velocity", lambda *arguments: 1 / 0)
+    monkeypatch.setattr(LAWS[law], "joint_velocity", lambda *arguments: 1 / 0)
     command, record = bench.step()
     assert record.status == Status.FAULT and "ZeroDivisionError" in record.status_text and resting(command)

@@ -38,7 +38,7 @@ def test_plane_of_the_target_follows_the_joints():
     bench = Bench(**{**IBVS, "interaction": "current"})
     q = bench.goal_q + 0.1 * np.arange(6.0) / 6.0
     X_CT = np.linalg.inv(bench.arm.pose(q)) @ bench.camera.X_WT
-    np.testing.assert_allclose(bench.servo._plane(bench.arm.pose(q)), plane_from_pose(X_CT[:3, 2], X_CT[:3, 3]),
+    np.testing.assert_allclose(bench.servo.goal.plane_at(q), plane_from_pose(X_CT[:3, 2], X_CT[:3, 3]),
                                atol=ROUNDING)
 
 

@@ -81,7 +81,7 @@ class RealControllerNode(ControllerNode):
     def _seen(self, features, joints):
         sight = joints
         if self._settings.predict and self._sequence.phase == "servo" and not self._servo.why_lost(features):
-            sight = self._link.predict(sight, convert.now_ns(), self._servo.plane_at, predicted)
+            sight = self._link.predict(sight, convert.now_ns(), self._servo.goal.plane_at, predicted)
         if sight.refusal:
             self._refused += 1
         else:

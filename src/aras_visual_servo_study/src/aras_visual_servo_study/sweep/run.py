@@ -12,7 +12,7 @@ from typing import Any, Dict, Optional, Tuple
 import numpy as np
 
 from aras_visual_servo import (CAMERA_AXES, DEFAULT_LIMIT_S, ArasError, Outline, ParameterError, RecordBuilder,
-                               RunRecord, Scenario, ServoLoop, Status, kinematics_of, measures, place_of, pose_error)
+                               RunRecord, Scenario, ServoLoop, Status, kinematics_of, measures, code_place, pose_error)
 from .judge import COLUMNS, initial_columns, judge_row
 from .metrics import judge_by
 from .perturb import perturbed, put_clutter, simulator_key, swap_picture
@@ -121,7 +121,7 @@ class SweepRunner:
             return dict(self._empty(start), outcome="infeasible", reason=reason, detail=str(refusal)), None
         except Exception as error:  # whatever stops a run is its result; the sweep goes on
             return dict(self._empty(start), outcome="error", reason=f"error: {type(error).__name__}",
-                        detail=f"{place_of(error)}{error}"), None
+                        detail=f"{code_place(error)}{error}"), None
 
     def _simulator(self, scenario, parameters):
         key = simulator_key(scenario, parameters) if parameters else self._key

@@ -1,0 +1,107 @@
+"""Stage: judges each image by the stop rule, and ends the servo when it has arrived."""
+
+from math import atan2, degrees
+from typing import Optional
+
+import numpy as np
+
+from ..arm.motion import ArmMotion
+from ..ground.types import FINAL, Status
+from .feature_filter import FeatureFilter
+from .goal import Goal
+from .stage import Stage, Tick
+from .stop_rule import StopRule, StopSettings
+
+#: The target counts as displaced when the camera at the goal stands further from the taught place than so many times
+#: what the stop rule allows.
+DISPLACED = 4.0
+
+
+class Arrival(Stage):
+    """Feeds the stop rule.
+
+    Attributes:
+        rule: `StopRule`.  displaced: how far the target is from where it was taught, in words; "" if it is there.
+        holds_tilt: whether the optical axis is held by the joint positions.
+    """
+
+    def __init__(self, goal: Goal, arm: ArmMotion, config, tracker: Optional[FeatureFilter]):
+        """Args: config: `ServoSettings`.  tracker: filters the features, or None."""
+        images = 1 if goal.reference is None else goal.reference.images
+        self.rule = StopRule(goal.features.names, config.thresholds, config.hold_s, config.stop, config.follows, images)
+        self._goal, self._arm, self._config, self._tracker = goal, arm, config, tracker
+        self.holds_tilt = config.tilt_gain_per_s > 0.0 and not goal.features.sees_tilt
+        self._tells_displaced = not (config.follows or config.symmetric_target)
+        self._below_ns: Optional[int] = None
+        self.displaced = ""
+
+    @property
+    def below(self) -> bool:
+        """Whether every error of the last image was below its threshold."""
+        return self._below_ns is not None
+
+    def apply(self, tick: Tick) -> Tick:
+        """Returns the tick as judged; at rest where the servo has arrived."""
+        if tick.features is None:
+            self.rule.clear()
+            self._below_ns, self.displaced = None, ""
+            text = f"target not seen for {self._tracker.unseen_s(tick.stamp_ns):.2f} s"
+            return tick.set(judged=self.rule.judged, status=Status.SERVOING,
+                            text=f"servoing on foreseen features, {text}")
+        answer, rule, config, X_BC = tick.answer, self.rule, self._config, tick.X_BC
+        tilt, pose = self._arm.tilt_of(X_BC) if self.holds_tilt else None, answer.pose
+        if pose is None:
+            pose = self._goal.pose.of(np.array(answer.e), tilt)
+        arrived = rule.arrived(tick.stamp_ns, answer.e, tilt, pose, X_BC, answer.pose is not None)
+        published, self.displaced = config.stop.rule == "published", ""
+        if rule.close and self._tells_displaced and self._goal.knows_place:
+            self.displaced = displaced_target(self._goal.displacement(X_BC), pose, config.stop)
+        if published:
+            below = answer.settled and all([abs(e) < most for e, most in zip(answer.e, config.thresholds)])
+        else:
+            below = answer.settled and not rule.lacking
+        if not below:
+            self._below_ns = None
+        elif self._below_ns is None:
+            self._below_ns = tick.stamp_ns
+        tick.judged, tick.status = rule.judged, Status.SERVOING
+        tick.text = f"servoing; {self.displaced}" if self.displaced else "servoing"
+        if config.track or not below:
+            return tick
+        if published and tick.stamp_ns - self._below_ns >= 1e9 * config.hold_s:
+            return self._end(tick, Status.STOPPED_BY_RULE, "stopped by the published rule")
+        if arrived and not published:
+            return self._end(tick, Status.CONVERGED, "features, tilt and pose within their thresholds")
+        return tick
+
+    def _end(self, tick, status, text):
+        return tick.rest(status, f"{text}; {self.displaced}" if self.displaced else text)
+
+    def rest(self, tick: Tick) -> Tick:
+        """Forgets the images seen, unless the servo has ended."""
+        if tick.status not in FINAL:
+            self._below_ns = None
+            self.rule.clear()
+        return tick
+
+
+def displaced_target(X_CgC: np.ndarray, pose: Optional[np.ndarray], stop: StopSettings) -> str:
+    """Returns how far the target is from where it was taught, in words; an empty text if it is found there.
+
+    A camera that sees a target at rest as it was taught stands where it was taught. The joints say where it stands, the
+    image says how far it is from the view that was taught. What is left between the two is how far the target has been
+    moved, or what the arm, its model or the camera's calibration err by: from here the two cannot be told apart.
+    Args:
+        X_CgC: (4, 4) pose of the camera by the joints, relative to the taught one.
+        pose: (6,) displacement from the taught view by the image, small [m, rad]; None: not known.
+    """
+    if pose is None:
+        return ""
+    (xx, xy, xz, x), (yx, yy, yz, y), (zx, zy, zz, z), _ = X_CgC.tolist()
+    px, py, pz, wx, wy, wz = pose.tolist()
+    distance_m = ((x - px) ** 2 + (y - py) ** 2 + (z - pz) ** 2) ** 0.5
+    sines = 0.5 * (zy - yz) - wx, 0.5 * (xz - zx) - wy, 0.5 * (yx - xy) - wz
+    angle_rad = atan2(sum([sine * sine for sine in sines]) ** 0.5, 0.5 * (xx + yy + zz - 1.0))
+    if distance_m <= DISPLACED * stop.position_m and angle_rad <= DISPLACED * stop.rotation_rad:
+        return ""
+    return f"the target is found {1e3 * distance_m:.1f} mm and {degrees(angle_rad):.1f} deg from where it was taught"

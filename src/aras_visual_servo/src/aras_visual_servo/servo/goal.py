@@ -1,0 +1,106 @@
+"""The goal of the servo: the view that was taught, and where the joints place the camera relative to it."""
+
+from math import isfinite
+from typing import Any, List, Optional, Sequence, Tuple
+
+import numpy as np
+
+from ..features.base import FeatureSet, View
+from ..features.sources import source_named
+from ..ground.errors import DegenerateFeature, ParameterError
+from ..ground.types import Reference
+from .stop_rule import GoalPose
+
+
+class Goal:
+    """Teaches views, and holds the `Reference` in use.
+
+    Attributes:
+        kinematics: `Kinematics`.  features: `FeatureSet`.  source: `Source` of the features.
+        reference: `Reference` or None.  s_star: (k,) of it, NaN before.  pose: `GoalPose` of it, or None.
+    """
+
+    def __init__(self, kinematics, config):
+        """Args: config: `ServoSettings`."""
+        self.kinematics, self._config = kinematics, config
+        self.features = FeatureSet(config.features, config.settings, config.source)
+        self.source = source_named(self.features.source)
+        self.reference: Optional[Reference] = None
+        self.s_star = np.full(len(self.features), np.nan)
+        self.pose: Optional[GoalPose] = None
+        self._X_CgB: Optional[np.ndarray] = None
+
+    def set_reference(self, reference: Reference) -> None:
+        """Uses a reference taught before."""
+        self.pose = GoalPose(self.features, reference, self._config.point_depth)
+        posture = reference.posture
+        self._X_CgB = None if posture is None else np.linalg.inv(self.kinematics.pose(self.kinematics.vector(posture)))
+        self.reference, self.s_star = reference, np.array(reference.s_star, dtype=float)
+
+    def why_lost(self, features: Optional[Any]) -> str:
+        """Returns why these features (None: no image) cannot be servoed on, in words; an empty text if they can."""
+        return "no image" if features is None else self.source.why_lost(features)
+
+    def taught_by(self, features, q, z_star_m: float) -> Reference:
+        """Returns the `Reference` that a view would give as the goal. The goal itself stays as it is.
+
+        Args:
+            features: of the view, whatever reference they have themselves.  q: joint positions there [m, rad].
+            z_star_m: depth of the target in this view, > 0 [m].
+        Raises ParameterError: the features are not fit for it.
+        """
+        text, q = self.why_lost(features), self.kinematics.vector(q)
+        if not (isfinite(z_star_m) and z_star_m > 0.0):
+            raise ParameterError(f"z_star_m of the view to teach: found {z_star_m}, allowed > 0")
+        try:
+            taught = None if text else self.source.taught(features, z_star_m, self._config.target_normal_C)
+            s_star = np.array([np.nan] if text else self.features.values(View(taught.features)))
+        except DegenerateFeature as error:
+            raise ParameterError(f"the view to teach: {error}") from error
+        if not (np.isfinite(s_star).all() and np.isfinite(q).all()):
+            raise ParameterError(f"the view to teach has no valid features of the target: {text or 'not finite'}")
+        return self._reference(s_star, q, taught.view, taught.plane_C)
+
+    def averaged(self, first: Reference, views: Sequence[Any], q: np.ndarray) -> Reference:
+        """Returns the mean of several views of one goal: the first, others relative to it; q: (n,) their mean."""
+        view = self.source.mean(views)
+        return self._reference(np.array(self.features.values(View(view))), q, view, first.plane_C, len(views))
+
+    def _reference(self, s_star, q, view, plane_C, images=1):
+        axis_B = self.kinematics.pose(q)[:3, 2].copy()
+        return Reference(s_star, axis_B, self.kinematics.by_name(q), view, plane_C, images)
+
+    def errors(self, views: Sequence[Any]) -> Tuple[np.ndarray, Optional[np.ndarray]]:
+        """Returns how views of the goal differ from the first: (m, k) errors, (m, 6) poses they stand for or None."""
+        values = [self.features.values(View(view)) for view in views]
+        errors = np.array([self.features.error(s, values[0], self._config.symmetric_target) for s in values])
+        poses: List[Any] = [self.pose.of(e, None) for e in errors]
+        return errors, None if poses[0] is None else np.array(poses)
+
+    def displacement(self, X_BC: np.ndarray) -> np.ndarray:
+        """Returns X_CgC, (4, 4): a camera pose by the kinematics, relative to the goal's. Raises ParameterError."""
+        if self._X_CgB is None:
+            raise ParameterError("the reference holds no posture: teach it again")
+        return self._X_CgB @ X_BC
+
+    @property
+    def knows_place(self) -> bool:
+        """Whether the reference says where the camera was."""
+        return self._X_CgB is not None
+
+    def plane(self, X_BC: np.ndarray) -> np.ndarray:
+        """Returns (A, B, C), (3,), of the target, at rest, in the frame of a camera at X_BC [1/m] (T21).
+
+        Raises ParameterError: nothing was taught, or the reference does not tell where the target is.
+        """
+        if self.reference is None or self.reference.plane_C is None:
+            raise ParameterError("servo: the goal holds no plane, teach it first")
+        X_CgC = self.displacement(X_BC)
+        return (self.reference.plane_C @ X_CgC[:3, :3]) / (1.0 - self.reference.plane_C @ X_CgC[:3, 3])
+
+    def plane_at(self, q) -> np.ndarray:
+        """Returns (A, B, C), (3,), of the target at rest, in the camera frame at joint positions q [1/m].
+
+        Raises ParameterError: nothing was taught, or the reference does not tell where the target is.
+        """
+        return self.plane(self.kinematics.pose(self.kinematics.vector(q)))

@@ -1,0 +1,63 @@
+"""The stages of the servo, in the order in which an image passes through them."""
+
+from typing import Any, List, Optional, Tuple
+
+import numpy as np
+
+from ..arm.motion import ArmMotion
+from ..laws.base import make_law
+from .arm import JointPlace, JointVelocity
+from .arrival import Arrival
+from .calm import Calm
+from .creep import CreepCompensation
+from .feature_filter import FeatureFilter
+from .feed_forward import TargetMotion
+from .goal import Goal
+from .hindrance import Hindrance
+from .law import LawStage, SmoothStart
+from .look_then_move import LookThenMove, UnderWay
+from .lost_target import AfterLoss, LostTarget
+from .settings import ServoSettings
+from .stage import STAGES, SixNumbers, Stage
+from .stale import Stale
+from .tilt import Tilt
+from .time_limit import TimeLimit
+from .visibility import Visibility
+
+
+def make_stages(goal: Goal, arm: ArmMotion, config: ServoSettings, start_ns: int,
+                set_point: Optional[np.ndarray] = None) -> Tuple[List[Stage], LostTarget]:
+    """Returns new stages, which have no past, and the one that recovers a lost target. Raises ParameterError.
+
+    Args: start_ns: start of the time limit.  set_point: (n,) joint set-points commanded last, None: as measured.
+    """
+    law, hindrance, kinematics = make_law(config.law, config.gains_per_s, config), Hindrance(), goal.kinematics
+    tracker: Any = config.filter and FeatureFilter(config.filter, goal.features, config.symmetric_target)
+    lost = LostTarget(kinematics, arm, config.on_lost, config.lost_target, goal.source, tracker)
+    arrival = Arrival(goal, arm, config, tracker)
+    moves = LookThenMove(kinematics, arm, config, arrival, hindrance, set_point)
+    looks, calms = config.mode == "look_then_move", config.creep_rate_per_s > 0.0 and not config.follows
+    gates: List[Any] = [
+        TimeLimit(config, start_ns, arrival, hindrance),
+        Stale(len(kinematics.joint_names), config.input_timeout_s, tracker),
+        looks and UnderWay(moves),
+        lost,
+    ]
+    twist: List[Any] = [
+        LawStage(law, goal, tracker, not looks),
+        config.smooth_start_per_s > 0.0 and SmoothStart(config.smooth_start_per_s),
+        config.on_lost != "hold" and AfterLoss(lost),
+        arrival,
+    ]
+    last: List[Any] = [moves] if looks else [
+        calms and Calm(arrival.rule, config.tilt_gain_per_s),
+        config.feed_forward and TargetMotion(config.feed_forward, goal.features),
+        JointPlace(arm),
+        arrival.holds_tilt and Tilt(arm, config.tilt_gain_per_s),
+        config.visibility and Visibility(config.visibility),
+        calms and CreepCompensation(config.creep_rate_per_s, arrival.rule),
+        *(STAGES[name](kinematics, config) for name in config.stages),
+        config.stages and SixNumbers(kinematics, config),
+        JointVelocity(arm, law, tracker, hindrance),
+    ]
+    return list(filter(None, gates + twist + last)), lost
