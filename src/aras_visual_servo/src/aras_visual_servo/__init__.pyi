@@ -80,7 +80,7 @@ from .config.files import package_paths as package_paths
 from .config.files import resolve_uri as resolve_uri
 from .config.files import share_dir as share_dir
 from .config.plugins import load_plugins as load_plugins
-from .config.plugins import place_of as place_of
+from .config.plugins import code_place as code_place
 from .config.reader import Names as Names
 from .config.validate import is_number as is_number
 from .config.reader import read as read
