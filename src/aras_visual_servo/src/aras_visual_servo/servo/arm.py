@@ -6,8 +6,8 @@ from ..arm.motion import ArmMotion
 from ..laws.base import Law
 from ..laws.look import Arm
 from .feature_filter import FeatureFilter
-from .hindrance import Hindrance
 from .stage import Stage, Tick
+from .time_limit import Hindrance
 
 
 class JointPlace(Stage):

@@ -1,7 +1,7 @@
 """Stage: judges each image by the stop rule, and ends the servo when it has arrived."""
 
 from math import atan2, degrees
-from typing import Optional
+from typing import Any, Optional
 
 import numpy as np
 
@@ -25,7 +25,7 @@ class Arrival(Stage):
         holds_tilt: whether the optical axis is held by the joint positions.
     """
 
-    def __init__(self, goal: Goal, arm: ArmMotion, config, tracker: Optional[FeatureFilter]):
+    def __init__(self, goal: Goal, arm: ArmMotion, config: Any, tracker: Optional[FeatureFilter]):
         """Args: config: `ServoSettings`.  tracker: filters the features, or None."""
         images = 1 if goal.reference is None else goal.reference.images
         self.rule = StopRule(goal.features.names, config.thresholds, config.hold_s, config.stop, config.follows, images)
@@ -74,7 +74,7 @@ class Arrival(Stage):
             return self._end(tick, Status.CONVERGED, "features, tilt and pose within their thresholds")
         return tick
 
-    def _end(self, tick, status, text):
+    def _end(self, tick: Tick, status: Status, text: str) -> Tick:
         return tick.rest(status, f"{text}; {self.displaced}" if self.displaced else text)
 
     def rest(self, tick: Tick) -> Tick:

@@ -16,11 +16,12 @@ of robots", 1996, chapter 7 (latency).
 from collections import deque
 from dataclasses import dataclass
 from re import fullmatch
+from typing import Any, Sequence, Tuple
 
 import numpy as np
 
 from ..config.settings import setting
-from ..features.base import View
+from ..features.base import FeatureSet, View
 from ..spatial import inverse, logarithm, rotation, skew
 from ..ground.types import Features
 from .feed_forward import POSE_FEATURES, ConstantVelocity
@@ -63,14 +64,14 @@ class FeatureFilter:
         rate: (k,) of the features by the target's motion, in their units per second.
     """
 
-    def __init__(self, config, features, symmetric):
-        """Args: config: `FilterSettings`. features: `FeatureSet`. symmetric: the target is so after half a turn."""
+    def __init__(self, config: FilterSettings, features: FeatureSet, symmetric: bool):
+        """Args: symmetric: the target looks the same after half a turn."""
         self._config, self._set, self._symmetric = config, features, symmetric
         names = [fullmatch(r"([xy])([0-9]+)", name) for name in features.names]
         self._points = [("xy".index(name[1]), int(name[2]) - 1) for name in names] if all(names) else None
         self.clear()
 
-    def clear(self):
+    def clear(self) -> None:
         """Forget the past."""
         config = self._config
         self._variances = ConstantVelocity(config.acceleration, config.noise, config.rate)
@@ -78,20 +79,20 @@ class FeatureFilter:
         self._s = self._L = self._X_BC = self.features = self._seen_ns = None
         self.rate, self.seen = np.zeros(len(self._set)), False
 
-    def foresees(self, stamp_ns):
-        """Whether a look without the target at that time can be answered."""
+    def foresees(self, stamp_ns: int) -> bool:
+        """Returns whether a look without the target at that time can be answered."""
         return self._s is not None and stamp_ns - self._seen_ns <= 1e9 * self._config.outage_s
 
-    def unseen_s(self, stamp_ns):
-        """Time since the target was seen [s]."""
+    def unseen_s(self, stamp_ns: int) -> float:
+        """Returns the time since the target was seen [s]."""
         return 1e-9 * (stamp_ns - self._seen_ns)
 
-    def commanded(self, stamp_ns, twist):
-        """The twist, (6,), with which an image was answered."""
+    def commanded(self, stamp_ns: int, twist: np.ndarray) -> None:
+        """Remembers the twist, (6,), with which an image was answered."""
         self._commands.append((stamp_ns, twist))
 
-    def at(self, stamp_ns, X_BC, features, plane):
-        """Make this the present look, and return self, the tracker of the law.
+    def at(self, stamp_ns: int, X_BC: np.ndarray, features: Any, plane: np.ndarray) -> "FeatureFilter":
+        """Makes this the present look, and returns self, the tracker of the law.
 
         Args: X_BC: (4, 4) pose of the camera.  features: of the image, None where the target is not seen.
             plane: (A, B, C) of the target there [1/m].
@@ -103,8 +104,8 @@ class FeatureFilter:
             self.features = self._with_points()
         return self
 
-    def corrected(self, s, view):
-        """Tuple of k: the features of the look, measured as s, filtered and foreseen by the latency."""
+    def corrected(self, s: Sequence[float], view: View) -> Tuple[float, ...]:
+        """Returns the k features of the look, measured as s, filtered and foreseen by the latency."""
         stamp_ns, X_BC, plane = self._now
         s, L = np.array(s), self._matrix(s, View(view.features, plane, None, view.inverse_depths))
         if self._s is None:
@@ -118,8 +119,8 @@ class FeatureFilter:
         self._L, self._X_BC, self._at_ns, self._seen_ns = L, X_BC, stamp_ns, stamp_ns
         return self._ahead(stamp_ns)
 
-    def foreseen(self):
-        """Tuple of k: the features of a look that does not show the target."""
+    def foreseen(self) -> Tuple[float, ...]:
+        """Returns the k features of a look that does not show the target."""
         stamp_ns, X_BC, plane = self._now
         self._advance(stamp_ns, X_BC, self._L)
         self._X_BC, self._at_ns = X_BC, stamp_ns
@@ -129,15 +130,15 @@ class FeatureFilter:
             self._L = self._matrix(self._s, View(self.features, plane))
         return self._ahead(stamp_ns)
 
-    def _matrix(self, s, view):
+    def _matrix(self, s: np.ndarray, view: View) -> np.ndarray:
         """L, (k, 6), of the features at s in this view."""
         return matrix_of_pose(s) if self._set.names == POSE_FEATURES else self._set.matrix(view)
 
-    def _advance(self, stamp_ns, X_BC, L):
+    def _advance(self, stamp_ns: int, X_BC: np.ndarray, L: np.ndarray) -> None:
         """Move the features along with the camera and the target."""
         self._s = self._s + L @ logarithm(inverse(self._X_BC) @ X_BC) + 1e-9 * (stamp_ns - self._at_ns) * self.rate
 
-    def _ahead(self, stamp_ns):
+    def _ahead(self, stamp_ns: int) -> Tuple[float, ...]:
         """The features after the latency, in which the answers to earlier images act."""
         latency_s = self._config.latency_s
         if latency_s <= 0.0:
@@ -150,7 +151,7 @@ class FeatureFilter:
                 break
         return tuple((self._s + self._L @ motion + latency_s * self.rate).tolist())
 
-    def _with_points(self):
+    def _with_points(self) -> Features:
         """`Features` as those seen last, with the points where they are foreseen."""
         copy = Features.from_object(self.features)
         places = [list(copy.point_x), list(copy.point_y)]
@@ -160,8 +161,8 @@ class FeatureFilter:
         return copy
 
 
-def matrix_of_pose(s):
-    """L, (6, 6), of the camera's displacement s = (p_CgC, theta u), (6,), from the goal, for a target at rest.
+def matrix_of_pose(s: Sequence[float]) -> np.ndarray:
+    """Returns L, (6, 6), of the camera's displacement s = (p_CgC, theta u), (6,), from the goal, for a target at rest.
 
     p_dot = R v, and (theta u)_dot = J(theta u) w with the inverse of the right Jacobian of the rotations.
     """

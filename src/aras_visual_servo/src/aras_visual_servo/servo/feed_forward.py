@@ -16,14 +16,15 @@ References:
 
 from dataclasses import dataclass
 from math import cos, sin
+from typing import Any, Sequence, Tuple
 
 import numpy as np
 
 from ..config.settings import setting
 from ..ground.errors import ParameterError
-from ..features.base import View
+from ..features.base import FeatureSet, View
 from ..spatial import exponential, inverse, rotation, rotation_vector
-from ..ground.types import FEATURE_NAMES
+from ..ground.types import FEATURE_NAMES, Reference
 from .stage import Stage, Tick
 
 POSE_FEATURES = ("tx", "ty", "tz", "rx", "ry", "rz")
@@ -59,13 +60,13 @@ class ConstantVelocity:
     The acceleration is white between two images (piecewise constant), as in Bar-Shalom et al., 2001, section 6.3.2.
     """
 
-    def __init__(self, acceleration, noise, speed):
+    def __init__(self, acceleration: float, noise: float, speed: float):
         """Args: standard deviations of acceleration, of a measured place, and of the velocity at first; > 0."""
         self._q, self._r = acceleration * acceleration, noise * noise
         self._pp, self._pv, self._vv = self._r, 0.0, speed * speed
 
-    def gains(self, dt_s):
-        """(gain of the place, of the velocity) for a measurement dt_s > 0 after the last one; updates the variances."""
+    def gains(self, dt_s: float) -> Tuple[float, float]:
+        """Returns the gains (place, velocity) of a measurement dt_s > 0 after the last; updates the variances."""
         pp = self._pp + dt_s * (2.0 * self._pv + dt_s * self._vv) + 0.25 * self._q * dt_s**4
         pv = self._pv + dt_s * self._vv + 0.5 * self._q * dt_s**3
         vv = self._vv + self._q * dt_s * dt_s
@@ -81,23 +82,24 @@ class TargetMotion(Stage):
         velocity: (3,) of the followed point in B [m/s].  turn: (3,) angular velocity in B [rad/s].
     """
 
-    def __init__(self, config, features):
-        """Args: config: `FeedForwardSettings`. features: `FeatureSet` of the law."""
+    def __init__(self, config: FeedForwardSettings, features: FeatureSet):
+        """Args: features: of the law."""
         self._config, self._features = config, features
         self._exact = features.names in (FEATURE_NAMES, POSE_FEATURES)
-        self._point_G = self._to_go = None
+        self._point_G: Any = None
+        self._to_go: Any = None
         self.clear()
 
-    def clear(self):
-        """Forget the estimate, because the target may have changed its motion."""
+    def clear(self) -> None:
+        """Forgets the estimate, because the target may have changed its motion."""
         config = self._config
         self._places = ConstantVelocity(config.acceleration_m_s2, config.noise_m, config.speed_m_s)
         self._turns = ConstantVelocity(config.acceleration_rad_s2, config.noise_rad, config.turn_rad_s)
         self._last_ns = self._point_B = self._R_BG = None
         self.velocity, self.turn = np.zeros(3), np.zeros(3)
 
-    def set_reference(self, reference):
-        """Take over the goal. Raises ParameterError: the reference does not say where the target is in space."""
+    def set_reference(self, reference: Reference) -> None:
+        """Takes over the goal. Raises ParameterError: the reference does not say where the target is in space."""
         if reference.view is None:
             raise ParameterError("feed_forward: the reference holds no view of the target: teach it again")
         view = reference.view
@@ -114,8 +116,8 @@ class TargetMotion(Stage):
         tick.twist = tick.twist + self.twist(tick.stamp_ns, tick.X_BC, tick.answer.s, tick.answer.e)
         return tick
 
-    def goal_and_point(self, s, e):
-        """(R_CG, p_CP): attitude of the goal and place of the followed point in the camera, from s and e, (k,)."""
+    def goal_and_point(self, s: Sequence[float], e: Sequence[float]) -> Tuple[np.ndarray, np.ndarray]:
+        """Returns (R_CG, p_CP): attitude of the goal, place of the followed point in the camera, from s and e, (k,)."""
         if self._features.names == FEATURE_NAMES:  # exact for a target parallel to the image
             c, sine = cos(e[3]), sin(e[3])
             return np.array([[c, -sine, 0.0], [sine, c, 0.0], [0.0, 0.0, 1.0]]), np.array(s[:3])
@@ -129,8 +131,8 @@ class TargetMotion(Stage):
             X_CG = exponential(self._to_go @ np.array(e))
         return X_CG[:3, :3], X_CG[:3, :3] @ self._point_G + X_CG[:3, 3]
 
-    def twist(self, stamp_ns, X_BC, s, e):
-        """Update the estimate with one image. Returns V_C, (6,), of a camera that moves along with the target.
+    def twist(self, stamp_ns: int, X_BC: np.ndarray, s: Sequence[float], e: Sequence[float]) -> np.ndarray:
+        """Updates the estimate with one image. Returns V_C, (6,), of a camera that moves along with the target.
 
         Args: X_BC: (4, 4) pose of the camera at the image.  s, e: (k,) features and errors of the law.
         """

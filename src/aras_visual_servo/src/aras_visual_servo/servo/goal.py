@@ -5,6 +5,7 @@ from typing import Any, List, Optional, Sequence, Tuple
 
 import numpy as np
 
+from ..arm.kinematics import RobotKinematics
 from ..features.base import FeatureSet, View
 from ..features.sources import source_named
 from ..ground.errors import DegenerateFeature, ParameterError
@@ -20,14 +21,14 @@ class Goal:
         reference: `Reference` or None.  s_star: (k,) of it, NaN before.  pose: `GoalPose` of it, or None.
     """
 
-    def __init__(self, kinematics, config):
+    def __init__(self, kinematics: RobotKinematics, config: Any):
         """Args: config: `ServoSettings`."""
         self.kinematics, self._config = kinematics, config
         self.features = FeatureSet(config.features, config.settings, config.source)
         self.source = source_named(self.features.source)
         self.reference: Optional[Reference] = None
         self.s_star = np.full(len(self.features), np.nan)
-        self.pose: Optional[GoalPose] = None
+        self.pose: Any = None
         self._X_CgB: Optional[np.ndarray] = None
 
     def set_reference(self, reference: Reference) -> None:
@@ -41,7 +42,7 @@ class Goal:
         """Returns why these features (None: no image) cannot be servoed on, in words; an empty text if they can."""
         return "no image" if features is None else self.source.why_lost(features)
 
-    def taught_by(self, features, q, z_star_m: float) -> Reference:
+    def taught_by(self, features: Any, q: Any, z_star_m: float) -> Reference:
         """Returns the `Reference` that a view would give as the goal. The goal itself stays as it is.
 
         Args:
@@ -53,7 +54,7 @@ class Goal:
         if not (isfinite(z_star_m) and z_star_m > 0.0):
             raise ParameterError(f"z_star_m of the view to teach: found {z_star_m}, allowed > 0")
         try:
-            taught = None if text else self.source.taught(features, z_star_m, self._config.target_normal_C)
+            taught: Any = None if text else self.source.taught(features, z_star_m, self._config.target_normal_C)
             s_star = np.array([np.nan] if text else self.features.values(View(taught.features)))
         except DegenerateFeature as error:
             raise ParameterError(f"the view to teach: {error}") from error
@@ -66,7 +67,7 @@ class Goal:
         view = self.source.mean(views)
         return self._reference(np.array(self.features.values(View(view))), q, view, first.plane_C, len(views))
 
-    def _reference(self, s_star, q, view, plane_C, images=1):
+    def _reference(self, s_star: np.ndarray, q: np.ndarray, view: Any, plane_C: Any, images: int = 1) -> Reference:
         axis_B = self.kinematics.pose(q)[:3, 2].copy()
         return Reference(s_star, axis_B, self.kinematics.by_name(q), view, plane_C, images)
 
@@ -98,7 +99,7 @@ class Goal:
         X_CgC = self.displacement(X_BC)
         return (self.reference.plane_C @ X_CgC[:3, :3]) / (1.0 - self.reference.plane_C @ X_CgC[:3, 3])
 
-    def plane_at(self, q) -> np.ndarray:
+    def plane_at(self, q: Any) -> np.ndarray:
         """Returns (A, B, C), (3,), of the target at rest, in the camera frame at joint positions q [1/m].
 
         Raises ParameterError: nothing was taught, or the reference does not tell where the target is.

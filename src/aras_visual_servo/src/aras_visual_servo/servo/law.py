@@ -6,6 +6,7 @@ from typing import Optional
 import numpy as np
 
 from ..features.base import View
+from ..ground.types import Reference
 from ..laws.base import Law
 from ..laws.look import Look
 from .feature_filter import FeatureFilter
@@ -26,7 +27,7 @@ class LawStage(Stage):
         """What a fault calls the law."""
         return f"law '{self.law.name}'"
 
-    def set_reference(self, reference) -> None:
+    def set_reference(self, reference: Reference) -> None:
         """Makes the law forget the past and servo to `reference`."""
         self.law.reset(reference)
 
@@ -57,9 +58,10 @@ class SmoothStart(Stage):
 
     def __init__(self, rate_per_s: float):
         """Args: rate_per_s: > 0 [1/s]."""
-        self._rate_per_s, self._first, self._t_s = rate_per_s, None, 0.0
+        self._rate_per_s, self._t_s = rate_per_s, 0.0
+        self._first: Optional[np.ndarray] = None
 
-    def set_reference(self, reference) -> None:
+    def set_reference(self, reference: Reference) -> None:
         """Starts from rest again."""
         self._first, self._t_s = None, 0.0
 

@@ -1,16 +1,18 @@
 """Look then move: one image, one move of the set-points, wait until the arm rests, the next image (T15)."""
 
 from math import inf
-from typing import Optional
+from typing import Any, Optional, Tuple
 
 import numpy as np
 
+from ..arm.kinematics import RobotKinematics
 from ..arm.limits import position_factor
+from ..arm.motion import ArmMotion
 from ..arm.trajectory import JointTrajectory
 from ..ground.types import Status
 from .arrival import Arrival
-from .hindrance import Hindrance
 from .stage import Stage, Tick
+from .time_limit import Hindrance
 
 #: A look's displacement is followed in this many steps (the arm's Jacobian turns on the way), and this part of the tilt
 #: is corrected by each look.
@@ -26,15 +28,14 @@ class LookThenMove(Stage):
         under_way: a move is not finished, or its joints have not settled.
     """
 
-    def __init__(self, kinematics, arm, config, arrival: Arrival, hindrance: Hindrance,
-                 set_point: Optional[np.ndarray] = None):
-        """Args: kinematics: `Kinematics`. arm: `ArmMotion`. config: `ServoSettings`.
-
-        set_point: (n,) joint set-points commanded last; None: the positions measured at the first look.
-        """
+    def __init__(self, kinematics: RobotKinematics, arm: ArmMotion, config: Any, arrival: Arrival,
+                 hindrance: Hindrance, set_point: Optional[np.ndarray] = None):
+        """Args: config: `ServoSettings`.  set_point: (n,) joint set-points commanded last; None: as measured first."""
         self._kinematics, self._arm, self._config = kinematics, arm, config
-        self._arrival, self._hindrance, self.set_point = arrival, hindrance, set_point
-        self._move, self._begin_ns, self._followed_s, self._last = None, 0, 0.0, None
+        self._arrival, self._hindrance, self._begin_ns, self._followed_s = arrival, hindrance, 0, 0.0
+        self.set_point: Any = set_point
+        self._move: Any = None
+        self._last: Any = None
 
     def apply(self, tick: Tick) -> Tick:
         """Returns the tick with the begin of the move that this look asks for."""
@@ -67,12 +68,13 @@ class LookThenMove(Stage):
         return tick
 
     @property
-    def under_way(self):
+    def under_way(self) -> bool:
         """Whether the last move is not finished."""
         return self._move is not None
 
-    def plan(self, stamp_ns, q, X_BC, twist, target_C):
-        """Begin the move that one look asks for.
+    def plan(self, stamp_ns: int, q: np.ndarray, X_BC: np.ndarray, twist: np.ndarray,
+             target_C: Optional[Tuple[float, float, float]]) -> Tuple[np.ndarray, float, Optional[str]]:
+        """Begins the move that one look asks for.
 
         Args:
             q: (n,) measured.  X_BC: (4, 4) pose of the camera there.  twist: V_C, (6,), of the law.
@@ -104,8 +106,8 @@ class LookThenMove(Stage):
         self._begin_ns = stamp_ns
         return twist, manipulability, shortened_by
 
-    def goes_on(self, stamp_ns, q):
-        """Whether the move is still under way or settling at q; if not, it is over."""
+    def goes_on(self, stamp_ns: int, q: np.ndarray) -> bool:
+        """Returns whether the move is still under way or settling at q; if not, it is over."""
         way, speed = self._kinematics.way, inf
         if self._last is not None:
             speed = float(np.abs(way(self._last[1], q)).max()) / (1e-9 * (stamp_ns - self._last[0]))
@@ -119,15 +121,15 @@ class LookThenMove(Stage):
             return False
         return True
 
-    def follow(self, stamp_ns, dt_s):
-        """(set-points, velocities), (n,) each, of the move under way, for the next dt_s."""
+    def follow(self, stamp_ns: int, dt_s: float) -> Tuple[np.ndarray, np.ndarray]:
+        """Returns (set-points, velocities), (n,) each, of the move under way, for the next dt_s."""
         t_s = 1e-9 * (stamp_ns - self._begin_ns)
         self._followed_s = t_s + dt_s
         self.set_point, q_dot = self._move.step(t_s, dt_s)
         return self.set_point, q_dot
 
-    def break_off(self, stamp_ns):
-        """End the move where the integrated set-point now is, (n,); the next look starts from there."""
+    def break_off(self, stamp_ns: int) -> np.ndarray:
+        """Ends the move where the integrated set-point now is, (n,); the next look starts from there."""
         t_s = min(1e-9 * (stamp_ns - self._begin_ns), self._followed_s)
         self.set_point = self._move.position(t_s)
         self._move = self._last = None

@@ -7,15 +7,21 @@ here.
 from collections import deque
 from dataclasses import dataclass
 from math import atan2, ceil, cos, pi, sin
-from typing import NamedTuple, Optional
+from typing import TYPE_CHECKING, Any, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
 from ..config.settings import setting
+from ..features.sources.base import Source
 from ..ground.types import Status
 from ..spatial import exponential, inverse, rotation_vector
+from .feature_filter import FeatureFilter
 from .stage import Stage, Tick
 from .stale import foreseen
+
+if TYPE_CHECKING:  # C++: not needed to describe the settings of this file
+    from ..arm.kinematics import RobotKinematics
+    from ..arm.motion import ArmMotion
 
 ACTIONS = ("hold", "back_off", "search")
 #: Images whose joint positions are kept for the way back: ten minutes at 30 Hz.
@@ -72,11 +78,11 @@ class Recovery(NamedTuple):
     gave_up: bool = False
 
 
-def search_places(config, first_angle):
-    """Displacements of the camera from where it saw the target last, (6,) each: [translation m; rotation vector rad].
+def search_places(config: LostTargetSettings, first_angle: float) -> List[np.ndarray]:
+    """Returns camera displacements from where it saw the target last, (6,) each: [translation m; rotation vector rad].
 
     Rings of `DIRECTIONS` places, beginning in the direction in which the target was seen last.
-    Args: config: `LostTargetSettings`. first_angle: of that direction in the image [rad].
+    Args: first_angle: of that direction in the image [rad].
     """
     places = []
     for ring in range(1, config.rings + 1):
@@ -96,11 +102,9 @@ class LostTarget(Stage):
         recoveries: how often the arm moved until the target was found again, since `clear`.
     """
 
-    def __init__(self, kinematics, arm, action, config, source=None, tracker=None):
-        """Args: kinematics: `Kinematics`. arm: `ArmMotion`. action: one of ACTIONS. config: `LostTargetSettings`.
-
-        source: `Source` of the features.  tracker: foresees the features, or None.
-        """
+    def __init__(self, kinematics: "RobotKinematics", arm: "ArmMotion", action: str, config: LostTargetSettings,
+                 source: Optional[Source] = None, tracker: Optional[FeatureFilter] = None):
+        """Args: action: one of ACTIONS.  source: of the features.  tracker: foresees the features, or None."""
         self._source, self._tracker = source, tracker
         self._kinematics, self._arm, self._action, self._config = kinematics, arm, action, config
         self._speed = np.minimum(kinematics.velocity, config.speed)
@@ -125,24 +129,24 @@ class LostTarget(Stage):
         tick = tick.rest(Status.STOPPED if recovery.gave_up else Status.TARGET_LOST, recovery.text)
         return tick.set(q_dot=recovery.q_dot, twist=recovery.twist)
 
-    def _found(self):
+    def _found(self) -> None:
         self._lost_ns = self._seen_ns = self._here = self._places = None
         self._moved = False
 
     @property
-    def factor(self):
+    def factor(self) -> float:
         """Factor on the twist of the law: it becomes smaller with each recovery."""
         return self._config.slow_down**self.recoveries
 
-    def found(self, stamp_ns):
-        """Whether the servo may go on with this image, in which the target is seen."""
+    def found(self, stamp_ns: int) -> bool:
+        """Returns whether the servo may go on with this image, in which the target is seen."""
         if not self._moved:
             return True
         self._seen_ns = stamp_ns if self._seen_ns is None else self._seen_ns
         return stamp_ns - self._seen_ns >= 1e9 * self._config.confirm_s
 
-    def servoed(self, q, features):
-        """Call this when the law has answered an image of the target, taken at joint positions q, (n,)."""
+    def servoed(self, q: np.ndarray, features: Any) -> None:
+        """Notes that the law has answered an image of the target, taken at joint positions q, (n,)."""
         if self._action == "hold":
             return
         if self._lost_ns is not None:
@@ -151,7 +155,7 @@ class LostTarget(Stage):
         self._path.append(q)
         self._direction = atan2(getattr(features, "yg", 0.0), getattr(features, "xg", 0.0))
 
-    def step(self, stamp_ns, q, dt_s, visible) -> Optional[Recovery]:
+    def step(self, stamp_ns: int, q: np.ndarray, dt_s: float, visible: bool) -> Optional[Recovery]:
         """Answer to an image without the target, or to one that shows it (visible) but not for long enough yet.
 
         None: hold still.
@@ -186,7 +190,7 @@ class LostTarget(Stage):
         q_dot, twist, place = self._look_around(stamp_ns, q, dt_s)
         return Recovery(q_dot, twist, f"{state}, searching: {place}")
 
-    def _back(self, q, dt_s):
+    def _back(self, q: np.ndarray, dt_s: float) -> np.ndarray:
         """Joint velocities that go back along the path for dt_s, at the speed limit; zeros at its end."""
         if self._here is None:
             self._here = q
@@ -202,7 +206,7 @@ class LostTarget(Stage):
             self._path.append(self._here)  # the arm waits where the path began
         return self._kinematics.way(begin, self._here) / dt_s
 
-    def _look_around(self, stamp_ns, q, dt_s):
+    def _look_around(self, stamp_ns: int, q: np.ndarray, dt_s: float) -> Tuple[np.ndarray, np.ndarray, str]:
         """Joint velocities towards the present place of the search, the twist, and which place it is."""
         if self._places is None:
             X_BH = self._kinematics.pose(self._path[-1])
@@ -220,16 +224,16 @@ class LostTarget(Stage):
         factor = velocity_factor(motion.q_dot, self._speed)
         return motion.q_dot * factor, motion.twist * factor, f"place {self._place + 1} of {len(self._places)}"
 
-    def _time_s(self, way):
+    def _time_s(self, way: np.ndarray) -> float:
         """Time that a way takes at full speed of the camera [s]."""
         return max(np.linalg.norm(way[:3]) / self._config.speed_m_s, np.linalg.norm(way[3:]) / self._config.turn_rad_s)
 
-    def _way(self, q):
+    def _way(self, q: np.ndarray) -> np.ndarray:
         """Twist [v; w] in C that, held for 1 s, brings the camera from q to the present place (to first order)."""
         X_CP = inverse(self._kinematics.pose(q)) @ self._places[self._place]
         return np.concatenate([X_CP[:3, 3], rotation_vector(X_CP[:3, :3])])
 
-    def _size(self, way):
+    def _size(self, way: np.ndarray) -> float:
         """Length of a way in steps of the pattern."""
         return max(np.linalg.norm(way[:3]) / self._config.step_m, np.linalg.norm(way[3:]) / self._config.step_rad)
 

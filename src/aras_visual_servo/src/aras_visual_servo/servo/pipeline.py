@@ -13,7 +13,6 @@ from .creep import CreepCompensation
 from .feature_filter import FeatureFilter
 from .feed_forward import TargetMotion
 from .goal import Goal
-from .hindrance import Hindrance
 from .law import LawStage, SmoothStart
 from .look_then_move import LookThenMove, UnderWay
 from .lost_target import AfterLoss, LostTarget
@@ -21,7 +20,7 @@ from .settings import ServoSettings
 from .stage import STAGES, SixNumbers, Stage
 from .stale import Stale
 from .tilt import Tilt
-from .time_limit import TimeLimit
+from .time_limit import Hindrance, TimeLimit
 from .visibility import Visibility
 
 

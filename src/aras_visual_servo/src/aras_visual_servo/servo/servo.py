@@ -16,6 +16,7 @@ from typing import Any, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
+from ..arm.kinematics import RobotKinematics
 from ..arm.motion import ArmMotion
 from ..config.plugins import described
 from ..features.base import View
@@ -37,7 +38,7 @@ class Servo:
         goal: `Goal`, which teaches views and holds the reference.
     """
 
-    def __init__(self, kinematics, config: Union[Mapping, ServoSettings]):
+    def __init__(self, kinematics: RobotKinematics, config: Union[Mapping, ServoSettings]):
         """Args: kinematics: `Kinematics`. config: the scenario's section `servo` (dict), or the `settings` of another
         servo of these joints. Raises ParameterError."""
         self.settings = self.config = (config if isinstance(config, ServoSettings)
@@ -109,7 +110,7 @@ class Servo:
             servo._tick = servo._tick.set(status=self.status, text=self._tick.text)
         return servo
 
-    def teach(self, features: Any, q, z_star_m: float) -> Reference:
+    def teach(self, features: Any, q: Any, z_star_m: float) -> Reference:
         """Makes a view the goal. Args and errors: those of `Goal.taught_by`."""
         reference = self.goal.taught_by(features, q, z_star_m)
         self.set_reference(reference)
@@ -122,7 +123,7 @@ class Servo:
         self.goal.set_reference(reference)
         self._arm.set_reference(reference)
 
-    def start(self, stamp_ns: int, set_point=None) -> None:
+    def start(self, stamp_ns: int, set_point: Any = None) -> None:
         """Begins servoing.
 
         Args: stamp_ns: start of the time limit. set_point: joint set-points last commanded, by name or as an array

@@ -11,7 +11,7 @@ that a stage keeps its state in its own attributes.
 
 from dataclasses import dataclass, field
 from math import isfinite
-from typing import Any, Callable, Optional, Tuple, Type, TypeVar
+from typing import TYPE_CHECKING, Any, Callable, Optional, Tuple, Type, TypeVar
 
 import numpy as np
 
@@ -19,11 +19,16 @@ from ..config.settings import keys_of, settings_of
 from ..features.base import View
 from ..ground.errors import ParameterError
 from ..ground.registry import Registry
-from ..ground.types import Observation, Status
+from ..ground.types import Observation, Reference, Status
 from ..laws.look import Answer
+
+if TYPE_CHECKING:  # C++: not needed to describe the settings of a stage
+    from ..arm.kinematics import RobotKinematics
 
 #: tilt_rad, position_m, rotation_rad of an image that tells none of them.
 UNKNOWN = (float("nan"),) * 3
+#: Not known before a stage has set it.
+LATER: Any = None
 
 
 @dataclass(slots=True)
@@ -52,17 +57,17 @@ class Tick:
     q: np.ndarray
     answer: Answer
     tilt_part: float = 1.0
-    X_BC: Optional[np.ndarray] = None
-    view: Optional[View] = None
+    X_BC: np.ndarray = LATER
+    view: View = LATER
     twist: np.ndarray = field(default_factory=lambda: np.zeros(6))
-    jacobian: Optional[np.ndarray] = None
-    inverse: Optional[Any] = None
+    jacobian: np.ndarray = LATER
+    inverse: Any = LATER
     manipulability: float = float("nan")
     judged: Tuple[float, float, float] = UNKNOWN
     applied: Optional[np.ndarray] = None
     status: Status = Status.IDLE
     text: str = ""
-    q_dot: Optional[np.ndarray] = None
+    q_dot: np.ndarray = LATER
     set_point: Optional[np.ndarray] = None
     rests: bool = False
 
@@ -94,8 +99,8 @@ class Stage:
     name: str = ""
     settings_class: Optional[type] = None
 
-    def __init__(self, kinematics, config):
-        """Args: kinematics: `Kinematics` of the arm.  config: `ServoSettings`."""
+    def __init__(self, kinematics: "RobotKinematics", config: Any):
+        """Args: config: `ServoSettings`."""
         self.kinematics, self.config, self.settings = kinematics, config, None
         if self.settings_class is not None:
             self.settings = settings_of(self.name, self.settings_class, config.settings, f"stage '{self.name}'")
@@ -105,7 +110,7 @@ class Stage:
         """What a fault calls the stage."""
         return f"stage '{self.name or type(self).__name__}'"
 
-    def set_reference(self, reference) -> None:
+    def set_reference(self, reference: Reference) -> None:
         """Takes over the goal, a `Reference`."""
 
     def apply(self, tick: Tick) -> Tick:

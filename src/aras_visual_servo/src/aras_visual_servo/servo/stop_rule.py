@@ -17,13 +17,15 @@ The published rule, |e| < thresholds and nothing else, is there by name. It ends
 
 from dataclasses import dataclass
 from math import nan
+from typing import Optional, Sequence, Tuple
 
 import numpy as np
 
 from ..config.settings import setting
-from ..features.base import View
+from ..features.base import FeatureSet, View
 from ..features.points import depths_in_image
 from ..ground.errors import DegenerateFeature
+from ..ground.types import Reference
 from ..laws.base import MAX_CONDITION
 from .stage import UNKNOWN
 
@@ -69,8 +71,8 @@ class StopSettings:
 class GoalPose:
     """From the error of the features to the displacement of the camera from the goal, (6,), [p_CgC; theta u] (T60)."""
 
-    def __init__(self, features, reference, point_depth="plane"):
-        """Args: features: `FeatureSet`. reference: `Reference`. point_depth: of followed points (`LawSetup`)."""
+    def __init__(self, features: FeatureSet, reference: Reference, point_depth: str = "plane"):
+        """Args: point_depth: of followed points (`LawSetup`)."""
         self._sees_tilt, self._inverse, self._with_tilt = features.sees_tilt, None, None
         if reference.view is None or reference.plane_C is None:
             return
@@ -91,8 +93,8 @@ class GoalPose:
         of_tilt = np.eye(6)[:, TILT_COLUMNS] - self._inverse @ L[:, TILT_COLUMNS]
         self._with_tilt = np.hstack([self._inverse, of_tilt])
 
-    def of(self, e, tilt):
-        """Displacement, (6,), or None where it cannot be told.
+    def of(self, e: np.ndarray, tilt: Optional[Sequence[float]]) -> Optional[np.ndarray]:
+        """Returns the displacement, (6,), or None where it cannot be told.
 
         Args: e: (k,) array of errors.  tilt: (2,) displacement about x and y by the joints; None: it is not held.
         """
@@ -115,8 +117,9 @@ class StopRule:
         resting: all that is judged is so small that there is nothing to correct (`REST`, `MOVE`).
     """
 
-    def __init__(self, names, thresholds, hold_s, settings, follows, taught_images=1):
-        """Args: names, thresholds: of the features. settings: `StopSettings`. follows: the goal may move.
+    def __init__(self, names: Sequence[str], thresholds: Sequence[float], hold_s: float, settings: StopSettings,
+                 follows: bool, taught_images: int = 1):
+        """Args: names, thresholds: of the features. follows: the goal may move.
 
         taught_images: number of images whose mean is the goal: their noise counts too.
         """
@@ -130,15 +133,16 @@ class StopRule:
         self._last_ns = self._since_ns = None
         self.clear()
 
-    def clear(self):
-        """Forget the images seen."""
+    def clear(self) -> None:
+        """Forgets the images seen."""
         if self._last_ns is not None:
             self._images.clear()
         self._X_BC = self._last_ns = self._since_ns = None
         self.judged, self.lacking, self.close, self.resting = UNKNOWN, ("no image",), False, False
 
-    def arrived(self, stamp_ns, e, tilt, pose, X_BC, pose_of_law=False):
-        """Whether the camera has been at the goal for `hold_s`.
+    def arrived(self, stamp_ns: int, e: Sequence[float], tilt: Optional[Sequence[float]], pose: Optional[np.ndarray],
+                X_BC: np.ndarray, pose_of_law: bool = False) -> bool:
+        """Returns whether the camera has been at the goal for `hold_s`.
 
         Args:
             e: (k,) feature errors.  tilt: (2,) about x and y by the joints, None where it is not held.
@@ -172,7 +176,7 @@ class StopRule:
         self.lacking = tuple([name for name, part in parts.items() if not part < 1.0])
         return not self.lacking and stamp_ns - self._since_ns >= self._hold_ns
 
-    def _is_close(self, e, tilt_rad, pose):
+    def _is_close(self, e: Sequence[float], tilt_rad: float, pose: Optional[np.ndarray]) -> bool:
         settings = self._settings
         if tilt_rad > CLOSE * settings.tilt_rad or not all([abs(error) < most for error, most in zip(e, self._close)]):
             return False
@@ -181,7 +185,7 @@ class StopRule:
         position, rotation = _size(pose)
         return not (position > CLOSE * settings.position_m or rotation > CLOSE * settings.rotation_rad)
 
-    def _moved(self, X_BC):
+    def _moved(self, X_BC: np.ndarray) -> np.ndarray:
         """(6,) displacement by the joints since the first image close to the goal; zeros if the goal may move."""
         if self._follows:
             return np.zeros(6)
@@ -189,19 +193,19 @@ class StopRule:
             self._X_BC = X_BC
         return self._between(self._X_BC, X_BC)
 
-    def calm(self, rate_per_s):
-        """Factor of a rate [1/s] of the servo: 1, or less where it has been close to the goal for long."""
+    def calm(self, rate_per_s: float) -> float:
+        """Returns the factor of a rate [1/s] of the servo: 1, or less where it has been close to the goal for long."""
         if self._last_ns is None:
             return 1.0
         over_s = 1e-9 * (self._last_ns - self._since_ns) - PATIENCE_S
         return 1.0 if over_s <= 0.0 else max(1.0 / (1.0 + over_s), min(1.0, CALM_PER_S / rate_per_s))
 
-    def why_not(self):
-        """What was lacking at the last image, in words."""
+    def why_not(self) -> str:
+        """Returns what was lacking at the last image, in words."""
         return ", ".join(self.lacking) or "everything for less than hold_s"
 
 
-def _size(pose):
+def _size(pose: Optional[np.ndarray]) -> Tuple[float, float]:
     if pose is None:
         return nan, nan
     x, y, z, a, b, c = pose.tolist()

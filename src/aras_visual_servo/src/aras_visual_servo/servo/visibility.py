@@ -12,6 +12,7 @@ References:
 """
 
 from dataclasses import dataclass
+from typing import Any, Tuple
 
 import numpy as np
 
@@ -55,10 +56,10 @@ class Visibility(Stage):
         return tick.set(twist=twist, text="servoing, kept in view") if bent else tick
 
 
-def keep_in_view(config, features, twist):
-    """(twist, bent): V_C, (6,), with the sideways motion that keeps the object in view, and whether it has any.
+def keep_in_view(config: VisibilitySettings, features: Any, twist: np.ndarray) -> Tuple[np.ndarray, bool]:
+    """Returns (twist, bent): V_C, (6,), with the sideways motion that keeps the object in view, and whether it has any.
 
-    Args: config: `VisibilitySettings`. features: valid `MomentFeatures` with centred moments of order 3. twist: (6,).
+    Args: features: valid `MomentFeatures` with centred moments of order 3. twist: (6,).
     The target is assumed to be parallel to the image, at the distance an.
     """
     view = View(features, np.array([0.0, 0.0, 1.0 / features.an]))
