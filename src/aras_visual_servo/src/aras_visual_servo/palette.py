@@ -9,6 +9,7 @@ numbers look equally different; 0.02 is just noticeable.
 import functools
 import math
 from itertools import count, islice
+from typing import Collection, Tuple
 
 import numpy as np
 
@@ -37,26 +38,26 @@ _LAB_OF_LMS = np.array([[0.2104542553, 0.7936177850, -0.0040720468], [1.97799849
                         [0.0259040371, 0.7827717662, -0.8086757660]])
 
 
-def rgb(colour):
+def rgb(colour: str) -> Tuple[int, ...]:
     """(red, green, blue), 0 to 255, of "#rrggbb"."""
     return tuple(int(colour[i:i + 2], 16) for i in (1, 3, 5))
 
 
 @functools.lru_cache(maxsize=1024)
-def oklab(colour):
+def oklab(colour: str) -> Tuple[float, ...]:
     """(lightness, a, b) of "#rrggbb" in OKLab, floats."""
     c = np.array(rgb(colour)) / 255.0
     linear = np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
     return tuple((_LAB_OF_LMS @ np.cbrt(_LMS_OF_RGB @ linear)).tolist())
 
 
-def distance(a, b):
+def distance(a: str, b: str) -> float:
     """How different two colours look: their distance in OKLab."""
     return math.dist(oklab(a), oklab(b))
 
 
 @functools.lru_cache(maxsize=1024)
-def shade(hues, number):
+def shade(hues: Tuple[float, float], number: int) -> str:
     """Colour of member `number` (1, 2, ...) of a family whose hues lie in this range (from, to) [deg]."""
     u, v = ((first + (number - 1) * step) % 1.0 for first, step in zip(FIRST, STEPS))
     hue = math.radians(hues[0] + u * (hues[1] - hues[0]))
@@ -71,7 +72,7 @@ def shade(hues, number):
     return "#" + "".join(f"{round(255.0 * x):02X}" for x in c)
 
 
-def spare(taken):
+def spare(taken: Collection[str]) -> str:
     """A colour at LEAST_DISTANCE or more from those taken: one of the palette, else a shade of any hue."""
     best, farthest = PALETTE[0], -1.0
     for colour in (*PALETTE, *islice((shade((0.0, 360.0), n) for n in count(1)), SPARES)):

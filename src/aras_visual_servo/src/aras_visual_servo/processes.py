@@ -17,6 +17,7 @@ import tempfile
 import threading
 import time
 from pathlib import Path
+from typing import Any, Awaitable, Callable, Dict, Iterator, Mapping
 
 SIGNALS = (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM)
 EXIT_SIGNALLED = 128   # plus the signal's number: what a shell reports of a process that a signal ended
@@ -28,7 +29,7 @@ PR_SET_PDEATHSIG = 1   # linux/prctl.h
 class Interrupted(KeyboardInterrupt):
     """One of SIGNALS came. `exit_code`: what this process should end with."""
 
-    def __init__(self, number):
+    def __init__(self, number: int) -> None:
         super().__init__(f"interrupted by {signal.Signals(number).name}")
         self.exit_code = EXIT_SIGNALLED + number
 
@@ -57,7 +58,7 @@ _signals = _Signals()
 
 
 @contextlib.contextmanager
-def signals_raise():
+def signals_raise() -> Iterator[None]:
     """Inside this block the first of SIGNALS raises Interrupted. Others are ignored for CLOSING_S after it, so that
     files and processes can be closed.
 
@@ -67,7 +68,7 @@ def signals_raise():
     if threading.current_thread() is not threading.main_thread() or signal.getsignal(signal.SIGTERM) == _signals.came:
         yield
         return
-    _signals.__init__()
+    _signals.__init__()  # type: ignore[misc]
     before = {number: signal.getsignal(number) for number in SIGNALS}
     if before[signal.SIGHUP] == signal.SIG_IGN:
         del before[signal.SIGHUP]
@@ -80,13 +81,13 @@ def signals_raise():
             signal.signal(number, signal.SIG_DFL if handler is None else handler)
 
 
-def check_signals():
+def check_signals() -> None:
     """Raise Interrupted if a library has swallowed it, as `import cv2` and parts of rospy do."""
     if _signals.raised:
         raise Interrupted(_signals.raised)
 
 
-def run_main(module):
+def run_main(module: str) -> int:
     """Imports a module and runs its main(), so that a signal during the import ends it too.
 
     Returns the exit code.
@@ -102,7 +103,7 @@ def run_main(module):
 
 
 @contextlib.contextmanager
-def signals_held():
+def signals_held() -> Iterator[None]:
     """Inside this block SIGNALS wait, so that nothing is left half done; they raise when the block ends."""
     _signals.holds += 1
     try:
@@ -113,7 +114,7 @@ def signals_held():
 
 
 @contextlib.contextmanager
-def signals_let_through():
+def signals_let_through() -> Iterator[None]:
     """A part of a `signals_held` block, between its opening and its closing, in which signals raise again."""
     holds, _signals.holds = _signals.holds, 0
     try:
@@ -123,7 +124,7 @@ def signals_let_through():
         _signals.holds = holds
 
 
-def run_until_signal(work):
+def run_until_signal(work: Callable[[Any], Awaitable[None]]) -> None:
     """asyncio.run of the coroutine work(came), in the main thread. The future `came` gets the first of SIGNALS, and
     work ends soon after. Then that signal raises, as in `signals_raise`.
 
@@ -153,7 +154,7 @@ def run_until_signal(work):
 
 
 @contextlib.contextmanager
-def temporary_folder(prefix):
+def temporary_folder(prefix: str) -> Iterator[str]:
     """Path of a folder that is deleted when the block ends, also if a signal ends it."""
     with signals_held():
         folder = tempfile.mkdtemp(prefix=prefix)
@@ -164,7 +165,7 @@ def temporary_folder(prefix):
             shutil.rmtree(folder, ignore_errors=True)
 
 
-def end_with_parent(number=signal.SIGKILL):
+def end_with_parent(number: int = signal.SIGKILL) -> None:
     """Called in a child process, which then gets this signal when its parent dies for whatever reason, or has died.
 
     A process that `multiprocessing` has not made must begin this while its parent is alive.
@@ -176,7 +177,7 @@ def end_with_parent(number=signal.SIGKILL):
 
 
 @contextlib.contextmanager
-def signals_blocked():
+def signals_blocked() -> Iterator[None]:
     """Processes that are forked inside this block get no signal of SIGNALS before they call `end_as_child`."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
     try:
@@ -185,7 +186,7 @@ def signals_blocked():
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def end_as_child():
+def end_as_child() -> None:
     """Called in a forked worker: the process that forked it ends it, and it ends with that process.
 
     A terminal sends Ctrl-C to all processes; a worker that obeyed would print a traceback.
@@ -196,12 +197,12 @@ def end_as_child():
     signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
 
 
-def marked(environment):
+def marked(environment: Mapping[str, str]) -> Dict[str, str]:
     """A copy of an environment with a mark, by which `processes_of` finds the processes that were started with it."""
     return dict(environment, **{MARK: f"{os.getpid()}-{os.urandom(8).hex()}"})
 
 
-def processes_of(mark):
+def processes_of(mark: str) -> Dict[int, str]:
     """pid -> name of the running processes whose environment has this mark."""
     found, wanted = {}, f"{MARK}={mark}\0".encode()
     for folder in Path("/proc").glob("[0-9]*"):

@@ -6,6 +6,7 @@ of a second to import; the others are scipy's.
 """
 
 from math import asin, atan2, cos, sin, sqrt
+from typing import Any, Sequence, Tuple
 
 import numpy as np
 
@@ -18,7 +19,7 @@ _SMALL_RAD = 1e-5
 _NEAR_HALF_TURN = -0.9
 
 
-def exponential(twist):
+def exponential(twist: np.ndarray) -> np.ndarray:
     """Pose after a body twist was held for one second.
 
     Args: twist: (6,) array, [v; w] in the moving frame [m/s, rad/s].
@@ -38,7 +39,7 @@ def exponential(twist):
     return X
 
 
-def exponentials(twists):
+def exponentials(twists: np.ndarray) -> np.ndarray:
     """`exponential` of each of N twists, (N, 6): (N, 4, 4)."""
     v, w = twists[:, :3, None], twists[:, 3:]
     angle = np.sqrt(np.einsum("ij,ij->i", w, w))[:, None, None]
@@ -54,7 +55,7 @@ def exponentials(twists):
     return X
 
 
-def logarithm(X):
+def logarithm(X: np.ndarray) -> np.ndarray:
     """Twist, (6,), [v; w], of which a pose, (4, 4), is the `exponential`; its turn is at most pi [m, rad]."""
     w = rotation_vector(X[:3, :3])
     p, square = X[:3, 3], float(w @ w)
@@ -67,7 +68,7 @@ def logarithm(X):
     return np.concatenate([p - 0.5 * wp + D * np.cross(w, wp), w])
 
 
-def inverse(X):
+def inverse(X: np.ndarray) -> np.ndarray:
     """Inverse of a pose, (4, 4), or of each of a stack of poses, (..., 4, 4)."""
     result = np.empty_like(X, dtype=float)
     result[...] = _EYE
@@ -76,19 +77,19 @@ def inverse(X):
     return result
 
 
-def skew(vector):
+def skew(vector: Any) -> np.ndarray:
     """[v]x, (3, 3), of a vector, (3,): [v]x w is the cross product v x w."""
     x, y, z = vector
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
-def adjoint(X):
+def adjoint(X: np.ndarray) -> np.ndarray:
     """(6, 6): a twist [v; w] in the frame that has the pose X, (4, 4), as a twist in the frame that X is given in."""
     R = X[:3, :3]
     return np.block([[R, skew(X[:3, 3]) @ R], [np.zeros((3, 3)), R]])
 
 
-def adjoints(X):
+def adjoints(X: np.ndarray) -> np.ndarray:
     """`adjoint` of each of N poses, (N, 4, 4): (N, 6, 6)."""
     R, turned = X[:, :3, :3], np.zeros((len(X), 6, 6))
     turned[:, :3, :3] = turned[:, 3:, 3:] = R
@@ -96,7 +97,7 @@ def adjoints(X):
     return turned
 
 
-def rotation(vector):
+def rotation(vector: Sequence[float]) -> np.ndarray:
     """Rotation matrix, (3, 3), of a rotation vector, (3,) [rad] (Rodrigues)."""
     x, y, z = np.asarray(vector, dtype=float).tolist()
     angle = (x * x + y * y + z * z) ** 0.5
@@ -108,7 +109,7 @@ def rotation(vector):
     ])  # fmt: skip
 
 
-def rotation_vector(R):
+def rotation_vector(R: np.ndarray) -> np.ndarray:
     """Rotation vector, (3,) [rad], of a rotation matrix; its length is in [0, pi].
 
     Exact to rounding at every angle: at small ones the antisymmetric part of R is the vector itself, near half a turn
@@ -123,7 +124,7 @@ def rotation_vector(R):
     return sine if size < 1e-9 else sine * (atan2(size, cosine) / size)
 
 
-def rotation_angle(R):
+def rotation_angle(R: np.ndarray) -> float:
     """Angle of a rotation matrix, in [0, pi] [rad]; NaN for a matrix with NaN.
 
     It is computed from sine and cosine, because the arc cosine of the trace loses half the digits near zero.
@@ -132,7 +133,7 @@ def rotation_angle(R):
     return atan2(sine, 0.5 * (np.trace(R) - 1.0))
 
 
-def rotation_rpy(rpy_rad):
+def rotation_rpy(rpy_rad: Sequence[float]) -> np.ndarray:
     """Rotation matrix of fixed-axis roll, pitch, yaw, as in URDF: Rz(yaw) Ry(pitch) Rx(roll).
 
     By way of the quaternion, as scipy does, to the last bit.
@@ -146,7 +147,7 @@ def rotation_rpy(rpy_rad):
                      [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), -xx - yy + zz + ww]])
 
 
-def rpy_of(R):
+def rpy_of(R: np.ndarray) -> Tuple[float, float, float]:
     """Roll, pitch and yaw of a rotation matrix, floats [rad]: the inverse of `rotation_rpy`."""
     pitch = asin(max(-1.0, min(1.0, -R[2, 0])))
     roll, yaw = atan2(R[2, 1], R[2, 2]), atan2(R[1, 0], R[0, 0])
@@ -155,7 +156,7 @@ def rpy_of(R):
     return roll, pitch, yaw
 
 
-def pose_from_rpy(position, rpy_rad):
+def pose_from_rpy(position: Sequence[float], rpy_rad: Sequence[float]) -> np.ndarray:
     """Pose, (4, 4), of a position (3,) and of fixed-axis roll, pitch, yaw, as in URDF."""
     X = np.eye(4)
     X[:3, :3], X[:3, 3] = rotation_rpy(rpy_rad), position
@@ -170,7 +171,7 @@ def _quaternion_product(p, q):
             p[3] * q[3] - p[0] * q[0] - p[1] * q[1] - p[2] * q[2])
 
 
-def quaternion_xyzw(R):
+def quaternion_xyzw(R: np.ndarray) -> np.ndarray:
     """Unit quaternion (x, y, z, w), w >= 0, of a rotation matrix, shape (4,); NaN for a matrix with NaN.
 
     As scipy's, to the last bit.
@@ -192,7 +193,7 @@ def quaternion_xyzw(R):
     return q if q[3] >= 0.0 else -q
 
 
-def pose_from_quaternion(position, xyzw):
+def pose_from_quaternion(position: Sequence[float], xyzw: Sequence[float]) -> np.ndarray:
     """Pose, (4, 4), of a position (3,) and a quaternion (4,) of any length; its rotation is NaN if that is zero."""
     X = np.eye(4)
     X[:3, 3] = position

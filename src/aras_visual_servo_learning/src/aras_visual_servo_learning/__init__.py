@@ -6,8 +6,10 @@
 With gymnasium installed, importing this package registers the environments. Without it `export` works all the same.
 """
 
+from typing import Any, Dict
+
 #: id -> what of `ServoEnv` differs from its defaults.
-ENVIRONMENTS = {
+ENVIRONMENTS: Dict[str, Dict[str, Any]] = {
     "ArasServo-State-v0": {"observation": "state"},
     "ArasServo-Image84-v0": {"observation": "image", "image_size": (84, 84)},
     "ArasServo-Image-v0": {"observation": "image"},

@@ -27,7 +27,7 @@ FAR = 100.0
 SETTLE_S = 0.1
 
 
-class ServoEnv(gymnasium.Env):
+class ServoEnv(gymnasium.Env):  # type: ignore[name-defined]
     """Servo the camera to the goal of a scenario.
 
     Args:
@@ -51,7 +51,7 @@ class ServoEnv(gymnasium.Env):
     def __init__(self, scenario: Union[str, Scenario] = "experiment_1", observation: str = "state",
                  action: str = "twist", reward: str = "pose", image_size: Optional[Tuple[int, int]] = None,
                  max_twist: Tuple[float, float] = (0.3, 1.0), max_joint_speed: float = 0.5, max_steps: int = 300,
-                 success: Tuple[float, float] = (0.001, 0.005), render_mode: Optional[str] = None):
+                 success: Tuple[float, float] = (0.001, 0.005), render_mode: Optional[str] = None) -> None:
         from aras_visual_servo_sim import Simulation  # C++: not needed to import this
         for name, value, allowed in (("observation", observation, OBSERVATIONS), ("action", action, ACTIONS),
                                      ("reward", reward, tuple(REWARDS)),
@@ -93,7 +93,8 @@ class ServoEnv(gymnasium.Env):
             "state": state, "image": image,
             "dict": spaces.Dict({"state": state, "image": image, "goal_image": image})}[observation]
         self._wants_image = observation != "state" or self._reward.wants_image
-        self._goal = self._observer = None
+        self._goal: Any = None
+        self._observer: Any = None
         self._steps = 0
 
     # --- gymnasium ----------------------------------------------------------------------------------------------
@@ -104,7 +105,7 @@ class ServoEnv(gymnasium.Env):
         super().reset(seed=seed)
         start = (options or {}).get("start")
         joints = self._drawn() if start is None else self.kinematics.by_name(self.kinematics.vector(
-            {**self._experiment.goal.joints, **start}))
+            {**(self._experiment.goal.joints or {}), **start}))
         self.sim.reset()
         if self._goal is None or self._target or self._reward.wants_image or self._observation == "dict":
             self._teach()

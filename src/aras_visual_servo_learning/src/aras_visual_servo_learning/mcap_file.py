@@ -22,7 +22,7 @@ SCHEMA = {"title": "aras_visual_servo/Servo", "type": "object", "properties": {
 class McapFile:
     """Context in which an MCAP file is written. Raises MissingExtra: there is no mcap."""
 
-    def __init__(self, path: Union[str, Path]):
+    def __init__(self, path: Union[str, Path]) -> None:
         self._library, self._path = extra("mcap.writer", "writing MCAP"), path
         self._channels, self._json = {}, None
         self.messages = 0
@@ -55,7 +55,7 @@ class McapFile:
         channel = self._writer.register_channel(f"{name}/servo", "json", self._json)
         for row, stamp_ns in enumerate(record.stamp_ns.tolist()):
             self._add(channel, stamp_ns, json.dumps({
-                "stamp_ns": stamp_ns, "phase": str(record.phase[row]), "status": Status(record.status[row]).name,
+                "stamp_ns": stamp_ns, "phase": str(record.phase[row]), "status": Status(int(record.status[row])).name,
                 "features": _named(record.feature_names, record.s[row]),
                 "feature_errors": _named(record.feature_names, record.e[row]),
                 "twist": _named(TWIST_NAMES, record.twist[row]),

@@ -4,7 +4,7 @@ from typing import Any, Dict, Optional
 
 import numpy as np
 
-from aras_visual_servo import FeatureSet, Kinematics, ParameterError, Scenario, Servo, View, source_named
+from aras_visual_servo import FeatureSet, RobotKinematics, ParameterError, Scenario, Servo, View, source_named
 
 #: One radian away costs as much as this distance [m]: about that of the target in the shipped scenarios.
 LENGTH_M = 0.5
@@ -17,7 +17,7 @@ class PoseReward:
 
     wants_image = False
 
-    def __init__(self, scenario: Scenario, kinematics: Kinematics):
+    def __init__(self, scenario: Scenario, kinematics: RobotKinematics) -> None:
         pass
 
     def teach(self, image: Optional[np.ndarray], stamp_ns: int, q: np.ndarray) -> None:
@@ -34,7 +34,7 @@ class FeatureReward:
     wants_image = True
     PART = 1000.0
 
-    def __init__(self, scenario: Scenario, kinematics: Kinematics):
+    def __init__(self, scenario: Scenario, kinematics: RobotKinematics) -> None:
         self._scenario, self._servo, self._worst = scenario, Servo(kinematics, scenario.servo), 1.0
         self._features = FeatureSet(self._servo.config.features, self._servo.config.settings)
         self._scale = 1.0 / (self.PART * np.array(self._servo.config.thresholds))
@@ -73,4 +73,4 @@ class FeatureReward:
         return ARRIVED * info["is_success"] - (self._worst if lost else cost)
 
 
-REWARDS = {"pose": PoseReward, "features": FeatureReward}
+REWARDS: Dict[str, Any] = {"pose": PoseReward, "features": FeatureReward}

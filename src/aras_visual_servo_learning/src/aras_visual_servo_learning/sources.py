@@ -39,7 +39,7 @@ def records(sources: Iterable[Union[str, Path]], images: bool = False) -> Iterat
             yield Path(source).stem, read_bag(source, keep_images=images)
         else:
             scenario = load_scenario(source)
-            yield scenario.name, avs.run(scenario, **({"keep_images": True} if images else {}))
+            yield scenario.name, avs.run(scenario, keep_images=images)
 
 
 def _of_sweep(folder):

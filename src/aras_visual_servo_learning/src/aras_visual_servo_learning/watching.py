@@ -12,7 +12,7 @@ class Watcher:
     """Pictures of the arm at any joint positions. Args: at_C: (3,) where the camera is at the goal [m]."""
 
     def __init__(self, scenario: Scenario, at_C: np.ndarray, joint_names: Sequence[str], width: int = 480,
-                 height: int = 360):
+                 height: int = 360) -> None:
         builder = RecordBuilder(scenario.name, joint_names, settings=scenario.as_dict())
         X_WC = np.eye(4)
         X_WC[:3, 3] = at_C

@@ -127,8 +127,8 @@ def sweep(scenario: Union[str, Path, Scenario], starts: Optional[int] = None, *,
     Raises:
         ParameterError: it lists every fault.
     """
-    changes = {**({"servo.plugins": list(plugins)} if plugins else {}), **({"servo.law": law} if law else {}),
-               **(overrides or {})}
+    changes: Dict[str, Any] = {**({"servo.plugins": list(plugins)} if plugins else {}),
+                               **({"servo.law": law} if law else {}), **(overrides or {})}
     if not isinstance(scenario, Scenario):
         scenario = load_scenario(scenario, changes)
     elif changes:
@@ -142,7 +142,7 @@ def sweep(scenario: Union[str, Path, Scenario], starts: Optional[int] = None, *,
                         installed_versions()) as store:
             progress = Progress(len(planned), store.rows(), io.StringIO()) if quiet else None
             run_pending(store, store.meta["setup"], workers, scheduler, progress)
-            return SweepResult.of(store, folder and Path(folder))
+            return SweepResult.of(store, Path(folder) if folder else None)
 
 
 def compare(*sweeps: Union[str, Path, SweepResult]) -> SweepComparison:

@@ -12,7 +12,7 @@ THREE_FILES = ("three.min.js", "examples/js/controls/OrbitControls.js")
 
 def share_dir() -> Path:
     """Returns the folder with `config` and `web`: in the source tree, or PREFIX/share of the installed package."""
-    return package_path("aras_visual_servo_study")
+    return package_path("aras_visual_servo_study")  # type: ignore[return-value]
 
 
 def web_dir() -> Path:

@@ -4,6 +4,10 @@ That happens next to a singularity, for example of a stretched elbow: the twist 
 give on either side, and it jumps from one side to the other. The camera then hardly moves, while nothing is at a limit.
 """
 
+from typing import Optional, Sequence
+
+import numpy as np
+
 #: A velocity counts as fast from this part of the joint's limit on.
 FAST_PART = 0.1
 #: Every reversal from fast to fast adds REVERSAL to a joint's count, and every other image takes 1 away; the joint
@@ -14,17 +18,17 @@ REVERSAL, CHATTERS, MOST = 2, 6, 9
 class Chatter:
     """Watches the velocities that the joints of one arm are told."""
 
-    def __init__(self, names, limit):
+    def __init__(self, names: Sequence[str], limit: np.ndarray) -> None:
         """Args: names: of the joints.  limit: (n,) of their velocity, may be infinite [m/s, rad/s]."""
         self._names = names
         self._fast = [FAST_PART * most if most < float("inf") else FAST_PART for most in limit.tolist()]
         self.clear()
 
-    def clear(self):
+    def clear(self) -> None:
         """The joints were told to stand still."""
         self._last, self._counts = [0.0] * len(self._names), [0] * len(self._names)
 
-    def joint(self, q_dot):
+    def joint(self, q_dot: np.ndarray) -> Optional[str]:
         """Name of a joint that chatters, or None. Call it once for each image. Args: q_dot: (n,) told."""
         last, counts, found = self._last, self._counts, None
         self._last = q_dot.tolist()

@@ -12,6 +12,7 @@ References:
 """
 
 from math import inf
+from typing import List, Sequence
 
 #: A singular value below this is a rounding error, and no rule inverts it. The largest scaled entry is 20; 20 times
 #: eps, with room for the errors of the SVD, is below this.
@@ -20,27 +21,27 @@ ROUNDING = 1e-12
 FILTER_PART = 0.05
 
 
-def damped(sigmas, threshold, damping2):
+def damped(sigmas: Sequence[float], threshold: float, damping2: float) -> List[float]:
     """By each direction's own singular value: (1 - (sigma / threshold)^2) damping^2 below the threshold, else 0."""
     return [0.0 if sigma >= threshold else (1.0 - (sigma / threshold) ** 2) * damping2 for sigma in sigmas]
 
 
-def naive(sigmas, threshold, damping2):
+def naive(sigmas: Sequence[float], threshold: float, damping2: float) -> List[float]:
     """The pseudo-inverse with a rank decision: directions below the threshold are not moved, others not damped."""
     return [0.0 if sigma >= threshold else inf for sigma in sigmas]
 
 
-def plain(sigmas, threshold, damping2):
+def plain(sigmas: Sequence[float], threshold: float, damping2: float) -> List[float]:
     """The pseudo-inverse without a rank decision: all above rounding is inverted, however fast the joints get."""
     return [0.0] * len(sigmas)
 
 
-def constant(sigmas, threshold, damping2):
+def constant(sigmas: Sequence[float], threshold: float, damping2: float) -> List[float]:
     """The same damping for all directions, also far from singularities."""
     return [damping2] * len(sigmas)
 
 
-def nakamura_hanafusa(sigmas, threshold, damping2):
+def nakamura_hanafusa(sigmas: Sequence[float], threshold: float, damping2: float) -> List[float]:
     """The same for all: (1 - w / w0)^2 damping^2 where the manipulability w = sigma_1 ... sigma_m is below w0.
 
     w0 is the w that the arm would have with its smallest singular value at the threshold. So this rule, like the
@@ -49,14 +50,14 @@ def nakamura_hanafusa(sigmas, threshold, damping2):
     return [(1.0 - min(1.0, sigmas[-1] / threshold)) ** 2 * damping2] * len(sigmas)
 
 
-def maciejewski_klein(sigmas, threshold, damping2):
+def maciejewski_klein(sigmas: Sequence[float], threshold: float, damping2: float) -> List[float]:
     """Numerical filtering: next to a singularity the weakest direction is damped in full, the others a little."""
     if sigmas[-1] >= threshold:
         return [0.0] * len(sigmas)
     return [FILTER_PART**2 * damping2] * (len(sigmas) - 1) + [(1.0 + FILTER_PART**2) * damping2]
 
 
-def chiaverini(sigmas, threshold, damping2):
+def chiaverini(sigmas: Sequence[float], threshold: float, damping2: float) -> List[float]:
     """Numerical filtering that begins smoothly: its damping times 1 - (sigma_m / threshold)^2 below the threshold."""
     if sigmas[-1] >= threshold:
         return [0.0] * len(sigmas)

@@ -29,7 +29,7 @@ class FreeCamera(RobotKinematics):
     def __init__(self, urdf_xml: str, base_link: str, tip_link: str) -> None:
         """Raises ModelError: no floating joint that begins at base_link, or another moving joint above the tip."""
         joints = joints_above(urdf_xml, base_link, tip_link)
-        kinds = [joint.get("type") for joint in joints]
+        kinds = [joint.get("type", "") for joint in joints]
         if kinds != ["floating"] + ["fixed"] * (len(kinds) - 1):
             raise ModelError(f"camera '{tip_link}': found joints {', '.join(kinds)} between '{base_link}' and it, "
                              "allowed a floating joint and then fixed ones")
@@ -53,7 +53,8 @@ class FreeCamera(RobotKinematics):
     def pose(self, q: np.ndarray) -> np.ndarray:
         return _pose(self._checked(q)) @ self._X_LC
 
-    camera = pose
+    def camera(self, q: np.ndarray) -> np.ndarray:
+        return self.pose(q)
 
     def jacobian(self, q: np.ndarray) -> np.ndarray:
         self._checked(q)

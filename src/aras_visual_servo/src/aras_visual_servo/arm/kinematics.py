@@ -2,11 +2,12 @@
 arm that carries the target before a camera that stands still."""
 
 from collections.abc import Mapping
-from typing import Callable, Dict, Sequence, Tuple, Union
+from typing import Callable, Dict, Sequence, Tuple
 
 import numpy as np
 
 from ..ground.errors import ModelError, ParameterError
+from ..ground.types import JointPositions
 
 
 class RobotKinematics:
@@ -42,7 +43,7 @@ class RobotKinematics:
     held: Callable[..., Tuple[np.ndarray, float]]
     manipulability: Callable[[np.ndarray, float, Sequence[int]], Tuple[float, np.ndarray]]
 
-    def vector(self, q: Union[Sequence[float], Mapping[str, float]]) -> np.ndarray:
+    def vector(self, q: JointPositions) -> np.ndarray:
         """Returns a joint vector, never shared with the caller, from an array in the order of joint_names or a mapping.
 
         A mapping may hold more joints than the chain has. Raises ParameterError when one is missing.

@@ -5,6 +5,7 @@ they take a fifth of the time of array expressions.
 """
 
 from math import inf, sqrt
+from typing import Tuple
 
 import numpy as np
 
@@ -13,7 +14,8 @@ from .._kinematics import limit_factors, position_factor, velocity_factor
 __all__ = ["accelerated", "braking_factor", "joint_bounds", "limit_factors", "position_factor", "velocity_factor"]
 
 
-def braking_factor(q, q_dot, lower, upper, acceleration, dt_s):
+def braking_factor(q: np.ndarray, q_dot: np.ndarray, lower: np.ndarray, upper: np.ndarray, acceleration: np.ndarray,
+                   dt_s: float) -> float:
     """Factor in [0, 1] with which every joint, after q_dot has been held for dt_s, can still brake before its limit.
 
     v dt + v^2 / (2 a) <= room, solved for v. Args: (n,) each, lower, upper and acceleration (> 0) may be infinite.
@@ -29,7 +31,7 @@ def braking_factor(q, q_dot, lower, upper, acceleration, dt_s):
     return factor
 
 
-def accelerated(before, wanted, change):
+def accelerated(before: np.ndarray, wanted: np.ndarray, change: np.ndarray) -> np.ndarray:
     """Joint velocities of the next period: within `change` of those before, and along the wanted ones where possible.
 
     All joints are slowed by one factor, the largest at which no joint changes its velocity by more than it may. So the
@@ -51,7 +53,9 @@ def accelerated(before, wanted, change):
     return before + way * velocity_factor(way, np.maximum(change, 1e-12))
 
 
-def joint_bounds(q, before, lower, upper, velocity, acceleration, dt_s, horizon_s):
+def joint_bounds(q: np.ndarray, before: np.ndarray, lower: np.ndarray, upper: np.ndarray, velocity: np.ndarray,
+                 acceleration: np.ndarray, dt_s: float,
+                 horizon_s: float) -> Tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Velocities that all limits of the joints allow for the next dt_s: (low, high, at_stop, short).
 
     A joint may reach the end of its way in horizon_s at the earliest, and has to be able to brake before it. A joint

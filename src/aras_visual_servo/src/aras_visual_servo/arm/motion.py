@@ -1,14 +1,18 @@
 """From the twist wanted to joint velocities that the arm may do: inverse, spare motion, limits, tilt hold."""
 
 from math import asin, inf
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, Dict, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
+from .kinematics import RobotKinematics
 from .chatter import Chatter
 from .limits import accelerated, braking_factor, joint_bounds, limit_factors, position_factor, velocity_factor
 from .redundancy import TwistInverse, Wish, norm_part
-from ..ground.types import Status
+from ..ground.types import Reference, Status
+
+if TYPE_CHECKING:
+    from ..servo.settings import ServoSettings
 
 #: NEAR_SINGULARITY is reported when more than this part of the twist cannot be achieved, and that part is also larger
 #: than LOST_FLOOR, below which it is noise [rad/s].
@@ -29,7 +33,7 @@ class Motion(NamedTuple):
 
     q_dot: np.ndarray
     twist: np.ndarray
-    status: Status = None
+    status: Optional[Status] = None
     text: str = ""
 
 
@@ -42,7 +46,7 @@ class ArmMotion:
         optical_axis_B: (3,) direction to which the optical axis is held, or None.
     """
 
-    def __init__(self, kinematics, config, sees_tilt):
+    def __init__(self, kinematics: RobotKinematics, config: "ServoSettings", sees_tilt: bool) -> None:
         """Args: kinematics: `Kinematics`. config: `ServoSettings`. sees_tilt: all six rows of the twist are servoed."""
         self._kinematics = kinematics
         inverse, spare = config.inverse, config.null_space
@@ -65,25 +69,25 @@ class ArmMotion:
         self.posture = self.optical_axis_B = None
         self._axis_B = self._seen_from = self._axis = None  # the taught axis; the last camera pose, and the axis in it
 
-    def set_reference(self, reference):
+    def set_reference(self, reference: Reference) -> None:
         """Take over the posture and the optical axis of a `Reference`."""
         self.posture = None if reference.posture is None else self._kinematics.vector(reference.posture)
         self.optical_axis_B, self._seen_from = reference.optical_axis_B, None
         if self.optical_axis_B is not None:
             self._axis_B = tuple(map(float, self.optical_axis_B))
 
-    def rest(self):
+    def rest(self) -> None:
         """Call this when the arm is told to stand still: its next motion begins at zero velocity."""
         self._before = np.zeros_like(self._before)
         if self._chatter is not None:
             self._chatter.clear()
 
-    def at(self, q):
+    def at(self, q: np.ndarray) -> Tuple[np.ndarray, Any]:
         """(jacobian, inverse) at joint positions q, (n,)."""
         jacobian = self._kinematics.jacobian(q)
         return jacobian, self._invert(jacobian)
 
-    def tilt(self, X_BC, inverse, gain, target_C):
+    def tilt(self, X_BC: np.ndarray, inverse: Any, gain: float, target_C: Sequence[float]) -> np.ndarray:
         """Twist that turns the optical axis towards the taught one, as far as the arm can; zeros if none was taught.
 
         Args: X_BC: (4, 4) pose of the camera.  gain: part of the angle to turn per second [1/s], or in one move.
@@ -96,7 +100,7 @@ class ArmMotion:
             gain *= asin(min(1.0, sine)) / sine
         return inverse.turn_about((-gain * b, gain * a), target_C)
 
-    def tilt_of(self, X_BC):
+    def tilt_of(self, X_BC: np.ndarray) -> Optional[Tuple[float, float]]:
         """Turn (x, y) of the camera from where the optical axis is as taught [rad]; None if none was taught.
 
         Args: X_BC: (4, 4) pose of the camera.
@@ -115,7 +119,8 @@ class ArmMotion:
             self._seen_from, self._axis = X_BC, (a, b, (a * a + b * b) ** 0.5)
         return self._axis
 
-    def joint_velocity(self, q, twist, jacobian, inverse, dt_s):
+    def joint_velocity(self, q: np.ndarray, twist: np.ndarray, jacobian: np.ndarray, inverse: Any,
+                       dt_s: float) -> Motion:
         """`Motion` of a twist V_C, (6,), held for dt_s at q, (n,); jacobian and inverse are those that `at` returns."""
         motion = self._joint_velocity(q, twist, jacobian, inverse, dt_s)
         name = None if self._chatter is None else self._chatter.joint(motion.q_dot)
@@ -159,7 +164,8 @@ class ArmMotion:
                                               TURNING_PART)
         return twist, q_dot, factor
 
-    def as_seen(self, q, X_BC, twist, jacobian, inverse, dt_s):
+    def as_seen(self, q: np.ndarray, X_BC: np.ndarray, twist: np.ndarray, jacobian: np.ndarray, inverse: Any,
+                dt_s: float) -> Dict[str, Any]:
         """The values of `laws.look.Arm`, a dict, for a law that chooses the joint velocities itself."""
         _, wanted, _ = self._wanted(q, twist, jacobian, inverse, dt_s)
         velocity, names = self._kinematics.velocity, self._kinematics.joint_names
@@ -170,7 +176,7 @@ class ArmMotion:
                 "short": tuple(name for name, late in zip(names, short) if late), "lower": self.lower,
                 "upper": self.upper, "velocity": velocity, "acceleration": self._acceleration, "dt_s": dt_s}
 
-    def told(self, q_dot, jacobian, status, text):
+    def told(self, q_dot: np.ndarray, jacobian: np.ndarray, status: Optional[Status], text: str) -> Motion:
         """`Motion` of joint velocities, (n,), that a law has chosen within the limits."""
         self._before = q_dot
         return Motion(q_dot, jacobian @ q_dot, status, text)
@@ -201,7 +207,7 @@ class ArmMotion:
         text = f"at their limits, the others go on: {', '.join(names)}"
         return Motion(q_dot, jacobian @ q_dot, Status.JOINT_LIMIT, text)
 
-    def unlimited(self, q, twist, inverse):
+    def unlimited(self, q: np.ndarray, twist: np.ndarray, inverse: Any) -> np.ndarray:
         """(n,) joint velocities of the twist and of the spare motion, before any limit is applied."""
         if not self._kinematics.spare_motion:
             return inverse.joint_velocity(twist)
@@ -214,12 +220,12 @@ class ArmMotion:
         return (inverse.joint_velocity(twist)
                 + ((1.0 - part) * inverse.free(wish) + part * inverse.free_of_norm(wish, twist)))
 
-    def split(self, q, q_dot):
+    def split(self, q: np.ndarray, q_dot: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
         """((n,), (n,)): the part of the joint velocities q_dot at q that moves the camera, and the null-space part."""
         null = self.at(q)[1].null_part(q_dot)
         return q_dot - null, null
 
-    def turning(self, q, q_dot, jacobian, inverse, dt_s):
+    def turning(self, q: np.ndarray, q_dot: np.ndarray, jacobian: np.ndarray, inverse: Any, dt_s: float) -> np.ndarray:
         """Correction of q_dot for the change of the Jacobian while q_dot is held: the twist is then right half-way.
 
         Near the stretched elbow the Jacobian changes fast. The correction is at most TURNING_PART of q_dot.

@@ -1,7 +1,10 @@
 """Inverse kinematics: joint positions that give the camera a wanted pose, by damped least squares. No ROS."""
 
+from typing import Dict, Mapping, Optional, Tuple
+
 import numpy as np
 
+from .kinematics import RobotKinematics
 from ..spatial import rotation_vector
 from .free_camera import FreeCamera
 
@@ -12,7 +15,7 @@ IK_STEPS, IK_DAMPING, IK_MAX_STEP = 60, 1e-2, 0.3
 IK_GUESSES, IK_SPREAD = 6, 0.8
 
 
-def reach(kinematics, near, X_BC):
+def reach(kinematics: RobotKinematics, near: np.ndarray, X_BC: np.ndarray) -> Tuple[Optional[Dict[str, float]], str]:
     """Joints at which the camera has a pose.
 
     Args:
@@ -39,7 +42,7 @@ def reach(kinematics, near, X_BC):
                   f"{np.degrees(np.linalg.norm(missing[3:])):.3g} deg are missing")
 
 
-def outside_limits(kinematics, joints):
+def outside_limits(kinematics: RobotKinematics, joints: Mapping[str, float]) -> str:
     """Text "outside joint limits: ..." that names every such joint; "" if there is none."""
     faults = [f"{name} {joints[name]:.4g} not in [{lower:.4g}, {upper:.4g}]"
               for name, lower, upper in zip(kinematics.joint_names, kinematics.lower, kinematics.upper)

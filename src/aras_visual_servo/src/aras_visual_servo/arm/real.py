@@ -1,4 +1,4 @@
-"""A real arm: section `real` of a scenario, and the forms of commands that its driver takes, ros_control's among them.
+"""A real arm: section `real` of a scenario, and the forms of commands that its driver takes, as ros_control does.
 
     @register_form("mine")
     class Mine(Form):

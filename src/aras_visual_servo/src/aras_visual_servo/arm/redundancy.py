@@ -27,6 +27,7 @@ References:
 """
 
 from math import exp
+from typing import Any, Sequence
 
 import numpy as np
 
@@ -41,7 +42,7 @@ __all__ = ["FREE", "METHODS", "Inverse", "Transpose", "TwistInverse", "Wish", "n
 FREE = 0.05
 
 
-def norm_part(size, lower, upper):
+def norm_part(size: float, lower: float, upper: float) -> float:
     """Weight of the projection onto the norm: 0 below `lower`, 1 above `upper`, a sigmoid between (T41)."""
     if not lower < size < upper:
         return float(size >= upper)
@@ -52,7 +53,8 @@ def norm_part(size, lower, upper):
 class TwistInverse:
     """Makes the inverses: `inverse = twist_inverse(kinematics.jacobian(q))`."""
 
-    def __init__(self, weights, length_m=0.05, threshold=0.02, damping=0.02, method="damped"):
+    def __init__(self, weights: Sequence[float], length_m: float = 0.05, threshold: float = 0.02, damping: float = 0.02,
+                 method: str = "damped") -> None:
         """Set up.
 
         Args:
@@ -64,7 +66,7 @@ class TwistInverse:
         self._rule, self._threshold, self._damping2 = RULES.get(method, RULES["damped"]), threshold, damping * damping
         self._make = Transpose if method == "transpose" else Inverse
 
-    def __call__(self, jacobian):
+    def __call__(self, jacobian: np.ndarray) -> Any:
         """`Inverse` of J_BC_C, (6, n)."""
         inverse, threshold = self._make(self._rows, self._ease, jacobian), self._threshold
         inverse.damp(self._rule(inverse.sigmas, threshold, self._damping2), threshold, FREE * threshold, ROUNDING)

@@ -3,7 +3,7 @@ calibration found the camera on the arm: section `robot.hand_eye`."""
 
 from dataclasses import dataclass
 from math import inf
-from typing import Dict, Tuple
+from typing import Dict, Iterator, Tuple
 
 from ..config.settings import setting
 from .damping import METHODS
@@ -50,7 +50,7 @@ class NullSpaceSettings:
         help="With `projection: large`: sizes of the twist, its linear part over length_m, between which that "
              "projection takes over.")
 
-    def check(self):
+    def check(self) -> Iterator[str]:
         """The sizes are for the larger projection only."""
         if self.projection != "large" and self.large_from != NullSpaceSettings.large_from:
             yield f"large_from: found {self.large_from}, allowed with projection: large"

@@ -1,5 +1,9 @@
 """Joint trajectories: all joints start and stop together, at rest at both ends."""
 
+from .kinematics import RobotKinematics
+
+from typing import Tuple
+
 import numpy as np
 
 
@@ -9,7 +13,8 @@ class JointTrajectory:
     PEAK_VELOCITY = 1.875
     PEAK_ACCELERATION = 10.0 / 3.0**0.5
 
-    def __init__(self, kinematics, q0, q1, max_velocity, max_acceleration, min_duration_s=0.1):
+    def __init__(self, kinematics: RobotKinematics, q0: np.ndarray, q1: np.ndarray, max_velocity: np.ndarray,
+                 max_acceleration: float, min_duration_s: float = 0.1) -> None:
         """Plan it.
 
         Args:
@@ -24,18 +29,18 @@ class JointTrajectory:
             (self.PEAK_ACCELERATION * float(way.max()) / max_acceleration) ** 0.5,
         )
 
-    def position(self, t_s):
+    def position(self, t_s: float) -> np.ndarray:
         """(n,) positions t_s after the start; the ends before and after."""
         if t_s >= self.duration_s:
             return self._q1
         u = max(0.0, t_s / self.duration_s)
         return self._space.moved(self._q0, self._way, u * u * u * (10.0 + u * (6.0 * u - 15.0)))
 
-    def velocity(self, t_s, hold_s):
+    def velocity(self, t_s: float, hold_s: float) -> np.ndarray:
         """(n,) velocity that, held for hold_s > 0 from t_s on, ends where the trajectory then is."""
         return self.step(t_s, hold_s)[1]
 
-    def step(self, t_s, hold_s):
+    def step(self, t_s: float, hold_s: float) -> Tuple[np.ndarray, np.ndarray]:
         """((n,), (n,)): `position` and `velocity` together."""
         here = self.position(t_s)
         return here, self._space.way(here, self.position(t_s + hold_s)) / hold_s

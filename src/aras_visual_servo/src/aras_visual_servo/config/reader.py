@@ -31,7 +31,7 @@ class Names(NamedTuple):
 
 
 def read(cls: Type[T], source: Any, where: str, names: Names = Names(),
-         faults: Optional[List[Fault]] = None) -> Optional[T]:
+         faults: Optional[List[Fault]] = None) -> T:
     """Returns the settings that a table of keys holds; missing keys have their defaults.
 
     Args:
@@ -41,13 +41,13 @@ def read(cls: Type[T], source: Any, where: str, names: Names = Names(),
         ParameterError: every fault, a line each: "where.key: found X, allowed Y".
     """
     found: List[Fault] = []
-    validate(schema_of(cls), source, (where,), found)
+    validate(schema_of(cls), source, (where,), found)  # type: ignore[arg-type]
     result = build(cls, source, (where,), found, names)
     if found and faults is None:
         raise ParameterError(found)
     if faults is not None:
         faults.extend(found)
-    return result
+    return result  # type: ignore[return-value]
 
 
 def build(cls: Type[T], source: Any, path: Path, faults: List[Fault], names: Names = Names()) -> Optional[T]:
@@ -64,7 +64,7 @@ def build(cls: Type[T], source: Any, path: Path, faults: List[Fault], names: Nam
 def faults_of(settings: Any) -> List[Fault]:
     """Returns the faults of an instance of a settings class that was not read but made in Python."""
     faults: List[Fault] = []
-    for key in keys_of(type(settings)):
+    for key in keys_of(type(settings)):  # type: ignore[arg-type]
         value = getattr(settings, key.name)
         if key.by != "feature" and not (value is None and key.optional or value == key.default):
             count = len(faults)

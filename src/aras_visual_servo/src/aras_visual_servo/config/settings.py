@@ -27,7 +27,7 @@ together, each as "key: found X, allowed Y". It is called when every key by itse
 import functools
 import typing
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
-from typing import Any, Callable, Optional, Tuple
+from typing import Any, Callable, Iterable, Mapping, Optional, Tuple
 
 from ..ground.errors import ParameterError
 
@@ -67,19 +67,21 @@ class Key:
     by: str = ""
 
     @property
-    def required(self):
+    def required(self) -> bool:
         """Whether it has no default."""
         return self.default is MISSING
 
     @property
-    def bounds(self):
+    def bounds(self) -> Tuple[Tuple[str, float], ...]:
         """Of its numbers, (sign, bound) each."""
         signs = ((">", self.above), (">=", self.at_least), ("<", self.below), ("<=", self.at_most))
         return tuple((sign, bound) for sign, bound in signs if bound is not None)
 
 
-def setting(default=MISSING, *, help, unit="", above=None, at_least=None, below=None, at_most=None, choices=(),
-            size=None, not_empty=False, condition=None, by=""):
+def setting(default: Any = MISSING, *, help: str, unit: str = "", above: Optional[float] = None,
+            at_least: Optional[float] = None, below: Optional[float] = None, at_most: Optional[float] = None,
+            choices: Iterable[str] = (), size: Optional[int] = None, not_empty: bool = False,
+            condition: Optional[Tuple[str, Callable]] = None, by: str = "") -> Any:
     """Field of a settings class that is a key; the arguments are those of `Key`. Without default it is required."""
     more = {"help": help, "unit": unit, "above": above, "at_least": at_least, "below": below, "at_most": at_most,
             "choices": tuple(choices), "size": size, "not_empty": not_empty, "condition": condition, "by": by}
@@ -89,7 +91,7 @@ def setting(default=MISSING, *, help, unit="", above=None, at_least=None, below=
 
 
 @functools.lru_cache(maxsize=None)
-def keys_of(cls):
+def keys_of(cls: Any) -> Tuple[Key, ...]:
     """Keys of a settings class, tuple of `Key` in the order in which they are written down.
 
     Raises ParameterError: the class is no frozen dataclass, or a key has no help or a type that no key can have.
@@ -111,12 +113,12 @@ def keys_of(cls):
     return tuple(found)
 
 
-def required_keys(cls):
+def required_keys(cls: type) -> Tuple[str, ...]:
     """Names of the keys without a default."""
     return tuple(key.name for key in keys_of(cls) if key.required)
 
 
-def settings_of(name, cls, given, what):
+def settings_of(name: str, cls: type, given: Mapping[str, Any], what: str) -> Any:
     """Settings of one law or feature that has a section of its own.
 
     Args: name: of the section.  cls: its settings class.  given: sections by name.  what: "law 'mine'", for the error.
@@ -132,7 +134,7 @@ def settings_of(name, cls, given, what):
     return given[name]
 
 
-def entry_type(kind):
+def entry_type(kind: Any) -> Any:
     """What a list or a table holds: of Tuple[X, ...] and Dict[str, X] that is X; None for other types."""
     origin, arguments = typing.get_origin(kind), typing.get_args(kind)
     if origin is tuple and len(arguments) == 2 and arguments[1] is Ellipsis:
@@ -142,7 +144,7 @@ def entry_type(kind):
     return None
 
 
-def is_table(key):
+def is_table(key: Key) -> bool:
     """Whether the key is given by names: one entry for each feature, joint or whatever it is a table of."""
     return typing.get_origin(key.type) is dict or key.by == "feature"
 

@@ -1,9 +1,11 @@
 """Tables of keys for people, in Markdown, made from the schema of a section (config/schema.py)."""
 
+from typing import Any, Iterable, List, Mapping
+
 HEAD = ("| key | unit | default | allowed | meaning |", "|---|---|---|---|---|")
 
 
-def table_of(schema, elsewhere=()):
+def table_of(schema: Mapping[str, Any], elsewhere: Iterable[str] = ()) -> List[str]:
     """Lines of the table of a section.
 
     Args: schema: of the section.  elsewhere: dotted keys whose own keys have a table of their own.
@@ -11,7 +13,7 @@ def table_of(schema, elsewhere=()):
     return [*HEAD, *(f"| {' | '.join(row)} |" for row in _rows(section_of(schema), "", set(elsewhere)))]
 
 
-def part_of(sections, name):
+def part_of(sections: Mapping[str, Any], name: str) -> Any:
     """Schema of "section", "section.key" ..., of a list that of its entries; None if there is no such thing."""
     first, *keys = name.split(".")
     schema = sections.get(first)
@@ -20,7 +22,7 @@ def part_of(sections, name):
     return schema
 
 
-def section_of(schema):
+def section_of(schema: Mapping[str, Any]) -> Any:
     """The schema that has the keys: the given one, that of a list's or table's entries, or all kinds put together."""
     schema = schema.get("items", {}) if schema.get("type") == "array" else schema
     if isinstance(schema.get("additionalProperties"), dict):
@@ -77,7 +79,7 @@ def _default(found, inner, required):
     return f"`{text}`" if isinstance(found["default"], (str, list, dict)) else text
 
 
-def flow(value):
+def flow(value: Any) -> str:
     """As YAML has it, in one line."""
     if isinstance(value, bool) or value is None:
         return "null" if value is None else str(value).lower()
@@ -88,7 +90,7 @@ def flow(value):
     return f"[{', '.join(map(flow, value))}]" if isinstance(value, list) else str(value)
 
 
-def allowed_of(schema):
+def allowed_of(schema: Mapping[str, Any]) -> str:
     """In a few words."""
     if "enum" in schema:
         return ", ".join(f"`{flow(value)}`" for value in schema["enum"])

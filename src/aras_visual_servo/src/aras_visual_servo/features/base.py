@@ -22,7 +22,7 @@ A feature with settings of its own describes them as a frozen dataclass (config/
 """
 
 import re
-from typing import Callable, Dict, Iterable, List, Optional, Tuple, Type, TypeVar
+from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Type, TypeVar, Union
 
 import numpy as np
 
@@ -35,6 +35,7 @@ from ..ground.types import FEATURE_NAMES
 FEATURES: Registry[Type["Feature"]] = Registry("features", __package__, f"{__package__}.kinds")
 FAMILIES: Registry[Type["Feature"]] = Registry("features", __package__, f"{__package__}.kinds")
 F = TypeVar("F", bound="Feature")
+T = TypeVar("T")
 _NUMBERED = re.compile(r"([a-z]+)([1-9][0-9]?)")
 
 
@@ -63,7 +64,7 @@ def register_family(prefix: str, settings: Optional[type] = None) -> Callable[[T
 def feature_settings() -> Dict[str, type]:
     """Returns section -> settings class of the features and families that have settings of their own, sorted."""
     found = {feature.section: feature.settings_class for feature in [*FEATURES.values(), *FAMILIES.values()]}
-    return {name: found[name] for name in sorted(found) if found[name] is not None}
+    return {name: cls for name, cls in sorted(found.items()) if cls is not None}
 
 
 def feature_class(name: str) -> Optional[Type["Feature"]]:
@@ -102,7 +103,7 @@ def expand(names: Iterable[str]) -> Tuple[str, ...]:
     return tuple(result)
 
 
-def spread(values):
+def spread(values: Mapping[str, T]) -> Dict[str, T]:
     """Dict of feature name -> value, from one whose keys may be "pointsN": each of x1, y1, ... gets that value."""
     return {name: value for key, value in values.items() for name in expand((key,))}
 
@@ -136,43 +137,46 @@ class View:
 
     __slots__ = ("features", "plane", "displacement", "inverse_depths", "reference_point", "_m", "_mu", "_known")
 
-    def __init__(self, features, plane=None, displacement=None, inverse_depths=None, reference_point=None):
+    def __init__(self, features: Any, plane: Optional[Sequence[float]] = None,
+                 displacement: Optional[np.ndarray] = None, inverse_depths: Optional[Sequence[float]] = None,
+                 reference_point: Optional[Sequence[float]] = None) -> None:
         self.features, self.displacement = features, displacement
-        self.plane = plane if plane is None else tuple(map(float, plane))  # arithmetic with numpy's scalars is slower
+        self.plane: Any = plane if plane is None else tuple(map(float, plane))  # floats are faster than numpy's scalars
         self.inverse_depths, self.reference_point = inverse_depths, reference_point
-        self._m = self._mu = None
-        self._known = {}
+        self._m: Optional[Dict[str, float]] = None
+        self._mu: Optional[Dict[str, float]] = None
+        self._known: Dict[Any, Any] = {}
 
     @property
-    def m(self):
+    def m(self) -> Dict[str, float]:
         """Raw moments by name "ij"."""
         if self._m is None:
             self._m = dict(zip(self.features.moment_names, self.features.m))
         return self._m
 
     @property
-    def mu(self):
+    def mu(self) -> Dict[str, float]:
         """Centred moments by name "ij"."""
         if self._mu is None:
             self._mu = dict(zip(self.features.moment_names, self.features.mu))
         return self._mu
 
-    def shared(self, make, *arguments):
+    def shared(self, make: Callable[..., T], *arguments: Any) -> T:
         """The value of make(view, *arguments), which is computed once per view and kept."""
         key = (make, arguments)
         if key not in self._known:
             self._known[key] = make(self, *arguments)
         return self._known[key]
 
-    def L_area(self):
+    def L_area(self) -> np.ndarray:
         """L of a = m00, (6,)."""
         return self.shared(_area_row)
 
-    def L_mu(self, i, j):
+    def L_mu(self, i: int, j: int) -> np.ndarray:
         """L of mu_ij, (6,)."""
         return self.shared(_mu_row, i, j)
 
-    def L_normalised(self):
+    def L_normalised(self) -> np.ndarray:
         """L of (xn, yn, an), (3, 6)."""
         return self.shared(_normalised_rows)
 
@@ -201,15 +205,17 @@ class Feature:
     """
 
     name, number, order, angle, directed, sees_tilt = "", 0, 2, False, False, False
-    source, also_from, section, settings_class, settings = "moments", (), "", None, None
-    overlay = "moments"
-    unit, symbol, label, colour = "-", "", "", ""
+    source, section, overlay, unit, symbol, label = "moments", "", "moments", "-", "", ""
+    also_from: Tuple[str, ...] = ()
+    settings_class: Optional[type] = None
+    settings: Any = None
+    colour: Union[str, Tuple[float, float]] = ""
 
-    def value(self, view):
+    def value(self, view: View) -> float:
         """The feature in this view, a float in its unit. Raises DegenerateFeature: it does not exist in this view."""
         raise NotImplementedError
 
-    def row(self, view):
+    def row(self, view: View) -> np.ndarray:
         """Its row of the interaction matrix, (6,), columns [v; w] in the camera frame; needs view.plane."""
         raise NotImplementedError
 
@@ -222,7 +228,8 @@ class FeatureSet:
         sees_tilt: whether any of them does.  source: name of the source that all of them come from.
     """
 
-    def __init__(self, names=FEATURE_NAMES, settings=None, source=""):
+    def __init__(self, names: Iterable[str] = FEATURE_NAMES, settings: Optional[Mapping[str, Any]] = None,
+                 source: str = "") -> None:
         """Args: names: of features, "pointsN" allowed.  settings: dict of section -> settings of the features that have
         their own; None takes the defaults.  source: name of the source that makes them; "" takes the features' own.
 
@@ -246,7 +253,8 @@ class FeatureSet:
         if len(sources) > 1:
             raise ParameterError(f"features: found {', '.join(self.names)}, which come from the sources "
                                  f"{' and '.join(sorted(sources))}, allowed features of one source")
-        self._features, self.source = [found() for found in classes], sources.pop()
+        self._features: List[Feature] = [found() for found in classes if found is not None]
+        self.source = sources.pop()
         for feature in self._features:
             if feature.settings_class is not None:
                 feature.settings = settings_of(feature.section, feature.settings_class, settings or {},
@@ -256,22 +264,22 @@ class FeatureSet:
         self.order = max(feature.order for feature in self._features)
         self.sees_tilt = any(feature.sees_tilt for feature in self._features)
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.names)
 
-    def values(self, view):
+    def values(self, view: View) -> Tuple[float, ...]:
         """s, tuple of k. Raises DegenerateFeature: a feature does not exist in this view or its moments are missing."""
         try:
             return tuple([value(view) for value in self._values])
         except KeyError as error:
             raise self._missing(error) from None
 
-    def error(self, s, s_star, symmetric):
+    def error(self, s: Iterable[float], s_star: Iterable[float], symmetric: bool) -> Tuple[float, ...]:
         """e = s - s_star, tuple of k. Errors of angles go the short way round, modulo pi if the object is symmetric."""
         return tuple([wrapped(a - b, symmetric and half_turns) if angle else a - b
                       for a, b, (angle, half_turns) in zip(s, s_star, self._angles)])
 
-    def matrix(self, view):
+    def matrix(self, view: View) -> np.ndarray:
         """L, (k, 6), columns [v; w] in the camera frame. Raises the errors of `values`."""
         try:
             return np.array([feature.row(view) for feature in self._features])
@@ -283,7 +291,7 @@ class FeatureSet:
                                  f"{self.order} or more")
 
 
-def wrapped(angle, symmetric=False):
+def wrapped(angle: float, symmetric: bool = False) -> float:
     """The angle in [-pi, pi), or in [-pi/2, pi/2) for an object that is the same after half a turn [rad]."""
     half = 0.5 * np.pi if symmetric else np.pi
     return (angle + half) % (2.0 * half) - half

@@ -3,7 +3,7 @@
 import numpy as np
 
 
-def times(factor, row):
+def times(factor: complex, row: np.ndarray) -> np.ndarray:
     """factor * row, (n,) complex.
 
     numpy multiplies arrays of complex numbers with fused products on processors with AVX-512 and without on others, so

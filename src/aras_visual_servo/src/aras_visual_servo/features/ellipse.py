@@ -4,9 +4,11 @@ For a filled ellipse the matrix of the n_ij has the eigenvalues a^2/4 and b^2/4,
 axes of the ellipse. The interaction rows are those of moments, so they are exact for an object of any shape.
 """
 
+import numpy as np
+
 from . import interaction
 from ..ground.errors import DegenerateFeature
-from .base import Feature, register_feature
+from .base import Feature, View, register_feature
 from ..palette import BLUE, BROWN, NAVY, VERMILION, VIOLET
 
 
@@ -21,10 +23,10 @@ class CentroidX(Feature):
     symbol, label, colour = "x_g", "centroid in x", BLUE
     index = 0
 
-    def value(self, view):
+    def value(self, view: View) -> float:
         return (view.features.xg, view.features.yg)[self.index]
 
-    def row(self, view):
+    def row(self, view: View) -> np.ndarray:
         return view.shared(_centroid_rows)[self.index]
 
 

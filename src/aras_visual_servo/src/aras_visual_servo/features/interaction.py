@@ -7,6 +7,8 @@ An object without area raises DegenerateFeature. The tests check every row again
 moments.
 """
 
+from typing import Iterable, Mapping, Sequence, Tuple
+
 import numpy as np
 
 from ..ground.errors import DegenerateFeature
@@ -30,19 +32,19 @@ def _shape(m):
     return xg, yg, m["20"] / area - xg * xg, m["11"] / area - xg * yg, m["02"] / area - yg * yg
 
 
-def plane_from_pose(normal_C, point_C):
+def plane_from_pose(normal_C: Sequence[float], point_C: Sequence[float]) -> np.ndarray:
     """(A, B, C), (3,) [1/m], of the plane through point_C [m] with normal_C, both (3,) in the camera frame (T5).
 
     Raises DegenerateFeature: the plane passes through the optical centre, so the camera sees it as a line.
     """
-    normal_C = np.asarray(normal_C, dtype=float)
-    distance = float(normal_C @ point_C)
+    normal = np.asarray(normal_C, dtype=float)
+    distance = float(normal @ point_C)
     if distance == 0.0:
         raise DegenerateFeature("plane: passes through the optical centre, so the camera sees it as a line")
-    return normal_C / distance
+    return normal / distance
 
 
-def raw_moment(m, i, j, plane):
+def raw_moment(m: Mapping[str, float], i: int, j: int, plane: Sequence[float]) -> np.ndarray:
     """L of m_ij (T6); needs raw moments to order i + j + 1."""
     A, B, C = plane
     k = i + j + 3
@@ -56,12 +58,14 @@ def raw_moment(m, i, j, plane):
     ])  # fmt: skip
 
 
-def centred_moment(m, mu, i, j, plane):
+def centred_moment(m: Mapping[str, float], mu: Mapping[str, float], i: int, j: int,
+                   plane: Sequence[float]) -> np.ndarray:
     """L of mu_ij, i + j >= 2 (T7); needs centred moments to order i + j + 1 and raw ones to order 2."""
     return np.array(_centred_row(_shape(m), mu, i, j, plane))
 
 
-def centred_moments(m, mu, orders, plane):
+def centred_moments(m: Mapping[str, float], mu: Mapping[str, float], orders: Iterable[Tuple[int, int]],
+                    plane: Sequence[float]) -> np.ndarray:
     """L of several mu_ij, (k, 6): the rows of `centred_moment`. Args: orders: k pairs (i, j)."""
     shape = _shape(m)
     return np.array([_centred_row(shape, mu, i, j, plane) for i, j in orders])
@@ -84,7 +88,7 @@ def _centred_row(shape, mu, i, j, plane):
     return vx, vy, vz, wx, wy, wz
 
 
-def area(m, plane):
+def area(m: Mapping[str, float], plane: Sequence[float]) -> np.ndarray:
     """L of a = m00 (T8); needs raw moments to order 1."""
     return np.array(_area_row(m, plane))
 
@@ -99,7 +103,7 @@ def _area_row(m, plane):
     return [a * part for part in (-A, -B, 3.0 * over_Zg - C, 3.0 * yg, -3.0 * xg, 0.0)]
 
 
-def centroid(m, plane):
+def centroid(m: Mapping[str, float], plane: Sequence[float]) -> np.ndarray:
     """L of (xg, yg), (2, 6) (T8); needs raw moments to order 2."""
     return np.array(_centroid_rows(m, plane))
 
@@ -114,7 +118,7 @@ def _centroid_rows(m, plane):
     ]  # fmt: skip
 
 
-def normalised(m, plane, z_star_m, area_star):
+def normalised(m: Mapping[str, float], plane: Sequence[float], z_star_m: float, area_star: float) -> np.ndarray:
     """L of (xn, yn, an), (3, 6) (T9). Args: z_star_m, area_star: depth [m] and area m00 of the reference view (T4)."""
     a = m["00"]
     L_a, (L_x, L_y) = _area_row(m, plane), _centroid_rows(m, plane)
@@ -125,7 +129,7 @@ def normalised(m, plane, z_star_m, area_star):
                      [an * part + yg * other for part, other in zip(L_y, L_an)], L_an])
 
 
-def orientation(m, mu, plane):
+def orientation(m: Mapping[str, float], mu: Mapping[str, float], plane: Sequence[float]) -> np.ndarray:
     """L of alpha (T10); needs raw and centred moments to order 3. Raises DegenerateFeature for an isotropic object."""
     A, B, _ = plane
     xg, yg, _, _, _ = _shape(m)
@@ -144,12 +148,13 @@ def orientation(m, mu, plane):
     return np.array([p * A + q * B, -r * A - p * B, -A * wy + B * wx, wx, wy, -1.0])
 
 
-def features(m, mu, plane, z_star_m, area_star):
+def features(m: Mapping[str, float], mu: Mapping[str, float], plane: Sequence[float], z_star_m: float,
+             area_star: float) -> np.ndarray:
     """L of s = (xn, yn, an, alpha), (4, 6): rows of `normalised` and `orientation`."""
     return np.vstack([normalised(m, plane, z_star_m, area_star), orientation(m, mu, plane)])
 
 
-def parallel(xn, yn):
+def parallel(xn: float, yn: float) -> np.ndarray:
     """L of s for a target parallel to the image, columns (vx, vy, vz, wz), (4, 4): exact at any depth (T11).
 
     References: the published eq. (16).
@@ -157,7 +162,7 @@ def parallel(xn, yn):
     return np.array([[-1.0, 0.0, 0.0, yn], [0.0, -1.0, 0.0, -xn], [0.0, 0.0, -1.0, 0.0], [0.0, 0.0, 0.0, -1.0]])
 
 
-def parallel_condition(xn, yn):
+def parallel_condition(xn: float, yn: float) -> float:
     """Condition number of `parallel(xn, yn)`, in closed form: its determinant is 1."""
     r2 = xn * xn + yn * yn
     return 0.5 * (2.0 + r2 + (r2 * (r2 + 4.0)) ** 0.5)

@@ -1,7 +1,9 @@
 """The default features xn, yn, an, alpha: position, depth and orientation of the target (docs/theory.md T3, T4)."""
 
+import numpy as np
+
 from . import interaction
-from .base import Feature, register_feature
+from .base import Feature, View, register_feature
 from ..palette import BLUE, GREEN, PURPLE, VERMILION
 
 
@@ -12,10 +14,10 @@ class NormalisedX(Feature):
     unit, symbol, label, colour = "m", "x_n", "centroid in x, at the depth of the target", BLUE
     index = 0
 
-    def value(self, view):
+    def value(self, view: View) -> float:
         return getattr(view.features, self.name)
 
-    def row(self, view):
+    def row(self, view: View) -> np.ndarray:
         return view.L_normalised()[self.index]
 
 
@@ -42,8 +44,8 @@ class Alpha(Feature):
     order, angle = 3, True
     unit, symbol, label, colour = "rad", "α", "orientation of the target in the image", PURPLE
 
-    def value(self, view):
+    def value(self, view: View) -> float:
         return view.features.alpha
 
-    def row(self, view):
+    def row(self, view: View) -> np.ndarray:
         return interaction.orientation(view.m, view.mu, view.plane)

@@ -1,7 +1,9 @@
 """Feature `photometric`: how much the grey levels of the image differ from those of the goal (docs/theory.md T33)."""
 
+import numpy as np
+
 from ..ground.errors import DegenerateFeature
-from .base import Feature, register_feature
+from .base import Feature, View, register_feature
 from ..palette import BLUE
 
 
@@ -12,11 +14,11 @@ class Photometric(Feature):
     sees_tilt, source, overlay = True, "photometric", "photometric"
     unit, symbol, label, colour = "grey", "ΔI", "rms difference of the luminance", BLUE
 
-    def value(self, view):
+    def value(self, view: View) -> float:
         if not view.features.has_reference:
             raise DegenerateFeature("photometric: the camera holds no reference image, teach one")
         return view.features.rms
 
-    def row(self, view):
+    def row(self, view: View) -> np.ndarray:
         raise DegenerateFeature("photometric: this feature has no interaction row, allowed with law 'photometric' "
                                 "only, for which the camera sums up the matrix over the pixels")

@@ -9,21 +9,22 @@ those at the goal, or those of the depth image (`MomentFeatures.point_z`).
 """
 
 from math import atan2, hypot
+from typing import Any, List, Tuple
 
 import numpy as np
 
 from ..ground.errors import DegenerateFeature
 from ..spatial import skew
-from .base import Feature, register_family
+from .base import Feature, View, register_family
 from ..palette import COOL, GREENS, PURPLES, WARM
 
 
-def points(view):
+def points(view: View) -> List[Tuple[float, float]]:
     """[(x, y)], normalised coordinates of the followed points. Raises DegenerateFeature: the view shows none."""
     return points_seen(view.features)
 
 
-def points_seen(features):
+def points_seen(features: Any) -> List[Tuple[float, float]]:
     """[(x, y)] of the `Features` of an image. Raises DegenerateFeature: it shows none."""
     x, y = features.point_x, features.point_y
     if not 0 < len(x) == len(y):
@@ -31,7 +32,7 @@ def points_seen(features):
     return list(zip(x, y))
 
 
-def depths_in_image(features):
+def depths_in_image(features: Any) -> np.ndarray:
     """(N,) depths Z of the followed points by the depth image [m]. Raises DegenerateFeature: one is missing."""
     count, Z = len(points_seen(features)), np.array(getattr(features, "point_z", ()), dtype=float)
     if len(Z) != count:
@@ -43,7 +44,7 @@ def depths_in_image(features):
     return Z
 
 
-def point_rows(view):
+def point_rows(view: View) -> np.ndarray:
     """L of (x1, y1, ..., xN, yN), (2 N, 6) (T26). Raises DegenerateFeature: the goal had another number of points."""
     rows, depths = [], view.inverse_depths
     seen = view.shared(points)
@@ -58,7 +59,7 @@ def point_rows(view):
     return np.array(rows)
 
 
-def rays(view):
+def rays(view: View) -> np.ndarray:
     """(N, 3) unit vectors towards the followed points, which a wide lens may see beside and behind the camera, too.
 
     Raises DegenerateFeature: the view shows none.
@@ -71,7 +72,7 @@ def rays(view):
     return ahead / np.linalg.norm(ahead, axis=1)[:, None]
 
 
-def ray_rows(view):
+def ray_rows(view: View) -> np.ndarray:
     """L of the rays, (N, 3, 6): [-(1 - s s^T) / r, [s]x], with r the distance of the point (docs/theory.md T72)."""
     s, depths = view.shared(rays), view.inverse_depths
     over_r = s @ np.array(view.plane) if depths is None else np.array(depths) * s[:, 2]
@@ -105,10 +106,10 @@ class PointX(OfPoints):
     symbol, label, colour = "x_{number}", "point {number} in x", COOL
     axis = 0
 
-    def value(self, view):
+    def value(self, view: View) -> float:
         return view.shared(points)[self._ends(view)[0]][self.axis]
 
-    def row(self, view):
+    def row(self, view: View) -> np.ndarray:
         return view.shared(point_rows)[2 * self._ends(view)[0] + self.axis]
 
 
@@ -176,11 +177,11 @@ class SegmentX(OfPoints):
     symbol, label, colour = "x_m{number}", "middle of segment {number} in x", COOL
     axis = 0
 
-    def value(self, view):
+    def value(self, view: View) -> float:
         seen = view.shared(points)
         return 0.5 * sum(seen[end][self.axis] for end in self._ends(view))
 
-    def row(self, view):
+    def row(self, view: View) -> np.ndarray:
         here, following = self._ends(view)
         L = view.shared(point_rows)
         return 0.5 * (L[2 * here + self.axis] + L[2 * following + self.axis])

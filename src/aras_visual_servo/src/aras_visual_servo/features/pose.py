@@ -33,7 +33,7 @@ class _ReferencePoint(_OfPose):
 
 for _index, (_name, _colour) in enumerate(zip(("tx", "ty", "tz", "rx", "ry", "rz"),
                                               (BLUE, VERMILION, GREEN, NAVY, BROWN, PURPLE))):
-    _kind, _axis = _name
+    _kind, _axis = _name[0], _name[1]
     _text = f"{_name} of the displacement from the goal: p_CgC [m], then theta u of R_CgC [rad] (T25)."
     register_feature(_name)(type(_name, (_Displacement,), {
         "index": _index, "__doc__": _text, "unit": "m" if _kind == "t" else "rad", "symbol": f"{_kind}_{_axis}",

@@ -9,6 +9,7 @@ Unit, symbol, label and colour stand in the class of each feature; a plugin that
 import math
 import re
 from dataclasses import dataclass, replace
+from typing import Iterable, Tuple
 
 from .base import Feature, feature_class
 from ..palette import LEAST_DISTANCE, distance, shade, spare
@@ -34,17 +35,17 @@ class FeatureStyle:
     colour: str
 
     @property
-    def letter(self):
+    def letter(self) -> str:
         """The symbol without its subscript."""
         return self.symbol if self.symbol == self.name else self.symbol.partition("_")[0]
 
     @property
-    def subscript(self):
+    def subscript(self) -> str:
         """The subscript of the symbol, "" if it has none."""
         return "" if self.symbol == self.name else self.symbol.partition("_")[2]
 
     @property
-    def mathtext(self):
+    def mathtext(self) -> str:
         """Symbol and unit as text for matplotlib: "$x_{n}$ [m]"."""
         plain = re.fullmatch(r"\w+", self.symbol) and (self.subscript or len(self.letter) == 1)
         if not plain:  # mathtext would set a name of several letters as a product of variables
@@ -53,23 +54,23 @@ class FeatureStyle:
         return (f"${self.letter}_{{{below}}}$" if below else f"${self.letter}$") + f" [{self.unit}]"
 
     @property
-    def factor(self):
+    def factor(self) -> float:
         """Factor from `unit` to `read_unit`."""
         return _READ_OFF.get(self.unit, (1.0, self.unit))[0]
 
     @property
-    def read_unit(self):
+    def read_unit(self) -> str:
         """The unit in which people read values off: mm for m, deg for rad, else `unit`."""
         return _READ_OFF.get(self.unit, (1.0, self.unit))[1]
 
     @property
-    def column(self):
+    def column(self) -> str:
         """Name of a column of a table with values of this feature: "xn_m", "x1"."""
         unit = self.unit.replace("1/", "per_").replace("/", "_per_")
         return self.name if unit == "-" else f"{self.name}_{unit}"
 
 
-def styles(names):
+def styles(names: Iterable[str]) -> Tuple[FeatureStyle, ...]:
     """Style of each of these features, shown together: no two have the same colour.
 
     Args:
@@ -91,7 +92,7 @@ def styles(names):
     return tuple(found)
 
 
-def units(shown):
+def units(shown: Iterable[FeatureStyle]) -> str:
     """Units of these styles for the name of an axis, each once: "[m], [rad]"."""
     return ", ".join(dict.fromkeys(f"[{style.unit}]" for style in shown))
 

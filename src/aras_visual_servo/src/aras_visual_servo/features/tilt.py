@@ -4,20 +4,22 @@ With the image parallel to the target neither pair changes as the camera transla
 turns about its axis either. So a tilt shows in them, which the four default features do not tell from a translation.
 """
 
+import numpy as np
+
 from . import interaction
 from ..ground.errors import DegenerateFeature
-from .base import Feature, register_feature
+from .base import Feature, View, register_feature
 from .complex_rows import times
 from ..palette import BROWN, MAROON, NAVY, VIOLET
 
 
-def third_order_vector(view):
+def third_order_vector(view: View) -> complex:
     """S = sx + i sy, complex [-] (T18). Raises DegenerateFeature: the object is empty or isotropic."""
     z1, z2, T, a = _complex_moments(view)
     return z2 * z1.conjugate() / z1 * (a**0.5 / T**1.5)
 
 
-def third_order_rows(view):
+def third_order_rows(view: View) -> np.ndarray:
     """L of S, (6,) complex, columns [v; w] (T18)."""
     z1, z2, T, a = _complex_moments(view)
     L_z1, L_z2, L_T = view.shared(_complex_rows)
@@ -57,10 +59,10 @@ class Sx(_ThirdOrder):
 
     symbol, label, colour = "s_x", "third-order invariant, real part", NAVY
 
-    def value(self, view):
+    def value(self, view: View) -> float:
         return view.shared(third_order_vector).real
 
-    def row(self, view):
+    def row(self, view: View) -> np.ndarray:
         return view.shared(third_order_rows).real
 
 
@@ -70,10 +72,10 @@ class Sy(_ThirdOrder):
 
     symbol, label, colour = "s_y", "third-order invariant, imaginary part", BROWN
 
-    def value(self, view):
+    def value(self, view: View) -> float:
         return view.shared(third_order_vector).imag
 
-    def row(self, view):
+    def row(self, view: View) -> np.ndarray:
         return view.shared(third_order_rows).imag
 
 
@@ -84,11 +86,11 @@ class Px(_ThirdOrder):
     symbol, label, colour = "p_x", "elongation, squared", VIOLET
     order = 3
 
-    def value(self, view):
+    def value(self, view: View) -> float:
         z1, _, T, _ = _complex_moments(view)
         return abs(z1) ** 2 / T**2
 
-    def row(self, view):
+    def row(self, view: View) -> np.ndarray:
         z1, _, T, _ = _complex_moments(view)
         L20, L11, L02 = interaction.centred_moments(view.m, view.mu, _ORDERS[:3], view.plane)
         L_z1, L_T = L20 - L02 + 2.0j * L11, L20 + L02
@@ -101,11 +103,11 @@ class Py(_ThirdOrder):
 
     symbol, label, colour = "p_y", "asymmetry, squared", MAROON
 
-    def value(self, view):
+    def value(self, view: View) -> float:
         _, z2, T, a = _complex_moments(view)
         return a * abs(z2) ** 2 / T**3
 
-    def row(self, view):
+    def row(self, view: View) -> np.ndarray:
         _, z2, T, a = _complex_moments(view)
         _, L_z2, L_T = view.shared(_complex_rows)
         value = a * abs(z2) ** 2 / T**3

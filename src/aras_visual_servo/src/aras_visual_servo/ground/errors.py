@@ -3,6 +3,8 @@
 Events of a normal run (target lost, joint limit, ...) are a `types.Status`, not an exception.
 """
 
+from typing import Any, Iterable, Union
+
 
 class ArasError(RuntimeError):
     """Base of every error the package raises on purpose."""
@@ -15,7 +17,7 @@ class ModelError(ArasError):
 class ParameterError(ArasError):
     """A parameter is missing, unknown or out of range. One error lists every fault, one per line."""
 
-    def __init__(self, faults):
+    def __init__(self, faults: Union[str, Iterable[Any]]) -> None:
         """Args: faults: one text, or texts or `Fault`s "key: found X, allowed Y"."""
         self.faults = [faults] if isinstance(faults, str) else list(map(str, faults))
         super().__init__("\n".join(self.faults))

@@ -3,6 +3,7 @@
 import importlib
 import sys
 from pathlib import Path
+from types import ModuleType
 
 from .errors import ArasError
 
@@ -13,7 +14,7 @@ class MissingExtra(ArasError):
     """A module is not installed that not everybody needs."""
 
 
-def extra(name, purpose):
+def extra(name: str, purpose: str) -> ModuleType:
     """The module `name`, imported, also from the workspace's virtual environment.
 
     Args: purpose: what cannot be done without it, for the message.

@@ -1,5 +1,7 @@
 """Images of cameras that are not 8-bit rgb or grey."""
 
+from typing import Any
+
 import numpy as np
 
 from .errors import ShapeError
@@ -12,7 +14,7 @@ CHANNELS = {"rgb8": 3, "bgr8": 3, "mono8": 1, "rgb16": 3, "mono16": 1, "bayer_rg
             "bayer_gbrg8": 1, "bayer_grbg8": 1}
 
 
-def in_rgb(image, encoding):
+def in_rgb(image: np.ndarray, encoding: str) -> np.ndarray:
     """The image of a camera as the extractors take it and as people look at it.
 
     Args: image: (h, w) or (h, w, 3), uint8 or uint16.  encoding: of the camera.
@@ -25,7 +27,7 @@ def in_rgb(image, encoding):
     return converted(image, encoding)
 
 
-def image_of(message):
+def image_of(message: Any) -> np.ndarray:
     """The image of a sensor_msgs/Image, (h, w) grey or (h, w, 3) rgb, uint8 or, of 16 bits a value, uint16; a copy.
 
     Raises: ShapeError: another encoding.
@@ -41,7 +43,7 @@ def image_of(message):
     return in_rgb(image[..., 0] if channels == 1 else image, message.encoding)
 
 
-def eight_bit(image):
+def eight_bit(image: np.ndarray) -> np.ndarray:
     """The image with 8 bits a value: itself, or, of uint16, 255 / 65535 of it, rounded, as cv_bridge converts it."""
     if image.dtype != np.uint16:
         return image

@@ -16,6 +16,8 @@ from .errors import ParameterError
 #: The features servoed on unless a scenario names others, in the order of every s, e, gain and threshold: xn, yn,
 #: an [m], alpha [rad].
 FEATURE_NAMES = ("xn", "yn", "an", "alpha")
+#: Joint positions by name, or (n,) in the order of `RobotKinematics.joint_names` [m or rad].
+JointPositions = Union[Mapping[str, float], np.ndarray]
 
 
 class Status(IntEnum):
@@ -109,14 +111,13 @@ class Observation:
     Attributes:
         stamp_ns: time of the state the image shows [ns].
         features: `Features`, or any object with its attributes; None when there is no image.
-        q: joint positions at stamp_ns [m or rad]: by name, or an array in the order of `Kinematics.joint_names`
-            (sorted by name).
+        q: joint positions at stamp_ns.
         frame: index of the image.
     """
 
     stamp_ns: int
     features: Optional[Any]
-    q: Union[Mapping[str, float], np.ndarray]
+    q: JointPositions
     frame: int = -1
 
 
@@ -181,7 +182,7 @@ class Reference:
 
     def to_dict(self) -> Dict[str, Any]:
         """Plain lists, for a parameter server or a file; what is None is left out."""
-        result = {"s_star": [float(s) for s in self.s_star], "images": self.images}
+        result: Dict[str, Any] = {"s_star": [float(s) for s in self.s_star], "images": self.images}
         for key in ("optical_axis_B", "plane_C"):
             if getattr(self, key) is not None:
                 result[key] = [float(a) for a in getattr(self, key)]
@@ -222,8 +223,8 @@ class Reference:
 VIEW_FIELDS = ("xn", "yn", "an", "alpha", "z_star_m", "area_star")
 #: ... and the followed points and the kernel projections, where there are any.
 VIEW_POINTS = ("point_x", "point_y", "point_z", "ray_x", "ray_y", "ray_z", "kernel_x", "kernel_y")
-_OPTIONAL = {"ambiguous": False, "reference_stamp_ns": -1, "depth_fault": "", **dict.fromkeys(VIEW_POINTS, ()),
-             "age_s": nan}
+_OPTIONAL: Dict[str, Any] = {"ambiguous": False, "reference_stamp_ns": -1, "depth_fault": "", "age_s": nan,
+                             **dict.fromkeys(VIEW_POINTS, ())}
 
 
 def _view(source, faults):

@@ -23,7 +23,7 @@ A law with settings of its own describes them as a frozen dataclass (config/sett
 """
 
 from math import exp, expm1, isfinite, sin
-from typing import Callable, Dict, List, Optional, Sequence, Tuple, Type, TypeVar
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Type, TypeVar, Union
 
 import numpy as np
 
@@ -35,8 +35,8 @@ from ..features.base import FeatureSet, View
 from ..features.interaction import parallel_condition
 from ..features.points import depths_in_image
 from ..ground.registry import Registry
-from ..ground.types import FEATURE_NAMES, Reference
-from .look import Answer
+from ..ground.types import FEATURE_NAMES, Features, Reference
+from .look import Answer, Arm, Joints, Look
 from .setup import LawSetup
 
 #: An interaction matrix with a larger condition number is not inverted, because in such a view some camera motion
@@ -82,7 +82,7 @@ def make_law(name: str, gains_per_s: Sequence[float], setup: LawSetup = LawSetup
     return LAWS.find(name)(gains_per_s, setup)
 
 
-def adaptive_factor(size, part, slope):
+def adaptive_factor(size: float, part: float, slope: float) -> float:
     """Factor on the gains for a feature error of this size (T22).
 
     It is 1 where the error is zero and falls towards `part` as the error grows; near zero it falls by `slope` per unit.
@@ -91,7 +91,7 @@ def adaptive_factor(size, part, slope):
     return (1.0 - part) * exp(-slope / (1.0 - part) * size) + part
 
 
-def sampled_gains(gains_per_s, dt_s):
+def sampled_gains(gains_per_s: Sequence[float], dt_s: float) -> Sequence[float]:
     """Gains for a twist that is held for dt_s, which then reduces e as exp(-gain t) does in that time (T14).
 
     Args: gains_per_s: (k,) [1/s].  dt_s: 0 gives the gains back as they are [s].
@@ -115,15 +115,16 @@ class Law:
         gains_per_s: tuple of k [1/s]; with `adaptive_gain` they are smaller far from the goal.
     """
 
-    name, settings_class, works_on, needs_plane, needs_pose = "", None, FEATURE_NAMES, False, False
-    continuous_only, moves_joints, foresees = False, False, True
+    name, needs_plane, needs_pose, continuous_only, moves_joints, foresees = "", False, False, False, False, True
+    works_on: Optional[Tuple[str, ...]] = FEATURE_NAMES
+    settings_class: Optional[type] = None
 
-    def __init__(self, gains_per_s, setup=LawSetup()):
+    def __init__(self, gains_per_s: Sequence[float], setup: LawSetup = LawSetup()) -> None:
         """Args and errors: those of `make_law`."""
         self.features, self._setup = FeatureSet(setup.features, setup.settings, setup.source), setup
         names = self.features.names
         self.gains_per_s = tuple(float(gain) for gain in gains_per_s)
-        faults = faults_of(setup)
+        faults: List[Any] = list(faults_of(setup))
         if self.works_on is not None and names != tuple(self.works_on):
             faults.append(f"features: found {', '.join(names)}, allowed with law '{self.name}': "
                           f"{', '.join(self.works_on)}")
@@ -133,14 +134,15 @@ class Law:
             validate({"type": "number", "exclusiveMinimum": 0}, gain, ("gains_per_s", name), faults)
         if faults:
             raise ParameterError(faults)
-        self.settings = None
+        self.settings: Any = None
         if self.settings_class is not None:
             self.settings = settings_of(self.name, self.settings_class, setup.settings, f"law '{self.name}'")
         self._rates = self.gains_per_s
-        self._s_star = self._inverse_depths = None
+        self._s_star: Any = None
+        self._inverse_depths: Optional[List[float]] = None
         self._condition = float("nan")
 
-    def reset(self, reference):
+    def reset(self, reference: Union[Reference, Sequence[float]]) -> None:
         """Forget the past and servo to `reference` from now on.
 
         Args: reference: a `Reference`, or s_star alone, (k,); some laws need the taught view of a `Reference`.
@@ -160,7 +162,7 @@ class Law:
         elif self._setup.point_depth == "image":
             depths_in_image(self.taught_view(reference)[0])  # a goal without them is refused
 
-    def step(self, look):
+    def step(self, look: Look) -> Answer:
         """The `Answer` to one `Look`.
 
         Raises:
@@ -181,12 +183,12 @@ class Law:
         e = self.features.error(s, self._s_star, self._symmetric(look.view))
         adaptive = self._setup.adaptive_gain
         if adaptive is not None:
-            factor = adaptive_factor(max(map(abs, e)), adaptive.infinity_part, adaptive.slope)
+            factor = adaptive_factor(max(abs(error) for error in e), adaptive.infinity_part, adaptive.slope)
             self.gains_per_s = tuple([factor * rate for rate in self._rates])
         twist = np.asarray(self._twist(look, s, e), dtype=float)
         return Answer(twist, s, e, self._condition_at(s), self._settled(twist), self._pose(look), self.gains_per_s)
 
-    def joint_velocity(self, view, arm, twist):
+    def joint_velocity(self, view: View, arm: "Arm", twist: np.ndarray) -> "Joints":
         """`Joints` of a law that `moves_joints`, after `step` has answered the same image.
 
         Args: view: `View` of the image.  arm: `Arm`.  twist: (6,) V_C of the answer with what the servo adds to it.
@@ -230,7 +232,7 @@ class Law:
         """Condition number of the interaction matrix of the twist, here of the one inverted last; NaN before any."""
         return self._condition
 
-    def taught_view(self, reference):
+    def taught_view(self, reference: Any) -> Tuple[Features, Any]:
         """(view, plane_C) of a `Reference`: its `Features`, and (A, B, C) of its plane, (3,) [1/m].
 
         Raises ParameterError: the reference has no view or no plane.
@@ -240,12 +242,12 @@ class Law:
                                  "reference was stored without them: teach the goal again")
         return reference.view, reference.plane_C
 
-    def goal_matrix(self, view, plane):
+    def goal_matrix(self, view: Features, plane: Sequence[float]) -> np.ndarray:
         """L, (k, 6), at the goal. Args: view: taught `Features`.  plane: its (A, B, C), (3,) [1/m]."""
         depths = 1.0 / depths_in_image(view) if self._setup.point_depth == "image" else None
         return self.features.matrix(View(view, plane, None, depths))
 
-    def invert(self, L):
+    def invert(self, L: np.ndarray) -> np.ndarray:
         """Pseudo-inverse, (6, k), of an interaction matrix L, (k, 6), of these features.
 
         Features that do not see tilt get no w_x and w_y: the servo holds the attitude from the joint positions.

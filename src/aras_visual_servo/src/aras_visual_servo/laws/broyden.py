@@ -1,9 +1,11 @@
 """Law `broyden`: the image Jacobian learnt on the way, without calibration (docs/theory.md T32)."""
 
 from dataclasses import dataclass
+from typing import Optional, Sequence, Union
 
 import numpy as np
 
+from ..ground.types import Reference
 from ..config.settings import setting
 from ..ground.errors import ParameterError
 from .base import Law, LawSetup, register_law, sampled_gains
@@ -46,14 +48,14 @@ class Broyden(Law):
 
     works_on, continuous_only, foresees = None, True, False
 
-    def __init__(self, gains_per_s, setup=LawSetup()):
+    def __init__(self, gains_per_s: Sequence[float], setup: LawSetup = LawSetup()) -> None:
         super().__init__(gains_per_s, setup)
         self._forgetting, self._move = self.settings.forgetting, self.settings.move
         self._columns = np.arange(6) if self.features.sees_tilt else np.array([0, 1, 2, 5])
         self._J = self._units = None
 
     @property
-    def L(self):
+    def L(self) -> Optional[np.ndarray]:
         """Estimate of the interaction matrix, (k, 6); None until the test moves are done."""
         if self._J is None:
             return None
@@ -61,7 +63,7 @@ class Broyden(Law):
         L[:, self._columns] = self._J / self._units
         return L
 
-    def reset(self, reference):
+    def reset(self, reference: Union[Reference, Sequence[float]]) -> None:
         """As of `Law`; needs a `Reference` with view and plane."""
         super().reset(reference)
         view, plane = self.taught_view(reference)

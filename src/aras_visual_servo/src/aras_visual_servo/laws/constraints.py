@@ -11,6 +11,7 @@ from typing import Dict, NamedTuple, Optional, Tuple
 
 import numpy as np
 
+from ..features.base import View
 from ..config.settings import setting
 from ..features.interaction import centroid
 from ..features.points import point_rows, points
@@ -66,7 +67,7 @@ class ConstraintSettings:
         help="Weight of the change of the joint velocities beside that of the features' rates, both relative.")
 
     @cached_property
-    def borders(self):
+    def borders(self) -> Tuple[Tuple[int, float, float, str], ...]:
         """(axis, sign, half less margin, name) of each border that is kept: x (axis 0) or y (axis 1) has the room
         half less margin plus sign times itself there."""
         return tuple((axis, sign, half - self.margin, BORDERS[2 * axis + k])
@@ -74,7 +75,7 @@ class ConstraintSettings:
                      for k, sign in enumerate((1.0, -1.0)))
 
     @cached_property
-    def planes(self):
+    def planes(self) -> Tuple[Tuple[str, ...], np.ndarray, np.ndarray]:
         """(names of the walls' rooms, their normals of length 1, (k, 3), their offsets, (k,))."""
         normals = np.array([wall.normal for wall in self.walls.values()], dtype=float)
         normals /= np.linalg.norm(normals, axis=1)[:, None]
@@ -90,7 +91,7 @@ class Rooms(NamedTuple):
     rows: np.ndarray
 
 
-def rooms_of(settings, view, X_BC):
+def rooms_of(settings: ConstraintSettings, view: View, X_BC: np.ndarray) -> Rooms:
     """`Rooms` of one view.
 
     Args: settings: `ConstraintSettings`.  view: `View` with a plane.  X_BC: (4, 4) pose of the camera in the base.
@@ -110,7 +111,7 @@ def rooms_of(settings, view, X_BC):
     return rooms
 
 
-def points_in_space(view, xy):
+def points_in_space(view: View, xy: np.ndarray) -> np.ndarray:
     """(3, n) places in the camera of points with the normalised coordinates xy, (n, 2) [m].
 
     Raises DegenerateFeature: a depth is not positive, or not known.

@@ -1,9 +1,11 @@
 """Law `hybrid`, which is 2 1/2-D visual servoing: translation by a point of the image, rotation by the pose (T30)."""
 
 from math import log
+from typing import Sequence, Union
 
 import numpy as np
 
+from ..ground.types import Reference
 from ..ground.errors import DegenerateFeature
 from ..features.base import View
 from .base import register_law, sampled_gains
@@ -23,7 +25,7 @@ class Hybrid(PoseLaw):
 
     works_on = ("xr", "yr", "zr", "rx", "ry", "rz")
 
-    def reset(self, reference):
+    def reset(self, reference: Union[Reference, Sequence[float]]) -> None:
         """As of `PoseLaw`, and chooses the reference point."""
         super().reset(reference)
         view, plane = self.taught_view(reference)

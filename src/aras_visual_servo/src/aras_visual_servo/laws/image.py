@@ -1,7 +1,10 @@
 """Law `ibvs`: image-based visual servoing on any features (docs/theory.md T20, T21)."""
 
+from typing import Any, Sequence, Union
+
 import numpy as np
 
+from ..ground.types import Reference
 from .base import Law, LawSetup, register_law, sampled_gains
 
 
@@ -16,12 +19,13 @@ class ImageBased(Law):
 
     works_on = None
 
-    def __init__(self, gains_per_s, setup=LawSetup()):
+    def __init__(self, gains_per_s: Sequence[float], setup: LawSetup = LawSetup()) -> None:
         super().__init__(gains_per_s, setup)
         self.needs_plane = setup.interaction != "desired"
-        self._L_star = self._inverse = None
+        self._L_star: Any = None
+        self._inverse: Any = None
 
-    def reset(self, reference):
+    def reset(self, reference: Union[Reference, Sequence[float]]) -> None:
         """As of `Law`; needs a `Reference` with view and plane, except with `interaction: current`."""
         super().reset(reference)
         self._L_star = self._inverse = None

@@ -4,18 +4,19 @@ from dataclasses import dataclass
 from itertools import accumulate
 from math import expm1
 from re import fullmatch
-from typing import NamedTuple, Tuple
+from typing import Iterator, NamedTuple, Sequence, Tuple, Union
 
 import numpy as np
 
+from ..features.base import View
 from ..config.settings import setting
 from ..features.points import points
 from ..ground.errors import DegenerateFeature
 from ..spatial import adjoints, exponentials, inverse, logarithm
-from ..ground.types import Status
+from ..ground.types import Reference, Status
 from .base import LawSetup, register_law
 from .constraints import ConstraintSettings, Rooms, points_in_space, rooms_of
-from .look import Joints
+from .look import Arm, Joints
 from .qp import QuadraticProgram, asked, told
 
 #: Depths below it are predicted as if they were this one [m].
@@ -43,7 +44,7 @@ class MpcSettings(ConstraintSettings):
         4, at_least=1, at_most=50,
         help="The joint velocities may change at the first so many steps, and are held from the last of them on.")
 
-    def check(self):
+    def check(self) -> Iterator[str]:
         """Moves are steps of the horizon."""
         if self.moves > self.horizon:
             yield f"moves: found {self.moves}, allowed at most horizon, {self.horizon}"
@@ -81,7 +82,7 @@ class Predictive(QuadraticProgram):
     IEEE T-RO 26(5), 2010 (there by a general solver on the nonlinear problem).
     """
 
-    def __init__(self, gains_per_s, setup=LawSetup()):
+    def __init__(self, gains_per_s: Sequence[float], setup: LawSetup = LawSetup()) -> None:
         super().__init__(gains_per_s, setup)
         config, steps = self.settings, np.arange(self.settings.horizon)
         #: (N, moves): which move holds in which step.
@@ -97,12 +98,12 @@ class Predictive(QuadraticProgram):
         self._points = all(names) and [2 * (int(name[2]) - 1) + "xy".index(name[1]) for name in names]
         self._plan = self._rows = None
 
-    def reset(self, reference):
+    def reset(self, reference: Union[Reference, Sequence[float]]) -> None:
         """As of `Law`."""
         super().reset(reference)
         self._plan = None
 
-    def joint_velocity(self, view, arm, twist):
+    def joint_velocity(self, view: View, arm: Arm, twist: np.ndarray) -> Joints:
         """`Joints` for one look: see `Law.joint_velocity`."""
         ahead, n = self._ahead(view, arm), len(arm.q)
         plan = self._nominal(arm)
@@ -291,7 +292,7 @@ def _rooms_of_contour(config, xy, plain):
     return Rooms((*names, *plain.names[len(plain.h) - walls:]), np.concatenate(h), plain.rows)
 
 
-def predicted_points(P, poses):
+def predicted_points(P: np.ndarray, poses: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """What a moved camera sees of points at rest: (x1, y1, Z1, ..., (N, 3 n); their rows, (N, 3 n, 6)).
 
     Args: P: (3, n) in the first camera frame [m].  poses: (N, 4, 4) of the camera in that frame. Rows are of twists of

@@ -2,9 +2,11 @@
 (docs/theory.md T33 to T35, T46)."""
 
 from dataclasses import dataclass
+from typing import Sequence, Union
 
 import numpy as np
 
+from ..ground.types import Reference
 from ..config.settings import setting
 from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError
 from .base import MAX_CONDITION, Law, LawSetup, register_law, sampled_gains
@@ -46,14 +48,14 @@ class Photometric(Law):
 
     works_on, foresees = ("photometric",), False
 
-    def __init__(self, gains_per_s, setup=LawSetup()):
+    def __init__(self, gains_per_s: Sequence[float], setup: LawSetup = LawSetup()) -> None:
         super().__init__(gains_per_s, setup)
         if setup.interaction != LawSetup.interaction:
             raise ParameterError(f"interaction: found '{setup.interaction}', allowed no such key with law "
                                  f"'{self.name}': choose its matrix with vision.photometric.interaction")
         self._first_rms = self._step = None
 
-    def reset(self, reference):
+    def reset(self, reference: Union[Reference, Sequence[float]]) -> None:
         """As of `Law`. The camera keeps the reference image; s_star is the rms of its difference from itself, 0."""
         super().reset(reference)
         self._first_rms = None

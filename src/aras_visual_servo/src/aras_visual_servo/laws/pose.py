@@ -1,7 +1,10 @@
 """Laws that measure the camera's displacement from the goal by the target's pose (docs/theory.md T24, T25, T29)."""
 
+from typing import Any, Sequence, Union
+
 import numpy as np
 
+from ..ground.types import Reference
 from ..ground.errors import DegenerateFeature, ParameterError
 from ..features.base import View
 from .base import Law, LawSetup, register_law, sampled_gains
@@ -24,7 +27,7 @@ class PoseLaw(Law):
 
     needs_pose, foresees = True, False
 
-    def __init__(self, gains_per_s, setup=LawSetup()):
+    def __init__(self, gains_per_s: Sequence[float], setup: LawSetup = LawSetup()) -> None:
         super().__init__(gains_per_s, setup)
         if setup.target is None and setup.pose_from == "moments":
             raise ParameterError(f"target_model: found nothing, law '{self.name}' needs the file of the known target, "
@@ -33,9 +36,10 @@ class PoseLaw(Law):
             raise ParameterError(f"target_model: found {len(setup.target.outlines_m)} outlines, allowed one "
                                  f"with pose_from: {setup.pose_from}")
         self._seen = setup.target
-        self._X_CgT = self._X_CT = self._X_CgC_then = None
+        self._X_CgT: Any = None
+        self._X_CT = self._X_CgC_then = self._X_CgT
 
-    def reset(self, reference):
+    def reset(self, reference: Union[Reference, Sequence[float]]) -> None:
         """As of `Law`, and finds the pose of the target in the taught view; needs a `Reference` with view and plane.
 
         Raises DegenerateFeature: no pose explains the view.

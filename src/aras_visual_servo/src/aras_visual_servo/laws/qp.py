@@ -2,14 +2,16 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Iterable, List, Sequence, Tuple
 
 import numpy as np
 
+from ..features.base import View
 from ..ground.types import Status
 from .base import LawSetup, register_law
-from .constraints import ConstraintSettings, rooms_of
+from .constraints import ConstraintSettings, Rooms, rooms_of
 from .image import ImageBased
-from .look import Joints
+from .look import Arm, Joints
 
 #: A slack is told when it is larger than this: what it takes to be seen above rounding [1/s, m/s].
 TOLD = 1e-6
@@ -41,12 +43,12 @@ class QuadraticProgram(ImageBased):
 
     moves_joints = continuous_only = True
 
-    def __init__(self, gains_per_s, setup=LawSetup()):
+    def __init__(self, gains_per_s: Sequence[float], setup: LawSetup = LawSetup()) -> None:
         super().__init__(gains_per_s, setup)
         from .._kinematics import solve_program  # C++: not needed to describe the settings of this file
         self._solve, self.needs_plane = solve_program, True
 
-    def joint_velocity(self, view, arm, twist):
+    def joint_velocity(self, view: View, arm: Arm, twist: np.ndarray) -> Joints:
         """`Joints` for one look: see `Law.joint_velocity`."""
         rooms, n = rooms_of(self.settings, view, arm.X_BC), len(arm.q)
         rows = rooms.rows @ arm.jacobian
@@ -61,7 +63,7 @@ class QuadraticProgram(ImageBased):
                           f"standing still, no motion keeps {_listed(asked(rooms, b))}")
         return self._with_slack(arm, rooms, H, A, b)
 
-    def metric(self, view, jacobian):
+    def metric(self, view: View, jacobian: np.ndarray) -> np.ndarray:
         """Hessian of the cost, (n, n): rates of the features, each direction relative to their mean size."""
         L = self.features.matrix(view)
         seen = L.T @ L
@@ -73,7 +75,8 @@ class QuadraticProgram(ImageBased):
         H.flat[::len(H) + 1] += self.settings.damping
         return H
 
-    def relaxed(self, H, g, A, b, which):
+    def relaxed(self, H: np.ndarray, g: np.ndarray, A: np.ndarray, b: np.ndarray,
+                which: np.ndarray) -> Tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
         """Solve min 0.5 x^T H x + g^T x + 0.5 SLACK_WEIGHT |s|^2 over A x >= b, whose first rows have slacks s >= 0.
 
         Args:
@@ -121,12 +124,12 @@ class QuadraticProgram(ImageBased):
         return Joints(q_dot, None, f"servoing, held back by {_listed(names)}")
 
 
-def told(names, slacks):
+def told(names: Sequence[str], slacks: Iterable[float]) -> str:
     """In words, which slacks are above rounding, and how large they are."""
     return _listed(f"{name} by {size:.2g}" for name, size in zip(names, slacks) if size > TOLD)
 
 
-def asked(rooms, b):
+def asked(rooms: Rooms, b: np.ndarray) -> List[str]:
     """Names of the rooms that joint velocities at rest would violate, else of all that is to be kept."""
     asks = [name for name, most in zip(rooms.names, b) if most > 0.0]
     return asks or ["the view and the walls within the limits of the joints"]

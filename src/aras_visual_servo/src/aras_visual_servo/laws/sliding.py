@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from math import copysign, exp, log
-from typing import Tuple
+from typing import Sequence, Tuple
 
 import numpy as np
 
@@ -41,7 +41,7 @@ class Sliding(ImageBased):
     ICRA 2000.
     """
 
-    def __init__(self, gains_per_s, setup=LawSetup()):
+    def __init__(self, gains_per_s: Sequence[float], setup: LawSetup = LawSetup()) -> None:
         super().__init__(gains_per_s, setup)
         self._switching, self._boundary = self.settings.switching_per_s, self.settings.boundary
         if len(self._boundary) != len(self.features):

@@ -5,13 +5,18 @@
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Callable, Dict, Optional
 
 import numpy as np
 
+from .record import RunRecord
 from ..features.base import spread
 from ..ground.errors import ArasError
 from ..spatial import inverse, rotation_angle
 from ..ground.types import FEATURE_NAMES, Status
+
+if TYPE_CHECKING:
+    from ..scenario.scenario import Scenario
 
 # A decay is fitted while the error is above this share of its largest value ...
 FIT_FLOOR_SHARE = 0.05
@@ -58,7 +63,8 @@ class Judgement:
     stopped_by_rule: bool = False
 
 
-def run(scenario, progress=None, keep_images=False):
+def run(scenario: "Scenario", progress: Optional[Callable[[float, str], None]] = None,
+        keep_images: bool = False) -> RunRecord:
     """Run a scenario without ROS: simulator, moments and sequence in this process.
 
     Args:
@@ -71,7 +77,7 @@ def run(scenario, progress=None, keep_images=False):
     return ServoLoop(scenario).run(progress=progress, keep_images=keep_images)
 
 
-def judge(record):
+def judge(record: RunRecord) -> Judgement:
     """Judge a run.
 
     Args:
@@ -81,17 +87,17 @@ def judge(record):
     Raises:
         NothingToJudge: the record has no taught view or no servo row.
     """
-    rows = record.servo_rows
-    if not len(rows) or not len(record.rows("teach")):
+    rows = record.servo_rows.tolist()
+    if not rows or not len(record.rows("teach")):
         have = ", ".join(dict.fromkeys(record.phase.tolist())) or "none"
-        end = f"; it ended with: {record.status_text[-1] or Status(record.status[-1]).name}" if len(record) else ""
+        end = f"; it ended with: {record.status_text[-1] or Status(int(record.status[-1])).name}" if len(record) else ""
         raise NothingToJudge(f"run '{record.scenario}': no taught view or no servo image, phases found: {have}{end}")
     first, last = rows[0], rows[-1]
     converged = bool(record.status[last] == Status.CONVERGED)
     stopped_by_rule = bool(record.status[last] == Status.STOPPED_BY_RULE)
     final_error = true_error(record, last)
     limits = dict(record.settings.get("experiment", {}).get("judge", {}))
-    reason = str(record.status_text[last]) or Status(record.status[last]).name
+    reason = str(record.status_text[last]) or Status(int(record.status[last])).name
     faults = [] if converged or stopped_by_rule else [f"not converged: {reason}"]
     for key, limit in limits.items():
         if not abs(final_error[key]) <= limit:
@@ -104,12 +110,12 @@ def judge(record):
         gains_per_s=_promised_rates(record), limits=limits, images=len(rows), stopped_by_rule=stopped_by_rule)
 
 
-def taught_pose(record):
+def taught_pose(record: RunRecord) -> np.ndarray:
     """X_WCg, (4, 4): the true camera pose at the image that stands for the taught view."""
     return record.X_WC[record.taught_row]
 
 
-def goal_pose(record, row):
+def goal_pose(record: RunRecord, row: Any) -> np.ndarray:
     """X_WCg, (4, 4), at an image: the camera's taught pose relative to the target, for the target's pose at that
     image."""
     X_WCg = taught_pose(record)
@@ -119,7 +125,7 @@ def goal_pose(record, row):
     return X_WCg if np.array_equal(then, now) else now @ np.linalg.solve(then, X_WCg)
 
 
-def true_error(record, row):
+def true_error(record: RunRecord, row: Any) -> Dict[str, float]:
     """True error at an image, a dict as of `pose_error`.
 
     With the camera in the hand that of the camera against its goal, relative to the target. Eye-to-hand that of the
@@ -133,7 +139,7 @@ def true_error(record, row):
             "angle_deg": math.degrees(rotation_angle(goal[:3, :3].T @ here[:3, :3]))}
 
 
-def tracking(record):
+def tracking(record: RunRecord) -> Dict[str, Any]:
     """How well a moving goal was followed: root mean squares over the second half of the servo images.
 
     Returns:
@@ -148,7 +154,7 @@ def tracking(record):
     return {"e": dict(zip(record.feature_names, e)), "position_mm": position_mm, "angle_deg": angle_deg}
 
 
-def pose_error(X_WCg, X_WC):
+def pose_error(X_WCg: np.ndarray, X_WC: np.ndarray) -> Dict[str, float]:
     """Error of a camera pose C against the goal Cg, X_CgC.
 
     Returns:
@@ -159,7 +165,7 @@ def pose_error(X_WCg, X_WC):
     return {"x_mm": x_mm, "y_mm": y_mm, "z_mm": z_mm, "angle_deg": math.degrees(rotation_angle(X_CgC[:3, :3]))}
 
 
-def fit_decay(record):
+def fit_decay(record: RunRecord) -> Dict[str, float]:
     """Rates of the exponentials through |e|, by a straight line through ln |e| over the servo images [1/s].
 
     Returns:

@@ -41,8 +41,8 @@ class TaughtGoal(NamedTuple):
     """
 
     state: bytes
-    reference: Reference
-    z_star_m: float
+    reference: Optional[Reference]
+    z_star_m: Optional[float]
     answers: tuple
 
 
@@ -83,7 +83,7 @@ class ServoLoop(SimulatedCell):
 
     def _begin(self, experiment: Any) -> None:
         self.sequence = ExperimentSequence(self.kinematics, self.servo, experiment, self._teach_camera)
-        self.frame, self.seen = -1, None
+        self.frame, self.seen = -1, None  # type: int, Any
         self._placed_ns = 0
         self._taught = (None, [])  # by `teach`: depth of the target, and its first answers, as in `TaughtGoal`
         self._frame = None

@@ -3,7 +3,11 @@
 All are taken over the servo phase, from the true camera poses and the measured joint positions of a RunRecord.
 """
 
+from .record import RunRecord
+from ..features.target.outline import Outline
+
 from math import inf
+from typing import Any, Dict, Optional
 
 import numpy as np
 
@@ -17,7 +21,8 @@ MEASURES = {
 }
 
 
-def measures(record, lower, upper, outline=None):
+def measures(record: RunRecord, lower: Any, upper: Any,
+             outline: Optional[Outline] = None) -> Dict[str, Optional[float]]:
     """Dict of MEASURES; None where a value is unknown.
 
     Args:
@@ -43,7 +48,7 @@ def measures(record, lower, upper, outline=None):
     return found
 
 
-def distance_from_segment(points, a, b):
+def distance_from_segment(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """(n,) distances of points (n, 3) from the straight line between a and b, (3,) each."""
     way = b - a
     length2 = float(way @ way)

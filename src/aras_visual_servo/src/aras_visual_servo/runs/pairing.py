@@ -1,6 +1,7 @@
 """Pairs the features and the joint state of the same instant, by their stamps; never the latest of each. No ROS."""
 
 import collections
+from typing import Any, List, Sequence, Tuple
 
 SETTLED_PAIRS = 3  # after the joint states went back, no features of the time before are on their way any more
 
@@ -22,14 +23,14 @@ class StampPairer:
         restarts: how often it was seen that time was reset.
     """
 
-    def __init__(self, capacity=400):
+    def __init__(self, capacity: int = 400) -> None:
         self._joints = collections.OrderedDict()
         self._capacity = capacity
         self._waiting = collections.deque()
         self.restarts = 0
         self.clear()
 
-    def clear(self):
+    def clear(self) -> None:
         """Forget everything: time starts anew."""
         self._joints.clear()
         self._waiting.clear()
@@ -43,7 +44,7 @@ class StampPairer:
         self.restarts += 1
         self._ahead, self._since_ns = ahead, stamp_ns
 
-    def add_features(self, stamp_ns, features):
+    def add_features(self, stamp_ns: int, features: Any) -> List[Tuple[int, Any, Any]]:
         """Take one features message. Returns: list of (stamp_ns, features, joints or None) now complete, oldest first.
         """
         if self._ahead == "joints" and stamp_ns <= max(self._newest_features_ns, self._since_ns):
@@ -57,7 +58,7 @@ class StampPairer:
         self._waiting.append((stamp_ns, features))
         return self._complete()
 
-    def add_joints(self, stamp_ns, joints):
+    def add_joints(self, stamp_ns: int, joints: Any) -> Sequence[Tuple[int, Any, Any]]:
         """Take one joint state. Returns what add_features does."""
         if stamp_ns < self._newest_joints_ns:
             if self._ahead == "features":

@@ -8,6 +8,7 @@ No ROS, and no wall clock except in `wall_s`.
 from dataclasses import dataclass, field
 from functools import cached_property
 from operator import attrgetter
+from typing import Any, Mapping, Optional, Sequence
 
 import numpy as np
 
@@ -71,12 +72,12 @@ class RunRecord:
     set_point: np.ndarray
     raw: np.ndarray
     X_WC: np.ndarray
-    stop: np.ndarray = None
-    X_WT: np.ndarray = None
-    target_poses: np.ndarray = None
-    desired_image: np.ndarray = None
-    initial_image: np.ndarray = None
-    final_image: np.ndarray = None
+    stop: Optional[np.ndarray] = None
+    X_WT: Optional[np.ndarray] = None
+    target_poses: Optional[np.ndarray] = None
+    desired_image: Optional[np.ndarray] = None
+    initial_image: Optional[np.ndarray] = None
+    final_image: Optional[np.ndarray] = None
     images: dict = field(default_factory=dict)
     camera_info: dict = field(default_factory=dict)
     run_hash: str = ""
@@ -86,25 +87,25 @@ class RunRecord:
     recorded: dict = field(default_factory=dict)
     notes: tuple = ()
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.stamp_ns)
 
     @property
-    def eye_to_hand(self):
+    def eye_to_hand(self) -> bool:
         """Whether the arm carried the target and the camera stood still."""
         return bool(self.settings.get("robot", {}).get("target_link"))
 
     @cached_property
-    def X_WM(self):
+    def X_WM(self) -> np.ndarray:
         """(n, 4, 4), true pose in the world of what the arm moves: the camera, or eye-to-hand the target."""
         return self.target_poses if self.eye_to_hand and self.target_poses is not None else self.X_WC
 
     @property
-    def t_s(self):
+    def t_s(self) -> np.ndarray:
         """(n,) simulated time of each image [s]."""
         return self.stamp_ns * 1e-9
 
-    def rows(self, *phases):
+    def rows(self, *phases: str) -> np.ndarray:
         """Indices of the images of these phases, in order: (j,) int."""
         found = np.zeros(len(self), dtype=bool)
         for phase in phases:
@@ -112,7 +113,7 @@ class RunRecord:
         return np.flatnonzero(found)
 
     @cached_property
-    def taught_row(self):
+    def taught_row(self) -> int:
         """Row of the image that stands for the taught view: of several averaged ones, that nearest to their mean place.
 
         The arm may creep a little while it is taught, fast at first and then slower.
@@ -122,7 +123,7 @@ class RunRecord:
         return rows[np.linalg.norm(places - places.mean(axis=0), axis=1).argmin()]
 
     @cached_property
-    def servo_rows(self):
+    def servo_rows(self) -> np.ndarray:
         """Indices of the images of the servo phase, with the one that ended it: (j,) int.
 
         The phase ends with a `servo` row whose status is in types.FINAL, or with the `done` row that follows.
@@ -149,7 +150,8 @@ class RecordBuilder:
     keep_images: keep every image of the servo phase, not only the first and the last one.
     """
 
-    def __init__(self, scenario, joint_names, settings=None, feature_names=FEATURE_NAMES, keep_images=False):
+    def __init__(self, scenario: str, joint_names: Sequence[str], settings: Optional[Mapping[str, Any]] = None,
+                 feature_names: Sequence[str] = FEATURE_NAMES, keep_images: bool = False) -> None:
         self.scenario = str(scenario)
         self.settings = dict(settings or {})
         self.joint_names = tuple(joint_names)
@@ -167,16 +169,21 @@ class RecordBuilder:
         self._keep_images, self._all_images = keep_images, {}
         self._notes = []
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self._rows)
 
     @property
-    def begin_ns(self):
+    def begin_ns(self) -> int:
         """Stamp of the first row."""
         return self._rows[0][0]
 
-    def add_row(self, stamp_ns, phase, status=0, status_text="", s=None, s_star=None, e=None, twist=None, q=None,
-                set_point=None, X_WC=None, raw=None, image=None, X_WT=None, stop=None):
+    def add_row(self, stamp_ns: int, phase: str, status: int = 0, status_text: str = "",
+                s: Optional[Sequence[float]] = None, s_star: Optional[Sequence[float]] = None,
+                e: Optional[Sequence[float]] = None, twist: Optional[Sequence[float]] = None,
+                q: Optional[Sequence[float]] = None, set_point: Optional[Sequence[float]] = None,
+                X_WC: Optional[np.ndarray] = None, raw: Optional[Sequence[float]] = None,
+                image: Optional[np.ndarray] = None, X_WT: Optional[np.ndarray] = None,
+                stop: Optional[Sequence[float]] = None) -> None:
         """Append the row of one image; values that are None become NaN.
 
         Args:
@@ -225,7 +232,8 @@ class RecordBuilder:
             self._tables[name].append(joined.reshape(-1, *shape))
         self._last_values.clear()
 
-    def add_answer(self, answer, X_WC=None, features=None, image=None, X_WT=None):
+    def add_answer(self, answer: Any, X_WC: Optional[np.ndarray] = None, features: Optional[Any] = None,
+                   image: Optional[np.ndarray] = None, X_WT: Optional[np.ndarray] = None) -> None:
         """Append the row of one answered image.
 
         Args:
@@ -259,7 +267,7 @@ class RecordBuilder:
         return [np.nan if i is None or i >= len(values) else values[i]
                 for i in self._by_name or range(len(self.joint_names))]
 
-    def keep_image(self, phase, image):
+    def keep_image(self, phase: str, image: np.ndarray) -> None:
         """Keep the image of the row just added if it is the taught view, or the first or last one of the servo.
 
         The `done` row's image is the last one only if no servo row before it reported the end (see `servo_rows`).
@@ -277,7 +285,7 @@ class RecordBuilder:
         elif phase == "servo":
             self._last_servo_image = image  # it is the last view only if the run breaks off here: copied then
 
-    def note(self, text):
+    def note(self, text: str) -> None:
         """Remember something a reader of the report must know."""
         self._notes.append(str(text))
 
@@ -293,8 +301,9 @@ class RecordBuilder:
         last = active[-1] + 1
         return last + (last < len(self._rows) and self._rows[last][1] == "done")
 
-    def finish(self, run_hash="", wall_s=float("nan"), real_time_factor=None, camera_info=None, X_WT=None,
-               opengl="", recorded=None):
+    def finish(self, run_hash: str = "", wall_s: float = float("nan"), real_time_factor: Optional[float] = None,
+               camera_info: Optional[Mapping[str, Any]] = None, X_WT: Optional[np.ndarray] = None, opengl: str = "",
+               recorded: Optional[Mapping[str, Any]] = None) -> RunRecord:
         """The record, up to the end of the run. real_time_factor: None: simulated time of all rows over wall_s."""
         if real_time_factor is None:
             simulated_s = (self._rows[-1][0] - self._rows[0][0]) * 1e-9 if self._rows else np.nan

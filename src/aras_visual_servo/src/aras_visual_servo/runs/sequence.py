@@ -11,13 +11,15 @@ alone, so that a run in process and one over ROS give the same bytes.
 
 from dataclasses import dataclass, replace
 from math import inf, isfinite, nan
-from typing import Callable, Mapping, Optional, Tuple
+from typing import Any, Callable, Mapping, Optional, Tuple
 
 import numpy as np
 
+from ..servo.servo import Servo
+from ..arm.kinematics import RobotKinematics
 from ..ground.errors import ArasError, ParameterError
 from ..arm.trajectory import JointTrajectory
-from ..ground.types import Command, Observation, ServoRecord, Status
+from ..ground.types import Command, JointPositions, Observation, ServoRecord, Status
 from .settings import ExperimentSettings
 from .teaching import Teaching
 
@@ -41,7 +43,8 @@ class ExperimentSequence:
         teach_stamp_ns: stamp of the image that was taught, or None.  servo_stamp_ns: that of the first servo image.
     """
 
-    def __init__(self, kinematics, servo, config: Mapping, teach_camera: Callable[[int, float], None]):
+    def __init__(self, kinematics: RobotKinematics, servo: Servo, config: Mapping,
+                 teach_camera: Callable[[int, float], None]) -> None:
         """Set up.
 
         Args:
@@ -69,7 +72,7 @@ class ExperimentSequence:
         self._e = self._no_features
         self._dt_s = self.config.image_period_s
 
-    def use(self, servo) -> None:
+    def use(self, servo: Servo) -> None:
         """Go on with another servo, which has the goal of the one before it (`Servo.retuned`)."""
         self._servo, self._e = servo, np.full(len(servo.feature_names), nan)
 
@@ -85,7 +88,7 @@ class ExperimentSequence:
         self._reset("settle_start" if servo_only else "to_goal")
         self._servo_only = servo_only
 
-    def teach(self, stamp_ns: int, features, q, z_star_m: Optional[float] = None) -> None:
+    def teach(self, stamp_ns: int, features: Any, q: JointPositions, z_star_m: Optional[float] = None) -> None:
         """Make the image of this stamp the goal of the servo, and the reference of the camera's features.
 
         Args: features, q: of this image.  z_star_m: depth of the target in it [m]; None: the experiment's.
@@ -94,7 +97,7 @@ class ExperimentSequence:
         self._begin_teaching(stamp_ns, features, q, z_star_m)
         self._teaching = None
 
-    def teach_more(self, stamp_ns: int, features, q, z_star_m: Optional[float] = None) -> bool:
+    def teach_more(self, stamp_ns: int, features: Any, q: JointPositions, z_star_m: Optional[float] = None) -> bool:
         """As `teach`, from several images in turn. Returns True when the goal is taught; until then, call it again."""
         if self._teaching is None:
             self._begin_teaching(stamp_ns, features, q, z_star_m)

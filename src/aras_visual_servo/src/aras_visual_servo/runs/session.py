@@ -4,10 +4,15 @@ The node adds messages, clocks and threads. Every rule on how to answer stands h
 Times: `stamp_ns`, `now_ns` are ROS time (simulated with a simulator), `wall_s` is a monotonic wall clock.
 """
 
+from typing import Any, Optional, Sequence, Tuple, Union
+
 import numpy as np
 
+from ..servo.servo import Servo
+from ..arm.kinematics import RobotKinematics
+from .sequence import ExperimentSequence
 from ..ground.errors import ArasError, ParameterError
-from ..ground.types import Command, Observation, ServoRecord, Status
+from ..ground.types import Command, JointPositions, Observation, Reference, ServoRecord, Status
 
 #: When ROS time stands still and no features come for this wall time, that is reported [s].
 STANDSTILL_S = 2.0
@@ -29,7 +34,8 @@ class Session:
         unseen: a goal is active, and no image was answered since it began.
     """
 
-    def __init__(self, kinematics, servo, sequence, input_timeout_s, time_limit_s):
+    def __init__(self, kinematics: RobotKinematics, servo: Servo, sequence: ExperimentSequence, input_timeout_s: float,
+                 time_limit_s: float) -> None:
         self._kinematics, self._servo, self._sequence = kinematics, servo, sequence
         self._input_timeout_s, self._input_timeout_ns = input_timeout_s, round(input_timeout_s * 1e9)
         self._time_limit_ns = self._goal_limit_ns = round(time_limit_s * 1e9)
@@ -41,13 +47,14 @@ class Session:
         self.last_ns, self.frame, self.seen = -1, -1, None
 
     @property
-    def unseen(self):
+    def unseen(self) -> bool:
         """See the class."""
         return self.active and self._begun
 
     # --- one image, one answer ----------------------------------------------------------------------------------
 
-    def answer(self, stamp_ns, features, q, now_ns, wall_s, refusal=""):
+    def answer(self, stamp_ns: int, features: Any, q: JointPositions, now_ns: int, wall_s: float,
+               refusal: str = "") -> Tuple[Command, ServoRecord]:
         """Answer one image.
 
         Args:
@@ -79,24 +86,25 @@ class Session:
             return f"features are {(now_ns - stamp_ns) * 1e-9:.3f} s old, allowed {self._input_timeout_s:g} s"
         return ""
 
-    def hold(self, stamp_ns, reason):
+    def hold(self, stamp_ns: int, reason: str) -> Tuple[Command, ServoRecord]:
         """Answer with zero velocity and STALE_INPUT; the goal goes on with the next good image."""
         _, record = self._servo.stale(stamp_ns, reason)
         record.status, record.status_text, record.phase = Status.STALE_INPUT, reason, self._sequence.phase
         return self.standstill(stamp_ns), record
 
-    def standstill(self, stamp_ns):
+    def standstill(self, stamp_ns: int) -> Command:
         """Command of zero velocity for every joint: the set-points stay."""
         return Command(stamp_ns, velocity=dict.fromkeys(self._kinematics.joint_names, 0.0))
 
-    def use(self, servo):
+    def use(self, servo: Servo) -> None:
         """Go on with another servo, which has the goal of the one before it (`Servo.retuned`)."""
         self._servo = servo
         self._sequence.use(servo)
 
     # --- goals --------------------------------------------------------------------------------------------------
 
-    def begin(self, reference, law, gains_per_s, thresholds, time_limit_s, now_ns, wall_s):
+    def begin(self, reference: Union[str, Reference], law: str, gains_per_s: Optional[Sequence[float]],
+              thresholds: Optional[Sequence[float]], time_limit_s: float, now_ns: int, wall_s: float) -> None:
         """Begin a goal with the next image.
 
         Args:
@@ -121,7 +129,7 @@ class Session:
         self._fresh_ns, self._fresh_wall_s = now_ns, wall_s
         self.active, self.stale, self._begun = True, False, True
 
-    def teach(self, z_star_m=None):
+    def teach(self, z_star_m: Optional[float] = None) -> int:
         """Make the view of the last answered image the goal.
 
         Args: z_star_m: depth of the target in it [m]; None: the experiment's.
@@ -136,7 +144,7 @@ class Session:
         self._sequence.teach(self.seen.stamp_ns, self.seen.features, self.seen.q, z_star_m)
         return self.seen.stamp_ns
 
-    def end(self, now_ns, reason, status=Status.STOPPED):
+    def end(self, now_ns: int, reason: str, status: Status = Status.STOPPED) -> Tuple[Command, Optional[ServoRecord]]:
         """End the goal now, between two images.
 
         Returns:
@@ -153,11 +161,11 @@ class Session:
         self.active = False
         return command, record
 
-    def restart_time(self):
+    def restart_time(self) -> None:
         """Time went back: the simulator was reset. Stamps start anew."""
         self._forget()
 
-    def outcome(self, record):
+    def outcome(self, record: ServoRecord) -> Tuple[bool, Status, str, np.ndarray, float]:
         """How the goal ended: (converged, status, reason, e, duration_s), from the record that ended it."""
         result = self._sequence.result
         e, duration_s = (record.e, 0.0) if result is None else (result.e, result.duration_s)
@@ -167,7 +175,7 @@ class Session:
 
     # --- watchdog -----------------------------------------------------------------------------------------------
 
-    def watch(self, now_ns, wall_s):
+    def watch(self, now_ns: int, wall_s: float) -> Optional[Tuple[Optional[Command], Optional[ServoRecord]]]:
         """Look for missing input; to be called a few times in input_timeout_s.
 
         Returns:

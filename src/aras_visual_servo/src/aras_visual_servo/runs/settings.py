@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Dict, Optional, Tuple
+from typing import Any, Dict, Iterator, Optional, Tuple
 
 import numpy as np
 
-from ..arm.kinematics import Kinematics
+from ..arm.kinematics import RobotKinematics
 from ..arm.reach import outside_limits, reach
 from ..config.reader import Names, read
 from ..config.settings import setting
@@ -23,7 +23,7 @@ class CameraPlace:
         size=3, unit="rad",
         help="Roll, pitch and yaw of the optical frame, as in a URDF; `[3.14159265358979, 0, 0]` looks straight down.")
 
-    def pose(self):
+    def pose(self) -> np.ndarray:
         """X_BC, (4, 4)."""
         return pose_from_rpy(self.position_m, self.rpy_rad)
 
@@ -39,12 +39,12 @@ class Place:
         None,
         help="Pose of the camera; a free camera is put there, an arm takes joint positions that reach it.")
 
-    def check(self):
+    def check(self) -> Iterator[str]:
         """One of the two."""
         if (self.joints is None) == (self.camera is None):
             yield f"found {'neither' if self.joints is None else 'both'} of joints and camera, allowed one of them"
 
-    def at(self, kinematics, near=None):
+    def at(self, kinematics: RobotKinematics, near: Optional[np.ndarray] = None) -> "Place":
         """The place by joints.
 
         Args: near: (n,) joint positions from which those of a camera pose are searched; None: 0, within the limits.
@@ -55,13 +55,15 @@ class Place:
         if near is None:
             near = np.clip(np.zeros(len(kinematics.joint_names)), kinematics.lower, kinematics.upper)
         joints, refusal = reach(kinematics, near, self.camera.pose())
-        refusal = refusal or outside_limits(kinematics, joints)
+        if joints is not None:
+            refusal = outside_limits(kinematics, joints)
         if refusal:
             raise ParameterError(f"camera: {refusal}")
         return Place(joints)
 
 
-def place_of(source, where, kinematics, near=None):
+def place_of(source: Mapping[str, Any], where: str, kinematics: RobotKinematics,
+             near: Optional[np.ndarray] = None) -> Place:
     """`Place` by joints of a section `goal` or `start`, dict. Arguments and errors as `Place.at` and `read`."""
     return read(Place, source, where, Names(joints=tuple(kinematics.joint_names))).at(kinematics, near)
 
@@ -108,7 +110,7 @@ class ExperimentSettings:
         help="A run passes when its final error is within these; without, when it has converged.")
 
     @classmethod
-    def from_dict(cls, source: Mapping, kinematics: Kinematics) -> "ExperimentSettings":
+    def from_dict(cls, source: Mapping, kinematics: RobotKinematics) -> "ExperimentSettings":
         """Reads the section, but for `judge`, which is not the arm's. Raises ParameterError listing every fault."""
         if isinstance(source, Mapping):
             source = {key: value for key, value in source.items() if key != "judge"}
@@ -125,7 +127,7 @@ class ExperimentSettings:
             raise ParameterError(faults)
         return replace(config, **places)
 
-    def with_start(self, source, kinematics):
+    def with_start(self, source: Mapping[str, Any], kinematics: RobotKinematics) -> "ExperimentSettings":
         """These settings with another start: its section, dict. Raises ParameterError listing every fault."""
         start = read(Place, source, "experiment.start", _within_limits(kinematics))
         return replace(self, start=start.at(kinematics, _posture(self.goal, kinematics)))

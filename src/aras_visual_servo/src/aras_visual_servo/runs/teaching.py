@@ -4,6 +4,11 @@ The first image is the reference of the camera. Where it is noisy, the features 
 with its own while the arm rests. Images without noise need two, the second of which shows that there is none.
 """
 
+from ..ground.types import JointPositions
+from ..servo.servo import Servo
+
+from typing import Any
+
 import numpy as np
 
 #: Averaging ends when the standard error of the mean is below this part of every threshold: of the features and of the
@@ -20,7 +25,8 @@ class Teaching:
         reference: `Reference` by the images so far.  done: more images are not needed.
     """
 
-    def __init__(self, servo, stamp_ns, features, q, z_star_m, most):
+    def __init__(self, servo: Servo, stamp_ns: int, features: Any, q: JointPositions, z_star_m: float,
+                 most: int) -> None:
         """Begin with the image of this stamp. Args: as of `Goal.taught_by`. most: images at most, >= 1."""
         self._servo, self._stamp_ns, self._most, self._tried = servo, stamp_ns, most, 1
         self.reference = servo.goal.taught_by(features, q, z_star_m)
@@ -30,7 +36,7 @@ class Teaching:
     def _vector(self, q):
         return np.array(self._servo.goal.kinematics.vector(q))
 
-    def add(self, features, q):
+    def add(self, features: Any, q: JointPositions) -> None:
         """One more image of the view. It counts if its features are relative to the first one."""
         self._tried += 1
         told = getattr(features, "reference_stamp_ns", -1)

@@ -2,9 +2,12 @@
 
 from dataclasses import dataclass, field
 from math import degrees
+from typing import Optional
 
 import numpy as np
 
+from .record import RunRecord
+from ..features.target.outline import Outline
 from ..spatial import inverse, rotation_angle
 
 
@@ -27,7 +30,7 @@ class Track:
     v_px: list = field(default_factory=list)
 
 
-def track_of(record, outline=None):
+def track_of(record: RunRecord, outline: Optional[Outline] = None) -> Track:
     """`Track` of a RunRecord with a taught view and servo rows."""
     rows = record.servo_rows
     taught = record.rows("teach")[-1]

@@ -6,13 +6,18 @@ would have to pass its limits because the shorter turn home leads beyond them.
 """
 
 from math import pi
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..arm.kinematics import RobotKinematics
 from ..ground.errors import ParameterError
 from ..features.sources.base import source_named
 from ..features.target.outline import Outline
 from ..arm.reach import outside_limits
+
+if TYPE_CHECKING:
+    from .scenario import Scenario
 
 #: The target counts as not in view when it is cut by more than this [px]; when it is cut by less, the image decides.
 CUT_PX = 1.0
@@ -22,7 +27,7 @@ ALIGNED, ON_AXIS_M = 0.999, 1e-6
 OTHERS_TURN = 0.02
 
 
-def check_feasible(scenario):
+def check_feasible(scenario: "Scenario") -> None:
     """Raises ParameterError, naming the reason, if the scenario's experiment cannot be done as it stands."""
     kinematics = scenario.kinematics()
     source = scenario.servo.get("source")
@@ -40,12 +45,12 @@ class Feasibility:
         outline: `Outline`, None where the target's place in the image cannot be told beforehand.
     """
 
-    def __init__(self, scenario, kinematics, look=True):
+    def __init__(self, scenario: "Scenario", kinematics: RobotKinematics, look: Any = True) -> None:
         """Args: scenario: `Scenario`. kinematics: `Kinematics` of its robot. look: check the target's outline too."""
         self._kinematics, self._look = kinematics, look
         self.outline = Outline.of(scenario)
 
-    def refusal(self, goal, start):
+    def refusal(self, goal: np.ndarray, start: np.ndarray) -> str:
         """Why a run cannot be done, "REASON: detail"; "" if it can be done as far as these checks tell.
 
         Args: goal, start: (n,) joint positions.

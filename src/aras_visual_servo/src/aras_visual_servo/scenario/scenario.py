@@ -14,7 +14,7 @@ from typing import Any, Dict, Optional, Tuple, Union
 import numpy as np
 import yaml
 
-from ..arm.kinematics import Kinematics, RobotKinematics
+from ..arm.kinematics import RobotKinematics
 from ..arm.robot import kinematics_of
 from ..ground.errors import ParameterError
 from .check import check
@@ -85,7 +85,7 @@ class Scenario:
         """Reads the joint controllers, ros_control layout: controller name -> {type, joint, pid, ...}."""
         return load_yaml(self.controllers_path)
 
-    def goal_posture(self, kinematics: Kinematics) -> np.ndarray:
+    def goal_posture(self, kinematics: RobotKinematics) -> np.ndarray:
         """Returns the joint positions at the goal, (n,), in the order of `kinematics.joint_names`.
 
         A joint that the goal does not name stays where the simulator starts it: at `sim.initial_positions`, else at
@@ -95,7 +95,7 @@ class Scenario:
         return self._placed(kinematics, kinematics.by_name(stay), self.sim.get("initial_positions", {}),
                             place_of(self.experiment["goal"], "experiment.goal", kinematics).joints)
 
-    def start_posture(self, kinematics: Kinematics) -> np.ndarray:
+    def start_posture(self, kinematics: RobotKinematics) -> np.ndarray:
         """Returns the joint positions at the start, (n,); a joint that the start does not name stays at the goal's."""
         goal = self.goal_posture(kinematics)
         start = place_of(self.experiment["start"], "experiment.start", kinematics, goal)

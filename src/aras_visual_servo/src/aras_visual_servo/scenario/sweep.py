@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from math import pi
-from typing import Dict, Optional, Tuple
+from typing import Any, Dict, Optional, Tuple
 
 from ..config.settings import keys_of, setting
 
@@ -11,7 +11,7 @@ SPACES = ("camera", "joint", "ball", "view")
 #: Half the width of the ranges of the joints about the goal if the scenario does not say [m, rad].
 JOINT_HALF_WIDTH = 0.2
 Range = Tuple[float, ...]
-RANGE = {"size": 2, "condition": ("[low, high] with low <= high", lambda ends: ends[0] <= ends[1])}
+RANGE: Dict[str, Any] = {"size": 2, "condition": ("[low, high] with low <= high", lambda ends: ends[0] <= ends[1])}
 
 
 class _Ranges:

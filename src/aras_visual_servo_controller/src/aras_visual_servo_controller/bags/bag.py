@@ -5,7 +5,7 @@ add to the record. There is one row per ServoState in the order of stamps; every
 """
 
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Sequence, Union
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import yaml
@@ -191,10 +191,10 @@ def decode(message: Any) -> np.ndarray:
 
 def decode_depth(message: Any) -> np.ndarray:
     """The depth image of a sensor_msgs/Image, (h, w), float32 [m] or uint16 [mm]. Raises BagError: another encoding."""
-    value = {"32FC1": "f4", "16UC1": "u2"}.get(message.encoding)
-    if value is None:
+    code = {"32FC1": "f4", "16UC1": "u2"}.get(message.encoding)
+    if code is None:
         raise BagError(f"depth image encoding: found '{message.encoding}', allowed 32FC1 | 16UC1")
-    value = np.dtype((">" if message.is_bigendian else "<") + value)
+    value = np.dtype((">" if message.is_bigendian else "<") + code)
     rows = np.frombuffer(message.data, dtype=np.uint8).reshape(message.height, message.step)
     return rows[:, :message.width * value.itemsize].copy().view(value).astype(value.newbyteorder("="))
 
@@ -206,7 +206,7 @@ def camera_info_of(message: Any) -> Dict[str, Any]:
             "frame_id": message.header.frame_id}
 
 
-def settings_of(scenario: Optional[Scenario], document: Any, notes: List[str]) -> Dict[str, Any]:
+def settings_of(scenario: Optional[Scenario], document: Any, notes: List[str]) -> Tuple[Dict[str, Any], str]:
     """(settings, name) of the given scenario, else of the recorded text, else ({}, "unknown") and a note."""
     if scenario is not None:
         return scenario.as_dict(), scenario.name

@@ -9,7 +9,7 @@ import re
 import shutil
 import tempfile
 from pathlib import Path
-from typing import Any, Iterator, List, Sequence, Set, Tuple
+from typing import Any, Iterable, Iterator, List, Set, Tuple
 
 from aras_visual_servo import ArasError
 
@@ -34,13 +34,13 @@ class BagFiles:
         BagError: a file is missing, is no bag, or cannot be repaired.
     """
 
-    def __init__(self, paths: Any):
+    def __init__(self, paths: Any) -> None:
         paths = [paths] if isinstance(paths, (str, os.PathLike)) else list(paths)
         self._paths, self.notes = find_bags(paths)
         self.name = ", ".join(str(path) for path in paths)
         self._bags, self._folders = [], []
 
-    def __enter__(self):
+    def __enter__(self) -> "BagFiles":
         try:
             self._bags = [self._open(path) for path in self._paths]
         except BaseException:
@@ -49,7 +49,7 @@ class BagFiles:
         self._bags.sort(key=_start)  # bags that begin at the same time keep the given order
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: Any) -> None:
         for bag in self._bags:
             bag.close()
         for folder in self._folders:
@@ -65,7 +65,7 @@ class BagFiles:
         infos = (bag.get_type_and_topic_info([topic]).topics.get(topic) for bag in self._bags)
         return sum(info.message_count for info in infos if info is not None)
 
-    def messages(self, topics: Sequence[str]) -> Iterator[Tuple[str, Any]]:
+    def messages(self, topics: Iterable[str]) -> Iterator[Tuple[str, Any]]:
         """(topic, message) of these topics in order. A broken bag ends early, with a note."""
         for bag in self._bags:
             try:

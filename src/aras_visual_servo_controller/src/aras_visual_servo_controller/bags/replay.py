@@ -79,7 +79,7 @@ def replay(paths: Any, namespace: Optional[str] = None, scenario: Optional[Scena
             raise BagError(f"replay of '{bags.name}': the bag does not hold the scenario, whose section vision is "
                            "needed; give --scenario")
         vision = settings["vision"]
-        compared = {source.topic: _Comparison(source, source.extractor(info, vision), recorded[source.topic])
+        compared = {source.topic: _Comparison(source, source.extractor(info or {}, vision), recorded[source.topic])
                     for source in sources if not source.section or source.section in vision}
         image_topic, depth, depth_ns = topics["camera/image_raw"], None, None
         depth_topic = image_topic[:-len("camera/image_raw")] + DEPTH

@@ -25,7 +25,7 @@ class Board:
     Attributes: points_m: (n, 3), row by row [m].
     """
 
-    def __init__(self, kind: str, columns: int, rows: int, size_m: float):
+    def __init__(self, kind: str, columns: int, rows: int, size_m: float) -> None:
         faults = []
         if kind not in KINDS:
             faults.append(f"board: found {kind}, allowed {' | '.join(KINDS)}")

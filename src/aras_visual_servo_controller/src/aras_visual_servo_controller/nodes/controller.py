@@ -42,7 +42,7 @@ EXIT_STOPPED, EXIT_PARAMETERS = 0, 2
 class ControllerNode:
     """The node. It raises ParameterError, which lists every fault of the parameters."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self._lock = threading.RLock()
         self._work = queue.Queue()  # not SimpleQueue: interrupted by a slow signal handler, its get waits forever
         self._read_parameters()
@@ -234,7 +234,7 @@ class ControllerNode:
 
     # --- goals, services, watchdog (worker and service threads) -------------------------------------------------
 
-    def spin(self) -> int:
+    def spin(self) -> None:
         """Work until shutdown."""
         while not rospy.is_shutdown():
             try:

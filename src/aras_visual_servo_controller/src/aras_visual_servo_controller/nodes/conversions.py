@@ -44,7 +44,7 @@ def message_class(name: str) -> Any:
 class LazyJointState(JointState):
     """A JointState that is unpacked only on demand, because only few of the joint states belong to an image."""
 
-    def __init__(self):  # without the generated constructor, which would fill six fields that nobody reads
+    def __init__(self) -> None:  # without the generated constructor, which would fill six fields that nobody reads
         self._data = b""
 
     def deserialize(self, data: bytes) -> "LazyJointState":
@@ -65,7 +65,7 @@ class LazyJointState(JointState):
 class JointReader:
     """Takes joint vectors in a fixed order out of JointState messages, whatever the order in the message."""
 
-    def __init__(self, joint_names: Sequence[str]):
+    def __init__(self, joint_names: Sequence[str]) -> None:
         self._names = tuple(joint_names)
         self._order = {}
 

@@ -28,7 +28,7 @@ class ErrorPlot:
     Args: names: of the features.  thresholds: (k,) > 0, in the features' units.
     """
 
-    def __init__(self, names: Sequence[str], thresholds: Any):
+    def __init__(self, names: Sequence[str], thresholds: Any) -> None:
         self._styles, self._thresholds = styles(names), np.array(thresholds, dtype=float)
         self._colours = [rgb(style.colour) for style in self._styles]
         self._t, self._parts = deque(), deque()
@@ -39,9 +39,9 @@ class ErrorPlot:
         if self._t and t_s <= self._t[-1]:
             self._t.clear()
             self._parts.clear()
-        e = np.asarray(e, dtype=float)
+        errors = np.asarray(e, dtype=float)
         self._t.append(t_s)
-        self._parts.append(np.abs(e) / self._thresholds if e.shape == self._thresholds.shape
+        self._parts.append(np.abs(errors) / self._thresholds if errors.shape == self._thresholds.shape
                            else np.full(len(self._thresholds), np.nan))
         while t_s - self._t[0] > SHOWN_S:
             self._t.popleft()

@@ -53,7 +53,7 @@ class ExperimentNode:
     Args: drawing: `Drawing` that draws the figure; None: this process draws it.
     """
 
-    def __init__(self, drawing: Any = None):
+    def __init__(self, drawing: Any = None) -> None:
         parameters = Parameters()
         self._drawing = drawing
         self._results = Path(os.path.expanduser(parameters.value("~results_dir", "results")))

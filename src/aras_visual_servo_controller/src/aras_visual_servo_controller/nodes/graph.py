@@ -36,7 +36,7 @@ class Graph:
         caller_id: name of this node.  master_uri: as in ROS_MASTER_URI.
     """
 
-    def __init__(self, caller_id: str, master_uri: Optional[str]):
+    def __init__(self, caller_id: str, master_uri: Optional[str]) -> None:
         self._caller_id = caller_id
         self._master = _server(master_uri)
 
@@ -63,7 +63,7 @@ class Graph:
             return None
         return uri if code == 1 else None
 
-    def master_uri(self) -> str:
+    def master_uri(self) -> Optional[str]:
         """URI of the master as it names itself, the same for everybody; None without a master."""
         try:
             code, _, uri = self._master.getUri(self._caller_id)

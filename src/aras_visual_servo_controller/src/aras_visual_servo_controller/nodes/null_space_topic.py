@@ -35,7 +35,7 @@ class NullSpaceTopic:
     Args: kinematics: `Kinematics`.  servo: `Servo`, whose inverse splits the joint velocities.
     """
 
-    def __init__(self, kinematics: Any, servo: Servo):
+    def __init__(self, kinematics: Any, servo: Servo) -> None:
         self._kinematics, self._servo = kinematics, servo
         self._wall_s = -PERIOD_S
         self._loader = _Loader()

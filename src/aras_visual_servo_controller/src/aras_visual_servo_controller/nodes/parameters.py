@@ -21,7 +21,7 @@ class Parameters:
     >>> parameters.check()
     """
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.faults = []
 
     def section(self, name: str) -> Dict[str, Any]:
@@ -77,7 +77,7 @@ class Parameters:
             return default
         return value
 
-    def add(self, error: ArasError) -> None:
+    def add(self, error: Exception) -> None:
         """Add the faults of an error that a core class raised."""
         self.faults.extend(getattr(error, "faults", None) or [str(error)])
 
@@ -115,7 +115,7 @@ class ControllerSetup:
         controllers: joint -> name of its ros_control controller; {} unless the command interface is float64.
     """
 
-    def __init__(self, teach_camera: Callable[..., Any]):
+    def __init__(self, teach_camera: Optional[Callable[..., Any]]) -> None:
         parameters = Parameters()
         robot, servo = parameters.section("robot"), parameters.section("servo")
         experiment = parameters.section("experiment")

@@ -30,7 +30,7 @@ class Recording:
         RecordingError: it cannot start.
     """
 
-    def __init__(self, bag: Path, topics: Any, compression: str = "lz4", split_mb: int = 0):
+    def __init__(self, bag: Path, topics: Any, compression: str = "lz4", split_mb: int = 0) -> None:
         self.bag, self.topics, self._split = Path(bag), list(topics), bool(split_mb)
         start = rospy.ServiceProxy("sim/start_recording", StartRecording)
         answer = start(file=str(self.bag), topics=self.topics, compression=compression, split_mib=split_mb)

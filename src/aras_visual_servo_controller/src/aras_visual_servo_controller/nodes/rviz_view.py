@@ -55,7 +55,7 @@ def frustum_points(info: Any, depth_m: float) -> Any:
 class RvizView:
     """The node. Raises ParameterError: the parameters of the controller are not fit."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         setup = ControllerSetup(teach_camera=None)
         servo, source = setup.servo, setup.servo.source
         self._depth_m = setup.sequence.config.z_star_m
@@ -151,7 +151,8 @@ def _button(name, colour, row):
     block = Marker(type=Marker.CUBE)
     block.scale.x = block.scale.y = block.scale.z = BUTTON_M
     block.pose.orientation.w = 1.0
-    block.color.r, block.color.g, block.color.b, block.color.a = (*colour, 1.0)
+    block.color.r, block.color.g, block.color.b = colour
+    block.color.a = 1.0
     words = Marker(type=Marker.TEXT_VIEW_FACING, text=name)
     words.scale.z, words.pose.position.z, words.pose.orientation.w = 0.6 * BUTTON_M, 0.85 * BUTTON_M, 1.0
     words.color.r = words.color.g = words.color.b = 0.1

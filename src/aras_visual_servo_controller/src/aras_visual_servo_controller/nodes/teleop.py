@@ -3,7 +3,7 @@
 import sys
 import threading
 import time
-from typing import Optional
+
 
 import rospy
 from sensor_msgs.msg import JointState
@@ -26,7 +26,7 @@ class TeleopNode:
     lockstep does not begin to wait for its answers.
     """
 
-    def __init__(self):
+    def __init__(self) -> None:
         """Raises ParameterError, which lists every fault of the parameters."""
         parameters = Parameters()
         urdf = parameters.searched("robot_description")
@@ -68,7 +68,7 @@ class TeleopNode:
             pass  # there is no controller
 
 
-def main(descriptor: Optional[int] = 0) -> int:
+def main(descriptor: int = 0) -> int:
     """Entry of scripts/teleop. Runs until the quit key is pressed or ROS shuts down. Returns the exit code."""
     if {"-h", "--help"} & set(sys.argv):
         print(HELP)

@@ -84,7 +84,7 @@ class ArmLink:
         image_latency, joint_latency: `Latency` of what came.
     """
 
-    def __init__(self, kinematics: Any, settings: RealSettings, command_timeout_s: float):
+    def __init__(self, kinematics: Any, settings: RealSettings, command_timeout_s: float) -> None:
         self._kinematics, self._settings = kinematics, settings
         self._command_timeout_ns = round(command_timeout_s * 1e9)
         self._image_delay_ns = round(settings.image_delay_s * 1e9)
@@ -166,7 +166,7 @@ class ArmLink:
         pose = self._kinematics.pose
         X_C0C1 = np.linalg.inv(pose(sight.q)) @ pose(later)
         try:
-            features = predicted(sight.features, plane_of(sight.q), X_C0C1)
+            features = predicted(sight.features, plane_of(sight.q), X_C0C1)  # type: ignore[arg-type]
         except DegenerateFeature as error:
             return sight._replace(q=None, refusal=str(error))
         return sight._replace(features=features, q=later, timing=sight.timing._replace(predicted_s=ahead_s))

@@ -18,7 +18,7 @@ class SetPointIntegrator:
         timeout_ns: age at which a velocity stops acting [ns].
     """
 
-    def __init__(self, joint_names: Sequence[str], lower: np.ndarray, upper: np.ndarray, timeout_ns: int):
+    def __init__(self, joint_names: Sequence[str], lower: np.ndarray, upper: np.ndarray, timeout_ns: int) -> None:
         self._names = tuple(joint_names)
         self._limits = {name: (float(low), float(high)) for name, low, high in zip(self._names, lower, upper)}
         self._timeout_ns = timeout_ns

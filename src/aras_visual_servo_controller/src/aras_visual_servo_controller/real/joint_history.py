@@ -31,7 +31,7 @@ class JointHistory:
         kept_s: how long joint states are kept [s].
     """
 
-    def __init__(self, max_gap_s: float, max_extrapolation_s: float, kept_s: float = 3.0):
+    def __init__(self, max_gap_s: float, max_extrapolation_s: float, kept_s: float = 3.0) -> None:
         self._max_gap_s, self._max_extrapolation_s = max_gap_s, max_extrapolation_s
         self._kept_ns = round(kept_s * 1e9)
         self.clear()

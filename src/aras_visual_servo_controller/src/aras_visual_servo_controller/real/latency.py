@@ -24,7 +24,7 @@ class LatencySummary(NamedTuple):
 class Latency:
     """Collects the ages of messages. Args: count: number of the last ones that the summary is made of."""
 
-    def __init__(self, count: int = 100):
+    def __init__(self, count: int = 100) -> None:
         self._values = collections.deque(maxlen=count)
 
     def clear(self) -> None:

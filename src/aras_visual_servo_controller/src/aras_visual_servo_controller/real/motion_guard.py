@@ -14,7 +14,7 @@ class MotionGuard:
     Args: kinematics: `Kinematics`.  settings: `RealSettings`.
     """
 
-    def __init__(self, kinematics: Any, settings: RealSettings):
+    def __init__(self, kinematics: Any, settings: RealSettings) -> None:
         self._kinematics = kinematics
         self._speed = settings.largest_speed(kinematics)
         self._most = settings.joint_acceleration

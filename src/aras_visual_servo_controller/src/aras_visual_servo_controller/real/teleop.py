@@ -32,7 +32,7 @@ class Teleop:
     """
 
     def __init__(self, kinematics: Any, joint_speed: Any = 0.3, linear_m_per_s: float = 0.05,
-                 angular_rad_per_s: float = 0.2):
+                 angular_rad_per_s: float = 0.2) -> None:
         """Set up.
 
         Args:
@@ -110,18 +110,19 @@ class Teleop:
 class Keys:
     """Characters of a terminal, unbuffered and without echo. As a context manager it puts the terminal back."""
 
-    def __init__(self, descriptor: int):
+    def __init__(self, descriptor: int) -> None:
         """Args: descriptor of a terminal. Raises ParameterError if it is none."""
         if not os.isatty(descriptor):
             raise ParameterError("teleop: standard input is no terminal, allowed a terminal")
-        self._descriptor, self._before = descriptor, None
+        self._descriptor = descriptor
+        self._before: Any = None
 
-    def __enter__(self):
+    def __enter__(self) -> "Keys":
         self._before = termios.tcgetattr(self._descriptor)
         tty.setcbreak(self._descriptor)
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: Any) -> None:
         termios.tcsetattr(self._descriptor, termios.TCSADRAIN, self._before)
 
     def read(self, timeout_s: float) -> str:

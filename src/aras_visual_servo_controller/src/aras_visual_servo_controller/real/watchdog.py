@@ -23,7 +23,7 @@ class Watchdog:
     Attributes: held: the dead-man's switch was held when it was heard last.
     """
 
-    def __init__(self, settings: RealSettings):
+    def __init__(self, settings: RealSettings) -> None:
         self._settings = settings
         self._joint_timeout_ns = round(settings.joint_timeout_s * 1e9)
         self._deadman_timeout_ns = round(settings.deadman_timeout_s * 1e9)

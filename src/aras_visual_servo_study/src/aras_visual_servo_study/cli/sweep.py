@@ -5,7 +5,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import Any, Dict, Tuple
 
-from aras_visual_servo import Kinematics, ParameterError, Scenario, ServoLoop, cli
+from aras_visual_servo import RobotKinematics, ParameterError, Scenario, ServoLoop, cli
 from aras_visual_servo.processes import Interrupted
 from ..report.drawing import Drawing
 from ..sweep.plan import SweepSettings
@@ -151,7 +151,7 @@ def _asked(arguments: Namespace) -> Dict[str, Any]:
             "drive_to_start": arguments.drive}
 
 
-def _settings(scenario: Scenario, changes: Dict[str, Any]) -> Tuple[SweepSettings, Kinematics]:
+def _settings(scenario: Scenario, changes: Dict[str, Any]) -> Tuple[SweepSettings, RobotKinematics]:
     kinematics = ServoLoop(scenario).kinematics  # a fault of the scenario is raised here, instead of in every row
     return SweepSettings.from_scenario(scenario, kinematics, **changes), kinematics
 

@@ -38,7 +38,7 @@ class LawSettings:
 
     def overrides(self) -> Dict[str, object]:
         """Dotted path -> value."""
-        return {f"{section.name}.{key}": value for section in keys_of(type(self))
+        return {f"{section.name}.{key}": value for section in keys_of(type(self))  # type: ignore[arg-type]
                 for key, value in getattr(self, section.name).items()}
 
 

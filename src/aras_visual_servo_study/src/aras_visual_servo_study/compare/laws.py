@@ -8,12 +8,12 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from aras_visual_servo import (Feasibility, Outline, ParameterError, Track, kinematics_of, known_laws, load_scenario,
-                               load_yaml, processes, reach, read, track_of)
+from aras_visual_servo import (Feasibility, Outline, ParameterError, Scenario, Track, kinematics_of, known_laws,
+                               load_scenario, load_yaml, processes, reach, read, track_of)
 from ..files import share_dir
 from ..sweep.plan import Start
 from ..sweep.run import SweepRunner, placed
@@ -48,7 +48,9 @@ class Comparison:
     tasks: tuple
 
 
-def load_comparison(name_or_path, laws=(), tasks=(), overrides=None, scenario=None):
+def load_comparison(name_or_path: Union[str, Path], laws: Optional[Sequence[str]] = (),
+                    tasks: Optional[Sequence[str]] = (), overrides: Optional[Mapping[str, Any]] = None,
+                    scenario: Optional[str] = None) -> Comparison:
     """Load a comparison.
 
     Args:
@@ -86,7 +88,8 @@ def load_comparison(name_or_path, laws=(), tasks=(), overrides=None, scenario=No
     return Comparison(name, file.description, scenarios, tuple(made))
 
 
-def run_comparison(comparison, workers=1, progress=None):
+def run_comparison(comparison: Comparison, workers: int = 1,
+                   progress: Optional[Callable[[int, int], None]] = None) -> Results:
     """Run every law on every task.
 
     Args:
@@ -96,7 +99,8 @@ def run_comparison(comparison, workers=1, progress=None):
         list of (task name, law name, row, `Track` or None), task by task; a row has the COLUMNS of sweep.judge.
     """
     jobs = [(law, scenario, comparison.tasks) for law, scenario in comparison.scenarios.items()]
-    total, done, by_law = len(jobs), 0, {}
+    total, done = len(jobs), 0
+    by_law: Dict[str, Any] = {}
     if workers:
         with ProcessPoolExecutor(min(workers, total), get_context("spawn"), processes.end_with_parent) as pool:
             futures = [pool.submit(_run_law, job) for job in jobs]
@@ -114,7 +118,7 @@ def run_comparison(comparison, workers=1, progress=None):
             by_law[job[0]], done = _run_law(job), done + 1
             if progress is not None:
                 progress(done, total)
-    return [(task.name, law, *by_law[law][i]) for i, task in enumerate(comparison.tasks) for law in by_law]
+    return [(task.name, law, *by_law[law][i]) for i, task in enumerate(comparison.tasks) for law in by_law]  # type: ignore[misc]
 
 
 def _run_law(job):
@@ -127,19 +131,20 @@ def _run_law(job):
     return results
 
 
-def starts_of(scenario, tasks):
+def starts_of(scenario: Scenario, tasks: Sequence[Task]) -> List[Start]:
     """One `Start` for each `Task`, or the reason why the robot cannot begin there. Ids count from 1."""
     kinematics = kinematics_of(scenario.urdf_xml(), scenario.robot, calibrated=False)
     goal, starts = scenario.goal_posture(kinematics), []
     feasibility = Feasibility(scenario, kinematics)
     for number, task in enumerate(tasks):
         joints, refusal = reach(kinematics, goal, kinematics.pose(goal) @ task.X_CgC)
-        refusal = refusal or feasibility.refusal(goal, kinematics.vector(joints))
+        if joints is not None:
+            refusal = feasibility.refusal(goal, kinematics.vector(joints))
         starts.append(Start(number + 1, joints, refusal=refusal))
     return starts
 
 
-def known_comparisons():
+def known_comparisons() -> List[str]:
     """Names of the comparisons that come with the package, sorted."""
     return sorted(path.stem for path in (share_dir() / "config" / FOLDER).glob("*.yaml"))
 

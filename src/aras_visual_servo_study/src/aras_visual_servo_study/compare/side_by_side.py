@@ -7,7 +7,7 @@ import base64
 import io
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, Optional
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import matplotlib
 import numpy as np
@@ -15,8 +15,8 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 
 import aras_visual_servo as avs
-from aras_visual_servo import (Outline, judge, kinematics_of, load_scenario, measures, palette, scenario_from_dict,
-                               track_of)
+from aras_visual_servo import (Outline, RunRecord, judge, kinematics_of, load_scenario, measures, palette,
+                               scenario_from_dict, track_of)
 from ..report.figure import STYLE, draw_panel
 from .laws_figure import COLOURS, FLOOR_DEG, FLOOR_MM
 from .laws_report import TABLE, cells
@@ -31,10 +31,10 @@ class Run:
     """One run.  label.  record: RunRecord.  lower, upper: (m,) limits of its joints.  outline: `Outline` or None."""
 
     label: str
-    record: object
+    record: RunRecord
     lower: np.ndarray
     upper: np.ndarray
-    outline: object = None
+    outline: Optional[Outline] = None
 
 
 def read_run(source: str, changes: Optional[Dict[str, Any]] = None) -> Run:
@@ -63,12 +63,12 @@ def read_run(source: str, changes: Optional[Dict[str, Any]] = None) -> Run:
     return Run(label, record, lower, upper, Outline.of(scenario))
 
 
-def rows_of(run):
+def rows_of(run: Run) -> Dict[str, Any]:
     """Result of a run: a row of sweep.judge with its MEASURES filled in."""
     return dict(judge_row(run.record), **measures(run.record, run.lower, run.upper, run.outline))
 
 
-def differing(runs):
+def differing(runs: Sequence[Run]) -> List[Tuple[str, List[str]]]:
     """(setting, its value in each run as text) of every setting that is not the same in all runs."""
     tables = [dict(flat_settings(run.record)) for run in runs]
     keys = list(dict.fromkeys(key for table in tables for key in table))
@@ -76,7 +76,7 @@ def differing(runs):
             if len({table.get(key, "") for table in tables}) > 1]
 
 
-def make_figure(runs):
+def make_figure(runs: Sequence[Run]) -> Figure:
     """Figure with a column per run: path, errors, distance and angle to the goal, joints. A row shares its axes."""
     rows = 4
     with matplotlib.rc_context(STYLE):
@@ -98,11 +98,11 @@ def make_figure(runs):
     return figure
 
 
-def save_side_by_side(runs, folder, command):
+def save_side_by_side(runs: Sequence[Run], folder: Path, command: str) -> Path:
     """Write runs.png, runs.pdf and runs.html into a folder. Returns the path of the page. Raises ResultFolderError."""
     figure, stream = make_figure(runs), io.BytesIO()
     results = [rows_of(run) for run in runs]
-    table = [("ended with", [judge(run.record).reason for run in runs])]
+    table: List[Tuple[str, Sequence[str]]] = [("ended with", [judge(run.record).reason for run in runs])]
     columns = zip(*(cells(row) for row in results))
     table += [(title if title != "[deg]" else "error [deg]", texts) for (_, title, _), texts in zip(TABLE, columns)]
     try:
@@ -119,7 +119,7 @@ def save_side_by_side(runs, folder, command):
     return path
 
 
-def format_runs(runs):
+def format_runs(runs: Sequence[Run]) -> str:
     """The table of the runs as text for the terminal."""
     width = max(14, *(len(run.label) + 2 for run in runs))
     results = [cells(rows_of(run)) for run in runs]

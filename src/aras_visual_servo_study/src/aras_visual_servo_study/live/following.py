@@ -1,6 +1,7 @@
 """Whether a target that has moved is followed: the servo, which has ended, begins again. In process and over ROS."""
 
 import math
+from typing import Any, Optional
 
 import numpy as np
 
@@ -17,8 +18,10 @@ class Following:
     compares with where the target was when the servo began, because a user may have dragged it until the time was up
     and held it still from then on."""
 
-    def __init__(self):
-        self._phase, self._begun, self._known = "", None, None
+    def __init__(self) -> None:
+        self._phase = ""
+        self._begun: Optional[np.ndarray] = None
+        self._known: Any = None
 
     def answered(self, phase: str, status: Status, X_WT: np.ndarray, follow: bool) -> bool:
         """One image was answered.
@@ -48,4 +51,4 @@ class Following:
 def has_moved(before: np.ndarray, now: np.ndarray) -> bool:
     """Whether a target that was followed has moved between two poses, (4, 4) each, so far that it is followed again."""
     turn = np.linalg.norm(before[:3, :3] - now[:3, :3]) / math.sqrt(2.0)
-    return np.linalg.norm(before[:3, 3] - now[:3, 3]) > MOVED_M or turn > MOVED_RAD
+    return bool(np.linalg.norm(before[:3, 3] - now[:3, 3]) > MOVED_M or turn > MOVED_RAD)

@@ -4,7 +4,7 @@ from typing import Dict
 
 import numpy as np
 
-from aras_visual_servo import Kinematics, ParameterError
+from aras_visual_servo import RobotKinematics, ParameterError
 
 #: Part of the joints' velocity limits that is used, and the speed of joints without one [m/s or rad/s].
 SPEED_PART, SPEED = 0.2, 0.5
@@ -13,7 +13,7 @@ SPEED_PART, SPEED = 0.2, 0.5
 class Hand:
     """Where the sliders of a page want the joints."""
 
-    def __init__(self, kinematics: Kinematics):
+    def __init__(self, kinematics: RobotKinematics) -> None:
         self._kinematics = kinematics
         fastest = np.where(np.isfinite(kinematics.velocity), SPEED_PART * kinematics.velocity, SPEED)
         self._speed = dict(zip(kinematics.joint_names, np.minimum(fastest, SPEED)))

@@ -26,7 +26,7 @@ class Hub:
         notes: what a page is told to begin with, beside what the runner has to say.
     """
 
-    def __init__(self, runner: Any, notes: Sequence[str] = ()):
+    def __init__(self, runner: Any, notes: Sequence[str] = ()) -> None:
         self._runner, self._notes, self._viewers = runner, list(notes), []
         self._number, self._about, self._goal = -1, None, None
         self._last_row, self._image_number, self._jpeg = -1, -1, b""

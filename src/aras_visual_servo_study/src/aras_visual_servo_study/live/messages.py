@@ -155,7 +155,7 @@ def parse(text: Union[str, bytes]) -> Tuple[Optional[int], Any]:
             raise ParameterError(f"message: found do {_short(name)}, allowed {', '.join(REQUESTS)}")
         return number, read(REQUESTS[name], fields, name)
     except ParameterError as error:
-        error.id = number
+        setattr(error, "id", number)
         raise
 
 

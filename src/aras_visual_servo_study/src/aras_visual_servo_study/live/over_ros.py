@@ -45,7 +45,7 @@ class RosRun(PageRun):
     at_once = tuple(pattern for pattern in AT_ONCE if pattern.startswith(("servo", "sim")))
     asks_nodes = True
 
-    def __init__(self):
+    def __init__(self) -> None:
         super().__init__(scenario_from_dict(rospy.get_param("scenario")))
         self.urdf_xml, scenario = self.scenario.urdf_xml(), self.scenario
         kinematics = kinematics_of(self.urdf_xml, scenario.robot, calibrated=False)
@@ -54,7 +54,8 @@ class RosRun(PageRun):
         self.renew(kinematics, Servo(kinematics, scenario.servo), {
             "width": info.width, "height": info.height, "K": list(info.K), "D": list(info.D),
             "distortion_model": info.distortion_model}, models[0]["name"] if models else None)
-        self._reader, self._joints, self._q = JointReader(kinematics.joint_names), None, None
+        self._reader, self._q = JointReader(kinematics.joint_names), None
+        self._joints: Any = None
         self._status, self._speed = SimStatus(), float(scenario.time.get("real_time_factor", 0.0))
         self._X_WT, self._targets = None, {}  # the newest; stamp of an image [ns]: X_WT, of the last ones
         self._is_new, self._listening, self._ready_s = False, [], 0.0
@@ -193,7 +194,7 @@ class RosRun(PageRun):
         self.hand.let_go()
         self._send_goal(request.reference)
 
-    def do_stop(self, _request) -> None:
+    def do_stop(self, _request: Any) -> None:
         self.hand.let_go()
         call_service("stop", Trigger)
 
@@ -202,7 +203,7 @@ class RosRun(PageRun):
         call_service("teach", Teach, z_star_m or 0.0)
         self._taught_at(self._q)
 
-    def do_reset(self, _request) -> None:
+    def do_reset(self, _request: Any) -> None:
         self.hand.let_go()
         call_service("sim/reset", Empty)
 

@@ -6,8 +6,8 @@ from typing import Any, Dict, List, Optional, Sequence, Set, Tuple
 import numpy as np
 import yaml
 
-from aras_visual_servo import (TWIST_NAMES, Features, Kinematics, ParameterError, Scenario, Servo, ServoRecord, Status,
-                               known_features, known_laws, scenario_schema, spatial, styles)
+from aras_visual_servo import (TWIST_NAMES, Features, ParameterError, RobotKinematics, Scenario, Servo, ServoRecord,
+                               Status, known_features, known_laws, scenario_schema, spatial, styles)
 from .following import Following
 from .hand import Hand
 from .settings import AT_ONCE, changed
@@ -34,12 +34,13 @@ class PageRun:
     at_once: Sequence[str] = AT_ONCE
     asks_nodes, ready = False, True
 
-    def __init__(self, scenario: Scenario):
+    def __init__(self, scenario: Scenario) -> None:
         self.scenario, self.version, self.images, self.watched = scenario, 0, 0, False
         # A target that the arm carries moves with every motion of the arm: nobody has to follow it.
         self.follow = scenario.robot.get("target_link") is None
 
-    def renew(self, kinematics: Kinematics, servo: Servo, camera_info: Dict[str, Any], target: Optional[str]) -> None:
+    def renew(self, kinematics: RobotKinematics, servo: Servo, camera_info: Dict[str, Any],
+              target: Optional[str]) -> None:
         """Begins anew, with nothing seen and nothing taught."""
         self.kinematics, self.servo, self.camera_info, self.target = kinematics, servo, camera_info, target
         self.hand, self.following = Hand(kinematics), Following()

@@ -25,7 +25,7 @@ class LiveRun(PageRun):
     Raises: ParameterError and the errors of `ServoLoop`.
     """
 
-    def __init__(self, scenario: Scenario):
+    def __init__(self, scenario: Scenario) -> None:
         super().__init__(scenario)
         self._build(None)
 
@@ -101,7 +101,7 @@ class LiveRun(PageRun):
             self.loop.sequence = self._sequence(self.servo, self.scenario)
         self._begin(request.reference == "taught")
 
-    def do_stop(self, _request) -> None:
+    def do_stop(self, _request: Any) -> None:
         self.hand.let_go()
         if self.phase not in QUIET:
             command, _ = self.loop.sequence.stop(self.time_ns, "stopped from the page")
@@ -127,7 +127,7 @@ class LiveRun(PageRun):
                 return depth
         return float(self.scenario.experiment["z_star_m"])
 
-    def do_reset(self, _request) -> None:
+    def do_reset(self, _request: Any) -> None:
         self._build(self.loop.sim if self._built_sim == self.scenario.sim else None)
 
     def do_set(self, request: Any) -> Dict[str, Any]:

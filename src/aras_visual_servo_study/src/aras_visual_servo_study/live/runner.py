@@ -58,7 +58,7 @@ class Runner:
         watched: whether somebody looks.  about: of the run, made in its thread.
     """
 
-    def __init__(self, run: PageRun, speed: float = 1.0, on_first_viewer: Any = None):
+    def __init__(self, run: PageRun, speed: float = 1.0, on_first_viewer: Any = None) -> None:
         self._run, self._speed, self._on_first_viewer = run, speed, on_first_viewer
         self._queue, self._pool = queue.SimpleQueue(), ThreadPoolExecutor(1) if run.asks_nodes else None
         self._paused, self._steps, self._closed = False, 0, False

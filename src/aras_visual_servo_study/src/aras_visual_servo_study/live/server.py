@@ -48,7 +48,7 @@ class Server:
         hub: `Hub`.  token.  address: of the page, "" before `listen`.
     """
 
-    def __init__(self, runner: Runner, urdf_xml: str, token: Optional[str] = None):
+    def __init__(self, runner: Runner, urdf_xml: str, token: Optional[str] = None) -> None:
         self.meshes, notes = mesh_blocks(robot_of(urdf_xml))
         self.runner, self.hub, self.address = runner, Hub(runner, notes), ""
         self.token = token or secrets.token_urlsafe(16)
@@ -108,7 +108,7 @@ class Guarded:
         if not hmac.compare_digest(token.encode(), self.server.token.encode()):
             raise tornado.web.HTTPError(404)
 
-    def write_error(self, status_code: int, **_) -> None:
+    def write_error(self, status_code: int, **_: Any) -> None:
         """A line of text."""
         self.set_header("Content-Type", "text/plain; charset=utf-8")
         self.finish("nothing here: the address of the page is the one that was printed when the run began\n")
@@ -128,7 +128,7 @@ class Nothing(Guarded, tornado.web.RequestHandler):
 class Files(Guarded, tornado.web.RequestHandler):
     """The page's files, three.js, the list of panels, and the meshes."""
 
-    def get(self, _token, name: str) -> Any:
+    def get(self, _token: Any, name: str) -> Any:
         """One of them."""
         self.set_header("Content-Security-Policy", POLICY)
         self.set_header("Referrer-Policy", "no-referrer")
@@ -157,7 +157,7 @@ class Files(Guarded, tornado.web.RequestHandler):
 class Socket(Guarded, tornado.websocket.WebSocketHandler):
     """One page."""
 
-    def open(self, _token) -> None:
+    def open(self, _token: Any) -> None:
         """It has come."""
         stream = self.ws_connection.stream
         stream.set_nodelay(True)

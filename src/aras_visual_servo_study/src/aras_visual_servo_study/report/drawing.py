@@ -26,10 +26,10 @@ class Drawing:
         that will have threads makes it before them, since a fork copies only one of them.
     """
 
-    def __init__(self, at_once: bool = True):
+    def __init__(self, at_once: bool = True) -> None:
         self._pool = ProcessPoolExecutor(1, get_context("fork"), processes.end_as_child)
         with processes.signals_blocked():
-            self._pool.submit(prepare if at_once else int)
+            self._pool.submit(prepare if at_once else int)  # type: ignore[arg-type]
 
     def prepare(self) -> None:
         """Import what drawing needs, without waiting for it."""
@@ -57,7 +57,7 @@ class Drawing:
     def __enter__(self) -> "Drawing":
         return self
 
-    def __exit__(self, kind: Any, *_) -> None:
+    def __exit__(self, kind: Any, *_: Any) -> None:
         if kind is not None:
             for process in list(self._pool._processes.values()):  # nobody waits for what they are doing
                 process.kill()
@@ -75,7 +75,7 @@ def prepare() -> None:
     matplotlib writes the documentation of a hundred classes when it is imported, in a sixth of that time: nobody reads
     it here. Where it has no such function, it is imported as it is.
     """
-    importlib.import_module("matplotlib.artist").kwdoc = lambda artist: ""
+    importlib.import_module("matplotlib.artist").kwdoc = lambda artist: ""  # type: ignore[attr-defined]
     for name in (f"{__package__}.figure", "matplotlib.backends.backend_agg", "matplotlib.backends.backend_pdf"):
         importlib.import_module(name)
 

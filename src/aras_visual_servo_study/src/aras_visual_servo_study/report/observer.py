@@ -38,7 +38,7 @@ class Observer:
         ObserverError: the record does not name its robot and scene, or their files are missing here.
     """
 
-    def __init__(self, record: RunRecord, width: int = 640, height: int = 480):
+    def __init__(self, record: RunRecord, width: int = 640, height: int = 480) -> None:
         from aras_visual_servo_sim import Simulation
         if not record.settings:
             raise ObserverError("the record does not hold its scenario, so nobody knows which robot it shows")

@@ -106,7 +106,7 @@ class Composer:
         VideoError: the robot of the record cannot be shown.
     """
 
-    def __init__(self, record: RunRecord, rows: Sequence[int]):
+    def __init__(self, record: RunRecord, rows: Sequence[int]) -> None:
         from .observer import Observer, ObserverError
         self._record, self._rows = record, rows
         try:

@@ -39,7 +39,7 @@ class Progress:
     """
 
     def __init__(self, total: int, rows: Sequence[Dict[str, Any]] = (), stream: Optional[TextIO] = None,
-                 every_s: float = 10.0, clock: Callable[[], float] = time.monotonic):
+                 every_s: float = 10.0, clock: Callable[[], float] = time.monotonic) -> None:
         self.total, self.already = total, len(rows)
         self.done = len(rows)
         self._stream, self._clock = stream or sys.stderr, clock

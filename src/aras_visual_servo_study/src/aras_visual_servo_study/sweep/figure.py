@@ -25,7 +25,7 @@ def known_axes(rows: List[Dict[str, Any]]) -> List[str]:
     return [*AXES, *extra]
 
 
-def check_axes(axes: Sequence[str], rows: List[Dict[str, Any]]) -> Tuple[str, str]:
+def check_axes(axes: Sequence[str], rows: List[Dict[str, Any]]) -> Tuple[str, ...]:
     """The two axes. Raises ParameterError listing the known ones."""
     known = known_axes(rows)
     unknown = [axis for axis in axes if axis not in known]
@@ -34,7 +34,7 @@ def check_axes(axes: Sequence[str], rows: List[Dict[str, Any]]) -> Tuple[str, st
     return tuple(axes)
 
 
-def make_figure(name: str, rows: List[Dict[str, Any]], axes: Tuple[str, str] = DEFAULT_AXES) -> Any:
+def make_figure(name: str, rows: List[Dict[str, Any]], axes: Tuple[str, ...] = DEFAULT_AXES) -> Any:
     """One of FIGURES as a matplotlib Figure; the same rows give the same picture."""
     import matplotlib  # slow to import, and not needed where the runs are done
 
@@ -43,7 +43,7 @@ def make_figure(name: str, rows: List[Dict[str, Any]], axes: Tuple[str, str] = D
         return _map(rows, axes) if name == "map" else _curve(rows) if name == "curve" else _reasons(rows)
 
 
-def save_figures(rows: List[Dict[str, Any]], folder: Path, axes: Tuple[str, str] = DEFAULT_AXES,
+def save_figures(rows: List[Dict[str, Any]], folder: Path, axes: Tuple[str, ...] = DEFAULT_AXES,
                  drawing: Optional[Drawing] = None) -> Dict[str, bytes]:
     """Write NAME.png and NAME.pdf of every figure; {name: png bytes}.
 

@@ -32,7 +32,7 @@ def judge_row(record: RunRecord) -> Dict[str, Any]:
     row["error_mm"] = _length(error)
     row["converged"] = int(judgement.converged)
     row["goal_distance_mm"] = _goal_distance_mm(record)
-    row.update(judge_by(Outcome(**{name: row[name] for name in Outcome._fields})))
+    row.update(judge_by(Outcome(*[row[name] for name in Outcome._fields])))  # type: ignore[arg-type]
     row.update(outcome="success" if row["success"] else "failure", reason=_reason(record, judgement, row["success"]),
                detail=judgement.reason, duration_s=judgement.duration_s, images=judgement.images,
                run_hash=record.run_hash, trace_hash=trace_hash(record))

@@ -24,22 +24,22 @@ RESULTS = (("duration_s", "time", "s", 3), ("error_mm", "final error", "mm", 4),
 SIGNIFICANT = 7
 
 
-def sweep_maps(rows: List[Dict[str, Any]], axes: Tuple[str, str], folder: Optional[str] = None) -> str:
+def sweep_maps(rows: List[Dict[str, Any]], axes: Tuple[str, ...], folder: Optional[str] = None) -> str:
     """The data of a sweep's maps, as JSON that may stand in a page.
 
     Args:
         rows: of `SweepStore.rows`.  axes: the two columns to begin with.
         folder: of the sweep, for the command that repeats a run; None: where the page is.
     """
-    success = {"title": "result", "key": "outcome", "kind": "classes", "classes": OUTCOMES}
+    success: Dict[str, Any] = {"title": "result", "key": "outcome", "kind": "classes", "classes": OUTCOMES}
     time = {"title": "time to the end [s], where it succeeded", "key": "succeeded_s", "kind": "scale"}
     error = {"title": "final error [mm]", "key": "error_mm", "kind": "scale"}
     rows = [dict(row, succeeded_s=row["duration_s"] if row["success"] else None) for row in rows]
     facts = [fact("outcome", "result", short=True), fact("reason", "reason", short=True), fact("detail", "in words"),
              *(fact(key, label, unit, digits, short=key in ("duration_s", "error_mm"))
                for key, label, unit, digits in RESULTS), *start_facts(rows)]
-    command = {"label": "Run it again, with its full report:", "folder": folder,
-               "text": "aras-servo rerun {id} --sweep {folder}"}
+    command: Dict[str, Any] = {"label": "Run it again, with its full report:", "folder": folder,
+                               "text": "aras-servo rerun {id} --sweep {folder}"}
     maps = [time, error] if every_run_succeeds(rows) else [success, time, error]
     return page_data(rows, axes, maps, facts, [command], {"key": "outcome", "value": "infeasible"})
 
@@ -60,7 +60,7 @@ def start_facts(rows: List[Dict[str, Any]]) -> List[Dict[str, Any]]:
                     for name in varied]
 
 
-def page_data(rows: List[Dict[str, Any]], axes: Tuple[str, str], maps: List[Dict[str, Any]],
+def page_data(rows: List[Dict[str, Any]], axes: Tuple[str, ...], maps: List[Dict[str, Any]],
               facts: List[Dict[str, Any]], commands: List[Dict[str, Any]], crosses: Optional[Dict[str, str]]) -> str:
     """JSON of rows (dicts), maps, facts and commands. A text that many rows share stands there once.
 

@@ -9,8 +9,8 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from aras_visual_servo import (JOINT_HALF_WIDTH, Feasibility, Kinematics, Names, ParameterError, Scenario, SweepSection,
-                               place_of, reach, read)
+from aras_visual_servo import (JOINT_HALF_WIDTH, Feasibility, Names, ParameterError, RobotKinematics, Scenario,
+                               SweepSection, place_of, reach, read)
 from .perturb import read_perturbations
 from .space import View, in_ball, pose_of, tilted_goal
 
@@ -29,7 +29,7 @@ class Start:
     """
 
     id: int
-    joints: dict
+    joints: Optional[dict]
     offset: dict = field(default_factory=dict)
     parameters: dict = field(default_factory=dict)
     refusal: str = ""
@@ -50,7 +50,7 @@ class SweepSettings:
     goal: dict = field(default_factory=dict)  # axis -> (low, high); {}: the scenario's goal
 
     @classmethod
-    def from_scenario(cls, scenario: Scenario, kinematics: Kinematics, **changes: Any) -> "SweepSettings":
+    def from_scenario(cls, scenario: Scenario, kinematics: RobotKinematics, **changes: Any) -> "SweepSettings":
         """Read the section. Keyword arguments that are not None replace its keys.
 
         Raises:
@@ -113,7 +113,7 @@ def sample(method: str, count: int, dimensions: int, seed: Union[int, Sequence[i
     return np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
 
 
-def make_starts(settings: SweepSettings, scenario: Scenario, kinematics: Kinematics) -> List[Start]:
+def make_starts(settings: SweepSettings, scenario: Scenario, kinematics: RobotKinematics) -> List[Start]:
     """The runs of a sweep, a list of `Start`; equal arguments give equal runs.
 
     Raises:
@@ -144,7 +144,7 @@ class Planner:
     Attributes: settings: `SweepSettings`.  feasibility: `Feasibility` of the scenario.
     """
 
-    def __init__(self, settings: SweepSettings, scenario: Scenario, kinematics: Kinematics):
+    def __init__(self, settings: SweepSettings, scenario: Scenario, kinematics: RobotKinematics) -> None:
         self.settings, self._scenario, self._kinematics = settings, scenario, kinematics
         self._goal = scenario.goal_posture(kinematics)
         self._X_WCg = kinematics.pose(self._goal)

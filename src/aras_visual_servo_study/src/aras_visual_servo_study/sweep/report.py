@@ -29,7 +29,7 @@ def save_csv(store: SweepStore) -> Path:
     return path
 
 
-def save_report(store: SweepStore, axes: Tuple[str, str] = DEFAULT_AXES, drawing: Optional[Drawing] = None) -> Path:
+def save_report(store: SweepStore, axes: Tuple[str, ...] = DEFAULT_AXES, drawing: Optional[Drawing] = None) -> Path:
     """Write runs.csv, the figures and sweep.html.
 
     Args:
@@ -52,7 +52,7 @@ def save_report(store: SweepStore, axes: Tuple[str, str] = DEFAULT_AXES, drawing
 
 
 def report_html(store: SweepStore, rows: List[Dict[str, Any]], pictures: Dict[str, bytes],
-                axes: Tuple[str, str] = DEFAULT_AXES) -> str:
+                axes: Tuple[str, ...] = DEFAULT_AXES) -> str:
     """The report as one self-contained page, str."""
     numbers = aggregate(rows)
     shown = {name for name in ("curve", "reasons") if name == "curve" or not every_run_succeeds(rows)}

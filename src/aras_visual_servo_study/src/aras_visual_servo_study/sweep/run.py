@@ -12,7 +12,7 @@ from typing import Any, Dict, Optional, Tuple
 import numpy as np
 
 from aras_visual_servo import (CAMERA_AXES, DEFAULT_LIMIT_S, ArasError, Outline, ParameterError, RecordBuilder,
-                               RunRecord, Scenario, ServoLoop, Status, kinematics_of, measures, code_place, pose_error)
+                               RunRecord, Scenario, ServoLoop, Status, code_place, kinematics_of, measures, pose_error)
 from .judge import COLUMNS, initial_columns, judge_row
 from .metrics import judge_by
 from .perturb import perturbed, put_clutter, simulator_key, swap_picture
@@ -77,7 +77,7 @@ class SweepRunner:
         images: keep the taught view, the first and the last one in the records; rows do not depend on it.
     """
 
-    def __init__(self, scenario: Scenario, drive_to_start: bool = False, images: bool = True):
+    def __init__(self, scenario: Scenario, drive_to_start: bool = False, images: bool = True) -> None:
         self.scenario = scenario
         self.drive_to_start, self._images = drive_to_start, images
         self._simulators = OrderedDict()  # key -> _Shared
@@ -238,7 +238,7 @@ def _differs_in_experiment_alone(scenario, other):
 
 def placed(scenario: Scenario, start: Start) -> Scenario:
     """The scenario with the goal and the start of a run put in."""
-    experiment = dict(scenario.experiment, start={"joints": dict(start.joints)})
+    experiment = dict(scenario.experiment, start={"joints": dict(start.joints or {})})
     if not start.goal:
         return replace(scenario, experiment=experiment)
     experiment["goal"] = {"joints": dict(start.goal["joints"])}

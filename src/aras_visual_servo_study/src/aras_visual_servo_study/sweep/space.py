@@ -57,7 +57,7 @@ class View:
         ParameterError: there is no flat target of known outline, or it is not parallel to the image at the goal.
     """
 
-    def __init__(self, scenario: Scenario, X_WCg: np.ndarray):
+    def __init__(self, scenario: Scenario, X_WCg: np.ndarray) -> None:
         outline = Outline.of(scenario)
         if outline is None:
             raise ParameterError("sweep.space: found view, which needs a flat target of known outline and a camera "

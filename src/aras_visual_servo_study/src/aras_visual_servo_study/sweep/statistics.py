@@ -65,7 +65,7 @@ def signed_rank(a: Sequence[float], b: Sequence[float]) -> float:
     return 1.0 if not np.any(difference) else float(wilcoxon(difference).pvalue)
 
 
-def success_curve(distances: Sequence[float], successes: Sequence[int], bins: int = 8) -> List[Dict[str, float]]:
+def success_curve(distances: Any, successes: Any, bins: int = 8) -> List[Dict[str, float]]:
     """Success rate against distance, in bins of equal width.
 
     Args:
@@ -73,7 +73,7 @@ def success_curve(distances: Sequence[float], successes: Sequence[int], bins: in
     Returns:
         list of dict low, high, middle, count, rate, ci_low, ci_high; empty bins are left out.
     """
-    distances, successes = np.asarray(distances, dtype=float), np.asarray(successes, dtype=float)
+    distances, successes = np.array(distances, dtype=float), np.array(successes, dtype=float)
     if not len(distances):
         return []
     edges = np.linspace(distances.min(), distances.max(), bins + 1)

@@ -35,7 +35,7 @@ class SweepStore:
     """
 
     def __init__(self, folder: Union[str, Path], connection: sqlite3.Connection, meta: Dict[str, Any],
-                 lock: Optional[int] = None):
+                 lock: Optional[int] = None) -> None:
         self.folder, self.meta = Path(folder), meta
         self._connection, self._lock = connection, lock
         self.extra = list(meta["columns"])
@@ -94,7 +94,8 @@ class SweepStore:
         with _speaking(self.folder):
             rows = self._connection.execute("SELECT id, joints, offset, parameters, refusal, goal FROM starts "
                                             "ORDER BY id")
-            return [Start(row[0], *map(json.loads, row[1:4]), row[4], json.loads(row[5])) for row in rows]
+            return [Start(id, *map(json.loads, (joints, offset, parameters)), refusal, json.loads(goal))  # type: ignore[call-arg]
+                    for id, joints, offset, parameters, refusal, goal in rows]
 
     def start(self, run_id: int) -> Start:
         """The planned run of this id. Raises StoreError with the range of ids if there is none."""

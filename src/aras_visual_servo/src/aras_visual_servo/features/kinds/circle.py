@@ -14,12 +14,13 @@ projection model", IEEE T-RO 25(4), 2009 (spheres).
 """
 
 from math import pi, sqrt
+from typing import Tuple
 
 import numpy as np
 
 from ...ground.errors import DegenerateFeature
 from ...spatial import skew
-from ..base import Feature, register_feature
+from ..base import Feature, View, register_feature
 from ...palette import BLUE, BROWN, GREEN, NAVY, VERMILION, VIOLET
 
 #: An object counts as an ellipse if its area differs by no more than this part from that of the ellipse with the same
@@ -29,7 +30,7 @@ NOT_ELLIPTIC = 0.03
 NOT_ROUND = 0.03
 
 
-def ellipse(view):
+def ellipse(view: View) -> Tuple[float, float, float, float, float]:
     """(xg, yg, n20, n11, n02) of the object. Raises DegenerateFeature: its image is not an ellipse."""
     m = view.m
     area = m["00"]
@@ -46,7 +47,7 @@ def ellipse(view):
     return xg, yg, n20, n11, n02
 
 
-def circle_rows(view):
+def circle_rows(view: View) -> np.ndarray:
     """L of (xg, yg, n20, n11, n02), (5, 6), of a circle in the plane of the view (T70)."""
     x, y, n20, n11, n02 = view.shared(ellipse)
     A, B, C = view.plane
@@ -82,7 +83,7 @@ for _index, (_name, _symbol, _label, _colour) in enumerate((
         "colour": _colour}))
 
 
-def sphere(view):
+def sphere(view: View) -> Tuple[np.ndarray, float]:
     """(O / R, (3,), and sin xi) of a sphere in the view. Raises DegenerateFeature: the image is not one of a sphere."""
     x, y, n20, n11, n02 = view.shared(ellipse)
     E = 0.25 * np.linalg.inv([[n20, n11], [n11, n02]])

@@ -4,14 +4,16 @@ The camera computes them if the scenario has `vision.kernel: {p: , q: }`. They c
 need other features beside them, for example `features: [kx, ky, an, alpha]`.
 """
 
+from typing import Sequence
+
 import numpy as np
 
 from ...ground.errors import DegenerateFeature
-from ..base import Feature, register_feature
+from ..base import Feature, View, register_feature
 from ...palette import BLUE, VERMILION
 
 
-def kernel_row(sums, exponent, origin, plane):
+def kernel_row(sums: Sequence[float], exponent: float, origin: float, plane: Sequence[float]) -> np.ndarray:
     """Row (6,), [v; w], of the integral of X^-p over the object, with X = x - x0 (T47).
 
     Args:
@@ -65,7 +67,7 @@ class KernelX(_Kernel):
     symbol, label, colour = "k_x", "kernel projection in x", BLUE
     letter = "x"
 
-    def row(self, view):
+    def row(self, view: View) -> np.ndarray:
         p, x0, *integrals = self._sums(view)
         return kernel_row(integrals, p, x0, view.plane)
 
@@ -77,7 +79,7 @@ class KernelY(_Kernel):
     symbol, label, colour = "k_y", "kernel projection in y", VERMILION
     letter = "y"
 
-    def row(self, view):
+    def row(self, view: View) -> np.ndarray:
         q, y0, *integrals = self._sums(view)
         A, B, C = view.plane
         vy, vx, vz, wy, wx, wz = kernel_row(integrals, q, y0, (B, A, C))

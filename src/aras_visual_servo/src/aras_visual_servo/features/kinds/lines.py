@@ -8,9 +8,12 @@ Reference: B. Espiau, F. Chaumette, P. Rives, "A new approach to visual servoing
 """
 
 from math import atan2, hypot
+from typing import Optional, Tuple
+
+import numpy as np
 
 from ...ground.errors import DegenerateFeature
-from ..base import register_family
+from ..base import View, register_family
 from ...palette import GREENS, PURPLES
 from ..points import OfPoints, point_rows, points
 
@@ -18,7 +21,8 @@ from ..points import OfPoints, point_rows, points
 class OfLine(OfPoints):
     """Base class of features of the line through a point and the next one."""
 
-    def line(self, view, first=None):
+    def line(self, view: View,
+             first: Optional[int] = None) -> Tuple[Tuple[float, float], float, Optional[Tuple[np.ndarray, np.ndarray]]]:
         """((cosine, sine) of the normal, distance, L of both: (L_distance, L_direction), (6,) each).
 
         Args: first: index of the first point; None: this one. Raises DegenerateFeature: the points coincide.
@@ -45,10 +49,10 @@ class LineDistance(OfLine):
 
     symbol, label, colour = "ρ_l{number}", "distance of line {number} from the centre", GREENS
 
-    def value(self, view):
+    def value(self, view: View) -> float:
         return self.line(view)[1]
 
-    def row(self, view):
+    def row(self, view: View) -> np.ndarray:
         return self.line(view)[2][0]
 
 
@@ -59,9 +63,9 @@ class LineDirection(OfLine):
     unit, symbol, label, colour = "rad", "θ_l{number}", "direction of line {number}", PURPLES
     angle = directed = True
 
-    def value(self, view):
+    def value(self, view: View) -> float:
         (cosine, sine), _, _ = self.line(view)
         return atan2(sine, cosine)
 
-    def row(self, view):
+    def row(self, view: View) -> np.ndarray:
         return self.line(view)[2][1]

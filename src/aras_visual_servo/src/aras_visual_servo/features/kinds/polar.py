@@ -10,8 +10,10 @@ T-RO 21(2), 2005. P. I. Corke, F. Spindler, F. Chaumette, "Combining Cartesian a
 
 from math import atan2, hypot
 
+import numpy as np
+
 from ...ground.errors import DegenerateFeature
-from ..base import register_family
+from ..base import View, register_family
 from ...palette import GREENS, PURPLES
 from ..points import OfPoints, point_rows, points
 
@@ -38,10 +40,10 @@ class PointDistance(_Polar):
 
     symbol, label, colour = "ρ_{number}", "distance of point {number} from the centre", GREENS
 
-    def value(self, view):
+    def value(self, view: View) -> float:
         return self._place(view)[2]
 
-    def row(self, view):
+    def row(self, view: View) -> np.ndarray:
         x, y, rho = self._place(view)
         L_x, L_y = self._rows(view)
         return (x * L_x + y * L_y) / rho
@@ -54,11 +56,11 @@ class PointDirection(_Polar):
     unit, symbol, label, colour = "rad", "θ_{number}", "direction of point {number} from the centre", PURPLES
     angle = directed = True
 
-    def value(self, view):
+    def value(self, view: View) -> float:
         x, y, _ = self._place(view)
         return atan2(y, x)
 
-    def row(self, view):
+    def row(self, view: View) -> np.ndarray:
         x, y, rho = self._place(view)
         L_x, L_y = self._rows(view)
         return (x * L_y - y * L_x) / (rho * rho)

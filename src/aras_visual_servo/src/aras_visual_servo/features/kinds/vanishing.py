@@ -14,12 +14,12 @@ import numpy as np
 
 from ...ground.errors import DegenerateFeature
 from ...spatial import skew
-from ..base import register_family
+from ..base import View, register_family
 from ...palette import COOL, GREENS, WARM
 from ..points import OfPoints, rays
 
 
-def direction(view, first):
+def direction(view: View, first: int) -> np.ndarray:
     """(3,) unit vector of sides `first` and `first + 2`. Raises DegenerateFeature: not four points, or one line."""
     seen = view.shared(rays)
     if len(seen) != 4:

@@ -12,7 +12,7 @@ everything else, so that none of them mentions a particular source. Topics and m
 room imports nothing of ROS.
 """
 
-from typing import Any, Callable, List, NamedTuple, Optional, Type, TypeVar
+from typing import Any, Callable, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Type, TypeVar
 
 import numpy as np
 
@@ -72,11 +72,10 @@ class Source:
         sees_parts: a part of the target in view is enough.
     """
 
-    name, topic, message, section = "", "", "", ""
-    sees_parts = False
-    tell_reference = ("reference_stamp_ns", "z_star_m")
+    name, topic, message, section, sees_parts = "", "", "", "", False
+    tell_reference: Tuple[str, ...] = ("reference_stamp_ns", "z_star_m")
 
-    def extractor(self, camera_info, vision):
+    def extractor(self, camera_info: Mapping[str, Any], vision: Mapping[str, Any]) -> Any:
         """The object that computes features from images when everything runs in one process.
 
         Args: camera_info: dict with the fields of CameraInfo.  vision: the scenario's section `vision` (dict).
@@ -85,21 +84,21 @@ class Source:
         """
         raise NotImplementedError
 
-    def renewed(self, extractor):
+    def renewed(self, extractor: Any) -> Optional[Any]:
         """This extractor, as it was before its first image; None where that cannot be had and a new one is made."""
         return None
 
-    def wants_depth(self, vision):
+    def wants_depth(self, vision: Mapping[str, Any]) -> bool:
         """Whether `process` of the extractor also takes the depth image of the camera. Args: as of `extractor`."""
         return False
 
-    def why_lost(self, features):
+    def why_lost(self, features: Any) -> str:
         """Text that says why the arm cannot be servoed on these features; "" if it can."""
         if features.target_visible and features.valid:
             return ""
         return "target not in view" if not features.target_visible else "features not valid"
 
-    def taught(self, features, z_star_m, normal_C):
+    def taught(self, features: Any, z_star_m: float, normal_C: Sequence[float]) -> Taught:
         """`Taught` for the view with these features, which need not be relative to itself.
 
         Args: features: fit to servo on (`why_lost` is "").  z_star_m: depth of the target in this view [m].
@@ -107,21 +106,21 @@ class Source:
         """
         raise NotImplementedError
 
-    def kept(self, features):
+    def kept(self, features: Any) -> Any:
         """Copy of features that outlives their image."""
         return features
 
-    def mean(self, views):
+    def mean(self, views: Sequence[Any]) -> Any:
         """The mean of several views of one goal, for sources whose `Taught` holds a view."""
         return views[0]
 
     @staticmethod
-    def mean_depths(views):
+    def mean_depths(views: Sequence[Any]) -> Tuple[float, ...]:
         """(N,) mean of the depths of the followed points in those views that have them all; () where none has."""
         whole = [view.point_z for view in views if len(view.point_z) and np.isfinite(view.point_z).all()]
         return tuple(np.mean(whole, axis=0).tolist()) if whole else ()
 
-    def follow(self, extractor, features):
+    def follow(self, extractor: Any, features: Any) -> None:
         """Give an extractor the reference that these recorded features had, as far as their fields tell it.
 
         The image that was the reference is not available then, so a source whose reference is an image forgets it.

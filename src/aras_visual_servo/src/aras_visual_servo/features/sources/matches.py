@@ -1,6 +1,7 @@
 """Source `matches`: keypoints of a textured plane, matched to those of the goal image (MatchFeatures)."""
 
 from dataclasses import replace
+from typing import Any, Mapping, Sequence
 
 import numpy as np
 
@@ -16,19 +17,19 @@ class Matches(Source):
     topic, message, section = "camera/matches", "aras_visual_servo_msgs/MatchFeatures", "matches"
     sees_parts = True
 
-    def extractor(self, camera_info, vision):
+    def extractor(self, camera_info: Mapping[str, Any], vision: Mapping[str, Any]) -> Any:
         from aras_visual_servo_camera import MatchExtractor  # here: this module can be imported without C++
         return MatchExtractor(camera_info, vision[self.section])
 
-    def wants_depth(self, vision):
+    def wants_depth(self, vision: Mapping[str, Any]) -> bool:
         return "depth" in vision[self.section]
 
-    def why_lost(self, features):
+    def why_lost(self, features: Any) -> str:
         if features.target_visible and features.valid:
             return ""
         return features.fault or super().why_lost(features)
 
-    def taught(self, features, z_star_m, normal_C):
+    def taught(self, features: Any, z_star_m: float, normal_C: Sequence[float]) -> Taught:
         """As of `Source`. The points are those that the camera package says it will follow.
 
         Where keypoints have depths, these tell how far the points' plane is, and it is parallel to the image.
@@ -38,10 +39,10 @@ class Matches(Source):
         view = points_view(features, features.as_goal_x, features.as_goal_y, float(z_star_m), features.as_goal_z)
         return Taught(view, view, plane_from_pose(normal_C, [0.0, 0.0, view.z_star_m]))
 
-    def kept(self, features):
+    def kept(self, features: Any) -> Features:
         return points_view(features, features.point_x, features.point_y, features.z_star_m, features.point_z)
 
-    def mean(self, views):
+    def mean(self, views: Sequence[Any]) -> Features:
         """The points one by one, and their middle."""
         x, y = (tuple(np.mean([getattr(view, name) for view in views], axis=0).tolist())
                 for name in ("point_x", "point_y"))
@@ -49,7 +50,8 @@ class Matches(Source):
         return replace(views[0], point_x=x, point_y=y, point_z=self.mean_depths(views), **middle)
 
 
-def points_view(features, x, y, z_star_m, z=()):
+def points_view(features: Any, x: Sequence[float], y: Sequence[float], z_star_m: float,
+                z: Sequence[float] = ()) -> Features:
     """`Features` with these points and the place of their middle: what laws on points and teaching read."""
     view = Features(target_visible=True, valid=True, has_reference=True, z_star_m=z_star_m,
                     reference_stamp_ns=features.reference_stamp_ns)

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from math import pi, remainder
+from typing import Any, Mapping, Sequence
 
 import numpy as np
 
@@ -18,26 +19,26 @@ class Moments(Source):
     topic, message = "camera/features", "aras_visual_servo_msgs/MomentFeatures"
     tell_reference = ("reference_stamp_ns", "z_star_m", "area_star")
 
-    def extractor(self, camera_info, vision):
+    def extractor(self, camera_info: Mapping[str, Any], vision: Mapping[str, Any]) -> Any:
         from aras_visual_servo_camera import MomentExtractor  # here, so that this module can be imported without C++
         return MomentExtractor(camera_info, vision)
 
-    def renewed(self, extractor):
+    def renewed(self, extractor: Any) -> Any:
         extractor.clear_reference()
         extractor.forget_previous()
         return extractor
 
-    def wants_depth(self, vision):
+    def wants_depth(self, vision: Mapping[str, Any]) -> bool:
         return "depth" in vision
 
-    def why_lost(self, features):
+    def why_lost(self, features: Any) -> str:
         if features.target_visible and features.valid:
             return ""
         if getattr(features, "ambiguous", False):
             return "several objects in view, and it is not clear which is the target"
         return "target cut by the border or not orientable" if features.target_visible else "target not in view"
 
-    def taught(self, features, z_star_m, normal_C):
+    def taught(self, features: Any, z_star_m: float, normal_C: Sequence[float]) -> Taught:
         """As of `Source`. A view that is its own reference has an = Z*, xn = Z* xg and yn = Z* yg (T4)."""
         view = Features.from_object(features)
         if len(view.ray_x) and not view.area > 0.0:
@@ -46,10 +47,10 @@ class Moments(Source):
         view.an, view.xn, view.yn = view.z_star_m, view.z_star_m * view.xg, view.z_star_m * view.yg
         return Taught(view, view, plane_from_pose(normal_C, view.z_star_m * np.array([view.xg, view.yg, 1.0])))
 
-    def kept(self, features):
+    def kept(self, features: Any) -> Features:
         return Features.from_object(features)
 
-    def mean(self, views):
+    def mean(self, views: Sequence[Any]) -> Features:
         """Moments, points and features one by one; alpha the short way round from the first view's."""
         mean, first = replace(views[0]), views[0]
         for name in ("m", "mu", *VIEW_POINTS):
@@ -61,7 +62,7 @@ class Moments(Source):
         mean.alpha = first.alpha + float(np.mean([remainder(view.alpha - first.alpha, pi) for view in views]))
         return mean
 
-    def follow(self, extractor, features):
+    def follow(self, extractor: Any, features: Any) -> None:
         """As of `Source`. Area and orientation come from the features; the orientation may be half a turn off."""
         extractor.set_reference(features.z_star_m, features.area_star, features.alpha)
 

@@ -1,6 +1,6 @@
 """Source `photometric`: the grey levels of the whole image compared with those of the goal (PhotometricFeatures)."""
 
-from typing import NamedTuple
+from typing import Any, Mapping, NamedTuple, Sequence
 
 from .base import Source, Taught, register_source
 
@@ -18,14 +18,14 @@ class PhotometricSource(Source):
 
     topic, message, section = "camera/photometric", "aras_visual_servo_msgs/PhotometricFeatures", "photometric"
 
-    def extractor(self, camera_info, vision):
+    def extractor(self, camera_info: Mapping[str, Any], vision: Mapping[str, Any]) -> Any:
         from aras_visual_servo_camera import PhotometricExtractor  # here: this module can be imported without C++
         return PhotometricExtractor(camera_info, vision[self.section])
 
-    def why_lost(self, features):
+    def why_lost(self, features: Any) -> str:
         if features.target_visible and features.valid:
             return ""
         return features.fault or super().why_lost(features)
 
-    def taught(self, features, z_star_m, normal_C):
+    def taught(self, features: Any, z_star_m: float, normal_C: Sequence[float]) -> Taught:
         return Taught(_SameImage())

@@ -1,7 +1,10 @@
 """Source `tag`: the corners of an AprilTag (TagFeatures). Where its size is known, its pose gives the taught plane."""
 
+from typing import Any, Mapping, Optional, Sequence
+
 import numpy as np
 
+from ...ground.types import Features
 from ..interaction import plane_from_pose
 from .base import Taught, register_source
 from .matches import Matches, points_view
@@ -14,14 +17,14 @@ class Tag(Matches):
     topic, message, section = "camera/tag", "aras_visual_servo_msgs/TagFeatures", "tag"
     sees_parts = False  # the whole tag has to be in view
 
-    def extractor(self, camera_info, vision):
+    def extractor(self, camera_info: Mapping[str, Any], vision: Mapping[str, Any]) -> Any:
         from aras_visual_servo_camera import TagExtractor  # here: this module can be imported without C++
         return TagExtractor(camera_info, vision[self.section])
 
-    def wants_depth(self, vision):
+    def wants_depth(self, vision: Mapping[str, Any]) -> bool:
         return False
 
-    def taught(self, features, z_star_m, normal_C):
+    def taught(self, features: Any, z_star_m: float, normal_C: Sequence[float]) -> Taught:
         """As of `Source`. A tag of known size says itself how its plane lies; normal_C is for one of unknown size."""
         view = self.kept(features, float(z_star_m))
         if len(features.position_m) != 3:
@@ -30,6 +33,6 @@ class Tag(Matches):
         out_of_face = np.array([2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)])
         return Taught(view, view, plane_from_pose(-out_of_face, features.position_m))
 
-    def kept(self, features, z_star_m=None):
+    def kept(self, features: Any, z_star_m: Optional[float] = None) -> Features:
         return points_view(features, features.point_x, features.point_y,
                            features.z_star_m if z_star_m is None else z_star_m)

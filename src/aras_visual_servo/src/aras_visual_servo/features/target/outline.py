@@ -4,12 +4,16 @@ pinhole cameras and plumb_bob lenses. No ROS."""
 
 import functools
 from math import inf, tan
+from typing import TYPE_CHECKING, Any, Mapping, Optional, Sequence
 
 import numpy as np
 
 from ...ground.errors import ParameterError
 from ...spatial import inverse, pose_from_rpy
 from ...config.files import load_yaml, resolve_uri
+
+if TYPE_CHECKING:
+    from ...scenario.scenario import Scenario
 
 
 class Outline:
@@ -21,7 +25,7 @@ class Outline:
         half: (x, y): half of the image in normalised coordinates, for a camera without a lens.
     """
 
-    def __init__(self, outlines_m, X_WT, camera):
+    def __init__(self, outlines_m: Sequence[Any], X_WT: np.ndarray, camera: Mapping[str, Any]) -> None:
         """Args: outlines_m: polygons (n, 2) [m]. X_WT: (4, 4). camera: dict of section sim.cameras."""
         corners = np.concatenate([np.asarray(outline, dtype=float) for outline in outlines_m])
         self.points_T = np.column_stack([corners, np.zeros(len(corners))])
@@ -35,7 +39,7 @@ class Outline:
         self.half = (0.5 * self._width / self._f[0], 0.5 * self._height / self._f[1])
 
     @classmethod
-    def of(cls, scenario):
+    def of(cls, scenario: "Scenario") -> Optional["Outline"]:
         """`Outline` of a scenario; None where it is unknown: no flat model, a moving one, one that another link than
         `robot.target_link` carries, a lens but plumb_bob."""
         models = scenario.sim.get("scene", {}).get("models", [])
@@ -51,7 +55,7 @@ class Outline:
         X_WT = pose_from_rpy(position_m, rpy_rad)
         return cls(outlines, X_WT, camera)
 
-    def pixels(self, X_WC, X_WT=None):
+    def pixels(self, X_WC: np.ndarray, X_WT: Optional[np.ndarray] = None) -> Optional[np.ndarray]:
         """(n, 2) u, v of the outline's corners seen from X_WC [px]; None if a corner is not before the camera.
 
         X_WC may be a stack of m poses, (m, 4, 4): (m, n, 2), None if a corner is not before one of them.
@@ -76,7 +80,7 @@ class Outline:
                     y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y)
         return x, y
 
-    def border_px(self, X_WC, X_WT=None):
+    def border_px(self, X_WC: np.ndarray, X_WT: Optional[np.ndarray] = None) -> float:
         """Distance of the outline from the image border [px]: negative where it is cut, -inf behind the camera.
 
         Args: X_WC: (4, 4); or (m, 4, 4), of which the least distance is returned.

@@ -6,6 +6,7 @@
 """
 
 from math import isfinite
+from typing import Any, Tuple
 
 import numpy as np
 
@@ -28,7 +29,7 @@ class PlanarPoints:
 
     max_followed = MAX_LEFT
 
-    def __init__(self, points_T):
+    def __init__(self, points_T: np.ndarray) -> None:
         """Raises DegenerateFeature: fewer than four, or all on a line."""
         self.points_T = np.asarray(points_T, dtype=float)
         if len(self.points_T) < 4:
@@ -41,7 +42,7 @@ class PlanarPoints:
         self._flat = (self.points_T - self._middle) @ self._axes[:, :2]
 
     @staticmethod
-    def measured(features):
+    def measured(features: Any) -> np.ndarray:
         """(N, 2) of an image. Raises DegenerateFeature without points, NotFiniteError."""
         if not 0 < len(features.point_x) == len(features.point_y):
             raise DegenerateFeature("pose of the points: none in this view")
@@ -50,7 +51,7 @@ class PlanarPoints:
             raise NotFiniteError(f"points: found {xy.tolist()}, allowed finite numbers")
         return xy
 
-    def improve(self, X_CT, xy):
+    def improve(self, X_CT: np.ndarray, xy: np.ndarray) -> Tuple[np.ndarray, float, float, float]:
         """One Gauss-Newton step.
 
         Returns: (X_CT, largest residual of a coordinate before the step, condition number of the matrix, length of the
@@ -76,7 +77,7 @@ class PlanarPoints:
         length = float(twist @ twist) ** 0.5
         return exponential(-twist) @ X_CT, float(np.abs(left).max()), float(sigmas[0] / sigmas[-1]), length
 
-    def follow(self, X_CT, xy):
+    def follow(self, X_CT: np.ndarray, xy: np.ndarray) -> Tuple[np.ndarray, float, float]:
         """Gauss-Newton steps from a pose nearby; where they find no pose, `find` looks for one without a first guess.
 
         Returns: (X_CT, residual, condition number).
@@ -96,7 +97,7 @@ class PlanarPoints:
                 break
         return X_CT, residual, condition
 
-    def find(self, xy):
+    def find(self, xy: np.ndarray) -> np.ndarray:
         """X_CT from a view alone.
 
         The first guesses are the pose of the homography and its mirror image in the line of sight. From afar both
@@ -130,7 +131,7 @@ class PlanarPoints:
             yield X
 
 
-def homography(a, b):
+def homography(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """H, (3, 3), of unit norm, with b ~ H a: a, b (N, 2), N >= 4 (direct linear transform, both sides normalised).
 
     References: R. Hartley and A. Zisserman, Multiple View Geometry in Computer Vision, 2nd ed., 2004, algorithm 4.2.
@@ -151,7 +152,7 @@ def _normalised(points):
     return np.concatenate([points, np.ones((len(points), 1))], axis=1) @ T.T, T
 
 
-def corners_clockwise(outline):
+def corners_clockwise(outline: np.ndarray) -> np.ndarray:
     """Corners (N, 3) of an outline (N, 2) in the target's plane z = 0, clockwise as its viewers see them [m]."""
     outline = np.asarray(outline, dtype=float)
     x, y = outline.T
@@ -160,7 +161,7 @@ def corners_clockwise(outline):
     return np.concatenate([outline, np.zeros((len(outline), 1))], axis=1)
 
 
-def find_corners(outline, xy):
+def find_corners(outline: np.ndarray, xy: np.ndarray) -> Tuple[PlanarPoints, np.ndarray]:
     """Find which corner of an outline each point is, and the pose.
 
     Args: outline: (N, 2) in the target's plane z = 0 [m].  xy: (N, 2), its corners seen, clockwise on the screen.

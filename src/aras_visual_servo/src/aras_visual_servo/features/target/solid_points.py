@@ -4,6 +4,8 @@
     X_CT, residual, condition = seen.follow(X_CT, points_C)
 """
 
+from typing import Any, Tuple
+
 import numpy as np
 
 from ...ground.errors import DegenerateFeature
@@ -24,7 +26,7 @@ class SolidPoints:
 
     max_followed = MAX_LEFT
 
-    def __init__(self, points_T):
+    def __init__(self, points_T: np.ndarray) -> None:
         """Raises DegenerateFeature: fewer than three, or all on a line."""
         self.points_T = np.asarray(points_T, dtype=float)
         if len(self.points_T) < 3:
@@ -36,13 +38,13 @@ class SolidPoints:
         self._condition = float(sigmas[0] / sigmas[1])
 
     @staticmethod
-    def measured(features):
+    def measured(features: Any) -> np.ndarray:
         """(N, 3) points of an image in the camera frame [m]. Raises DegenerateFeature: a depth is missing."""
         Z = depths_in_image(features)
         x, y = np.array(points_seen(features)).T
         return np.stack([x * Z, y * Z, Z], axis=1)
 
-    def find(self, points_C):
+    def find(self, points_C: np.ndarray) -> np.ndarray:
         """X_CT that puts the points where they are seen, with the least squares of distances.
 
         Raises DegenerateFeature: another number of points.
@@ -58,7 +60,7 @@ class SolidPoints:
         X[:3, 3] = middle - X[:3, :3] @ self._middle
         return X
 
-    def follow(self, X_CT, points_C):
+    def follow(self, X_CT: np.ndarray, points_C: np.ndarray) -> Tuple[np.ndarray, float, float]:
         """(X_CT, residual, condition number) as of `PlanarPoints`; one view is enough, so X_CT is not used."""
         X_CT = self.find(points_C)
         left = np.linalg.norm(self.points_T @ X_CT[:3, :3].T + X_CT[:3, 3] - points_C, axis=1)

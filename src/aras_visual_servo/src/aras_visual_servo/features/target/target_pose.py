@@ -6,6 +6,7 @@ interaction matrix (T7, T8) says which twist explains the difference between mea
 """
 
 from math import log
+from typing import Any, Sequence, Tuple
 
 import numpy as np
 
@@ -41,10 +42,10 @@ class PlanarTarget:
 
     max_followed = MAX_FOLLOWED
 
-    def __init__(self, outlines_m):
+    def __init__(self, outlines_m: Sequence[Any]) -> None:
         self.outlines_m = [np.asarray(outline, dtype=float) for outline in outlines_m]
 
-    def moments(self, X_CT):
+    def moments(self, X_CT: np.ndarray) -> np.ndarray:
         """Raw moments m[i, j] to ORDER of the image from pose X_CT, (5, 5). Raises DegenerateFeature: behind it."""
         m = np.zeros((ORDER + 1, ORDER + 1))
         for outline in self.outlines_m:
@@ -66,7 +67,7 @@ class PlanarTarget:
             raise DegenerateFeature("pose of the target: its image is empty")
         return m
 
-    def predicted(self, X_CT):
+    def predicted(self, X_CT: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
         """Measures (10,) and their interaction matrix (10, 6) at pose X_CT."""
         m = self.moments(X_CT)
         a, m10, m01 = float(m[0, 0]), float(m[1, 0]), float(m[0, 1])
@@ -90,7 +91,7 @@ class PlanarTarget:
         L[3:] = scale[:, None] * (L_mu - (_HALF_DEGREE * seven)[:, None] * L_area)
         return measures, L
 
-    def improve(self, X_CT, measured):
+    def improve(self, X_CT: np.ndarray, measured: np.ndarray) -> Tuple[np.ndarray, float, float]:
         """One Gauss-Newton step.
 
         Returns: (X_CT, largest residual of a measure before the step, condition number of the matrix).
@@ -104,11 +105,11 @@ class PlanarTarget:
         return exponential(-twist) @ X_CT, float(np.abs(left).max()), float(sigmas[0] / sigmas[-1])
 
     @staticmethod
-    def measured(features):
+    def measured(features: Any) -> np.ndarray:
         """`measures_of` an image."""
         return measures_of(features)
 
-    def follow(self, X_CT, measured):
+    def follow(self, X_CT: np.ndarray, measured: np.ndarray) -> Tuple[np.ndarray, float, float]:
         """`improve` once, and again, at most FOLLOW_STEPS times, while the pose before the step was far off."""
         for _ in range(FOLLOW_STEPS):
             X_CT, residual, condition = self.improve(X_CT, measured)
@@ -116,7 +117,7 @@ class PlanarTarget:
                 break
         return X_CT, residual, condition
 
-    def find(self, features, normal_C, steps=40):
+    def find(self, features: Any, normal_C: Sequence[float], steps: int = 40) -> np.ndarray:
         """X_CT from a view alone and a guess of the plane's normal; `features` give z_star_m as a first depth.
 
         Beside the right pose a planar target has a second, wrong minimum. So several guesses are tried, and the best
@@ -157,7 +158,7 @@ def _guesses(normal_C, t):
             yield X
 
 
-def measures_of(features):
+def measures_of(features: Any) -> np.ndarray:
     """The ten measures of an image's moments. Raises DegenerateFeature: a moment is missing or the object empty."""
     m, mu = dict(zip(features.moment_names, features.m)), dict(zip(features.moment_names, features.mu))
     try:

@@ -15,7 +15,7 @@ class ActionServer(actionlib.SimpleActionServer):
         name: of the action.  specification: its message class.
     """
 
-    def __init__(self, name: str, specification: Any):
+    def __init__(self, name: str, specification: Any) -> None:
         super().__init__(name, specification, auto_start=False)
         self._newest = rospy.Time()
         take = self.action_server.internal_goal_callback

@@ -18,7 +18,7 @@ class GoalSender:
         goal_id: of the goal that was sent last, "" before.  taken: whether it was taken.
     """
 
-    def __init__(self, publish: Callable[[Any], None]):
+    def __init__(self, publish: Callable[[Any], None]) -> None:
         self._publish = publish
         self._goal, self._sent_s = None, 0.0
         self.goal_id, self.taken = "", False

@@ -12,13 +12,14 @@ depend on the speed of the machine.
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Dict, List, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Type, TypeVar
 
 import numpy as np
 
-from aras_visual_servo import ParameterError, load_room
+from aras_visual_servo import ParameterError, Registry, Scenario
 
-_PROTOCOLS = {}
+PROTOCOLS: Registry[Type["Protocol"]] = Registry("benchmark", __package__)
+P = TypeVar("P", bound="Protocol")
 
 
 @dataclass(frozen=True)
@@ -26,16 +27,16 @@ class Case:
     """One row of the table.
 
     Attributes:
-        name: of the case and of its folder.  scenario: `Scenario`.  starts: list of `Start`.
+        name: of the case and of its folder.  starts: list of `Start`.
         columns: what tells this case from the others, {heading: text}.
         published: (rate, whose) of the publication, rate in [0, 1]; None: nothing is published of it.
     """
 
     name: str
-    scenario: object
-    starts: List[object]
+    scenario: Scenario
+    starts: List[Any]
     columns: Dict[str, str] = field(default_factory=dict)
-    published: Tuple[float, str] = None
+    published: Optional[Tuple[float, str]] = None
 
 
 class Protocol:
@@ -49,7 +50,7 @@ class Protocol:
 
     name, title, source, metric, published_starts, takes = "", "", "", "success", 0, ()
 
-    def cases(self, folder, count, **own):
+    def cases(self, folder: Path, count: int, **own: Any) -> List[Case]:
         """The cases, list of `Case`.
 
         Args:
@@ -70,56 +71,46 @@ class Protocol:
         return [replace(case, scenario=case.scenario.with_overrides(changes), columns={**case.columns, **columns})
                 if changes else case for case in self.cases(folder, count, **own)]
 
-    def check_own(self, own):
+    def check_own(self, own: Mapping[str, Any]) -> None:
         """Raises ParameterError: this protocol does not take one of these, {name: text}."""
         for name, found in own.items():
             if name not in self.takes:
                 allowed = ", ".join(f"--{one}" for one in self.takes) or "neither --board nor --meshes"
                 raise ParameterError(f"--{name}: found {found}, but the protocol {self.name} takes {allowed}")
 
-    def lines(self, case, rows):
+    def lines(self, case: Case, rows: List[Dict[str, Any]]) -> List[Tuple[Dict[str, Any], List[Dict[str, Any]]]]:
         """The lines of the table that a case has: list of (columns, rows), columns {heading: text}."""
         return [(case.columns, rows)]
 
-    def save_pictures(self, results, folder):
+    def save_pictures(self, results: List[Tuple[Case, List[Dict[str, Any]]]], folder: Path) -> List[Path]:
         """Draw what a table does not show. results: list of (Case, rows). Returns the paths that were written."""
         return []
 
 
-def register_protocol(name):
-    """Class decorator that makes a protocol known by name."""
-
-    def add(protocol):
-        protocol.name = name
-        _PROTOCOLS[name] = protocol()
-        return protocol
-
-    return add
+def register_protocol(name: str) -> Callable[[Type[P]], Type[P]]:
+    """Returns a class decorator that makes a protocol known by name."""
+    return PROTOCOLS.register(name, name=name)
 
 
-def known_protocols():
-    """The registered protocols, sorted by name."""
-    load_room(__package__)
-    return [_PROTOCOLS[name] for name in sorted(_PROTOCOLS)]
+def known_protocols() -> List[Protocol]:
+    """Returns the registered protocols, sorted by name."""
+    return [protocol() for protocol in PROTOCOLS.values()]
 
 
-def protocol_named(name):
-    """The `Protocol` of that name. Raises ParameterError, listing the known ones."""
-    for protocol in known_protocols():
-        if protocol.name == name:
-            return protocol
-    raise ParameterError(f"benchmark: found '{name}', allowed {', '.join(one.name for one in known_protocols())}")
+def protocol_named(name: str) -> Protocol:
+    """Returns the protocol of that name. Raises ParameterError with the nearest name."""
+    return PROTOCOLS.find(name)()
 
 
-def spread(count, total):
-    """Indices of `count` of `total` things, as evenly as possible, both ends included. Raises ParameterError."""
+def spread(count: int, total: int) -> List[int]:
+    """Returns `count` of `total` indices, as evenly as possible, both ends included. Raises ParameterError."""
     if not 1 <= count <= total:
         raise ParameterError(f"starts: found {count}, allowed 1 to {total}")
     return [0] if count == 1 else [round(i * (total - 1) / (count - 1)) for i in range(count)]
 
 
-def halton(count, bases):
-    """(count, len(bases)) in (0, 1): a Halton sequence without its first point, which covers the cube evenly."""
+def halton(count: int, bases: Sequence[int]) -> np.ndarray:
+    """Returns a Halton sequence without its first point, which covers the unit cube evenly, (count, len(bases))."""
     return np.array([[_mirrored(i, base) for base in bases] for i in range(1, count + 1)])
 
 

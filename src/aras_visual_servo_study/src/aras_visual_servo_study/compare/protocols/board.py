@@ -82,7 +82,7 @@ def save(path: Path, picture: np.ndarray) -> None:
     matplotlib.image.imsave(str(path), picture, metadata={"Software": None})
 
 
-def load(path: Path) -> np.ndarray:
+def load(path: Union[str, Path]) -> np.ndarray:
     """(h, w, 3) uint8 of a picture's file, transparency left out. Raises OSError, ValueError."""
     import matplotlib.image
     picture = matplotlib.image.imread(str(path))

@@ -2,7 +2,7 @@
 
 import math
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, List, Optional, Tuple, Union
 
 import numpy as np
 import yaml
@@ -28,7 +28,7 @@ BALL = {"distance_m": [0.05, 0.2], "angle_rad": [0.0, 0.5]}
 _GAINS = {axis: 1.5 for axis in ("xr", "yr", "zr", "rx", "ry", "rz")}
 _MOMENTS = "xn", "yn", "an", "sx", "sy", "alpha"
 #: Scheme -> what it changes in the scenario `vit_vs`.
-SCHEMES = {
+SCHEMES: Dict[str, Dict[str, Any]] = {
     "orb": {"vision.matches": {"detector": "orb"}, "servo.gains_per_s": _GAINS},
     "sift": {"vision.matches": {"detector": "sift"}, "servo.gains_per_s": _GAINS},
     "photometric": {
@@ -80,7 +80,7 @@ class Clutter(Protocol):
         return cases
 
 
-def scene(mesh: Path, changes: Dict[str, Any]) -> Scenario:
+def scene(mesh: Union[str, Path], changes: Dict[str, Any]) -> Scenario:
     """The scenario: a lit board below the camera of `vit_vs`, drawn by OpenGL, 15 s for a run.
 
     Args: changes: {"section.key": value}; a key whose value is None is left out.

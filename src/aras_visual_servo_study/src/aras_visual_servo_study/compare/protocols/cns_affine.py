@@ -99,7 +99,7 @@ def starts_of(scenario: Scenario, indices: Sequence[int], goals: np.ndarray, sta
 def apart(goal: np.ndarray, start: np.ndarray) -> bool:
     """Whether two poses differ by 2 mm or 1 degree, as those of a pair have to."""
     return (spatial.rotation_angle(goal[:3, :3].T @ start[:3, :3]) >= math.radians(1.0)
-            or np.linalg.norm(goal[:3, 3] - start[:3, 3]) >= 0.002)
+            or bool(np.linalg.norm(goal[:3, 3] - start[:3, 3]) >= 0.002))
 
 
 def drawn(rng: np.random.RandomState, distance_m: Tuple[float, float], above_deg: Tuple[float, float],

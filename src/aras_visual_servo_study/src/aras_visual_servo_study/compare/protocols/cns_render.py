@@ -46,7 +46,7 @@ class CnsRender(Protocol):
         return cases
 
 
-def pairs(count: int = SCENES) -> Tuple[np.ndarray, np.ndarray]:
+def pairs(count: int = SCENES) -> Tuple[np.ndarray, ...]:
     """(X_WCg, X_WC), (count, 4, 4) each: `count` of the 150 goals and starts, optical frames that look at the table."""
     rng, found = np.random.RandomState(SEED), []
     while len(found) < SCENES:
@@ -65,7 +65,8 @@ def planned(scenario: Scenario, count: int, scenes: Dict[int, Path]) -> List[Sta
         depth_m = float(-X_WCg[2, 3] / X_WCg[2, 2])  # of the table along the axis
         return {"experiment.z_star_m": depth_m, "scene": str(scenes[number])}
 
-    return starts_of(scenario, spread(count, SCENES), *pairs(count), parameters)
+    goals, starts = pairs(count)
+    return starts_of(scenario, spread(count, SCENES), goals, starts, parameters)
 
 
 def saved_scenes(folder: Path, numbers: Sequence[int], meshes: Optional[str] = None) -> Dict[int, Path]:

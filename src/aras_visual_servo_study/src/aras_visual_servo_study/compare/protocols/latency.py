@@ -13,11 +13,12 @@ from .base import Case, Protocol, halton, register_protocol
 STARTS, MOST_S, SEED = 10_000, 0.5, 0
 _PATIENT = {"servo.input_timeout_s": 1.0}  # images may be so old
 #: Case -> its scenario, and what it changes there: four moments on the arm, six points on a camera without inertia.
-CASES = {"moments_arm": ("experiment_1", _PATIENT),
-         "points_free": ("free_camera", {
-             **_PATIENT,
-             "vision.points": "corners", "vision.point_count": 6, "servo.features": ["points6"],
-             "servo.gains_per_s": {"points6": 3.0}, "servo.thresholds": {"points6": 0.0005}})}
+CASES: Dict[str, Any] = {
+    "moments_arm": ("experiment_1", _PATIENT),
+    "points_free": ("free_camera", {
+        **_PATIENT,
+        "vision.points": "corners", "vision.point_count": 6, "servo.features": ["points6"],
+        "servo.gains_per_s": {"points6": 3.0}, "servo.thresholds": {"points6": 0.0005}})}
 #: Names of the two delays among the perturbations of a sweep.
 IMAGE, COMMAND = "latency_s", "sim.command_delay_s"
 #: Width of the lines of the table [s].

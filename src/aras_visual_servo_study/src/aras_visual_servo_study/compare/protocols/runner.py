@@ -6,7 +6,7 @@ import hashlib
 import io
 import math
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 from ...sweep.engine import open_sweep, run_pending
 from ...sweep.statistics import wilson
@@ -52,7 +52,7 @@ def digest(rows: List[Dict[str, Any]]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def total(lines: List[List[str]]) -> str:
+def total(lines: Sequence[Sequence[str]]) -> str:
     """SHA-256 over the hashes of all lines of a table with what they are of, hexadecimal: that of the whole benchmark.
 
     Args: lines: of `table`.
@@ -62,7 +62,7 @@ def total(lines: List[List[str]]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def as_markdown(protocol, lines, command):
+def as_markdown(protocol: Protocol, lines: Sequence[Sequence[str]], command: str) -> str:
     """The table, its source and the line that repeats it, as text."""
     body = [lines[0], ["---"] * len(lines[0]), *lines[1:]]
     return "\n".join([f"# {protocol.title}", "", *("| " + " | ".join(line) + " |" for line in body), "",
@@ -70,7 +70,7 @@ def as_markdown(protocol, lines, command):
                       f"Hash of the whole table: {total(lines)[:16]}", "", f"Repeat it: `{command}`"]) + "\n"
 
 
-def save_table(protocol, lines, folder, command):
+def save_table(protocol: Protocol, lines: Sequence[Sequence[str]], folder: Path, command: str) -> Path:
     """Write benchmark.md and benchmark.csv. Returns the path of the first."""
     stream = io.StringIO()
     csv.writer(stream, lineterminator="\n").writerows(lines)

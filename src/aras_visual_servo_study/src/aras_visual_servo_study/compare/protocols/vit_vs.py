@@ -89,7 +89,7 @@ def planned(scenario: Scenario, count: int) -> List[Start]:
     """The starts, list of `Start`; their id is that of the protocol, from 1 to 500."""
     robot = scenario.robot
     kinematics = robot_kinematics(scenario.urdf_xml(), robot["base_link"], robot["tip_link"])
-    return [Start(index + 1, kinematics.by_name(kinematics.coordinates(X_WC)))
+    return [Start(index + 1, kinematics.by_name(kinematics.coordinates(X_WC)))  # type: ignore[attr-defined]
             for index, X_WC in zip(spread(count, STARTS), camera_poses(count))]
 
 

@@ -34,7 +34,7 @@ def robot_of(urdf_xml: str) -> Dict[str, Any]:
     children = {joint["child"] for joint in joints}
     roots = [name for name in links if name not in children]
     if len(roots) != 1:
-        raise ModelError(f"robot: found the root links {', '.join(roots) or 'none'}, allowed one")
+        raise ModelError(f"robot: found the root links {', '.join(map(str, roots)) or 'none'}, allowed one")
     return {"root": roots[0], "joints": joints, "links": links, "meshes": meshes}
 
 

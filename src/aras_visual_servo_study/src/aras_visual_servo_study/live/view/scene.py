@@ -7,7 +7,7 @@ from typing import Any, Dict, List, Optional
 
 import numpy as np
 
-from aras_visual_servo import Kinematics, ParameterError, Scenario, load_yaml, resolve_uri, spatial
+from aras_visual_servo import RobotKinematics, ParameterError, Scenario, load_yaml, resolve_uri, spatial
 from .projection import standpoint
 from .robot import robot_of
 
@@ -17,7 +17,7 @@ KINDS = {".png": "image/png", ".jpg": "image/jpeg", ".jpeg": "image/jpeg", ".bmp
 MOST_BYTES = 1_000_000
 
 
-def drawn(scenario: Scenario, kinematics: Kinematics, camera_info: Dict[str, Any], at_C: np.ndarray,
+def drawn(scenario: Scenario, kinematics: RobotKinematics, camera_info: Dict[str, Any], at_C: np.ndarray,
           X_WT: Optional[np.ndarray], target: Optional[str]) -> Dict[str, Any]:
     """Returns what the 3-D view of a run needs, for JSON.
 

@@ -9,7 +9,7 @@ A feature of the class attribute `overlay = "mine"` is then drawn so in the repo
 
 import functools
 from dataclasses import dataclass
-from typing import Optional, Tuple
+from typing import Any, Optional, Tuple
 
 import numpy as np
 
@@ -54,7 +54,7 @@ class Shape:
     colour: str
     closed: bool
     seen: np.ndarray
-    wanted: np.ndarray
+    wanted: Optional[np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class Scene:
     Attributes: record.  rows: of the servo phase, n.  goal: row of the taught view.  width, height: of the image [px].
     """
 
-    def __init__(self, record: RunRecord):
+    def __init__(self, record: RunRecord) -> None:
         self.record, self.rows, self.goal = record, record.servo_rows, record.taught_row
         self.width, self.height = int(record.camera_info["width"]), int(record.camera_info["height"])
         self.focal_px = float(record.camera_info["K"][0])
@@ -97,7 +97,7 @@ class Scene:
         xy = np.asarray(xy, dtype=float)
         return project(xy.reshape(-1, 2), self.record.camera_info).reshape(xy.shape)
 
-    def rays(self, pixels: np.ndarray) -> np.ndarray:
+    def rays(self, pixels: Any) -> np.ndarray:
         """(k, 2) normalised image coordinates of pixels (k, 2), for a camera without a lens."""
         K = np.array(self.record.camera_info["K"], dtype=float).reshape(3, 3)
         return (np.asarray(pixels, dtype=float) - K[:2, 2]) / K[[0, 1], [0, 1]]

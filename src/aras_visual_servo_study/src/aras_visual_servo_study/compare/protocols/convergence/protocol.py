@@ -1,7 +1,7 @@
 """Protocol `map`: from which distances and angles each law arrives with each set of features."""
 
 from pathlib import Path
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Tuple
 
 from aras_visual_servo import ParameterError, load_scenario
 from ..base import Case, Protocol, register_protocol
@@ -36,10 +36,10 @@ class ConvergenceMap(Protocol):
         return [Case(row.name, row.scenario, starts, {"law": row.law, "features": row.set.label})
                 for row in plan(changes)[0]]
 
-    def lines(self, case, rows):
+    def lines(self, case: Case, rows: List[Dict[str, Any]]) -> List[Tuple[Dict[str, Any], List[Dict[str, Any]]]]:
         strict = sum(row["strict"] == 1 for row in rows)
         promised = certificate(map_of(rows)).words()
         return [({**case.columns, "all arrive within": promised, "strict": f"{strict} of {len(rows)}"}, rows)]
 
-    def save_pictures(self, results, folder):
+    def save_pictures(self, results: List[Tuple[Case, List[Dict[str, Any]]]], folder: Path) -> List[Path]:
         return page.save(results, plan()[1], folder)

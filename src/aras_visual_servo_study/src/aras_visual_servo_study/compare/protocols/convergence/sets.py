@@ -4,7 +4,7 @@ A new law appears by itself, and so does a new mapping of the grey levels. A new
 set of SETS has it; where one of a kind stands for all of them, or where there is a reason, STANDS_FOR says so.
 """
 
-from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from aras_visual_servo import (FeatureSet, ParameterError, Scenario, expand, feature_class, known_features, known_laws,
                                load_scenario, works_on, yaml_section)
@@ -19,7 +19,8 @@ WITH_EACH_MATRIX = {"ibvs": ("desired", "current", "mean")}
 #: Half the view of the camera: 320 x 240 px at f = 188 px.
 _VIEW = {"half_width": 0.849, "half_height": 0.636, "margin": 0.02}
 #: What a law changes in the scenario of each set.
-LAWS = {"qp": {"servo.qp": _VIEW}, "mpc": {"servo.mpc": _VIEW}, "broyden": {"servo.broyden": {"initial": "moves"}}}
+LAWS: Dict[str, Dict[str, Any]] = {"qp": {"servo.qp": _VIEW}, "mpc": {"servo.mpc": _VIEW},
+                                   "broyden": {"servo.broyden": {"initial": "moves"}}}
 
 _MODEL = "package://aras_description/targets/"
 _POSE, _REFERENCE = ("tx", "ty", "tz", "rx", "ry", "rz"), ("xr", "yr", "zr", "rx", "ry", "rz")
@@ -46,7 +47,7 @@ class Set(NamedTuple):
     name: str
     label: str
     features: Tuple[str, ...]
-    changes: Dict[str, object]
+    changes: Mapping[str, Any]
     laws: Optional[Tuple[str, ...]] = None
     why: str = ""
     coarse: float = 1.0
@@ -121,7 +122,7 @@ class Row(NamedTuple):
     name: str
     law: str
     set: Set
-    scenario: object
+    scenario: Scenario
 
 
 def plan(changes: Optional[Dict[str, Any]] = None) -> Tuple[List[Row], List[Tuple[str, str]]]:
@@ -159,7 +160,7 @@ def scenario_of(base: Scenario, one: Set, law: str, matrix: str = "",
     names = expand(one.features)
     units = {name: feature_class(name).unit for name in names}
     boundary = {name: BOUNDARIES.get(unit, 0.01) for name, unit in units.items()}
-    values = {
+    values: Dict[str, Any] = {
         "vision.order": max(3, FeatureSet(one.features, {}, one.changes.get("servo.source", "")).order),
         "servo.law": law, "servo.features": list(one.features), "servo.time_limit_s": TIME_LIMIT_S,
         "servo.gains_per_s": dict.fromkeys(names, GAIN_PER_S),

@@ -32,7 +32,7 @@ def planned(scenario: Scenario, count: int) -> List[Start]:
     starts = []
     for number, (a, b) in enumerate(halton(count, (2, 3)), start=1):
         X_CgC = _seeing(outline, X_WCg, MOST_M * a, MOST_RAD * b, np.random.default_rng([SEED, number]))
-        joints = kinematics.by_name(kinematics.coordinates(X_WCg @ X_CgC))
+        joints = kinematics.by_name(kinematics.coordinates(X_WCg @ X_CgC))  # type: ignore[attr-defined]
         starts.append(Start(number, joints, offset_of(X_CgC)))
     return starts
 
