@@ -103,7 +103,8 @@ def _type(key, kind):
 def instance_value(value: Any) -> Any:
     """Returns a default or another value of a settings class as YAML and JSON have it."""
     if is_dataclass(value):
-        return {key.name: instance_value(getattr(value, key.name)) for key in keys_of(type(value))  # type: ignore[arg-type]
+        return {key.name: instance_value(getattr(value, key.name))
+                for key in keys_of(type(value))  # type: ignore[arg-type]
                 if getattr(value, key.name) not in (None, inf)}
     if isinstance(value, dict):
         return {name: instance_value(entry) for name, entry in value.items()}

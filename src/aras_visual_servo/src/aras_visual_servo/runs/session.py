@@ -103,8 +103,8 @@ class Session:
 
     # --- goals --------------------------------------------------------------------------------------------------
 
-    def begin(self, reference: Union[str, Reference], law: str, gains_per_s: Optional[Sequence[float]],
-              thresholds: Optional[Sequence[float]], time_limit_s: float, now_ns: int, wall_s: float) -> None:
+    def begin(self, reference: Union[str, Reference], law: str, gains_per_s: Sequence[float],
+              thresholds: Sequence[float], time_limit_s: float, now_ns: int, wall_s: float) -> None:
         """Begin a goal with the next image.
 
         Args:

@@ -118,7 +118,8 @@ def run_comparison(comparison: Comparison, workers: int = 1,
             by_law[job[0]], done = _run_law(job), done + 1
             if progress is not None:
                 progress(done, total)
-    return [(task.name, law, *by_law[law][i]) for i, task in enumerate(comparison.tasks) for law in by_law]  # type: ignore[misc]
+    return [(task.name, law, by_law[law][i][0], by_law[law][i][1])
+            for i, task in enumerate(comparison.tasks) for law in by_law]
 
 
 def _run_law(job):

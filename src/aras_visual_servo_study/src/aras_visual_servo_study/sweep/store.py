@@ -94,8 +94,8 @@ class SweepStore:
         with _speaking(self.folder):
             rows = self._connection.execute("SELECT id, joints, offset, parameters, refusal, goal FROM starts "
                                             "ORDER BY id")
-            return [Start(id, *map(json.loads, (joints, offset, parameters)), refusal, json.loads(goal))  # type: ignore[call-arg]
-                    for id, joints, offset, parameters, refusal, goal in rows]
+            return [Start(row[0], json.loads(row[1]), json.loads(row[2]), json.loads(row[3]), row[4],
+                          json.loads(row[5])) for row in rows]
 
     def start(self, run_id: int) -> Start:
         """The planned run of this id. Raises StoreError with the range of ids if there is none."""
