@@ -40,7 +40,7 @@ class LawStage(Stage):
         view = View(features, plane)
         X_CgC = self._goal.displacement(X_BC) if law.needs_pose else None
         answer = law.step(Look(view, tick.dt_s if self._holds else 0.0, X_CgC, tick.applied, tracker))
-        tick.X_BC, tick.view, tick.answer, tick.twist = X_BC, view, answer, six_numbers(answer.twist, "the law")
+        tick.X_BC, tick.view, tick.answer, tick.twist = X_BC, view, answer, six_numbers(answer.twist)
         return tick
 
     def rest(self, tick: Tick) -> Tick:

@@ -55,8 +55,7 @@ def make_stages(goal: Goal, arm: ArmMotion, config: ServoSettings, start_ns: int
         arrival.holds_tilt and Tilt(arm, config.tilt_gain_per_s),
         config.visibility and Visibility(config.visibility),
         calms and CreepCompensation(config.creep_rate_per_s, arrival.rule),
-        *(STAGES[name](kinematics, config) for name in config.stages),
-        config.stages and SixNumbers(kinematics, config),
+        *(stage for name in config.stages for stage in (STAGES[name](kinematics, config), SixNumbers(name))),
         JointVelocity(arm, law, tracker, hindrance),
     ]
     return list(filter(None, gates + twist + last)), lost

@@ -137,20 +137,23 @@ def register_stage(name: str, settings: Optional[type] = None) -> Callable[[Type
     return STAGES.register(name, name=name, settings_class=settings)
 
 
-def six_numbers(twist: Any, whose: str) -> np.ndarray:
+def six_numbers(twist: Any) -> np.ndarray:
     """Returns a twist as an array, (6,). Raises ParameterError: it is not six finite numbers."""
     if getattr(twist, "shape", None) != (6,):
         twist = np.asarray(twist)
         if twist.shape != (6,) or twist.dtype.kind not in "fiu":
-            raise ParameterError(f"{whose} gave a twist that is not six finite numbers")
+            raise ParameterError("the twist is not six finite numbers")
     if not isfinite(sum(twist.tolist())):
-        raise ParameterError(f"{whose} gave a twist that is not six finite numbers")
+        raise ParameterError("the twist is not six finite numbers")
     return twist
 
 
 class SixNumbers(Stage):
-    """Checks the twist of the stages that a scenario names."""
+    """Checks the twist after a stage that a scenario names."""
+
+    def __init__(self, name: str):
+        self.name = name
 
     def apply(self, tick: Tick) -> Tick:
         """Returns the tick, its twist an array. Raises ParameterError: it is not six finite numbers."""
-        return tick.set(twist=six_numbers(tick.twist, "the last stage"))
+        return tick.set(twist=six_numbers(tick.twist))

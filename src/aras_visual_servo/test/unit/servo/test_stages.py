@@ -9,6 +9,7 @@ from toy_plant import arm
 
 import aras_visual_servo as avs
 from aras_visual_servo.servo.law import SmoothStart
+from aras_visual_servo.servo.look_then_move import LookThenMove
 from aras_visual_servo.servo.stage import STAGES, Tick
 
 TWIST = np.array([0.1, -0.2, 0.3, 0.0, 0.1, 0.5])
@@ -59,6 +60,7 @@ def test_a_stage_of_ones_own_has_the_last_word_on_the_twist_with_its_settings(st
 def test_a_stage_may_stop_the_arm_and_whatever_it_does_wrong_stops_it(stage_that, apply, status):
     command, record = Bench(stages=stage_that(apply)).step()
     assert record.status == status and resting(command) and not record.twist.any()
+    assert ("made_for_test" in record.status_text) == (status == avs.Status.FAULT)
 
 
 @pytest.mark.parametrize("changes, key", [
@@ -81,8 +83,15 @@ def test_the_gains_used_come_with_the_answer_and_a_list_is_a_twist():
         bench = Bench(law="listed", adaptive_gain={"infinity_part": 0.5, "slope": 4.0}, tilt_gain_per_s=0.0)
         _, record = bench.step()
         assert record.twist[2] == pytest.approx(0.01)
+        assert bench.servo._tick.answer.twist.shape == (6,)
         used = bench.servo._tick.answer.gains_per_s
         assert len(used) == 4 and 1.5 < min(used) < 3.0  # the scenario's are 3 /s
     finally:
         from aras_visual_servo.laws.base import LAWS
         del LAWS["listed"]
+
+
+def test_the_set_points_follow_an_arm_that_moves_while_the_target_is_lost():
+    moves = LookThenMove(arm(), None, None, None, None, np.zeros(6))
+    moves.rest(tick().rest(avs.Status.TARGET_LOST, "").set(q_dot=np.arange(6.0)))
+    np.testing.assert_allclose(moves.set_point, DT_S * np.arange(6.0))
