@@ -1,5 +1,4 @@
-"""How processes of this package end: in an orderly way when a signal comes, and together with the process that started
-them.
+"""Signal handling: a process closes its files when a signal comes, and child processes end with their parent.
 
 >>> with signals_raise():
 ...     work()                  # SIGHUP, SIGINT, SIGQUIT, SIGTERM raise Interrupted here, in the main thread

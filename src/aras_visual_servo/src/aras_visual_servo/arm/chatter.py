@@ -1,7 +1,6 @@
-"""Tells a joint that chatters: it is told to go fast one way at one image and fast the other way at the next.
+"""Detects a joint that chatters: its commanded velocity is large and changes its sign from image to image.
 
-That happens next to a singularity, for example of a stretched elbow: the twist asks for a motion that the joint cannot
-give on either side, and it jumps from one side to the other. The camera then hardly moves, while nothing is at a limit.
+This happens next to a singularity, for example of a stretched elbow: the camera hardly moves, without a limit.
 """
 
 from typing import Optional, Sequence

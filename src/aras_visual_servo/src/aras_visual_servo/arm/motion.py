@@ -70,7 +70,7 @@ class ArmMotion:
         self._axis_B = self._seen_from = self._axis = None  # the taught axis; the last camera pose, and the axis in it
 
     def set_reference(self, reference: Reference) -> None:
-        """Take over the posture and the optical axis of a `Reference`."""
+        """Takes over the posture and the optical axis of a `Reference`."""
         self.posture = None if reference.posture is None else self._kinematics.vector(reference.posture)
         self.optical_axis_B, self._seen_from = reference.optical_axis_B, None
         if self.optical_axis_B is not None:

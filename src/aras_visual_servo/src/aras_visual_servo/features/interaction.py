@@ -154,6 +154,19 @@ def features(m: Mapping[str, float], mu: Mapping[str, float], plane: Sequence[fl
     return np.vstack([normalised(m, plane, z_star_m, area_star), orientation(m, mu, plane)])
 
 
+def times(factor: complex, row: np.ndarray) -> np.ndarray:
+    """factor * row, (n,) complex.
+
+    numpy multiplies arrays of complex numbers with fused products on processors with AVX-512 and without on others, so
+    that its last bits, and the run hash with them, would depend on the processor.
+    Args: factor: complex.  row: (n,) complex.
+    """
+    a, b, x, y = factor.real, factor.imag, row.real, row.imag
+    product = np.empty_like(row)
+    product.real, product.imag = a * x - b * y, a * y + b * x
+    return product
+
+
 def parallel(xn: float, yn: float) -> np.ndarray:
     """L of s for a target parallel to the image, columns (vx, vy, vz, wz), (4, 4): exact at any depth (T11).
 

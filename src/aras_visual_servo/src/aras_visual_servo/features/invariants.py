@@ -10,8 +10,8 @@ from math import comb
 import numpy as np
 
 from ..ground.errors import DegenerateFeature
+from .interaction import times
 from .base import Feature, register_feature
-from .complex_rows import times
 from ..palette import shade
 
 #: A modulus |C_pq| smaller than this part of a (T/a)^(order/2), which is the object's own scale, counts as zero: it is

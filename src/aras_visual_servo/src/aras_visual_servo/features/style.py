@@ -1,9 +1,9 @@
-"""How features are shown. Figures, pages, videos and tables all ask here; so a feature looks the same everywhere.
+"""How features are shown: figures, pages, videos and tables give a feature the same unit, symbol and colour.
 
     for style, column in zip(styles(record.feature_names), record.e.T):
         axes.plot(t_s, column, color=style.colour, label=style.mathtext)
 
-Unit, symbol, label and colour stand in the class of each feature; a plugin that says nothing gets defaults.
+The class of each feature has them; a plugin without gets defaults.
 """
 
 import math

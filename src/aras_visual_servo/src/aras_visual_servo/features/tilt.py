@@ -7,9 +7,9 @@ turns about its axis either. So a tilt shows in them, which the four default fea
 import numpy as np
 
 from . import interaction
+from .interaction import times
 from ..ground.errors import DegenerateFeature
 from .base import Feature, View, register_feature
-from .complex_rows import times
 from ..palette import BROWN, MAROON, NAVY, VIOLET
 
 

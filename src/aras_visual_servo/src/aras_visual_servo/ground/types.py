@@ -123,7 +123,7 @@ class Observation:
 
 @dataclass(slots=True)
 class Command:
-    """Answer to one observation, for any subset of the joints, by name.
+    """Answers to one observation, for any subset of the joints, by name.
 
     `position` sets set-points at once [m or rad]; `velocity` [m/s or rad/s] is integrated into the set-point until the
     next command. A joint that is in neither of the two keeps its set-point, and its velocity is no longer integrated.

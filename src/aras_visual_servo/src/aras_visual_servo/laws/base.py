@@ -143,7 +143,7 @@ class Law:
         self._condition = float("nan")
 
     def reset(self, reference: Union[Reference, Sequence[float]]) -> None:
-        """Forget the past and servo to `reference` from now on.
+        """Forgets the past and servo to `reference` from now on.
 
         Args: reference: a `Reference`, or s_star alone, (k,); some laws need the taught view of a `Reference`.
         Raises:

@@ -112,7 +112,7 @@ class Broyden(Law):
         self._P = P * min(1.0, self._P_trace / float(np.trace(P)))
 
     def _note(self, motion, change):
-        """Add what was seen to the sums of the current test move; after the last move solve for the matrix."""
+        """Adds what was seen to the sums of the current test move; after the last move solve for the matrix."""
         n = len(self._columns)
         axis = (self._images - 1) // (MOVE_IMAGES + REST_IMAGES)
         if motion is not None and 0 <= axis < n:

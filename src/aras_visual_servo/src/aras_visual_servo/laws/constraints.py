@@ -1,8 +1,8 @@
 """Hard constraints of the laws `qp` and `mpc`: what has to stay inside the view, and walls for the camera.
 
-Each constraint is a room h >= 0: a distance of a point from a border of the view, or of the camera from a wall. Its
-rate is a row times the camera's twist, h_dot = row V_C. A law asks for h_dot >= -rate_per_s h: a room that is there is
-used up at this rate at most, and one that is violated opens again at this rate.
+Each constraint is a slack h >= 0: a distance of a point from a border of the view, or of the camera from a wall. Its
+rate is a row times the camera's twist, h_dot = row V_C. A law asks for h_dot >= -rate_per_s h (control barrier
+function): a positive slack shrinks no faster than this, and a violated one opens again at this rate.
 """
 
 from dataclasses import dataclass

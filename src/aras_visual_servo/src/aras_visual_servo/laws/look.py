@@ -1,5 +1,4 @@
-"""What a law is given for one image, and what it answers. Both are frozen values, and there is no other way between
-the servo and a law."""
+"""Input and output of a law for one image, as immutable values."""
 
 from typing import Any, NamedTuple, Optional, Tuple
 

@@ -1,4 +1,4 @@
-"""Judge a run by the true camera pose, not by the features that the servo saw. Needs numpy only.
+"""Judges a run by the true camera pose, not by the features that the servo saw.
 
 `judge(record)` is a pure function of the record. `run(scenario)` makes such a record without ROS.
 """
@@ -31,7 +31,7 @@ class NothingToJudge(ArasError):
 
 @dataclass(frozen=True)
 class Judgement:
-    """What came out of a run.
+    """The result of a run.
 
     Attributes:
         converged: features, tilt and pose were within their thresholds.  reason: the last status in words.
@@ -65,7 +65,7 @@ class Judgement:
 
 def run(scenario: "Scenario", progress: Optional[Callable[[float, str], None]] = None,
         keep_images: bool = False) -> RunRecord:
-    """Run a scenario without ROS: simulator, moments and sequence in this process.
+    """Runs a scenario without ROS: simulator, moments and sequence in this process.
 
     Args:
         scenario: a `Scenario`.  progress: called with each row's (t_s, phase), or None.
@@ -78,7 +78,7 @@ def run(scenario: "Scenario", progress: Optional[Callable[[float, str], None]] =
 
 
 def judge(record: RunRecord) -> Judgement:
-    """Judge a run.
+    """Judges a run.
 
     Args:
         record: RunRecord; needs a `teach` row and servo rows with true camera poses.
@@ -87,12 +87,12 @@ def judge(record: RunRecord) -> Judgement:
     Raises:
         NothingToJudge: the record has no taught view or no servo row.
     """
-    rows = record.servo_rows.tolist()
-    if not rows or not len(record.rows("teach")):
+    rows = record.servo_rows
+    if not len(rows) or not len(record.rows("teach")):
         have = ", ".join(dict.fromkeys(record.phase.tolist())) or "none"
         end = f"; it ended with: {record.status_text[-1] or Status(int(record.status[-1])).name}" if len(record) else ""
         raise NothingToJudge(f"run '{record.scenario}': no taught view or no servo image, phases found: {have}{end}")
-    first, last = rows[0], rows[-1]
+    first, last = int(rows[0]), int(rows[-1])
     converged = bool(record.status[last] == Status.CONVERGED)
     stopped_by_rule = bool(record.status[last] == Status.STOPPED_BY_RULE)
     final_error = true_error(record, last)

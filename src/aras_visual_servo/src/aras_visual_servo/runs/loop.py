@@ -73,7 +73,7 @@ class ServoLoop(SimulatedCell):
         self._begin(scenario.experiment)
 
     def _renew_extractors(self):
-        """Make an extractor for each source. One that was used before is cleared and used again, if its source can."""
+        """Makes an extractor for each source. One that was used before is cleared and used again, if its source can."""
         def renewed(source, used):
             return used and source.renewed(used) or source.extractor(self._believed, self.scenario.vision)
 
@@ -112,7 +112,7 @@ class ServoLoop(SimulatedCell):
             self._take_over(goal)
 
     def _teach_camera(self, stamp_ns, z_star_m):
-        """Make the image of this stamp the one that features are relative to: camera/set_reference without ROS."""
+        """Makes the image of this stamp the one that features are relative to: camera/set_reference without ROS."""
         from aras_visual_servo_camera import DegenerateFeature
         self.servo_extractor.teach(stamp_ns, z_star_m)
         if self.extractor is not self.servo_extractor:

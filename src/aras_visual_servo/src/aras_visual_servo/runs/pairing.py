@@ -31,7 +31,7 @@ class StampPairer:
         self.clear()
 
     def clear(self) -> None:
-        """Forget everything: time starts anew."""
+        """Forgets everything: time starts anew."""
         self._joints.clear()
         self._waiting.clear()
         self._newest_joints_ns = self._newest_features_ns = -1
@@ -45,7 +45,7 @@ class StampPairer:
         self._ahead, self._since_ns = ahead, stamp_ns
 
     def add_features(self, stamp_ns: int, features: Any) -> List[Tuple[int, Any, Any]]:
-        """Take one features message. Returns: list of (stamp_ns, features, joints or None) now complete, oldest first.
+        """Takes one features message. Returns: list of (stamp_ns, features, joints or None) now complete, oldest first.
         """
         if self._ahead == "joints" and stamp_ns <= max(self._newest_features_ns, self._since_ns):
             self._ahead = None
@@ -59,7 +59,7 @@ class StampPairer:
         return self._complete()
 
     def add_joints(self, stamp_ns: int, joints: Any) -> Sequence[Tuple[int, Any, Any]]:
-        """Take one joint state. Returns what add_features does."""
+        """Takes one joint state. Returns what add_features does."""
         if stamp_ns < self._newest_joints_ns:
             if self._ahead == "features":
                 self._joints.clear()  # of the time before

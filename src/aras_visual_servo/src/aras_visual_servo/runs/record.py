@@ -1,8 +1,7 @@
-"""RunRecord: everything one run left behind, one row per image.
+"""RunRecord: the data of one run, one row per image.
 
-The record is all that judging knows of a run. The in-process loop fills it row by row with a `RecordBuilder`,
-`bags.bag` fills it from a rosbag with the same builder, and the judge, the figures and the reports read nothing else.
-No ROS, and no wall clock except in `wall_s`.
+The in-process loop fills it row by row with a `RecordBuilder`, and so does the reader of rosbags. The judge, the
+figures and the reports read nothing else. It holds no wall time except `wall_s`.
 """
 
 from dataclasses import dataclass, field
@@ -29,7 +28,7 @@ BLOCK_ROWS = 64  # of which the numbers are written into tables together
 
 @dataclass(frozen=True)
 class RunRecord:
-    """What one run left behind; n images, k features, m joints. Missing values are NaN, missing images None.
+    """Data of one run: n images, k features, m joints. Missing values are NaN, missing images None.
 
     Attributes:
         scenario: name of the scenario.
@@ -184,7 +183,7 @@ class RecordBuilder:
                 X_WC: Optional[np.ndarray] = None, raw: Optional[Sequence[float]] = None,
                 image: Optional[np.ndarray] = None, X_WT: Optional[np.ndarray] = None,
                 stop: Optional[Sequence[float]] = None) -> None:
-        """Append the row of one image; values that are None become NaN.
+        """Appends the row of one image; values that are None become NaN.
 
         Args:
             stamp_ns: simulated time of the image [ns].  phase: one of types.PHASES.  status: code of ServoState.
@@ -218,7 +217,7 @@ class RecordBuilder:
                 raise ShapeError(f"{name}: expected {expected}")
 
     def _write(self):
-        """Move the values of the last rows into the tables."""
+        """Moves the values of the last rows into the tables."""
         for (name, shape), values in zip(self._shapes.items(), zip(*self._last_values)):
             given = [value for value in values if value is not None]
             if not given:
@@ -234,7 +233,7 @@ class RecordBuilder:
 
     def add_answer(self, answer: Any, X_WC: Optional[np.ndarray] = None, features: Optional[Any] = None,
                    image: Optional[np.ndarray] = None, X_WT: Optional[np.ndarray] = None) -> None:
-        """Append the row of one answered image.
+        """Appends the row of one answered image.
 
         Args:
             answer: `types.ServoRecord` (or an object with its fields), joints by name in any order.
@@ -268,7 +267,7 @@ class RecordBuilder:
                 for i in self._by_name or range(len(self.joint_names))]
 
     def keep_image(self, phase: str, image: np.ndarray) -> None:
-        """Keep the image of the row just added if it is the taught view, or the first or last one of the servo.
+        """Keeps the image of the row just added if it is the taught view, or the first or last one of the servo.
 
         The `done` row's image is the last one only if no servo row before it reported the end (see `servo_rows`).
         """

@@ -73,7 +73,7 @@ class ExperimentSequence:
         self._dt_s = self.config.image_period_s
 
     def use(self, servo: Servo) -> None:
-        """Go on with another servo, which has the goal of the one before it (`Servo.retuned`)."""
+        """Goes on with another servo, which has the goal of the one before it (`Servo.retuned`)."""
         self._servo, self._e = servo, np.full(len(servo.feature_names), nan)
 
     @property
@@ -82,14 +82,14 @@ class ExperimentSequence:
         return self.phase == "done"
 
     def start(self, servo_only: bool = False) -> None:
-        """Begin with the next step. servo_only: servo to the reference taught last; ParameterError if there is none."""
+        """Begins with the next step. servo_only: with the reference taught last. Raises ParameterError if there is none."""
         if servo_only and self._servo.reference is None:
             raise ParameterError("servo: no reference, teach one first")
         self._reset("settle_start" if servo_only else "to_goal")
         self._servo_only = servo_only
 
     def teach(self, stamp_ns: int, features: Any, q: JointPositions, z_star_m: Optional[float] = None) -> None:
-        """Make the image of this stamp the goal of the servo, and the reference of the camera's features.
+        """Makes the image of this stamp the goal of the servo, and the reference of the camera's features.
 
         Args: features, q: of this image.  z_star_m: depth of the target in it [m]; None: the experiment's.
         Raises: ParameterError: the view is not fit to be a reference; and what `teach_camera` raises.
@@ -116,7 +116,7 @@ class ExperimentSequence:
         self._servo.set_reference(self._teaching.reference)
 
     def step(self, observation: Observation) -> Tuple[Command, ServoRecord]:
-        """Answer to one image. Idle and done: an empty command (pure acknowledgement, set-points hold)."""
+        """Answers to one image. Idle and done: an empty command (pure acknowledgement, set-points hold)."""
         stamp_ns = observation.stamp_ns
         if self.phase in ("idle", "done"):
             text = self.phase if self.result is None else self.result.reason
@@ -133,7 +133,7 @@ class ExperimentSequence:
             return self._end(stamp_ns, Status.FAULT, f"{self.phase}: {error}")
 
     def stop(self, stamp_ns: int, reason: str = "stopped") -> Tuple[Command, ServoRecord]:
-        """End now with status STOPPED; the command returned stops the arm."""
+        """Ends now with status STOPPED; the command returned stops the arm."""
         if self.phase == "servo":
             self._servo.stop(stamp_ns, reason)
         return self._end(stamp_ns, Status.STOPPED, reason)

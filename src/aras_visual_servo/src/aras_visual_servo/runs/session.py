@@ -1,6 +1,6 @@
-"""The decisions of the controller node, without ROS: refuse or answer an image, stop, watch for missing input.
+"""Decisions of the controller node, without ROS: reject or answer an image, stop, watch for missing input.
 
-The node adds messages, clocks and threads. Every rule on how to answer stands here and is tested without a master.
+The node adds messages, clocks and threads.
 Times: `stamp_ns`, `now_ns` are ROS time (simulated with a simulator), `wall_s` is a monotonic wall clock.
 """
 
@@ -55,7 +55,7 @@ class Session:
 
     def answer(self, stamp_ns: int, features: Any, q: JointPositions, now_ns: int, wall_s: float,
                refusal: str = "") -> Tuple[Command, ServoRecord]:
-        """Answer one image.
+        """Answers one image.
 
         Args:
             features: of the image.  q: (n,) joint positions of the same stamp [m or rad], None if there is none.
@@ -87,7 +87,7 @@ class Session:
         return ""
 
     def hold(self, stamp_ns: int, reason: str) -> Tuple[Command, ServoRecord]:
-        """Answer with zero velocity and STALE_INPUT; the goal goes on with the next good image."""
+        """Answers with zero velocity and STALE_INPUT; the goal goes on with the next good image."""
         _, record = self._servo.stale(stamp_ns, reason)
         record.status, record.status_text, record.phase = Status.STALE_INPUT, reason, self._sequence.phase
         return self.standstill(stamp_ns), record
@@ -97,7 +97,7 @@ class Session:
         return Command(stamp_ns, velocity=dict.fromkeys(self._kinematics.joint_names, 0.0))
 
     def use(self, servo: Servo) -> None:
-        """Go on with another servo, which has the goal of the one before it (`Servo.retuned`)."""
+        """Goes on with another servo, which has the goal of the one before it (`Servo.retuned`)."""
         self._servo = servo
         self._sequence.use(servo)
 
@@ -105,7 +105,7 @@ class Session:
 
     def begin(self, reference: Union[str, Reference], law: str, gains_per_s: Sequence[float],
               thresholds: Sequence[float], time_limit_s: float, now_ns: int, wall_s: float) -> None:
-        """Begin a goal with the next image.
+        """Begins a goal with the next image.
 
         Args:
             reference: "taught" or "experiment".  The other arguments are those of VisualServo.action.
@@ -130,7 +130,7 @@ class Session:
         self.active, self.stale, self._begun = True, False, True
 
     def teach(self, z_star_m: Optional[float] = None) -> int:
-        """Make the view of the last answered image the goal.
+        """Makes the view of the last answered image the goal.
 
         Args: z_star_m: depth of the target in it [m]; None: the experiment's.
         Returns: stamp of that image [ns].
@@ -145,7 +145,7 @@ class Session:
         return self.seen.stamp_ns
 
     def end(self, now_ns: int, reason: str, status: Status = Status.STOPPED) -> Tuple[Command, Optional[ServoRecord]]:
-        """End the goal now, between two images.
+        """Ends the goal now, between two images.
 
         Returns:
             (Command, ServoRecord); the command stops the arm. Without a goal: (command of zero velocity, None).
@@ -176,7 +176,7 @@ class Session:
     # --- watchdog -----------------------------------------------------------------------------------------------
 
     def watch(self, now_ns: int, wall_s: float) -> Optional[Tuple[Optional[Command], Optional[ServoRecord]]]:
-        """Look for missing input; to be called a few times in input_timeout_s.
+        """Looks for missing input; to be called a few times in input_timeout_s.
 
         Returns:
             None if all is well, else (command or None, record). The goal is over when `active` has become False.

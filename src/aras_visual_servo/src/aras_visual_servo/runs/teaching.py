@@ -1,4 +1,4 @@
-"""Teaches one view from several images: what noise leaves in the goal, no servo can tell from an error later.
+"""Teaches one view from several images, because noise in the goal becomes a permanent error.
 
 The first image is the reference of the camera. Where it is noisy, the features of the images that follow are averaged
 with its own while the arm rests. Images without noise need two, the second of which shows that there is none.
@@ -27,7 +27,7 @@ class Teaching:
 
     def __init__(self, servo: Servo, stamp_ns: int, features: Any, q: JointPositions, z_star_m: float,
                  most: int) -> None:
-        """Begin with the image of this stamp. Args: as of `Goal.taught_by`. most: images at most, >= 1."""
+        """Begins with the image of this stamp. Args: as of `Goal.taught_by`. most: images at most, >= 1."""
         self._servo, self._stamp_ns, self._most, self._tried = servo, stamp_ns, most, 1
         self.reference = servo.goal.taught_by(features, q, z_star_m)
         self._views, self._q = [self.reference.view], [self._vector(q)]

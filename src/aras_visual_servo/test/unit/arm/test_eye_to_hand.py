@@ -121,8 +121,8 @@ def test_a_calibrated_camera_stands_where_the_calibration_has_it():
 
 
 @pytest.mark.parametrize("changes, cause", [
-    ({"tip_link": "link1"}, "moves in 'world' with the joints J1, gantry, allowed with target_link a camera"),
-    ({"tip_link": "camera_optical_frame"}, "no moving joint between 'link6' and 'camera_optical_frame'"),
+    ({"tip_link": "link1"}, "camera 'link1': .*J1, gantry"),
+    ({"tip_link": "camera_optical_frame"}, "'link6' and 'camera_optical_frame'"),
     ({"target_link": "tool"}, "no link 'tool'"),
     ({"target_link": "rail"}, "no moving joint between 'world' and 'rail'"),
     ({"base_link": "link6", "target_link": "slider"}, "'slider' is not below link 'link6'")])

@@ -93,7 +93,7 @@ def test_a_line_keeps_its_sign_through_the_image_centre():
     (["lr1"], (0.1, 0.1), (0.2, 0.2), "two followed points coincide"),
     (["vx1"], (0.1, 0.2, 0.3), (0.1, 0.2, 0.1), "found 3 points in this view, needed 4"),
     (["vx1"], (0.1, 0.2, 0.3, 0.4), (0.1, 0.2, 0.3, 0.4), "lie on one line"),
-    (["us3"], (0.1, 0.2), (0.1, 0.2), "found 2 points in this view, needed at least 3")])
+    (["us3"], (0.1, 0.2), (0.1, 0.2), "found 2 points .*at least 3")])
 def test_what_does_not_exist_in_a_view_is_told(names, x, y, text):
     with pytest.raises(DegenerateFeature, match=text):
         FeatureSet(names).values(View(Features(point_x=x, point_y=y)))

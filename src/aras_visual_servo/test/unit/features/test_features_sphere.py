@@ -88,7 +88,7 @@ def test_a_goal_without_moments_has_its_plane_through_the_middle_of_the_rays():
     kept = Reference(np.zeros(1), view=taught.view)
     assert Reference.from_dict(kept.to_dict()).view.ray_z == pytest.approx(view.ray_z)
     view.ray_z = [-z for z in view.ray_z]
-    with pytest.raises(DegenerateFeature, match="the middle of the points is not before the camera"):
+    with pytest.raises(DegenerateFeature, match="not before the camera"):
         source.taught(view, 0.5, (0.0, 0.0, 1.0))
 
 
@@ -170,8 +170,8 @@ SQUARE = 0.2 * np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
     ("ox", rounds.as_view(rounds.circle(ASLANT, 0.1)), "the object is no sphere"),
     ("xe", View(Features(moment_names=("00", "10", "01", "20", "11", "02"), m=[0.0] * 6, mu=[0.0] * 6)), "area is 0"),
     ("is", View(Features(point_x=(0.1, 0.1), point_y=(0.2, 0.2))), "seen in one direction"),
-    ("is1", View(Features(point_x=(0.1, 0.3), point_y=(0.2, 0.2))), "found 2 points in this view, needed at least 3"),
-    ("is5", seen(tilted_pose(1)), "found 4 points in this view, needed at least 5")])
+    ("is1", View(Features(point_x=(0.1, 0.3), point_y=(0.2, 0.2))), "found 2 points .*at least 3"),
+    ("is5", seen(tilted_pose(1)), "found 4 points .*at least 5")])
 def test_what_does_not_exist_in_a_view_is_told(name, here, text):
     with pytest.raises(DegenerateFeature, match=text):
         FeatureSet([name]).values(here)

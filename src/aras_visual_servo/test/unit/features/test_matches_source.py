@@ -22,7 +22,7 @@ PBVS = {"servo.law": "pbvs", "servo.features": ["tx", "ty", "tz", "rx", "ry", "r
 def test_points_and_poses_may_come_from_matches_and_moments_may_not():
     assert FeatureSet(("points4",), source="matches").source == "matches"
     assert FeatureSet(("tx", "xr", "alpha2")).source == "moments"
-    with pytest.raises(ParameterError, match="source: found 'matches', which does not make xn, allowed a source"):
+    with pytest.raises(ParameterError, match="source: found 'matches', .*xn"):
         FeatureSet(("xn", "x1"), source="matches")
 
 

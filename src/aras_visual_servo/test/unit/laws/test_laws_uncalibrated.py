@@ -273,7 +273,7 @@ def test_sections_of_both_laws_are_read():
     ({"broyden": {"initial": "guess"}}, "servo.broyden.initial: found guess, .*desired, moves"),
     ({"broyden": {"speed": 1.0}}, "servo.broyden.speed: found"),
     ({"sliding": {"switching_per_s": 1.0}}, "servo.sliding.boundary"),
-    ({"mode": "look_then_move"}, "mode: found look_then_move, allowed with law 'broyden': continuous"),
+    ({"mode": "look_then_move"}, "mode: found look_then_move, .*continuous"),
     ({"law": "sliding"}, "sliding: found nothing")])
 def test_faults_are_named(changes, text):
     with pytest.raises(ParameterError, match=text):

@@ -96,5 +96,5 @@ def test_a_record_without_servo_says_which_phases_it_has_and_how_it_ended():
     builder = RecordBuilder("cut", ("J1",))
     builder.add_row(0, "to_goal")
     builder.add_row(1, "done", Status.TARGET_LOST, "target not in view at the goal")
-    with pytest.raises(NothingToJudge, match="phases found: to_goal, done; it ended with: target not in view"):
+    with pytest.raises(NothingToJudge, match="to_goal, done; .*target not in view"):
         judge(builder.finish())

@@ -62,7 +62,7 @@ def test_a_camera_of_sixteen_bits_serves_and_what_its_renderer_leaves_out_is_not
     assert loop.sim.render(loop.camera).dtype == np.uint16
     assert judge(record).passed, judge(record).faults
     assert record.initial_image.dtype == np.uint8 and np.ptp(record.initial_image) > 100
-    assert record.notes == ("camera 'camera': renderer coverage does not draw emissive of lamp",)
+    assert len(record.notes) == 1 and "emissive of lamp" in record.notes[0]
 
 
 @pytest.mark.parametrize("encoding", ("bgr8", "bayer_rggb8", "bayer_bggr8", "bayer_gbrg8", "bayer_grbg8"))

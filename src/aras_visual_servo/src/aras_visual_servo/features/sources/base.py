@@ -7,9 +7,8 @@
         def taught(self, features, z_star_m, normal_C): ...
         def follow(self, extractor, features): ...
 
-A feature names its source (`Feature.source`). The servo, the loop in process, the nodes and the bags ask the source for
-everything else, so that none of them mentions a particular source. Topics and message types are plain text here; this
-room imports nothing of ROS.
+A feature names its source (`Feature.source`). The servo, the loop in process, the nodes and the bags use this interface
+only. Topics and message types are plain text; this package imports nothing of ROS.
 """
 
 from typing import Any, Callable, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Type, TypeVar
@@ -96,7 +95,8 @@ class Source:
         """Text that says why the arm cannot be servoed on these features; "" if it can."""
         if features.target_visible and features.valid:
             return ""
-        return "target not in view" if not features.target_visible else "features not valid"
+        return getattr(features, "fault", "") or (
+            "features not valid" if features.target_visible else "target not in view")
 
     def taught(self, features: Any, z_star_m: float, normal_C: Sequence[float]) -> Taught:
         """`Taught` for the view with these features, which need not be relative to itself.
@@ -121,7 +121,7 @@ class Source:
         return tuple(np.mean(whole, axis=0).tolist()) if whole else ()
 
     def follow(self, extractor: Any, features: Any) -> None:
-        """Give an extractor the reference that these recorded features had, as far as their fields tell it.
+        """Gives an extractor the reference that these recorded features had, as far as their fields tell it.
 
         The image that was the reference is not available then, so a source whose reference is an image forgets it.
         """

@@ -24,11 +24,6 @@ class Matches(Source):
     def wants_depth(self, vision: Mapping[str, Any]) -> bool:
         return "depth" in vision[self.section]
 
-    def why_lost(self, features: Any) -> str:
-        if features.target_visible and features.valid:
-            return ""
-        return features.fault or super().why_lost(features)
-
     def taught(self, features: Any, z_star_m: float, normal_C: Sequence[float]) -> Taught:
         """As of `Source`. The points are those that the camera package says it will follow.
 

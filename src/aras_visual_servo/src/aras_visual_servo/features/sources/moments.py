@@ -68,7 +68,7 @@ class Moments(Source):
 
 
 def _without_moments(view):
-    """Give a view of points beside and behind the camera the place of their middle: what it has instead of moments.
+    """Gives a view of points beside and behind the camera the place of their middle: what it has instead of moments.
 
     Raises DegenerateFeature: the middle is not before the camera, so that it has no depth.
     """

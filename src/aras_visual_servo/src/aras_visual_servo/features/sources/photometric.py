@@ -22,10 +22,5 @@ class PhotometricSource(Source):
         from aras_visual_servo_camera import PhotometricExtractor  # here: this module can be imported without C++
         return PhotometricExtractor(camera_info, vision[self.section])
 
-    def why_lost(self, features: Any) -> str:
-        if features.target_visible and features.valid:
-            return ""
-        return features.fault or super().why_lost(features)
-
     def taught(self, features: Any, z_star_m: float, normal_C: Sequence[float]) -> Taught:
         return Taught(_SameImage())

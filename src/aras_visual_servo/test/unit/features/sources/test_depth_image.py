@@ -95,7 +95,7 @@ def test_two_points_or_a_line_have_no_pose(points):
 @pytest.mark.parametrize("point_z, fault, text", [
     ((0.6, NAN, 0.5, 0.0), "", "a hole at point 2, 4"),
     ((), "the depth image is 4 x 3", "the depth image is 4 x 3"),
-    ((), "", "found no depths of the points; set vision.depth")])
+    ((), "", "depth image: .*vision.depth")])
 @pytest.mark.parametrize("setup", [{"point_depth": "image"}, {"pose_from": "depth"}])
 def test_a_view_with_a_hole_or_without_a_depth_image_has_no_answer(setup, point_z, fault, text):
     goal = tilted_pose(1)
@@ -130,8 +130,8 @@ POSE_RATES = {"servo.law": "pbvs", "servo.features": list(POSE), "servo.gains_pe
 
 
 @pytest.mark.parametrize("name, changes, text", [
-    ("six_dof_points", {"servo.point_depth": "image"}, "vision.depth: found nothing, .*point_depth: image"),
-    ("six_dof_points", {**POSE_RATES, "servo.pose_from": "depth"}, "vision.depth: found nothing, .*pose_from: depth"),
+    ("six_dof_points", {"servo.point_depth": "image"}, "vision.depth: .*point_depth: image"),
+    ("six_dof_points", {**POSE_RATES, "servo.pose_from": "depth"}, "vision.depth: .*pose_from: depth"),
     ("six_dof_matches", {"servo.pose_from": "depth"}, "vision.matches.depth: found nothing"),
     ("six_dof_rgbd", {"vision.depth": {"window_px": 4}}, "window_px: found 4, allowed an odd number"),
     ("six_dof_rgbd", {"vision.points": "none"}, "allowed with points corners or blobs"),
@@ -181,7 +181,7 @@ def _hole(value):
 @pytest.mark.parametrize("changes", [{}, IBVS], ids=["pbvs", "points"])
 @pytest.mark.parametrize("spoil, text", [
     (_hole(NAN), "a hole at point 1, 2, 3, 4"), (_hole(0.0), "a hole at point 1, 2, 3, 4"),
-    (lambda depth: np.ascontiguousarray(depth[::2]), "the depth image is 320 x 120, allowed 320 x 240"),
+    (lambda depth: np.ascontiguousarray(depth[::2]), "320 x 120, allowed 320 x 240"),
     (lambda depth: None, "no depth image came with the image")], ids=["nan", "zero", "size", "missing"])
 def test_a_spoilt_depth_image_stops_the_arm_with_the_reason_and_it_goes_on_when_depth_is_back(changes, spoil, text):
     pytest.importorskip("aras_visual_servo_sim")

@@ -116,7 +116,7 @@ def test_views_of_something_else_are_refused():
         points.follow(np.linalg.inv(tilted_pose(1)), xy[:4])
     with pytest.raises(DegenerateFeature, match="no pose explains"):
         points.find(xy[[1, 0, 2, 4, 3]])
-    with pytest.raises(DegenerateFeature, match="found 4 in this view, the target has 5 corners"):
+    with pytest.raises(DegenerateFeature, match="found 4 .*5 corners"):
         find_corners(OUTLINE, xy[:4])
     with pytest.raises(DegenerateFeature, match="no pose of the known corners"):
         find_corners(RECTANGLE, xy[[2, 0, 1, 3]])
