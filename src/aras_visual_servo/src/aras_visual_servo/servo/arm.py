@@ -13,7 +13,7 @@ from .time_limit import Hindrance
 class JointPlace(Stage):
     """Computes the Jacobian at the joint positions, and its inverse."""
 
-    def __init__(self, arm: ArmMotion):
+    def __init__(self, arm: ArmMotion) -> None:
         self._arm = arm
 
     def apply(self, tick: Tick) -> Tick:
@@ -26,7 +26,7 @@ class JointPlace(Stage):
 class JointVelocity(Stage):
     """Turns the twist into joint velocities that the arm may do."""
 
-    def __init__(self, arm: ArmMotion, law: Law, tracker: Optional[FeatureFilter], hindrance: Hindrance):
+    def __init__(self, arm: ArmMotion, law: Law, tracker: Optional[FeatureFilter], hindrance: Hindrance) -> None:
         """Args: law: chooses the joint velocities itself if it `moves_joints`.  tracker: filters the features."""
         self._arm, self._law, self._tracker, self._hindrance = arm, law, tracker, hindrance
 

@@ -25,7 +25,7 @@ class Arrival(Stage):
         holds_tilt: whether the optical axis is held by the joint positions.
     """
 
-    def __init__(self, goal: Goal, arm: ArmMotion, config: Any, tracker: Optional[FeatureFilter]):
+    def __init__(self, goal: Goal, arm: ArmMotion, config: Any, tracker: Optional[FeatureFilter]) -> None:
         """Args: config: `ServoSettings`.  tracker: filters the features, or None."""
         images = 1 if goal.reference is None else goal.reference.images
         self.rule = StopRule(goal.features.names, config.thresholds, config.hold_s, config.stop, config.follows, images)

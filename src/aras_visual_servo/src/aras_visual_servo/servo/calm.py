@@ -9,7 +9,7 @@ from .stop_rule import CALM_PER_S, StopRule
 class Calm(Stage):
     """Rests where there is nothing to correct, and lowers the rates of a servo that stays close without arriving."""
 
-    def __init__(self, rule: StopRule, tilt_gain_per_s: float):
+    def __init__(self, rule: StopRule, tilt_gain_per_s: float) -> None:
         """Args: tilt_gain_per_s: return of the optical axis to its taught direction [1/s]."""
         self._rule, self._tilt_gain_per_s = rule, tilt_gain_per_s
 

@@ -27,7 +27,7 @@ class CreepCompensation(Stage):
         twist: (6,) the correction last given, [v; w] [m/s; rad/s].
     """
 
-    def __init__(self, rate_per_s: float, rule: Optional[StopRule] = None):
+    def __init__(self, rate_per_s: float, rule: Optional[StopRule] = None) -> None:
         """Args: rate_per_s: of working the difference off, 0: never.  rule: tells where the camera is close."""
         from .._kinematics import between  # C++: not needed to describe the settings of the servo
         self._rate_per_s, self._between, self._rule = rate_per_s, between, rule

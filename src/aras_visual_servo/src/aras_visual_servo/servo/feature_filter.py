@@ -64,7 +64,7 @@ class FeatureFilter:
         rate: (k,) of the features by the target's motion, in their units per second.
     """
 
-    def __init__(self, config: FilterSettings, features: FeatureSet, symmetric: bool):
+    def __init__(self, config: FilterSettings, features: FeatureSet, symmetric: bool) -> None:
         """Args: symmetric: the target looks the same after half a turn."""
         self._config, self._set, self._symmetric = config, features, symmetric
         names = [fullmatch(r"([xy])([0-9]+)", name) for name in features.names]

@@ -60,7 +60,7 @@ class ConstantVelocity:
     The acceleration is white between two images (piecewise constant), as in Bar-Shalom et al., 2001, section 6.3.2.
     """
 
-    def __init__(self, acceleration: float, noise: float, speed: float):
+    def __init__(self, acceleration: float, noise: float, speed: float) -> None:
         """Args: standard deviations of acceleration, of a measured place, and of the velocity at first; > 0."""
         self._q, self._r = acceleration * acceleration, noise * noise
         self._pp, self._pv, self._vv = self._r, 0.0, speed * speed
@@ -82,7 +82,7 @@ class TargetMotion(Stage):
         velocity: (3,) of the followed point in B [m/s].  turn: (3,) angular velocity in B [rad/s].
     """
 
-    def __init__(self, config: FeedForwardSettings, features: FeatureSet):
+    def __init__(self, config: FeedForwardSettings, features: FeatureSet) -> None:
         """Args: features: of the law."""
         self._config, self._features = config, features
         self._exact = features.names in (FEATURE_NAMES, POSE_FEATURES)

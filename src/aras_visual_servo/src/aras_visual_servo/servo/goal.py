@@ -21,7 +21,7 @@ class Goal:
         reference: `Reference` or None.  s_star: (k,) of it, NaN before.  pose: `GoalPose` of it, or None.
     """
 
-    def __init__(self, kinematics: RobotKinematics, config: Any):
+    def __init__(self, kinematics: RobotKinematics, config: Any) -> None:
         """Args: config: `ServoSettings`."""
         self.kinematics, self._config = kinematics, config
         self.features = FeatureSet(config.features, config.settings, config.source)

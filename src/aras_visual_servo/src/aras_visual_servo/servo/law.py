@@ -17,7 +17,7 @@ from .stage import Stage, Tick, six_numbers
 class LawStage(Stage):
     """Gives the law one `Look` and takes one `Answer`; nothing else goes between them."""
 
-    def __init__(self, law: Law, goal: Goal, tracker: Optional[FeatureFilter], holds: bool):
+    def __init__(self, law: Law, goal: Goal, tracker: Optional[FeatureFilter], holds: bool) -> None:
         """Args: tracker: filters the features, or None.  holds: a twist is held until the next image."""
         self.law = law
         self._goal, self._tracker, self._holds = goal, tracker, holds
@@ -56,7 +56,7 @@ class SmoothStart(Stage):
     The twist is given less what is left of the first one, which vanishes at `rate_per_s`.
     """
 
-    def __init__(self, rate_per_s: float):
+    def __init__(self, rate_per_s: float) -> None:
         """Args: rate_per_s: > 0 [1/s]."""
         self._rate_per_s, self._t_s = rate_per_s, 0.0
         self._first: Optional[np.ndarray] = None

@@ -28,8 +28,8 @@ class LookThenMove(Stage):
         under_way: a move is not finished, or its joints have not settled.
     """
 
-    def __init__(self, kinematics: RobotKinematics, arm: ArmMotion, config: Any, arrival: Arrival,
-                 hindrance: Hindrance, set_point: Optional[np.ndarray] = None):
+    def __init__(self, kinematics: RobotKinematics, arm: ArmMotion, config: Any, arrival: Arrival, hindrance: Hindrance,
+                 set_point: Optional[np.ndarray] = None) -> None:
         """Args: config: `ServoSettings`.  set_point: (n,) joint set-points commanded last; None: as measured first."""
         self._kinematics, self._arm, self._config = kinematics, arm, config
         self._arrival, self._hindrance, self._begin_ns, self._followed_s = arrival, hindrance, 0, 0.0
@@ -139,7 +139,7 @@ class LookThenMove(Stage):
 class UnderWay(Stage):
     """Gate: takes no look while a move is under way or its joints have not settled."""
 
-    def __init__(self, moves: LookThenMove):
+    def __init__(self, moves: LookThenMove) -> None:
         self._moves = moves
 
     def apply(self, tick: Tick) -> Tick:

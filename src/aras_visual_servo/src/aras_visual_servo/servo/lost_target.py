@@ -103,7 +103,7 @@ class LostTarget(Stage):
     """
 
     def __init__(self, kinematics: "RobotKinematics", arm: "ArmMotion", action: str, config: LostTargetSettings,
-                 source: Optional[Source] = None, tracker: Optional[FeatureFilter] = None):
+                 source: Optional[Source] = None, tracker: Optional[FeatureFilter] = None) -> None:
         """Args: action: one of ACTIONS.  source: of the features.  tracker: foresees the features, or None."""
         self._source, self._tracker = source, tracker
         self._kinematics, self._arm, self._action, self._config = kinematics, arm, action, config
@@ -241,7 +241,7 @@ class LostTarget(Stage):
 class AfterLoss(Stage):
     """Twist stage: remembers the path, and slows the law down after each recovery."""
 
-    def __init__(self, lost: LostTarget):
+    def __init__(self, lost: LostTarget) -> None:
         self._lost = lost
 
     def apply(self, tick: Tick) -> Tick:

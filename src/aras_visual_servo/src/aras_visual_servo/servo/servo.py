@@ -38,7 +38,7 @@ class Servo:
         goal: `Goal`, which teaches views and holds the reference.
     """
 
-    def __init__(self, kinematics: RobotKinematics, config: Union[Mapping, ServoSettings]):
+    def __init__(self, kinematics: RobotKinematics, config: Union[Mapping, ServoSettings]) -> None:
         """Args: kinematics: `Kinematics`. config: the scenario's section `servo` (dict), or the `settings` of another
         servo of these joints. Raises ParameterError."""
         self.settings = self.config = (config if isinstance(config, ServoSettings)

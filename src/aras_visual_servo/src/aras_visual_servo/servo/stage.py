@@ -99,7 +99,7 @@ class Stage:
     name: str = ""
     settings_class: Optional[type] = None
 
-    def __init__(self, kinematics: "RobotKinematics", config: Any):
+    def __init__(self, kinematics: "RobotKinematics", config: Any) -> None:
         """Args: config: `ServoSettings`."""
         self.kinematics, self.config, self.settings = kinematics, config, None
         if self.settings_class is not None:
@@ -151,7 +151,7 @@ def six_numbers(twist: Any) -> np.ndarray:
 class SixNumbers(Stage):
     """Checks the twist after a stage that a scenario names."""
 
-    def __init__(self, name: str):
+    def __init__(self, name: str) -> None:
         self.name = name
 
     def apply(self, tick: Tick) -> Tick:

@@ -13,7 +13,7 @@ from .stage import Stage, Tick
 class Stale(Stage):
     """Watches stamps and joint positions."""
 
-    def __init__(self, joints: int, input_timeout_s: float, tracker: Optional[FeatureFilter]):
+    def __init__(self, joints: int, input_timeout_s: float, tracker: Optional[FeatureFilter]) -> None:
         """Args: joints: number n of them.  input_timeout_s: longest gap between images [s].  tracker: foresees."""
         self._shape, self._timeout_s, self._tracker = (joints,), input_timeout_s, tracker
         self._last_ns: Optional[int] = None

@@ -71,7 +71,7 @@ class StopSettings:
 class GoalPose:
     """From the error of the features to the displacement of the camera from the goal, (6,), [p_CgC; theta u] (T60)."""
 
-    def __init__(self, features: FeatureSet, reference: Reference, point_depth: str = "plane"):
+    def __init__(self, features: FeatureSet, reference: Reference, point_depth: str = "plane") -> None:
         """Args: point_depth: of followed points (`LawSetup`)."""
         self._sees_tilt, self._inverse, self._with_tilt = features.sees_tilt, None, None
         if reference.view is None or reference.plane_C is None:
@@ -118,7 +118,7 @@ class StopRule:
     """
 
     def __init__(self, names: Sequence[str], thresholds: Sequence[float], hold_s: float, settings: StopSettings,
-                 follows: bool, taught_images: int = 1):
+                 follows: bool, taught_images: int = 1) -> None:
         """Args: names, thresholds: of the features. follows: the goal may move.
 
         taught_images: number of images whose mean is the goal: their noise counts too.

@@ -9,7 +9,7 @@ from .stage import Stage, Tick
 class Tilt(Stage):
     """Turns the optical axis back by the joint positions; the target keeps its place in the image."""
 
-    def __init__(self, arm: ArmMotion, gain_per_s: float):
+    def __init__(self, arm: ArmMotion, gain_per_s: float) -> None:
         """Args: gain_per_s: part of the angle to turn per second, > 0 [1/s]."""
         self._arm, self._gain_per_s = arm, gain_per_s
 

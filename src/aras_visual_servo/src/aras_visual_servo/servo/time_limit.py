@@ -33,7 +33,7 @@ class Hindrance:
 class TimeLimit(Stage):
     """Ends the servo `time_limit_s` after its start."""
 
-    def __init__(self, config: Any, start_ns: int, arrival: Arrival, hindrance: Hindrance):
+    def __init__(self, config: Any, start_ns: int, arrival: Arrival, hindrance: Hindrance) -> None:
         """Args: config: `ServoSettings`.  arrival, hindrance: know what has been in the way."""
         self._limit_s, self._track, self._start_ns = config.time_limit_s, config.track, start_ns
         self._arrival, self._hindrance = arrival, hindrance

@@ -45,7 +45,7 @@ class VisibilitySettings:
 class Visibility(Stage):
     """Keeps the object in view (T43)."""
 
-    def __init__(self, config: VisibilitySettings):
+    def __init__(self, config: VisibilitySettings) -> None:
         self._config = config
 
     def apply(self, tick: Tick) -> Tick:
