@@ -82,7 +82,7 @@ class ExperimentSequence:
         return self.phase == "done"
 
     def start(self, servo_only: bool = False) -> None:
-        """Begins with the next step. servo_only: with the reference taught last. Raises ParameterError if there is none."""
+        """Begins with the next step. Args: servo_only: with the reference taught last; ParameterError without one."""
         if servo_only and self._servo.reference is None:
             raise ParameterError("servo: no reference, teach one first")
         self._reset("settle_start" if servo_only else "to_goal")

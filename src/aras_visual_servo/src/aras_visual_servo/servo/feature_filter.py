@@ -76,7 +76,8 @@ class FeatureFilter:
         config = self._config
         self._variances = ConstantVelocity(config.acceleration, config.noise, config.rate)
         self._commands = deque(maxlen=COMMANDS)
-        self._s = self._L = self._X_BC = self.features = self._seen_ns = None
+        self._s: Any = None
+        self._L = self._X_BC = self.features = self._seen_ns = None
         self.rate, self.seen = np.zeros(len(self._set)), False
 
     def foresees(self, stamp_ns: int) -> bool:

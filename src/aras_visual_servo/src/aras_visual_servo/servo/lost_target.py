@@ -226,7 +226,8 @@ class LostTarget(Stage):
 
     def _time_s(self, way: np.ndarray) -> float:
         """Time that a way takes at full speed of the camera [s]."""
-        return max(np.linalg.norm(way[:3]) / self._config.speed_m_s, np.linalg.norm(way[3:]) / self._config.turn_rad_s)
+        return float(max(np.linalg.norm(way[:3]) / self._config.speed_m_s,
+                         np.linalg.norm(way[3:]) / self._config.turn_rad_s))
 
     def _way(self, q: np.ndarray) -> np.ndarray:
         """Twist [v; w] in C that, held for 1 s, brings the camera from q to the present place (to first order)."""
@@ -235,7 +236,8 @@ class LostTarget(Stage):
 
     def _size(self, way: np.ndarray) -> float:
         """Length of a way in steps of the pattern."""
-        return max(np.linalg.norm(way[:3]) / self._config.step_m, np.linalg.norm(way[3:]) / self._config.step_rad)
+        return float(max(np.linalg.norm(way[:3]) / self._config.step_m,
+                         np.linalg.norm(way[3:]) / self._config.step_rad))
 
 
 class AfterLoss(Stage):
