@@ -11,7 +11,7 @@ from aras_visual_servo_msgs.srv import SetJointPositions, SetReference
 
 rospy.init_node("own_servo")
 scenario = avs.load_scenario("experiment_1")
-arm = avs.kinematics_of(scenario.urdf_xml(), scenario.robot)
+arm = scenario.kinematics()
 servo, pairer, pairs = avs.Servo(arm, scenario.servo), avs.StampPairer(), queue.Queue()
 place = rospy.ServiceProxy("sim/set_joint_positions", SetJointPositions)
 teach = rospy.ServiceProxy("camera/set_reference", SetReference)

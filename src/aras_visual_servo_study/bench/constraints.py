@@ -27,7 +27,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
-from aras_visual_servo import Status, kinematics_of, load_scenario
+from aras_visual_servo import Status, load_scenario
 from aras_visual_servo_study.sweep.plan import SweepSettings, make_starts
 from aras_visual_servo_study.sweep.run import SweepRunner
 from aras_visual_servo_study.sweep.statistics import wilson
@@ -67,7 +67,7 @@ def scenario_of(arm, law):
     joints = [joint for joint in JOINTS if joint in base.experiment["goal"]["joints"]]
     changes["servo.limits.joint_acceleration"] = {joint: ACCELERATION[joint] for joint in joints}
     if law != "ibvs":
-        kinematics = kinematics_of(base.urdf_xml(), base.robot, calibrated=False)
+        kinematics = base.kinematics(calibrated=False)
         height = float(kinematics.pose(base.goal_posture(kinematics))[2, 3])
         changes["servo.law"] = law
         changes[f"servo.{law}"] = dict(VIEW, walls={"table": {"normal": [0.0, 0.0, 1.0], "offset_m": height - below_m}})
@@ -127,7 +127,7 @@ _benches, _arms = {}, {}
 def _kinematics_of(arm):
     if arm not in _arms:
         base = scenario_of(arm, "ibvs")
-        _arms[arm] = kinematics_of(base.urdf_xml(), base.robot, calibrated=False)
+        _arms[arm] = base.kinematics(calibrated=False)
     return _arms[arm]
 
 

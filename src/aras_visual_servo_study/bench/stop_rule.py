@@ -18,7 +18,7 @@ from typing import Any, Dict, List
 
 import numpy as np
 
-from aras_visual_servo import Kinematics, Scenario, Status, load_scenario, true_error
+from aras_visual_servo import Scenario, Status, load_scenario, true_error
 from aras_visual_servo_study.sweep.perturb import perturbed
 from aras_visual_servo_study.sweep.plan import Planner, Start, SweepSettings, sample
 from aras_visual_servo_study.sweep.run import SweepRunner
@@ -78,7 +78,7 @@ def _case(number, place):
 def _known(name):
     """(kinematics, `Planner`, goal, start) of a scenario."""
     scenario = load_scenario(name)
-    kinematics = Kinematics(scenario.urdf_xml(), scenario.robot["base_link"], scenario.robot["tip_link"])
+    kinematics = scenario.kinematics(calibrated=False)
     planner = Planner(SweepSettings.from_scenario(scenario, kinematics), scenario, kinematics)
     return kinematics, planner, scenario.goal_posture(kinematics), scenario.start_posture(kinematics)
 

@@ -10,8 +10,8 @@ from typing import Any, Dict, Optional, Tuple, Union
 import numpy as np
 
 from aras_visual_servo import (JOINT_HALF_WIDTH, ExperimentSettings, Feasibility, Names, ParameterError, Scenario,
-                               ServoSettings, SweepSection, eight_bit, extra, in_rgb, kinematics_of, load_scenario,
-                               package_paths, read)
+                               ServoSettings, SimulatedCell, SweepSection, eight_bit, extra, in_rgb, load_scenario,
+                               read)
 
 from .reward import REWARDS
 
@@ -52,7 +52,6 @@ class ServoEnv(gymnasium.Env):  # type: ignore[name-defined]
                  action: str = "twist", reward: str = "pose", image_size: Optional[Tuple[int, int]] = None,
                  max_twist: Tuple[float, float] = (0.3, 1.0), max_joint_speed: float = 0.5, max_steps: int = 300,
                  success: Tuple[float, float] = (0.001, 0.005), render_mode: Optional[str] = None) -> None:
-        from aras_visual_servo_sim import Simulation  # C++: not needed to import this
         for name, value, allowed in (("observation", observation, OBSERVATIONS), ("action", action, ACTIONS),
                                      ("reward", reward, tuple(REWARDS)),
                                      ("render_mode", render_mode, (None, *RENDER_MODES))):
@@ -63,13 +62,9 @@ class ServoEnv(gymnasium.Env):  # type: ignore[name-defined]
             scenario = scenario.with_overrides({"sim.cameras": _resized(scenario.sim["cameras"], image_size)})
         self.scenario, self.render_mode, self.max_steps = scenario, render_mode, int(max_steps)
         self._observation, self._near = observation, success
-        urdf = scenario.urdf_xml()
-        self.sim = Simulation(urdf, scenario.sim, scenario.controllers(), package_paths())
-        self.camera = scenario.sim["cameras"][0]["name"]
-        self.kinematics = kinematics_of(urdf, scenario.robot, calibrated=False)
-        self._names = tuple(self.kinematics.joint_names)
-        sim_names = list(self.sim.joint_names)
-        self._order = None if sim_names == list(self._names) else [sim_names.index(name) for name in self._names]
+        self._cell = SimulatedCell(scenario, calibrated=False)
+        self.sim, self.camera, self.kinematics = self._cell.sim, self._cell.camera, self._cell.kinematics
+        self._names = self.kinematics.joint_names
         self._experiment = ExperimentSettings.from_dict(scenario.experiment, self.kinematics)
         self._feasibility = Feasibility(scenario, self.kinematics)
         self._ranges = self._start_ranges()
@@ -83,8 +78,7 @@ class ServoEnv(gymnasium.Env):  # type: ignore[name-defined]
             self._invert, self._scale = None, np.full(len(self._names), float(max_joint_speed))
         self._fastest = self.kinematics.velocity
         self.action_space = spaces.Box(-1.0, 1.0, (len(self._scale),), np.float32)
-        info = self.sim.camera_info(self.camera)
-        self._encoding = self.sim.camera_encoding(self.camera)
+        info, self._encoding = self._cell.camera_info, self._cell.encoding
         shape = (info["height"], info["width"]) + (() if self._encoding.startswith("mono") else (3,))
         state = spaces.Box(-FAR, FAR, (2 * len(self._names) + 6,), np.float64)
         value = np.uint16 if self._encoding.endswith("16") else np.uint8
@@ -184,9 +178,7 @@ class ServoEnv(gymnasium.Env):  # type: ignore[name-defined]
         self._stamp_ns = self.sim.step_to_image(self.camera)
         self._image = self._rendered() if self._wants_image or draw else None
         state = self.sim.frame_state(self.camera)
-        q, v = state["joint_positions"], state["joint_velocities"]
-        if self._order is not None:
-            q, v = q[self._order], v[self._order]
+        q, v = self._cell.in_order(state["joint_positions"]), self._cell.in_order(state["joint_velocities"])
         self._q = q
         if self._target is not None and self._goal_T is not None:
             self._to_goal = np.linalg.inv(state["model_poses"][self._target] @ self._goal_T)

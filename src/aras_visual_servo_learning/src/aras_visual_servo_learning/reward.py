@@ -4,7 +4,8 @@ from typing import Any, Dict, Optional
 
 import numpy as np
 
-from aras_visual_servo import FeatureSet, RobotKinematics, ParameterError, Scenario, Servo, View, source_named
+from aras_visual_servo import (FeatureSet, ParameterError, RobotKinematics, Scenario, Servo, View, simulation_of,
+                               source_named)
 
 #: One radian away costs as much as this distance [m]: about that of the target in the shipped scenarios.
 LENGTH_M = 0.5
@@ -47,9 +48,7 @@ class FeatureReward:
 
     @staticmethod
     def _camera_info(scenario):
-        from aras_visual_servo_sim import Simulation  # C++: not needed to import this
-        from aras_visual_servo import package_paths
-        sim = Simulation(scenario.urdf_xml(), scenario.sim, scenario.controllers(), package_paths())
+        sim = simulation_of(scenario)
         return scenario.believed_camera_info(sim.camera_info(scenario.sim["cameras"][0]["name"]))
 
     def teach(self, image: Optional[np.ndarray], stamp_ns: int, q: np.ndarray) -> None:

@@ -12,8 +12,8 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
-from aras_visual_servo import (Feasibility, Outline, ParameterError, Scenario, Track, kinematics_of, known_laws,
-                               load_scenario, load_yaml, processes, reach, read, track_of)
+from aras_visual_servo import (Feasibility, Outline, ParameterError, Scenario, Track, known_laws, load_scenario,
+                               load_yaml, processes, reach, read, track_of)
 from ..files import share_dir
 from ..sweep.plan import Start
 from ..sweep.run import SweepRunner, placed
@@ -134,7 +134,7 @@ def _run_law(job):
 
 def starts_of(scenario: Scenario, tasks: Sequence[Task]) -> List[Start]:
     """One `Start` for each `Task`, or the reason why the robot cannot begin there. Ids count from 1."""
-    kinematics = kinematics_of(scenario.urdf_xml(), scenario.robot, calibrated=False)
+    kinematics = scenario.kinematics(calibrated=False)
     goal, starts = scenario.goal_posture(kinematics), []
     feasibility = Feasibility(scenario, kinematics)
     for number, task in enumerate(tasks):
@@ -168,6 +168,6 @@ def _target(scenario):
     outline = Outline.of(scenario)
     if outline is None:
         raise ParameterError(f"scenario '{scenario.name}': a task with tilt needs a flat target of known outline")
-    kinematics = kinematics_of(scenario.urdf_xml(), scenario.robot, calibrated=False)
+    kinematics = scenario.kinematics(calibrated=False)
     goal = scenario.goal_posture(kinematics)
     return np.linalg.solve(kinematics.pose(goal), outline.X_WT)[:3, 3]

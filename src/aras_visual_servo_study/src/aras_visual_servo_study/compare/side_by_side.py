@@ -15,8 +15,7 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 
 import aras_visual_servo as avs
-from aras_visual_servo import (Outline, RunRecord, judge, kinematics_of, load_scenario, measures, palette,
-                               scenario_from_dict, track_of)
+from aras_visual_servo import Outline, RunRecord, judge, load_scenario, measures, palette, scenario_from_dict, track_of
 from ..report.figure import STYLE, draw_panel
 from .laws_figure import COLOURS, FLOOR_DEG, FLOOR_MM
 from .laws_report import TABLE, cells
@@ -56,7 +55,7 @@ def read_run(source: str, changes: Optional[Dict[str, Any]] = None) -> Run:
     else:
         scenario = load_scenario(source, changes)
         record, label = avs.run(scenario), scenario.name
-    kinematics = kinematics_of(scenario.urdf_xml(), scenario.robot, calibrated=False)
+    kinematics = scenario.kinematics(calibrated=False)
     limits = [dict(zip(kinematics.joint_names, ends)) for ends in (kinematics.lower, kinematics.upper)]
     lower, upper = (np.array([ends.get(name, sign * np.inf) for name in record.joint_names])
                     for ends, sign in zip(limits, (-1.0, 1.0)))

@@ -5,7 +5,7 @@ from typing import Any, Dict, Optional
 
 import numpy as np
 
-from aras_visual_servo import ArasError, RunRecord, kinematics_of, palette, scenario_from_dict
+from aras_visual_servo import ArasError, RunRecord, palette, scenario_from_dict
 from .plots import series_of, time_plot
 
 DASH = "6 3"  # of a joint without limits
@@ -19,7 +19,7 @@ def joint_plot(record: RunRecord) -> Optional[Dict[str, Any]]:
     rows = record.servo_rows
     try:
         scenario = scenario_from_dict(record.settings)
-        kinematics = kinematics_of(scenario.urdf_xml(), scenario.robot, calibrated=False)
+        kinematics = scenario.kinematics(calibrated=False)
     except (ArasError, RuntimeError, KeyError, TypeError, AttributeError):  # a record of another place
         return None
     if not len(rows) or not set(kinematics.joint_names) <= set(record.joint_names):

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from aras_visual_servo import ArasError, RunRecord, package_paths, scenario_from_dict
+from aras_visual_servo import ArasError, RunRecord, scenario_from_dict, simulation_of
 from ..live.view.projection import standpoint
 
 NAME = "observer"
@@ -39,7 +39,6 @@ class Observer:
     """
 
     def __init__(self, record: RunRecord, width: int = 640, height: int = 480) -> None:
-        from aras_visual_servo_sim import Simulation
         if not record.settings:
             raise ObserverError("the record does not hold its scenario, so nobody knows which robot it shows")
         path = record.X_WC[record.servo_rows, :3, 3]
@@ -50,8 +49,8 @@ class Observer:
         try:
             scenario = scenario_from_dict(record.settings)
             eye, look_at = standpoint(at_C, at_T)
-            self._sim = Simulation(with_stand(scenario.urdf_xml(), eye, look_at),
-                                   self._config(scenario, at_T, width, height), scenario.controllers(), package_paths())
+            self._sim = simulation_of(scenario, with_stand(scenario.urdf_xml(), eye, look_at),
+                                      self._config(scenario, at_T, width, height))
         except RuntimeError as error:  # the simulator's and ours
             raise ObserverError(f"the robot of the record cannot be shown: {error}") from error
         self._names = record.joint_names

@@ -12,8 +12,8 @@ from typing import Any, Dict
 
 import numpy as np
 
-from aras_visual_servo import (ArasError, ParameterError, RunRecord, goal_pose, in_rgb, kinematics_of, package_paths,
-                               scenario_from_dict, spatial)
+from aras_visual_servo import (ArasError, ParameterError, RunRecord, goal_pose, in_rgb, kinematics_of,
+                               scenario_from_dict, simulation_of, spatial)
 from ..files import THREE_FILES, three_file, web_dir
 from ..live.hub import jpeg
 from ..live.view.robot import mesh_blocks, robot_of
@@ -118,9 +118,8 @@ class _Camera:
     """Draws the camera's image at any row of a record."""
 
     def __init__(self, record, scenario, target):
-        from aras_visual_servo_sim import Simulation  # C++: not needed to import this
         self._record, self._target = record, target
-        self._sim = Simulation(scenario.urdf_xml(), scenario.sim, scenario.controllers(), package_paths())
+        self._sim = simulation_of(scenario)
         self._camera = self._sim.camera_names[0]
 
     def image(self, row):

@@ -12,7 +12,7 @@ from typing import Any, Dict, Optional, Tuple
 import numpy as np
 
 from aras_visual_servo import (CAMERA_AXES, DEFAULT_LIMIT_S, ArasError, Outline, ParameterError, RecordBuilder,
-                               RunRecord, Scenario, ServoLoop, Status, code_place, kinematics_of, measures, pose_error)
+                               RunRecord, Scenario, ServoLoop, Status, code_place, measures, pose_error)
 from .judge import COLUMNS, initial_columns, judge_row
 from .metrics import judge_by
 from .perturb import perturbed, put_clutter, simulator_key, swap_picture
@@ -224,7 +224,7 @@ class SweepRunner:
     def _goal_pose(self, start):
         """X_WCg, (4, 4), by kinematics."""
         if self._kinematics is None:
-            self._kinematics = kinematics_of(self.scenario.urdf_xml(), self.scenario.robot, calibrated=False)
+            self._kinematics = self.scenario.kinematics(calibrated=False)
         return self._kinematics.pose(placed(self.scenario, start).goal_posture(self._kinematics))
 
 

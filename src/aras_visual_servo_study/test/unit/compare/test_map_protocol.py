@@ -75,7 +75,7 @@ def test_starts_cover_distance_and_angle_evenly_and_see_the_whole_target():
     runs, _, _ = np.histogram2d(*place, bins=3, range=[(0.0, 1.0)] * 2)
     assert np.abs(runs - 4).max() <= 1
     outline = starts._rectangle(scenario)
-    kinematics = starts.robot_kinematics(scenario.urdf_xml(), "world", "camera_optical_frame")
+    kinematics = scenario.kinematics(calibrated=False)
     assert all(outline.border_px(kinematics.pose(kinematics.vector(start.joints))) >= 0.0 for start in planned)
     with pytest.raises(ParameterError, match="starts: found 251, allowed 1 to 250"):
         protocol_named("map").cases(None, 251)

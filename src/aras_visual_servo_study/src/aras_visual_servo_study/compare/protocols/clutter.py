@@ -7,8 +7,7 @@ from typing import Any, Dict, List, Optional, Tuple, Union
 import numpy as np
 import yaml
 
-from aras_visual_servo import (ParameterError, Scenario, load_scenario, load_yaml, resolve_uri, robot_kinematics,
-                               scenario_from_dict)
+from aras_visual_servo import ParameterError, Scenario, load_scenario, load_yaml, resolve_uri, scenario_from_dict
 from ...sweep.plan import Start, SweepSettings, make_starts
 from . import board as boards
 from .base import Case, Protocol, register_protocol
@@ -103,8 +102,7 @@ def scene(mesh: Union[str, Path], changes: Dict[str, Any]) -> Scenario:
 
 def planned(scenario: Scenario, count: int) -> List[Start]:
     """The first `count` starts, list of `Start`, at random in the ball about the goal."""
-    robot = scenario.robot
-    kinematics = robot_kinematics(scenario.urdf_xml(), robot["base_link"], robot["tip_link"])
+    kinematics = scenario.kinematics(calibrated=False)
     settings = SweepSettings.from_scenario(scenario, kinematics, starts=count, method="random", seed=SEED)
     return make_starts(settings, scenario, kinematics)
 

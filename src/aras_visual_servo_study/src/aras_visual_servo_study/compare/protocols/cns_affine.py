@@ -6,7 +6,7 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from aras_visual_servo import Scenario, load_scenario, robot_kinematics, spatial
+from aras_visual_servo import Scenario, load_scenario, spatial
 from ...sweep.plan import Start
 from . import board as boards
 from .base import Case, Protocol, register_protocol, spread
@@ -82,8 +82,7 @@ def starts_of(scenario: Scenario, indices: Sequence[int], goals: np.ndarray, sta
     Args: indices: of the pairs in the protocol, from 0; an id counts from 1.  goals, starts: X_WC, (n, 4, 4).
         parameters: function of id and X_WC at the goal, gives what the run's scenario has for itself (dict).
     """
-    robot = scenario.robot
-    kinematics = robot_kinematics(scenario.urdf_xml(), robot["base_link"], robot["tip_link"])
+    kinematics = scenario.kinematics(calibrated=False)
 
     def joints(X_WC):
         return kinematics.by_name(kinematics.coordinates(X_WC))

@@ -6,7 +6,7 @@ from typing import Any, Dict, List, Tuple
 
 import numpy as np
 
-from aras_visual_servo import ParameterError, Scenario, kinematics_of, load_scenario
+from aras_visual_servo import ParameterError, Scenario, load_scenario
 from ...sweep.plan import Start, SweepSettings, make_starts
 from .base import Case, Protocol, halton, register_protocol
 
@@ -66,7 +66,7 @@ def planned(scenario: Scenario, count: int) -> List[Start]:
     """The first `count` runs, list of `Start`; a start that cannot be tried gives its place to the next one."""
     if not 1 <= count <= STARTS:
         raise ParameterError(f"starts: found {count}, allowed 1 to {STARTS}")
-    kinematics = kinematics_of(scenario.urdf_xml(), scenario.robot, calibrated=False)
+    kinematics = scenario.kinematics(calibrated=False)
     drawn, found = 16 + count + count // 2, []
     while len(found) < count:
         settings = SweepSettings.from_scenario(scenario, kinematics, starts=drawn, method="random", seed=SEED)

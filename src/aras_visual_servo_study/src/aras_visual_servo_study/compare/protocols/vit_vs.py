@@ -6,7 +6,7 @@ from typing import List, Optional
 
 import numpy as np
 
-from aras_visual_servo import Scenario, load_scenario, robot_kinematics
+from aras_visual_servo import Scenario, load_scenario
 from ...sweep.plan import Start
 from . import board as boards
 from .base import Case, Protocol, register_protocol, spread
@@ -87,8 +87,7 @@ def goal_pose() -> np.ndarray:
 
 def planned(scenario: Scenario, count: int) -> List[Start]:
     """The starts, list of `Start`; their id is that of the protocol, from 1 to 500."""
-    robot = scenario.robot
-    kinematics = robot_kinematics(scenario.urdf_xml(), robot["base_link"], robot["tip_link"])
+    kinematics = scenario.kinematics(calibrated=False)
     return [Start(index + 1, kinematics.by_name(kinematics.coordinates(X_WC)))  # type: ignore[attr-defined]
             for index, X_WC in zip(spread(count, STARTS), camera_poses(count))]
 

@@ -5,7 +5,7 @@ from typing import List
 
 import numpy as np
 
-from aras_visual_servo import Outline, ParameterError, Scenario, robot_kinematics, spatial
+from aras_visual_servo import Outline, ParameterError, Scenario, spatial
 from ....sweep.plan import Start
 from ....sweep.space import offset_of, pose_of
 from ..base import halton
@@ -26,8 +26,7 @@ def planned(scenario: Scenario, count: int) -> List[Start]:
     uniformly until the image shows the whole rectangle HALF_M: at large angles the axis is therefore near the optical
     one. Raises ParameterError: no direction was found, because the camera does not see the target from there.
     """
-    robot = scenario.robot
-    kinematics = robot_kinematics(scenario.urdf_xml(), robot["base_link"], robot["tip_link"])
+    kinematics = scenario.kinematics(calibrated=False)
     X_WCg, outline = kinematics.pose(scenario.goal_posture(kinematics)), _rectangle(scenario)
     starts = []
     for number, (a, b) in enumerate(halton(count, (2, 3)), start=1):
