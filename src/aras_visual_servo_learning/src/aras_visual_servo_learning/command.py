@@ -10,7 +10,7 @@ from aras_visual_servo import ParameterError, cli
 
 def export_main(argv: Optional[List[str]] = None) -> int:
     """`export SOURCE ... --to FILE` writes runs as a data set. Returns the exit code."""
-    return cli.run("rosrun aras_visual_servo_learning export", EXPORT, argv)
+    return cli.run_verb("rosrun aras_visual_servo_learning export", EXPORT, argv)
 
 
 def _options(parser: ArgumentParser) -> None:

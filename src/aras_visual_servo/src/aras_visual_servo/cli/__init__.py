@@ -58,7 +58,7 @@ def parser_of(prog: str, verb: Verb) -> argparse.ArgumentParser:
     return parser
 
 
-def run(prog: str, verb: Verb, argv: Optional[Sequence[str]] = None) -> int:
+def run_verb(prog: str, verb: Verb, argv: Optional[Sequence[str]] = None) -> int:
     """Parses the arguments and does the work. Returns the exit code; an error is printed."""
     parser = parser_of(prog, verb)
     complete.offer(parser)

@@ -5,7 +5,7 @@ import os
 import sys
 from typing import Dict, List, Optional, Tuple
 
-from . import EXIT_BROKEN, PROGRAM, Verb, complete, run
+from . import EXIT_BROKEN, PROGRAM, Verb, complete, run_verb
 from ..ground.errors import ArasError
 from ..studies import sister
 
@@ -37,7 +37,7 @@ def main(argv: Optional[List[str]] = None) -> int:
         except ArasError as error:
             print(f"error: {error}", file=sys.stderr)
             return EXIT_BROKEN
-        return run(f"{PROGRAM} {words[0]}", verb, words[1:])
+        return run_verb(f"{PROGRAM} {words[0]}", verb, words[1:])
     parser = argparse.ArgumentParser(
         prog=PROGRAM, formatter_class=argparse.RawDescriptionHelpFormatter,
         description="Visual servoing: run, watch, sweep and compare scenarios.",
