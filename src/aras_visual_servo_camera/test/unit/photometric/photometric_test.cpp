@@ -122,7 +122,7 @@ TEST(Photometric, MoreLevelsThanLeavePixelsAreRefused) {
   config.levels = 5;
   EXPECT_EQ(refusalOf([&] {
               PhotometricExtractor(cameraOf(33, 31, false), config);
-            }).find("vision/photometric/levels: found 5, allowed so many that pixels are left"),
+            }).find("vision.photometric.levels: found 5, allowed so many that pixels are left"),
             0u);
 }
 
@@ -149,7 +149,7 @@ TEST(Photometric, FaultsOfTheSectionAreListedWithTheOthers) {
     FAIL() << "accepted";
   } catch (const ParameterError& error) {
     const std::string text = error.what();
-    for (const char* part : {"vision/object", "vision/photometric/levels", "vision/photometric/sigma"})
+    for (const char* part : {"vision.object", "vision.photometric.levels", "vision.photometric.sigma"})
       EXPECT_NE(text.find(part), std::string::npos) << part << " in " << text;
   }
 }

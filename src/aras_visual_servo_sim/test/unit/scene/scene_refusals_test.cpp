@@ -28,19 +28,19 @@ TEST_P(EachScene, ThatCannotBeIsRefusedByName) {
 INSTANTIATE_TEST_SUITE_P(
     Scenes, EachScene,
     ::testing::Values(
-        Refusal{"{light_direction: [0, 0, 0]}", "scene/light_direction: found zero, allowed any other direction"},
+        Refusal{"{light_direction: [0, 0, 0]}", "scene.light_direction: found zero, allowed any other direction"},
         Refusal{"{models: [{name: m, file: m.yaml, attached_to: l, motion: {type: constant_velocity}}]}",
                 "motion: found it together with attached_to, allowed one of the two"},
         Refusal{"{models: [{name: m, file: m.yaml, board: {size_m: [1, 1]}}]}",
-                "scene/models[0]/board: found it together with file, allowed one of the two"},
+                "scene.models[0].board: found it together with file, allowed one of the two"},
         Refusal{"{models: [{name: m, file: a.yaml}, {name: m, file: b.yaml}]}",
-                "scene/models: found two named 'm', allowed distinct names"},
+                "scene.models: found two named 'm', allowed distinct names"},
         Refusal{"{solids: [{name: s, urdf: s.urdf, mass_kg: 1}]}",
-                "scene/solids[0]/mass_kg: found it together with urdf, allowed it with box_m"},
+                "scene.solids[0].mass_kg: found it together with urdf, allowed it with box_m"},
         Refusal{"{solids: [{name: s, sphere_m: 1, scale: [1, 1, 1]}]}",
-                "scene/solids[0]/scale: found it without mesh, allowed it with mesh only"},
+                "scene.solids[0].scale: found it without mesh, allowed it with mesh only"},
         Refusal{"{solids: [{name: s, sphere_m: 1}], models: [{name: s, file: s.yaml}]}",
-                "scene/solids: found a solid and a model named 's', allowed distinct names"},
+                "scene.solids: found a solid and a model named 's', allowed distinct names"},
         Refusal{"{lighting: {lights: [{name: a, type: spot, direction: [0, 0, -1], inner_angle_rad: 0.5, "
                 "outer_angle_rad: 0.4}]}}",
                 "outer_angle_rad: found 0.400000 of light 'a', allowed more than inner_angle_rad, 0.500000"},
@@ -50,7 +50,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "direction: found zero of light 'a', allowed any other direction"},
         Refusal{"{solids: [{name: s, sphere_m: 1, motion: {type: waypoints, waypoints: [{time_s: 2, position_m: [0, "
                 "0, 0]}, {time_s: 1, position_m: [0, 0, 0]}]}}]}",
-                "waypoints[1]/time_s: found 1.000000, allowed > 2.000000, that of the waypoint before"}));
+                "waypoints[1].time_s: found 1, allowed > 2, that of the waypoint before"}));
 
 TEST(Scene, AnUnknownModelOrBodyIsToldWhichThereAre) {
   Scene scene;
