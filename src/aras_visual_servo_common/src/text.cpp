@@ -35,7 +35,8 @@ std::string joined(const std::vector<std::string>& words, const std::string& sep
 
 std::string didYouMean(const std::string& found, const std::vector<std::string>& names) {
   constexpr std::size_t kLongest = 60;  // longer texts are no misspelt names
-  std::size_t fewest = std::max<std::size_t>(1, found.size() / 3) + 1;
+  const std::size_t size = found.size();
+  std::size_t fewest = std::max({std::size_t{1}, std::min<std::size_t>(size / 2, 2), size / 3}) + 1;
   std::string nearest;
   for (const std::string& name : names) {
     if (found.empty() || std::max(found.size(), name.size()) > kLongest) continue;

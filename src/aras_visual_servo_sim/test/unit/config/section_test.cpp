@@ -59,7 +59,7 @@ TEST(Sections, AValueFromElsewhereIsCheckedAsOneOfYaml) {
                                       "rate_hz: found .inf, allowed >= 1e-06 and <= 1000000",
                                       "width: found 0, allowed >= 1 and <= 16384",
                                       "encoding: found rgba8, allowed one of rgb8, bgr8, mono8, rgb16, mono16, "
-                                      "bayer_rggb8, bayer_bggr8, bayer_gbrg8, bayer_grbg8",
+                                      "bayer_rggb8, bayer_bggr8, bayer_gbrg8, bayer_grbg8; did you mean rgb8?",
                                       "gravity_m_s2: found [0, 1], allowed a list of 3 numbers"}));
 }
 

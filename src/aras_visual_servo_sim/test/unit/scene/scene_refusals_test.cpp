@@ -43,7 +43,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "scene.solids: found a solid and a model named 's', allowed distinct names"},
         Refusal{"{lighting: {lights: [{name: a, type: spot, direction: [0, 0, -1], inner_angle_rad: 0.5, "
                 "outer_angle_rad: 0.4}]}}",
-                "outer_angle_rad: found 0.400000 of light 'a', allowed more than inner_angle_rad, 0.500000"},
+                "outer_angle_rad: found 0.4 of light 'a', allowed more than inner_angle_rad, 0.5"},
         Refusal{"{lighting: {lights: [{name: a, type: spot}]}}",
                 "direction: found none of light 'a', allowed where a directional or spot light travels"},
         Refusal{"{lighting: {lights: [{name: a, type: directional, direction: [0, 0, 0]}]}}",
