@@ -46,7 +46,7 @@ struct ControllerState {
 std::vector<ControllerConfig> parseControllers(const YAML::Node& node, const RobotModel& model);
 
 /** The gains that a section `pid` gives. */
-PidGains gainsOf(const PidConfig& pid);
+PidGains gainsOf(const PidKeys& pid);
 
 /** @throws ParameterError unless the gains are finite, not negative, i_min <= 0 <= i_max. */
 void checkGains(const PidGains& gains, const std::string& controller_name);

@@ -57,7 +57,7 @@ void checkUse(const SectionCheck& section, const RobotModel& model, std::map<std
 }  // namespace
 
 /** control_toolbox::Pid::init: the signs of the clamps do not matter. */
-PidGains gainsOf(const PidConfig& pid) {
+PidGains gainsOf(const PidKeys& pid) {
   return {pid.p,
           pid.i,
           pid.d,
@@ -76,7 +76,7 @@ std::string controllerTypeName(ControllerType type) {
 void checkGains(const PidGains& gains, const std::string& controller_name) {
   FaultList faults;
   for (const auto& [key, gain] : {std::pair{"p", gains.p}, std::pair{"i", gains.i}, std::pair{"d", gains.d}}) {
-    checkValue(PidConfig::schema(), key, gain, faults);
+    checkValue(PidKeys::schema(), key, gain, faults);
   }
   if (!(gains.i_min <= 0.0) || !std::isfinite(gains.i_min))
     faults.add("i_clamp_min", std::to_string(gains.i_min), "<= 0");
