@@ -39,51 +39,25 @@ function(aras_folders_as_one target sources)
   endforeach()
 endfunction()
 
-# aras_embed_schema(TARGET FOLDER): puts each FOLDER/NAME.yaml into TARGET, a library. Its sources then find
-#   #include "schema_sections.hpp"
-#   const aras_visual_servo_common::SchemaFolder& PROJECT_NAME::schemaSections();
+# aras_embed_schema(TARGET FOLDER): puts each FOLDER/NAME.yaml into TARGET, a library, and generates a settings struct
+# for each map that these sections describe. Sources of TARGET and of what links it then find
+#   #include "PROJECT_NAME/config/sections.hpp"
+set(aras_generate_sections ${CMAKE_CURRENT_LIST_DIR}/generate_sections.py)
 function(aras_embed_schema target folder)
   get_filename_component(folder ${folder} ABSOLUTE)
   file(GLOB sections CONFIGURE_DEPENDS ${folder}/*.yaml)
-  if(NOT sections)
-    message(FATAL_ERROR "aras_embed_schema: ${folder} holds no .yaml")
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${sections} ${aras_generate_sections})
+  set(include ${CATKIN_DEVEL_PREFIX}/${CATKIN_GLOBAL_INCLUDE_DESTINATION})
+  set(source ${CMAKE_CURRENT_BINARY_DIR}/sections.cpp)
+  execute_process(RESULT_VARIABLE failed
+    COMMAND ${PYTHON_EXECUTABLE} ${aras_generate_sections} ${PROJECT_NAME} ${folder} ${include}/${PROJECT_NAME}/config/sections.hpp
+      ${source})
+  if(failed)
+    message(FATAL_ERROR "aras_embed_schema: ${folder} has the faults above")
   endif()
-  set(entries "")
-  foreach(section IN LISTS sections)
-    get_filename_component(name ${section} NAME_WE)
-    file(READ ${section} text)
-    string(APPEND entries "      {\"${name}\", R\"schema(${text})schema\"},\n")
-    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${section})
-  endforeach()
-  set(generated ${CMAKE_CURRENT_BINARY_DIR}/schema_sections)
-  file(WRITE ${generated}/new.hpp "#pragma once
-
-#include <aras_visual_servo_common/schema.hpp>
-
-namespace ${PROJECT_NAME} {
-
-/** The sections of this package's folder schema/, as they were when it was built. */
-const aras_visual_servo_common::SchemaFolder& schemaSections();
-
-}  // namespace ${PROJECT_NAME}
-")
-  file(WRITE ${generated}/new.cpp "#include \"schema_sections.hpp\"
-
-namespace ${PROJECT_NAME} {
-
-const aras_visual_servo_common::SchemaFolder& schemaSections() {
-  static const aras_visual_servo_common::SchemaFolder kSections({
-${entries}  });
-  return kSections;
-}
-
-}  // namespace ${PROJECT_NAME}
-")
-  # Copied only when they differ: configuring again compiles nothing again.
-  configure_file(${generated}/new.hpp ${generated}/schema_sections.hpp COPYONLY)
-  configure_file(${generated}/new.cpp ${generated}/schema_sections.cpp COPYONLY)
-  target_sources(${target} PRIVATE ${generated}/schema_sections.cpp)
-  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${generated}>)
+  target_sources(${target} PRIVATE ${source})
+  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${include}>)
+  install(FILES ${include}/${PROJECT_NAME}/config/sections.hpp DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION}/config)
 endfunction()
 
 # aras_fuzz_targets(LIBRARY FOLDER): each FOLDER/NAME.cpp becomes a program fuzz_NAME, which feeds a reader of LIBRARY with

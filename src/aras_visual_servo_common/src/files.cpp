@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <sstream>
 #include <stdexcept>
 
 #include "aras_visual_servo_common/errors.hpp"
@@ -58,6 +59,18 @@ void writeAll(int file, const std::string& bytes) {
     if (count > 0) done += static_cast<std::size_t>(count);
   }
   if (fsync(file) != 0) throw std::runtime_error(std::strerror(errno));
+}
+
+/** yaml-cpp does not say that it stumbled over a tab, which YAML does not allow in an indentation. */
+std::string tabHint(const std::string& text, const YAML::Mark& mark) {
+  std::istringstream lines(text);
+  std::string line;
+  for (int k = 0; k <= mark.line && std::getline(lines, line); ++k) {
+    const std::size_t tab = line.find('\t');
+    if (tab != std::string::npos && tab < line.find_first_not_of(" \t"))
+      return "; line " + std::to_string(k + 1) + " is indented by a tab, allowed spaces";
+  }
+  return "";
 }
 
 /** Counts what a node holds. @throws ArasError when it is too much or too deep */
@@ -137,7 +150,7 @@ YAML::Node parseYaml(const std::string& text, std::size_t most_bytes) {
     count(node, 1, values);
     return node;
   } catch (const YAML::Exception& error) {
-    throw ArasError(error.what());
+    throw ArasError(error.what() + tabHint(text, error.mark));
   }
 }
 

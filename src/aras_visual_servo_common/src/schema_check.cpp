@@ -1,5 +1,6 @@
 // Checking a value against what a schema says of it.
 #include <algorithm>
+#include <regex>
 #include <set>
 
 #include "aras_visual_servo_common/schema.hpp"
@@ -43,13 +44,13 @@ bool isScalar(Type type) { return type != Type::kAny && type != Type::kObject &&
  *  first. */
 class Findings {
  public:
-  explicit Findings(FaultList* list = nullptr) : list_(list) {}
+  explicit Findings(FaultList* list = nullptr, const std::string& file = "") : list_(list), file_(file) {}
 
-  /** `found` and `allowed` make the texts. */
+  /** `found` and `allowed` make the texts. @param at  what stands there, or the map in which it is missing */
   template <typename Found, typename Allowed>
-  void add(const std::string& where, const Found& found, const Allowed& allowed) {
+  void add(const YAML::Node& at, const std::string& where, const Found& found, const Allowed& allowed) {
     count();
-    if (list_) list_->add(where.empty() ? "document" : where, found(), allowed());
+    if (list_) list_->add(placeOf(at, file_) + (where.empty() ? "document" : where), found(), allowed());
   }
 
   /** A fault without words. */
@@ -61,7 +62,7 @@ class Findings {
 
   /** Name of a key, or of `[k]`, in messages; empty when there are none. */
   std::string keyOf(const std::string& where, const std::string& key) const {
-    return !list_ || where.empty() ? key : where + "/" + key;
+    return !list_ || where.empty() ? key : where + "." + key;
   }
   std::string elementOf(const std::string& where, std::size_t k) const {
     return list_ ? where + "[" + std::to_string(k) + "]" : "";
@@ -69,13 +70,14 @@ class Findings {
 
  private:
   FaultList* list_;
+  std::string file_;
   bool any_ = false;
 };
 
 void checkValue(const YAML::Node& value, const Schema& schema, const std::string& where, Findings& findings);
 
 /** What is wrong with a value that is no map and no list. */
-enum class Fault { kNone, kType, kChoice, kRange, kLength, kPattern };
+enum class Fault { kNone, kType, kChoice, kRange, kLength };
 
 Fault faultOf(const YAML::Node& value, const Schema& schema) {
   if (!fitsType(value, schema.type)) return Fault::kType;
@@ -85,26 +87,41 @@ Fault faultOf(const YAML::Node& value, const Schema& schema) {
   if (schema.type == Type::kNumber || schema.type == Type::kInteger)
     return schema.range.contains(*numberOf(value)) ? Fault::kNone : Fault::kRange;
   if (schema.type != Type::kString) return Fault::kNone;
-  if (value.Scalar().size() < schema.min_length) return Fault::kLength;
-  return schema.pattern && !schema.matches(value.Scalar()) ? Fault::kPattern : Fault::kNone;
+  return value.Scalar().size() < schema.min_length ? Fault::kLength : Fault::kNone;
 }
 
+std::vector<std::string> wordsOf(const std::vector<YAML::Node>& choices) {
+  std::vector<std::string> words;
+  for (const YAML::Node& choice : choices) words.push_back(shown(choice));
+  return words;
+}
+
+/** For a number that was written 1,5. */
+std::string decimalHint(const YAML::Node& value) {
+  static const std::regex kComma("[-+]?[0-9]*,[0-9]+");
+  const std::string text = value.IsScalar() ? value.Scalar() : "";
+  if (text.size() > 30 || !std::regex_match(text, kComma)) return "";
+  return "; the decimal mark is a point, " + text.substr(0, text.find(',')) + "." + text.substr(text.find(',') + 1);
+}
+
+/** {p: 1,5} is {p: 1, 5: null} to YAML. */
+bool isDecimalPart(const YAML::Node& key, const YAML::Node& value) { return value.IsNull() && integerOf(key); }
+
 /** What is allowed instead. */
-std::string allowedInstead(Fault fault, const Schema& schema) {
+std::string allowedInstead(Fault fault, const Schema& schema, const YAML::Node& value) {
   switch (fault) {
     case Fault::kRange:
       return schema.range.text();
     case Fault::kLength:
       return schema.min_length == 1 ? "a text that is not empty"
                                     : "a text of at least " + std::to_string(schema.min_length) + " characters";
-    case Fault::kPattern:
-      return "a text of the form " + *schema.pattern;
+    case Fault::kChoice:
+      return oneOf(wordsOf(schema.choices), nameIn(value));
     case Fault::kNone:
     case Fault::kType:
-    case Fault::kChoice:
       break;
   }
-  return schema.text();
+  return schema.text() + decimalHint(value);
 }
 
 void checkObject(const YAML::Node& map, const Schema& schema, const std::string& where, Findings& findings) {
@@ -115,7 +132,7 @@ void checkObject(const YAML::Node& map, const Schema& schema, const std::string&
       return (wanted ? wanted->text() : std::string("it")) + " (required)";
     };
     findings.add(
-        findings.keyOf(where, key), [] { return "nothing"; }, allowed);
+        map, findings.keyOf(where, key), [] { return "nothing"; }, allowed);
   }
   if (!map.IsMap()) return;
   for (const auto& item : map) {
@@ -127,13 +144,13 @@ void checkObject(const YAML::Node& map, const Schema& schema, const std::string&
     } else if (schema.additional) {
       checkValue(item.second, *schema.additional, findings.keyOf(where, key), findings);
     } else if (schema.closed) {
-      const auto names = [&schema] {
-        std::vector<std::string> words;
-        for (const auto& property : schema.properties) words.push_back(property.first);
-        return words.empty() ? "none" : joined(words);
+      const auto allowed = [&] {
+        std::vector<std::string> names;
+        for (const auto& property : schema.properties) names.push_back(property.first);
+        return oneOf(names, key) + (isDecimalPart(item.first, item.second) ? "; the decimal mark is a point" : "");
       };
       findings.add(
-          findings.keyOf(where, key), [] { return "an unknown key"; }, names);
+          item.first, findings.keyOf(where, key), [] { return "an unknown key"; }, allowed);
     }
   }
 }
@@ -142,7 +159,7 @@ void checkArray(const YAML::Node& list, const Schema& schema, const std::string&
   const std::size_t size = list.IsNull() ? 0 : list.size();
   const auto whole = [&list] { return shown(list); };
   if (size < schema.min_items || (schema.max_items && size > *schema.max_items))
-    return findings.add(where, whole, [&schema] { return schema.text(); });
+    return findings.add(list, where, whole, [&schema] { return schema.text(); });
   if (!schema.items) return;
   std::set<Fault> said;  // each fault of the whole list once: showing it takes as long as the list
   for (std::size_t k = 0; k < size && !findings.enough(); ++k) {
@@ -152,8 +169,8 @@ void checkArray(const YAML::Node& list, const Schema& schema, const std::string&
     }
     const Fault fault = faultOf(list[k], *schema.items);  // said of the whole list, which is short
     if (fault == Fault::kNone || !said.insert(fault).second) continue;
-    findings.add(where, whole, [&] {
-      const std::string allowed = allowedInstead(fault, *schema.items);
+    findings.add(list, where, whole, [&] {
+      const std::string allowed = allowedInstead(fault, *schema.items, list[k]);
       return allowed == schema.items->text() ? schema.text() : allowed;
     });
   }
@@ -198,13 +215,14 @@ std::string tellingKey(const std::vector<SchemaPtr>& alternatives) {
 /** None of the alternatives is meant by the value of the key that tells them apart. */
 void addTellingFault(const YAML::Node& map, const std::string& key, const std::vector<SchemaPtr>& alternatives,
                      const std::string& where, Findings& findings) {
+  const auto found = valueOf(map, key);
   const auto allowed = [&] {
-    std::vector<std::string> known;
-    for (const SchemaPtr& each : alternatives) known.push_back(shown(each->properties.at(key)->choices.front()));
-    return "one of " + joined(known) + (map[key].IsDefined() ? "" : " (required)");
+    std::vector<YAML::Node> known;
+    for (const SchemaPtr& each : alternatives) known.push_back(each->properties.at(key)->choices.front());
+    return oneOf(wordsOf(known), found ? nameIn(*found) : "") + (found ? "" : " (required)");
   };
   findings.add(
-      findings.keyOf(where, key), [&] { return shown(map[key]); }, allowed);
+      map, findings.keyOf(where, key), [&] { return found ? shown(*found) : "nothing"; }, allowed);
 }
 
 std::vector<std::string> textsOf(const std::vector<SchemaPtr>& alternatives) {
@@ -231,11 +249,11 @@ void addAlternativesFault(const YAML::Node& value, const std::vector<SchemaPtr>&
   const std::vector<std::string> keys = keysAskedFor(alternatives);
   if (!keys.empty()) {
     findings.add(
-        where, [&] { return std::to_string(fitting.size()) + " of these keys"; },
+        value, where, [&] { return std::to_string(fitting.size()) + " of these keys"; },
         [&] { return std::string(one_only ? "one" : "one or more") + " of " + joined(keys); });
   } else if (fitting.size() > 1) {
     findings.add(
-        where, [&] { return shown(value) + ", which is " + joined(textsOf(fitting), " and "); },
+        value, where, [&] { return shown(value) + ", which is " + joined(textsOf(fitting), " and "); },
         [] { return "only one of them"; });
   } else if (meant.size() == 1) {
     checkValue(value, *meant.front(), where, findings);
@@ -243,7 +261,7 @@ void addAlternativesFault(const YAML::Node& value, const std::vector<SchemaPtr>&
     addTellingFault(value, tellingKey(alternatives), alternatives, where, findings);
   } else {
     findings.add(
-        where, [&] { return shown(value); }, [&] { return joined(textsOf(alternatives), " or "); });
+        value, where, [&] { return shown(value); }, [&] { return joined(textsOf(alternatives), " or "); });
   }
 }
 
@@ -279,9 +297,11 @@ SchemaPtr propertyOfAlternatives(const std::vector<SchemaPtr>& alternatives, con
 void checkValue(const YAML::Node& value, const Schema& schema, const std::string& where, Findings& findings) {
   if (!value.IsDefined()) return checkValue(YAML::Node(), schema, where, findings);
   const Fault fault = faultOf(value, schema);
-  if (fault != Fault::kNone)
+  if (fault != Fault::kNone) {
+    const auto allowed = [&] { return allowedInstead(fault, schema, value); };
     return findings.add(
-        where, [&value] { return shown(value); }, [&] { return allowedInstead(fault, schema); });
+        value, where, [&value] { return shown(value); }, allowed);
+  }
   const bool of_map = schema.type == Type::kObject ||
                       (schema.type == Type::kAny && !(schema.properties.empty() && schema.required.empty()));
   if (of_map) checkObject(value, schema, where, findings);
@@ -293,9 +313,11 @@ void checkValue(const YAML::Node& value, const Schema& schema, const std::string
 
 }  // namespace
 
-void Schema::check(const YAML::Node& value, const std::string& where, FaultList& faults) const {
-  Findings findings(&faults);
+bool Schema::check(const YAML::Node& value, const std::string& where, FaultList& faults,
+                   const std::string& file) const {
+  Findings findings(&faults, file);
   checkValue(value, *this, where, findings);
+  return !findings.any();
 }
 
 bool Schema::fits(const YAML::Node& value) const {

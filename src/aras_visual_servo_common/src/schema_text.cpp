@@ -1,9 +1,8 @@
 // What a schema allows, and values, in words.
 #include <algorithm>
 
-#include "aras_visual_servo_common/schema.hpp"
+#include "aras_visual_servo_common/read_section.hpp"
 #include "aras_visual_servo_common/text.hpp"
-#include "aras_visual_servo_common/yaml_value.hpp"
 
 namespace aras_visual_servo_common {
 namespace {
@@ -49,7 +48,7 @@ std::string Schema::text() const {
   if (!choices.empty()) {
     std::vector<std::string> words;
     for (const YAML::Node& choice : choices) words.push_back(shown(choice));
-    return words.size() == 1 ? words.front() : "one of " + joined(words);
+    return oneOf(words, "");
   }
   if (type == Type::kArray) return listText(*this);
   if (type == Type::kObject) return "a map";
@@ -61,6 +60,12 @@ std::string Schema::text() const {
   for (const SchemaPtr& each : any_of) ways.push_back(each->text());
   for (const SchemaPtr& each : one_of) ways.push_back(each->text());
   return ways.empty() ? "a value" : joined(ways, " or ");
+}
+
+std::string placeOf(const YAML::Node& value, const std::string& file) {
+  if (file.empty()) return "";
+  const YAML::Mark mark = value.IsDefined() ? value.Mark() : YAML::Mark::null_mark();
+  return file + (mark.is_null() ? "" : ":" + std::to_string(mark.line + 1)) + ": ";
 }
 
 std::string shown(const YAML::Node& value) {
@@ -85,6 +90,20 @@ std::optional<YAML::Node> valueOf(const YAML::Node& map, const std::string& key)
   for (const auto& item : map)
     if (item.first.IsScalar() && item.first.Scalar() == key) return item.second;
   return std::nullopt;
+}
+
+SectionCheck SectionCheck::part(const std::string& key, std::size_t k) const {
+  const YAML::Node list = node(key);
+  const bool has_it = list.IsDefined() && list.IsSequence() && k < list.size();
+  return {has_it ? list[k] : YAML::Node(), path(key) + "[" + std::to_string(k) + "]", faults_, file_};
+}
+
+void SectionCheck::fault(const std::string& key, const std::string& found, const std::string& allowed) const {
+  faults_.add(placeOf(has(key) ? node(key) : node_, file_) + path(key), found, allowed);
+}
+
+void SectionCheck::fault(const std::string& key, double found, const std::string& allowed) const {
+  fault(key, numberText(found), allowed);
 }
 
 }  // namespace aras_visual_servo_common

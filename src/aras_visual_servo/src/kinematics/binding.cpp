@@ -2,6 +2,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <aras_visual_servo_common/python/bind_errors.hpp>
 #include <array>
 #include <string>
 #include <tuple>
@@ -13,17 +14,10 @@
 #include "twist_inverse.hpp"
 
 namespace py = pybind11;
-namespace common = aras_visual_servo_common;
 using namespace aras_visual_servo;  // NOLINT: this file is a part of the module
 
 // The headers document the classes and functions. Python's names for them are the same, in snake case.
 namespace {
-
-/** Raises the class of that name of the package's errors.py. */
-void raise(const char* name, const std::exception& error) {
-  const py::object errors = py::module_::import("aras_visual_servo.ground.errors");
-  PyErr_SetString(py::object(errors.attr(name)).ptr(), error.what());
-}
 
 /** pybind11 before 2.12 calls a function that numpy 2 no longer has: the process would end without a word. */
 void refuseNumpy2() {
@@ -117,18 +111,7 @@ void bindLimits(py::module_& module) {
 PYBIND11_MODULE(_kinematics, module) {
   refuseNumpy2();
   module.doc() = "Kinematics of a URDF chain through KDL, from twists to joint velocities, and quadratic programs.";
-  // Of this module only: the simulator and the camera raise errors of their own.
-  py::register_local_exception_translator([](std::exception_ptr pointer) {
-    try {
-      if (pointer) std::rethrow_exception(pointer);
-    } catch (const common::ModelError& error) {
-      raise("ModelError", error);
-    } catch (const common::ShapeError& error) {
-      raise("ShapeError", error);
-    } catch (const common::NotFiniteError& error) {
-      raise("NotFiniteError", error);
-    }
-  });
+  aras_visual_servo_common::bindErrors(module);
   bindInverse(module);  // first, since `held` takes an Inverse
   bindArrival(module);
   bindLimits(module);

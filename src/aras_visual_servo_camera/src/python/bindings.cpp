@@ -1,14 +1,16 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
+#include <yaml-cpp/yaml.h>
 
+#include <aras_visual_servo_common/fault_list.hpp>
 #include <aras_visual_servo_common/python/bind_errors.hpp>
-#include <cmath>
+#include <aras_visual_servo_common/python/yaml_from_python.hpp>
 
 #include "aras_visual_servo_camera/extraction/moment_extractor.hpp"
-#include "bind_extractor.hpp"
-#include "bind_matches.hpp"
-#include "bind_photometric.hpp"
-#include "bind_tag.hpp"
+#include "aras_visual_servo_camera/matching/match_extractor.hpp"
+#include "aras_visual_servo_camera/photometric/photometric_extractor.hpp"
+#include "aras_visual_servo_camera/tags/tag_extractor.hpp"
+#include "conversions.hpp"
 
 namespace py = pybind11;
 using namespace aras_visual_servo_camera;  // NOLINT: this file is the module
@@ -22,42 +24,125 @@ std::string repr(const MomentFeatures& f) {
          ", yn=" + number(f.yn) + ", an=" + number(f.an) + ")";
 }
 
-void bindFeatures(py::module_& module) {
-  py::class_<MomentFeatures>(module, "MomentFeatures",
-                             "Features of one image; the fields are those of aras_visual_servo_msgs/MomentFeatures.")
-      .def(py::init<>(), "Nothing in view: every flag false, every number NaN, the lists empty.")
-      .def_readwrite("target_visible", &MomentFeatures::target_visible)
-      .def_readwrite("touches_border", &MomentFeatures::touches_border)
-      .def_readwrite("symmetric", &MomentFeatures::symmetric)
-      .def_readwrite("has_reference", &MomentFeatures::has_reference)
-      .def_readwrite("valid", &MomentFeatures::valid)
-      .def_readwrite("ambiguous", &MomentFeatures::ambiguous)
-      .def_readwrite("components", &MomentFeatures::components)
-      .def_readwrite("area", &MomentFeatures::area)
-      .def_readwrite("xg", &MomentFeatures::xg)
-      .def_readwrite("yg", &MomentFeatures::yg)
-      .def_readwrite("alpha", &MomentFeatures::alpha)
-      .def_readwrite("xn", &MomentFeatures::xn)
-      .def_readwrite("yn", &MomentFeatures::yn)
-      .def_readwrite("an", &MomentFeatures::an)
-      .def_readwrite("z_star_m", &MomentFeatures::z_star_m)
-      .def_readwrite("area_star", &MomentFeatures::area_star)
-      .def_readwrite("reference_stamp_ns", &MomentFeatures::reference_stamp_ns)
-      .def_readwrite("orientation_condition", &MomentFeatures::orientation_condition)
-      .def_readwrite("asymmetry", &MomentFeatures::asymmetry)
-      .def_readwrite("moment_names", &MomentFeatures::moment_names)
-      .def_readwrite("m", &MomentFeatures::m)
-      .def_readwrite("mu", &MomentFeatures::mu)
-      .def_readwrite("point_x", &MomentFeatures::point_x)
-      .def_readwrite("point_y", &MomentFeatures::point_y)
-      .def_readwrite("point_z", &MomentFeatures::point_z)
-      .def_readwrite("depth_fault", &MomentFeatures::depth_fault)
-      .def_readwrite("ray_x", &MomentFeatures::ray_x)
-      .def_readwrite("ray_y", &MomentFeatures::ray_y)
-      .def_readwrite("ray_z", &MomentFeatures::ray_z)
-      .def_readwrite("kernel_x", &MomentFeatures::kernel_x)
-      .def_readwrite("kernel_y", &MomentFeatures::kernel_y)
-      .def("__repr__", &repr);
+template <typename Features>
+py::class_<Features> bindFeatures(py::module_& module, const std::string& name) {
+  const std::string doc = "Of one image; the fields are those of aras_visual_servo_msgs/" + name + ".";
+  return py::class_<Features>(module, name.c_str(), doc.c_str())
+      .def(py::init<>(), "Nothing in view: every flag false, every number NaN, the lists empty.");
+}
+
+#define ARAS_BIND(field) features.def_readwrite(#field, &Features::field);
+
+void bindAllFeatures(py::module_& module) {
+  {
+    using Features = MomentFeatures;
+    auto features = bindFeatures<Features>(module, "MomentFeatures").def("__repr__", &repr);
+    ARAS_MOMENT_FIELDS(ARAS_BIND)
+  }
+  {
+    using Features = PhotometricFeatures;
+    auto features = bindFeatures<Features>(module, "PhotometricFeatures");
+    ARAS_PHOTOMETRIC_FIELDS(ARAS_BIND)
+  }
+  {
+    using Features = MatchFeatures;
+    auto features = bindFeatures<Features>(module, "MatchFeatures");
+    ARAS_MATCH_FIELDS(ARAS_BIND)
+  }
+  {
+    using Features = TagFeatures;
+    auto features = bindFeatures<Features>(module, "TagFeatures");
+    ARAS_TAG_FIELDS(ARAS_BIND)
+  }
+}
+
+/** An extractor from the dictionaries of a camera_info and of a section of a scenario.
+ *  @throws ParameterError  every fault of both, one per line */
+template <typename Extractor, typename Settings>
+std::unique_ptr<Extractor> makeExtractor(const py::dict& camera_info, const py::dict& config,
+                                         const std::string& section, Settings (*read)(const YAML::Node&)) {
+  using aras_visual_servo_common::yamlFromPython;
+  aras_visual_servo_common::FaultList faults;
+  std::optional<CameraIntrinsics> intrinsics;
+  std::optional<Settings> settings;
+  faults.collect([&] { intrinsics = readCameraInfo(yamlFromPython(camera_info, "camera_info")); });
+  faults.collect([&] { settings = read(yamlFromPython(config, section)); });
+  faults.throwIfAny();
+  return std::make_unique<Extractor>(*intrinsics, *settings);
+}
+
+/** What the docstrings of one extractor say. */
+struct Docs {
+  std::string extractor, process, returns;
+};
+
+/** The parts that all extractors have. @param section  dotted path of its settings @param with_depth  whether `process`
+ *  takes a depth image */
+template <typename Extractor, bool with_depth, typename Settings>
+py::class_<Extractor> bindExtractor(py::module_& module, const char* name, const std::string& section,
+                                    Settings (*read)(const YAML::Node&), const Docs& docs) {
+  const std::string file = section.substr(section.rfind('.') + 1);
+  const std::string init_doc = R"(Args:
+    camera_info: dict with width, height, K (9), D, distortion_model, as sensor_msgs/CameraInfo.
+    config: the section `)" + section +
+                               "` of a scenario, see schema/" + file + R"(.yaml of this package.
+Raises:
+    ParameterError: every fault of both, one per line.)";
+  const std::string process_doc =
+      docs.process + R"(
+
+Args:
+    image: uint8, shape (h, w) grey, (h, w, 3) rgb or (h, w, 4) rgba, or uint16 of the first two, rows contiguous.
+    stamp_ns: of the image; with one, `teach` finds it while it is among the last 32.
+)" +
+      (with_depth
+           ?
+           R"(    depth: float32 [m] or uint16 [mm], shape (h, w), rows contiguous: Z of the pixels, with holes of 0 or NaN; read
+        where the section `depth` asks for it. One of another size, or None, is told in `depth_fault`.
+)"
+           : "") +
+      "Returns:\n    " + docs.returns + "\nRaises:\n    ShapeError: another type, shape or size than camera_info.";
+  py::class_<Extractor> extractor(module, name, docs.extractor.c_str());
+  extractor
+      .def(py::init([section, read](const py::dict& camera_info, const py::dict& config) {
+             return makeExtractor<Extractor>(camera_info, config, section, read);
+           }),
+           py::arg("camera_info"), py::arg("config") = py::dict(), init_doc.c_str())
+      .def("clear_reference", &Extractor::clearReference)
+      .def_property_readonly("features", &Extractor::features, py::return_value_policy::copy, "Of the last image.");
+  if constexpr (with_depth) {
+    extractor.def(
+        "process",
+        [](Extractor& self, const py::array& image, std::int64_t stamp_ns, const std::optional<py::array>& depth) {
+          const DepthView view = depth ? depthOf(*depth) : DepthView{};
+          return self.process(viewOf(image), stamp_ns, depth ? &view : nullptr);
+        },
+        py::arg("image"), py::arg("stamp_ns") = kNoStamp, py::arg("depth") = py::none(), process_doc.c_str());
+  } else {
+    extractor.def(
+        "process",
+        [](Extractor& self, const py::array& image, std::int64_t stamp_ns) {
+          return self.process(viewOf(image), stamp_ns);
+        },
+        py::arg("image"), py::arg("stamp_ns") = kNoStamp, process_doc.c_str());
+  }
+  return extractor;
+}
+
+/** How an extractor whose goal is a whole image gets one. @param raises  what `set_reference` says of its errors */
+template <typename Extractor>
+void bindGoalImage(py::class_<Extractor>& extractor, const std::string& raises) {
+  const std::string doc =
+      "Make an image the goal, its optical axis meeting the plane of the target at depth z_star_m [m].\n\n" + raises;
+  extractor
+      .def(
+          "set_reference",
+          [](Extractor& self, const py::array& image, double z_star_m) { self.setReference(viewOf(image), z_star_m); },
+          py::arg("image"), py::arg("z_star_m"), doc.c_str())
+      .def("teach", &Extractor::teach, py::arg("stamp_ns"), py::arg("z_star_m"),
+           R"(Make the image of this stamp the goal, its optical axis meeting the target's plane at depth z_star_m [m].
+
+Raises ParameterError: it is not among the last 32 images; else as set_reference.)");
 }
 
 py::array_t<std::uint8_t> convertedImage(const MomentExtractor& extractor) {
@@ -67,21 +152,11 @@ py::array_t<std::uint8_t> convertedImage(const MomentExtractor& extractor) {
   return out;
 }
 
-void bindExtractor(py::module_& module) {
-  py::class_<MomentExtractor> extractor(module, "MomentExtractor",
-                                        "Image in, moment features out. Same images, same bits.");
-  extractor.def(py::init([](const py::dict& camera_info, const py::dict& config) {
-                  return makeExtractor<MomentExtractor>(camera_info, config, "vision", readVisionConfig);
-                }),
-                py::arg("camera_info"), py::arg("config"),
-                R"(Args:
-    camera_info: dict with width, height, K (9), D, distortion_model, as sensor_msgs/CameraInfo.
-    config: the `vision` section of a scenario, see schema/vision.yaml of this package.
-Raises:
-    ParameterError: every fault of both, one per line.)");
-  bindDepthProcess(extractor, "Features of one image.",
-                   "MomentFeatures; an empty view is a value (target_visible False), not an error.");
-  extractor
+void bindMoments(py::module_& module) {
+  bindExtractor<MomentExtractor, true>(
+      module, "MomentExtractor", "vision", readVisionConfig,
+      {"Image in, moment features out. Same images, same bits.", "Features of one image.",
+       "MomentFeatures; an empty view is a value (target_visible False), not an error."})
       .def(
           "set_reference",
           [](MomentExtractor& self, double z_star_m, double area_star, double alpha_star) {
@@ -111,13 +186,44 @@ Raises ParameterError: it is not among the last 32 images; DegenerateFeature: it
                              "What the moments saw of the last image: (h, w) uint8, weights 0..255; a copy.");
 }
 
+void bindGoalImages(py::module_& module) {
+  auto photometric = bindExtractor<PhotometricExtractor, false>(
+      module, "PhotometricExtractor", "vision.photometric", readPhotometricConfig,
+      {"Image in, parts of the photometric normal equations out. Same images, same bits.",
+       "Features of one image, relative to the reference.",
+       "PhotometricFeatures; an image without contrast is a value (target_visible False), not an error."});
+  bindGoalImage(
+      photometric,
+      "Raises DegenerateFeature (nothing to servo on in it), ParameterError, ShapeError; there is no reference then.");
+  photometric.def(
+      "set_reference",
+      [](PhotometricExtractor& self, const py::array& image, const std::array<double, 3>& plane) {
+        self.setReference(viewOf(image), Plane{plane[0], plane[1], plane[2]});
+      },
+      py::arg("image"), py::arg("plane"), "The plane given as (A, B, C) of 1/Z = A x + B y + C [1/m].");
+  auto matches = bindExtractor<MatchExtractor, true>(
+      module, "MatchExtractor", "vision.matches", readMatchingConfig,
+      {"Image in, keypoints matched to those of the goal out. Same images, same bits.",
+       "Features of one image, relative to the goal image.",
+       "MatchFeatures; too few matches are a value (valid False, the reason in fault), not an error."});
+  bindGoalImage(matches,
+                "Raises DegenerateFeature (too few keypoints), ParameterError, ShapeError; there is no goal then.");
+  auto tag = bindExtractor<TagExtractor, false>(
+      module, "TagExtractor", "vision.tag", readTagConfig,
+      {"Image in, corners and pose of one AprilTag out. Same images, same bits.",
+       "Features of one image, relative to the goal image.",
+       "TagFeatures; a tag that is not found is a value (valid False, the reason in fault), not an error."});
+  bindGoalImage(tag, "Raises DegenerateFeature (no tag), ParameterError, ShapeError; there is no goal then.");
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_camera, module) {
   module.doc() = "C++ core of aras_visual_servo_camera.";
   aras_visual_servo_common::bindErrors(module);
-  bindFeatures(module);
-  bindExtractor(module);
+  bindAllFeatures(module);
+  bindMoments(module);
+  bindGoalImages(module);
   module.def("in_rgb", &inRgb, py::arg("image"), py::arg("encoding"),
              R"(The image of a camera as the extractors take it.
 
@@ -128,7 +234,4 @@ Returns:
     new one of rgb8, (h, w, 3) uint8.
 Raises:
     ShapeError: an encoding that the extractors do not take, or an image that does not have its shape and type.)");
-  bindPhotometric(module);
-  bindMatches(module);
-  bindTag(module);
 }

@@ -2,10 +2,11 @@
 
 #include <sensor_msgs/image_encodings.h>
 
+#include <aras_visual_servo_common/ros/yaml_from_xmlrpc.hpp>
+
 #include "aras_visual_servo_camera/config/errors.hpp"
 #include "aras_visual_servo_camera/extraction/overlay.hpp"
 #include "conversions.hpp"
-#include "parameters.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
@@ -25,6 +26,27 @@ sensor_msgs::Image emptyImage(const std_msgs::Header& header, const ImageView& v
   image.encoding = encoding;
   image.step = image.width * static_cast<std::uint32_t>(bytes_per_pixel);
   return image;
+}
+
+/** The vision section: `~vision`, else `~scenario/vision`, else `scenario/vision` of the namespace. */
+VisionConfig readParameters(const ros::NodeHandle& node, const ros::NodeHandle& private_node) {
+  XmlRpc::XmlRpcValue value;
+  if (private_node.getParam("vision", value) || private_node.getParam("scenario/vision", value) ||
+      node.getParam("scenario/vision", value))
+    return readVisionConfig(aras_visual_servo_common::yamlFromXmlRpc(value));
+  throw ParameterError("vision: found nothing, allowed a mapping in " + private_node.resolveName("vision") + ", " +
+                       private_node.resolveName("scenario/vision") + " or " + node.resolveName("scenario/vision"));
+}
+
+/** Publishes the features of an extractor, if there is one. */
+template <typename Extractor>
+void publishFeatures(const std::unique_ptr<Extractor>& extractor, const std_msgs::Header& header, double age_s,
+                     const ros::Publisher& publisher) {
+  if (!extractor) return;
+  auto message = toMessage(extractor->features());
+  message.header = header;
+  message.age_s = age_s;
+  publisher.publish(message);
 }
 
 std::int64_t nanoseconds(const ros::Time& stamp) { return static_cast<std::int64_t>(stamp.toNSec()); }
@@ -135,28 +157,11 @@ void CameraNode::process(const sensor_msgs::ImageConstPtr& image, const sensor_m
 }
 
 void CameraNode::publish(const Image& image, const ImageView& view) {
-  aras_visual_servo_msgs::MomentFeatures features = toMessage(extractor_->features());
-  features.header = image.header;
-  features.age_s = (ros::Time::now() - image.header.stamp).toSec();
-  features_pub_.publish(features);
-  if (photometric_) {
-    aras_visual_servo_msgs::PhotometricFeatures photometric = toMessage(photometric_->features());
-    photometric.header = image.header;
-    photometric.age_s = features.age_s;
-    photometric_pub_.publish(photometric);
-  }
-  if (matches_) {
-    aras_visual_servo_msgs::MatchFeatures matches = toMessage(matches_->features());
-    matches.header = image.header;
-    matches.age_s = features.age_s;
-    matches_pub_.publish(matches);
-  }
-  if (tag_) {
-    aras_visual_servo_msgs::TagFeatures tag = toMessage(tag_->features());
-    tag.header = image.header;
-    tag.age_s = features.age_s;
-    tag_pub_.publish(tag);
-  }
+  const double age_s = (ros::Time::now() - image.header.stamp).toSec();
+  publishFeatures(extractor_, image.header, age_s, features_pub_);
+  publishFeatures(photometric_, image.header, age_s, photometric_pub_);
+  publishFeatures(matches_, image.header, age_s, matches_pub_);
+  publishFeatures(tag_, image.header, age_s, tag_pub_);
   if (converted_pub_.getNumSubscribers() > 0) {
     Image converted = emptyImage(image.header, view, sensor_msgs::image_encodings::MONO8, 1);
     converted.data.resize(static_cast<std::size_t>(converted.step) * converted.height);

@@ -23,7 +23,7 @@ class BadParametersTest(unittest.TestCase):
     def test_every_fault_is_listed(self):
         code, text = self.run_with({"object": "grey", "segmentation": "fixed", "order": 2, "colour": "red"})
         self.assertNotEqual(code, 0)
-        for part in ("vision/object: found grey", "vision/threshold: found nothing", "vision/order", "vision/colour"):
+        for part in ("vision.object: found grey", "vision.threshold: found nothing", "vision.order", "vision.colour"):
             self.assertIn(part, text)
 
     def test_missing_section_is_named(self):

@@ -238,15 +238,15 @@ def test_views_of_another_seed_have_other_components():
 
 
 @pytest.mark.parametrize("config, texts", [
-    ({"mapping": "wavelets"}, ["vision/photometric/mapping: found wavelets"]),
-    ({"mapping": "dct", "dct": {"coefficients": 5}}, ["vision/photometric/dct/coefficients: found 5"]),
+    ({"mapping": "wavelets"}, ["vision.photometric.mapping: found wavelets"]),
+    ({"mapping": "dct", "dct": {"coefficients": 5}}, ["vision.photometric.dct.coefficients: found 5"]),
     ({"mapping": "pca", "pca": {"components": 20, "views": 10, "spread": 0.0}},
-     ["vision/photometric/pca/spread", "vision/photometric/pca/components: found 20, allowed <= views, 10"]),
+     ["vision.photometric.pca.spread", "vision.photometric.pca.components: found 20, allowed <= views, 10"]),
     ({"mapping": "mixture", "levels": 2, "mixture": {"extension_px": 2.0, "final_extension_px": 3.0}},
-     ["vision/photometric/levels: found 2", "final_extension_px: found 3, allowed <= extension_px, 2"]),
+     ["vision.photometric.levels: found 2", "final_extension_px: found 3, allowed <= extension_px, 2"]),
     ({"mapping": "mutual_information", "interaction": "mean", "illumination": "offset",
       "mutual_information": {"bins": 3}},
-     ["interaction: found mean, allowed current", "illumination: found offset", "mutual_information/bins: found 3"])])
+     ["interaction: found mean, allowed current", "illumination: found offset", "mutual_information.bins: found 3"])])
 def test_every_fault_of_the_settings_is_listed(config, texts):
     with pytest.raises(camera.ParameterError) as caught:
         camera.PhotometricExtractor(camera_info(), config)
@@ -256,7 +256,7 @@ def test_every_fault_of_the_settings_is_listed(config, texts):
 
 def test_more_coefficients_than_pixels_are_refused():
     scene = smooth_scene()
-    with pytest.raises(camera.ParameterError, match="dct/coefficients: found 14001, allowed at most 14000"):
+    with pytest.raises(camera.ParameterError, match="dct.coefficients: found 14001, allowed at most 14000"):
         extractor(scene, mapping="dct", dct={"coefficients": 14001})
 
 

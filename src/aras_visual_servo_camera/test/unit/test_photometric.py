@@ -273,8 +273,8 @@ def test_every_fault_of_the_settings_is_listed():
     text = str(caught.value)
     for key in ("interaction", "illumination", "levels", "switch_px", "smoothing_px", "border_px", "min_contrast",
                 "target_normal_C", "sigma: found an unknown key"):
-        assert f"vision/photometric/{key}" in text, key
-    with pytest.raises(camera.ParameterError, match="vision/photometric/levels: found 0"):
+        assert f"vision.photometric.{key}" in text, key
+    with pytest.raises(camera.ParameterError, match="vision.photometric.levels: found 0"):
         camera.MomentExtractor(camera_info(), {"object": "dark", "segmentation": "otsu", "photometric": {"levels": 0}})
     with pytest.raises(camera.ParameterError, match="levels: found 8"):
         extractor(camera_info(), levels=8)

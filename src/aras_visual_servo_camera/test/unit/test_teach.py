@@ -96,7 +96,7 @@ def test_images_without_a_stamp_are_not_kept(seen):
     for k in range(5):
         extractor.process(picture(k))
     extractor.teach(2 * MS, Z_STAR_M)
-    with pytest.raises(camera.ParameterError, match="reference/stamp"):
+    with pytest.raises(camera.ParameterError, match="reference.stamp"):
         extractor.teach(-1, Z_STAR_M)
 
 

@@ -26,12 +26,6 @@ class ParameterError : public ArasError {
   std::vector<std::string> faults_;
 };
 
-/** A schema section cannot be used: the package was built with it, so this is a fault of the package. */
-class SchemaError : public ArasError {
- public:
-  using ArasError::ArasError;
-};
-
 /** The robot description or another model cannot be used: malformed, incomplete or physically impossible. */
 class ModelError : public ArasError {
  public:

@@ -16,7 +16,7 @@ class FaultList {
   /** Adds `where: found FOUND, allowed ALLOWED`. */
   void add(const std::string& where, const std::string& found, const std::string& allowed);
 
-  /** Adds each fault of a part that was checked by itself, with a prefix before it, e.g. "sim/cameras[0]/". */
+  /** Adds each fault of a part that was checked by itself, with a prefix before it, e.g. "sim.cameras[0].". */
   void adopt(const ParameterError& error, const std::string& prefix = "");
 
   /** Runs an action. If it throws one of our errors, its text is added, with the prefix before each line. */

@@ -3,7 +3,6 @@
 #include <yaml-cpp/yaml.h>
 
 #include <cstddef>
-#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -23,9 +22,8 @@ using SchemaPtr = std::shared_ptr<const Schema>;
 struct Schema {
   enum class Type { kAny, kObject, kArray, kNumber, kInteger, kBoolean, kString };
 
-  std::string name;  ///< the section and the way into it, e.g. "vision/kernel/p"
+  std::string name;  ///< the section and the way into it, e.g. "vision.kernel.p"
   Type type = Type::kAny;
-  std::string description, unit;
   std::optional<YAML::Node> default_value;
   std::vector<YAML::Node> choices;  ///< `enum`, or the one value of `const`; empty: any value
 
@@ -45,14 +43,13 @@ struct Schema {
 
   // string
   std::size_t min_length = 0;
-  std::optional<std::string> pattern;
-  std::function<bool(const std::string&)> matches;  ///< whether a text has the pattern
 
   // alternatives: `anyOf` (at least one holds), `oneOf` (exactly one holds)
   std::vector<SchemaPtr> any_of, one_of;
 
-  /** Adds a fault for everything in a value that is not as it should be; `where` names it in the messages. */
-  void check(const YAML::Node& value, const std::string& where, FaultList& faults) const;
+  /** Adds a fault for everything in a value that is not as it should be; `where` names it in the messages, which begin
+   *  with the name of the file and the line if there is a file. Returns whether there is none. */
+  bool check(const YAML::Node& value, const std::string& where, FaultList& faults, const std::string& file = "") const;
 
   /** Whether check() would find nothing, sooner: the first fault is enough. */
   bool fits(const YAML::Node& value) const;
@@ -73,7 +70,7 @@ class SchemaFolder {
   explicit SchemaFolder(std::map<std::string, std::string> texts);
 
   /** A section, with each `$ref` put in place. It is read when it is first asked for and stays where it is.
-   *  @throws UnknownNameError  @throws SchemaError listing everything in it that is not of the vocabulary */
+   *  @throws UnknownNameError */
   const Schema& section(const std::string& name) const;
 
   std::vector<std::string> names() const;
@@ -83,6 +80,9 @@ class SchemaFolder {
   mutable std::map<std::string, SchemaPtr> sections_;
   mutable std::mutex mutex_;
 };
+
+/** "FILE:LINE: " of a value of that file; empty without a file. */
+std::string placeOf(const YAML::Node& value, const std::string& file);
 
 /** A value as messages show it: on one line, cut after 60 characters. */
 std::string shown(const YAML::Node& value);

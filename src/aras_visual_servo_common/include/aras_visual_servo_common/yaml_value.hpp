@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <limits>
+#include <initializer_list>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,120 +25,154 @@ std::optional<std::int64_t> integerOf(const YAML::Node& value);
 /** The truth value a scalar holds, if it is one. Quoted text is not. */
 std::optional<bool> boolOf(const YAML::Node& value);
 
-/** How YamlReader reads a value as T: `fits` says whether the section describes a T, `read` reads a value that was
- *  checked against the section (nothing when T cannot hold it), `text` names T in messages, `zero` is what a faulty
- *  value reads as until the reader's finish(). */
+/** Names the keys of a map to the settings struct that cmake/generate_sections.py made for it, and reads them. */
+class KeyReader {
+ public:
+  /** @param schema  null where the whole document fits its schema; else values that do not fit are passed over */
+  KeyReader(const YAML::Node& map, const Schema* schema) : map_(map), schema_(schema) {}
+
+  template <typename T>
+  void operator()(const std::string& key, T& value) {
+    names_.push_back(key);
+    if (const auto found = valueOf(map_, key)) read(key, *found, value);
+  }
+
+  /** Reads the keys that no member is named after. */
+  template <typename T>
+  void others(std::map<std::string, T>& values) {
+    if (!map_.IsDefined() || !map_.IsMap()) return;
+    for (const auto& item : map_) {
+      const std::string name = nameIn(item.first);
+      const bool is_member = std::find(names_.begin(), names_.end(), name) != names_.end();
+      if (item.first.IsScalar() && !is_member) read(name, item.second, values[name]);
+    }
+  }
+
+ private:
+  template <typename T>
+  void read(const std::string& key, const YAML::Node& found, T& value) const;
+
+  const YAML::Node& map_;
+  const Schema* schema_;
+  std::vector<std::string> names_;
+};
+
+/** Reads a value that was checked against its schema as T. What T cannot hold is passed over; kHasParts says that parts
+ *  of a faulty value are read nevertheless. This template reads a generated settings struct. */
 template <typename T>
-struct YamlValue;
-
-template <>
-struct YamlValue<double> {
-  static bool fits(const Schema& s) { return s.type == Schema::Type::kNumber || s.type == Schema::Type::kInteger; }
-  static std::optional<double> read(const YAML::Node& value) { return numberOf(value); }
-  static std::string text() { return "a number"; }
-  static double zero() { return 0.0; }
-};
-
-template <>
-struct YamlValue<std::int64_t> {
-  static bool fits(const Schema& s) { return s.type == Schema::Type::kInteger; }
-  static std::optional<std::int64_t> read(const YAML::Node& value) { return integerOf(value); }
-  static std::string text() { return "an integer"; }
-  static std::int64_t zero() { return 0; }
-};
-
-template <>
-struct YamlValue<int> {
-  static bool fits(const Schema& s) { return s.type == Schema::Type::kInteger; }
-  static std::optional<int> read(const YAML::Node& value) {
-    const auto wide = integerOf(value);
-    if (!wide || *wide < std::numeric_limits<int>::min() || *wide > std::numeric_limits<int>::max()) return {};
-    return static_cast<int>(*wide);
+struct YamlValue {
+  static constexpr bool kHasParts = true;
+  static void read(const YAML::Node& value, const Schema* schema, T& settings) {
+    T::visitKeys(settings, KeyReader(value, schema));
   }
-  static std::string text() { return "an integer of 32 bits"; }
-  static int zero() { return 0; }
+};
+
+struct YamlScalar {
+  static constexpr bool kHasParts = false;
 };
 
 template <>
-struct YamlValue<bool> {
-  static bool fits(const Schema& s) { return s.type == Schema::Type::kBoolean; }
-  static std::optional<bool> read(const YAML::Node& value) { return boolOf(value); }
-  static std::string text() { return "true or false"; }
-  static bool zero() { return false; }
-};
-
-/** Texts, and the words of an `enum`. */
-template <>
-struct YamlValue<std::string> {
-  static bool fits(const Schema& s) {
-    return s.type == Schema::Type::kString || (s.type == Schema::Type::kAny && !s.choices.empty());
+struct YamlValue<double> : YamlScalar {
+  static void read(const YAML::Node& value, const Schema*, double& number) {
+    number = numberOf(value).value_or(number);
   }
-  static std::optional<std::string> read(const YAML::Node& value) {
-    return value.IsScalar() ? std::optional(value.Scalar()) : std::nullopt;
-  }
-  static std::string text() { return "a text"; }
-  static std::string zero() { return ""; }
 };
 
-/** The node itself, for what has no simple type: it was checked against the section. */
 template <>
-struct YamlValue<YAML::Node> {
-  static bool fits(const Schema&) { return true; }
-  static std::optional<YAML::Node> read(const YAML::Node& value) { return value; }
-  static std::string text() { return "anything"; }
-  static YAML::Node zero() { return {}; }
+struct YamlValue<std::int64_t> : YamlScalar {
+  static void read(const YAML::Node& value, const Schema*, std::int64_t& number) {
+    number = integerOf(value).value_or(number);
+  }
+};
+
+template <>
+struct YamlValue<int> : YamlScalar {
+  static void read(const YAML::Node& value, const Schema*, int& number) {
+    number = static_cast<int>(integerOf(value).value_or(number));  // the schema bounds it
+  }
+};
+
+template <>
+struct YamlValue<bool> : YamlScalar {
+  static void read(const YAML::Node& value, const Schema*, bool& truth) { truth = boolOf(value).value_or(truth); }
+};
+
+template <>
+struct YamlValue<std::string> : YamlScalar {
+  static void read(const YAML::Node& value, const Schema*, std::string& text) {
+    if (value.IsScalar()) text = value.Scalar();
+  }
+};
+
+/** The node itself, for what has no simple type. */
+template <>
+struct YamlValue<YAML::Node> : YamlScalar {
+  static void read(const YAML::Node& value, const Schema*, YAML::Node& node) { node.reset(value); }
+};
+
+template <typename T>
+struct YamlValue<std::optional<T>> {
+  static constexpr bool kHasParts = YamlValue<T>::kHasParts;
+  static void read(const YAML::Node& value, const Schema* schema, std::optional<T>& given) {
+    YamlValue<T>::read(value, schema, given.emplace());
+  }
 };
 
 template <typename T>
 struct YamlValue<std::vector<T>> {
-  static bool fits(const Schema& s) {
-    return s.type == Schema::Type::kArray && s.items != nullptr && YamlValue<T>::fits(*s.items);
-  }
-  static std::optional<std::vector<T>> read(const YAML::Node& value) {
-    std::vector<T> values;
-    if (value.IsNull()) return values;
+  static constexpr bool kHasParts = YamlValue<T>::kHasParts;
+  static void read(const YAML::Node& value, const Schema* schema, std::vector<T>& values) {
+    values.clear();
+    if (!value.IsSequence()) return;
+    // A list that is too long is a fault, and the entries beyond are not read.
+    const std::size_t most = schema && schema->max_items ? *schema->max_items : value.size();
+    values.reserve(std::min(most, value.size()));
     for (const YAML::Node& item : value) {
-      const std::optional<T> one = YamlValue<T>::read(item);
-      if (!one) return {};
-      values.push_back(*one);
+      if (values.size() == most) return;
+      YamlValue<T>::read(item, schema ? schema->items.get() : nullptr, values.emplace_back());
     }
-    return values;
   }
-  static std::string text() { return "a list, each element " + YamlValue<T>::text(); }
-  static std::vector<T> zero() { return {}; }
 };
 
 template <typename T, std::size_t N>
-struct YamlValue<std::array<T, N>> {
-  static bool fits(const Schema& s) {
-    return YamlValue<std::vector<T>>::fits(s) && s.min_items == N && s.max_items == N;
-  }
-  static std::optional<std::array<T, N>> read(const YAML::Node& value) {
-    const auto list = YamlValue<std::vector<T>>::read(value);
-    if (!list || list->size() != N) return {};
-    std::array<T, N> values{};
-    std::copy(list->begin(), list->end(), values.begin());
-    return values;
-  }
-  static std::string text() { return "a list of " + std::to_string(N) + ", each element " + YamlValue<T>::text(); }
-  static std::array<T, N> zero() {
-    std::array<T, N> values{};
-    values.fill(YamlValue<T>::zero());
-    return values;
+struct YamlValue<std::array<T, N>> : YamlScalar {
+  static void read(const YAML::Node& value, const Schema*, std::array<T, N>& values) {
+    if (value.size() != N) return;
+    for (std::size_t k = 0; k < N; ++k) YamlValue<T>::read(value[k], nullptr, values[k]);
   }
 };
 
 template <int N>
-struct YamlValue<Eigen::Matrix<double, N, 1>> {
-  using List = YamlValue<std::array<double, static_cast<std::size_t>(N)>>;
-  using Vector = Eigen::Matrix<double, N, 1>;
-  static bool fits(const Schema& s) { return List::fits(s); }
-  static std::optional<Vector> read(const YAML::Node& value) {
-    const auto list = List::read(value);
-    return list ? std::optional<Vector>(Eigen::Map<const Vector>(list->data())) : std::nullopt;
+struct YamlValue<Eigen::Matrix<double, N, 1>> : YamlScalar {
+  static void read(const YAML::Node& value, const Schema*, Eigen::Matrix<double, N, 1>& vector) {
+    if (value.size() != N) return;
+    for (int k = 0; k < N; ++k) YamlValue<double>::read(value[k], nullptr, vector[k]);
   }
-  static std::string text() { return List::text(); }
-  static Vector zero() { return Vector::Zero(); }
 };
+
+template <typename T>
+struct YamlValue<std::map<std::string, T>> {
+  static constexpr bool kHasParts = true;
+  static void read(const YAML::Node& value, const Schema* schema, std::map<std::string, T>& values) {
+    KeyReader(value, schema).others(values);
+  }
+};
+
+/** Reads one of the words of an enum, whose values are in the order of the words. */
+template <typename E>
+void readWord(const YAML::Node& value, std::initializer_list<const char*> words, E& meaning) {
+  int index = 0;
+  for (const char* word : words) {
+    if (value.IsScalar() && value.Scalar() == word) meaning = static_cast<E>(index);
+    ++index;
+  }
+}
+
+template <typename T>
+void KeyReader::read(const std::string& key, const YAML::Node& found, T& value) const {
+  const SchemaPtr schema = schema_ ? schema_->property(map_, key) : nullptr;
+  if (schema_ && !YamlValue<T>::kHasParts && !(schema && schema->fits(found))) return;
+  YamlValue<T>::read(found, schema.get(), value);
+}
 
 }  // namespace aras_visual_servo_common

@@ -57,7 +57,7 @@ TEST_F(Python, NumpyIsReadAsNumbersAndLists) {
 
 TEST_F(Python, WhatYamlDoesNotHaveIsRefusedWithItsPlace) {
   const py::object value = py::eval("{'a': [{1, 2}]}");
-  EXPECT_HAS(textOf<ParameterError>([&] { yamlFromPython(value, "toy"); }), "toy/a[]: found <class 'set'>, allowed");
+  EXPECT_HAS(textOf<ParameterError>([&] { yamlFromPython(value, "toy"); }), "toy.a[]: found <class 'set'>, allowed");
 }
 
 TEST_F(Python, ErrorsAreThoseOfTheModuleAndOfOneFamily) {

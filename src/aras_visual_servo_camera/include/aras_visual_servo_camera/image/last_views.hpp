@@ -44,7 +44,7 @@ class LastViews {
       allowed = "allowed the stamp of one of the last " + std::to_string(count_) + " images, from " +
                 seconds(oldest_ns) + " to " + seconds(newest().stamp_ns);
     }
-    throw ParameterError("reference/stamp: found " + seconds(stamp_ns) + ", " + allowed);
+    throw ParameterError("reference.stamp: found " + seconds(stamp_ns) + ", " + allowed);
   }
 
   void clear() { count_ = 0; }

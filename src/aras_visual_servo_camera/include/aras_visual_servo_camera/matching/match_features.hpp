@@ -34,4 +34,13 @@ struct MatchFeatures {
   std::int64_t reference_stamp_ns = -1;
 };
 
+/** Does the same with each field of MatchFeatures, which its message and its Python class have too. */
+// clang-format off
+#define ARAS_MATCH_FIELDS(DO) \
+  DO(target_visible) DO(has_reference) DO(valid) DO(fault) DO(detector) DO(keypoints) DO(goal_keypoints) \
+  DO(matches) DO(inliers) DO(rms_px) DO(xg) DO(yg) DO(point_x) DO(point_y) DO(point_z) DO(depth_fault) \
+  DO(as_goal_x) DO(as_goal_y) DO(as_goal_z) DO(homography) DO(match_x) DO(match_y) DO(match_goal_x) \
+  DO(match_goal_y) DO(z_star_m) DO(reference_stamp_ns)
+// clang-format on
+
 }  // namespace aras_visual_servo_camera

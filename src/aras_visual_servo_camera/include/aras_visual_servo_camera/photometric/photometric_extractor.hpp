@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "aras_visual_servo_camera/config/photometric_config.hpp"
+#include "aras_visual_servo_camera/config/vision_config.hpp"
 #include "aras_visual_servo_camera/image/camera_intrinsics.hpp"
 #include "aras_visual_servo_camera/image/image_view.hpp"
 #include "aras_visual_servo_camera/image/last_views.hpp"
@@ -17,7 +17,7 @@ struct Plane {
 
 /** The plane with this normal (any length, z > 0) that the optical axis meets at depth z_star_m.
  *  @throws ParameterError unless z_star_m is finite and > 0 */
-Plane planeAt(double z_star_m, const std::array<double, 3>& normal_C);
+Plane planeAt(double z_star_m, const Eigen::Vector3d& normal_C);
 
 /** The luminance of all pixels as the feature: an image goes in, H and b of the normal equations come out.
  *

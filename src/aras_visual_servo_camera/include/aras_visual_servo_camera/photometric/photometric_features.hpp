@@ -34,4 +34,12 @@ struct PhotometricFeatures {
 /** Index of H_ij, i <= j, in PhotometricFeatures::H: the upper triangle, row by row. */
 constexpr int upperIndex(int i, int j) { return i * 6 - i * (i - 1) / 2 + (j - i); }
 
+/** Does the same with each field of PhotometricFeatures, which its message and its Python class have too. */
+// clang-format off
+#define ARAS_PHOTOMETRIC_FIELDS(DO) \
+  DO(target_visible) DO(has_reference) DO(valid) DO(fault) DO(interaction) DO(level) DO(levels) DO(pixels) \
+  DO(rms) DO(cost) DO(H) DO(b) DO(condition) DO(motion_px) DO(z_star_m) DO(reference_hash) \
+  DO(reference_stamp_ns)
+// clang-format on
+
 }  // namespace aras_visual_servo_camera

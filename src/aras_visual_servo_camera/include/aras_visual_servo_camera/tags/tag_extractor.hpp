@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "aras_visual_servo_camera/config/tag_config.hpp"
+#include "aras_visual_servo_camera/config/vision_config.hpp"
 #include "aras_visual_servo_camera/image/camera_intrinsics.hpp"
 #include "aras_visual_servo_camera/image/image_view.hpp"
 #include "aras_visual_servo_camera/image/last_views.hpp"

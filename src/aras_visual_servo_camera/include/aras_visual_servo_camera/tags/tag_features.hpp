@@ -32,4 +32,12 @@ struct TagFeatures {
   std::int64_t reference_stamp_ns = -1;
 };
 
+/** Does the same with each field of TagFeatures, which its message and its Python class have too. */
+// clang-format off
+#define ARAS_TAG_FIELDS(DO) \
+  DO(target_visible) DO(has_reference) DO(valid) DO(fault) DO(family) DO(id) DO(tags) DO(side_px) DO(xg) \
+  DO(yg) DO(point_x) DO(point_y) DO(homography) DO(position_m) DO(orientation) DO(pose_error) \
+  DO(other_pose_error) DO(z_star_m) DO(reference_stamp_ns)
+// clang-format on
+
 }  // namespace aras_visual_servo_camera

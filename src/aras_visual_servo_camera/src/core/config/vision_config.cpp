@@ -1,96 +1,104 @@
+// Checks that the schema cannot express.
 #include "aras_visual_servo_camera/config/vision_config.hpp"
 
-#include <aras_visual_servo_common/yaml_reader.hpp>
-#include <string>
-
-#include "config/read_depth.hpp"
-#include "config/read_matching.hpp"
-#include "config/read_photometric.hpp"
-#include "config/read_tag.hpp"
-#include "schema_sections.hpp"
+#include <aras_visual_servo_common/text.hpp>
 
 namespace aras_visual_servo_camera {
 namespace {
 
-using aras_visual_servo_common::YamlReader;
+using aras_visual_servo_common::numberText;
+using aras_visual_servo_common::readSection;
+using aras_visual_servo_common::SectionCheck;
+using aras_visual_servo_common::shown;
 
 constexpr int kMinCorners = 3;
 
-void readSegmentation(YamlReader& reader, VisionConfig& c) {
-  c.object = reader.choice<ObjectShade>("object", {{"dark", ObjectShade::kDark}, {"bright", ObjectShade::kBright}});
-  c.segmentation = reader.choice<SegmentationMethod>("segmentation", {{"coverage", SegmentationMethod::kCoverage},
-                                                                      {"fixed", SegmentationMethod::kFixed},
-                                                                      {"otsu", SegmentationMethod::kOtsu},
-                                                                      {"adaptive", SegmentationMethod::kAdaptive}});
-  c.threshold = c.segmentation == SegmentationMethod::kFixed ? reader.get<double>("threshold")
-                                                             : reader.find<double>("threshold").value_or(0.0);
-  c.object_grey = reader.find<double>("object_grey");
-  c.background_grey = reader.find<double>("background_grey");
-  c.min_contrast = reader.get<double>("min_contrast");
-  c.adaptive_block_px = reader.get<int>("adaptive_block_px");
-  c.adaptive_offset = reader.get<double>("adaptive_offset");
-  if (c.adaptive_block_px % 2 == 0)
-    reader.fault("adaptive_block_px", std::to_string(c.adaptive_block_px), "an odd number");
+void checkOdd(const SectionCheck& section, const char* key, int value) {
+  if (value % 2 == 0) section.fault(key, value, "an odd number");
+}
+
+void checkDepth(const DepthConfig& depth, const SectionCheck& section) {
+  checkOdd(section, "window_px", depth.window_px);
+}
+
+void checkMatching(const MatchingConfig& c, const SectionCheck& section) {
+  if (c.depth) checkDepth(*c.depth, section.part("depth"));
+  if (c.keypoints < c.min_matches)
+    section.fault("keypoints", c.keypoints, ">= min_matches, " + numberText(c.min_matches));
+}
+
+void checkMappings(const PhotometricConfig& c, const SectionCheck& section) {
+  if (c.pca.components > c.pca.views)
+    section.part("pca").fault("components", c.pca.components, "<= views, " + numberText(c.pca.views));
+  if (c.mixture.final_extension_px > c.mixture.extension_px)
+    section.part("mixture").fault("final_extension_px", c.mixture.final_extension_px,
+                                  "<= extension_px, " + numberText(c.mixture.extension_px));
+  if (c.mapping == Mapping::kMixture && c.levels > 1)
+    section.fault("levels", c.levels, "1 with mapping mixture, whose extension takes their place");
+  if (c.mapping != Mapping::kMutualInformation) return;
+  // The gradient of the information is that of the current image, and light needs no columns of its own.
+  if (section.has("interaction") && c.interaction != GradientOf::kCurrent)
+    section.fault("interaction", shown(section.node("interaction")), "current with mapping mutual_information");
+  if (c.illumination != Illumination::kConstant)
+    section.fault("illumination", shown(section.node("illumination")), "constant with mapping mutual_information");
+}
+
+void checkPhotometric(PhotometricConfig& c, const SectionCheck& section) {
+  checkMappings(c, section);
+  if (c.mapping == Mapping::kMutualInformation) c.interaction = GradientOf::kCurrent;
+  if (!(c.target_normal_C[2] > 0.0))
+    section.fault("target_normal_C", numberText(c.target_normal_C[2]) + " as the last",
+                  "> 0 there, away from the camera");
+}
+
+void checkSegmentation(const VisionConfig& c, const SectionCheck& section) {
+  if (c.segmentation == SegmentationMethod::kFixed && section.has("segmentation") && !section.has("threshold"))
+    section.missing("threshold", "a number with segmentation fixed");
+  checkOdd(section, "adaptive_block_px", c.adaptive_block_px);
   if (c.object_grey && c.background_grey) {
     const double contrast = *c.background_grey - *c.object_grey;
     const bool dark = c.object == ObjectShade::kDark;
     if ((dark ? contrast : -contrast) < 1.0)
-      reader.fault("object_grey", std::to_string(*c.object_grey),
-                   std::string(dark ? "at least 1 below" : "at least 1 above") + " background_grey, " +
-                       std::to_string(*c.background_grey));
+      section.fault("object_grey", *c.object_grey,
+                    std::string(dark ? "at least 1 below" : "at least 1 above") + " background_grey, " +
+                        numberText(*c.background_grey));
   }
-}
-
-void readSelection(YamlReader& reader, VisionConfig& c) {
-  c.component =
-      reader.choice<ComponentChoice>("component", {{"largest", ComponentChoice::kLargest},
-                                                   {"nearest_to_previous", ComponentChoice::kNearestToPrevious},
-                                                   {"most_similar", ComponentChoice::kMostSimilar}});
-  c.min_area_px = reader.get<int>("min_area_px");
-  c.lost_area_px = reader.find<int>("lost_area_px");
   if (c.lost_area_px && *c.lost_area_px > c.min_area_px)
-    reader.fault("lost_area_px", std::to_string(*c.lost_area_px),
-                 "at most min_area_px, " + std::to_string(c.min_area_px));
-  c.border_margin_px = reader.get<int>("border_margin_px");
-  c.switch_ratio = reader.get<double>("switch_ratio");
-  c.switch_images = reader.get<int>("switch_images");
+    section.fault("lost_area_px", *c.lost_area_px, "at most min_area_px, " + numberText(c.min_area_px));
 }
 
-void readFeatures(YamlReader& reader, VisionConfig& c) {
-  c.order = reader.get<int>("order");
-  c.asymmetry_threshold = reader.get<double>("asymmetry_threshold");
-  c.orientation_threshold = reader.get<double>("orientation_threshold");
-  c.points = reader.choice<PointSource>(
-      "points", {{"none", PointSource::kNone}, {"corners", PointSource::kCorners}, {"blobs", PointSource::kBlobs}});
-  c.point_count =
-      c.points == PointSource::kNone ? reader.find<int>("point_count").value_or(0) : reader.get<int>("point_count");
-  if (c.points == PointSource::kCorners && reader.has("point_count") && c.point_count < kMinCorners)
-    reader.fault("point_count", std::to_string(c.point_count), ">= 3 corners");
-  c.rays = reader.get<bool>("rays");
-  if (c.rays && c.points != PointSource::kBlobs) reader.fault("rays", "true", "false, or true with points blobs");
-  if (!reader.has("kernel")) return;
-  YamlReader kernel = reader.section("kernel");
-  c.kernel = VisionConfig::Kernel{kernel.get<double>("p"), kernel.get<double>("q")};
+void checkPoints(const VisionConfig& c, const SectionCheck& section) {
+  if (c.points != PointSource::kNone && !section.has("point_count"))
+    section.missing("point_count", "an integer with points corners or blobs");
+  if (c.points == PointSource::kCorners && c.point_count && *c.point_count < kMinCorners)
+    section.fault("point_count", *c.point_count, ">= 3 corners");
+  if (c.rays && c.points != PointSource::kBlobs) section.fault("rays", "true", "false, or true with points blobs");
+  if (c.depth && c.points == PointSource::kNone)
+    section.fault("depth", "a section with points none", "with points corners or blobs");
+}
+
+void checkVision(VisionConfig& c, const SectionCheck& section) {
+  checkSegmentation(c, section);
+  checkPoints(c, section);
+  if (c.depth) checkDepth(*c.depth, section.part("depth"));
+  if (c.photometric) checkPhotometric(*c.photometric, section.part("photometric"));
+  if (c.matches) checkMatching(*c.matches, section.part("matches"));
 }
 
 }  // namespace
 
-VisionConfig readVisionConfig(const YAML::Node& node) {
-  YamlReader reader(node, schemaSections().section("vision"), "vision");
-  VisionConfig config{};
-  readSegmentation(reader, config);
-  readSelection(reader, config);
-  readFeatures(reader, config);
-  if (reader.has("depth")) {
-    config.depth = readDepth(reader.section("depth"));
-    if (config.points == PointSource::kNone)
-      reader.fault("depth", "a section with points none", "with points corners or blobs");
-  }
-  if (reader.has("photometric")) config.photometric = readPhotometric(reader.section("photometric"));
-  if (reader.has("matches")) config.matches = readMatching(reader.section("matches"));
-  if (reader.has("tag")) config.tag = readTag(reader.section("tag"));
-  reader.finish();
-  return config;
+VisionConfig readVisionConfig(const YAML::Node& node) { return readSection<VisionConfig>(node, "vision", checkVision); }
+
+PhotometricConfig readPhotometricConfig(const YAML::Node& node) {
+  return readSection<PhotometricConfig>(node, "vision.photometric", checkPhotometric);
+}
+
+MatchingConfig readMatchingConfig(const YAML::Node& node) {
+  return readSection<MatchingConfig>(node, "vision.matches", checkMatching);
+}
+
+TagConfig readTagConfig(const YAML::Node& node) {
+  return readSection<TagConfig>(node, "vision.tag", [](auto&&...) {});
 }
 
 }  // namespace aras_visual_servo_camera

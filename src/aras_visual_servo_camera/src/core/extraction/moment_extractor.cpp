@@ -2,6 +2,7 @@
 
 #include "aras_visual_servo_camera/config/errors.hpp"
 #include "image/depth_reader.hpp"
+#include "image/grey_image.hpp"
 #include "moments/kernel_projection.hpp"
 #include "points/point_features.hpp"
 
@@ -36,10 +37,7 @@ void MomentExtractor::setIntrinsics(const CameraIntrinsics& intrinsics) {
 }
 
 const MomentFeatures& MomentExtractor::process(const ImageView& image, std::int64_t stamp_ns, const DepthView* depth) {
-  if (image.width_px != map_->width() || image.height_px != map_->height())
-    throw ShapeError("image: found " + std::to_string(image.width_px) + " x " + std::to_string(image.height_px) +
-                     ", allowed " + std::to_string(map_->width()) + " x " + std::to_string(map_->height()) +
-                     ", the size in camera_info");
+  requireSize(image, map_->intrinsics());
   mask_ = &segmentation_.process(image);
   if (points_) mask_ = &points_->find(*mask_, segmentation_.objects());
   const std::vector<double>& m = accumulator_->process(*mask_);

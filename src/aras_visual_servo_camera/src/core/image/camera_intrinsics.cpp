@@ -4,11 +4,10 @@
 #include <aras_visual_servo_common/fault_list.hpp>
 #include <aras_visual_servo_common/increasing_root.hpp>
 #include <aras_visual_servo_common/text.hpp>
-#include <aras_visual_servo_common/yaml_reader.hpp>
 #include <cmath>
 #include <limits>
 
-#include "schema_sections.hpp"
+#include "aras_visual_servo_camera/config/sections.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
@@ -18,7 +17,6 @@ using aras_visual_servo_common::increasingRoot;
 using aras_visual_servo_common::numberText;
 using aras_visual_servo_common::Range;
 using aras_visual_servo_common::ValueAndSlope;
-using aras_visual_servo_common::YamlReader;
 
 constexpr double kLeastFocalLength = 1e-2;  // [px]: a pixel beside the centre is seen 89 degrees off the axis
 constexpr int kNewtonSteps = 50;
@@ -31,7 +29,7 @@ CameraIntrinsics::CameraIntrinsics(int width_px, int height_px, const std::array
     : width_(width_px), height_(height_px), fx_(K[0]), fy_(K[4]), cx_(K[2]), cy_(K[5]) {
   FaultList faults;
   const auto fault = [&faults](const std::string& key, const std::string& found, const std::string& allowed) {
-    faults.add("camera_info/" + key, found, allowed);
+    faults.add("camera_info." + key, found, allowed);
   };
   const auto& described = schemaSections().section("camera_info").properties;
   const auto within = [&](const std::string& key, const Range& range, double value) {
@@ -209,14 +207,8 @@ CameraIntrinsics::Ray CameraIntrinsics::rayOf(double u_px, double v_px) const {
 }
 
 CameraIntrinsics readCameraInfo(const YAML::Node& node) {
-  YamlReader reader(node, schemaSections().section("camera_info"), "camera_info");
-  const int width = reader.get<int>("width");
-  const int height = reader.get<int>("height");
-  const auto K = reader.get<std::array<double, 9>>("K");
-  const auto model = reader.get<std::string>("distortion_model");
-  const auto D = reader.get<std::vector<double>>("D");
-  reader.finish();
-  return CameraIntrinsics(width, height, K, model, D);
+  const auto info = aras_visual_servo_common::readSection<CameraInfoConfig>(node, "camera_info", [](auto&&...) {});
+  return CameraIntrinsics(info.width, info.height, info.K, info.distortion_model, info.D);
 }
 
 }  // namespace aras_visual_servo_camera

@@ -1,5 +1,6 @@
 #include "image/grey_image.hpp"
 
+#include <cmath>
 #include <cstring>
 #include <opencv2/imgproc.hpp>
 #include <string>
@@ -104,6 +105,18 @@ cv::Mat greyOf(const ImageView& image, cv::Mat* buffer) {
                                                          : cv::COLOR_RGB2GRAY;
   convert(view, code, buffer);
   return *buffer;
+}
+
+void requireSize(const ImageView& image, const CameraIntrinsics& intrinsics) {
+  if (image.width_px == intrinsics.width() && image.height_px == intrinsics.height()) return;
+  throw ShapeError("image: found " + std::to_string(image.width_px) + " x " + std::to_string(image.height_px) +
+                   ", allowed " + std::to_string(intrinsics.width()) + " x " + std::to_string(intrinsics.height()) +
+                   ", the size in camera_info");
+}
+
+void requireDepth(double z_star_m) {
+  if (z_star_m > 0.0 && std::isfinite(z_star_m)) return;
+  throw ParameterError("reference.z_star_m: found " + std::to_string(z_star_m) + ", allowed > 0");
 }
 
 }  // namespace aras_visual_servo_camera

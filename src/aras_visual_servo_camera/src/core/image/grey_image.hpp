@@ -2,6 +2,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "aras_visual_servo_camera/image/camera_intrinsics.hpp"
 #include "aras_visual_servo_camera/image/image_view.hpp"
 
 namespace aras_visual_servo_camera {
@@ -15,5 +16,11 @@ cv::Mat bytesIn(const ImageView& image);
  *  @param buffer  memory that is used again for what is converted
  *  @throws ShapeError if the view has no pixels, or rows shorter than them */
 cv::Mat greyOf(const ImageView& image, cv::Mat* buffer);
+
+/** Requires that an image has the size of its camera. @throws ShapeError */
+void requireSize(const ImageView& image, const CameraIntrinsics& intrinsics);
+
+/** Requires that the depth of a goal is finite and > 0. @throws ParameterError */
+void requireDepth(double z_star_m);
 
 }  // namespace aras_visual_servo_camera

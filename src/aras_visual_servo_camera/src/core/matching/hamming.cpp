@@ -1,8 +1,8 @@
-#include "matching/hamming.hpp"
-
 #include <cstdint>
 #include <cstring>
 #include <limits>
+
+#include "matching/keypoints.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {

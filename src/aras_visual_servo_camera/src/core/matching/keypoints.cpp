@@ -10,8 +10,6 @@
 #include <malloc.h>
 #endif
 
-#include "matching/hamming.hpp"
-
 namespace aras_visual_servo_camera {
 namespace {
 

@@ -1,11 +1,12 @@
 #pragma once
 
 #include <array>
+#include <opencv2/core.hpp>
 #include <opencv2/features2d.hpp>
 #include <string>
 #include <vector>
 
-#include "aras_visual_servo_camera/config/matching_config.hpp"
+#include "aras_visual_servo_camera/config/vision_config.hpp"
 #include "aras_visual_servo_camera/image/camera_intrinsics.hpp"
 
 namespace aras_visual_servo_camera {
@@ -52,5 +53,15 @@ class KeypointFinder {
   int most_;
   double ratio_;
 };
+
+/** The nearest row and how far the nearest two are. */
+struct NearestTwo {
+  int index = -1;                    ///< of the nearest row, the first of equals; -1: there is none
+  double first = 0.0, second = 0.0;  ///< distances; second is infinite if there is but one row
+};
+
+/** For each row of `queries` the nearest row of `rows`, by the number of bits that differ. Both are 8-bit, of one
+ * width. What OpenCV's brute-force matcher finds, with the processor's own counting of bits where it has it. */
+std::vector<NearestTwo> nearestByBits(const cv::Mat& queries, const cv::Mat& rows);
 
 }  // namespace aras_visual_servo_camera

@@ -6,9 +6,8 @@
 #include "aras_visual_servo_camera/config/errors.hpp"
 #include "image/depth_reader.hpp"
 #include "image/grey_image.hpp"
+#include "matching/goal_motion.hpp"
 #include "matching/keypoints.hpp"
-#include "matching/plane_homography.hpp"
-#include "matching/rigid_motion.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
@@ -45,10 +44,7 @@ struct MatchExtractor::Work {
 };
 
 void MatchExtractor::Work::look(const ImageView& image, const DepthView* depth) {
-  if (image.width_px != intrinsics.width() || image.height_px != intrinsics.height())
-    throw ShapeError("image: found " + std::to_string(image.width_px) + " x " + std::to_string(image.height_px) +
-                     ", allowed " + std::to_string(intrinsics.width()) + " x " + std::to_string(intrinsics.height()) +
-                     ", the size in camera_info");
+  requireSize(image, intrinsics);
   finder.find(greyOf(image, &buffer), intrinsics, &seen);
   seen.z.clear();
   seen.depth_fault = depths ? depths->fault(depth) : "";
@@ -90,8 +86,7 @@ void MatchExtractor::teach(std::int64_t stamp_ns, double z_star_m) {
 }
 
 void MatchExtractor::Work::adopt(const Keypoints& view, double z_m, int least) {
-  if (!(z_m > 0.0) || !std::isfinite(z_m))
-    throw ParameterError("reference/z_star_m: found " + std::to_string(z_m) + ", allowed > 0");
+  requireDepth(z_m);
   if (view.count() < least)
     throw DegenerateFeature("matches reference: found an image with " + std::to_string(view.count()) +
                             " keypoints, allowed at least min_matches, " + std::to_string(least));

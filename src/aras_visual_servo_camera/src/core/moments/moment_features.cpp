@@ -1,13 +1,94 @@
 #include "aras_visual_servo_camera/moments/moment_features.hpp"
 
+#include <visp3/core/vpMomentAreaNormalized.h>
+#include <visp3/core/vpMomentBasic.h>
+#include <visp3/core/vpMomentCentered.h>
+#include <visp3/core/vpMomentDatabase.h>
+#include <visp3/core/vpMomentGravityCenter.h>
+#include <visp3/core/vpMomentGravityCenterNormalized.h>
+#include <visp3/core/vpMomentObject.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "aras_visual_servo_camera/config/errors.hpp"
 #include "aras_visual_servo_camera/moments/moments.hpp"
-#include "moments/visp_moments.hpp"
 
 namespace aras_visual_servo_camera {
+namespace {
+
+/** A vpMomentObject whose moments are handed over: vpMomentObject::fromImage sums in an order that varies and assumes a
+ *  constant pixel area. */
+class HandedMomentObject : public vpMomentObject {
+ public:
+  explicit HandedMomentObject(int order) : vpMomentObject(static_cast<unsigned>(order)) { setType(DENSE_FULL_OBJECT); }
+  /** @param m  the sequence of moments.hpp */
+  void take(const std::vector<double>& m);
+};
+
+/** ViSP's moments of one object, computed in the order of their dependencies (ViSP leaves that to the caller). */
+class VispMomentChain {
+ public:
+  explicit VispMomentChain(int order);
+
+  /** Area, centroid and centred moments. */
+  void update(const std::vector<double>& m);
+  double xg() const { return gravity_.get()[0]; }
+  double yg() const { return gravity_.get()[1]; }
+  /** The sequence of moments.hpp. */
+  std::vector<double> mu() const;
+
+  struct Normalised {
+    double xn, yn, an;
+  };
+  /** After update(). */
+  Normalised normalised(double area_star, double z_star_m);
+
+ private:
+  int order_;
+  HandedMomentObject object_;
+  vpMomentDatabase database_;
+  vpMomentBasic basic_;
+  vpMomentGravityCenter gravity_;
+  vpMomentCentered centred_;
+  vpMomentAreaNormalized area_;
+  vpMomentGravityCenterNormalized gravity_normalised_;
+};
+
+void HandedMomentObject::take(const std::vector<double>& m) {
+  for (unsigned n = 0; n <= getOrder(); ++n)
+    for (unsigned j = 0; j <= n; ++j) set(n - j, j, m[momentIndex(static_cast<int>(n - j), static_cast<int>(j))]);
+}
+
+VispMomentChain::VispMomentChain(int order) : order_(order), object_(order), area_(1.0, 1.0) {
+  for (vpMoment* moment : std::initializer_list<vpMoment*>{&basic_, &gravity_, &centred_, &area_, &gravity_normalised_})
+    moment->linkTo(database_);
+}
+
+void VispMomentChain::update(const std::vector<double>& m) {
+  object_.take(m);
+  database_.updateAll(object_);
+  basic_.compute();
+  gravity_.compute();
+  centred_.compute();
+}
+
+std::vector<double> VispMomentChain::mu() const {
+  std::vector<double> mu;
+  for (int n = 0; n <= order_; ++n)
+    for (int j = 0; j <= n; ++j) mu.push_back(centred_.get(static_cast<unsigned>(n - j), static_cast<unsigned>(j)));
+  return mu;
+}
+
+VispMomentChain::Normalised VispMomentChain::normalised(double area_star, double z_star_m) {
+  area_.setDesiredArea(area_star);
+  area_.setDesiredDepth(z_star_m);  // ViSP's default of 1 would scale all three by 1 / Z*
+  area_.compute();
+  gravity_normalised_.compute();
+  return {gravity_normalised_.get()[0], gravity_normalised_.get()[1], area_.get()[0]};
+}
+
+}  // namespace
 namespace {
 
 // Third-order moments whose direction agrees with the reference's, or with the opposite one, by less than this (cosine)

@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "aras_visual_servo_camera/config/photometric_config.hpp"
+#include "aras_visual_servo_camera/config/vision_config.hpp"
 
 namespace aras_visual_servo_camera {
 

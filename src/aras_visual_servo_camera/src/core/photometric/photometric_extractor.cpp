@@ -25,9 +25,8 @@ std::uint64_t hashOf(const cv::Mat& grey) {  // FNV-1a
 
 }  // namespace
 
-Plane planeAt(double z_star_m, const std::array<double, 3>& n) {
-  if (!(z_star_m > 0.0) || !std::isfinite(z_star_m))
-    throw ParameterError("reference/z_star_m: found " + std::to_string(z_star_m) + ", allowed > 0");
+Plane planeAt(double z_star_m, const Eigen::Vector3d& n) {
+  requireDepth(z_star_m);
   return {n[0] / (n[2] * z_star_m), n[1] / (n[2] * z_star_m), 1.0 / z_star_m};
 }
 
@@ -51,10 +50,7 @@ struct PhotometricExtractor::Work {
 };
 
 void PhotometricExtractor::Work::look(const ImageView& image) {
-  if (image.width_px != intrinsics.width() || image.height_px != intrinsics.height())
-    throw ShapeError("image: found " + std::to_string(image.width_px) + " x " + std::to_string(image.height_px) +
-                     ", allowed " + std::to_string(intrinsics.width()) + " x " + std::to_string(intrinsics.height()) +
-                     ", the size in camera_info");
+  requireSize(image, intrinsics);
   grey = greyOf(image, &buffer);
   cv::Scalar mean, deviation;
   cv::meanStdDev(grey, mean, deviation);

@@ -59,7 +59,7 @@ PhotometricLevel::PhotometricLevel(const CameraIntrinsics& intrinsics, int level
     }
   }
   if (pixels_ == 0)
-    throw ParameterError("vision/photometric/levels: found " + std::to_string(config.levels) +
+    throw ParameterError("vision.photometric.levels: found " + std::to_string(config.levels) +
                          ", allowed so many that pixels are left inside border_px and the reach of smoothing_px");
 
   gauss_.create(1, 2 * reach + 1, CV_32F);

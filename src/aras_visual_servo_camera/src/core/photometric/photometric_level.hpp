@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "aras_visual_servo_camera/config/photometric_config.hpp"
+#include "aras_visual_servo_camera/config/vision_config.hpp"
 #include "aras_visual_servo_camera/image/camera_intrinsics.hpp"
 #include "aras_visual_servo_camera/photometric/photometric_extractor.hpp"
 #include "photometric/mappings/mapping.hpp"

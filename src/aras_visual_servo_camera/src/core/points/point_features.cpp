@@ -5,10 +5,18 @@
 #include <tuple>
 
 #include "aras_visual_servo_camera/config/errors.hpp"
-#include "points/sphere_chart.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
+
+/** A point of the plane for each ray, for the tracker: as far from the origin as the ray is from the optical axis
+ * [rad], in its direction. Near the axis these are the normalised coordinates; a turn about the axis is one there, too.
+ */
+ImagePoint chartOf(const CameraIntrinsics::Ray& ray) {
+  const double aside = std::hypot(ray.x, ray.y);
+  const double scale = aside > 0.0 ? std::atan2(aside, ray.z) / aside : 1.0;
+  return {scale * ray.x, scale * ray.y};
+}
 
 // Before there is a reference: with more objects than wanted, the largest are taken if they are larger than the others
 // by this factor.
@@ -30,10 +38,10 @@ PointFeatures::PointFeatures(const VisionConfig& config, const PixelMap& map)
     : map_(map),
       with_rays_(config.rays),
       source_(config.points),
-      count_(static_cast<std::size_t>(config.point_count)),
-      corners_(map, config.point_count),
+      count_(static_cast<std::size_t>(config.point_count.value_or(0))),
+      corners_(map, config.point_count.value_or(0)),
       centroids_(map, 1),
-      tracker_(config.point_count, config.points == PointSource::kCorners) {}
+      tracker_(config.point_count.value_or(0), config.points == PointSource::kCorners) {}
 
 const ObjectMask& PointFeatures::find(const ObjectMask& chosen, const std::vector<ObjectMask>& objects) {
   if (source_ == PointSource::kCorners) {
@@ -165,11 +173,11 @@ void PointFeatures::check(const MomentFeatures& features) const {
       with_rays_ ? std::tie(features.ray_x, features.ray_y) : std::tie(features.point_x, features.point_y);
   const std::size_t n = std::min(x.size(), y.size());
   if (n != count_ || x.size() != y.size() || (with_rays_ && features.ray_z.size() != n))
-    throw ShapeError("reference/points: found " + std::to_string(n) + ", allowed " + std::to_string(count_) +
+    throw ShapeError("reference.points: found " + std::to_string(n) + ", allowed " + std::to_string(count_) +
                      ", vision.point_count");
   for (std::size_t k = 0; k < n; ++k)
     if (!std::isfinite(x[k]) || !std::isfinite(y[k]))
-      throw ParameterError("reference/points: found a coordinate that is not finite, allowed finite numbers");
+      throw ParameterError("reference.points: found a coordinate that is not finite, allowed finite numbers");
 }
 
 void PointFeatures::setReference(const MomentFeatures& features) {

@@ -150,7 +150,8 @@ std::optional<GreyLevels> Segmentation::Work::levelsOf(const cv::Mat& grey) cons
 }
 
 std::optional<Threshold> Segmentation::Work::thresholdOf(const cv::Mat& grey) const {
-  if (config.segmentation == SegmentationMethod::kFixed) return strictThreshold(config.object, config.threshold);
+  if (config.segmentation == SegmentationMethod::kFixed)
+    return strictThreshold(config.object, config.threshold.value());
   const std::array<int, 256> histogram = histogramOf(grey);
   const std::optional<int> split = otsuThreshold(histogram);
   if (!split) return std::nullopt;

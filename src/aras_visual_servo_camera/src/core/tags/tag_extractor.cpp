@@ -68,10 +68,7 @@ struct TagExtractor::Work {
 };
 
 void TagExtractor::Work::look(const ImageView& image, const TagConfig& config) {
-  if (image.width_px != intrinsics.width() || image.height_px != intrinsics.height())
-    throw ShapeError("image: found " + std::to_string(image.width_px) + " x " + std::to_string(image.height_px) +
-                     ", allowed " + std::to_string(intrinsics.width()) + " x " + std::to_string(intrinsics.height()) +
-                     ", the size in camera_info");
+  requireSize(image, intrinsics);
   seen = View();
   const cv::Mat grey = greyOf(image, &buffer);
   const std::string name = "tag " + std::to_string(config.id) + " of " + config.family;
@@ -151,8 +148,7 @@ void TagExtractor::teach(std::int64_t stamp_ns, double z_star_m) {
 }
 
 void TagExtractor::Work::adopt(const View& view, double z_m) {
-  if (!(z_m > 0.0) || !std::isfinite(z_m))
-    throw ParameterError("reference/z_star_m: found " + std::to_string(z_m) + ", allowed > 0");
+  requireDepth(z_m);
   if (!view.fault.empty()) throw DegenerateFeature("tag reference: " + view.fault);
   goal = view;
   z_star_m = z_m;

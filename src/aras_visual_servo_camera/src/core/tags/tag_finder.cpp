@@ -3,7 +3,6 @@
 #include <dlfcn.h>
 
 #include "aras_visual_servo_camera/config/errors.hpp"
-#include "tags/apriltag/new_finder.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {

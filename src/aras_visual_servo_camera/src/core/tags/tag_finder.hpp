@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "tags/tag_finder.hpp"
+
 namespace aras_visual_servo_camera {
 
 /** One tag in an image: the corners of its black square as one who reads the tag upright sees them, from the upper left
@@ -30,5 +32,12 @@ class TagFinder {
  *  @param library  its file; by default the one that was installed beside the library of this function
  *  @throws ArasError naming the file and why it cannot be used */
 std::unique_ptr<TagFinder> openTagFinder(const std::string& family, const std::string& library = "");
+
+/** The function kNewAprilTagFinder of the library kAprilTagLibrary: it makes a finder of the tags of a family. The
+ * caller deletes it. */
+using NewAprilTagFinder = TagFinder*(const char* family);
+
+constexpr const char* kAprilTagLibrary = "libaras_visual_servo_camera_apriltag.so";
+constexpr const char* kNewAprilTagFinder = "aras_visual_servo_camera_new_apriltag_finder";
 
 }  // namespace aras_visual_servo_camera

@@ -32,12 +32,12 @@ TEST(LastViews, EveryOneOfTheLastIsFoundByItsStamp) {
 
 TEST(LastViews, OneThatIsGoneIsRefusedWithItsStampAndThoseThatAreThere) {
   EXPECT_EQ(refusal(filled(kKept + 2), kFrame_ns),
-            "reference/stamp: found 0.033333333 s, allowed the stamp of one of the last 32 images, from 0.066666666 s "
+            "reference.stamp: found 0.033333333 s, allowed the stamp of one of the last 32 images, from 0.066666666 s "
             "to 1.099999989 s");
   EXPECT_EQ(refusal(filled(3), 5),
-            "reference/stamp: found 0.000000005 s, allowed the stamp of one of the last 3 images, from 0.000000000 s "
+            "reference.stamp: found 0.000000005 s, allowed the stamp of one of the last 3 images, from 0.000000000 s "
             "to 0.066666666 s");
-  EXPECT_EQ(refusal(LastViews<int>(), 5), "reference/stamp: found 0.000000005 s, allowed after an image with a stamp");
+  EXPECT_EQ(refusal(LastViews<int>(), 5), "reference.stamp: found 0.000000005 s, allowed after an image with a stamp");
 }
 
 TEST(LastViews, AStampThatComesAgainReplacesItsView) {

@@ -10,7 +10,7 @@
 #include "aras_visual_servo_camera/config/errors.hpp"
 #include "aras_visual_servo_camera/matching/match_extractor.hpp"
 #include "board.hpp"
-#include "matching/hamming.hpp"
+#include "matching/keypoints.hpp"
 
 // Images of a plane are held against true poses by test_matches.py; here what memory and sizes are about, under
 // sanitizers too.

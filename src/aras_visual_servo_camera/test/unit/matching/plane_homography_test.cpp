@@ -1,10 +1,10 @@
 // The homography of matches, some of them wrong, and which ones no camera before the plane could see.
-#include "matching/plane_homography.hpp"
-
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 
 #include <random>
+
+#include "matching/goal_motion.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {

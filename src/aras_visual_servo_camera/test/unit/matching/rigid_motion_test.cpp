@@ -1,11 +1,11 @@
 // The motion of points in space that are matched, some of them wrongly.
-#include "matching/rigid_motion.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <random>
+
+#include "matching/goal_motion.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {

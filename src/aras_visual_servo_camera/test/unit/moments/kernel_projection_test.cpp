@@ -36,7 +36,7 @@ TEST(KernelProjection, MeetsTheIntegralsOverTheOutline) {
   for (const bool distorted : {false, true}) {
     const CameraIntrinsics camera = testing::testCamera(distorted);
     VisionConfig config = testing::usualVision();
-    config.kernel = VisionConfig::Kernel{1.5, 3.0};
+    config.kernel = KernelConfig{1.5, 3.0};
     MomentExtractor extractor(camera, config);
     const MomentFeatures& f = extractor.process(testing::coverageImage(outline, camera).view());
     ASSERT_EQ(f.kernel_x.size(), 8u);

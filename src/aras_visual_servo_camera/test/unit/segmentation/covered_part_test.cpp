@@ -1,12 +1,11 @@
 // The centroid of the covered part of a pixel against the pixel cut by a line, corner by corner.
-#include "segmentation/covered_part.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
 #include "polygon_moments.hpp"
+#include "segmentation/edge_weights.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {

@@ -1,26 +1,41 @@
 #pragma once
 
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 
 #include "aras_visual_servo_common/errors.hpp"
 
 namespace aras_visual_servo_common {
 
-/** The errors as Python exceptions of a module, ArasError their base, itself a RuntimeError. They are local to the
- * module: what the simulator throws stays the simulator's when the camera's module is loaded as well. */
+/** Raises the class of this name of the Python module aras_visual_servo_common. */
+inline void raisePython(const char* name, const pybind11::object& argument) {
+  const pybind11::object errors = pybind11::module_::import("aras_visual_servo_common");
+  PyErr_SetObject(pybind11::object(errors.attr(name)).ptr(), argument.ptr());
+}
+
+/** Makes a Python module raise our errors as the classes of the Python module aras_visual_servo_common, and gives it
+ *  their names. The translator is local to the module: each module knows the C++ classes of its own libraries. */
 inline void bindErrors(pybind11::module_& module) {
   namespace py = pybind11;
-  const auto base = py::register_local_exception<ArasError>(module, "ArasError", PyExc_RuntimeError);
-  // The one registered last is tried first: the leaves come after their base.
-  py::register_local_exception<ParameterError>(module, "ParameterError", base);
-  py::register_local_exception<SchemaError>(module, "SchemaError", base);
-  py::register_local_exception<ModelError>(module, "ModelError", base);
-  py::register_local_exception<ShapeError>(module, "ShapeError", base);
-  py::register_local_exception<NotFiniteError>(module, "NotFiniteError", base);
-  py::register_local_exception<UnknownNameError>(module, "UnknownNameError", base);
-  py::register_local_exception<StateError>(module, "StateError", base);
-  py::register_local_exception<RenderError>(module, "RenderError", base);
-  py::register_local_exception<DegenerateFeature>(module, "DegenerateFeature", base);
+  const py::module_ errors = py::module_::import("aras_visual_servo_common");
+  for (const py::handle name : errors.attr("__all__")) module.attr(name) = errors.attr(name);
+  py::register_local_exception_translator([](std::exception_ptr pointer) {
+    try {
+      if (pointer) std::rethrow_exception(pointer);
+    } catch (const ParameterError& error) {
+      raisePython("ParameterError", py::cast(error.faults()));
+    } catch (const ArasError& error) {
+      const char* name = dynamic_cast<const ModelError*>(&error)          ? "ModelError"
+                         : dynamic_cast<const ShapeError*>(&error)        ? "ShapeError"
+                         : dynamic_cast<const NotFiniteError*>(&error)    ? "NotFiniteError"
+                         : dynamic_cast<const UnknownNameError*>(&error)  ? "UnknownNameError"
+                         : dynamic_cast<const StateError*>(&error)        ? "StateError"
+                         : dynamic_cast<const RenderError*>(&error)       ? "RenderError"
+                         : dynamic_cast<const DegenerateFeature*>(&error) ? "DegenerateFeature"
+                                                                          : "ArasError";
+      raisePython(name, py::str(error.what()));
+    }
+  });
 }
 
 }  // namespace aras_visual_servo_common

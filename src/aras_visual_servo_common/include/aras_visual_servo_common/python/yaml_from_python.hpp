@@ -26,7 +26,7 @@ inline YAML::Node yamlFromPython(const pybind11::handle& value, const std::strin
     YAML::Node node(YAML::NodeType::Map);
     for (const auto& [key, member] : value.cast<py::dict>()) {
       const std::string name = py::str(key);
-      node.force_insert(name, yamlFromPython(member, where + "/" + name));
+      node.force_insert(name, yamlFromPython(member, where + "." + name));
     }
     return node;
   }

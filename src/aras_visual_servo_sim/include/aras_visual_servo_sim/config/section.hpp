@@ -1,33 +1,33 @@
 #pragma once
 
-#include <yaml-cpp/yaml.h>
-
-#include <Eigen/Core>
-#include <aras_visual_servo_common/fault_list.hpp>
-#include <aras_visual_servo_common/schema.hpp>
-#include <aras_visual_servo_common/yaml_reader.hpp>
+#include <aras_visual_servo_common/text.hpp>
 #include <string>
-#include <vector>
+
+#include "aras_visual_servo_sim/config/sections.hpp"
+#include "aras_visual_servo_sim/config/types.hpp"
 
 namespace aras_visual_servo_sim {
 
 using aras_visual_servo_common::FaultList;
+using aras_visual_servo_common::numberText;
+using aras_visual_servo_common::readSection;
 using aras_visual_servo_common::Schema;
-using aras_visual_servo_common::YamlReader;
+using aras_visual_servo_common::SectionCheck;
 
 /** A section of this package's folder `schema`, the only place where types, ranges, choices and defaults of its keys
  *  stand. @param name  name of its file without .yaml @throws UnknownNameError */
-const Schema& sectionOf(const std::string& name);
+inline const Schema& sectionOf(const std::string& name) { return schemaSections().section(name); }
 
-/** Default of a key, of a type T that YamlReader reads. @throws SchemaError if the key has no default of that type */
-template <typename T>
-T defaultOf(const std::string& section, const std::string& key);
+/** Checks a value that does not come from YAML against what a section says about its key; adds a fault. */
+void checkValue(const Schema& section, const std::string& key, const YAML::Node& value, FaultList& faults);
+void checkValue(const Schema& section, const std::string& key, double value, FaultList& faults);
+void checkValue(const Schema& section, const std::string& key, const std::string& value, FaultList& faults);
+void checkValue(const Schema& section, const std::string& key, const std::vector<double>& values, FaultList& faults);
 
-/** Checks a value that does not come from YAML against what a section says about its key.
- *  @return true if the value is allowed; otherwise a fault is added and false returned */
-bool checkValue(const Schema& section, const std::string& key, double value, FaultList& faults);
-bool checkValue(const Schema& section, const std::string& key, int value, FaultList& faults);
-bool checkValue(const Schema& section, const std::string& key, const std::string& value, FaultList& faults);
-bool checkValue(const Schema& section, const std::string& key, const std::vector<double>& values, FaultList& faults);
+/** The pose that the keys position_m and rpy_rad of a section give. */
+template <typename Settings>
+Pose poseOf(const Settings& settings) {
+  return {settings.position_m, quaternionFromRpy(settings.rpy_rad)};
+}
 
 }  // namespace aras_visual_servo_sim

@@ -24,15 +24,10 @@ struct Obstacle {
   Pose X_OG{};           ///< of the geometry; identity if it has mass. Obstacles of one name are parts of one solid
 };
 
-/** The plane z = z_m, solid below. */
-struct GroundPlane {
-  double z_m, friction;
-};
-
 /** Which bodies touch each other, and how stiffly. By default none do, and no collision shape is built. */
 struct ContactConfig {
-  /** No contacts, with the numbers that are the defaults of section `contacts`. */
-  ContactConfig();
+  /** By default no contacts. */
+  ContactConfig(const ContactsConfig& settings = ContactsConfig());
 
   /** Names of links and obstacles; `robot` stands for every link, in either place. */
   std::vector<std::pair<std::string, std::string>> pairs;
@@ -52,7 +47,5 @@ struct ContactConfig {
 
 /** Reads section `contacts`. Null: none. @throws ParameterError listing every fault */
 ContactConfig contactConfigFromYaml(const YAML::Node& node);
-/** The same, as a part of a larger document: faults are added to reader, whose owner calls finish(). */
-ContactConfig readContacts(YamlReader reader);
 
 }  // namespace aras_visual_servo_sim

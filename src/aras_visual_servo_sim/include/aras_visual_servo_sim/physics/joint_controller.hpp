@@ -20,12 +20,6 @@ enum class ControllerType {
   kVelocity         ///< velocity_controllers/JointVelocityController: the same for velocity
 };
 
-/** When the joint controllers are evaluated. */
-enum class Drive {
-  kImplicit,  ///< on the state at the end of the step they act in: stable at any gain
-  kExplicit   ///< on the state at its beginning, as a sampled digital controller
-};
-
 struct ControllerConfig {
   std::string name;
   ControllerType type = ControllerType::kEffortPosition;
@@ -51,8 +45,8 @@ struct ControllerState {
  *          hardware interfaces of the joint's <transmission> do not have, missing `p`, ... */
 std::vector<ControllerConfig> parseControllers(const YAML::Node& node, const RobotModel& model);
 
-/** Reads a section `pid`. Faults go to the reader's family. */
-PidGains readGains(YamlReader reader);
+/** The gains that a section `pid` gives. */
+PidGains gainsOf(const PidKeys& pid);
 
 /** @throws ParameterError unless the gains are finite, not negative, i_min <= 0 <= i_max. */
 void checkGains(const PidGains& gains, const std::string& controller_name);

@@ -22,8 +22,8 @@ enum class Base {
 };
 
 struct WorldConfig {
-  double period_s = defaultOf<double>("sim", "period_s");
-  Eigen::Vector3d gravity_m_s2 = defaultOf<Eigen::Vector3d>("sim", "gravity_m_s2");
+  double period_s = SimConfig().period_s;
+  Eigen::Vector3d gravity_m_s2 = SimConfig().gravity_m_s2;
   Drive drive = Drive::kImplicit;
   double command_timeout_s = 0.0;             ///< a velocity command older than this (simulated) counts as 0; 0: never
   std::vector<ControllerConfig> controllers;  ///< joints without one are passive

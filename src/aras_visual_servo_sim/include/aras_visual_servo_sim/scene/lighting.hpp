@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "aras_visual_servo_sim/config/sections.hpp"
 #include "aras_visual_servo_sim/config/types.hpp"
 #include "aras_visual_servo_sim/image/image.hpp"
 
@@ -25,7 +26,7 @@ struct Material {
 
 /** A lamp. Intensities are 0 .. 1, or more. */
 struct Light {
-  enum class Type { kDirectional, kPoint, kSpot };
+  using Type = LightType;
   std::string name;
   Type type = Type::kDirectional;
   Eigen::Vector3d position_W = Eigen::Vector3d::Zero();     ///< of point and spot lights [m]

@@ -39,6 +39,7 @@ struct CircleMotion {
 /** Random walk: a new velocity is drawn for every interval, each component normal with mean zero. Farther than
  * `radius_m` from its start the model is turned back: the outward part of a drawn velocity changes its sign. */
 struct RandomWalk {
+  explicit RandomWalk(const MotionConfig& settings);
   double interval_s;                                                     ///< > 0
   Eigen::Vector3d speed_stddev_m_per_s, angular_speed_stddev_rad_per_s;  ///< of the components in W, >= 0
   double radius_m;                                                       ///< > 0, or 0 for no bound
@@ -58,6 +59,7 @@ struct RandomWalk {
 
 /** Motion from pose to pose at given times, straight and at constant speed from each to the next. */
 struct WaypointMotion {
+  explicit WaypointMotion(const MotionConfig& settings);
   struct Waypoint {
     double time_s;  ///< since the start of the motion, strictly increasing, >= 0
     Eigen::Vector3d p;
@@ -71,9 +73,8 @@ struct WaypointMotion {
 /** How a model of the scene moves by itself. It is a function of simulated time only, so that runs can be repeated. */
 class ModelMotion {
  public:
-  /** Reads section `motion` as a part of a larger document: faults are added to reader, whose owner calls finish()
-   *  before the motion is used. @param node  the YAML that reader reads, which saved states keep */
-  static ModelMotion read(YamlReader reader, const YAML::Node& node);
+  /** @param node  the YAML that the settings come from, which saved states keep */
+  ModelMotion(const MotionConfig& settings, const YAML::Node& node);
   /** @param where  name for messages @throws ParameterError listing all faults */
   static ModelMotion fromYaml(const YAML::Node& node, const std::string& where);
 
@@ -84,8 +85,11 @@ class ModelMotion {
 
  private:
   std::variant<ConstantVelocity, CircleMotion, RandomWalk, WaypointMotion> path_;
-  double delay_s_ = 0.0;  ///< the model rests this long first
+  double delay_s_;  ///< the model rests this long first
   std::string yaml_;
 };
+
+/** Adds what the schema of `motion` cannot express. */
+void checkMotion(const MotionConfig& settings, const SectionCheck& section);
 
 }  // namespace aras_visual_servo_sim

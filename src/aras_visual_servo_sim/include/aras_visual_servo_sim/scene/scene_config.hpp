@@ -68,8 +68,9 @@ struct SceneConfig {
 
   /** @param node  the section; null gives an empty scene @throws ParameterError listing every fault */
   static SceneConfig fromYaml(const YAML::Node& node);
-  /** The same, as a part of a larger document: faults are added to reader, whose owner calls finish(). */
-  static SceneConfig read(YamlReader reader);
+  /** Of a section that is a part of a larger document: faults are added to it. */
+  SceneConfig(const SceneKeys& settings, const SectionCheck& section);
+  SceneConfig() = default;
 
   /** Where the section says nothing of lights and background: those of a Gazebo world with its sun. */
   void lightAsGazebo();

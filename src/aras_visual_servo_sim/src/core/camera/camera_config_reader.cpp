@@ -1,65 +1,12 @@
 #include "aras_visual_servo_sim/camera/camera_config_reader.hpp"
 
 #include "aras_visual_servo_sim/camera/camera_model.hpp"
-#include "camera/sensor_config_reader.hpp"
+#include "aras_visual_servo_sim/image/sensor/sensor_config.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
 
-const char kSection[] = "camera";
-
-/** Hands each key of the section with its member to a visitor. */
-template <typename Config, typename Visitor>
-void visitKeys(Config& camera, Visitor&& visit) {
-  visit("name", camera.name);
-  visit("frame", camera.frame);
-  visit("width", camera.width);
-  visit("height", camera.height);
-  visit("horizontal_fov_rad", camera.horizontal_fov_rad);
-  visit("fx_px", camera.fx_px);
-  visit("fy_px", camera.fy_px);
-  visit("cx_px", camera.cx_px);
-  visit("cy_px", camera.cy_px);
-  visit("distortion_model", camera.distortion_model);
-  visit("distortion", camera.distortion);
-  visit("cutoff_angle_rad", camera.cutoff_angle_rad);
-  visit("rate_hz", camera.rate_hz);
-  visit("encoding", camera.encoding);
-  visit("near_m", camera.near_m);
-  visit("far_m", camera.far_m);
-  visit("sampling", camera.sampling);
-  visit("renderer", camera.renderer);
-  visit("quality", camera.quality);
-  visit("exact_targets", camera.exact_targets);
-  visit("gl", camera.gl);
-  visit("noise_mean", camera.noise_mean);
-  visit("noise_stddev", camera.noise_stddev);
-  visit("exposure_s", camera.exposure_s);
-  visit("exposure_samples", camera.exposure_samples);
-  visit("latency_s", camera.latency_s);
-  visit("drop_probability", camera.drop_probability);
-  visit("triggered", camera.triggered);
-  visit("baseline_m", camera.baseline_m);
-}
-
-struct Reading {
-  YamlReader& reader;
-  template <typename T>
-  void operator()(const char* key, T& value) const {
-    value = reader.get<T>(key);
-  }
-  void operator()(const char* key, std::optional<double>& value) const { value = reader.find<double>(key); }
-};
-
-struct SettingDefaults {
-  const Schema& section;
-  template <typename T>
-  void operator()(const char* key, T& value) const {
-    if (section.property(YAML::Node(), key)->default_value) value = defaultOf<T>(kSection, key);
-  }
-  void operator()(const char*, std::optional<double>&) const {}  // an absent value follows from other keys
-};
-
+/** Checks keys of a camera that may come from elsewhere than YAML. */
 struct Checking {
   const Schema& section;
   FaultList& faults;
@@ -75,29 +22,42 @@ struct Checking {
     if (value) checkValue(section, key, *value, faults);
   }
   void operator()(const char*, bool) const {}
+  void operator()(const char*, const std::optional<SensorConfig>&) const {}  // comes from YAML alone
 };
 
 }  // namespace
 
-CameraConfig::CameraConfig() { visitKeys(*this, SettingDefaults{sectionOf(kSection)}); }
-
-CameraConfig readCameraConfig(YamlReader& reader) {
-  CameraConfig camera;
-  visitKeys(camera, Reading{reader});
-  if (reader.has("sensor")) camera.sensor = readSensorConfig(reader.section("sensor"));
-  return camera;
-}
-
 CameraConfig cameraConfigFromYaml(const YAML::Node& node) {
-  YamlReader reader(node, sectionOf(kSection));
-  const CameraConfig camera = readCameraConfig(reader);
-  reader.finish();
+  const CameraConfig camera{readSection<CameraKeys>(node, "", [](auto&&...) {}), {}, {}, {}};
   CameraModel{camera};  // checks what a schema cannot express
   return camera;
 }
 
 void checkKeys(const CameraConfig& camera, FaultList& faults) {
-  visitKeys(camera, Checking{sectionOf(kSection), faults});
+  CameraKeys::visitKeys(camera, Checking{CameraKeys::schema(), faults});
+}
+
+void checkSensor(const SensorConfig& sensor, const std::string& encoding, FaultList& faults) {
+  if (sensor.black_level_dn >= mostDn(sensor)) {
+    faults.add("sensor.black_level_dn", numberText(sensor.black_level_dn),
+               "< 2^adc_bits - 1, " + numberText(mostDn(sensor)));
+  }
+  if (const auto& lens = sensor.depth_of_field; lens) {
+    if (lens->focal_length_m >= lens->focus_distance_m) {
+      faults.add("sensor.depth_of_field.focal_length_m", numberText(lens->focal_length_m),
+                 "< focus_distance_m, " + numberText(lens->focus_distance_m));
+    }
+    if (sensor.defocus_px > 0.0) {
+      faults.add("sensor.defocus_px", numberText(sensor.defocus_px), "0 beside depth_of_field");
+    }
+  }
+  if (sensor.jpeg_quality > 0 && (encoding == "mono16" || encoding == "rgb16")) {
+    faults.add("sensor.jpeg_quality", numberText(sensor.jpeg_quality),
+               "0 with " + encoding + ": JPEG has 8 bits a value");
+  }
+  if (sensor.auto_white_balance && (encoding == "mono8" || encoding == "mono16")) {
+    faults.add("sensor.auto_white_balance", "a section", "none with " + encoding + ", which has no colours");
+  }
 }
 
 }  // namespace aras_visual_servo_sim

@@ -6,7 +6,7 @@
 
 #include "aras_visual_servo_sim/camera/camera_config_reader.hpp"
 #include "aras_visual_servo_sim/config/errors.hpp"
-#include "camera/sensor_config_reader.hpp"
+#include "aras_visual_servo_sim/image/sensor/sensor_config.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -54,7 +54,7 @@ void CameraModel::checkSensor(FaultList& faults) const {
   aras_visual_servo_sim::checkSensor(sensor, config_.encoding, faults);
   const double all_s = config_.exposure_s + sensor.row_time_s * (config_.height - 1);
   if (sensor.row_time_s > 0.0 && all_s >= 1.0 / config_.rate_hz) {
-    faults.add("sensor/row_time_s", numberText(sensor.row_time_s),
+    faults.add("sensor.row_time_s", numberText(sensor.row_time_s),
                "a time with which all rows, " + numberText(all_s) + " s, take < 1 / rate_hz, " +
                    numberText(1.0 / config_.rate_hz));
   }

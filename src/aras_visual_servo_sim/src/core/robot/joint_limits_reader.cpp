@@ -10,61 +10,60 @@ namespace {
 using aras_visual_servo_common::nameIn;
 using aras_visual_servo_common::shown;
 
-/** Reads the limits of one joint; a limit counts when `has_` is true and its numbers are there. */
+/** Takes over the limits of one joint; a limit counts when `has_` is true and its numbers are there. */
 class LimitReader {
  public:
-  LimitReader(YamlReader reader, const std::string& joint, RobotModel& model)
-      : reader_(std::move(reader)), joint_(joint), model_(model) {}
+  LimitReader(const JointLimitsConfig& settings, const SectionCheck& section, const std::string& joint,
+              RobotModel& model)
+      : settings_(settings), section_(section), joint_(joint), model_(model) {}
 
   void read(JointLimits& limits, SoftLimits& soft) {
+    const JointLimitsConfig& s = settings_;
     JointLimits given = limits;
-    one("has_position_limits", {{"min_position", &given.lower}, {"max_position", &given.upper}}, given.has_position);
-    one("has_velocity_limits", {{"max_velocity", &given.velocity}}, given.has_velocity);
-    one("has_acceleration_limits", {{"max_acceleration", &given.acceleration}}, given.has_acceleration);
-    one("has_effort_limits", {{"max_effort", &given.effort}}, given.has_effort);
+    one("has_position_limits", s.has_position_limits, {{s.min_position, &given.lower}, {s.max_position, &given.upper}},
+        given.has_position);
+    one("has_velocity_limits", s.has_velocity_limits, {{s.max_velocity, &given.velocity}}, given.has_velocity);
+    one("has_acceleration_limits", s.has_acceleration_limits, {{s.max_acceleration, &given.acceleration}},
+        given.has_acceleration);
+    one("has_effort_limits", s.has_effort_limits, {{s.max_effort, &given.effort}}, given.has_effort);
     bool jerk = false;
     double max_jerk = 0.0;
-    one("has_jerk_limits", {{"max_jerk", &max_jerk}}, jerk);
+    one("has_jerk_limits", s.has_jerk_limits, {{s.max_jerk, &max_jerk}}, jerk);
     if (jerk) warn("has_jerk_limits is ignored, as in joint_limits_interface");
     if (given.has_position && given.lower > given.upper) {
-      reader_.fault("min_position", std::to_string(given.lower), "<= max_position, " + std::to_string(given.upper));
+      section_.fault("min_position", given.lower, "<= max_position, " + numberText(given.upper));
     }
     limits = given;
     readSoft(soft);
   }
 
  private:
-  using Numbers = std::vector<std::pair<const char*, double*>>;
+  using Numbers = std::vector<std::pair<std::optional<double>, double*>>;
 
-  void one(const char* flag, const Numbers& numbers, bool& has) {
-    const bool given = reader_.has(flag);
-    const bool wanted = reader_.find<bool>(flag).value_or(false);
-    bool complete = true;
-    std::vector<double> values;
-    for (const auto& [key, target] : numbers) {
-      complete = complete && reader_.has(key);
-      values.push_back(reader_.find<double>(key).value_or(*target));
+  void one(const char* flag, const std::optional<bool>& given, const Numbers& numbers, bool& has) {
+    if (given && !*given) has = false;
+    if (!given || !*given) return;
+    for (const auto& [value, target] : numbers) {
+      if (value) continue;
+      return warn(std::string(flag) + " is true and its numbers are not all there: it changes nothing");
     }
-    if (given && !wanted) has = false;
-    if (wanted && !complete) warn(std::string(flag) + " is true and its numbers are not all there: it changes nothing");
-    if (!wanted || !complete) return;
     has = true;
-    for (std::size_t k = 0; k < numbers.size(); ++k) *numbers[k].second = values[k];
+    for (const auto& [value, target] : numbers) *target = *value;
   }
 
   void readSoft(SoftLimits& soft) {
+    const JointLimitsConfig& s = settings_;
     SoftLimits given = soft;
     bool has = false;
-    one("has_soft_limits",
-        {{"k_position", &given.k_position},
-         {"k_velocity", &given.k_velocity},
-         {"soft_lower_limit", &given.lower},
-         {"soft_upper_limit", &given.upper}},
+    one("has_soft_limits", s.has_soft_limits,
+        {{s.k_position, &given.k_position},
+         {s.k_velocity, &given.k_velocity},
+         {s.soft_lower_limit, &given.lower},
+         {s.soft_upper_limit, &given.upper}},
         has);
     if (!has) return;  // false leaves the soft limits of the URDF as they are
     if (given.lower > given.upper) {
-      reader_.fault("soft_lower_limit", std::to_string(given.lower),
-                    "<= soft_upper_limit, " + std::to_string(given.upper));
+      section_.fault("soft_lower_limit", given.lower, "<= soft_upper_limit, " + numberText(given.upper));
     }
     given.present = true;
     soft = given;
@@ -72,7 +71,8 @@ class LimitReader {
 
   void warn(const std::string& text) { model_.warnings.push_back("joint_limits/" + joint_ + ": " + text); }
 
-  YamlReader reader_;
+  const JointLimitsConfig& settings_;
+  const SectionCheck& section_;
   std::string joint_;
   RobotModel& model_;
 };
@@ -104,9 +104,10 @@ void applyJointLimits(const YAML::Node& node, RobotModel& model) {
       if (each.name == name && each.moves()) joint = &each;
     }
     if (joint) {
-      YamlReader reader(item.second, sectionOf("joint_limits"), "joint_limits/" + name);
-      LimitReader(reader, name, model).read(joint->enforced, joint->soft);
-      faults.collect([&] { reader.finish(); });
+      const auto read = [&](const JointLimitsConfig& settings, const SectionCheck& section) {
+        LimitReader(settings, section, name, model).read(joint->enforced, joint->soft);
+      };
+      faults.collect([&] { readSection<JointLimitsConfig>(item.second, "joint_limits." + name, read); });
     } else {
       model.warnings.push_back("joint_limits/" + name + ": no moving joint of that name, ignored");
     }

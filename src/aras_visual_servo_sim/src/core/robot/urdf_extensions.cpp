@@ -1,8 +1,6 @@
 #include "urdf_extensions.hpp"
 
-#include "robot/gazebo/camera_sensor.hpp"
-#include "robot/gazebo/gazebo_materials.hpp"
-#include "robot/gazebo/gazebo_visual.hpp"
+#include "robot/gazebo/gazebo_tags.hpp"
 #include "urdf_text.hpp"
 
 namespace aras_visual_servo_sim {

@@ -1,20 +1,19 @@
 #pragma once
 
-#include <string>
-
-#include "aras_visual_servo_sim/config/package_paths.hpp"
-#include "aras_visual_servo_sim/config/section.hpp"
 #include "aras_visual_servo_sim/scene/scene_config.hpp"
-#include "scene/light/color_reader.hpp"
+#include "scene/light/lighting_reader.hpp"
 
 namespace aras_visual_servo_sim {
 
-/** The keys that describe what a flat model looks like. Faults go to reader, whose owner calls finish(). */
-PlanarShape readPlanarShape(YamlReader& reader);
-
-/** The model of such a shape, its picture loaded. @param base_dir  what a plain name of a picture is relative to
- *  @throws ModelError */
-PlanarModel planarModelOf(const std::string& name, const PlanarShape& shape, const PackagePaths& packages,
-                          const std::string& base_dir = "");
+/** What a flat model looks like, by the keys of a model or of a target file. */
+template <typename Settings>
+PlanarShape planarShapeOf(const Settings& settings) {
+  PlanarShape shape;
+  shape.color = colorOf(settings.color_rgb);
+  shape.outlines = settings.outlines_m.value_or(std::vector<Polygon>());
+  if (settings.board) shape.board = PlanarModel::Board{settings.board->size_m, colorOf(settings.board->color_rgb)};
+  if (settings.image) shape.picture = PlanarShape::PictureFile{settings.image->file, settings.image->size_m};
+  return shape;
+}
 
 }  // namespace aras_visual_servo_sim

@@ -6,7 +6,6 @@
 #include "aras_visual_servo_sim/scene/light_entry.hpp"
 #include "aras_visual_servo_sim/scene/scene_loader.hpp"
 #include "scene/mesh/mesh_cache.hpp"
-#include "scene/mesh/shared_meshes.hpp"
 
 namespace aras_visual_servo_sim {
 

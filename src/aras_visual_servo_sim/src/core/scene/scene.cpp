@@ -18,9 +18,7 @@ std::string listOf(const Container& items, const Name& name) {
 
 }  // namespace
 
-Scene::Scene()
-    : background(colorOf(defaultOf<Eigen::Vector3d>("scene", "background_rgb"))),
-      light_direction_W(defaultOf<Eigen::Vector3d>("scene", "light_direction")) {}
+Scene::Scene() : background(colorOf(SceneKeys().background_rgb)), light_direction_W(SceneKeys().light_direction) {}
 
 PlanarModel& Scene::model(const std::string& name) {
   return const_cast<PlanarModel&>(static_cast<const Scene*>(this)->model(name));

@@ -1,6 +1,7 @@
 #include "aras_visual_servo_sim/scene/scene_config.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "aras_visual_servo_sim/config/section.hpp"
@@ -10,129 +11,141 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-Pose readPose(YamlReader& reader) {
-  return {reader.get<Eigen::Vector3d>("position_m"), quaternionFromRpy(reader.get<Eigen::Vector3d>("rpy_rad"))};
-}
-
 /** The one shape of a solid; the section sees to it that it has one. */
-Geometry readGeometry(YamlReader& reader) {
+Geometry geometryOf(const SolidConfig& solid) {
   Geometry geometry;
-  if (reader.has("box_m")) {
-    geometry.size_m = reader.get<Eigen::Vector3d>("box_m");
-  } else if (reader.has("cylinder_m")) {
-    geometry.type = Geometry::Type::kCylinder;
-    const auto size = reader.get<Eigen::Vector2d>("cylinder_m");
+  const auto round = [&geometry](Geometry::Type type, const Eigen::Vector2d& size) {
+    geometry.type = type;
     geometry.radius_m = size[0];
     geometry.length_m = size[1];
-  } else if (reader.has("cone_m")) {
-    geometry.type = Geometry::Type::kCone;
-    const auto size = reader.get<Eigen::Vector2d>("cone_m");
-    geometry.radius_m = size[0];
-    geometry.length_m = size[1];
-    geometry.size_m = {2.0 * size[0], 2.0 * size[0], size[1]};
-  } else if (reader.has("sphere_m")) {
+  };
+  if (solid.box_m) geometry.size_m = *solid.box_m;
+  if (solid.cylinder_m) round(Geometry::Type::kCylinder, *solid.cylinder_m);
+  if (solid.cone_m) {
+    round(Geometry::Type::kCone, *solid.cone_m);
+    geometry.size_m = {2.0 * geometry.radius_m, 2.0 * geometry.radius_m, geometry.length_m};
+  }
+  if (solid.sphere_m) {
     geometry.type = Geometry::Type::kSphere;
-    geometry.radius_m = reader.get<double>("sphere_m");
-  } else if (reader.has("mesh")) {
+    geometry.radius_m = *solid.sphere_m;
+  }
+  if (solid.mesh) {
     geometry.type = Geometry::Type::kMesh;
-    geometry.filename = reader.get<std::string>("mesh");
-    geometry.scale = reader.get<Eigen::Vector3d>("scale");
+    geometry.filename = *solid.mesh;
+    geometry.scale = solid.scale;
   }
   return geometry;
 }
 
-std::optional<ModelMotion> readMotion(YamlReader& reader) {
-  if (!reader.has("motion")) return std::nullopt;
-  return ModelMotion::read(reader.section("motion"), reader.raw("motion"));
+std::optional<ModelMotion> motionOf(const std::optional<MotionConfig>& settings, const SectionCheck& section) {
+  if (!settings) return std::nullopt;
+  checkMotion(*settings, section.part("motion"));
+  return ModelMotion(*settings, section.node("motion"));
 }
 
-ModelEntry readModel(YamlReader& reader) {
+ModelEntry modelOf(const ModelConfig& settings, const SectionCheck& section) {
   ModelEntry entry;
-  entry.name = reader.get<std::string>("name");
-  entry.file = reader.find<std::string>("file").value_or("");
-  entry.X_WM = readPose(reader);
-  entry.visible = reader.get<bool>("visible");
-  entry.carrier = reader.find<std::string>("attached_to").value_or("");
-  entry.motion = readMotion(reader);
+  entry.name = settings.name;
+  entry.file = settings.file.value_or("");
+  entry.X_WM = poseOf(settings);
+  entry.visible = settings.visible;
+  entry.carrier = settings.attached_to.value_or("");
+  entry.motion = motionOf(settings.motion, section);
   if (entry.motion && !entry.carrier.empty())
-    reader.fault("motion", "it together with attached_to", "one of the two, because the link moves the model");
-  entry.shape = readPlanarShape(reader);
+    section.fault("motion", "it together with attached_to", "one of the two, because the link moves the model");
+  entry.shape = planarShapeOf(settings);
   for (const char* key : {"color_rgb", "outlines_m", "image", "board"}) {
-    if (reader.has("file") && reader.has(key))
-      reader.fault(key, "it together with file", "one of the two, because the file holds the shape");
+    if (settings.file && section.has(key))
+      section.fault(key, "it together with file", "one of the two, because the file holds the shape");
   }
   return entry;
 }
 
 /** A name, or a list of names. */
-std::vector<std::string> readTouches(YamlReader& reader) {
-  const auto touches = reader.get<YAML::Node>("touches");
+std::vector<std::string> namesOf(const YAML::Node& touches) {
   if (touches.IsScalar()) return {touches.Scalar()};
   std::vector<std::string> names;
   for (const auto& name : touches) names.push_back(name.IsScalar() ? name.Scalar() : "");
   return names;
 }
 
-SolidEntry readSolid(YamlReader& reader) {
-  SolidEntry entry;
-  entry.name = reader.get<std::string>("name");
-  entry.color = readColor(reader, "color_rgb");
-  YamlReader material = reader.section("material");
-  entry.material = readMaterial(material);
-  entry.casts_shadows = material.get<bool>("casts_shadows");
-  entry.X_WB = readPose(reader);
-  entry.motion = readMotion(reader);
-  entry.urdf = reader.find<std::string>("urdf").value_or("");
-  entry.geometry = readGeometry(reader);
-  entry.mass_kg = reader.find<double>("mass_kg").value_or(0.0);
-  entry.touches = readTouches(reader);
-  if (reader.has("mass_kg") && reader.has("urdf")) {
-    reader.fault("mass_kg", "it together with urdf", "it with box_m, cylinder_m, cone_m, sphere_m or mesh only");
-  }
-  if (reader.has("scale") && !reader.has("mesh")) reader.fault("scale", "it without mesh", "it with mesh only");
-  return entry;
+SolidEntry solidOf(const SolidConfig& settings, const SectionCheck& section) {
+  if (settings.mass_kg && settings.urdf)
+    section.fault("mass_kg", "it together with urdf", "it with box_m, cylinder_m, cone_m, sphere_m or mesh only");
+  if (section.has("scale") && !settings.mesh) section.fault("scale", "it without mesh", "it with mesh only");
+  return {settings.name,
+          settings.urdf.value_or(""),
+          geometryOf(settings),
+          colorOf(settings.color_rgb),
+          materialOf(settings.material),
+          settings.material.casts_shadows,
+          poseOf(settings),
+          motionOf(settings.motion, section),
+          settings.mass_kg.value_or(0.0),
+          namesOf(settings.touches)};
 }
 
 /** Two of one name are a fault; that a name is missing was said already. */
 template <typename Entry>
-void requireDistinct(const std::vector<Entry>& entries, const char* key, YamlReader& reader) {
+void requireDistinct(const std::vector<Entry>& entries, const char* key, const SectionCheck& section) {
   std::set<std::string> names;
   for (const Entry& entry : entries) {
     if (!entry.name.empty() && !names.insert(entry.name).second)
-      reader.fault(key, "two named '" + entry.name + "'", "distinct names");
+      section.fault(key, "two named '" + entry.name + "'", "distinct names");
   }
 }
 
 }  // namespace
 
-SceneConfig SceneConfig::read(YamlReader reader) {
-  SceneConfig scene;
-  scene.background = readColor(reader, "background_rgb");
-  scene.light_direction_W = reader.get<Eigen::Vector3d>("light_direction");
-  if (scene.light_direction_W.norm() == 0.0) reader.fault("light_direction", "zero", "any other direction");
-  YamlReader lighting = reader.section("lighting");
-  scene.lighting = readLighting(lighting);
-  scene.has_lights = lighting.has("lights");
-  scene.has_background = reader.has("background_rgb");
-  for (YamlReader& entry : reader.list("models")) scene.models.push_back(readModel(entry));
-  for (YamlReader& entry : reader.list("solids")) scene.solids.push_back(readSolid(entry));
-  requireDistinct(scene.models, "models", reader);
-  requireDistinct(scene.lighting.lights, "lighting/lights", reader);
-  requireDistinct(scene.solids, "solids", reader);
-  for (const SolidEntry& solid : scene.solids) {
+SceneConfig::SceneConfig(const SceneKeys& settings, const SectionCheck& section)
+    : background(colorOf(settings.background_rgb)),
+      light_direction_W(settings.light_direction),
+      lighting(lightingOf(settings.lighting)),
+      has_lights(section.part("lighting").has("lights")),
+      has_background(section.has("background_rgb")) {
+  if (light_direction_W.norm() == 0.0) section.fault("light_direction", "zero", "any other direction");
+  const SectionCheck lights = section.part("lighting");
+  for (std::size_t k = 0; k < settings.lighting.lights.size(); ++k)
+    checkLight(settings.lighting.lights[k], lights.part("lights", k));
+  for (std::size_t k = 0; k < settings.models.size(); ++k)
+    models.push_back(modelOf(settings.models[k], section.part("models", k)));
+  for (std::size_t k = 0; k < settings.solids.size(); ++k)
+    solids.push_back(solidOf(settings.solids[k], section.part("solids", k)));
+  requireDistinct(models, "models", section);
+  requireDistinct(lighting.lights, "lights", lights);
+  requireDistinct(solids, "solids", section);
+  for (const SolidEntry& solid : solids) {
     const auto same = [&](const ModelEntry& model) { return model.name == solid.name; };
-    if (std::any_of(scene.models.begin(), scene.models.end(), same)) {
-      reader.fault("solids", "a solid and a model named '" + solid.name + "'", "distinct names");
+    if (std::any_of(models.begin(), models.end(), same)) {
+      section.fault("solids", "a solid and a model named '" + solid.name + "'", "distinct names");
     }
   }
-  return scene;
 }
 
 SceneConfig SceneConfig::fromYaml(const YAML::Node& node) {
-  YamlReader reader(node, sectionOf("scene"), "scene");
-  SceneConfig scene = read(reader);
-  reader.finish();
-  return scene;
+  std::optional<SceneConfig> scene;
+  readSection<SceneKeys>(node, "scene", [&scene](const SceneKeys& settings, const SectionCheck& section) {
+    scene.emplace(settings, section);
+  });
+  return *scene;
+}
+
+// What a Gazebo world with its model "sun" is lit by.
+void SceneConfig::lightAsGazebo() {
+  constexpr double kAmbient = 0.4, kBackground = 0.7, kDiffuse = 0.8, kSpecular = 0.1;
+  if (!has_background) {
+    const auto grey = static_cast<std::uint8_t>(std::lround(255.0 * kBackground));
+    background = {grey, grey, grey};
+  }
+  lighting.as_coverage = false;
+  if (has_lights) return;
+  Light sun;
+  sun.name = "sun";
+  sun.direction_W = {-0.5, 0.5, -1.0};
+  sun.diffuse.setConstant(kDiffuse);
+  sun.specular.setConstant(kSpecular);
+  lighting.ambient.setConstant(kAmbient);
+  lighting.lights = {sun};
 }
 
 }  // namespace aras_visual_servo_sim

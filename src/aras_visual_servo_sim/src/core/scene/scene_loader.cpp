@@ -7,7 +7,6 @@
 #include "aras_visual_servo_sim/config/section.hpp"
 #include "planar_shape.hpp"
 #include "scene/mesh/mesh_cache.hpp"
-#include "scene/mesh/shared_meshes.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -19,6 +18,17 @@ YAML::Node modelFile(const std::string& path) {
   } catch (const ArasError& error) {
     throw ModelError("file '" + path + "': " + error.what());
   }
+}
+
+/** The model of such a shape, its picture loaded. @param base_dir  what a plain name of a picture is relative to
+ *  @throws ModelError */
+PlanarModel planarModelOf(const std::string& name, const PlanarShape& shape, const PackagePaths& packages,
+                          const std::string& base_dir = "") {
+  std::optional<PlanarModel::Picture> picture;
+  if (shape.picture) {
+    picture = {loadTexture(packages.resolve(shape.picture->file, base_dir)), shape.picture->size_m};
+  }
+  return {name, shape.outlines, shape.color, shape.board, picture};
 }
 
 PlanarModel modelOf(const ModelEntry& entry, const PackagePaths& packages) {
@@ -61,11 +71,9 @@ void add(const SolidEntry& entry, const PackagePaths& packages, MeshCache& meshe
 
 PlanarModel planarModelFromYaml(const YAML::Node& node, const std::string& source_name, const PackagePaths& packages,
                                 const std::string& base_dir) {
-  YamlReader reader(node, sectionOf("target"), source_name);
-  const auto name = reader.get<std::string>("name");
-  const PlanarShape shape = readPlanarShape(reader);
-  reader.finish();
-  return planarModelOf(name, shape, packages, base_dir);
+  const auto target = readSection<TargetConfig>(
+      node, "", [](auto&&...) {}, source_name);
+  return planarModelOf(target.name, planarShapeOf(target), packages, base_dir);
 }
 
 PlanarModel loadPlanarModel(const std::string& path, const PackagePaths& packages) {

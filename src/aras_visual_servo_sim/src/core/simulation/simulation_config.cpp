@@ -1,29 +1,23 @@
 #include "aras_visual_servo_sim/simulation/simulation_config.hpp"
 
-#include "aras_visual_servo_sim/camera/camera_config_reader.hpp"
 #include "aras_visual_servo_sim/camera/camera_model.hpp"
 #include "aras_visual_servo_sim/config/section.hpp"
-#include "aras_visual_servo_sim/physics/contact_config.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
 
-WorldConfig readWorld(YamlReader& reader) {
+WorldConfig worldOf(const SimConfig& settings) {
+  static const std::map<std::string, Base> kBases = {
+      {"as_urdf", Base::kFromModel}, {"fixed", Base::kFixed}, {"floating", Base::kFloating}, {"driven", Base::kDriven}};
   WorldConfig world;
-  world.period_s = reader.get<double>("period_s");
-  world.gravity_m_s2 = reader.get<Eigen::Vector3d>("gravity_m_s2");
-  world.drive = reader.choice<Drive>("drive", {{"implicit", Drive::kImplicit}, {"explicit", Drive::kExplicit}});
-  world.base = reader.choice<Base>("base", {{"as_urdf", Base::kFromModel},
-                                            {"fixed", Base::kFixed},
-                                            {"floating", Base::kFloating},
-                                            {"driven", Base::kDriven}});
-  if (reader.has("base_pose")) {
-    YamlReader pose = reader.section("base_pose");
-    world.X_WB = Pose{pose.get<Eigen::Vector3d>("position_m"), quaternionFromRpy(pose.get<Eigen::Vector3d>("rpy_rad"))};
-  }
-  world.hold_idle_joints = reader.choice<bool>("idle_joints", {{"free", false}, {"hold", true}});
-  world.command_timeout_s = reader.get<double>("command_timeout_s");
-  world.contacts = readContacts(reader.section("contacts"));
+  world.period_s = settings.period_s;
+  world.gravity_m_s2 = settings.gravity_m_s2;
+  world.drive = settings.drive;
+  world.base = kBases.at(settings.base);
+  if (settings.base_pose) world.X_WB = poseOf(*settings.base_pose);
+  world.hold_idle_joints = settings.idle_joints == "hold";
+  world.command_timeout_s = settings.command_timeout_s;
+  world.contacts = settings.contacts;
   return world;
 }
 
@@ -31,21 +25,21 @@ WorldConfig readWorld(YamlReader& reader) {
 
 SimulationConfig SimulationConfig::fromYaml(const YAML::Node& node) {
   SimulationConfig config;
-  YamlReader reader(node, sectionOf("sim"), "sim");
-  config.world = readWorld(reader);
-  config.command_delay_s = reader.get<double>("command_delay_s");
-  config.seed = static_cast<std::uint64_t>(reader.get<std::int64_t>("seed"));
-  YamlReader positions = reader.section("initial_positions");
-  for (const std::string& joint : positions.keys()) config.initial_positions[joint] = positions.get<double>(joint);
-  for (YamlReader& camera : reader.list("cameras")) config.cameras.push_back(readCameraConfig(camera));
-  config.tag_renderer = reader.get<std::string>("tag_renderer");
-  config.gazebo_cameras = reader.choice<bool>("compatibility", {{"none", false}, {"gazebo", true}});
-  config.scene = SceneConfig::read(reader.section("scene"));
-  if (config.gazebo_cameras) config.scene.lightAsGazebo();
-  if (reader.faults().empty()) {  // checks of a camera that a schema cannot express
-    for (const CameraConfig& camera : config.cameras) reader.faults().collect([&] { CameraModel{camera}; });
-  }
-  reader.finish();
+  readSection<SimConfig>(node, "sim", [&config](const SimConfig& settings, const SectionCheck& section) {
+    config.world = worldOf(settings);
+    config.command_delay_s = settings.command_delay_s;
+    config.seed = static_cast<std::uint64_t>(settings.seed);
+    config.initial_positions = settings.initial_positions;
+    for (const CameraKeys& camera : settings.cameras) config.cameras.push_back({camera, {}, {}, {}});
+    config.tag_renderer = settings.tag_renderer;
+    config.gazebo_cameras = settings.compatibility == "gazebo";
+    config.scene = SceneConfig(settings.scene, section.part("scene"));
+    if (config.gazebo_cameras) config.scene.lightAsGazebo();
+    if (!section.faults().empty()) return;
+    for (const CameraConfig& camera : config.cameras) {  // checks of a camera that a schema cannot express
+      section.faults().collect([&] { CameraModel{camera}; });
+    }
+  });
   return config;
 }
 

@@ -95,15 +95,12 @@ Split split(const YAML::Node& sim) {
 NodeParameters loadParameters(const ros::NodeHandle& node, const ros::NodeHandle& private_node) {
   NodeParameters parameters;
   FaultList faults;
-  YamlReader own(ownParameters(private_node), sectionOf("node"));
-  parameters.gazebo_names = own.get<bool>("gazebo_names");
-  parameters.gazebo_camera_names = own.get<bool>("gazebo_camera_names");
-  parameters.base_tf = own.get<bool>("base_tf");
-  parameters.link_tf = own.get<bool>("link_tf");
-  YamlReader nodelets = own.section("nodelets");
-  for (const std::string& name : nodelets.keys()) parameters.nodelets[name] = nodelets.get<std::string>(name);
-  parameters.nodelet_threads = own.get<bool>("nodelet_threads");
-  faults.collect([&] { own.finish(); }, "~");
+  faults.collect(
+      [&] {
+        const auto take = [&](const NodeConfig& own, const SectionCheck&) { parameters.own = own; };
+        readSection<NodeConfig>(ownParameters(private_node), "", take);
+      },
+      "~");
   faults.collect([&] { parameters.simulation = SimulationConfig::fromYaml(section(node, private_node, "sim")); });
   faults.collect([&] { parameters.time = TimeConfig::fromYaml(section(node, private_node, "time")); });
   liftNested(node);

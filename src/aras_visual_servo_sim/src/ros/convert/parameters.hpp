@@ -23,12 +23,7 @@ struct NodeParameters {
   TimeConfig time;
   YAML::Node controllers;  ///< every map of the namespace whose `type` ends in "Controller"
   JointStateConfig joint_states;
-  bool gazebo_names = false;                    ///< also answer /gazebo/pause_physics and the like
-  bool gazebo_camera_names = false;             ///< the URDF's cameras have the topics that Gazebo gives them
-  bool base_tf = true;                          ///< say where the base is on /tf and /tf_static
-  bool link_tf = false;                         ///< say where the links are there too
-  std::map<std::string, std::string> nodelets;  ///< name -> type, to be loaded into this process
-  bool nodelet_threads = true;                  ///< they have their own; false: they run between two steps
+  NodeConfig own;  ///< the private parameters of the node itself
 };
 
 /** Reads `robot_description` (searched upwards), the controllers of the namespace, and of the private namespace the

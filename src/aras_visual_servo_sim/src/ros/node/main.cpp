@@ -39,8 +39,8 @@ int main(int argc, char** argv) {
     const aras_visual_servo_sim::NodeParameters parameters = aras_visual_servo_sim::loadParameters(node, private_node);
     aras_visual_servo_sim::NodeletQueue between_steps(queue);
     aras_visual_servo_sim::SimNode sim(node, queue, between_steps, parameters);
-    const aras_visual_servo_sim::Nodelets nodelets(parameters.nodelets, node,
-                                                   parameters.nodelet_threads ? nullptr : &between_steps);
+    const aras_visual_servo_sim::Nodelets nodelets(parameters.own.nodelets, node,
+                                                   parameters.own.nodelet_threads ? nullptr : &between_steps);
     sim.run();
   } catch (const std::exception& error) {
     return failed(error);

@@ -26,7 +26,7 @@ SimNode::SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, NodeletQueue&
       sim_section_(simSection(node, ros::NodeHandle("~"))),
       simulation_(parameters.robot, parameters.simulation, parameters.controllers),
       time_(simulation_, parameters.time.monotonic_clock),
-      camera_topics_(cameraTopics(simulation_, parameters.gazebo_camera_names)),
+      camera_topics_(cameraTopics(simulation_, parameters.own.gazebo_camera_names)),
       gate_(parameters.time.lockstep, lockstepNodes()),
       pacer_(parameters.time.real_time_factor),
       recording_(node_, time_),
@@ -44,7 +44,7 @@ SimNode::SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, NodeletQueue&
   for (const std::string& camera : config_.lockstep_cameras) {
     lockstep_cameras_.push_back(simulation_.cameras().index(camera));
   }
-  advertiseServices(parameters.gazebo_names);
+  advertiseServices(parameters.own.gazebo_names);
   markers_.publish();
 }
 

@@ -47,7 +47,7 @@ StatePublisher::StatePublisher(const ros::NodeHandle& node, Simulation& simulati
       joint_schedule_(std::min(parameters.time.joint_state_rate_hz, 1e9 / simulation.periodNs()),
                       simulation.periodNs()),
       geometry_(node_, simulation, topics, recording),
-      robot_frames_(node_, simulation, parameters.base_tf, parameters.link_tf),
+      robot_frames_(node_, simulation, parameters.own.base_tf, parameters.own.link_tf),
       extra_joints_(parameters.joint_states.extra_joints) {
   clock_ = {node_, recording, "/clock", kSmallQueue};
   joints_ = {node_, recording, "joint_states", kSmallQueue};

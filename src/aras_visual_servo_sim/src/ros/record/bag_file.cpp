@@ -7,7 +7,6 @@
 #include <map>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
-#include "recording_error.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

@@ -10,7 +10,15 @@
 #include <memory>
 #include <string>
 
+#include "aras_visual_servo_sim/config/errors.hpp"
+
 namespace aras_visual_servo_sim {
+
+/** A bag cannot be written; the text says which and why. */
+class RecordingError : public ArasError {
+ public:
+  using ArasError::ArasError;
+};
 
 /** One bag, or the parts of a split one: FILE.bag.active until `close`. */
 class BagFile {

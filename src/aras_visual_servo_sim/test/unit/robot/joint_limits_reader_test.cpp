@@ -32,7 +32,7 @@ TEST(JointLimitOverrides, SoftLimitsThatCrossAreRefused) {
                                 " soft_lower_limit: 0.1, soft_upper_limit: 0.05}}}"),
                      model);
   });
-  EXPECT_HAS(text, "joint_limits/slide/soft_lower_limit: found 0.100000, allowed <= soft_upper_limit, 0.050000");
+  EXPECT_HAS(text, "joint_limits.slide.soft_lower_limit: found 0.1, allowed <= soft_upper_limit, 0.05");
 }
 
 TEST(JointLimitOverrides, EachNumberGoesToTheLimitOfItsName) {
@@ -111,10 +111,10 @@ TEST(JointLimitOverrides, FaultsAreListed) {
                                 " max_speed: 3, has_velocity_limits: perhaps, max_effort: .nan}}}"),
                      model);
   });
-  EXPECT_HAS(text, "joint_limits/slide/min_position: found 2.000000, allowed <= max_position");
-  EXPECT_HAS(text, "joint_limits/slide/max_speed: found an unknown key");
-  EXPECT_HAS(text, "joint_limits/slide/has_velocity_limits: found perhaps, allowed true or false");
-  EXPECT_HAS(text, "joint_limits/slide/max_effort: found .nan");
+  EXPECT_HAS(text, "joint_limits.slide.min_position: found 2, allowed <= max_position");
+  EXPECT_HAS(text, "joint_limits.slide.max_speed: found an unknown key");
+  EXPECT_HAS(text, "joint_limits.slide.has_velocity_limits: found perhaps, allowed true or false");
+  EXPECT_HAS(text, "joint_limits.slide.max_effort: found .nan");
 }
 
 }  // namespace

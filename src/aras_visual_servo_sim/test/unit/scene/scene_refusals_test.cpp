@@ -28,26 +28,26 @@ TEST_P(EachScene, ThatCannotBeIsRefusedByName) {
 INSTANTIATE_TEST_SUITE_P(
     Scenes, EachScene,
     ::testing::Values(
-        Refusal{"{light_direction: [0, 0, 0]}", "scene/light_direction: found zero"},
+        Refusal{"{light_direction: [0, 0, 0]}", "scene.light_direction: found zero"},
         Refusal{"{models: [{name: m, file: m.yaml, attached_to: l, motion: {type: constant_velocity}}]}",
                 "motion: found it together with attached_to"},
         Refusal{"{models: [{name: m, file: m.yaml, board: {size_m: [1, 1]}}]}",
-                "scene/models[0]/board: found it together with file"},
-        Refusal{"{models: [{name: m, file: a.yaml}, {name: m, file: b.yaml}]}", "scene/models: found two named 'm'"},
+                "scene.models[0].board: found it together with file"},
+        Refusal{"{models: [{name: m, file: a.yaml}, {name: m, file: b.yaml}]}", "scene.models: found two named 'm'"},
         Refusal{"{solids: [{name: s, urdf: s.urdf, mass_kg: 1}]}",
-                "scene/solids[0]/mass_kg: found it together with urdf"},
-        Refusal{"{solids: [{name: s, sphere_m: 1, scale: [1, 1, 1]}]}", "scene/solids[0]/scale: found it without mesh"},
+                "scene.solids[0].mass_kg: found it together with urdf"},
+        Refusal{"{solids: [{name: s, sphere_m: 1, scale: [1, 1, 1]}]}", "scene.solids[0].scale: found it without mesh"},
         Refusal{"{solids: [{name: s, sphere_m: 1}], models: [{name: s, file: s.yaml}]}",
-                "scene/solids: found a solid and a model named 's'"},
+                "scene.solids: found a solid and a model named 's'"},
         Refusal{"{lighting: {lights: [{name: a, type: spot, direction: [0, 0, -1], inner_angle_rad: 0.5, "
                 "outer_angle_rad: 0.4}]}}",
-                "outer_angle_rad: found 0.400000 of light 'a', allowed more than inner_angle_rad, 0.500000"},
+                "outer_angle_rad: found 0.4 of light 'a', allowed more than inner_angle_rad, 0.5"},
         Refusal{"{lighting: {lights: [{name: a, type: spot}]}}", "direction: found none of light 'a'"},
         Refusal{"{lighting: {lights: [{name: a, type: directional, direction: [0, 0, 0]}]}}",
                 "direction: found zero of light 'a'"},
         Refusal{"{solids: [{name: s, sphere_m: 1, motion: {type: waypoints, waypoints: [{time_s: 2, position_m: [0, "
                 "0, 0]}, {time_s: 1, position_m: [0, 0, 0]}]}}]}",
-                "waypoints[1]/time_s: found 1.000000, allowed > 2.000000"}));
+                "waypoints[1].time_s: found 1, allowed > 2"}));
 
 TEST(Scene, AnUnknownModelOrBodyIsToldWhichThereAre) {
   Scene scene;

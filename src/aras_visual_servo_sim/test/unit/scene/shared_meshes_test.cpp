@@ -1,9 +1,9 @@
 // Which meshes are one and the same to whoever draws many scenes.
-#include "scene/mesh/shared_meshes.hpp"
-
 #include <gtest/gtest.h>
 
 #include <functional>
+
+#include "scene/mesh/mesh_cache.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

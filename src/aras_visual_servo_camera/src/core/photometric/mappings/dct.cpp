@@ -4,7 +4,6 @@
 
 #include "aras_visual_servo_camera/config/errors.hpp"
 #include "photometric/mappings/mapping.hpp"
-#include "photometric/mappings/separable.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
@@ -42,7 +41,7 @@ class Dct : public LinearMapping {
   void setReference(const MappedPixels& pixels, const LevelView&) override {
     const int width = pixels.mask.cols, height = pixels.mask.rows;
     if (config_.coefficients > width * height)
-      throw ParameterError("vision/photometric/dct/coefficients: found " + std::to_string(config_.coefficients) +
+      throw ParameterError("vision.photometric.dct.coefficients: found " + std::to_string(config_.coefficients) +
                            ", allowed at most " + std::to_string(width * height) +
                            ", the pixels of the coarsest level");
     const std::vector<std::pair<int, int>> kept = zigZag(width, height, config_.coefficients);

@@ -1,6 +1,7 @@
 #include "photometric/mappings/mapping.hpp"
 
 #include <algorithm>
+#include <cstddef>
 
 #include "photometric/column_sums.hpp"
 
@@ -35,6 +36,35 @@ NormalEquations LinearMapping::equations(const MappedPixels& pixels, int stage) 
     out.b[i] = sums.at(i, columns - 1);
   }
   out.cost = 0.5 * std::max(0.0, sums.at(columns - 1, columns - 1));
+  return out;
+}
+
+SeparableSums::SeparableSums(std::vector<Window> along_u, std::vector<Window> along_v,
+                             std::vector<std::pair<int, int>> kept)
+    : along_u_(std::move(along_u)), along_v_(std::move(along_v)), kept_(std::move(kept)) {
+  for (Window& window : along_u_) window.weights.resize(padded(static_cast<int>(window.weights.size())), 0.0f);
+}
+
+std::vector<double> SeparableSums::of(const cv::Mat& image) const {
+  const std::size_t n = along_u_.size();
+  std::vector<float> row(padded(image.cols) + ColumnSums::kLanes, 0.0f);
+  std::vector<double> rows(n * image.rows), grid(n * along_v_.size(), 0.0);
+  for (int v = 0; v < image.rows; ++v) {
+    std::copy_n(image.ptr<float>(v), image.cols, row.begin());
+    for (std::size_t a = 0; a < n; ++a)
+      rows[v * n + a] = dotOf(row.data() + along_u_[a].first, along_u_[a].weights.data(),
+                              static_cast<int>(along_u_[a].weights.size()));
+  }
+  for (std::size_t b = 0; b < along_v_.size(); ++b) {
+    for (std::size_t k = 0; k < along_v_[b].weights.size(); ++k) {
+      const double weight = along_v_[b].weights[k];
+      const double* from = rows.data() + (along_v_[b].first + k) * n;
+      for (std::size_t a = 0; a < n; ++a) grid[b * n + a] += weight * from[a];
+    }
+  }
+  std::vector<double> out;
+  out.reserve(kept_.size());
+  for (const auto& [a, b] : kept_) out.push_back(grid[b * n + a]);
   return out;
 }
 

@@ -2,9 +2,10 @@
 
 #include <memory>
 #include <opencv2/core.hpp>
+#include <utility>
 #include <vector>
 
-#include "aras_visual_servo_camera/config/photometric_config.hpp"
+#include "aras_visual_servo_camera/config/vision_config.hpp"
 #include "aras_visual_servo_camera/image/camera_intrinsics.hpp"
 #include "aras_visual_servo_camera/photometric/photometric_extractor.hpp"
 #include "photometric/normal_equations.hpp"
@@ -66,5 +67,27 @@ std::unique_ptr<PhotometricMapping> makeDct(const DctConfig& config);
 std::unique_ptr<PhotometricMapping> makeMixture(const MixtureConfig& config);
 std::unique_ptr<PhotometricMapping> makePca(const PcaConfig& config);
 std::unique_ptr<PhotometricMapping> makeMutualInformation(const MutualInformationConfig& config);
+
+/** Weights of a row or column of pixels, the first of them at pixel `first`; beyond them they are zero. */
+struct Window {
+  int first;
+  std::vector<float> weights;
+};
+
+/** Sums over an image whose weights are a product of one along the columns and one along the rows. */
+class SeparableSums {
+ public:
+  SeparableSums() = default;
+  /** @param along_u, along_v  windows within the image
+   *  @param kept  pairs (index in along_u, index in along_v) of the sums that are wanted, in their order */
+  SeparableSums(std::vector<Window> along_u, std::vector<Window> along_v, std::vector<std::pair<int, int>> kept);
+
+  /** Of an image of single precision. Same image, same bits. */
+  std::vector<double> of(const cv::Mat& image) const;
+
+ private:
+  std::vector<Window> along_u_, along_v_;
+  std::vector<std::pair<int, int>> kept_;
+};
 
 }  // namespace aras_visual_servo_camera

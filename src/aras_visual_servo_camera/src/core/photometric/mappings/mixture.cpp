@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "photometric/mappings/mapping.hpp"
-#include "photometric/mappings/separable.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {

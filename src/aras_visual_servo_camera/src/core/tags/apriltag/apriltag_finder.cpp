@@ -3,7 +3,7 @@
 #include <cstring>
 #include <map>
 
-#include "tags/apriltag/new_finder.hpp"
+#include "tags/tag_finder.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {

@@ -25,9 +25,10 @@ class Sensor {
    *  @param cosines       of the angles between the pixels' rays and the optical axis, row by row; read if the config
    *                       has a vignetting_exponent, else empty
    *  @param integration_s  during which the dark current flows [s]
-   *  @param pattern_seed  tells this sensor from others of its kind */
+   *  @param pattern_seed  tells this sensor from others of its kind
+   *  @param focal_px  of camera_info, for depth_of_field */
   Sensor(const SensorConfig& config, int width, int height, Encoding encoding, const std::vector<float>& cosines,
-         double integration_s, std::uint64_t seed, std::uint64_t pattern_seed);
+         double integration_s, std::uint64_t seed, std::uint64_t pattern_seed, double focal_px = 0.0);
 
   const SensorConfig& config() const { return config_; }
 

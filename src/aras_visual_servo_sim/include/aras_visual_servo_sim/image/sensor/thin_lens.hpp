@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "aras_visual_servo_sim/config/sections.hpp"
+
 namespace aras_visual_servo_sim {
 
 /** A lens of one focal length and an aperture, focused at a distance, before pixels of one size.
@@ -11,10 +13,7 @@ namespace aras_visual_servo_sim {
  *  the lens at v(d) = f d / (d - f), the sensor stands at v(focus): there the cone of light has the diameter
  *  (f / N) |v(focus) - v(d)| / v(d). A camera's focal length in pixels is v(focus) over the width of a pixel, so that
  *  this is focal_px (f / N) |1 / focus - 1 / d| pixels. */
-struct ThinLens {
-  double focus_distance_m = 0.0;  ///< what stands there is sharp
-  double focal_length_m = 0.0;    ///< < focus_distance_m
-  double f_number = 0.0;
+struct ThinLens : DepthOfFieldConfig {
   double focal_px = 0.0;  ///< the camera's, of camera_info
 
   /** Diameter of the disc that a point is spread over. @param depth_m  > 0; not a number: infinitely far */

@@ -88,6 +88,13 @@ std::unique_ptr<Controller> makeController(const std::string& name, const YAML::
 YAML::Node describedKeys(const YAML::Node& map, const Schema& section, const std::string& where,
                          std::vector<std::string>& warnings);
 
+/** Reads the parameters of a controller, without those that its section does not describe. */
+template <typename Settings, typename Check>
+Settings readController(const YAML::Node& parameters, const std::string& name, std::vector<std::string>& warnings,
+                        Check&& check) {
+  return readSection<Settings>(describedKeys(parameters, Settings::schema(), name, warnings), name, check);
+}
+
 /** Checks that a joint exists, moves, follows no other and has this interface in its <transmission>; else a fault. */
 void checkJoint(const RobotModel& model, const std::string& joint, ControllerType drive, const std::string& controller,
                 FaultList& faults);

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "defocus.hpp"
+#include "image/sensor/effects.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

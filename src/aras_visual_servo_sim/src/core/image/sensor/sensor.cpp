@@ -7,12 +7,7 @@
 
 #include "aras_visual_servo_sim/image/sensor/bayer.hpp"
 #include "aras_visual_servo_sim/image/sensor/jpeg.hpp"
-#include "automatic.hpp"
-#include "defocus.hpp"
-#include "fixed_pattern.hpp"
-#include "normal_draws.hpp"
-#include "shot_noise.hpp"
-#include "tone_curve.hpp"
+#include "image/sensor/effects.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -23,7 +18,7 @@ constexpr double kWhite = 255.0 * kUnitsOf<std::uint16_t>;
 }  // namespace
 
 Sensor::Sensor(const SensorConfig& config, int width, int height, Encoding encoding, const std::vector<float>& cosines,
-               double integration_s, std::uint64_t seed, std::uint64_t pattern_seed)
+               double integration_s, std::uint64_t seed, std::uint64_t pattern_seed, double focal_px)
     : config_(config),
       width_(width),
       height_(height),
@@ -48,7 +43,7 @@ Sensor::Sensor(const SensorConfig& config, int width, int height, Encoding encod
     if (!prnu.empty()) response *= std::max(0.0, 1.0 + prnu[i]);
     response_[i] = static_cast<float>(response);
   }
-  if (config.depth_of_field) depth_blur_.emplace(*config.depth_of_field);
+  if (config.depth_of_field) depth_blur_.emplace(ThinLens{*config.depth_of_field, focal_px});
   restore({});
 }
 
@@ -89,9 +84,9 @@ void Sensor::digitise(const FineImage& light, std::uint64_t frame_index) {
   ExposureSetting setting{1.0, 1.0};
   if (config_.auto_exposure) setting = exposureOf(*config_.auto_exposure, state_.brightness);
   const auto exposure = static_cast<float>(setting.exposure), dark_e = static_cast<float>(dark_e_ * setting.exposure);
-  const auto gain = static_cast<float>(config_.systemGain() * setting.gain);
+  const auto gain = static_cast<float>(systemGain(config_) * setting.gain);
   const auto full_e = static_cast<float>(config_.saturation_capacity_e);
-  const auto black = static_cast<float>(config_.black_level_dn), most = static_cast<float>(config_.mostDn());
+  const auto black = static_cast<float>(config_.black_level_dn), most = static_cast<float>(mostDn(config_));
   const auto dark_noise = static_cast<float>(config_.dark_noise_e);
   const std::uint64_t stream = frameStream(seed_, frame_index);
   const float* quantiles = normalQuantiles().data();
@@ -120,7 +115,7 @@ void Sensor::meter() {
       counts[color] += 1.0;
     }
   }
-  const double range = config_.mostDn() - config_.black_level_dn;
+  const double range = mostDn(config_) - config_.black_level_dn;
   if (const auto& automatic = config_.auto_exposure; automatic) {
     const double all = counts[0] + counts[1] + counts[2];
     const double level = (sums[0] + sums[1] + sums[2]) / (all * range);
@@ -143,7 +138,7 @@ void Sensor::develop(Image& image) const {
     for (int c = 0; c < 3; ++c) gains[c] = static_cast<float>(config_.white_balance[c] * automatic[c]);
   }
   const bool balanced = gains == std::array<float, 3>{1.0f, 1.0f, 1.0f};
-  const auto black = static_cast<float>(config_.black_level_dn), most = static_cast<float>(config_.mostDn());
+  const auto black = static_cast<float>(config_.black_level_dn), most = static_cast<float>(mostDn(config_));
   const std::size_t stride = colors_[0].size();
   for (int v = 0; v < height_; ++v) {
     const std::uint16_t* from = numbers_.data() + stride * v;

@@ -32,45 +32,38 @@ const char* interfaceOf(ControllerType type) {
   return type == ControllerType::kVelocity ? "VelocityJointInterface" : "EffortJointInterface";
 }
 
-void readJoint(YamlReader& reader, const RobotModel& model, std::map<std::string, std::string>& users,
-               ControllerConfig& config) {
-  config.joint = reader.get<std::string>("joint");
+void checkUse(const SectionCheck& section, const RobotModel& model, std::map<std::string, std::string>& users,
+              const ControllerConfig& config) {
   if (config.joint.empty()) return;
   try {
     model.jointIndex(config.joint);
   } catch (const UnknownNameError& error) {
-    std::string known;
-    for (const auto& name : model.joint_names) known += (known.empty() ? "" : ", ") + name;
-    reader.fault("joint", config.joint, "a moving joint: " + known);
-    return;
+    return section.fault("joint", config.joint,
+                         "a moving joint: " + aras_visual_servo_common::oneOf(model.joint_names, config.joint));
   }
   const auto inserted = users.emplace(config.joint, config.name);
   const auto& interfaces = model.movingJoint(model.jointIndex(config.joint)).hardware_interfaces;
   const std::string needed = interfaceOf(config.type);
   if (!interfaces.empty() && std::find(interfaces.begin(), interfaces.end(), needed) == interfaces.end()) {
-    reader.fault("type", controllerTypeName(config.type) + " (" + needed + ")",
-                 "one for " + interfaces.front() + ", the hardware interface of the <transmission> of joint '" +
-                     config.joint + "'");
+    section.fault("type", controllerTypeName(config.type) + " (" + needed + ")",
+                  "one for " + interfaces.front() + ", the hardware interface of the <transmission> of joint '" +
+                      config.joint + "'");
   }
   if (!inserted.second) {
-    reader.fault("joint", config.joint, "a joint no other controller has (" + inserted.first->second + " has it)");
+    section.fault("joint", config.joint, "a joint no other controller has (" + inserted.first->second + " has it)");
   }
 }
 
 }  // namespace
 
 /** control_toolbox::Pid::init: the signs of the clamps do not matter. */
-PidGains readGains(YamlReader reader) {
-  PidGains gains;
-  reader.get<bool>("publish_state");  // checked; only a controller of one joint has such a topic
-  gains.p = reader.get<double>("p");
-  gains.i = reader.get<double>("i");
-  gains.d = reader.get<double>("d");
-  const double clamp = reader.get<double>("i_clamp");
-  gains.i_min = -std::abs(reader.find<double>("i_clamp_min").value_or(clamp));
-  gains.i_max = std::abs(reader.find<double>("i_clamp_max").value_or(clamp));
-  gains.antiwindup = reader.get<bool>("antiwindup");
-  return gains;
+PidGains gainsOf(const PidKeys& pid) {
+  return {pid.p,
+          pid.i,
+          pid.d,
+          -std::abs(pid.i_clamp_min.value_or(pid.i_clamp)),
+          std::abs(pid.i_clamp_max.value_or(pid.i_clamp)),
+          pid.antiwindup};
 }
 
 std::string controllerTypeName(ControllerType type) {
@@ -82,19 +75,16 @@ std::string controllerTypeName(ControllerType type) {
 
 void checkGains(const PidGains& gains, const std::string& controller_name) {
   FaultList faults;
-  static const auto section =  // to find it takes longer than all checks
-      sectionOf("controller")
-          .property(YAML::Load("{type: " + controllerTypeName(ControllerType::kEffortPosition) + "}"), "pid");
-  checkValue(*section, "p", gains.p, faults);
-  checkValue(*section, "i", gains.i, faults);
-  checkValue(*section, "d", gains.d, faults);
+  for (const auto& [key, gain] : {std::pair{"p", gains.p}, std::pair{"i", gains.i}, std::pair{"d", gains.d}}) {
+    checkValue(PidKeys::schema(), key, gain, faults);
+  }
   if (!(gains.i_min <= 0.0) || !std::isfinite(gains.i_min))
     faults.add("i_clamp_min", std::to_string(gains.i_min), "<= 0");
   if (!(gains.i_max >= 0.0) || !std::isfinite(gains.i_max))
     faults.add("i_clamp_max", std::to_string(gains.i_max), ">= 0");
   if (faults.empty()) return;
   FaultList named;
-  named.adopt(ParameterError(faults.lines()), controller_name + "/pid/");
+  named.adopt(ParameterError(faults.lines()), controller_name + ".pid.");
   named.throwIfAny();
 }
 
@@ -109,22 +99,20 @@ std::vector<ControllerConfig> parseControllers(const YAML::Node& node, const Rob
     if (!item.second.IsMap() || !item.second["type"].IsDefined()) continue;
     ControllerConfig config;
     config.name = aras_visual_servo_common::nameIn(item.first);
-    YamlReader reader(item.second, sectionOf("controller"), config.name);
-    const std::string type = reader.find<std::string>("type").value_or("");
+    const auto keys = aras_visual_servo_common::readSettings<ControllerKeys>(item.second, ControllerKeys::schema(),
+                                                                             config.name, faults);
     for (const auto& known : knownTypes()) {
-      if (known.first != type) continue;
+      if (known.first != keys.type) continue;
       config.type = known.second;
-      readJoint(reader, model, users, config);
-      config.command_timeout_s = reader.get<double>("command_timeout_s");
+      config.joint = keys.joint;
+      config.command_timeout_s = keys.command_timeout_s;
+      checkUse(SectionCheck(item.second, config.name, faults), model, users, config);
       if (hasPid(config.type)) {
-        YamlReader pid = reader.section("pid");
-        config.gains = readGains(pid);
-        config.publish_state = pid.get<bool>("publish_state");
+        config.gains = gainsOf(keys.pid);
+        config.publish_state = keys.pid.publish_state;
       }
       configs.push_back(config);
     }
-    if (type == kJointStateType) readJointStates(reader, model);
-    faults.collect([&] { reader.finish(); });
   }
   faults.throwIfAny();
   return configs;

@@ -4,12 +4,9 @@
 
 namespace aras_visual_servo_sim {
 
-JointStateConfig readJointStates(YamlReader& reader, const RobotModel& model) {
-  JointStateConfig config;
-  config.publish_rate_hz = reader.find<double>("publish_rate");
-  for (YamlReader& entry : reader.list("extra_joints")) {
-    const ExtraJoint joint{entry.get<std::string>("name"), entry.get<double>("position"), entry.get<double>("velocity"),
-                           entry.get<double>("effort")};
+JointStateConfig jointStatesOf(const ControllerKeys& keys, const RobotModel& model) {
+  JointStateConfig config{keys.publish_rate, {}};
+  for (const ExtraJoint& joint : keys.extra_joints) {
     const auto& moving = model.joint_names;
     const auto same = [&joint](const ExtraJoint& other) { return other.name == joint.name; };
     if (std::find(moving.begin(), moving.end(), joint.name) != moving.end()) continue;
@@ -24,11 +21,9 @@ JointStateConfig parseJointStates(const YAML::Node& controllers, const RobotMode
   if (!controllers.IsMap()) return {};
   for (const auto& item : controllers) {
     if (!item.second.IsMap() || !item.second["type"].IsDefined()) continue;
-    YamlReader reader(item.second, sectionOf("controller"), aras_visual_servo_common::nameIn(item.first));
-    if (reader.find<std::string>("type") != kJointStateType) continue;
-    const JointStateConfig config = readJointStates(reader, model);
-    reader.finish();
-    return config;
+    if (aras_visual_servo_common::nameIn(item.second["type"]) != kJointStateType) continue;
+    const std::string name = aras_visual_servo_common::nameIn(item.first);
+    return jointStatesOf(readSection<ControllerKeys>(item.second, name, [](auto&&...) {}), model);
   }
   return {};
 }

@@ -12,30 +12,27 @@ namespace {
 
 std::unique_ptr<Controller> make(const std::string& name, const std::string& type, const YAML::Node& parameters,
                                  const RobotModel& model, std::vector<std::string>& warnings) {
-  const Schema& section = sectionOf("gripper_controller");
-  YamlReader reader(describedKeys(parameters, section, name, warnings), section, name);
-  reader.get<std::string>("type");
   ControllerConfig drive;
-  drive.joint = reader.get<std::string>("joint");
-  drive.name = name + "/gains/" + drive.joint;
-  drive.type = interfaceOfType(type) == "Position" ? ControllerType::kPosition : ControllerType::kEffortPosition;
-  checkJoint(model, drive.joint, drive.type, name, reader.faults());
-  YamlReader gains = reader.section("gains");
+  const auto settings = readController<GripperControllerConfig>(
+      parameters, name, warnings, [&](const GripperControllerConfig& given, const SectionCheck& section) {
+        drive.joint = given.joint;
+        drive.name = name + "/gains/" + drive.joint;
+        drive.type = interfaceOfType(type) == "Position" ? ControllerType::kPosition : ControllerType::kEffortPosition;
+        checkJoint(model, drive.joint, drive.type, name, section.faults());
+      });
   if (drive.type == ControllerType::kEffortPosition) {
-    if (gains.has(drive.joint)) {
-      drive.gains = readGains(gains.section(drive.joint));
+    const auto gains = settings.gains.find(drive.joint);
+    if (gains != settings.gains.end()) {
+      drive.gains = gainsOf(gains->second);
     } else {
       warnings.push_back(drive.name + ": is missing, so this gripper does not move");
     }
   }
-  GripperController::Settings settings;
-  settings.goal_tolerance = std::abs(reader.get<double>("goal_tolerance"));
-  settings.max_effort = std::abs(reader.get<double>("max_effort"));
-  settings.stall_speed = reader.get<double>("stall_velocity_threshold");
-  settings.stall_timeout_s = reader.get<double>("stall_timeout");
-  settings.monitor_rate_hz = reader.get<double>("action_monitor_rate");
-  reader.finish();
-  return std::make_unique<GripperController>(name, type, std::move(drive), settings);
+  return std::make_unique<GripperController>(
+      name, type, std::move(drive),
+      GripperController::Settings{std::abs(settings.goal_tolerance), std::abs(settings.max_effort),
+                                  settings.stall_velocity_threshold, settings.stall_timeout,
+                                  settings.action_monitor_rate});
 }
 
 const RegisterController kTypes[] = {{"effort_controllers/GripperActionController", make},

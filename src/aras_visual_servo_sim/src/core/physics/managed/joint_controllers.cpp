@@ -14,7 +14,7 @@ using Drives = std::vector<ControllerConfig>;
 std::unique_ptr<Controller> makeSingle(const std::string& name, const std::string& type, const YAML::Node& parameters,
                                        const RobotModel& model, std::vector<std::string>& warnings) {
   YAML::Node entry;
-  entry[name] = describedKeys(parameters, sectionOf("controller"), name, warnings);
+  entry[name] = describedKeys(parameters, ControllerKeys::schema(), name, warnings);
   Drives drives = parseControllers(entry, model);
   FaultList faults;
   for (const ControllerConfig& drive : drives) checkJoint(model, drive.joint, drive.type, name, faults);
@@ -32,25 +32,35 @@ ControllerType driveOfGroup(const std::string& type) {
 
 std::unique_ptr<Controller> makeGroup(const std::string& name, const std::string& type, const YAML::Node& parameters,
                                       const RobotModel& model, std::vector<std::string>& warnings) {
-  const bool with_pids = driveOfGroup(type) == ControllerType::kEffortPosition;
-  const Schema& section = sectionOf(with_pids ? "group_pid_controller" : "group_controller");
-  YamlReader reader(describedKeys(parameters, section, name, warnings), section, name);
   Drives drives;
-  for (const std::string& joint : reader.get<std::vector<std::string>>("joints")) {
-    ControllerConfig drive;
-    drive.name = name + "/" + joint;
-    drive.type = driveOfGroup(type);
-    drive.joint = joint;
-    checkJoint(model, joint, drive.type, name, reader.faults());
-    if (with_pids && !reader.has(joint)) {
-      reader.faults().add(name, "no " + joint + "/pid", "gains for each joint");
-    } else if (with_pids) {
-      drive.gains = readGains(reader.section(joint).section("pid"));
+  const auto add = [&](const auto& settings, const SectionCheck& section) {
+    for (const std::string& joint : settings.joints) {
+      ControllerConfig drive;
+      drive.name = name + "/" + joint;
+      drive.type = driveOfGroup(type);
+      drive.joint = joint;
+      checkJoint(model, joint, drive.type, name, section.faults());
+      drives.push_back(std::move(drive));
     }
-    drives.push_back(std::move(drive));
+  };
+  if (driveOfGroup(type) != ControllerType::kEffortPosition) {
+    readController<GroupControllerConfig>(parameters, name, warnings, add);
+  } else {
+    readController<GroupPidControllerConfig>(
+        parameters, name, warnings, [&](const GroupPidControllerConfig& settings, const SectionCheck& section) {
+          add(settings, section);
+          for (ControllerConfig& drive : drives) {
+            const auto found = settings.others.find(drive.joint);
+            if (found == settings.others.end()) {
+              section.faults().add(name, "no " + drive.joint + "/pid", "gains for each joint");
+            } else if (!found->second.pid) {
+              section.part(drive.joint).missing("pid", "a map (required)");
+            } else {
+              drive.gains = gainsOf(*found->second.pid);
+            }
+          }
+        });
   }
-  reader.get<std::string>("type");
-  reader.finish();
   return std::make_unique<Controller>(name, type, std::move(drives));
 }
 

@@ -8,10 +8,8 @@ namespace {
 
 std::unique_ptr<Controller> make(const std::string& name, const std::string& type, const YAML::Node& parameters,
                                  const RobotModel& model, std::vector<std::string>& warnings) {
-  const Schema& section = sectionOf("controller");
-  YamlReader reader(describedKeys(parameters, section, name, warnings), section, name);
-  JointStateConfig config = readJointStates(reader, model);
-  reader.finish();
+  JointStateConfig config =
+      jointStatesOf(readController<ControllerKeys>(parameters, name, warnings, [](auto&&...) {}), model);
   if (!config.publish_rate_hz) {
     throw ParameterError(name + "/publish_rate: Parameter 'publish_rate' not set, allowed is a rate above 0 Hz");
   }

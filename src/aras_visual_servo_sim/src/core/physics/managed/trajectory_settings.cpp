@@ -17,42 +17,41 @@ ControllerType driveOf(const std::string& type) {
 
 std::unique_ptr<Controller> make(const std::string& name, const std::string& type, const YAML::Node& parameters,
                                  const RobotModel& model, std::vector<std::string>& warnings) {
-  const Schema& section = sectionOf("trajectory_controller");
-  YamlReader reader(describedKeys(parameters, section, name, warnings), section, name);
-  reader.get<std::string>("type");
-  TrajectoryController::Settings settings;
   std::vector<ControllerConfig> drives;
-  YamlReader constraints = reader.section("constraints"), gains = reader.section("gains"),
-             forward = reader.section("velocity_ff");
-  const double stopped = constraints.get<double>("stopped_velocity_tolerance");
-  settings.goal_time_s = constraints.get<double>("goal_time");
-  settings.stop_duration_s = reader.get<double>("stop_trajectory_duration");
-  settings.state_rate_hz = reader.get<double>("state_publish_rate");
-  settings.monitor_rate_hz = reader.get<double>("action_monitor_rate");
-  settings.partial_joints = reader.get<bool>("allow_partial_joints_goal");
-  for (const std::string& joint : reader.get<std::vector<std::string>>("joints")) {
-    ControllerConfig drive;
-    drive.name = name + "/gains/" + joint;
-    drive.type = driveOf(type);
-    drive.joint = joint;
-    checkJoint(model, joint, drive.type, name, reader.faults());
+  const auto keys = readController<TrajectoryControllerConfig>(
+      parameters, name, warnings, [&](const TrajectoryControllerConfig& given, const SectionCheck& section) {
+        for (const std::string& joint : given.joints) {
+          ControllerConfig drive;
+          drive.name = name + "/gains/" + joint;
+          drive.type = driveOf(type);
+          drive.joint = joint;
+          checkJoint(model, joint, drive.type, name, section.faults());
+          drives.push_back(std::move(drive));
+        }
+      });
+  TrajectoryController::Settings settings;
+  settings.goal_time_s = keys.constraints.goal_time;
+  settings.stop_duration_s = keys.stop_trajectory_duration;
+  settings.state_rate_hz = keys.state_publish_rate;
+  settings.monitor_rate_hz = keys.action_monitor_rate;
+  settings.partial_joints = keys.allow_partial_joints_goal;
+  for (ControllerConfig& drive : drives) {
+    const std::string& joint = drive.joint;
     if (drive.type != ControllerType::kPosition) {
-      if (gains.has(joint)) {
-        drive.gains = readGains(gains.section(joint));
+      if (const auto gains = keys.gains.find(joint); gains != keys.gains.end()) {
+        drive.gains = gainsOf(gains->second);
       } else {
-        warnings.push_back(name + "/gains/" + joint + ": is missing, so this joint follows nothing");
+        warnings.push_back(drive.name + ": is missing, so this joint follows nothing");
       }
     }
-    if (reader.faults().empty()) {
-      YamlReader limits = constraints.section(joint);
-      settings.path.push_back({limits.get<double>("trajectory"), 0.0, 0.0});
-      settings.goal.push_back({limits.get<double>("goal"), stopped, 0.0});
-      settings.velocity_gain.push_back(forward.find<double>(joint).value_or(0.0));
-      settings.continuous.push_back(model.movingJoint(model.jointIndex(joint)).type == JointType::kContinuous);
-    }
-    drives.push_back(std::move(drive));
+    const auto found = keys.constraints.others.find(joint);
+    const JointConstraints limits = found == keys.constraints.others.end() ? JointConstraints() : found->second;
+    const auto forward = keys.velocity_ff.find(joint);
+    settings.path.push_back({limits.trajectory, 0.0, 0.0});
+    settings.goal.push_back({limits.goal, keys.constraints.stopped_velocity_tolerance, 0.0});
+    settings.velocity_gain.push_back(forward == keys.velocity_ff.end() ? 0.0 : forward->second);
+    settings.continuous.push_back(model.movingJoint(model.jointIndex(joint)).type == JointType::kContinuous);
   }
-  reader.finish();
   return std::make_unique<TrajectoryController>(name, type, std::move(drives), std::move(settings));
 }
 

@@ -1,9 +1,8 @@
-#include "camera_sensor.hpp"
-
 #include <algorithm>
 #include <sstream>
 
 #include "aras_visual_servo_sim/config/section.hpp"
+#include "robot/gazebo/gazebo_tags.hpp"
 #include "robot/urdf_text.hpp"
 
 namespace aras_visual_servo_sim {

@@ -1,6 +1,6 @@
-#include "gazebo_materials.hpp"
-
 #include <map>
+
+#include "robot/gazebo/gazebo_tags.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

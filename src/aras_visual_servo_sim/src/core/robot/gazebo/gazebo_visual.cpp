@@ -1,11 +1,10 @@
-#include "gazebo_visual.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "robot/gazebo/gazebo_tags.hpp"
 #include "robot/urdf_text.hpp"
 
 namespace aras_visual_servo_sim {

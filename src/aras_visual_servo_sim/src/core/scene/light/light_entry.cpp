@@ -22,12 +22,7 @@ const char* nameOf(Light::Type type) {
 
 }  // namespace
 
-Light lightFromYaml(const YAML::Node& node) {
-  YamlReader reader(node, sectionOf("light"), "light");
-  Light light = readLight(reader);
-  reader.finish();
-  return light;
-}
+Light lightFromYaml(const YAML::Node& node) { return lightOf(readSection<LightConfig>(node, "light", checkLight)); }
 
 YAML::Node lightYaml(const Light& light) {
   const bool attached = !light.attached_to.empty();

@@ -5,11 +5,13 @@
 
 namespace aras_visual_servo_sim {
 
-/** Section `light`. Faults go to reader. */
-Light readLight(YamlReader& reader);
-/** Section `lighting`. Faults go to reader. */
-Lighting readLighting(YamlReader& reader);
-/** Section `material`, but for casts_shadows. */
-Material readMaterial(YamlReader& reader);
+/** A colour of red, green and blue, 0 .. 255, rounded to bytes. */
+Rgb colorOf(const Eigen::Vector3d& rgb);
+
+/** What sections give, and what their schemas cannot express. */
+Light lightOf(const LightConfig& settings);
+void checkLight(const LightConfig& settings, const SectionCheck& section);
+Lighting lightingOf(const LightingConfig& settings);
+Material materialOf(const MaterialConfig& settings);
 
 }  // namespace aras_visual_servo_sim

@@ -6,6 +6,7 @@
 
 #include "aras_visual_servo_sim/robot/robot_model.hpp"
 #include "aras_visual_servo_sim/scene/mesh_loader.hpp"
+#include "aras_visual_servo_sim/scene/triangle_mesh.hpp"
 #include "mesh_materials.hpp"
 
 namespace aras_visual_servo_sim {
@@ -31,5 +32,9 @@ class MeshCache {
   std::map<std::string, std::vector<MaterialMesh>> parts_;
   std::map<std::string, TexturePtr> textures_;
 };
+
+/** A mesh with the same content that somebody in this process has, else this one. What draws many scenes then knows
+ * that they show the same thing. Thread-safe. */
+MeshPtr shared(MeshPtr mesh);
 
 }  // namespace aras_visual_servo_sim

@@ -1,11 +1,11 @@
-#include "shared_meshes.hpp"
-
 #include <algorithm>
 #include <cstring>
 #include <mutex>
 #include <string_view>
 #include <unordered_map>
 #include <vector>
+
+#include "scene/mesh/mesh_cache.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

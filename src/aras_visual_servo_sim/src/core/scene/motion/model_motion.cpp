@@ -50,6 +50,13 @@ ModelPlacement CircleMotion::at(const Pose& X_WM0, double t_s) const {
   return {{X_WM0.p + radius_m * (radius(angle) - radius(phase_rad)), X_WM0.q}, stacked(v, Eigen::Vector3d::Zero())};
 }
 
+RandomWalk::RandomWalk(const MotionConfig& settings)
+    : interval_s(settings.interval_s),
+      speed_stddev_m_per_s(settings.speed_stddev_m_per_s),
+      angular_speed_stddev_rad_per_s(settings.angular_speed_stddev_rad_per_s),
+      radius_m(settings.radius_m),
+      seed(static_cast<std::uint64_t>(settings.seed)) {}
+
 Twist RandomWalk::velocityOf(const Knot& knot) const {
   Twist V;
   for (int k = 0; k < kDrawsPerInterval; k += 2) {
@@ -82,6 +89,13 @@ ModelPlacement RandomWalk::at(const Pose& X_WM0, double t_s) const {
   return {moved(start, rest_s * V.head<3>(), rest_s * V.tail<3>()), V};
 }
 
+WaypointMotion::WaypointMotion(const MotionConfig& settings) : repeat(settings.repeat) {
+  for (const WaypointConfig& each : settings.waypoints) {
+    waypoints.push_back({each.time_s, each.position_m, {}});
+    if (each.rpy_rad) waypoints.back().q = quaternionFromRpy(*each.rpy_rad);
+  }
+}
+
 ModelPlacement WaypointMotion::at(const Pose& X_WM0, double t_s) const {
   const double end_s = waypoints.back().time_s;
   if (repeat && end_s > 0.0) t_s = std::fmod(t_s, end_s);
@@ -99,6 +113,30 @@ ModelPlacement WaypointMotion::at(const Pose& X_WM0, double t_s) const {
     from_s = waypoint.time_s;
   }
   return {from, Twist::Zero()};
+}
+
+ModelMotion::ModelMotion(const MotionConfig& settings, const YAML::Node& node) : delay_s_(settings.delay_s) {
+  const MotionConfig& s = settings;
+  if (s.type == "constant_velocity") path_ = ConstantVelocity{s.linear_m_per_s, s.angular_rad_per_s};
+  if (s.type == "circle") path_ = CircleMotion{s.radius_m, s.angular_speed_rad_per_s, s.axis.normalized(), s.phase_rad};
+  if (s.type == "random_walk") path_ = RandomWalk(s);
+  if (s.type == "waypoints") path_ = WaypointMotion(s);
+  YAML::Emitter text;
+  text << YAML::Flow << node;
+  yaml_ = text.c_str();
+}
+
+ModelMotion ModelMotion::fromYaml(const YAML::Node& node, const std::string& where) {
+  return {readSection<MotionConfig>(node, where, checkMotion), node};
+}
+
+void checkMotion(const MotionConfig& settings, const SectionCheck& section) {
+  if (settings.axis.norm() == 0.0) section.fault("axis", "zero", "any other direction");
+  for (std::size_t k = 1; k < settings.waypoints.size(); ++k) {
+    const double time_s = settings.waypoints[k].time_s, before_s = settings.waypoints[k - 1].time_s;
+    if (time_s > before_s) continue;
+    section.part("waypoints", k).fault("time_s", time_s, "> " + numberText(before_s) + ", that of the waypoint before");
+  }
 }
 
 ModelPlacement ModelMotion::at(const Pose& X_WM0, double t_s) const {

@@ -32,9 +32,8 @@ Sensor sensorOf(const CameraModel& model, int index, std::uint64_t seed) {
   const double integration_s = config.exposure_s > 0.0 ? config.exposure_s : 1.0 / config.rate_hz;
   const auto pattern_seed =
       static_cast<std::uint64_t>(config.sensor->pattern_seed) + kSeedStride * std::uint64_t(index);
-  SensorConfig sensor = *config.sensor;
-  if (sensor.depth_of_field) sensor.depth_of_field->focal_px = model.fx();
-  return {sensor, model.width(), model.height(), model.encoding(), cosines, integration_s, seed, pattern_seed};
+  return {*config.sensor, model.width(), model.height(), model.encoding(), cosines,
+          integration_s,  seed,          pattern_seed,   model.fx()};
 }
 
 }  // namespace

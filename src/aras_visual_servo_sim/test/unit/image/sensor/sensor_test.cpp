@@ -7,7 +7,7 @@
 #include <string>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
-#include "camera/sensor_config_reader.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -17,10 +17,7 @@ constexpr double kPixels = kWidth * kHeight;
 constexpr double kErrors = 4.5;  // standard errors: one of the many checks fails by chance once in 10^4 seeds
 
 SensorConfig configOf(const std::string& keys) {
-  YamlReader reader(YAML::Load("{" + keys + "}"), sectionOf("sensor"));
-  const SensorConfig config = readSensorConfig(reader);
-  reader.finish();
-  return config;
+  return readSection<SensorConfig>(YAML::Load("{" + keys + "}"), "", [](auto&&...) {});
 }
 
 Sensor sensorOf(const std::string& keys, Encoding encoding = Encoding::kMono8, double integration_s = 0.0,

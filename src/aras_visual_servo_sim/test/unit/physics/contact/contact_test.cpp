@@ -180,12 +180,12 @@ TEST(Contact, ConfigurationFaultsAreListed) {
         YAML::Load("{ground_plane: {friction: -1, depth: 2}, pairs: [[a], b], stiffness_n_per_m: 0,"
                    " free_bodies: {cube: heavy}}"));
   });
-  EXPECT_HAS(text, "sim/contacts/ground_plane/friction: found -1, allowed >= 0");
-  EXPECT_HAS(text, "sim/contacts/ground_plane/depth: found an unknown key");
-  EXPECT_HAS(text, "sim/contacts/pairs[0]: found");
-  EXPECT_HAS(text, "sim/contacts/pairs[1]: found");
-  EXPECT_HAS(text, "sim/contacts/stiffness_n_per_m: found 0, allowed > 0");
-  EXPECT_HAS(text, "sim/contacts/free_bodies/cube: found heavy, allowed a number");
+  EXPECT_HAS(text, "sim.contacts.ground_plane.friction: found -1, allowed >= 0");
+  EXPECT_HAS(text, "sim.contacts.ground_plane.depth: found an unknown key");
+  EXPECT_HAS(text, "sim.contacts.pairs[0]: found");
+  EXPECT_HAS(text, "sim.contacts.pairs[1]: found");
+  EXPECT_HAS(text, "sim.contacts.stiffness_n_per_m: found 0, allowed > 0");
+  EXPECT_HAS(text, "sim.contacts.free_bodies.cube: found heavy, allowed a number");
 }
 
 }  // namespace

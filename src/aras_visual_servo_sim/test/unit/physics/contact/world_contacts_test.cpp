@@ -134,7 +134,7 @@ TEST(WorldContacts, OneWordStandsForAllPairs) {
 
 TEST(WorldContacts, APairHasTwoNames) {
   EXPECT_HAS(messageOf<ParameterError>([] { contactConfigFromYaml(YAML::Load("{pairs: [[a, b, c]]}")); }),
-             "sim/contacts/pairs[0]: found");
+             "sim.contacts.pairs[0]: found");
 }
 
 }  // namespace

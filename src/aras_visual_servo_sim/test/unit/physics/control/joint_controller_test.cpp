@@ -64,20 +64,20 @@ TEST(Controllers, GainsThatChangeAreCheckedOneByOne) {
     return messageOf<ParameterError>([&] { checkGains(gains, "swing"); });
   };
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  EXPECT_HAS(fault({-1, 0, 0, 0, 0, false}), "swing/pid/p: found -1");
-  EXPECT_HAS(fault({1, -1, 0, 0, 0, false}), "swing/pid/i: found -1");
-  EXPECT_HAS(fault({1, 0, -1, 0, 0, false}), "swing/pid/d: found -1");
-  EXPECT_HAS(fault({1, 0, 0, 1, 1, false}), "swing/pid/i_clamp_min: found 1");
-  EXPECT_HAS(fault({1, 0, 0, -kInfinity, 1, false}), "swing/pid/i_clamp_min: found -inf");
-  EXPECT_HAS(fault({1, 0, 0, -1, -1, false}), "swing/pid/i_clamp_max: found -1");
-  EXPECT_HAS(fault({1, 0, 0, -1, kInfinity, false}), "swing/pid/i_clamp_max: found inf");
+  EXPECT_HAS(fault({-1, 0, 0, 0, 0, false}), "swing.pid.p: found -1");
+  EXPECT_HAS(fault({1, -1, 0, 0, 0, false}), "swing.pid.i: found -1");
+  EXPECT_HAS(fault({1, 0, -1, 0, 0, false}), "swing.pid.d: found -1");
+  EXPECT_HAS(fault({1, 0, 0, 1, 1, false}), "swing.pid.i_clamp_min: found 1");
+  EXPECT_HAS(fault({1, 0, 0, -kInfinity, 1, false}), "swing.pid.i_clamp_min: found -inf");
+  EXPECT_HAS(fault({1, 0, 0, -1, -1, false}), "swing.pid.i_clamp_max: found -1");
+  EXPECT_HAS(fault({1, 0, 0, -1, kInfinity, false}), "swing.pid.i_clamp_max: found inf");
   EXPECT_NO_THROW(checkGains({1, 2, 3, -1, 1, true}, "swing"));
 }
 
 TEST(Controllers, AMissingJointIsSaidOnce) {
   const std::string message = refusal("{e: {type: effort_controllers/JointEffortController}}");
-  EXPECT_HAS(message, "e/joint: found nothing");
-  EXPECT_EQ(message.find("e/joint"), message.rfind("e/joint")) << message;
+  EXPECT_HAS(message, "e.joint: found nothing");
+  EXPECT_EQ(message.find("e.joint"), message.rfind("e.joint")) << message;
 }
 
 TEST(Controllers, IClampMinAndMaxGoBeforeIClamp) {
@@ -98,14 +98,14 @@ e: {type: effort_controllers/JointEffortController}
 f: {type: effort_controllers/JointPositionController, joint: a_slide}
 g: {type: effort_controllers/JointVelocityController, joint: a_slide, pid: {p: 1, q: 2}}
 )");
-  EXPECT_HAS(message, "a/pid/p: found nothing, allowed a number (required)");
-  EXPECT_HAS(message, "b/pid/p: found -1, allowed >= 0");
-  EXPECT_HAS(message, "b/joint: found nowhere, allowed a moving joint: a_slide, b_swing");
-  EXPECT_HAS(message, "c/type: found trajectory/Fancy, allowed one of joint_state_controller/JointStateController");
-  EXPECT_HAS(message, "d/joint: found b_swing, allowed a joint no other controller has (a has it)");
-  EXPECT_HAS(message, "e/joint: found nothing");
-  EXPECT_HAS(message, "f/pid: found nothing, allowed a map (required)");
-  EXPECT_HAS(message, "g/pid/q: found an unknown key");
+  EXPECT_HAS(message, "a.pid.p: found nothing, allowed a number (required)");
+  EXPECT_HAS(message, "b.pid.p: found -1, allowed >= 0");
+  EXPECT_HAS(message, "b.joint: found nowhere, allowed a moving joint: one of a_slide, b_swing");
+  EXPECT_HAS(message, "c.type: found trajectory/Fancy, allowed one of joint_state_controller/JointStateController");
+  EXPECT_HAS(message, "d.joint: found b_swing, allowed a joint no other controller has (a has it)");
+  EXPECT_HAS(message, "e.joint: found nothing");
+  EXPECT_HAS(message, "f.pid: found nothing, allowed a map (required)");
+  EXPECT_HAS(message, "g.pid.q: found an unknown key");
 }
 
 TEST(Controllers, ADocumentThatIsNoMapIsRefused) { EXPECT_HAS(refusal("[1, 2]"), "allowed a map of controllers"); }

@@ -38,8 +38,8 @@ TEST(JointStateConfig, FaultsNameTheKey) {
     FAIL() << "accepted";
   } catch (const ParameterError& error) {
     const std::string text = error.what();
-    for (const char* part : {"states/publish_rate: found 0, allowed > 0", "states/extra_joints[0]/name",
-                             "states/extra_joints[0]/position: found fast", "states/rate"}) {
+    for (const char* part : {"states.publish_rate: found 0, allowed > 0", "states.extra_joints[0].name",
+                             "states.extra_joints[0].position: found fast", "states.rate"}) {
       EXPECT_NE(text.find(part), std::string::npos) << part << " is not in\n" << text;
     }
   }

@@ -222,7 +222,7 @@ TEST(Gains, ChangeWhileRunningAndAreChecked) {
   EXPECT_HAS(messageOf<ParameterError>([&] {
                world.setGains("slide_controller", PidGains{-1.0, 0, std::nan(""), 0, 0, false});
              }),
-             "slide_controller/pid/d: found .nan, allowed >= 0");
+             "slide_controller.pid.d: found .nan, allowed >= 0");
   world.reset(vectorOf({0.0}));
   EXPECT_EQ(world.controllerState("slide_controller").gains.p, 10.0);
 }

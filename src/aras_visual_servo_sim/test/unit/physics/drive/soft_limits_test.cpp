@@ -204,7 +204,7 @@ TEST(Controllers, MustFitTheHardwareInterfaceOfTheTransmission) {
     parseControllers(YAML::Load("{arm: {type: position_controllers/JointPositionController, joint: b_swing}}"), model);
   });
   EXPECT_HAS(text,
-             "arm/type: found position_controllers/JointPositionController (PositionJointInterface), allowed one "
+             "arm.type: found position_controllers/JointPositionController (PositionJointInterface), allowed one "
              "for EffortJointInterface, the hardware interface of the <transmission> of joint 'b_swing'");
 }
 

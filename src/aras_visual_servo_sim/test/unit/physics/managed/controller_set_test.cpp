@@ -81,7 +81,8 @@ TEST(ControllerSet, RefusesToLoadWhatItDoesNotKnow) {
   };
   EXPECT_HAS(refused("{}"), "found no parameter 'c/type'");
   EXPECT_HAS(refused("{type: fancy/Controller}"), "found type fancy/Controller, allowed is one of effort_controllers/");
-  EXPECT_HAS(refused("{type: effort_controllers/JointEffortController, joint: x}"), "allowed a moving joint: a, b");
+  EXPECT_HAS(refused("{type: effort_controllers/JointEffortController, joint: x}"),
+             "allowed a moving joint: one of a, b");
   EXPECT_HAS(refused("{type: position_controllers/JointPositionController, joint: a}"), "PositionJointInterface");
   EXPECT_HAS(refused("{type: position_controllers/JointTrajectoryController, joints: [a]}"),
              "could not find joint 'a' in 'hardware_interface::PositionJointInterface': its <transmission> says "
