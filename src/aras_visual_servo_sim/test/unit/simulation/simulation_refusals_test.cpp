@@ -15,14 +15,6 @@ const char* const kTriggered =
 TEST(SimulationRefusals, StepsAreNotTakenBack) {
   Simulation simulation = fixture::panLift();
   EXPECT_EQ(messageOf<ParameterError>([&] { simulation.step(-1); }), "step: found -1 steps, allowed >= 0");
-  EXPECT_EQ(messageOf<ParameterError>([&] { stepTogether({&simulation}, -2); }), "step: found -2 steps, allowed >= 0");
-}
-
-TEST(SimulationRefusals, NoSimulationsOrNoStepsTogetherChangeNothing) {
-  EXPECT_NO_THROW(stepTogether({}, 5));
-  Simulation simulation = fixture::panLift();
-  stepTogether({&simulation}, 0);
-  EXPECT_EQ(simulation.ticks(), 0);
 }
 
 TEST(SimulationRefusals, AFrameIsTakenWhenItIsDue) {
