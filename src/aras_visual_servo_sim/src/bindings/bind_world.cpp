@@ -1,3 +1,6 @@
+// GCC 12 takes what the caster of fixed Eigen matrices moves into place for uninitialized.
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+
 #include <map>
 #include <optional>
 #include <string>

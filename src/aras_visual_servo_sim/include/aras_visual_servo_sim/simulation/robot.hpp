@@ -72,11 +72,12 @@ class Robot {
   std::function<void()> placed_;  // tells the world that joints or base were placed
 };
 
+/** The robots of a world, in the order in which they were spawned. */
+using Robots = std::vector<std::shared_ptr<Robot>>;
+
 /** The robot of a number. @pre it is there */
 const Robot& robotOf(const Robots& robots, int number);
-/** X_WL of a link as the world names it. @throws UnknownNameError */
-Pose linkPose(const Robots& robots, const std::string& link);
-/** The robot that has a link, and the index of the link. @throws UnknownNameError */
+/** The robot that has a link, and the index of the link. @param link  as the world names it @throws UnknownNameError */
 std::pair<const Robot*, int> findLink(const Robots& robots, const std::string& link);
 
 }  // namespace aras_visual_servo_sim

@@ -214,6 +214,12 @@ class World {
   Clock clock_;
   Models models_;
   Robots robots_;
+  const LinkPoses link_poses_ = {
+      [this](const BodyLink& shown) { return robotOf(robots_, shown.robot).body().linkPose(shown.link); },
+      [this](const std::string& name) {
+        const auto [robot, link] = findLink(robots_, name);
+        return robot->body().linkPose(link);
+      }};
   std::shared_ptr<Robot> keeper_;  // whose contacts have the solids; null: there is none
   int next_number_ = 1;            // 0 is that of the robot without a name
   std::int64_t ticks_ = 0;         // while there are no robots

@@ -75,9 +75,4 @@ std::pair<const Robot*, int> findLink(const Robots& robots, const std::string& l
   throw UnknownNameError("link '" + link + "' does not exist, allowed: " + known);
 }
 
-Pose linkPose(const Robots& robots, const std::string& link) {
-  const auto [robot, index] = findLink(robots, link);
-  return robot->body().linkPose(index);
-}
-
 }  // namespace aras_visual_servo_sim

@@ -5,8 +5,8 @@
 
 #include "aras_visual_servo_sim/camera/camera_tags.hpp"
 #include "aras_visual_servo_sim/config/place.hpp"
+#include "aras_visual_servo_sim/physics/touching_robots.hpp"
 #include "aras_visual_servo_sim/robot/joint_limits_reader.hpp"
-#include "physics/world/touching_robots.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -73,7 +73,7 @@ void World::addRobot(const std::shared_ptr<Robot>& robot, const SimulationConfig
   faults.collect([&] { applyJointLimits(controllers, robot->model_); });
   faults.collect([&] { robot->config_.controllers = parseControllers(controllers, robot->model_); });
   if (config.gazebo_cameras) whiten(robot->model_);
-  faults.collect([&] { models_.addRobot(*robot); });
+  faults.collect([&] { models_.addRobot(robot->model_, robot->name(), robot->number()); });
   std::vector<std::string> links = linkNames();
   for (const std::string& link : robot->scopedLinks()) links.push_back(link);
   if (faults.empty()) faults.collect([&] { checkLights(models_.set(), links); });
@@ -94,11 +94,11 @@ void World::addRobot(const std::shared_ptr<Robot>& robot, const SimulationConfig
         [&] { cameras.add(camera, robot->model_, config.seed, periodNs(), robot->name(), robot->number()); });
   }
   if (faults.empty()) faults.collect([&] { robot->makeBody(); });
-  if (!faults.empty()) models_.removeRobot(*robot);
+  if (!faults.empty()) models_.removeRobot(robot->number(), robot->scopedLinks());
   faults.throwIfAny();
   robot->body_->beginAt(ticks());
   robot->placed_ = [this] {
-    models_.carry(robots_);
+    models_.carry(link_poses_);
     cameras_.forgetPast();
   };
   robots_.push_back(robot);
@@ -137,7 +137,7 @@ void World::remove(const std::string& name) {
   ticks_ = ticks();
   robots_.erase(found);
   gone->placed_ = [] {};
-  models_.removeRobot(*gone);
+  models_.removeRobot(gone->number(), gone->scopedLinks());
   cameras_.loseFrames();
   cameras_.forgetPast();
   cameras_.remove(gone->number());
@@ -276,7 +276,7 @@ std::int64_t World::stepToImage(const std::string& camera) {
 /** Poses of everything that this camera can see now. */
 Moment World::present(const Camera& camera) {
   models_.move(timeNs());
-  models_.follow(robots_);
+  models_.follow(link_poses_);
   return momentOf(ticks(), camera.pose(robotOf(robots_, camera.robot()).body()), scene());
 }
 
@@ -304,14 +304,14 @@ std::int64_t World::takeFrame(int index) {
 
 const Image& World::render(int index) {
   Camera& camera = cameras_[index];
-  models_.follow(robots_);
+  models_.follow(link_poses_);
   const Image& image = drawer_.draw(camera, ticks(), cameraPose(index), models_.scene());
   if (camera.imageIsOfNewFrame()) run_hash_.add(image.data.data(), image.data.size());
   return image;
 }
 
 const GeometryImage& World::renderGeometry(int index, Distance distance) {
-  models_.follow(robots_);
+  models_.follow(link_poses_);
   return drawer_.drawGeometry(cameras_[index], cameraPose(index), scene(), distance);
 }
 
@@ -351,7 +351,7 @@ void World::setLighting(const SceneConfig& scene) {
 /** Puts the models that move, or that links carry, where they are now. */
 void World::moveModels() {
   models_.move(timeNs());
-  models_.carry(robots_);
+  models_.carry(link_poses_);
 }
 
 /** To be called after models were added or removed. */
@@ -359,7 +359,7 @@ void World::change(ModelSet next) {
   cameras_.keepModels(models_.set());
   rays_ = {};
   models_.become(std::move(next));
-  models_.carry(robots_);
+  models_.carry(link_poses_);
   cameras_.forgetPast();
   tellUndrawn();
 }
@@ -389,7 +389,7 @@ void World::spawnModel(const YAML::Node& node, const std::optional<Pose>& X_WM) 
   const std::string& name = nameOf(entry);
   const auto* flat = std::get_if<ModelEntry>(&entry);
   std::optional<Pose> X_AM = X_WM;
-  if (X_WM && flat && !flat->carrier.empty()) X_AM = linkPose(robots_, flat->carrier).inverse() * *X_WM;
+  if (X_WM && flat && !flat->carrier.empty()) X_AM = link_poses_.of_name(flat->carrier).inverse() * *X_WM;
   ModelSet next = models_.with(entry, text.c_str(), X_AM);
   next.checkCarriers(linkNames());
   if (keeper_ && next.solids.count(name) > 0) {
@@ -411,8 +411,8 @@ void World::setModelPose(const std::string& model, const Pose& X_WM) {
   checkPlace("model '" + model + "'", X_WM);
   const Pose placed{X_WM.p, X_WM.q.normalized()};
   const std::string link = models_.carrier(model);
-  models_.place(model, link.empty() ? placed : linkPose(robots_, link).inverse() * placed);
-  models_.carry(robots_);
+  models_.place(model, link.empty() ? placed : link_poses_.of_name(link).inverse() * placed);
+  models_.carry(link_poses_);
   setModelMotion(model, std::nullopt);
   if (keeper_) keeper_->contacts_.place(model, models_, *keeper_->body_);
   cameras_.forgetPast();

@@ -187,7 +187,7 @@ void World::restoreState(const std::string& state) {
   }
   for (std::size_t k = 0; k < cameras.size(); ++k) cameras_[static_cast<int>(k)].restore(std::move(cameras[k]));
   models_.become(std::move(models), std::move(motions));
-  models_.carry(robots_);
+  models_.carry(link_poses_);
   rays_ = {};
 }
 

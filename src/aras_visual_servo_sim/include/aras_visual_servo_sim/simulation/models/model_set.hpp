@@ -1,7 +1,7 @@
 #pragma once
 
+#include <functional>
 #include <map>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -11,15 +11,17 @@
 
 namespace aras_visual_servo_sim {
 
-class Robot;
-/** The robots of a world, in the order in which they were spawned. */
-using Robots = std::vector<std::shared_ptr<Robot>>;
-
 /** The link that a body of the scene shows. */
 struct BodyLink {
   int robot = -1, link = -1;  ///< number of the robot in its world, -1: the body is a solid; index of the link
 
   bool isSolid() const { return robot < 0; }
+};
+
+/** X_WL of the links of all robots. */
+struct LinkPoses {
+  std::function<Pose(const BodyLink&)> shown;       ///< of one that is no solid
+  std::function<Pose(const std::string&)> of_name;  ///< as the world names it, see scoped
 };
 
 /** A solid as something that can be touched. */

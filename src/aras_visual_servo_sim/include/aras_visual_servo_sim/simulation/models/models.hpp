@@ -30,9 +30,9 @@ class Models {
    *  @throws ParameterError listing every fault of the files they are made of */
   Models(const SceneConfig& config, const PackagePaths& packages);
   /** Adds the bodies and lights of a robot, also to the set as constructed. @throws ModelError; nothing changes then */
-  void addRobot(const Robot& robot);
-  /** Removes them, and what the robot's links carry. */
-  void removeRobot(const Robot& robot);
+  void addRobot(const RobotModel& robot, const std::string& name, int number);
+  /** As ModelSet::removeRobot, also of the set as constructed. */
+  void removeRobot(int number, const std::vector<std::string>& links);
 
   const ModelSet& set() const { return set_; }
   const Scene& scene() const { return set_.scene; }
@@ -56,9 +56,9 @@ class Models {
   /** Puts the models that move where they are now. */
   void move(std::int64_t now_ns);
   /** Puts the models that links carry where these are. */
-  void carry(const Robots& robots);
+  void carry(const LinkPoses& links);
   /** The same, and the bodies of the robots where their links are, and the lights where their carriers are. */
-  void follow(const Robots& robots);
+  void follow(const LinkPoses& links);
   /** Places a model in what carries it: a link, else the world. A motion that it has goes on.
    *  @throws UnknownNameError */
   void place(const std::string& model, const Pose& X_AM) { set_.anchored(model) = X_AM; }

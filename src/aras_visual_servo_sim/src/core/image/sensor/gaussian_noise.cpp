@@ -9,7 +9,7 @@
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/config/wide.hpp"
-#include "normal_draws.hpp"
+#include "effects.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

@@ -7,12 +7,8 @@
 
 #include "aras_visual_servo_sim/image/sensor/bayer.hpp"
 #include "aras_visual_servo_sim/image/sensor/jpeg.hpp"
-#include "automatic.hpp"
 #include "defocus.hpp"
-#include "fixed_pattern.hpp"
-#include "normal_draws.hpp"
-#include "shot_noise.hpp"
-#include "tone_curve.hpp"
+#include "effects.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

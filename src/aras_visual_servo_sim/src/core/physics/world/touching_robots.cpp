@@ -1,14 +1,46 @@
-#include "touching_robots.hpp"
+#include "aras_visual_servo_sim/physics/touching_robots.hpp"
 
 #include <algorithm>
 
+#include "world_impl.hpp"
+
 namespace aras_visual_servo_sim {
 
-TouchingRobots::TouchingRobots(const std::vector<MultibodyWorld*>& robots) {
-  for (MultibodyWorld* robot : robots) robots_.push_back(robot->impl_.get());
-}
+class TouchingRobots::Impl {
+ public:
+  explicit Impl(const std::vector<MultibodyWorld*>& robots) {
+    for (MultibodyWorld* robot : robots) robots_.push_back(robot->impl_.get());
+  }
 
-void TouchingRobots::step() {
+  void step();
+
+ private:
+  /** A point between two robots; its bodies are those of robot a and of robot b. */
+  struct Crossing {
+    std::size_t a, b;
+    ContactPoint point;
+    std::size_t mover;  // a, or b if the body of a does not move
+    bool both_move;
+  };
+
+  bool touchesOther(std::size_t robot) const;
+  void findPoints();
+  void findBetween(std::size_t a, std::size_t b, const Eigen::AlignedBox3d& near);
+  std::vector<ContactPoint> pointsOf(std::size_t robot, const std::vector<Crossing>& all) const;
+  void solveIsland(std::size_t island);
+
+  std::vector<MultibodyWorld::Impl*> robots_;
+  std::vector<Eigen::AlignedBox3d> boxes_;
+  std::vector<std::size_t> island_;  // of each robot: the first robot that it is connected to by points
+  std::vector<Crossing> crossings_;
+  std::vector<ContactPoint> points_;
+};
+
+TouchingRobots::TouchingRobots(const std::vector<MultibodyWorld*>& robots) : impl_(std::make_unique<Impl>(robots)) {}
+TouchingRobots::~TouchingRobots() = default;
+void TouchingRobots::step() { impl_->step(); }
+
+void TouchingRobots::Impl::step() {
   for (MultibodyWorld::Impl* robot : robots_) {
     if (!robot->driven) {
       robot->beginStep();
@@ -24,13 +56,13 @@ void TouchingRobots::step() {
   for (MultibodyWorld::Impl* robot : robots_) robot->driven ? robot->step() : robot->finishStep();
 }
 
-bool TouchingRobots::touchesOther(std::size_t robot) const {
+bool TouchingRobots::Impl::touchesOther(std::size_t robot) const {
   return std::any_of(crossings_.begin(), crossings_.end(),
                      [&](const Crossing& each) { return island_[each.mover] == island_[robot]; });
 }
 
 /** Finds the points between robots. A body that does not move, as a table, connects no robots. */
-void TouchingRobots::findPoints() {
+void TouchingRobots::Impl::findPoints() {
   crossings_.clear();
   boxes_.assign(robots_.size(), Eigen::AlignedBox3d());
   island_.resize(robots_.size());
@@ -52,7 +84,7 @@ void TouchingRobots::findPoints() {
   }
 }
 
-void TouchingRobots::findBetween(std::size_t a, std::size_t b, const Eigen::AlignedBox3d& near) {
+void TouchingRobots::Impl::findBetween(std::size_t a, std::size_t b, const Eigen::AlignedBox3d& near) {
   WorldContacts& one = *robots_[a]->contacts;
   WorldContacts& other = *robots_[b]->contacts;
   points_.clear();
@@ -66,7 +98,7 @@ void TouchingRobots::findBetween(std::size_t a, std::size_t b, const Eigen::Alig
 }
 
 /** Returns all points of an island as one of its robots has them. */
-std::vector<ContactPoint> TouchingRobots::pointsOf(std::size_t robot, const std::vector<Crossing>& all) const {
+std::vector<ContactPoint> TouchingRobots::Impl::pointsOf(std::size_t robot, const std::vector<Crossing>& all) const {
   std::vector<ContactPoint> points;
   for (const Crossing& each : all) {
     ContactPoint point = each.point;
@@ -77,7 +109,7 @@ std::vector<ContactPoint> TouchingRobots::pointsOf(std::size_t robot, const std:
   return points;
 }
 
-void TouchingRobots::solveIsland(std::size_t island) {
+void TouchingRobots::Impl::solveIsland(std::size_t island) {
   std::vector<std::size_t> members;
   std::vector<Crossing> all;
   Eigen::Index n = 0;

@@ -9,7 +9,6 @@
 #include "aras_visual_servo_sim/config/section.hpp"
 #include "aras_visual_servo_sim/scene/scene_loader.hpp"
 #include "aras_visual_servo_sim/simulation/models/lights.hpp"
-#include "aras_visual_servo_sim/simulation/robot.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -37,14 +36,14 @@ Models::Models(const SceneConfig& config, const PackagePaths& packages) : packag
   for (const std::string& name : set_.names()) set_.starts[name] = set_.anchored(name);
 }
 
-void Models::addRobot(const Robot& robot) {
+void Models::addRobot(const RobotModel& robot, const std::string& name, int number) {
   const auto with = [&](ModelSet set) {
     const std::size_t first = set.scene.bodies.size();
-    addRobotBodies(robot.model(), packages_, set.scene, robot.name());
+    addRobotBodies(robot, packages_, set.scene, name);
     int link = 0;
     for (std::size_t k = first; k < set.scene.bodies.size(); ++k) {
-      while (scoped(robot.name(), robot.model().links[link].name) != set.scene.bodies[k].name) ++link;
-      set.body_links.push_back({robot.number(), link});
+      while (scoped(name, robot.links[link].name) != set.scene.bodies[k].name) ++link;
+      set.body_links.push_back({number, link});
     }
     return set;
   };
@@ -53,9 +52,9 @@ void Models::addRobot(const Robot& robot) {
   set_ = std::move(next);
 }
 
-void Models::removeRobot(const Robot& robot) {
+void Models::removeRobot(int number, const std::vector<std::string>& links) {
   const auto without = [&](ModelSet set) {
-    set.removeRobot(robot.number(), robot.scopedLinks());
+    set.removeRobot(number, links);
     return set;
   };
   if (built_) built_ = std::make_shared<const ModelSet>(without(*built_));
@@ -108,22 +107,22 @@ bool Models::anyCarried() const {
   return std::any_of(models.begin(), models.end(), [](const PlanarModel& model) { return !model.carrier.empty(); });
 }
 
-void Models::carry(const Robots& robots) {
+void Models::carry(const LinkPoses& links) {
   for (PlanarModel& model : set_.scene.models) {
-    if (!model.carrier.empty()) model.X_WM = linkPose(robots, model.carrier) * model.X_LM;
+    if (!model.carrier.empty()) model.X_WM = links.of_name(model.carrier) * model.X_LM;
   }
 }
 
-void Models::follow(const Robots& robots) {
-  carry(robots);
+void Models::follow(const LinkPoses& links) {
+  carry(links);
   for (std::size_t k = 0; k < set_.body_links.size(); ++k) {
     const BodyLink& shown = set_.body_links[k];
-    if (!shown.isSolid()) set_.scene.bodies[k].X_WB = robotOf(robots, shown.robot).body().linkPose(shown.link);
+    if (!shown.isSolid()) set_.scene.bodies[k].X_WB = links.shown(shown);
   }
   for (Light& light : set_.scene.lighting.lights) {
     if (light.attached_to.empty()) continue;
     const bool on_model = set_.starts.count(light.attached_to) > 0;
-    light.carry(on_model ? set_.place(light.attached_to) : linkPose(robots, light.attached_to));
+    light.carry(on_model ? set_.place(light.attached_to) : links.of_name(light.attached_to));
   }
 }
 

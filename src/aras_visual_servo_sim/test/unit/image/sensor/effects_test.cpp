@@ -1,4 +1,6 @@
 // The parts of a sensor, each alone.
+#include "image/sensor/effects.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,12 +8,7 @@
 
 #include "aras_visual_servo_sim/image/sensor/bayer.hpp"
 #include "aras_visual_servo_sim/image/sensor/jpeg.hpp"
-#include "image/sensor/automatic.hpp"
 #include "image/sensor/defocus.hpp"
-#include "image/sensor/fixed_pattern.hpp"
-#include "image/sensor/normal_draws.hpp"
-#include "image/sensor/shot_noise.hpp"
-#include "image/sensor/tone_curve.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

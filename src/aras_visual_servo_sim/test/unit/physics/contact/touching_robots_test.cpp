@@ -1,4 +1,4 @@
-#include "physics/world/touching_robots.hpp"
+#include "aras_visual_servo_sim/physics/touching_robots.hpp"
 
 #include <memory>
 

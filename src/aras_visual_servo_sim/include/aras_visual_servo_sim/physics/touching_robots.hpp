@@ -1,10 +1,9 @@
 #pragma once
 
-#include <Eigen/Geometry>
-#include <cstddef>
+#include <memory>
 #include <vector>
 
-#include "world_impl.hpp"
+#include "aras_visual_servo_sim/physics/multibody_world.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -17,30 +16,14 @@ class TouchingRobots {
   /** @param robots  with one period; they outlive this object, and their contacts stay the same meanwhile. Contacts are
    *                 found in their order */
   explicit TouchingRobots(const std::vector<MultibodyWorld*>& robots);
+  ~TouchingRobots();
 
   /** Advances all robots by one period. */
   void step();
 
  private:
-  /** A point between two robots; its bodies are those of robot a and of robot b. */
-  struct Crossing {
-    std::size_t a, b;
-    ContactPoint point;
-    std::size_t mover;  // a, or b if the body of a does not move
-    bool both_move;
-  };
-
-  bool touchesOther(std::size_t robot) const;
-  void findPoints();
-  void findBetween(std::size_t a, std::size_t b, const Eigen::AlignedBox3d& near);
-  std::vector<ContactPoint> pointsOf(std::size_t robot, const std::vector<Crossing>& all) const;
-  void solveIsland(std::size_t island);
-
-  std::vector<MultibodyWorld::Impl*> robots_;
-  std::vector<Eigen::AlignedBox3d> boxes_;
-  std::vector<std::size_t> island_;  // of each robot: the first robot that it is connected to by points
-  std::vector<Crossing> crossings_;
-  std::vector<ContactPoint> points_;
+  class Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace aras_visual_servo_sim
