@@ -77,7 +77,7 @@ void tell(Simulation& simulation, FuzzedDataProvider& bytes) {
       return simulation.setControllerCommand(joint(bytes), number(bytes));
     case 2:
       return simulation.body().setGains(joint(bytes), {number(bytes), number(bytes), number(bytes), number(bytes),
-                                                number(bytes), bytes.ConsumeBool()});
+                                                       number(bytes), bytes.ConsumeBool()});
     case 3:
       return simulation.setJointPositions({{joint(bytes), number(bytes)}});
     case 4:
@@ -85,7 +85,8 @@ void tell(Simulation& simulation, FuzzedDataProvider& bytes) {
     case 5: {
       const bool trajectory = bytes.ConsumeBool();
       const std::vector<std::string> some{"follow"}, others{"slide", "turn"};
-      return simulation.body().switchControllers(trajectory ? some : others, trajectory ? others : some, bytes.ConsumeBool());
+      return simulation.body().switchControllers(trajectory ? some : others, trajectory ? others : some,
+                                                 bytes.ConsumeBool());
     }
     case 6:
       return follow(simulation, bytes);
@@ -104,8 +105,9 @@ void tell(Simulation& simulation, FuzzedDataProvider& bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const std::unique_ptr<Simulation> kSimulation = fuzz::smallSimulation();
   static const std::string kStart = [] {
-    kSimulation->body().loadController("follow", YAML::Load("{type: effort_controllers/JointTrajectoryController, joints: "
-                                                     "[slide, turn], gains: {slide: {p: 100, d: 20}, turn: {p: 9}}}"));
+    kSimulation->body().loadController("follow",
+                                       YAML::Load("{type: effort_controllers/JointTrajectoryController, joints: "
+                                                  "[slide, turn], gains: {slide: {p: 100, d: 20}, turn: {p: 9}}}"));
     kSimulation->step(3);
     return kSimulation->saveState();
   }();
