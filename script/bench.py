@@ -12,21 +12,15 @@ import tempfile
 import time
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[1]
-LIGHT_BENCH = WORKSPACE / "build/aras_visual_servo_sim/light_bench"
 SIM_BENCH = WORKSPACE / "src/aras_visual_servo_sim/bench"
-STOP_RULE = WORKSPACE / "src/aras_visual_servo_controller/bench/stop_rule.py"
+STOP_RULE = WORKSPACE / "src/aras_visual_servo_study/bench/stop_rule.py"
 
 
 def python_bench(program, *arguments):
     return [sys.executable, SIM_BENCH / program, *arguments]
 
 
-def light_bench(scene):
-    return [LIGHT_BENCH, "--rate", scene]
-
-
-# What other programs can be measured beside, our program that measures it, and whether more is better. The scenes of
-# the rows light_... are those of light_bench.cpp, in frames per second of CPU time.
+# What other programs can be measured beside, our program that measures it, and whether more is better.
 IN_TURN = {
     "physics": ("physics of the arm, Python, steps / s", python_bench("rates.py", "physics"), True),
     "camera": ("camera, flat scene fills the view, Python, frames / s", python_bench("rates.py", "camera", "plane"),
@@ -34,39 +28,18 @@ IN_TURN = {
     "lit": ("camera, a shaded solid fills the view, frames / s", python_bench("rates.py", "camera", "lit"), True),
     "picture": ("camera, a picture fills the view, frames / s", python_bench("rates.py", "camera", "picture"), True),
     "boxes": ("camera, ten boxes on a flat scene, frames / s", python_bench("rates.py", "camera", "boxes"), True),
-    "light_flat": ("OpenGL, a lit plane, frames / s", light_bench("opengl/flat"), True),
-    "light_textured": ("OpenGL, a picture on it", light_bench("opengl/textured"), True),
-    "light_textured_msaa": ("OpenGL, and 4 samples a pixel", light_bench("opengl/textured_msaa"), True),
-    "light_boxes": ("OpenGL, the lit plane and ten boxes", light_bench("opengl/boxes"), True),
-    "light_boxes_shadow": ("OpenGL, and a shadow map drawn anew", light_bench("opengl/boxes_shadow"), True),
-    "light_everything": ("OpenGL, picture, boxes, shadow map, 4 samples", light_bench("opengl/everything"), True),
-    "light_hybrid": ("OpenGL, and a flat target by its exact areas", light_bench("opengl/hybrid"), True),
-    "light_sampled": ("OpenGL, the same target by samples", light_bench("opengl/hybrid_sampled"), True),
-    "light_arm": ("OpenGL, the arm over a table, all of that", light_bench("opengl/arm_everything"), True),
-    "light_arm_640": ("OpenGL, the same in 640 x 480", light_bench("opengl/arm_everything_640"), True),
-    "light_coverage_flat": ("coverage, a lit solid fills the view", light_bench("coverage/flat"), True),
-    "light_coverage_textured": ("coverage, a picture fills the view", light_bench("coverage/textured"), True),
     "start": ("process start to first image, Python [s]", python_bench("start_up.py"), False),
     "start_solid": ("the same, a solid in view [s]", python_bench("start_up.py", "--solid"), False),
     "start_opengl": ("the same, by OpenGL [s]", python_bench("start_up.py", "--opengl"), False),
 }
 # google-benchmark executables, and the rows of theirs that stand in the table: (program, row, what it is)
 MICRO = (
-    ("build/aras_visual_servo_sim/physics_bench", "physics"),
     ("build/aras_visual_servo_sim/render_bench", "camera"),
-    ("build/aras_visual_servo_sim/light_bench", "light"),
     ("build/aras_visual_servo_camera/aras_visual_servo_camera_bench", "features"),
 )
 
 
-#: Numbers of the table by the name of their row, for --figures.
-MEASURED = {}
-
-
 def row(what, value, note=""):
-    first = value.split(" ")[0].replace(",", "")
-    if first.replace(".", "", 1).isdigit():
-        MEASURED[what.strip()] = float(first)
     print(f"{what:<58} {value:>22}  {note}", flush=True)
 
 
@@ -80,12 +53,12 @@ def calibration_ms():
 
 
 def accuracy(names):
-    from aras_visual_servo_controller.run.judge import fit_decay, judge, run_in_process
-    from aras_visual_servo_controller.scenario.scenario import load_scenario
+    import aras_visual_servo as avs
+    from aras_visual_servo.runs.judge import fit_decay
 
     for name in names:
-        record = run_in_process(load_scenario(name))
-        result = judge(record)
+        record = avs.run(avs.load_scenario(name))
+        result = avs.judge(record)
         error = result.final_error
         row(f"{name}: |x|, |y|, |z| [mm], angle [deg]",
             "%.3f %.3f %.3f %.4f" % (abs(error["x_mm"]), abs(error["y_mm"]), abs(error["z_mm"]), error["angle_deg"]),
@@ -97,11 +70,9 @@ def accuracy(names):
 
 
 def loop_factor():
-    from aras_visual_servo_controller.run.loop import ServoLoop
-    from aras_visual_servo_controller.scenario.scenario import load_scenario
+    import aras_visual_servo as avs
 
-    loop = ServoLoop(load_scenario("experiment_1"))
-    record = loop.run()
+    record = avs.ServoLoop(avs.load_scenario("experiment_1")).run()
     return record.real_time_factor, record.run_hash
 
 
@@ -186,7 +157,7 @@ def micro():
 
 
 def laws():
-    subprocess.run([sys.executable, WORKSPACE / "src/aras_visual_servo_controller/bench/law_times.py"], check=True)
+    subprocess.run([sys.executable, WORKSPACE / "src/aras_visual_servo_study/bench/law_times.py"], check=True)
 
 
 def read_beside(entries):
@@ -206,33 +177,18 @@ def main():
     parser.add_argument("--no-ros", action="store_true", help="leave out the runs over ROS")
     parser.add_argument("--beside", metavar="WHAT=COMMAND", action="append", default=[],
                         help=f"another program to measure in turn with ours; WHAT: loop, {', '.join(IN_TURN)}")
-    parser.add_argument("--figures", metavar="FILE", type=pathlib.Path,
-                        help="also write the first number of every row, JSON, for script/figures --bench FILE")
     parser.add_argument("--in-turn-only", action="store_true", help="only what --beside can stand beside")
     parser.add_argument("--paper", action="store_true", help="only README's table beside the paper's figures")
     parser.add_argument("--stop-rule", type=int, metavar="RUNS",
                         help="only whether CONVERGED means arrived (docs/sweeps.md)")
-    parser.add_argument("--rows", metavar="FILE", help="with --stop-rule, also a line of JSON per run, for "
-                        "script/figures --stop-rule FILE")
-    parser.add_argument("--growth", action="store_true", help="only how cost grows; writes docs/performance.md")
     arguments = parser.parse_args()
-    if arguments.growth:
-        sys.path.insert(0, str(WORKSPACE / "script/docs"))
-        import growth
-        return growth.main(["--no-ros"] if arguments.no_ros else [])
     if arguments.stop_rule:
-        rows = ["--rows", arguments.rows] if arguments.rows else []
-        return subprocess.run([sys.executable, STOP_RULE, "--runs", str(arguments.stop_rule), *rows]).returncode
+        return subprocess.run([sys.executable, STOP_RULE, "--runs", str(arguments.stop_rule)]).returncode
     if arguments.paper:
         sys.path.insert(0, str(WORKSPACE / "script/docs"))
         import paper_table
         return paper_table.main()
-    measure(arguments, read_beside(arguments.beside))
-    if arguments.figures:
-        arguments.figures.write_text(json.dumps(MEASURED, indent=1) + "\n")
-
-
-def measure(arguments, beside):
+    beside = read_beside(arguments.beside)
     row("SHA-256 of 4 MiB", f"{calibration_ms():.2f} ms", "to compare machines by")
     in_process(arguments.runs, beside["loop"])
     simulator(arguments.runs, beside)

@@ -15,10 +15,9 @@ sys.path.append(str(ROOT / "tests" / "support"))
 
 @functools.lru_cache(maxsize=None)
 def _run(name, changes):
-    from aras_visual_servo_controller.run.judge import run_in_process
-    from aras_visual_servo_controller.scenario.scenario import load_scenario
+    import aras_visual_servo as avs
 
-    return run_in_process(load_scenario(name, overrides=dict(changes)))
+    return avs.run(avs.load_scenario(name, overrides=dict(changes)))
 
 
 @pytest.fixture(scope="session")

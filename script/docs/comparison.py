@@ -13,7 +13,7 @@ SHORT = {"converged elsewhere": "elsewhere"}
 
 def cell(row):
     """The cell of a run, a row of `run_comparison`."""
-    from aras_visual_servo_controller.compare.laws_report import arrived, verdict
+    from aras_visual_servo_study.compare.laws_report import arrived, verdict
 
     ended = f"{row['error_mm']:.2f}" if arrived(row) else f"**{SHORT.get(verdict(row), verdict(row))}**"
     return f"{ended}; {row['detour_mm']:.0f}"

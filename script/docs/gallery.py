@@ -12,12 +12,12 @@ import animation
 import comparison as tables
 import tutorial
 
-from aras_visual_servo_controller.run.judge import run_in_process
-from aras_visual_servo_controller.compare.laws import load_comparison, run_comparison
-from aras_visual_servo_controller.compare.laws_figure import make_figure, part_of, save_figure
-from aras_visual_servo_controller.report.observer import Observer
-from aras_visual_servo_controller.report.report import save_results
-from aras_visual_servo_controller.scenario.scenario import load_scenario
+import aras_visual_servo as avs
+from aras_visual_servo_study.compare.laws import load_comparison, run_comparison
+from aras_visual_servo_study.compare.laws_figure import make_figure, part_of, save_figure
+from aras_visual_servo_study.report.observer import Observer
+from aras_visual_servo_study.report.report import save_results
+from aras_visual_servo import load_scenario
 
 #: Laws and tasks of the README's figure, which is read at a glance; docs/comparison.md shows all.
 LAWS = ("points", "points_goal", "points_mean", "pbvs", "hybrid")
@@ -27,7 +27,7 @@ TASKS = ("turn_90", "turn_180", "general")
 def main(folder):
     folder.mkdir(parents=True, exist_ok=True)
     for name in ("experiment_1", "experiment_1_paper", "experiment_2"):
-        record = run_in_process(load_scenario(name))
+        record = avs.run(load_scenario(name))
         with tempfile.TemporaryDirectory() as results:
             save_results(record, pathlib.Path(results))
             shutil.copy(pathlib.Path(results) / "figure.png", folder / f"{name}.png")

@@ -7,10 +7,10 @@ from collections import Counter
 
 import numpy as np
 
-from aras_visual_servo_controller.arm.kinematics import Kinematics
-from aras_visual_servo_controller.scenario.scenario import load_scenario
-from aras_visual_servo_controller.sweep.plan import SweepSettings, make_starts
-from aras_visual_servo_controller.sweep.run import Bench
+from aras_visual_servo import Kinematics
+from aras_visual_servo import load_scenario
+from aras_visual_servo_study.sweep.plan import SweepSettings, make_starts
+from aras_visual_servo_study.sweep.run import SweepRunner
 
 STARTS, SEED, DRAWN = 16, 0, 64
 AXES = ("x_mm", "y_mm", "z_mm", "angle_deg")
@@ -34,7 +34,7 @@ def final_errors(name, starts=STARTS):
     scenario = load_scenario(name)
     kinematics = Kinematics(scenario.urdf_xml(), scenario.robot["base_link"], scenario.robot["tip_link"])
     settings = SweepSettings.from_scenario(scenario, kinematics, starts=DRAWN, seed=SEED)
-    bench, errors, ends = Bench(scenario), [], Counter()
+    bench, errors, ends = SweepRunner(scenario), [], Counter()
     for start in make_starts(settings, scenario, kinematics):
         row, _ = bench.run(start)
         if row["outcome"] == "infeasible":

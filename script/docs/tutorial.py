@@ -3,8 +3,8 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from aras_visual_servo_controller.run.judge import run_in_process
-from aras_visual_servo_controller.scenario.scenario import load_scenario
+import aras_visual_servo as avs
+from aras_visual_servo import load_scenario
 
 GAINS_PER_S = (3.0, 1.0)
 COLOURS = ("#0072b2", "#d55e00")
@@ -12,7 +12,7 @@ COLOURS = ("#0072b2", "#d55e00")
 
 def curve(gain_per_s):
     """(t_s, e): time since the servo began, and the error of xn [m] until it is within a threshold of zero."""
-    record = run_in_process(load_scenario("experiment_1", {"servo.gains_per_s.xn": gain_per_s}))
+    record = avs.run(load_scenario("experiment_1", {"servo.gains_per_s.xn": gain_per_s}))
     rows = record.servo_rows
     return record.t_s[rows] - record.t_s[rows[0]], np.abs(record.e[rows, record.feature_names.index("xn")])
 

@@ -4,4 +4,5 @@ from setuptools import find_packages
 
 from catkin_pkg.python_setup import generate_distutils_setup
 
-setup(**generate_distutils_setup(packages=find_packages("src"), package_dir={"": "src"}))
+setup(**generate_distutils_setup(packages=find_packages("src"), package_dir={"": "src"},
+                                     package_data={"aras_visual_servo_controller": ["*.pyi", "py.typed"]}))

@@ -6,10 +6,7 @@ import numpy as np
 import pytest
 import yaml
 
-from aras_visual_servo_controller.run.judge import judge
-from aras_visual_servo_controller.run.loop import ServoLoop
-from aras_visual_servo_controller.scenario.scenario import load_scenario, scenario_from_dict
-from aras_visual_servo_controller.ground.types import Status
+import aras_visual_servo as avs
 
 # The promise for coverage images, see test_in_process.py.
 COVERAGE_MM_DEG = {"x_mm": 0.2, "y_mm": 0.2, "z_mm": 0.5, "angle_deg": 0.05}
@@ -22,14 +19,14 @@ def run_beside(others, vision=None):
     Returns:
         (RunRecord, most objects counted in one image, how many images were ambiguous).
     """
-    document = copy.deepcopy(load_scenario("experiment_1").as_dict())
+    document = copy.deepcopy(avs.load_scenario("experiment_1").as_dict())
     models = document["sim"]["scene"]["models"]
     target = dict(models[0])
     for k, (file, x_m, y_m) in enumerate(others):
         position_m = [target["position_m"][0] + x_m, target["position_m"][1] + y_m, target["position_m"][2]]
         models.append(dict(target, name=f"other_{k}", file=str(file or target["file"]), position_m=position_m))
     document["vision"].update(vision or {})
-    loop = ServoLoop(scenario_from_dict(document))
+    loop = avs.ServoLoop(avs.scenario_from_dict(document))
     seen, step = [], loop.step
 
     def counting_step():
@@ -54,7 +51,7 @@ def slab(tmp_path):
 def test_arrives_with_another_object_in_view(slab, component):
     record, most, ambiguous = run_beside([(slab, 0.14, 0.0), (slab, -0.02, 0.16)], {"component": component})
     assert most >= 2 and ambiguous == 0
-    judgement = judge(record)
+    judgement = avs.judge(record)
     assert judgement.converged, judgement.reason
     for name, bound in COVERAGE_MM_DEG.items():
         assert abs(judgement.final_error[name]) <= bound, (name, judgement.final_error)
@@ -63,12 +60,12 @@ def test_arrives_with_another_object_in_view(slab, component):
 def test_a_twin_that_comes_into_view_on_the_way_is_not_taken_for_the_target():
     record, most, _ = run_beside([(None, 0.0, -0.52)])
     assert most == 2
-    judgement = judge(record)
+    judgement = avs.judge(record)
     assert judgement.converged, judgement.reason
 
 
 def test_a_twin_in_view_at_the_goal_ends_it_and_the_arm_stands():
     record, most, ambiguous = run_beside([(None, 0.0, 0.25)])
     assert most == 2 and ambiguous > 0
-    assert record.status[-1] == Status.TARGET_LOST and Status.SERVOING not in record.status
+    assert record.status[-1] == avs.Status.TARGET_LOST and avs.Status.SERVOING not in record.status
     assert np.abs(record.twist).max() == 0.0

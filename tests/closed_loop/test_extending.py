@@ -9,12 +9,8 @@ import numpy as np
 import pytest
 import yaml
 
-from aras_visual_servo_controller.ground.errors import ParameterError
-from aras_visual_servo_controller.run.judge import judge, run_in_process
-from aras_visual_servo_controller.run.loop import ServoLoop
-from aras_visual_servo_controller.scenario.extends import merge
-from aras_visual_servo_controller.scenario.scenario import load_scenario
-from aras_visual_servo_controller.servo.settings import ServoSettings
+import aras_visual_servo as avs
+from aras_visual_servo.scenario.extends import merge
 
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "extending.md"
 MAX_LINES = 45
@@ -29,8 +25,8 @@ def block(language):
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """A folder with both files in it, where Python looks for modules; what it registers is forgotten afterwards."""
-    from aras_visual_servo_controller.features import base as features
-    from aras_visual_servo_controller.laws import base as laws
+    from aras_visual_servo.features import base as features
+    from aras_visual_servo.laws import base as laws
 
     (tmp_path / "my_servo.py").write_text(block("python"))
     (tmp_path / "mine.yaml").write_text(block("yaml"))
@@ -38,12 +34,12 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
     yield tmp_path
     sys.modules.pop("my_servo", None)
-    features._FEATURES.pop("log_an", None)
-    laws._LAWS.pop("bounded", None)
+    features.FEATURES.pop("log_an", None)
+    laws.LAWS.pop("bounded", None)
 
 
 def overrides():
-    document = merge(load_scenario("experiment_1").as_dict(), yaml.safe_load(block("yaml")))
+    document = merge(avs.load_scenario("experiment_1").as_dict(), yaml.safe_load(block("yaml")))
     return {f"servo.{key}": value for key, value in document["servo"].items()}
 
 
@@ -52,8 +48,8 @@ def test_the_module_is_short():
 
 
 def test_its_feature_and_its_law_arrive_at_the_true_pose_no_faster_than_they_say(folder):
-    record = run_in_process(load_scenario("experiment_1", overrides()))
-    judgement = judge(record)
+    record = avs.run(avs.load_scenario("experiment_1", overrides()))
+    judgement = avs.judge(record)
     assert judgement.converged, judgement.reason
     for name, bound in BOUNDS.items():
         assert abs(judgement.final_error[name]) <= bound, (name, judgement.final_error)
@@ -64,13 +60,12 @@ def test_its_feature_and_its_law_arrive_at_the_true_pose_no_faster_than_they_say
 
 
 def test_its_row_is_that_of_the_depth_over_the_depth(folder):
-    from aras_visual_servo_controller.features.base import FeatureSet, View
 
     importlib.import_module("my_servo")
-    loop = ServoLoop(load_scenario("experiment_1", overrides()))
+    loop = avs.ServoLoop(avs.load_scenario("experiment_1", overrides()))
     loop.run(limit_s=4.0)
-    here = View(loop.servo.reference.view, (0.1, -0.2, 1.7))
-    L = FeatureSet(("an", "log_an")).matrix(here)
+    here = avs.View(loop.servo.reference.view, (0.1, -0.2, 1.7))
+    L = avs.FeatureSet(("an", "log_an")).matrix(here)
     np.testing.assert_allclose(L[1] * here.features.an, L[0], atol=ROUNDING)
 
 
@@ -89,7 +84,7 @@ def test_the_command_is_run_as_printed_and_passes(folder):
 
 def test_settings_have_their_defaults_and_hold(folder):
     slow = {**overrides(), "servo.bounded": {"max_speed_m_s": 0.04}, "servo.time_limit_s": 3.0}
-    loop = ServoLoop(load_scenario("experiment_1", slow))
+    loop = avs.ServoLoop(avs.load_scenario("experiment_1", slow))
     assert loop.servo.config.settings["bounded"].max_turn_rad_s == 0.4
     twist = loop.run(limit_s=9.0).twist
     assert 0.038 < np.nanmax(np.linalg.norm(twist[:, :3], axis=1)) < 0.043
@@ -101,12 +96,12 @@ def test_every_bad_setting_is_named_with_what_is_allowed_whichever_law_is_in_use
     faults = ["servo.bounded.max_jerk: unknown key, known are max_speed_m_s, max_turn_rad_s",
               "servo.bounded.max_speed_m_s: found 0.0, allowed > 0",
               "servo.bounded.max_turn_rad_s: found 4, allowed <= 3"]
-    with pytest.raises(ParameterError) as caught:
-        load_scenario("experiment_1", {**overrides(), "servo.law": law, "servo.bounded": bad})
+    with pytest.raises(avs.ParameterError) as caught:
+        avs.load_scenario("experiment_1", {**overrides(), "servo.law": law, "servo.bounded": bad})
     assert [fault.split(": ", 1)[1] for fault in caught.value.faults] == faults
-    good = load_scenario("experiment_1", {**overrides(), "servo.law": law}).servo
-    with pytest.raises(ParameterError) as caught:  # as the controller node reads it
-        ServoSettings.from_dict({**good, "bounded": bad})
+    good = avs.load_scenario("experiment_1", {**overrides(), "servo.law": law}).servo
+    with pytest.raises(avs.ParameterError) as caught:  # as the controller node reads it
+        avs.ServoSettings.from_dict({**good, "bounded": bad})
     assert sorted(caught.value.faults) == [
         "servo/bounded/max_jerk: unknown key, allowed max_speed_m_s, max_turn_rad_s",
         "servo/bounded/max_speed_m_s: found 0.0, allowed a finite number > 0",
@@ -119,14 +114,14 @@ def test_over_ros_the_law_and_its_settings_give_the_run_in_process(folder):
                             timeout=240)
     said = result.stdout.decode()
     assert result.returncode == 0, said
-    in_process = run_in_process(load_scenario(folder / "mine.yaml"))
+    in_process = avs.run(avs.load_scenario(folder / "mine.yaml"))
     assert re.search(r"run hash +([0-9a-f]{16})", said).group(1) == in_process.run_hash
 
 
 def test_a_module_that_is_not_there_and_an_unknown_name_list_what_is_known(folder):
     changes = {**overrides(), "servo.plugins": ["my_servo", "not_there"], "servo.law": "unbounded"}
-    with pytest.raises(ParameterError) as caught:
-        ServoLoop(load_scenario("experiment_1", changes))
+    with pytest.raises(avs.ParameterError) as caught:
+        avs.ServoLoop(avs.load_scenario("experiment_1", changes))
     text = str(caught.value)
     assert "'not_there'" in text and "ModuleNotFoundError" in text
     listed = text.split("found unbounded, allowed ")[1].splitlines()[0].split(", ")

@@ -2,9 +2,8 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.run.judge import judge
-from aras_visual_servo_controller.arm.kinematics import Kinematics
-from aras_visual_servo_controller.scenario.scenario import load_scenario
+import aras_visual_servo as avs
+
 
 #: Published Denavit-Hartenberg parameters of the UR5e: a [m], d [m], alpha [rad], from base to flange.
 DH = [(0.0, 0.1625, np.pi / 2), (-0.425, 0.0, 0.0), (-0.3922, 0.0, 0.0), (0.0, 0.1333, np.pi / 2),
@@ -26,8 +25,8 @@ def flange(angles):
 
 
 def test_the_kinematics_are_the_published_ones():
-    scenario = load_scenario("six_axis_flange")
-    kinematics = Kinematics(scenario.urdf_xml(), scenario.robot["base_link"], scenario.robot["tip_link"])
+    scenario = avs.load_scenario("six_axis_flange")
+    kinematics = avs.Kinematics(scenario.urdf_xml(), scenario.robot["base_link"], scenario.robot["tip_link"])
     assert set(kinematics.joint_names) == set(CHAIN)
     for angles in np.random.default_rng(5).uniform(-3.0, 3.0, size=(20, 6)):
         X = flange(angles)
@@ -37,7 +36,7 @@ def test_the_kinematics_are_the_published_ones():
 
 def test_it_arrives_judged_by_the_true_camera_pose(run):
     record = run("six_axis_flange")
-    judgement = judge(record)
+    judgement = avs.judge(record)
     assert judgement.passed, judgement.faults
     assert judgement.initial_error["angle_deg"] > 10.0 and abs(judgement.initial_error["x_mm"]) > 30.0
     assert record.joint_names == tuple(sorted(CHAIN))

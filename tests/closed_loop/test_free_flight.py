@@ -5,14 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.compare.laws import load_comparison, run_comparison
-from aras_visual_servo_controller.compare.laws_report import arrived
-from aras_visual_servo_controller.config.files import load_yaml, resolve_uri
-from aras_visual_servo_controller.run.judge import fit_decay, judge, run_in_process
-from aras_visual_servo_controller.run.loop import ServoLoop
-from aras_visual_servo_controller.scenario.scenario import load_scenario
-from aras_visual_servo_controller.sweep.plan import SweepSettings, make_starts
-from aras_visual_servo_controller.sweep.run import Bench
+import aras_visual_servo as avs
+from aras_visual_servo_study.compare.laws import load_comparison, run_comparison
+from aras_visual_servo_study.compare.laws_report import arrived
+from aras_visual_servo_study.sweep.plan import SweepSettings, make_starts
+from aras_visual_servo_study.sweep.run import SweepRunner
 
 Z_STAR_M, GAIN_PER_S = 0.5, 2.0
 #: Corners of the L in an image are known to some hundredths of a pixel: 0.02 mm near the target, 0.1 mm from 1.4 m.
@@ -30,7 +27,8 @@ RATE = 1e-3
 
 def corners_C():
     """(6, 3) corners of the L in the goal camera [m]: it is straight ahead, its x along the image's rows."""
-    outline = np.array(load_yaml(resolve_uri("package://aras_description/targets/l_shape.yaml"))["outlines_m"][0])
+    target = avs.load_yaml(avs.resolve_uri("package://aras_description/targets/l_shape.yaml"))
+    outline = np.array(target["outlines_m"][0])
     return np.column_stack([outline[:, 0], -outline[:, 1], np.full(len(outline), Z_STAR_M)])
 
 
@@ -121,25 +119,25 @@ def test_half_a_turn_to_the_last_bit_stays_on_the_spot(law):
 def test_each_feature_of_the_decoupled_law_decays_at_its_gain():
     """T13 and T14: exp(-gain t) exactly, gains that differ, with nothing but the images in the way."""
     gains = {"xn": 3.0, "yn": 2.5, "an": 2.0, "alpha": 3.5}
-    record = run_in_process(load_scenario("free_camera", {
+    record = avs.run(avs.load_scenario("free_camera", {
         "servo.law": "decoupled", "servo.features": list(gains), "servo.gains_per_s": gains,
         "servo.thresholds": {"xn": 5e-5, "yn": 5e-5, "an": 5e-5, "alpha": 3e-4},
         "experiment.start": {"camera": {"position_m": [-0.12, 0.08, 0.94], "rpy_rad": [math.pi, 0.0, 1.1]}}}))
-    assert judge(record).passed
-    for name, rate in fit_decay(record).items():
+    assert avs.judge(record).passed
+    for name, rate in avs.fit_decay(record).items():
         assert rate == pytest.approx(gains[name], rel=RATE), name
 
 
 def test_the_scenario_arrives_and_its_run_is_the_same_again():
-    record = run_in_process(load_scenario("free_camera"))
-    found = judge(record)
+    record = avs.run(avs.load_scenario("free_camera"))
+    found = avs.judge(record)
     assert found.passed, found.faults
     assert found.initial_error["angle_deg"] > 20.0
-    assert run_in_process(load_scenario("free_camera")).run_hash == record.run_hash
+    assert avs.run(avs.load_scenario("free_camera")).run_hash == record.run_hash
 
 
 def test_the_twist_of_the_record_is_what_the_camera_did():
-    loop = ServoLoop(load_scenario("free_camera"))
+    loop = avs.ServoLoop(avs.load_scenario("free_camera"))
     loop.start()
     before = None
     while loop.sequence.phase != "servo":
@@ -152,10 +150,10 @@ def test_the_twist_of_the_record_is_what_the_camera_did():
 
 
 def test_a_reset_simulator_and_a_restored_one_give_the_bytes_of_a_new_one():
-    scenario = load_scenario("free_camera")
-    loop = ServoLoop(scenario)
+    scenario = avs.load_scenario("free_camera")
+    loop = avs.ServoLoop(scenario)
     fresh = loop.run(closing_s=0.0).run_hash
-    loop = ServoLoop(scenario, sim=loop.sim)
+    loop = avs.ServoLoop(scenario, sim=loop.sim)
     assert loop.run(closing_s=0.0).run_hash == fresh
     sim = loop.sim
     state = sim.save_state()
@@ -169,10 +167,10 @@ def test_a_reset_simulator_and_a_restored_one_give_the_bytes_of_a_new_one():
 
 
 def test_a_sweep_flies_from_every_start():
-    scenario = load_scenario("free_camera")
-    kinematics = ServoLoop(scenario).kinematics
+    scenario = avs.load_scenario("free_camera")
+    kinematics = avs.ServoLoop(scenario).kinematics
     starts = make_starts(SweepSettings.from_scenario(scenario, kinematics, starts=4, seed=3), scenario, kinematics)
-    bench = Bench(scenario)
+    bench = SweepRunner(scenario)
     rows = [bench.run(start)[0] for start in starts]
     assert [row["outcome"] for row in rows] == ["success"] * 4, rows
     assert bench.run(starts[0])[0] == rows[0]
@@ -183,7 +181,7 @@ def test_a_sweep_flies_from_every_start():
 
 
 def test_the_target_can_be_moved_and_is_followed():
-    loop = ServoLoop(load_scenario("free_camera", {"servo.time_limit_s": 8.0}))
+    loop = avs.ServoLoop(avs.load_scenario("free_camera", {"servo.time_limit_s": 8.0}))
     loop.start()
     while loop.sequence.phase != "servo":
         loop.step()

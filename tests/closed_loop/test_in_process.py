@@ -6,8 +6,7 @@ one run measures is one to two orders below them (see README.md).
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.run.judge import fit_decay, judge
-from aras_visual_servo_controller.ground.types import Status
+import aras_visual_servo as avs
 
 COVERAGE_MM_DEG = {"x_mm": 0.2, "y_mm": 0.2, "z_mm": 0.5, "angle_deg": 0.05}
 # The published rule stops at 1, 3, 5 mm and 0.057 deg of *feature* error; where it stops is judged. The bounds are what
@@ -29,7 +28,7 @@ def assert_within(judgement, bounds):
 
 @pytest.mark.parametrize("scenario", ["experiment_1", "experiment_2"])
 def test_arrives_at_the_taught_pose(run, scenario):
-    judgement = judge(run(scenario))
+    judgement = avs.judge(run(scenario))
     assert_arrives(judgement, COVERAGE_MM_DEG)
     # The start is far from the goal: arriving is work that was done, not a goal that was given.
     assert max(abs(judgement.initial_error[axis]) for axis in ("x_mm", "y_mm", "z_mm")) > 50.0
@@ -37,7 +36,7 @@ def test_arrives_at_the_taught_pose(run, scenario):
 
 @pytest.mark.parametrize("scenario", ["experiment_1_paper", "experiment_2_paper"])
 def test_published_law_arrives_by_the_published_stop_rule(run, scenario):
-    judgement = judge(run(scenario))
+    judgement = avs.judge(run(scenario))
     assert judgement.stopped_by_rule and not judgement.converged
     assert judgement.reason == "stopped by the published rule" and judgement.passed
     assert_within(judgement, PAPER_RULE_MM_DEG)
@@ -45,12 +44,12 @@ def test_published_law_arrives_by_the_published_stop_rule(run, scenario):
 
 @pytest.mark.parametrize("scenario", ["experiment_1_binary", "experiment_2_binary"])
 def test_arrives_on_binary_moments(run, scenario):
-    assert_arrives(judge(run(scenario)), BINARY_MM_DEG)
+    assert_arrives(avs.judge(run(scenario)), BINARY_MM_DEG)
 
 
 @pytest.mark.parametrize("scenario", ["experiment_1", "experiment_2"])
 def test_each_feature_error_decays_at_its_gain(run, scenario):
-    promised, rates = judge(run(scenario)).gains_per_s, fit_decay(run(scenario))
+    promised, rates = avs.judge(run(scenario)).gains_per_s, avs.fit_decay(run(scenario))
     fitted = {name: rate for name, rate in rates.items() if np.isfinite(rate)}
     assert len(fitted) >= 3, rates   # of an error too small to begin with, no decay can be told
     for name, rate in fitted.items():
@@ -58,40 +57,37 @@ def test_each_feature_error_decays_at_its_gain(run, scenario):
 
 
 def test_two_runs_give_the_same_bytes(run):
-    from aras_visual_servo_controller.run.judge import run_in_process
-    from aras_visual_servo_controller.scenario.scenario import load_scenario
+    import aras_visual_servo as avs
 
-    first, second = run("experiment_1"), run_in_process(load_scenario("experiment_1"))
+    first, second = run("experiment_1"), avs.run(avs.load_scenario("experiment_1"))
     assert first.run_hash and first.run_hash == second.run_hash
     for name in ("stamp_ns", "q", "X_WC", "s", "raw", "twist", "status"):
         assert np.array_equal(getattr(first, name), getattr(second, name), equal_nan=True), name
 
 
 def test_wrong_sign_of_the_law_does_not_arrive(run):
-    from aras_visual_servo_controller.laws import base as laws
+    from aras_visual_servo.laws import base as laws
 
-    @laws.register("wrong_sign_for_test")
+    @laws.register_law("wrong_sign_for_test")
     class WrongSign(laws.Decoupled):
         def _twist(self, look, s, e):
             return -super()._twist(look, s, e)
 
     record = run("experiment_1", {"servo.law": "wrong_sign_for_test", "servo.time_limit_s": 5.0})
-    judgement = judge(record)
+    judgement = avs.judge(record)
     assert not judgement.converged
-    assert Status.CONVERGED not in record.status
+    assert avs.Status.CONVERGED not in record.status
 
 
 def test_target_out_of_view_at_the_start_ends_with_the_reason(run):
     record = run("experiment_1", {"experiment.start.joints.gantry": 1.4, "experiment.start.joints.J1": 0.0})
     assert any("target" in text.lower() for text in record.status_text), set(record.status_text)
-    assert Status.CONVERGED not in record.status
+    assert avs.Status.CONVERGED not in record.status
     # The arm stays where it was.
     assert np.all(record.twist[-1] == 0.0) or np.all(np.isnan(record.twist[-1]))
 
 
 def test_gain_of_zero_is_refused_by_name():
-    from aras_visual_servo_controller.ground.errors import ParameterError
-    from aras_visual_servo_controller.scenario.scenario import load_scenario
 
-    with pytest.raises(ParameterError, match=r"gains_per_s\.xn"):
-        load_scenario("experiment_1", overrides={"servo.gains_per_s.xn": 0.0})
+    with pytest.raises(avs.ParameterError, match=r"gains_per_s\.xn"):
+        avs.load_scenario("experiment_1", overrides={"servo.gains_per_s.xn": 0.0})

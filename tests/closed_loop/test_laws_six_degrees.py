@@ -2,9 +2,8 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.run.judge import judge, run_in_process
-from aras_visual_servo_controller.scenario.scenario import load_scenario
-from aras_visual_servo_controller.sweep.perturb import perturbed
+import aras_visual_servo as avs
+from aras_visual_servo_study.sweep.perturb import perturbed
 
 # Corners leave 0.02 px, 0.06 mm; dry friction of the joints leaves a few tenths of a millimetre.
 SIX_MM_DEG = {"x_mm": 1.0, "y_mm": 1.0, "z_mm": 1.0, "angle_deg": 0.2}
@@ -13,7 +12,7 @@ SEGMENTS = ("xm1", "ym1", "l1", "alpha1", "xm3", "ym3", "l3", "alpha3")
 
 
 def assert_arrives(record):
-    judgement = judge(record)
+    judgement = avs.judge(record)
     assert judgement.converged, judgement.reason
     for name, bound in SIX_MM_DEG.items():
         assert abs(judgement.final_error[name]) <= bound, (name, judgement.final_error)
@@ -28,7 +27,7 @@ def with_features(names, threshold=0.0005):
 def test_scenario_arrives(run, scenario):
     record = run(scenario)
     assert_arrives(record)
-    assert judge(record).initial_error["angle_deg"] > 15.0 and judge(record).passed
+    assert avs.judge(record).initial_error["angle_deg"] > 15.0 and avs.judge(record).passed
 
 
 @pytest.mark.parametrize("changes", [
@@ -36,7 +35,7 @@ def test_scenario_arrives(run, scenario):
     {"servo.interaction": "current", "servo.point_depth": "goal"}, with_features(SEGMENTS)],
     ids=["desired", "current", "depth of the goal", "segments"])
 def test_points_and_segments_arrive(changes):
-    assert_arrives(run_in_process(load_scenario("six_dof_points", changes)))
+    assert_arrives(avs.run(avs.load_scenario("six_dof_points", changes)))
 
 
 @pytest.mark.parametrize("law, names", [("pbvs", ("tx", "ty", "tz", "rx", "ry", "rz")),
@@ -47,7 +46,7 @@ def test_points_and_segments_arrive(changes):
 def test_pose_laws_arrive_whatever_the_pose_comes_from(law, names, pose):
     changes = {**with_features(names), "servo.law": law, "servo.target_model": RECTANGLE, **pose}
     changes = {key: value for key, value in changes.items() if value is not None}
-    assert_arrives(run_in_process(load_scenario("six_dof_points", changes)))
+    assert_arrives(avs.run(avs.load_scenario("six_dof_points", changes)))
 
 
 @pytest.mark.parametrize("scenario, changes", [
@@ -61,8 +60,8 @@ def test_thirty_percent_of_focal_length_and_depth_do_not_matter(scenario, change
     length.
     """
     changes = {**changes, "servo.thresholds": {"points4": 0.0002}, "servo.stop": {"position_m": 0.0006 * 1.3 * 1.3}}
-    wrong = perturbed(load_scenario(scenario, changes), {"focal_error": focal, "z_star_error": depth})
-    assert_arrives(run_in_process(wrong))
+    wrong = perturbed(avs.load_scenario(scenario, changes), {"focal_error": focal, "z_star_error": depth})
+    assert_arrives(avs.run(wrong))
 
 
 def test_reference_point_of_hybrid_goes_straight_in_the_image(run):

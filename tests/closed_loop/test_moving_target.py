@@ -1,13 +1,12 @@
 """A target that moves, followed with and without feed-forward; judged by the true pose relative to the target.
 
-Bounds are about half of what was measured (README of the controller has the figures).
+Bounds are about half of what was measured (README of aras_visual_servo has the figures).
 """
 import copy
 
 import pytest
 
-from aras_visual_servo_controller.run.judge import judge, run_in_process, tracking
-from aras_visual_servo_controller.scenario.scenario import load_scenario
+import aras_visual_servo as avs
 
 MOTIONS = {
     "constant_velocity": {"linear_m_per_s": [0.005, -0.03, 0.0], "angular_rad_per_s": [0.0, 0.0, 0.05]},
@@ -19,14 +18,14 @@ FACTOR = {"constant_velocity": 50.0, "circle": 6.0, "random_walk": 3.0}
 
 
 def follow(kind, part):
-    models = copy.deepcopy(load_scenario("moving_target").sim["scene"]["models"])
+    models = copy.deepcopy(avs.load_scenario("moving_target").sim["scene"]["models"])
     models[0]["motion"] = {"type": kind, "delay_s": 3.0, **MOTIONS[kind]}
-    return run_in_process(load_scenario("moving_target", {"sim.scene.models": models, "servo.feed_forward.part": part}))
+    return avs.run(avs.load_scenario("moving_target", {"sim.scene.models": models, "servo.feed_forward.part": part}))
 
 
 @pytest.mark.parametrize("kind", list(MOTIONS))
 def test_feed_forward_follows_closer_by_this_factor(kind):
-    without, fed = (tracking(follow(kind, part)) for part in (0.0, 1.0))
+    without, fed = (avs.tracking(follow(kind, part)) for part in (0.0, 1.0))
     assert without["position_mm"] > 5.0  # the lag is real
     assert fed["position_mm"] * FACTOR[kind] < without["position_mm"]
     if kind == "circle":  # the target does not turn
@@ -37,8 +36,8 @@ def test_feed_forward_follows_closer_by_this_factor(kind):
 
 def test_the_shipped_scenario_follows_to_the_end(run):
     record = run("moving_target")
-    judgement = judge(record)
+    judgement = avs.judge(record)
     assert judgement.passed, judgement.faults
-    assert tracking(record)["position_mm"] < 2.0
+    assert avs.tracking(record)["position_mm"] < 2.0
     # Against the place where the goal was taught the camera is far off: it is the moving goal that is judged.
     assert record.target_poses is not None

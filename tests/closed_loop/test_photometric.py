@@ -7,8 +7,7 @@ the reference (E. Malis, ICRA 2004); the image alone has the smaller domain.
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.run.judge import judge
-from aras_visual_servo_controller.ground.types import Status
+import aras_visual_servo as avs
 
 # Dry friction of the joints leaves a few hundredths of a millimetre in one place and up to two tenths in another.
 MM_DEG = {"x_mm": 0.3, "y_mm": 0.3, "z_mm": 0.3, "angle_deg": 0.05}
@@ -27,7 +26,7 @@ def rms_of(record):
 
 @pytest.mark.parametrize("interaction", ["desired", "mean"])
 def test_arrives_on_a_picture_alone(run, interaction):
-    judgement = judge(run("six_dof_photometric", {"vision.photometric.interaction": interaction}))
+    judgement = avs.judge(run("six_dof_photometric", {"vision.photometric.interaction": interaction}))
     assert_arrives(judgement)
     assert judgement.initial_error["angle_deg"] > 15.0 and abs(judgement.initial_error["x_mm"]) > 50.0
 
@@ -50,13 +49,13 @@ def test_mean_of_both_gradients_needs_fewer_images_than_that_of_the_reference(ru
 
 def test_without_the_pyramid_the_same_start_is_too_far(run):
     record = run("six_dof_photometric", {"vision.photometric.levels": 1, "servo.time_limit_s": 6.0})
-    assert Status.CONVERGED not in record.status and not judge(record).passed
+    assert avs.Status.CONVERGED not in record.status and not avs.judge(record).passed
 
 
 @pytest.mark.parametrize("mapping, levels", [("pca", 4), ("dct", 4), ("mixture", 1)])
 def test_arrives_by_features_made_of_all_pixels(run, mapping, levels):
     changes = {"vision.photometric.mapping": mapping, "vision.photometric.levels": levels}
-    judgement = judge(run("six_dof_photometric", changes))
+    judgement = avs.judge(run("six_dof_photometric", changes))
     assert_arrives(judgement)
     assert judgement.initial_error["angle_deg"] > 15.0 and abs(judgement.initial_error["x_mm"]) > 50.0
 
@@ -78,17 +77,15 @@ def covered(image):
 
 def from_nearby(mapping, seen):
     """Judgement of a run from a quarter of the way, whose images are changed once the goal has been taught."""
-    from aras_visual_servo_controller.run.loop import ServoLoop
-    from aras_visual_servo_controller.scenario.scenario import load_scenario
-    goal, start = (load_scenario("six_dof_photometric").experiment[name]["joints"] for name in ("goal", "start"))
-    loop = ServoLoop(load_scenario("six_dof_photometric", {
+    goal, start = (avs.load_scenario("six_dof_photometric").experiment[name]["joints"] for name in ("goal", "start"))
+    loop = avs.ServoLoop(avs.load_scenario("six_dof_photometric", {
         "experiment.start.joints": {name: goal[name] + 0.25 * (start[name] - goal[name]) for name in goal},
         "vision.photometric.mapping": mapping, "vision.photometric.interaction": "current",
         "vision.photometric.mutual_information": {"bins": 16}, "vision.photometric.levels": 1,
         "servo.thresholds": {"photometric": 255.0}, "servo.time_limit_s": 8.0}))
     see = loop._see
     loop._see = lambda image, stamp_ns: see(seen(image) if loop.sequence.phase == "servo" else image, stamp_ns)
-    return judge(loop.run())
+    return avs.judge(loop.run())
 
 
 def test_arrives_by_mutual_information():
@@ -105,17 +102,15 @@ def test_information_stays_near_the_goal_where_grey_levels_lead_away(seen):
 
 
 def test_arrives_through_a_distorting_lens(run):
-    from aras_visual_servo_controller.scenario.scenario import load_scenario
-    cameras = load_scenario("six_dof_photometric").sim["cameras"]
+    cameras = avs.load_scenario("six_dof_photometric").sim["cameras"]
     cameras[0]["distortion"] = LENS
-    assert_arrives(judge(_run("six_dof_photometric", {"sim.cameras": cameras})))
+    assert_arrives(avs.judge(_run("six_dof_photometric", {"sim.cameras": cameras})))
 
 
 def _run(name, changes):
     """A run whose changes cannot be a key of the cache."""
-    from aras_visual_servo_controller.run.judge import run_in_process
-    from aras_visual_servo_controller.scenario.scenario import load_scenario
-    return run_in_process(load_scenario(name, changes))
+    import aras_visual_servo as avs
+    return avs.run(avs.load_scenario(name, changes))
 
 
 @pytest.mark.parametrize("size_m", [0.0, 4.0])
@@ -124,5 +119,5 @@ def test_nothing_but_one_colour_to_see_ends_with_the_reason_and_no_motion(size_m
     plain = {"name": "target", "outlines_m": [[[-half, -half], [half, -half], [half, half], [-half, half]]],
              "color_rgb": [20, 20, 20], "position_m": [0.057549, 0.05, 0.225455], "rpy_rad": [0.0, 0.0, 1.5707963]}
     record = _run("six_dof_photometric", {"sim.scene.models": [plain] if size_m else []})
-    assert record.status[-1] == Status.TARGET_LOST and record.phase[-1] == "done"
+    assert record.status[-1] == avs.Status.TARGET_LOST and record.phase[-1] == "done"
     assert not len(record.rows("servo")) and "target not in view at the goal" in record.status_text[-1]

@@ -3,17 +3,12 @@ import math
 
 import pytest
 
-from aras_visual_servo_controller.ground.errors import ParameterError
-from aras_visual_servo_controller.run.judge import judge, run_in_process
-from aras_visual_servo_controller.arm.kinematics import Kinematics
-from aras_visual_servo_controller.run.loop import ServoLoop
-from aras_visual_servo_controller.scenario.scenario import load_scenario
-from aras_visual_servo_controller.ground.types import Status
+import aras_visual_servo as avs
 
 # Coverage images leave about 0.1 mm and 0.01 deg, dry friction of the joints a few tenths of a millimetre.
 SIX_MM_DEG = {"x_mm": 1.0, "y_mm": 1.0, "z_mm": 1.0, "angle_deg": 0.2}
 SIX_AXIS = {"robot.urdf": "package://aras_description/urdf/aras_arm_6axis.urdf",
-            "robot.controllers": "package://aras_visual_servo_controller/config/joint_controllers_6axis.yaml"}
+            "robot.controllers": "package://aras_visual_servo/config/joint_controllers_6axis.yaml"}
 # On the optical axis of a goal tilted by 30 deg, 0.6 m from the optical centre.
 POSITION_30 = [-0.295051, 0.05, 0.319933]
 S, P = ("sx", "sy"), ("px", "py")
@@ -29,7 +24,7 @@ def run_with(pair, scenario, changes=None):
     """Run a six-degree scenario with these two features in the place of its own pair."""
     names = ["xn", "yn", "an", *pair, "alpha"]
     thresholds = {name: 0.0001 if name in ("xn", "yn", "an") else 0.0005 for name in names}
-    return run_in_process(load_scenario(scenario, {
+    return avs.run(avs.load_scenario(scenario, {
         "servo.features": names, "servo.gains_per_s": dict.fromkeys(names, 2.0), "servo.thresholds": thresholds,
         **(changes or {})}))
 
@@ -37,7 +32,7 @@ def run_with(pair, scenario, changes=None):
 @pytest.mark.parametrize("scenario", ["six_dof_rectangle", "six_dof_tilted"])
 @pytest.mark.parametrize("interaction", ["desired", "mean"])
 def test_arrives_in_all_six_degrees_of_freedom(run, scenario, interaction):
-    judgement = judge(run(scenario, {"servo.interaction": interaction}))
+    judgement = avs.judge(run(scenario, {"servo.interaction": interaction}))
     assert_arrives(judgement)
     assert judgement.initial_error["angle_deg"] > 15.0 and abs(judgement.initial_error["x_mm"]) > 50.0
 
@@ -49,7 +44,7 @@ def test_arrives_at_a_goal_tilted_by_30_degrees(pair, file):
     record = run_with(pair, "six_dof_tilted", {
         "experiment.goal.joints.J5": 0.1235988, "experiment.start.joints.J5": 0.2435988,
         "servo.target_normal_C": [0.0, 0.5, 0.8660254], "sim.scene.models": [target]})
-    assert_arrives(judge(record))
+    assert_arrives(avs.judge(record))
 
 
 @pytest.mark.parametrize("file", ["rectangle", "blob", "l_shape"])
@@ -58,46 +53,47 @@ def test_arrives_at_a_goal_tilted_by_30_degrees(pair, file):
 def test_pose_of_a_known_target_brings_the_camera_home(file, tilt_deg, J5, position_m):
     path = f"package://aras_description/targets/{file}.yaml"
     tilt = math.radians(tilt_deg)
-    record = run_in_process(load_scenario("six_dof_pbvs", {
+    record = avs.run(avs.load_scenario("six_dof_pbvs", {
         "servo.target_model": path, "servo.target_normal_C": [0.0, math.sin(tilt), math.cos(tilt)],
         "experiment.goal.joints.J5": J5, "experiment.start.joints.J5": J5 + 0.12, "sim.scene.models": [
             {"name": "target", "file": path, "position_m": position_m, "rpy_rad": [0.0, 0.0, 1.5707963]}]}))
-    assert_arrives(judge(record))
+    assert_arrives(avs.judge(record))
 
 
 def test_a_target_that_is_not_the_one_known_ends_with_the_reason():
-    record = run_in_process(load_scenario(
+    record = avs.run(avs.load_scenario(
         "six_dof_pbvs", {"servo.target_model": "package://aras_description/targets/rectangle.yaml"}))
-    assert Status.CONVERGED not in record.status or not judge(record).passed
+    assert avs.Status.CONVERGED not in record.status or not avs.judge(record).passed
     assert any("outline" in text or "unexplained" in text for text in record.status_text), set(record.status_text)
 
 
 def test_a_target_file_that_is_none_is_refused():
-    with pytest.raises(ParameterError, match="target_model"):
-        ServoLoop(load_scenario("six_dof_pbvs", {"servo.target_model": "package://aras_description/package.xml"}))
+    changes = {"servo.target_model": "package://aras_description/package.xml"}
+    with pytest.raises(avs.ParameterError, match="target_model"):
+        avs.ServoLoop(avs.load_scenario("six_dof_pbvs", changes))
 
 
 def test_the_wrong_sign_of_the_target_s_normal_at_the_goal_is_refused():
-    with pytest.raises(ParameterError, match="target_normal_C"):
-        ServoLoop(load_scenario("six_dof_tilted", {"servo.target_normal_C": [0.0, 0.0, -1.0]}))
+    with pytest.raises(avs.ParameterError, match="target_normal_C"):
+        avs.ServoLoop(avs.load_scenario("six_dof_tilted", {"servo.target_normal_C": [0.0, 0.0, -1.0]}))
 
 
 def test_a_singular_pair_of_features_does_not_pass_by_the_true_pose():
     # px, py of a rectangle seen parallel have no derivative: whatever becomes of |e|, the pose is not reached.
-    assert not judge(run_with(P, "six_dof_rectangle")).passed
+    assert not avs.judge(run_with(P, "six_dof_rectangle")).passed
 
 
 def test_error_can_vanish_away_from_the_goal_with_the_matrix_of_each_view_and_the_true_pose_tells():
     goal = {"gantry": 0.05, "J1": 0.0, "J2": -0.5, "J3": 0.9, "J4": 0.5, "J5": -0.2254671, "J6": 0.0}
     start = {"gantry": -0.01, "J1": 0.0, "J2": -0.38, "J3": 0.8, "J4": 0.65, "J5": -0.1054671, "J6": 0.2}
-    robot = load_scenario("six_dof_tilted")
-    kinematics = Kinematics(robot.urdf_xml(), "world", "camera_optical_frame")
+    robot = avs.load_scenario("six_dof_tilted")
+    kinematics = avs.Kinematics(robot.urdf_xml(), "world", "camera_optical_frame")
     X_WC = kinematics.pose(kinematics.vector(goal))
     target = {"name": "target", "file": "package://aras_description/targets/l_shape.yaml",
               "position_m": (X_WC[:3, 3] + 0.6 * X_WC[:3, 2]).tolist(), "rpy_rad": [0.0, 0.0, 1.5707963]}
     judgement = {}
     for interaction in ("current", "desired"):
-        judgement[interaction] = judge(run_with(P, "six_dof_tilted", {
+        judgement[interaction] = avs.judge(run_with(P, "six_dof_tilted", {
             "servo.interaction": interaction, "servo.target_normal_C": (-X_WC[2, :3]).tolist(),
             "experiment.goal.joints": goal, "experiment.start.joints": start, "sim.scene.models": [target]}))
     assert_arrives(judgement["desired"])
@@ -107,4 +103,4 @@ def test_error_can_vanish_away_from_the_goal_with_the_matrix_of_each_view_and_th
 
 @pytest.mark.parametrize("scenario", ["experiment_1", "experiment_2"])
 def test_both_experiments_arrive_on_the_six_axis_arm_too(run, scenario):
-    assert_arrives(judge(run(scenario, SIX_AXIS)), {"x_mm": 0.2, "y_mm": 0.2, "z_mm": 0.5, "angle_deg": 0.05})
+    assert_arrives(avs.judge(run(scenario, SIX_AXIS)), {"x_mm": 0.2, "y_mm": 0.2, "z_mm": 0.5, "angle_deg": 0.05})

@@ -1,8 +1,7 @@
 """CONVERGED means that the camera has arrived: forty of the runs of `script/bench --stop-rule`, from the same draw."""
 import numpy as np
-from aras_visual_servo_controller.ground.types import Status
-from aras_visual_servo_controller.run.judge import judge
-from aras_visual_servo_controller.sweep.stop_rule import draw, run_case, tally
+import aras_visual_servo as avs
+from aras_visual_servo_study.sweep.stop_rule import draw, run_case, tally
 
 RUNS, SEED = 40, 11
 #: Of forty runs. One in a hundred is the aim (docs/sweeps.md), and two of forty come of it once in seventeen draws.
@@ -31,14 +30,14 @@ def test_equal_seeds_draw_equal_cases_and_every_kind_of_them():
 def test_a_tilt_held_slowly_is_waited_for(run):
     changes = {"servo.tilt_gain_per_s": 0.5, "experiment.start.joints.J5": 0.0, "servo.time_limit_s": 30.0,
                **{f"servo.gains_per_s.{name}": 6.0 for name in ("xn", "yn", "an", "alpha")}}
-    judgement = judge(run("experiment_1", changes))
+    judgement = avs.judge(run("experiment_1", changes))
     assert judgement.converged and judgement.passed, (judgement.reason, judgement.final_error)
 
 
 def test_a_tilt_that_is_not_home_in_time_is_the_reason(run):
     record = run("experiment_1", {"servo.tilt_gain_per_s": 0.3, "experiment.start.joints.J5": 0.0,
                                   "servo.time_limit_s": 8.0})
-    assert record.status[record.servo_rows[-1]] == Status.TIMED_OUT and "tilt" in judge(record).reason
+    assert record.status[record.servo_rows[-1]] == avs.Status.TIMED_OUT and "tilt" in avs.judge(record).reason
     last = record.servo_rows[-2]
     assert record.stop[last, 0] > record.settings["servo"]["stop"]["tilt_rad"]
 

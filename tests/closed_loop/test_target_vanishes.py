@@ -4,9 +4,7 @@ import copy
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.run.judge import judge, run_in_process
-from aras_visual_servo_controller.scenario.scenario import load_scenario
-from aras_visual_servo_controller.ground.types import Status
+import aras_visual_servo as avs
 
 AWAY_M = 5.0
 #: The servo of experiment_1 begins at 2.7 s; at 3.2 s the arm is half-way.
@@ -14,24 +12,24 @@ GONE_S, BACK_S = 3.2, 4.4
 
 
 def vanishing(back_s, **servo):
-    models = copy.deepcopy(load_scenario("experiment_1").sim["scene"]["models"])
+    models = copy.deepcopy(avs.load_scenario("experiment_1").sim["scene"]["models"])
     here, turn = models[0]["position_m"], models[0]["rpy_rad"]
     there = [here[0] + AWAY_M, here[1], here[2]]
     times = [(0.0, here), (GONE_S, here), (GONE_S + 0.01, there), (back_s, there), (back_s + 0.01, here)]
     models[0]["motion"] = {"type": "waypoints",
                            "waypoints": [{"time_s": t, "position_m": p, "rpy_rad": turn} for t, p in times]}
-    return run_in_process(load_scenario("experiment_1", {
+    return avs.run(avs.load_scenario("experiment_1", {
         "sim.scene.models": models, **{f"servo.{key}": value for key, value in servo.items()}}))
 
 
 def lost_rows(record):
-    return record.servo_rows[record.status[record.servo_rows] == Status.TARGET_LOST]
+    return record.servo_rows[record.status[record.servo_rows] == avs.Status.TARGET_LOST]
 
 
 @pytest.mark.parametrize("on_lost", ["hold", "back_off", "search"])
 def test_the_arm_arrives_when_the_target_is_back(on_lost):
     record = vanishing(BACK_S, on_lost=on_lost, lost_target={"slow_down": 1.0})
-    judgement = judge(record)
+    judgement = avs.judge(record)
     assert judgement.passed, judgement.faults
     rows = lost_rows(record)
     assert len(rows) >= (BACK_S - GONE_S) * 30 - 1
@@ -43,7 +41,7 @@ def test_the_arm_arrives_when_the_target_is_back(on_lost):
 def test_the_arm_gives_up_cleanly(on_lost):
     record = vanishing(1000.0, on_lost=on_lost, lost_target={"time_limit_s": 3.0})
     last = record.servo_rows[-1]
-    assert record.status[last] == Status.STOPPED
+    assert record.status[last] == avs.Status.STOPPED
     assert record.status_text[last] == "target lost for 3 s"
     texts = set(record.status_text[lost_rows(record)])
     word = "backing off" if on_lost == "back_off" else "searching: place"

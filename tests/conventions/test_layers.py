@@ -13,7 +13,7 @@ ROS_INCLUDE = re.compile(
 ROS_IMPORT = re.compile(r"^\s*(import|from)\s+(rospy|actionlib|roslib|rostopic|rosgraph|roslaunch|tf|tf2_ros|cv_bridge|"
                         r"[a-z_]+_msgs)\b", re.MULTILINE)
 # The only Python modules that may know ROS: the nodes, and what reads rosbag files, which needs no master.
-ROS_MODULES = ("nodes/", "bags/bag.py")
+ROS_MODULES = ("nodes/", "bags/bag.py", "live/over_ros.py")
 ALLOWED = {
     "aras_description": set(),
     "aras_visual_servo_msgs": set(),
@@ -21,21 +21,30 @@ ALLOWED = {
     "aras_visual_servo_sim": {"aras_description", "aras_visual_servo_common", "aras_visual_servo_msgs"},
     # The camera takes from the description how programs of its tests are installed, and nothing else.
     "aras_visual_servo_camera": {"aras_description", "aras_visual_servo_common", "aras_visual_servo_msgs"},
-    "aras_visual_servo_controller": {"aras_description", "aras_visual_servo_common", "aras_visual_servo_msgs",
+    "aras_visual_servo": {"aras_description", "aras_visual_servo_common", "aras_visual_servo_sim",
+                          "aras_visual_servo_camera"},
+    "aras_visual_servo_controller": {"aras_description", "aras_visual_servo", "aras_visual_servo_msgs",
                                      "aras_visual_servo_sim", "aras_visual_servo_camera"},
-    "aras_visual_servo_learning": {"aras_description", "aras_visual_servo_controller"},
+    "aras_visual_servo_study": {"aras_description", "aras_visual_servo", "aras_visual_servo_controller",
+                                "aras_visual_servo_msgs", "aras_visual_servo_sim"},
+    "aras_visual_servo_learning": {"aras_description", "aras_visual_servo", "aras_visual_servo_controller",
+                                   "aras_visual_servo_study"},
 }
-# The rooms of a package, which are its folders, floor by floor from the ground up: a room imports itself and rooms of
-# lower floors, none of its own floor or above.
+# The rooms of a C++ core, which are its folders, from the ground up. A room includes itself and rooms of lower floors.
 CPP_FLOORS = {
     "aras_visual_servo_camera": [{"config"}, {"image"}, {"matching", "moments", "photometric", "tags"},
                                  {"points", "segmentation"}, {"extraction"}],
+    "aras_visual_servo_sim": [{"config"}, {"image", "robot"}, {"scene", "camera", "physics"}, {"render"},
+                              {"simulation"}],
 }
+#: Libraries of the simulator that one room alone includes.
+LIBRARIES = {"Bullet": "physics", "LinearMath": "physics", "assimp": "scene", "stb": "image",
+             "urdf": "robot", "tinyxml2": "robot"}
 
 
 def core_files():
     for package in ("aras_visual_servo_common", "aras_visual_servo_sim", "aras_visual_servo_camera",
-                    "aras_visual_servo_controller"):
+                    "aras_visual_servo"):
         for folder in ("include", "src"):
             for path in sorted((SOURCE / package / folder).rglob("*.[ch]pp")):
                 if "ros" not in path.relative_to(SOURCE / package).parts:
@@ -60,7 +69,8 @@ def test_only_the_thin_python_modules_import_ros():
 @pytest.mark.parametrize("package", sorted(ALLOWED))
 def test_package_depends_only_on_what_stands_below_it(package):
     root = ElementTree.parse(SOURCE / package / "package.xml").getroot()
-    ours = {element.text for element in root if "depend" in element.tag and element.text in ALLOWED}
+    ours = {element.text for element in root
+            if element.tag in ("build_depend", "exec_depend") and element.text in ALLOWED}
     assert ours <= ALLOWED[package]
 
 
@@ -113,3 +123,14 @@ def test_rooms_of_a_cpp_core_include_only_what_lies_below(package):
     assert len(arrows) > 20
     assert {room for _, room, _ in arrows} == set().union(*CPP_FLOORS[package])
     assert arrows_up(CPP_FLOORS[package], arrows) == []
+
+
+def test_a_library_is_included_by_one_room_alone():
+    core, found = SOURCE / "aras_visual_servo_sim" / "src" / "core", set()
+    for path in core.rglob("*.[ch]pp"):
+        for name in re.findall(r"^#include <([^>]+)>", path.read_text(), re.MULTILINE):
+            for library, room in LIBRARIES.items():
+                if name.startswith(library):
+                    found.add(library)
+                    assert path.relative_to(core).parts[0] == room, f"{path}: {name}"
+    assert found == set(LIBRARIES)

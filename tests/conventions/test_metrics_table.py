@@ -2,7 +2,7 @@
 import pathlib
 import re
 
-from aras_visual_servo_controller.sweep.metrics import known_metrics
+from aras_visual_servo_study.sweep.metrics import known_metrics
 
 DOCS = pathlib.Path(__file__).resolve().parents[2] / "docs"
 

@@ -51,7 +51,7 @@ def seen_and_projected(X_CT, camera):
     from aras_visual_servo_sim import Simulation
     from scipy.spatial.transform import Rotation
 
-    from aras_visual_servo_controller.config.files import load_yaml, package_paths, resolve_uri
+    import aras_visual_servo as avs
 
     target = "package://aras_description/targets/blob.yaml"
     # The camera hangs still.
@@ -61,7 +61,7 @@ def seen_and_projected(X_CT, camera):
     camera = {"name": "camera", "frame": "camera_optical_frame", "rate_hz": 30.0, **camera}
     config = {"cameras": [camera], "scene": {"background_rgb": [230, 230, 230],
                                              "models": [{"name": "target", "file": target}]}}
-    simulation = Simulation(URDF, config, {}, package_paths())
+    simulation = Simulation(URDF, config, {}, avs.package_paths())
     simulation.set_model_pose("target", X_WT[:3, 3], Rotation.from_matrix(X_WT[:3, :3]).as_quat())
     np.testing.assert_allclose(simulation.camera_pose("camera"), X_WC, atol=1e-12)
 
@@ -70,7 +70,7 @@ def seen_and_projected(X_CT, camera):
                                  "background_grey": 230})
     seen = extractor.process(simulation.render("camera"))
 
-    outline = np.array(load_yaml(resolve_uri(target))["outlines_m"][0])
+    outline = np.array(avs.load_yaml(avs.resolve_uri(target))["outlines_m"][0])
     # The sides are subdivided: projection keeps them straight, the moments are integrated exactly either way.
     points_T = np.column_stack([outline, np.zeros(len(outline)), np.ones(len(outline))])
     points_C = (X_CT @ points_T.T)[:3]

@@ -1,63 +1,82 @@
-"""The rooms of the controller's Python package: each imports only what stands below it, and no folder is crowded."""
+"""The rooms of the Python packages: each imports only what stands below it."""
 import ast
 import pathlib
 
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PACKAGE = ROOT / "src" / "aras_visual_servo_controller" / "src" / "aras_visual_servo_controller"
-#: From the ground up. Rooms of one floor do not import each other.
-FLOORS = (("ground",), ("config",), ("features", "arm"), ("laws",), ("servo",), ("run",), ("scenario",),
-          ("live",), ("bags", "report"), ("sweep", "nodes"), ("compare",), ("cli",))
-FLOOR_OF = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
-#: Names in one folder of source or tests that a newcomer can still take in.
-MOST_NAMES = 16
+#: The folders of each package from the ground up. Rooms of one floor do not import each other.
+FLOORS = {
+    "aras_visual_servo": (("ground",), ("config",), ("features", "arm"), ("laws",), ("servo",), ("runs",),
+                          ("scenario",), ("cli",)),
+    "aras_visual_servo_controller": (("bags", "calibration", "real"), ("nodes",), ("cli",)),
+    "aras_visual_servo_study": (("live",), ("report",), ("sweep",), ("compare",), ("cli",)),
+}
+#: A Python package imports itself and those before it. Only the table of verbs names those after it, as text.
+PACKAGES = tuple(FLOORS)
+
+
+def folder_of(package):
+    return ROOT / "src" / package / "src" / package
 
 
 def imports_of(path):
-    """Dotted names, from the package down, of everything that a module of the package imports from it."""
-    place = path.relative_to(PACKAGE).with_suffix("").parts
+    """Dotted names of all that a module imports, relative imports included; the first part is the package."""
+    place = path.relative_to(ROOT / "src").with_suffix("").parts[2:]
     for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.ImportFrom) and node.level:
-            parts = place[:len(place) - node.level] + tuple((node.module or "").split(".") if node.module else ())
+        if isinstance(node, ast.ImportFrom):
+            above = place[:len(place) - node.level] if node.level else ()
             for alias in node.names:
-                yield parts + (alias.name,)
-        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith(PACKAGE.name + "."):
-            yield tuple(node.module.split(".")[1:])
+                yield above + tuple(node.module.split(".") if node.module else ()) + (alias.name,)
+        elif isinstance(node, ast.Import):
+            for alias in node.names:
+                yield tuple(alias.name.split("."))
 
 
-def upward(room, imported):
-    """Whether a module of `room` may not import this."""
-    target = imported[0]
-    return target in FLOOR_OF and target != room and FLOOR_OF[target] >= FLOOR_OF[room]
+def upward(package, room, imported):
+    """Whether a module of a room may not import this."""
+    if imported[0] not in PACKAGES:
+        return False
+    if imported[0] != package:
+        return PACKAGES.index(imported[0]) > PACKAGES.index(package)
+    floor_of = {name: floor for floor, rooms in enumerate(FLOORS[package]) for name in rooms}
+    target = imported[1]
+    return target in floor_of and target != room and floor_of[target] >= floor_of[room]
 
 
-def modules():
-    return [path for path in sorted(PACKAGE.rglob("*.py")) if path.parent != PACKAGE]
+def modules(package):
+    return [path for path in sorted(folder_of(package).rglob("*.py")) if path.parent != folder_of(package)]
 
 
-def test_every_folder_of_the_package_is_a_room_with_a_floor():
-    assert {path.name for path in PACKAGE.iterdir() if path.is_dir() and path.name != "__pycache__"} == set(FLOOR_OF)
+@pytest.mark.parametrize("package", PACKAGES)
+def test_every_folder_of_the_package_is_a_room_with_a_floor(package):
+    rooms = {path.name for path in folder_of(package).iterdir() if path.is_dir() and path.name != "__pycache__"}
+    assert rooms == set().union(*FLOORS[package])
 
 
-def test_rooms_import_only_downwards():
-    found = [f"{path.relative_to(PACKAGE)} imports {'.'.join(imported)}" for path in modules()
-             for imported in imports_of(path) if upward(path.relative_to(PACKAGE).parts[0], imported)]
+@pytest.mark.parametrize("package", PACKAGES)
+def test_rooms_import_only_downwards(package):
+    found = [f"{path.relative_to(folder_of(package))} imports {'.'.join(imported)}" for path in modules(package)
+             for imported in imports_of(path)
+             if upward(package, path.relative_to(folder_of(package)).parts[0], imported)]
     assert found == []
 
 
 def test_the_check_sees_an_import_that_leads_up():
-    assert upward("features", ("laws", "base")) and upward("report", ("bags",)) and not upward("laws", ("features",))
-    assert ("ground", "errors", "ParameterError") in set(imports_of(PACKAGE / "config" / "files.py"))
+    core = "aras_visual_servo"
+    assert upward(core, "features", (core, "laws", "base")) and not upward(core, "laws", (core, "features"))
+    assert upward(core, "run", ("aras_visual_servo_study", "sweep"))
+    assert (core, "ground", "errors", "ParameterError") in set(imports_of(folder_of(core) / "config" / "files.py"))
 
 
-def test_no_two_modules_import_each_other():
+@pytest.mark.parametrize("package", PACKAGES)
+def test_no_two_modules_import_each_other(package):
     """Depth-first through the imports of modules; one made inside a function counts too."""
     graph = {}
-    for path in modules():
-        name = path.relative_to(PACKAGE).with_suffix("").parts
-        graph[name] = {imported[:size] for imported in imports_of(path) for size in (2, 3)
-                       if (PACKAGE.joinpath(*imported[:size])).with_suffix(".py").exists()} - {name}
+    for path in modules(package):
+        name = path.relative_to(folder_of(package).parent).with_suffix("").parts
+        graph[name] = {imported[:size] for imported in imports_of(path) for size in (3, 4)
+                       if folder_of(package).parent.joinpath(*imported[:size]).with_suffix(".py").exists()} - {name}
     done, way = set(), []
 
     def walk(name):
@@ -72,18 +91,3 @@ def test_no_two_modules_import_each_other():
 
     for name in sorted(graph):
         walk(name)
-
-
-def folders():
-    tops = [package / top for package in sorted((ROOT / "src").iterdir())
-            for top in ("include", "src", "test", "bench", "scripts", "launch")]
-    for top in [*tops, ROOT / "tests", ROOT / "script"]:
-        for folder in [top, *sorted(top.rglob("*"))]:
-            if folder.is_dir() and folder.name != "__pycache__":
-                yield folder
-
-
-@pytest.mark.parametrize("folder", [pytest.param(path, id=str(path.relative_to(ROOT))) for path in folders()])
-def test_no_folder_of_source_or_tests_is_crowded(folder):
-    names = [path.name for path in folder.iterdir() if path.name != "__pycache__"]
-    assert len(names) <= MOST_NAMES, sorted(names)

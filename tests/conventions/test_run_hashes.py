@@ -22,9 +22,8 @@ WITHOUT_FMA = {"NPY_DISABLE_CPU_FEATURES": f"AVX F16C FMA3 AVX2 {AVX512[0]}",
 
 RUN = """
 import json, sys
-from aras_visual_servo_controller.run.judge import run_in_process
-from aras_visual_servo_controller.scenario.scenario import load_scenario
-records = [run_in_process(load_scenario(name)) for name in sys.argv[1:]]
+import aras_visual_servo as avs
+records = [avs.run(avs.load_scenario(name)) for name in sys.argv[1:]]
 print(json.dumps([[record.run_hash, record.opengl] for record in records]))
 """
 

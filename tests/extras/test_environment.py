@@ -8,7 +8,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AsyncVectorEnv
 
-from aras_visual_servo_controller.ground.errors import ParameterError
+import aras_visual_servo as avs
 from aras_visual_servo_learning import ENVIRONMENTS
 
 MODULE = "aras_visual_servo_learning:"
@@ -124,5 +124,5 @@ def test_environments_run_in_processes_of_their_own():
     ({"action": "torque"}, "action: found 'torque', allowed twist | joints"),
     ({"scenario": "experiment_99"}, "scenario 'experiment_99': not found")])
 def test_what_is_not_allowed_is_named(arguments, said):
-    with pytest.raises(ParameterError, match=said.replace("|", r"\|")):
+    with pytest.raises(avs.ParameterError, match=said.replace("|", r"\|")):
         make(**arguments)

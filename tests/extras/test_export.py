@@ -10,9 +10,8 @@ import pytest
 import yaml
 from mcap.reader import make_reader
 
-from aras_visual_servo_controller.cli.sweep import sweep_main
-from aras_visual_servo_controller.run.judge import judge, run_in_process
-from aras_visual_servo_controller.scenario.scenario import load_scenario
+import aras_visual_servo as avs
+from aras_visual_servo_study.cli.sweep import sweep_main
 from aras_visual_servo_learning.command import export_main
 
 STARTS = 3
@@ -20,7 +19,7 @@ STARTS = 3
 
 @pytest.fixture(scope="module")
 def record():
-    return run_in_process(load_scenario("experiment_1"), keep_images=True)
+    return avs.run(avs.load_scenario("experiment_1"), keep_images=True)
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +57,7 @@ def test_the_numbers_are_those_of_the_run(hdf5, record):
         assert np.array_equal(demo["obs/joint_positions"], record.q[rows][:-1])
         assert np.array_equal(demo["next_obs/feature_errors"], record.e[rows][1:])
         assert np.array_equal(demo["obs/image"][7], record.images[rows[7]])
-        final = judge(record).final_error
+        final = avs.judge(record).final_error
         assert 1e3 * demo["next_obs/camera_pose"][-1][:3] == pytest.approx(
             [final["x_mm"], final["y_mm"], final["z_mm"]], abs=1e-6)  # rounding
         assert demo["rewards"][-1] > 0.9 > 0.0 > demo["rewards"][0]

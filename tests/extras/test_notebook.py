@@ -5,8 +5,7 @@ import re
 import nbformat
 from nbconvert.preprocessors import ExecutePreprocessor
 
-from aras_visual_servo_controller.run.judge import run_in_process
-from aras_visual_servo_controller.scenario.scenario import load_scenario
+import aras_visual_servo as avs
 
 NOTEBOOK = pathlib.Path(__file__).resolve().parents[2] / "docs" / "tutorial.ipynb"
 #: Instead of 200 in the notebook: the way is the same.
@@ -28,7 +27,7 @@ def test_the_notebook_runs_and_shows_what_the_tutorial_says(tmp_path):
     ExecutePreprocessor(timeout=LIMIT_S).preprocess(notebook, {"metadata": {"path": str(tmp_path)}})
     code = [cell for cell in notebook.cells if cell.cell_type == "code"]
     said = "\n".join(map(text_of, code))
-    assert run_in_process(load_scenario("experiment_1")).run_hash in said
+    assert avs.run(avs.load_scenario("experiment_1")).run_hash in said
     for asked, found in re.findall(r"gain (\d) /s: the slope is ([\d.]+) /s", said):
         assert abs(float(found) - float(asked)) < 0.05 * float(asked)
     assert "2.87 s with ours, 3.30 s with mine" in said and re.search(r"^[4-6] pairs; median", said, re.MULTILINE)

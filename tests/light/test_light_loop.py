@@ -5,9 +5,7 @@ import copy
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.run.judge import judge
-from aras_visual_servo_controller.run.loop import ServoLoop
-from aras_visual_servo_controller.scenario.scenario import load_scenario, scenario_from_dict
+import aras_visual_servo as avs
 
 # The target and its card are drawn by the same code as by the coverage renderer, so that the loop goes the same way.
 SAME_WAY_M = 3e-6
@@ -21,7 +19,7 @@ TABLE = """<robot name="table"><link name="top"><visual><geometry><box size="3 3
 
 def experiment(picture=None, **camera):
     """Experiment 1 with a white card under the target; on a table with a picture, among posts in a slanting light."""
-    document = copy.deepcopy(load_scenario("experiment_1").as_dict())
+    document = copy.deepcopy(avs.load_scenario("experiment_1").as_dict())
     document["sim"]["cameras"][0].update(camera)
     scene = document["sim"]["scene"]
     x, y, z = scene["models"][0]["position_m"]
@@ -37,12 +35,12 @@ def experiment(picture=None, **camera):
         scene["lighting"] = {"ambient_rgb": [150, 150, 150],
                              "lights": [{"name": "sun", "type": "directional", "direction": [0.5, 0.3, -1.0],
                                          "color_rgb": [105, 105, 105]}]}
-    return scenario_from_dict(document)
+    return avs.scenario_from_dict(document)
 
 
 def run(scenario):
-    record = ServoLoop(scenario).run(closing_s=0.1, keep_images=True)
-    return record, judge(record)
+    record = avs.ServoLoop(scenario).run(closing_s=0.1, keep_images=True)
+    return record, avs.judge(record)
 
 
 @pytest.fixture(scope="module")

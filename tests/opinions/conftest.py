@@ -3,4 +3,4 @@ import pathlib
 import sys
 
 SRC = pathlib.Path(__file__).resolve().parents[2] / "src"
-sys.path[:0] = [str(SRC / "aras_visual_servo_controller/test/support"), str(SRC / "aras_visual_servo_camera/test/unit")]
+sys.path[:0] = [str(SRC / "aras_visual_servo/test/support"), str(SRC / "aras_visual_servo_camera/test/unit")]

@@ -4,10 +4,8 @@ import round_views as rounds
 from views import exponential, plane_of, tilted_pose
 from visp import visp_servo
 
-from aras_visual_servo_controller.features.base import FeatureSet, View
-from aras_visual_servo_controller.ground.types import Reference
-from aras_visual_servo_controller.laws import LawSetup, make_law
-from aras_visual_servo_controller.laws.look import Look
+import aras_visual_servo as avs
+from aras_visual_servo.laws import LawSetup, make_law
 
 CASES = 30
 #: Of a twist's length. Rounding times the condition of what is inverted.
@@ -30,10 +28,10 @@ def test_circle(compared):
     for seed in range(CASES):
         goal, here = poses(seed)
         views = [rounds.as_view(rounds.circle(X, 0.07, (0.02, -0.03)), plane_of(X)) for X in (goal, here)]
-        s_star, s = (FeatureSet(names).values(view) for view in views)
+        s_star, s = (avs.FeatureSet(names).values(view) for view in views)
         law = make_law("ibvs", [2.0] * len(names), LawSetup(names, INTERACTIONS[seed % 3]))
-        law.reset(Reference(s_star, view=views[0].features, plane_C=np.array(views[0].plane)))
-        ours.append(np.array(law.step(Look(views[1], 0.0)).twist))
+        law.reset(avs.Reference(s_star, view=views[0].features, plane_C=np.array(views[0].plane)))
+        ours.append(np.array(law.step(avs.Look(views[1], 0.0)).twist))
         asked.append({"kind": "ellipse", "gain_per_s": 2.0, "interaction": INTERACTIONS[seed % 3], "ellipse": s,
                       "ellipse_star": s_star, "plane": views[1].plane, "plane_star": views[0].plane})
     offs = [np.abs(twist - theirs["twist"]).max() / np.linalg.norm(theirs["twist"])
@@ -48,14 +46,15 @@ def test_sphere(compared):
         goal, here = poses(seed)
         (star, _), (ellipse, p) = (rounds.sphere(X, radius_m, (0.02, -0.03, 0.04)) for X in (goal, here))
         rim = p / (p @ p - radius_m**2)
-        ours.append((ellipse, FeatureSet(SPHERE).matrix(rounds.as_view(ellipse, (0.0, 0.0, 1.0 / p[2])))))
+        ours.append((ellipse, avs.FeatureSet(SPHERE).matrix(rounds.as_view(ellipse, (0.0, 0.0, 1.0 / p[2])))))
         asked.append({"kind": "ellipse", "gain_per_s": 1.0, "interaction": "current", "ellipse": ellipse,
                       "ellipse_star": star, "plane": rim, "plane_star": rim})
     offs = []
     for (ellipse, L), theirs in zip(ours, visp_servo(asked)):
         slopes = np.empty((3, 5))
         for k, step in enumerate(STEP * np.maximum(np.abs(ellipse), 0.01)):
-            ahead, behind = (FeatureSet(SPHERE).values(View(rounds.features_of(ellipse + sign * step * np.eye(5)[k])))
+            change, sphere = step * np.eye(5)[k], avs.FeatureSet(SPHERE)
+            ahead, behind = (sphere.values(avs.View(rounds.features_of(ellipse + sign * change)))
                              for sign in (1.0, -1.0))
             slopes[:, k] = np.subtract(ahead, behind) / (2.0 * step)
         offs.append(np.abs(slopes @ theirs["matrix"] - L).max() / np.abs(L).max())

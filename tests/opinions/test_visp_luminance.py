@@ -14,9 +14,9 @@ from views import look_at
 from visp import visp_servo
 
 import aras_visual_servo_camera as camera
-from aras_visual_servo_controller.ground.types import Reference
-from aras_visual_servo_controller.laws import LawSetup, make_law
-from aras_visual_servo_controller.laws.photometric import PhotometricSettings
+import aras_visual_servo as avs
+from aras_visual_servo.laws import LawSetup, make_law
+from aras_visual_servo.laws.photometric import PhotometricSettings
 
 CASES = 60
 INTERACTIONS = ("desired", "current", "mean")
@@ -52,7 +52,7 @@ def test_law_is_vp_servo_on_the_same_normal_equations(compared):
         L, e = theirs["matrix"], theirs["error"]
         law = make_law("photometric", [GAIN_PER_S], LawSetup(
             ("photometric",), settings={"photometric": PhotometricSettings(0.0, 1e-4, 1e-4)}))
-        law.reset(Reference(np.zeros(1)))
+        law.reset(avs.Reference(np.zeros(1)))
         seen = SimpleNamespace(has_reference=True, rms=float(np.sqrt(np.mean(e**2))), b=(L.T @ e).tolist(),
                                H=(L.T @ L)[np.triu_indices(6)].tolist(), condition=5.0, symmetric=False)
         twist = law.step(look_at(seen)).twist

@@ -9,11 +9,10 @@ from toy_plant import Camera, polygon_moments
 from views import exponential, look_at, plane_of, tilted_pose
 from visp import visp_servo
 
-from aras_visual_servo_controller.features.base import FeatureSet
-from aras_visual_servo_controller.ground.types import Reference
-from aras_visual_servo_controller.laws import LawSetup, make_law
-from aras_visual_servo_controller.laws.base import adaptive_factor
-from aras_visual_servo_controller.laws.setup import AdaptiveGainSettings
+import aras_visual_servo as avs
+from aras_visual_servo.laws import LawSetup, make_law
+from aras_visual_servo.laws.base import adaptive_factor
+from aras_visual_servo.laws.setup import AdaptiveGainSettings
 
 CASES = 60
 #: Of a twist's length. Rounding times the condition of what is inverted, at most some thousand.
@@ -81,10 +80,10 @@ class Scene:
 
     def ours(self, name, features, guess=None, looks=1, **setup):
         """(twist, e) of a law that was taught at the goal and looks from here, instantaneous."""
-        taught, names = self.features(self.goal), FeatureSet(features).names
+        taught, names = self.features(self.goal), avs.FeatureSet(features).names
         law = make_law(name, [self.gain] * len(names), LawSetup(tuple(features), **setup))
-        s_star = FeatureSet(features).values(look_at(taught).view)
-        law.reset(Reference(s_star, view=taught, plane_C=self.plane_star))
+        s_star = avs.FeatureSet(features).values(look_at(taught).view)
+        law.reset(avs.Reference(s_star, view=taught, plane_C=self.plane_star))
         guess = self.X_CgC if guess is None else guess
         for _ in range(looks):
             answer = law.step(look_at(self.features(self.here), 0.0, self.plane, guess))
@@ -239,7 +238,7 @@ def test_six_moments_with_the_matrix_of_a_tilted_view(compared):
         ours.append(scene.ours("ibvs", SIX, interaction="current"))
     for scene, theirs in zip(scenes, visp_servo([of_moments(scene, tilt=True) for scene in scenes])):
         view = look_at(scene.features(scene.here), 0.0, scene.plane).view
-        L = FeatureSet(SIX).matrix(view)
+        L = avs.FeatureSet(SIX).matrix(view)
         missing = theirs["matrix"] - L
         mended.append(of_moments(scene, tilt=True, mend_by=-missing[0, 0]))
         shares.append(missing[0, 0] / (scene.plane[0] * view.features.xn))

@@ -2,12 +2,12 @@
 import json
 import sys
 
-from aras_visual_servo_controller.arm.kinematics import Kinematics
+import aras_visual_servo as avs
 
 
 def main():
     asked = json.load(sys.stdin)
-    arm = Kinematics(asked["urdf"], asked["base"], asked["tip"])
+    arm = avs.Kinematics(asked["urdf"], asked["base"], asked["tip"])
     positions = [arm.vector(q) for q in asked["positions"]]
     print(json.dumps([{"pose": arm.pose(q).tolist(), "jacobian": arm.jacobian(q).tolist()} for q in positions]))
 

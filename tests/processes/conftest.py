@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "src/aras_visual_servo_controller/test/support"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "src/aras_visual_servo/test/support"))
 
 from hang_up import hang_up_is_heard
 

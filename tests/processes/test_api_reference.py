@@ -3,8 +3,8 @@ import pathlib
 import subprocess
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
-LOOKED_UP = {"aras_visual_servo_controller.scenario.scenario": ("load_scenario", "Nested dict, as in the file"),
-             "aras_visual_servo_controller.laws.base": ("sampled_gains", "as exp(-gain t) does in that time"),
+LOOKED_UP = {"aras_visual_servo.scenario.scenario": ("load_scenario", "Nested dict, as in the file"),
+             "aras_visual_servo.laws.base": ("sampled_gains", "as exp(-gain t) does in that time"),
              "aras_visual_servo_learning.environment": ("ServoEnv", "Servo the camera to the goal of a scenario"),
              "aras_visual_servo_sim": ("step_to_image", "Advances to the next frame of a camera")}
 

@@ -5,8 +5,8 @@ import cv2
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-#: Pictures that script/docs/growth.py, `benchmark map` and `benchmark latency` make.
-OTHERS = {"growth.png", "frame_budget.png", "convergence.png", "latency.png"}
+#: Pictures that `benchmark map` and `benchmark latency` make.
+OTHERS = {"convergence.png", "latency.png"}
 LAWS, TASKS, SHORT = ("points_goal", "pbvs"), ("turn_90",), {"servo.time_limit_s": 0.2}
 
 

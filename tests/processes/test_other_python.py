@@ -63,7 +63,7 @@ def test_what_is_installed_is_compiled(module):
 def test_a_numpy_that_would_crash_the_kinematics_is_refused_in_one_sentence(tmp_path):
     (tmp_path / "numpy").mkdir()
     (tmp_path / "numpy" / "__init__.py").write_text("__version__ = '2.4.6'\n")
-    code = "import sys; sys.path.insert(0, '.'); import aras_visual_servo_controller._kinematics"
+    code = "import sys; sys.path.insert(0, '.'); import aras_visual_servo._kinematics"
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, text=True, stderr=subprocess.PIPE, check=False)
     said = done.stderr.splitlines()[-1]
     assert done.returncode == 1 and said.startswith("ImportError: numpy: found 2.4.6 in ") and "allowed 1" in said

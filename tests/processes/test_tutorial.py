@@ -71,10 +71,9 @@ def test_a_command_prints_what_the_page_says(printed, number):
 def test_the_explained_numbers_are_those_of_the_run():
     import math
 
-    from aras_visual_servo_controller.run.judge import run_in_process
-    from aras_visual_servo_controller.scenario.scenario import load_scenario
-    scenario = load_scenario("experiment_1")
-    record = run_in_process(scenario)
+    import aras_visual_servo as avs
+    scenario = avs.load_scenario("experiment_1")
+    record = avs.run(scenario)
     e_mm = 1e3 * abs(record.e[record.servo_rows[0], record.feature_names.index("xn")])
     threshold_mm = 1e3 * scenario.servo["thresholds"]["xn"]
     start_mm, factor, slow_s, fast_s = map(float, re.search(

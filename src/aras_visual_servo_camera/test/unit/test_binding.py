@@ -51,14 +51,6 @@ def test_attributes_are_the_fields_of_the_message():
     assert attributes == fields
 
 
-def test_colour_and_grey_images_agree():
-    grey = image_with_wedge()
-    rgb = np.repeat(grey[:, :, None], 3, axis=2)
-    a = camera.MomentExtractor(INFO, VISION).process(grey)
-    b = camera.MomentExtractor(INFO, VISION).process(rgb)
-    assert a.m == b.m and a.mu == b.mu and a.alpha == b.alpha
-
-
 def test_first_channel_is_red():
     rgb = np.zeros((240, 320, 3), np.uint8)
     rgb[..., 0] = 255  # grey 76
@@ -120,15 +112,6 @@ def test_reference_from_a_view_gives_depth():
     assert again.z_star_m == 0.59 and again.area_star == features.area
     extractor.clear_reference()
     assert math.isnan(extractor.process(image_with_wedge()).an)
-
-
-def test_view_turned_by_half_a_turn_is_told_apart():
-    extractor = camera.MomentExtractor(INFO, VISION)
-    extractor.set_reference(0.5, extractor.process(image_with_wedge()))
-    upright = extractor.process(image_with_wedge()).alpha
-    turned = extractor.process(np.ascontiguousarray(image_with_wedge()[::-1, ::-1])).alpha
-    # the same pixels, summed in another order
-    assert abs(math.remainder(turned - upright - math.pi, 2 * math.pi)) < 1e-9
 
 
 def test_reference_by_numbers_and_from_a_message_like_object():
@@ -215,21 +198,6 @@ def test_features_are_a_copy():
     xg = first.xg
     extractor.process(image_with_wedge(u0=150))
     assert first.xg == xg != extractor.features.xg
-
-
-@pytest.mark.parametrize("background", [120, 128, 255])
-def test_grey_in_three_channels_gives_the_features_of_mono8(background):
-    # Rows of one byte, rows that hold the object, and rows of every grey take different ways through the conversion.
-    extractors = [camera.MomentExtractor(dict(INFO, width=70), VISION) for _ in range(2)]
-    grey = np.full((240, 70), background, np.uint8)
-    grey[100:160, 20:47] = 30
-    grey[120:140, 20:30] = background
-    grey[99, 20:47] = grey[160, 20:47] = 77
-    grey[220:224, :64] = np.minimum(np.arange(256).reshape(4, 64), background)
-    mono = extractors[0].process(grey)
-    rgb = extractors[1].process(np.ascontiguousarray(np.repeat(grey[:, :, None], 3, axis=2)))
-    assert mono.valid and mono.m == rgb.m and mono.mu == rgb.mu and mono.components == rgb.components
-    np.testing.assert_array_equal(extractors[0].converted_image, extractors[1].converted_image)
 
 
 def test_uint16_gives_the_features_of_uint8():

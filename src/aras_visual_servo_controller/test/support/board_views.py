@@ -4,8 +4,8 @@ import numpy as np
 import yaml
 from toy_plant import GOAL
 
-from aras_visual_servo_controller.run.loop import ServoLoop
-from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo.runs.loop import ServoLoop
+from aras_visual_servo.scenario.scenario import load_scenario
 
 WIDTH, HEIGHT, FOV_RAD = 640, 480, 1.2
 #: The lens of the paper's camera.

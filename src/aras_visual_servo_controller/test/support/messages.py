@@ -10,7 +10,7 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import String
 from synthetic import SETTINGS, blob
 
-from aras_visual_servo_controller.ground.spatial import quaternion_xyzw
+from aras_visual_servo.spatial import quaternion_xyzw
 
 
 NAMESPACE = "/somewhere/aras"

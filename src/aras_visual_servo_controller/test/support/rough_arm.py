@@ -10,13 +10,12 @@ from typing import Tuple
 
 import numpy as np
 
-from aras_visual_servo_controller.ground.spatial import inverse, rotation_vector
-from aras_visual_servo_controller.arm.real.arm_link import ArmLink
-from aras_visual_servo_controller.arm.real.forms.base import make_form
-from aras_visual_servo_controller.arm.real.prediction import predicted
-from aras_visual_servo_controller.arm.real.settings import RealSettings
-from aras_visual_servo_controller.run.loop import ServoLoop
-from aras_visual_servo_controller.run.session import Session
+from aras_visual_servo.spatial import inverse, rotation_vector
+from aras_visual_servo_controller.real.arm_link import ArmLink
+from aras_visual_servo.arm.real import RealSettings, make_form
+from aras_visual_servo_controller.real.prediction import predicted
+from aras_visual_servo.runs.loop import ServoLoop
+from aras_visual_servo.runs.session import Session
 
 MS = 1_000_000
 

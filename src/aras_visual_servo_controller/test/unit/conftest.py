@@ -1,8 +1,10 @@
-"""What the tests of every room use: the folder of the shared helpers, test/support, in their path, and a fixture."""
+"""What the tests of every room use: the folders of the shared helpers in their path, and a fixture."""
 import pathlib
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+PACKAGE = pathlib.Path(__file__).resolve().parents[2]
+for package in (PACKAGE, PACKAGE.parent / "aras_visual_servo"):
+    sys.path.insert(0, str(package / "test" / "support"))
 
 from hang_up import hang_up_is_heard
 

@@ -16,9 +16,9 @@ ENVIRONMENTS = {
 }
 
 
-def register():
+def register() -> None:
     """Register every environment with gymnasium. Raises MissingExtra: there is none; the message says how to get it."""
-    from aras_visual_servo_controller.ground.extras import extra
+    from aras_visual_servo import extra
     gymnasium = extra("gymnasium", "an environment for reinforcement learning")
     for name, arguments in ENVIRONMENTS.items():
         if name not in gymnasium.registry:

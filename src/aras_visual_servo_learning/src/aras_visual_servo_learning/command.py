@@ -3,9 +3,9 @@
 import os
 from pathlib import Path
 
-from aras_visual_servo_controller.cli.parser import command_parser, parse
-from aras_visual_servo_controller.cli.run import EXIT_PASSED, guarded
-from aras_visual_servo_controller.ground.errors import ParameterError
+from aras_visual_servo.cli.parser import command_parser, parse
+from aras_visual_servo.cli.run import EXIT_PASSED, guarded
+from aras_visual_servo import ParameterError
 
 EXAMPLES = (("experiment_1 --to runs.hdf5 --images", "a scenario, run here, with its images, as robomimic reads it"),
             ("results/sweeps/experiment_1/STAMP --to sweep.hdf5", "every run of a sweep"),

@@ -1,15 +1,15 @@
 """One run as a demonstration: what was seen, what was done, what it was worth; one row per image but the last."""
 
+from typing import Any, Dict, Optional
+
 import numpy as np
 
-from aras_visual_servo_controller.ground.spatial import rotation_vector
-from aras_visual_servo_controller.ground.types import Status
-from aras_visual_servo_controller.run.judge import goal_pose
+from aras_visual_servo import RunRecord, Status, goal_pose, spatial
 
 from .reward import ARRIVED, LENGTH_M
 
 
-def demonstration(record, images=False):
+def demonstration(record: RunRecord, images: bool = False) -> Optional[Dict[str, Any]]:
     """Arrays of the servo phase of a record, n rows.
 
     Returns:
@@ -39,4 +39,4 @@ def demonstration(record, images=False):
 
 
 def _pose(X):
-    return np.concatenate((X[:3, 3], rotation_vector(X[:3, :3])))
+    return np.concatenate((X[:3, 3], spatial.rotation_vector(X[:3, :3])))

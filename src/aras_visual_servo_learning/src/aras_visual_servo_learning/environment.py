@@ -5,20 +5,13 @@ last observation shows, as in a run: the action holds from that image to the nex
 """
 
 from math import atan2, sqrt
+from typing import Any, Dict, Optional, Tuple, Union
 
 import numpy as np
 
-from aras_visual_servo_controller.arm.robot import kinematics_of
-from aras_visual_servo_controller.config.files import package_paths
-from aras_visual_servo_controller.config.reader import Names, read
-from aras_visual_servo_controller.ground.errors import ParameterError
-from aras_visual_servo_controller.ground.extras import extra
-from aras_visual_servo_controller.ground.images import eight_bit, in_rgb
-from aras_visual_servo_controller.run.settings import ExperimentSettings
-from aras_visual_servo_controller.scenario.feasibility import Feasibility
-from aras_visual_servo_controller.scenario.scenario import Scenario, load_scenario
-from aras_visual_servo_controller.scenario.sweep import JOINT_HALF_WIDTH, SweepSection
-from aras_visual_servo_controller.servo.settings import ServoSettings
+from aras_visual_servo import (JOINT_HALF_WIDTH, ExperimentSettings, Feasibility, Names, ParameterError, Scenario,
+                               ServoSettings, SweepSection, eight_bit, extra, in_rgb, kinematics_of, load_scenario,
+                               package_paths, read)
 
 from .reward import REWARDS
 
@@ -55,8 +48,10 @@ class ServoEnv(gymnasium.Env):
 
     metadata = {"render_modes": list(RENDER_MODES), "render_fps": 30}
 
-    def __init__(self, scenario="experiment_1", observation="state", action="twist", reward="pose", image_size=None,
-                 max_twist=(0.3, 1.0), max_joint_speed=0.5, max_steps=300, success=(0.001, 0.005), render_mode=None):
+    def __init__(self, scenario: Union[str, Scenario] = "experiment_1", observation: str = "state",
+                 action: str = "twist", reward: str = "pose", image_size: Optional[Tuple[int, int]] = None,
+                 max_twist: Tuple[float, float] = (0.3, 1.0), max_joint_speed: float = 0.5, max_steps: int = 300,
+                 success: Tuple[float, float] = (0.001, 0.005), render_mode: Optional[str] = None):
         from aras_visual_servo_sim import Simulation  # C++: not needed to import this
         for name, value, allowed in (("observation", observation, OBSERVATIONS), ("action", action, ACTIONS),
                                      ("reward", reward, tuple(REWARDS)),
@@ -103,7 +98,8 @@ class ServoEnv(gymnasium.Env):
 
     # --- gymnasium ----------------------------------------------------------------------------------------------
 
-    def reset(self, *, seed=None, options=None):
+    def reset(self, *, seed: Optional[int] = None,
+              options: Optional[Dict[str, Any]] = None) -> Tuple[Any, Dict[str, Any]]:
         """Begin an episode. options: {"start": joint positions by name} instead of one that is drawn."""
         super().reset(seed=seed)
         start = (options or {}).get("start")
@@ -117,7 +113,7 @@ class ServoEnv(gymnasium.Env):
         q, v, X = self._look()
         return self._observed(q, v, X), self._info(X)
 
-    def step(self, action):
+    def step(self, action: np.ndarray) -> Tuple[Any, float, bool, bool, Dict[str, Any]]:
         """One image period with this action."""
         action = np.clip(action, -1.0, 1.0) * self._scale
         if self._invert is not None:
@@ -132,7 +128,7 @@ class ServoEnv(gymnasium.Env):
         reward = self._reward(info, self._image, self._stamp_ns)
         return self._observed(q, v, X), reward, success, not success and self._steps >= self.max_steps, info
 
-    def render(self):
+    def render(self) -> Optional[np.ndarray]:
         """Picture of the present, uint8 (h, w, 3)."""
         if self.render_mode is None:
             return None
@@ -242,7 +238,7 @@ def _rotation_vector(a, b, c, d, e, f, g, h, i):
     if sine2 < 1e-12:
         if a + e + i > 0.0:
             return 0.5 * x, 0.5 * y, 0.5 * z
-        from aras_visual_servo_controller.ground.spatial import rotation_vector
-        return tuple(rotation_vector(np.array([[a, b, c], [d, e, f], [g, h, i]])).tolist())
+        from aras_visual_servo import spatial
+        return tuple(spatial.rotation_vector(np.array([[a, b, c], [d, e, f], [g, h, i]])).tolist())
     scale = atan2(sine2, a + e + i - 1.0) / sine2
     return scale * x, scale * y, scale * z

@@ -5,12 +5,12 @@ image on NAME/servo: stamp, phase, status, features, errors, twist, joint positi
 """
 
 import json
+from pathlib import Path
+from typing import Any, Union
 
 import numpy as np
 
-from aras_visual_servo_controller.ground.extras import extra
-from aras_visual_servo_controller.ground.types import Status
-from aras_visual_servo_controller.run.record import TWIST_NAMES
+from aras_visual_servo import TWIST_NAMES, RunRecord, Status, extra
 
 _NUMBERS = {"type": "object", "additionalProperties": {"type": ["number", "null"]}}
 SCHEMA = {"title": "aras_visual_servo/Servo", "type": "object", "properties": {
@@ -22,24 +22,24 @@ SCHEMA = {"title": "aras_visual_servo/Servo", "type": "object", "properties": {
 class McapFile:
     """Context in which an MCAP file is written. Raises MissingExtra: there is no mcap."""
 
-    def __init__(self, path):
+    def __init__(self, path: Union[str, Path]):
         self._library, self._path = extra("mcap.writer", "writing MCAP"), path
         self._channels, self._json = {}, None
         self.messages = 0
 
-    def __enter__(self):
+    def __enter__(self) -> "McapFile":
         self._stream = open(self._path, "wb")
         self._writer = self._library.Writer(self._stream)
         self._writer.start(profile="", library="aras_visual_servo")
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: Any) -> None:
         self._writer.finish()
         self._stream.close()
 
-    def add_bags(self, paths):
+    def add_bags(self, paths: str) -> None:
         """Copy every message of a bag, or of a folder of bags."""
-        from aras_visual_servo_controller.bags.files import BagFiles
+        from aras_visual_servo_controller import BagFiles
         with BagFiles(paths) as bags:
             for topic, message, time in bags.raw_messages():
                 kind, data, _, _, python = message
@@ -48,7 +48,7 @@ class McapFile:
                     self._channels[topic] = self._writer.register_channel(topic, "ros1", schema)
                 self._add(self._channels[topic], time.to_nsec(), data)
 
-    def add_record(self, name, record):
+    def add_record(self, name: str, record: RunRecord) -> None:
         """Add one message for each image of a run."""
         if self._json is None:
             self._json = self._writer.register_schema(SCHEMA["title"], "jsonschema", json.dumps(SCHEMA).encode())

@@ -1,11 +1,10 @@
 """What a step of an environment is worth."""
 
+from typing import Any, Dict, Optional
+
 import numpy as np
 
-from aras_visual_servo_controller.features.base import FeatureSet, View
-from aras_visual_servo_controller.features.sources import source_named
-from aras_visual_servo_controller.ground.errors import ParameterError
-from aras_visual_servo_controller.servo.servo import Servo
+from aras_visual_servo import FeatureSet, Kinematics, ParameterError, Scenario, Servo, View, source_named
 
 #: One radian away costs as much as this distance [m]: about that of the target in the shipped scenarios.
 LENGTH_M = 0.5
@@ -18,13 +17,13 @@ class PoseReward:
 
     wants_image = False
 
-    def __init__(self, scenario, kinematics):
+    def __init__(self, scenario: Scenario, kinematics: Kinematics):
         pass
 
-    def teach(self, image, stamp_ns, q):
+    def teach(self, image: Optional[np.ndarray], stamp_ns: int, q: np.ndarray) -> None:
         """The view at the goal."""
 
-    def __call__(self, info, image, stamp_ns):
+    def __call__(self, info: Dict[str, Any], image: Optional[np.ndarray], stamp_ns: int) -> float:
         return ARRIVED * info["is_success"] - info["distance_m"] - LENGTH_M * info["angle_rad"]
 
 
@@ -35,7 +34,7 @@ class FeatureReward:
     wants_image = True
     PART = 1000.0
 
-    def __init__(self, scenario, kinematics):
+    def __init__(self, scenario: Scenario, kinematics: Kinematics):
         self._scenario, self._servo, self._worst = scenario, Servo(kinematics, scenario.servo), 1.0
         self._features = FeatureSet(self._servo.config.features, self._servo.config.settings)
         self._scale = 1.0 / (self.PART * np.array(self._servo.config.thresholds))
@@ -49,11 +48,11 @@ class FeatureReward:
     @staticmethod
     def _camera_info(scenario):
         from aras_visual_servo_sim import Simulation  # C++: not needed to import this
-        from aras_visual_servo_controller.config.files import package_paths
+        from aras_visual_servo import package_paths
         sim = Simulation(scenario.urdf_xml(), scenario.sim, scenario.controllers(), package_paths())
         return scenario.believed_camera_info(sim.camera_info(scenario.sim["cameras"][0]["name"]))
 
-    def teach(self, image, stamp_ns, q):
+    def teach(self, image: Optional[np.ndarray], stamp_ns: int, q: np.ndarray) -> None:
         """The view at the goal: the features are relative to it from now on."""
         self._extractor = self._source.extractor(self._info, self._scenario.vision)
         features = self._extractor.process(image, stamp_ns)
@@ -61,7 +60,7 @@ class FeatureReward:
         self._extractor.teach(stamp_ns, self._z_star_m)
         self._s_star, self._worst = reference.s_star, 1.0
 
-    def __call__(self, info, image, stamp_ns):
+    def __call__(self, info: Dict[str, Any], image: Optional[np.ndarray], stamp_ns: int) -> float:
         features = self._extractor.process(image, stamp_ns)
         lost = self._servo.why_lost(features)
         info["target_visible"] = not lost

@@ -9,12 +9,13 @@ See https://robomimic.github.io/docs/datasets/overview.html. Of each image the s
 """
 
 import json
+from pathlib import Path
+from typing import Iterable, Tuple, Union
 
 import numpy as np
 import yaml
 
-from aras_visual_servo_controller.ground.errors import ParameterError
-from aras_visual_servo_controller.ground.extras import extra
+from aras_visual_servo import ParameterError, RunRecord, extra
 
 from .demonstration import demonstration
 
@@ -24,7 +25,8 @@ VALID_EVERY = 10
 GYM_TYPE = 2
 
 
-def write_hdf5(path, records, images=False, fully_converged=False):
+def write_hdf5(path: Union[str, Path], records: Iterable[Tuple[str, RunRecord]], images: bool = False,
+               fully_converged: bool = False) -> int:
     """Write runs. Returns the number of demonstrations.
 
     Args:

@@ -1,25 +1,25 @@
 """What can be exported: recorded runs, scenarios that are run here, and sweeps, as (name, record) one by one."""
 
 from pathlib import Path
+from typing import Iterable, Iterator, Tuple, Union
 
-from aras_visual_servo_controller.ground.errors import ParameterError
-from aras_visual_servo_controller.run.judge import run_in_process
-from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo import ParameterError, RunRecord, load_scenario
+import aras_visual_servo as avs
 
 
-def is_bag(source):
+def is_bag(source: Union[str, Path]) -> bool:
     """Whether this names a bag or a folder with bags."""
     path = Path(source)
     return path.suffix == ".bag" or path.is_dir() and any(path.glob("*.bag"))
 
 
-def is_sweep(source):
+def is_sweep(source: Union[str, Path]) -> bool:
     """Whether this is the folder of a sweep."""
-    from aras_visual_servo_controller.sweep.store import FILE
+    from aras_visual_servo_study.sweep.store import FILE
     return (Path(source) / FILE).is_file()
 
 
-def records(sources, images=False):
+def records(sources: Iterable[Union[str, Path]], images: bool = False) -> Iterator[Tuple[str, RunRecord]]:
     """Yield (name, RunRecord) of every source.
 
     Args:
@@ -35,20 +35,20 @@ def records(sources, images=False):
                 raise ParameterError(f"--images: found the sweep '{source}', allowed are runs: a sweep keeps no images")
             yield from _of_sweep(source)
         elif is_bag(source):
-            from aras_visual_servo_controller.bags.bag import read_bag  # needs rosbag
+            from aras_visual_servo_controller import read_bag  # needs rosbag
             yield Path(source).stem, read_bag(source, keep_images=images)
         else:
             scenario = load_scenario(source)
-            yield scenario.name, run_in_process(scenario, **({"keep_images": True} if images else {}))
+            yield scenario.name, avs.run(scenario, **({"keep_images": True} if images else {}))
 
 
 def _of_sweep(folder):
-    from aras_visual_servo_controller.sweep.run import Bench
-    from aras_visual_servo_controller.sweep.store import SweepStore
-    from aras_visual_servo_controller.sweep.worker import scenario_of
+    from aras_visual_servo_study.sweep.run import SweepRunner
+    from aras_visual_servo_study.sweep.store import SweepStore
+    from aras_visual_servo_study.sweep.worker import scenario_of
     with SweepStore.open(folder) as store:
         starts, setup = store.starts(), store.meta["setup"]
-    bench = Bench(scenario_of(setup), setup["drive_to_start"])
+    bench = SweepRunner(scenario_of(setup), setup["drive_to_start"])
     for start in starts:
         _, record = bench.run(start)
         if record is not None:  # None: the start was refused

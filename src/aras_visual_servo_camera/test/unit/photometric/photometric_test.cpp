@@ -117,15 +117,6 @@ TEST(Photometric, APlaneThatIsNotInFrontOfEveryPixelIsRefused) {
   EXPECT_FALSE(extractor.process(image.view()).has_reference);
 }
 
-TEST(Photometric, MoreLevelsThanLeavePixelsAreRefused) {
-  PhotometricConfig config = testing::usualPhotometric();
-  config.levels = 5;
-  EXPECT_EQ(refusalOf([&] {
-              PhotometricExtractor(cameraOf(33, 31, false), config);
-            }).find("vision/photometric/levels: found 5, allowed so many that pixels are left"),
-            0u);
-}
-
 TEST(Photometric, VisionReadsItsSection) {
   EXPECT_FALSE(readVisionConfig(YAML::Load("{object: dark, segmentation: otsu}")).photometric);
   const VisionConfig config = readVisionConfig(
@@ -141,17 +132,6 @@ TEST(Photometric, VisionReadsItsSection) {
   EXPECT_EQ(config.photometric->border_px, 4);
   EXPECT_EQ(config.photometric->min_contrast, 5.0);
   EXPECT_EQ(config.photometric->target_normal_C[1], 0.2);
-}
-
-TEST(Photometric, FaultsOfTheSectionAreListedWithTheOthers) {
-  try {
-    readVisionConfig(YAML::Load("{object: grey, segmentation: otsu, photometric: {levels: many, sigma: 1}}"));
-    FAIL() << "accepted";
-  } catch (const ParameterError& error) {
-    const std::string text = error.what();
-    for (const char* part : {"vision/object", "vision/photometric/levels", "vision/photometric/sigma"})
-      EXPECT_NE(text.find(part), std::string::npos) << part << " in " << text;
-  }
 }
 
 }  // namespace

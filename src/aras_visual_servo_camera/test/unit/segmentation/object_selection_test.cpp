@@ -65,13 +65,6 @@ TEST(Selection, TwoEqualObjectsAreAmbiguousAndGiveNoNumbers) {
   }
 }
 
-TEST(Selection, TheFollowedOfTwoEqualObjectsIsKept) {
-  Segmentation segmentation{testing::usualVision()};
-  EXPECT_EQ(columnOf(&segmentation, Scene().square(80, 100)), 80.0);
-  for (int k = 0; k < 20; ++k)
-    EXPECT_EQ(columnOf(&segmentation, Scene().square(80 + k, 100).square(200 - k, 120)), 80 + k);
-}
-
 TEST(Selection, TheOneLeftIsNotTakenForTheOneThatLeft) {
   for (const ComponentChoice choice : {ComponentChoice::kLargest, ComponentChoice::kNearestToPrevious}) {
     Segmentation segmentation(choosing(choice));
@@ -106,19 +99,6 @@ TEST(Selection, CrossingObjectsAreAmbiguousUntilTheyCanBeTold) {
   for (int k = 0; k <= 60; ++k)
     last = columnOf(&told, Scene().square(60.0 + 2.0 * k, 100, 36).square(240.0 - 2.0 * k, 112, 24));
   EXPECT_EQ(last, 180.0) << "the larger one";
-}
-
-TEST(Selection, AClearlyLargerObjectTakesOverAfterSomeImages) {
-  VisionConfig config = testing::usualVision();
-  config.switch_images = 4;
-  Segmentation segmentation(config);
-  EXPECT_EQ(columnOf(&segmentation, Scene().square(80, 100, 20)), 80.0);
-  for (int k = 0; k < 6; ++k)  // for a moment only, again and again
-    EXPECT_EQ(columnOf(&segmentation, Scene().square(80, 100, 20).square(220, 100, k % 3 == 2 ? 21 : 50)), 80.0) << k;
-  for (int k = 0; k < 3; ++k)
-    EXPECT_EQ(columnOf(&segmentation, Scene().square(80, 100, 20).square(220, 100, k == 0 ? 21 : 50)), 80.0) << k;
-  columnOf(&segmentation, Scene().square(80, 100, 20).square(220, 100, 50));
-  EXPECT_EQ(columnOf(&segmentation, Scene().square(80, 100, 20).square(220, 100, 50)), 220.0);
 }
 
 TEST(Selection, AtRatioOneTheLargestIsTakenAtOnce) {
@@ -190,25 +170,6 @@ TEST(Selection, AnObjectAtABorderCountsAsCutUntilItIsClearOfTheMargin) {
     EXPECT_FALSE(valid(4)) << side;
     EXPECT_TRUE(valid(5)) << side;
     EXPECT_TRUE(valid(2)) << side;
-  }
-}
-
-TEST(Selection, AnObjectThatABorderCutsIsNotLeftForALargerOne) {
-  const VisionConfig config = testing::usualVision();
-  for (int side = 0; side < 4; ++side) {
-    Segmentation segmentation(config);
-    const auto area_px = [&](int away_px, bool beside_a_larger_one) {
-      const int u = side == 0 ? away_px : side == 1 ? 300 - away_px : 150;
-      const int v = side == 2 ? away_px : side == 3 ? 220 - away_px : 110;
-      Scene scene;
-      testing::fill(&scene.image, u, v, 20, 20, kObjectGrey);
-      if (beside_a_larger_one) testing::fill(&scene.image, side < 2 ? 130 : 230, 60, 60, 60, kObjectGrey);
-      return segmentation.process(scene.image.view()).area_px;
-    };
-    EXPECT_EQ(area_px(0, false), 400) << side;
-    for (int k = 0; k < 2 * config.switch_images; ++k) EXPECT_EQ(area_px(0, true), 400) << side;
-    for (int k = 1; k < config.switch_images; ++k) EXPECT_EQ(area_px(1, true), 400) << side;
-    EXPECT_EQ(area_px(1, true), 3600) << side;
   }
 }
 

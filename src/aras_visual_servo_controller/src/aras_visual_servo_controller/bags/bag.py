@@ -4,17 +4,17 @@ Topics are found by the ends of their names, under any namespace. Those of `REQU
 add to the record. There is one row per ServoState in the order of stamps; everything else is paired with it by stamp.
 """
 
+from pathlib import Path
+from typing import Any, Dict, List, Optional, Sequence, Union
+
 import numpy as np
 import yaml
 
+from aras_visual_servo import (FEATURE_NAMES, RecordBuilder, RunRecord, STOP_NAMES, Scenario, ShapeError, image_of,
+                               load_plugins)
+from aras_visual_servo.spatial import pose_from_quaternion
 from .files import BagError, BagFiles
-from ..run.record import STOP_NAMES, RecordBuilder
 from .record_groups import SOURCE_TOPICS, lacking
-from ..config.plugins import load_plugins
-from ..ground.errors import ShapeError
-from ..ground.images import image_of
-from ..ground.spatial import pose_from_quaternion
-from ..ground.types import FEATURE_NAMES
 
 __all__ = ["BagError", "read_bag"]
 REQUIRED = ("servo_state",)
@@ -23,7 +23,8 @@ OPTIONAL = ("ground_truth/camera_pose", "camera/image_raw", "camera/camera_info"
 SECTIONS = ("robot", "sim", "time", "vision", "servo", "experiment")  # of a scenario, each a table
 
 
-def read_bag(paths, namespace=None, scenario=None, keep_images=False):
+def read_bag(paths: Union[str, Path, Sequence[Union[str, Path]]], namespace: Optional[str] = None,
+             scenario: Optional[Scenario] = None, keep_images: bool = False) -> RunRecord:
     """Read a run from its bags.
 
     Args:
@@ -42,7 +43,7 @@ def read_bag(paths, namespace=None, scenario=None, keep_images=False):
         return _read(bags, find_topics(bags, namespace), scenario, keep_images)
 
 
-def find_topics(bags, namespace=None):
+def find_topics(bags: BagFiles, namespace: Optional[str] = None) -> Dict[str, str]:
     """Dict of name (without namespace) -> topic, of an open `BagFiles`. Raises BagError as `read_bag`."""
     present = bags.topics
     if namespace is None:
@@ -180,7 +181,7 @@ def _images(bags, topic, stamps):
     return images
 
 
-def decode(message):
+def decode(message: Any) -> np.ndarray:
     """The image of a sensor_msgs/Image, as `image_of` gives it. Raises: BagError: another encoding."""
     try:
         return image_of(message)
@@ -188,7 +189,7 @@ def decode(message):
         raise BagError(str(error)) from None
 
 
-def decode_depth(message):
+def decode_depth(message: Any) -> np.ndarray:
     """The depth image of a sensor_msgs/Image, (h, w), float32 [m] or uint16 [mm]. Raises BagError: another encoding."""
     value = {"32FC1": "f4", "16UC1": "u2"}.get(message.encoding)
     if value is None:
@@ -198,14 +199,14 @@ def decode_depth(message):
     return rows[:, :message.width * value.itemsize].copy().view(value).astype(value.newbyteorder("="))
 
 
-def camera_info_of(message):
+def camera_info_of(message: Any) -> Dict[str, Any]:
     """A sensor_msgs/CameraInfo as the dict of `Simulation.camera_info`."""
     return {"width": message.width, "height": message.height, "K": list(message.K), "D": list(message.D),
             "distortion_model": message.distortion_model, "P": list(message.P), "R": list(message.R),
             "frame_id": message.header.frame_id}
 
 
-def settings_of(scenario, document, notes):
+def settings_of(scenario: Optional[Scenario], document: Any, notes: List[str]) -> Dict[str, Any]:
     """(settings, name) of the given scenario, else of the recorded text, else ({}, "unknown") and a note."""
     if scenario is not None:
         return scenario.as_dict(), scenario.name
@@ -219,7 +220,7 @@ def settings_of(scenario, document, notes):
     return {}, "unknown"
 
 
-def pose_matrix(pose):
+def pose_matrix(pose: Any) -> np.ndarray:
     """(4, 4) matrix of a geometry_msgs/Pose; NaN where its quaternion is zero."""
     position, q = pose.position, pose.orientation
     return pose_from_quaternion((position.x, position.y, position.z), (q.x, q.y, q.z, q.w))

@@ -9,8 +9,9 @@ import re
 import shutil
 import tempfile
 from pathlib import Path
+from typing import Any, Iterator, List, Sequence, Set, Tuple
 
-from ..ground.errors import ArasError
+from aras_visual_servo import ArasError
 
 MAGIC = b"#ROSBAG V2.0"
 HEADER_BYTES = 4096          # the file header record is padded to this
@@ -33,7 +34,7 @@ class BagFiles:
         BagError: a file is missing, is no bag, or cannot be repaired.
     """
 
-    def __init__(self, paths):
+    def __init__(self, paths: Any):
         paths = [paths] if isinstance(paths, (str, os.PathLike)) else list(paths)
         self._paths, self.notes = find_bags(paths)
         self.name = ", ".join(str(path) for path in paths)
@@ -55,16 +56,16 @@ class BagFiles:
             shutil.rmtree(folder, ignore_errors=True)
 
     @property
-    def topics(self):
+    def topics(self) -> Set[str]:
         """Names of all topics, a set."""
         return {topic for bag in self._bags for topic in bag.get_type_and_topic_info().topics}
 
-    def count(self, topic):
+    def count(self, topic: str) -> int:
         """Number of messages of a topic, as the indices of the bags tell."""
         infos = (bag.get_type_and_topic_info([topic]).topics.get(topic) for bag in self._bags)
         return sum(info.message_count for info in infos if info is not None)
 
-    def messages(self, topics):
+    def messages(self, topics: Sequence[str]) -> Iterator[Tuple[str, Any]]:
         """(topic, message) of these topics in order. A broken bag ends early, with a note."""
         for bag in self._bags:
             try:
@@ -75,7 +76,7 @@ class BagFiles:
                 if note not in self.notes:
                     self.notes.append(note)
 
-    def raw_messages(self):
+    def raw_messages(self) -> Iterator[Any]:
         """Yield (topic, (type, bytes, MD5, position, Python class), time) of all messages, undecoded, bag after bag."""
         for bag in self._bags:
             yield from bag.read_messages(raw=True)
@@ -105,7 +106,7 @@ class BagFiles:
         return bag
 
 
-def find_bags(paths):
+def find_bags(paths: Any) -> Tuple[List[Path], List[str]]:
     """(files, notes) of a run: list of Path, and list of str saying what was joined or is missing.
 
     Args:

@@ -1,7 +1,8 @@
 """Groups of topics that a run records, chosen by name, and what a report lacks without each of them. No ROS."""
 
-from ..features.sources import known_sources
-from ..ground.errors import ParameterError
+from typing import Iterable, List, Sequence, Tuple
+
+from aras_visual_servo import ParameterError, known_sources
 
 #: Topics of the features that a servo may work on, without the namespace.
 SOURCE_TOPICS = tuple(source.topic for source in known_sources())
@@ -34,7 +35,7 @@ NEEDED = (("ground_truth/camera_pose", "truth", "the true camera pose: nothing t
           ("sim/status", "status", "run hash and real-time factor"))
 
 
-def parse_groups(value):
+def parse_groups(value: str) -> Tuple[str, ...]:
     """Names of the groups to record.
 
     Args:
@@ -69,7 +70,7 @@ def _within(topic, namespace):
     return (topic[len(namespace):] if topic.startswith(namespace) else topic).lstrip("/")
 
 
-def group_of(topic, namespace="/"):
+def group_of(topic: str, namespace: str = "/") -> str:
     """Group of a topic, given by its resolved name. namespace: of the run, e.g. "/aras_visual_servo/"."""
     name = _within(topic, namespace)
     for group, part in ON_DEMAND.items():
@@ -81,13 +82,13 @@ def group_of(topic, namespace="/"):
     return "other"
 
 
-def is_chosen(topic, namespace, groups):
+def is_chosen(topic: str, namespace: str, groups: Sequence[str]) -> bool:
     """Whether a topic, given by its resolved name, is recorded when these groups are. namespace: as `group_of`."""
     name = "/" + _within(topic, namespace)
     return group_of(topic, namespace) in groups and not any(part in name for part in NEVER)
 
 
-def lacking(present):
+def lacking(present: Iterable[str]) -> List[str]:
     """What a report lacks if only the topics `present` (names without namespace) were recorded: list of sentences."""
     gone = [(topic, group, what) for topic, group, what in NEEDED if topic not in present]
     return [f"not recorded: {topic} (group {group}); the report lacks {what}" for topic, group, what in gone]

@@ -6,8 +6,9 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any, Optional
 
-from ..features.sources import known_sources
+from aras_visual_servo import Scenario, known_sources
 from .bag import camera_info_of, decode, decode_depth, find_topics, settings_of
 from .files import BagError, BagFiles
 
@@ -32,11 +33,11 @@ class Replay:
     alone: int = 0
 
     @property
-    def same(self):
+    def same(self) -> bool:
         """Whether images were compared and all of them gave the recorded features."""
         return self.images > 0 and not self.differences
 
-    def text(self):
+    def text(self) -> str:
         """The result in one line, and up to five differences in lines of their own."""
         if not self.images:
             return "replay: no image has recorded features of its stamp"
@@ -47,7 +48,7 @@ class Replay:
         return "\n".join(lines + [f"  {line}" for line in self.differences[:5]])
 
 
-def replay(paths, namespace=None, scenario=None):
+def replay(paths: Any, namespace: Optional[str] = None, scenario: Optional[Scenario] = None) -> Replay:
     """Process the images of a bag again, with the camera and the vision settings of the run.
 
     Args:
@@ -139,7 +140,7 @@ class _Comparison:
             self._source.follow(self._extractor, message)
 
 
-def same(a, b):
+def same(a: Any, b: Any) -> bool:
     """Whether two values are equal to the last bit, sequences element by element. NaN is equal to NaN."""
     if isinstance(a, (list, tuple)):
         return len(a) == len(b) and all(map(same, a, b))

@@ -1,1 +1,1 @@
-"""The commands a user types."""
+"""Verbs of `aras-servo` that need this package."""

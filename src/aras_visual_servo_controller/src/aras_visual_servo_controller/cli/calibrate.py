@@ -4,13 +4,14 @@ Exit codes: 0 done, 2 bad input, 3 could not read or write a file.
 """
 
 from pathlib import Path
+from typing import List, Optional
 
 import yaml
 
-from .parser import command_parser, parse
-from .run import EXIT_PASSED, guarded
-from ..arm.real.calibration.boards import KINDS, Board
-from ..ground.errors import ParameterError
+from aras_visual_servo.cli.parser import command_parser, parse
+from aras_visual_servo.cli.run import EXIT_PASSED, guarded
+from aras_visual_servo.ground.errors import ParameterError
+from ..calibration.boards import KINDS, Board
 
 BOARD = "--columns 8 --rows 5 --size-m 0.03"
 EXAMPLES = ((f"camera images/*.png {BOARD} --output camera.yaml", "the intrinsics, as camera_info_url reads them"),
@@ -19,7 +20,7 @@ EXAMPLES = ((f"camera images/*.png {BOARD} --output camera.yaml", "the intrinsic
             (f"target at_goal.png --camera camera.yaml {BOARD}", "depth and normal of the plane that the board is on"))
 
 
-def calibrate_main(argv=None):
+def calibrate_main(argv: Optional[List[str]] = None) -> int:
     """Calibrate and print what was found, its residual, and what its error costs at the goal. Returns the exit code."""
     parser = command_parser("calibrate", "Calibrate a camera, its place on the arm, or the target's plane, from images "
                             "of a chessboard or of a grid of circles. Every result comes with its residual and with "
@@ -57,7 +58,7 @@ def _calibrate(arguments):
 
 
 def _camera(arguments, board):
-    from ..arm.real.calibration.camera import calibrate_camera
+    from ..calibration.camera import calibrate_camera
     images = [_image(path) for path in arguments.files]
     sizes = {image.shape[1::-1] for image in images}
     if len(sizes) != 1:
@@ -74,9 +75,9 @@ def _camera(arguments, board):
 
 
 def _hand_eye(arguments, board):
-    from ..arm.real.calibration.hand_eye import calibrate_hand_eye
-    from ..arm.robot import robot_kinematics
-    from ..scenario.scenario import load_scenario
+    from ..calibration.hand_eye import calibrate_hand_eye
+    from aras_visual_servo.arm.robot import robot_kinematics
+    from aras_visual_servo.scenario.scenario import load_scenario
     for key in ("scenario", "link"):
         if not getattr(arguments, key):
             raise ParameterError(f"--{key}: found nothing, `calibrate hand_eye` needs it")
@@ -98,7 +99,7 @@ def _hand_eye(arguments, board):
 
 
 def _target(arguments, board):
-    from ..arm.real.calibration.target import target_plane
+    from ..calibration.target import target_plane
     if len(arguments.files) != 1:
         raise ParameterError(f"target: found {len(arguments.files)} images, allowed one, at the goal")
     names, (view,) = _found(arguments.files, [_image(path) for path in arguments.files], board)
@@ -134,7 +135,7 @@ def _found(names, images, board):
 
 
 def _camera_of(arguments):
-    from ..arm.real.calibration.camera import CameraCalibration
+    from ..calibration.camera import CameraCalibration
     if not arguments.camera:
         raise ParameterError(f"--camera: found nothing, `calibrate {arguments.what}` needs the file that `calibrate "
                              "camera` wrote")

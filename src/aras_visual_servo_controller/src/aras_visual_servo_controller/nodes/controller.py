@@ -12,25 +12,22 @@ import threading
 import time
 import traceback
 import warnings
+from typing import Any, Callable
 
 import rospy
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger, TriggerResponse
 
+from aras_visual_servo import ArasError, ParameterError, Reference, ServoRecord, Session, StampPairer, Status
+from aras_visual_servo.processes import check_signals
 from aras_visual_servo_msgs.msg import ServoState, SimStatus, VisualServoAction, VisualServoFeedback, VisualServoResult
 from aras_visual_servo_msgs.srv import PauseAt, PauseAtRequest, SetReference, SetReferenceRequest, Teach, TeachResponse
-
+from ..real.float_commands import SetPointIntegrator
 from . import conversions as convert
 from .calls.action_server import ActionServer
-from ..ground.errors import ArasError, ParameterError
-from ..ground.processes import check_signals
-from ..arm.real.float_commands import SetPointIntegrator
 from .null_space_topic import NullSpaceTopic
-from ..run.pairing import StampPairer
 from .parameters import ControllerSetup, Parameters
-from ..run.session import Session
-from ..ground.types import Reference, ServoRecord, Status
 
 LONGEST_PAUSE_S = 1e4     # simulated time after the end of a goal
 SERVICE_TIMEOUT_S = 5.0   # wall time; camera/set_reference
@@ -237,7 +234,7 @@ class ControllerNode:
 
     # --- goals, services, watchdog (worker and service threads) -------------------------------------------------
 
-    def spin(self):
+    def spin(self) -> int:
         """Work until shutdown."""
         while not rospy.is_shutdown():
             try:
@@ -395,7 +392,7 @@ class ControllerNode:
             self._command_publisher.publish(convert.acknowledgement(stamp_ns))
 
 
-def main(make=ControllerNode):
+def main(make: Callable[[], Any] = ControllerNode) -> int:
     """Entry of node controller. Args: make: class of the node. Returns 0 after a shutdown, 2 for bad parameters."""
     rospy.init_node("controller", disable_signals=True)  # its handler shuts down from within whatever holds a lock
     check_signals()

@@ -3,37 +3,37 @@
 import math
 import struct
 import time
+from typing import Any, Sequence
 
 import numpy as np
 import roslib.message
 import rospy
 from sensor_msgs.msg import Image, JointState
 
+from aras_visual_servo import Command, NotFiniteError, ParameterError, ServoRecord, ShapeError
 from aras_visual_servo_msgs.msg import ServoState, VisualServoActionGoal
-
-from ..ground.errors import NotFiniteError, ParameterError, ShapeError
 
 _SEQ_SECS_NSECS = struct.Struct("<3I")
 _NS_PER_S = 1_000_000_000
 
 
-def stamp_ns(header):
+def stamp_ns(header: Any) -> int:
     """Stamp of a header [ns]."""
     return header.stamp.secs * _NS_PER_S + header.stamp.nsecs
 
 
-def to_time(time_ns):
+def to_time(time_ns: int) -> rospy.Time:
     """rospy.Time of integer nanoseconds; negative ones become 0."""
     return rospy.Time(*divmod(max(int(time_ns), 0), _NS_PER_S))
 
 
-def now_ns():
+def now_ns() -> int:
     """ROS time now [ns]; 0 before the first /clock message."""
     now = rospy.get_rostime()
     return now.secs * _NS_PER_S + now.nsecs
 
 
-def message_class(name):
+def message_class(name: str) -> Any:
     """Class of the message "package/Type". Raises ParameterError: there is no such message."""
     found = roslib.message.get_message_class(name)
     if found is None:
@@ -47,17 +47,17 @@ class LazyJointState(JointState):
     def __init__(self):  # without the generated constructor, which would fill six fields that nobody reads
         self._data = b""
 
-    def deserialize(self, data):
+    def deserialize(self, data: bytes) -> "LazyJointState":
         self._data = data
         return self
 
     @property
-    def stamp_ns(self):
+    def stamp_ns(self) -> int:
         """Stamp, without unpacking the rest [ns]."""
         _, secs, nsecs = _SEQ_SECS_NSECS.unpack_from(self._data)
         return secs * _NS_PER_S + nsecs
 
-    def unpack(self):
+    def unpack(self) -> JointState:
         """The whole message as a JointState."""
         return JointState().deserialize(self._data)
 
@@ -65,11 +65,11 @@ class LazyJointState(JointState):
 class JointReader:
     """Takes joint vectors in a fixed order out of JointState messages, whatever the order in the message."""
 
-    def __init__(self, joint_names):
+    def __init__(self, joint_names: Sequence[str]):
         self._names = tuple(joint_names)
         self._order = {}
 
-    def positions(self, message):
+    def positions(self, message: Any) -> np.ndarray:
         """(n,) positions [m or rad]. Raises ShapeError: a joint is missing, or the array has another length than names.
         """
         key = tuple(message.name)
@@ -85,7 +85,7 @@ class JointReader:
         return np.array([message.position[index] for index in order])
 
 
-def command_message(command):
+def command_message(command: Command) -> JointState:
     """JointState of a `Command`.
 
     NaN stands for a position or velocity that the command does not give for a joint. A command without any is an
@@ -109,14 +109,14 @@ def command_message(command):
     return message
 
 
-def acknowledgement(time_ns):
+def acknowledgement(time_ns: int) -> JointState:
     """JointState without joints: it answers the image of this stamp [ns] and commands nothing."""
     message = JointState()
     message.header.stamp = to_time(time_ns)
     return message
 
 
-def goal_message(reference):
+def goal_message(reference: str) -> VisualServoActionGoal:
     """VisualServoActionGoal with an id of its own. Args: reference: "experiment" or "taught"."""
     goal = VisualServoActionGoal()
     goal.goal_id.id = f"{rospy.get_name()}-{time.time_ns()}"
@@ -124,7 +124,7 @@ def goal_message(reference):
     return goal
 
 
-def picture_message(picture, stamp_ns, frame_id):
+def picture_message(picture: np.ndarray, stamp_ns: int, frame_id: str) -> Image:
     """Image of a picture, (h, w, 3) uint8 RGB."""
     height, width, channels = picture.shape
     message = Image(height=height, width=width, encoding="rgb8", step=width * channels, data=picture.tobytes())
@@ -132,8 +132,8 @@ def picture_message(picture, stamp_ns, frame_id):
     return message
 
 
-def form_message(message):
-    """The ROS message of a `real.forms.base.Message`, whose fields are plain values."""
+def form_message(message: Any) -> Any:
+    """The ROS message of a `Message` of arm/real.py, whose fields are plain values."""
     made = message_class(message.kind)()
     for name, value in message.fields.items():
         if name == "header":
@@ -150,7 +150,7 @@ def _trajectory_point(time_from_start_s, **values):
     return JointTrajectoryPoint(time_from_start=rospy.Duration.from_sec(time_from_start_s), **values)
 
 
-def state_message(record, frame_id):
+def state_message(record: ServoRecord, frame_id: str) -> ServoState:
     """ServoState of a ServoRecord."""
     message = ServoState()
     message.header.stamp = to_time(record.stamp_ns)

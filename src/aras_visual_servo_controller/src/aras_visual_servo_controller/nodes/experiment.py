@@ -13,6 +13,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 import rospy
 import yaml
@@ -20,24 +21,17 @@ from actionlib_msgs.msg import GoalStatus, GoalStatusArray
 from std_msgs.msg import String
 from std_srvs.srv import Empty
 
+from aras_visual_servo import ArasError, CLOSING_S, ParameterError, Status, default_of, scenario_from_dict, study
+from aras_visual_servo.processes import Interrupted, check_signals, signals_held, signals_raise
 from aras_visual_servo_msgs.msg import (SimStatus, VisualServoActionFeedback, VisualServoActionGoal,
                                         VisualServoActionResult, VisualServoGoal)
 from aras_visual_servo_msgs.srv import Step
-
 from ..bags.bag import read_bag
-from ..ground.errors import ArasError, ParameterError
-from ..ground.processes import Interrupted, check_signals, signals_held, signals_raise
+from ..bags.record_groups import COMPRESSIONS, is_chosen, lacking, parse_groups
 from .calls.goal_sender import GoalSender
-from ..ground.types import Status
 from .graph import Graph
-from ..run.loop import CLOSING_S
 from .parameters import Parameters
 from .recording import Recording
-from ..bags.record_groups import COMPRESSIONS, is_chosen, lacking, parse_groups
-from ..report.drawing import Drawing
-from ..report.report import create_result_folder, format_summary, save_results
-from ..scenario.scenario import scenario_from_dict
-from ..scenario.schema import default_of
 
 NODES = ("sim", "controller")   # and who publishes FEATURES: a node of its own, or one in the simulator's process
 FEATURES = "camera/features"
@@ -59,7 +53,7 @@ class ExperimentNode:
     Args: drawing: `Drawing` that draws the figure; None: this process draws it.
     """
 
-    def __init__(self, drawing=None):
+    def __init__(self, drawing: Any = None):
         parameters = Parameters()
         self._drawing = drawing
         self._results = Path(os.path.expanduser(parameters.value("~results_dir", "results")))
@@ -90,9 +84,9 @@ class ExperimentNode:
 
     # ---- parts of a run -----------------------------------------------------------------------------------------
 
-    def run(self):
+    def run(self) -> int:
         """The whole run. Returns the exit code; raises RunError, RecordingError."""
-        self.folder = create_result_folder(self._results.absolute(), self._scenario.name)
+        self.folder = study("report").create_result_folder(self._results.absolute(), self._scenario.name)
         rospy.loginfo("results go to %s", self.folder)
         self._subscribe()
         self._wait("the nodes " + ", ".join(NODES), self._missing_parts, self._startup_timeout_s)
@@ -319,10 +313,11 @@ class ExperimentNode:
         record = read_bag(self._recording.bags(), rospy.get_namespace(), keep_images=self._video)
         simulated_s = float(record.t_s[-1]) if self._done_ns is None else self._done_ns * 1e-9
         record = dataclasses.replace(record, wall_s=wall_s, real_time_factor=simulated_s / wall_s)
-        summary = save_results(record, self.folder, "roslaunch aras_visual_servo_controller servo.launch "
-                                                    f"scenario:={self._scenario.path or self._scenario.name}",
-                               self._video, drawing=self._drawing)
-        print(format_summary(summary), flush=True)
+        report = study("report")
+        again = "roslaunch aras_visual_servo_controller servo.launch scenario:="
+        again += str(self._scenario.path or self._scenario.name)
+        summary = report.save_results(record, self.folder, again, self._video, drawing=self._drawing)
+        print(report.format_summary(summary), flush=True)
         if "truth" not in self._groups:
             rospy.logwarn("the true camera pose was not recorded (record_groups without truth): the run is not judged "
                           "by it")
@@ -330,7 +325,7 @@ class ExperimentNode:
         return EXIT_PASSED if summary["passed"] else EXIT_FAILED
 
 
-def main():
+def main() -> int:
     """Entry of node experiment. Returns the exit code, and writes it into the file ~exit_code_file if that is given.
 
     roslaunch ends with 0 whatever its nodes ended with; a program that starts roslaunch reads the code from the file.
@@ -338,7 +333,7 @@ def main():
     with signals_raise():
         path, code = "", EXIT_BROKEN
         try:
-            with Drawing(at_once=False) as drawing:
+            with study("report").Drawing(at_once=False) as drawing:
                 rospy.init_node("experiment", disable_signals=True)  # rospy would not end what runs in the main thread
                 path = rospy.get_param("~exit_code_file", "")
                 code = _run(drawing)

@@ -11,6 +11,7 @@ import http.client
 import re
 import socket
 import xmlrpc.client
+from typing import Any, Iterable, List, Optional, Set
 
 _FAILURES = (OSError, http.client.HTTPException, xmlrpc.client.Error)
 #: The two ports of a TCP connection, own end first, as rospy and roscpp write them.
@@ -35,11 +36,11 @@ class Graph:
         caller_id: name of this node.  master_uri: as in ROS_MASTER_URI.
     """
 
-    def __init__(self, caller_id, master_uri):
+    def __init__(self, caller_id: str, master_uri: Optional[str]):
         self._caller_id = caller_id
         self._master = _server(master_uri)
 
-    def master_answers(self):
+    def master_answers(self) -> bool:
         """True if there is a master."""
         try:
             return self._master.getPid(self._caller_id)[0] == 1
@@ -54,7 +55,7 @@ class Graph:
             return [], [], []
         return state if code == 1 else ([], [], [])
 
-    def node_uri(self, node):
+    def node_uri(self, node: str) -> Optional[str]:
         """XML-RPC URI of a node, None if the master does not know it. It changes when a node is started again."""
         try:
             code, _, uri = self._master.lookupNode(self._caller_id, node)
@@ -62,7 +63,7 @@ class Graph:
             return None
         return uri if code == 1 else None
 
-    def master_uri(self):
+    def master_uri(self) -> str:
         """URI of the master as it names itself, the same for everybody; None without a master."""
         try:
             code, _, uri = self._master.getUri(self._caller_id)
@@ -70,7 +71,7 @@ class Graph:
             return None
         return uri if code == 1 else None
 
-    def running(self, nodes):
+    def running(self, nodes: Iterable[str]) -> List[str]:
         """Those of `nodes` that the master knows and that answer: one that was killed stays known to the master."""
         return [node for node in nodes if self._answers(self.node_uri(node))]
 
@@ -85,21 +86,21 @@ class Graph:
             return False
         return True
 
-    def topics(self, namespace=None):
+    def topics(self, namespace: Optional[str] = None) -> List[str]:
         """Sorted names of the published topics, those under `namespace` only if given."""
         publishers, _, _ = self._state()
         prefix = None if namespace is None else namespace.rstrip("/") + "/"
         return sorted(topic for topic, nodes in publishers if nodes and (prefix is None or topic.startswith(prefix)))
 
-    def publishers(self, topic):
+    def publishers(self, topic: str) -> Set[str]:
         """Set of the names of the nodes that publish a topic."""
         return {node for name, nodes in self._state()[0] if name == topic for node in nodes}
 
-    def services(self):
+    def services(self) -> Set[str]:
         """Set of the names of the services offered."""
         return {name for name, nodes in self._state()[2] if nodes}
 
-    def missing_connections(self, nodes):
+    def missing_connections(self, nodes: Any) -> List[str]:
         """Connections that should stand between `nodes` and do not: sorted list of (topic, publisher, subscriber)."""
         publishers, subscribers, _ = self._state()
         subscribers = {topic: set(names) & set(nodes) for topic, names in subscribers}

@@ -14,8 +14,9 @@ import signal
 import sys
 import time
 from pathlib import Path
+from typing import Set
 
-from ..ground.processes import processes_of
+from aras_visual_servo.processes import processes_of
 
 ORDERLY_S = 2.0    # wall time that nodes get to end, before they are killed
 RECORDER_S = 60.0  # wall time that the simulator gets to close its bag on a slow disk
@@ -24,7 +25,7 @@ CHILDREN_S = 0.2   # wall time between looks at what roslaunch has started
 LAUNCHER, RECORDER = "roslaunch", "sim_node"  # names of their processes; the simulator writes the bag
 
 
-def end_launch(mark):
+def end_launch(mark: str) -> None:
     """End everything that was started in the environment of this mark: roslaunch first, which then ends its nodes.
 
     What is left after ORDERLY_S is killed, but for the simulator, which gets RECORDER_S to close its bag.
@@ -53,7 +54,7 @@ def _signal(pids, number):
             pass
 
 
-def children_of(pid):
+def children_of(pid: int) -> Set[int]:
     """Set of the pids of the children of a process."""
     found = set()
     told = list(Path(f"/proc/{pid}/task").glob("*/children"))  # of each thread, where the kernel tells it
@@ -68,7 +69,7 @@ def children_of(pid):
     return found
 
 
-def guard_launch():
+def guard_launch() -> int:
     """As a child of roslaunch: wait for its end, and end what it leaves. Returns the exit code."""
     signal.signal(signal.SIGINT, lambda *_: sys.exit(0))  # roslaunch ends in order
     parent = os.getppid()
@@ -92,7 +93,7 @@ def guard_launch():
     return 0
 
 
-def main():
+def main() -> int:
     """Entry of `python3 -m`. Returns the exit code."""
     mark, folder = sys.argv[1:]
     for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM):

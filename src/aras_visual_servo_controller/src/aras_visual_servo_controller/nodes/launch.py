@@ -14,12 +14,12 @@ import subprocess
 import sys
 from pathlib import Path
 from urllib.parse import urlparse
+from typing import Optional, Sequence
 
-from ..ground.errors import ArasError
-from ..ground.processes import MARK, check_signals, marked, signals_held, temporary_folder
+from aras_visual_servo import ArasError, Scenario, study
+from aras_visual_servo.processes import MARK, check_signals, marked, signals_held, temporary_folder
 from . import guard as guards
 from .graph import Graph
-from ..report.report import format_summary
 
 LAUNCH_FILE = ("aras_visual_servo_controller", "servo.launch")
 NAMESPACE = "aras_visual_servo"  # that of servo.launch
@@ -28,7 +28,8 @@ EXIT_BROKEN = 3        # the run ended and the experiment node left no exit code
 TAIL_LINES = 40        # so many last lines of the log are shown when there is no result
 
 
-def run_over_ros(scenario, results_dir, arguments=(), verbose=False, namespace=None):
+def run_over_ros(scenario: Scenario, results_dir: str, arguments: Sequence[str] = (), verbose: bool = False,
+                 namespace: Optional[str] = None) -> int:
     """Run servo.launch and wait for its end.
 
     Args:
@@ -122,7 +123,7 @@ def _tell(parent, before, log, code):
     made = _keep_log(parent, before, log)
     if made and (made[-1] / "summary.json").is_file():
         summary = json.loads((made[-1] / "summary.json").read_text(encoding="utf-8"))
-        print(format_summary({**summary, "report": str(made[-1] / "report.html")}))
+        print(study("report").format_summary({**summary, "report": str(made[-1] / "report.html")}))
     else:
         lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
         print("\n".join(lines[-TAIL_LINES:]), file=sys.stderr)

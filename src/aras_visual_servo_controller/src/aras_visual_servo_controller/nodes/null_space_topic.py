@@ -2,10 +2,11 @@
 in the null space."""
 
 import time
+from typing import Any
 
 import rospy
 from sensor_msgs.msg import Image
-
+from aras_visual_servo import Servo, ServoRecord
 from .conversions import picture_message
 
 PERIOD_S = 0.1  # wall time between two images
@@ -17,14 +18,14 @@ class _Loader(rospy.SubscribeListener):
     It brings OpenCV along, which takes 0.2 s of CPU time: a run that nobody looks at does without, and no answer to an
     image waits for it.
 
-    Attributes: bars: the module `arm.null_space_bars`, None before the first subscriber.
+    Attributes: bars: the module `null_space_bars`, None before the first subscriber.
     """
 
     bars = None
 
     def peer_subscribe(self, *_):
         """Somebody has subscribed."""
-        from ..arm import null_space_bars
+        from . import null_space_bars
         self.bars = null_space_bars
 
 
@@ -34,17 +35,17 @@ class NullSpaceTopic:
     Args: kinematics: `Kinematics`.  servo: `Servo`, whose inverse splits the joint velocities.
     """
 
-    def __init__(self, kinematics, servo):
+    def __init__(self, kinematics: Any, servo: Servo):
         self._kinematics, self._servo = kinematics, servo
         self._wall_s = -PERIOD_S
         self._loader = _Loader()
         self._publisher = rospy.Publisher("null_space_bars", Image, self._loader, queue_size=1)
 
-    def use(self, servo):
+    def use(self, servo: Servo) -> None:
         """Go on with another servo."""
         self._servo = servo
 
-    def show(self, record, frame_id):
+    def show(self, record: ServoRecord, frame_id: str) -> None:
         """Show a `ServoRecord`, at most once every PERIOD_S of wall time."""
         bars = self._loader.bars
         if bars is None or not self._publisher.get_num_connections() or time.monotonic() - self._wall_s < PERIOD_S:

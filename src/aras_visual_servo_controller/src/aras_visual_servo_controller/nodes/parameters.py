@@ -1,13 +1,10 @@
 """Reads ROS parameters: sections of the scenario, and the few parameters that belong to a node itself."""
 
+from typing import Any, Callable, Dict, Optional, Sequence
+
 import rospy
 
-from ..ground.errors import ArasError, ParameterError
-from ..arm.robot import kinematics_of
-from ..config.reader import read
-from ..run.sequence import ExperimentSequence
-from ..scenario.schema import RobotSettings
-from ..servo.servo import Servo
+from aras_visual_servo import ArasError, ExperimentSequence, ParameterError, RobotSettings, Servo, kinematics_of, read
 
 CONTROLLER_PARAMETERS = ("command_interface", "feedback_rate_hz", "taught_reference", "scenario", "servo", "experiment",
                          "robot", "real", "actionlib_status_frequency")
@@ -27,7 +24,7 @@ class Parameters:
     def __init__(self):
         self.faults = []
 
-    def section(self, name):
+    def section(self, name: str) -> Dict[str, Any]:
         """A section of the scenario: private parameter `~name`, else `scenario/name` in the node's namespace.
 
         Returns:
@@ -44,12 +41,12 @@ class Parameters:
                            f"{rospy.resolve_name('scenario/' + name)}")
         return {}
 
-    def optional_section(self, name):
+    def optional_section(self, name: str) -> Dict[str, Any]:
         """As `section`, {} without a fault if it is missing."""
         found = rospy.has_param("~" + name) or rospy.has_param("scenario/" + name)
         return self.section(name) if found else {}
 
-    def searched(self, name):
+    def searched(self, name: str) -> Any:
         """Text of a parameter in this node's namespace or one above; "" if it is missing, which is a fault."""
         key = rospy.search_param(name)
         value = rospy.get_param(key) if key else None
@@ -59,7 +56,7 @@ class Parameters:
             return ""
         return value
 
-    def value(self, key, default, minimum=None):
+    def value(self, key: str, default: Any, minimum: Optional[float] = None) -> Any:
         """Value of a parameter, which has to have the type of its default; a number may have a minimum."""
         value, kind = rospy.get_param(key, default), type(default)
         if kind is float and isinstance(value, int) and not isinstance(value, bool):
@@ -72,7 +69,7 @@ class Parameters:
             return default
         return value
 
-    def choice(self, key, default, allowed):
+    def choice(self, key: str, default: str, allowed: Sequence[str]) -> str:
         """Text of a parameter that has to be one of `allowed`."""
         value = self.value(key, default)
         if value not in allowed:
@@ -80,11 +77,11 @@ class Parameters:
             return default
         return value
 
-    def add(self, error):
+    def add(self, error: ArasError) -> None:
         """Add the faults of an error that a core class raised."""
         self.faults.extend(getattr(error, "faults", None) or [str(error)])
 
-    def build(self, factory, *arguments):
+    def build(self, factory: Callable[..., Any], *arguments: Any) -> Any:
         """The result of factory(*arguments), or None if it raises an ArasError, whose faults are then added."""
         try:
             return factory(*arguments)
@@ -92,13 +89,13 @@ class Parameters:
             self.add(error)
             return None
 
-    def known(self, names, prefix="~"):
+    def known(self, names: Sequence[str], prefix: str = "~") -> None:
         """Add a fault for every private parameter that is not one of `names`."""
         tree = rospy.get_param(prefix, {})
         for key in sorted(set(tree if isinstance(tree, dict) else {}) - set(names)):
             self.faults.append(f"{rospy.resolve_name(prefix + key)}: unknown, known are {', '.join(sorted(names))}")
 
-    def check(self):
+    def check(self) -> None:
         """Raises ParameterError with every fault found so far, if there is any."""
         if self.faults:
             raise ParameterError(self.faults)
@@ -118,7 +115,7 @@ class ControllerSetup:
         controllers: joint -> name of its ros_control controller; {} unless the command interface is float64.
     """
 
-    def __init__(self, teach_camera):
+    def __init__(self, teach_camera: Callable[..., Any]):
         parameters = Parameters()
         robot, servo = parameters.section("robot"), parameters.section("servo")
         experiment = parameters.section("experiment")

@@ -12,17 +12,13 @@ from dataclasses import replace
 import rospy
 from std_msgs.msg import Bool
 
+from aras_visual_servo import ArasError, ParameterError, RealSettings, ServoRecord, SetPoint, Status, make_form
 from aras_visual_servo_msgs.msg import InputTiming
-
+from ..real.arm_link import ArmLink
+from ..real.prediction import predicted
 from . import conversions as convert
 from .controller import ControllerNode, main as run_node
 from .parameters import Parameters
-from ..ground.errors import ArasError, ParameterError
-from ..ground.types import ServoRecord, Status
-from ..arm.real.arm_link import ArmLink
-from ..arm.real.forms.base import SetPoint, make_form
-from ..arm.real.prediction import predicted
-from ..arm.real.settings import RealSettings
 
 SHOW_LATENCY_S = 10.0  # ROS time between two lines of the log
 
@@ -181,6 +177,6 @@ class RealControllerNode(ControllerNode):
             self._publish_state(self._session.hold(now_ns, unfit.reason)[1])
 
 
-def main():
+def main() -> int:
     """Entry of node real_controller. Returns the exit code: 0 after a shutdown, 2 for bad parameters."""
     return run_node(RealControllerNode)

@@ -2,13 +2,13 @@
 
 import time
 from pathlib import Path
+from typing import Any, List
 
 import rospy
 from std_srvs.srv import Trigger
 
+from aras_visual_servo import ArasError
 from aras_visual_servo_msgs.srv import StartRecording
-
-from ..ground.errors import ArasError
 
 SETTLED_S = 0.3           # wall time without growth after which nothing is on its way any more
 SETTLED_BYTES = 16384     # a bag that grows by less than this in that time gets no more images, only the clock
@@ -30,7 +30,7 @@ class Recording:
         RecordingError: it cannot start.
     """
 
-    def __init__(self, bag, topics, compression="lz4", split_mb=0):
+    def __init__(self, bag: Path, topics: Any, compression: str = "lz4", split_mb: int = 0):
         self.bag, self.topics, self._split = Path(bag), list(topics), bool(split_mb)
         start = rospy.ServiceProxy("sim/start_recording", StartRecording)
         answer = start(file=str(self.bag), topics=self.topics, compression=compression, split_mib=split_mb)
@@ -39,19 +39,19 @@ class Recording:
         self._running = True
 
     @staticmethod
-    def check(status):
+    def check(status: Any) -> None:
         """Raises RecordingError if the recording has ended by itself. status: SimStatus."""
         if status.recording_fault:
             raise RecordingError(f"the recording ended: {status.recording_fault}")
 
-    def bags(self):
+    def bags(self) -> List[Path]:
         """Paths of the bags so far in order, the closed ones and the one that is being written."""
         names = [f"{self.bag.stem}_*.bag", f"{self.bag.stem}_*.bag.active"] if self._split else \
             [self.bag.name, f"{self.bag.name}.active"]
         found = [path for name in names for path in self.bag.parent.glob(name)]
         return sorted(found, key=lambda path: (len(path.name.partition(".")[0]), path.name))
 
-    def settle(self):
+    def settle(self) -> None:
         """Let the last messages of other nodes arrive: wait until the bag has all but stopped growing.
 
         It never stops for good: the paused simulator goes on publishing its clock.
@@ -72,7 +72,7 @@ class Recording:
                 pass  # it was closed and renamed meanwhile
         return size
 
-    def stop(self):
+    def stop(self) -> None:
         """End the recording and wait until the bag is closed. Does no harm if it has ended already.
 
         Raises:

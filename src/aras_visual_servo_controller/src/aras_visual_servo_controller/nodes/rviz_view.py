@@ -8,6 +8,7 @@ It listens only, but for what a button asks for.
 import sys
 import time
 from collections import OrderedDict
+from typing import Any
 
 import rospy
 from geometry_msgs.msg import Point
@@ -16,12 +17,11 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_srvs.srv import Empty, Trigger
 from visualization_msgs.msg import InteractiveMarker, InteractiveMarkerControl, InteractiveMarkerFeedback, Marker
 
+from aras_visual_servo import ParameterError
 from aras_visual_servo_msgs.msg import ServoState, VisualServoActionGoal
-
 from . import conversions as convert
 from .calls.services import SERVICE_TIMEOUT_S, call_service
-from ..ground.errors import ParameterError
-from ..live.error_plot import ErrorPlot
+from .error_plot import ErrorPlot
 from .parameters import ControllerSetup
 
 EXIT_STOPPED, EXIT_PARAMETERS = 0, 2
@@ -36,7 +36,7 @@ BUTTONS = {"run again": (0.20, 0.55, 0.25), "servo to the taught view": (0.15, 0
            "reset": (0.45, 0.45, 0.45)}
 
 
-def frustum_points(info, depth_m):
+def frustum_points(info: Any, depth_m: float) -> Any:
     """Ends of the eight edges of the pyramid that a pinhole camera sees down to a depth, pair by pair.
 
     Args: info: CameraInfo, whose K is used.  depth_m: > 0.
@@ -123,7 +123,7 @@ class RvizView:
         except (ParameterError, rospy.ROSException, rospy.ServiceException) as error:
             rospy.logerr("rviz: %s: %s", feedback.marker_name, error)
 
-    def press(self, name):
+    def press(self, name: str) -> None:
         """Do what the button of this name is for.
 
         Raises: ParameterError: the service refuses.  ROSException, ServiceException: it cannot be called.
@@ -162,7 +162,7 @@ def _button(name, colour, row):
     return button
 
 
-def main():
+def main() -> int:
     """Entry of node rviz_view. Returns the exit code: 0 after a shutdown, 2 for bad parameters."""
     rospy.init_node("rviz_view")
     try:

@@ -3,16 +3,16 @@
 import sys
 import threading
 import time
+from typing import Optional
 
 import rospy
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
+from aras_visual_servo import ArasError, ParameterError, robot_kinematics
+from ..real.teleop import HELP, Keys, Teleop
 from . import conversions as convert
-from ..ground.errors import ArasError, ParameterError
-from ..arm.robot import robot_kinematics
 from .parameters import Parameters
-from ..arm.teleop import HELP, Keys, Teleop
 
 READ_S = 0.05  # wall time of one look at the keyboard
 EXIT_STOPPED, EXIT_PARAMETERS = 0, 2
@@ -68,7 +68,7 @@ class TeleopNode:
             pass  # there is no controller
 
 
-def main(descriptor=0):
+def main(descriptor: Optional[int] = 0) -> int:
     """Entry of scripts/teleop. Runs until the quit key is pressed or ROS shuts down. Returns the exit code."""
     if {"-h", "--help"} & set(sys.argv):
         print(HELP)

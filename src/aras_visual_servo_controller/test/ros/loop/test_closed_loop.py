@@ -6,8 +6,8 @@ import unittest
 import numpy as np
 import rospy
 
-from aras_visual_servo_controller.run.loop import ServoLoop
-from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo.runs.loop import ServoLoop
+from aras_visual_servo.scenario.scenario import load_scenario
 from aras_visual_servo_msgs.msg import ServoState
 from aras_visual_servo_msgs.srv import Step
 from wiring import Watcher, call, wait_until

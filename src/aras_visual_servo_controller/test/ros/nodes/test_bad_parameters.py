@@ -7,7 +7,7 @@ import unittest
 import rospy
 import yaml
 
-from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo.scenario.scenario import load_scenario
 
 PACKAGE = "aras_visual_servo_controller"
 LIMIT_S = 60.0

@@ -8,7 +8,7 @@ import rospy
 from sensor_msgs.msg import Image
 from std_srvs.srv import Trigger
 
-from aras_visual_servo_controller.arm.null_space_bars import CAMERA
+from aras_visual_servo_controller.nodes.null_space_bars import CAMERA
 from aras_visual_servo_msgs.msg import ServoState
 from aras_visual_servo_msgs.srv import SetReference, Teach
 from wiring import FakePlant, Watcher, call, wait_until

@@ -14,9 +14,9 @@ import unittest
 import psutil
 import rosbag
 from aras_visual_servo_controller.nodes.launch import run_over_ros
-from aras_visual_servo_controller.run.loop import ServoLoop
-from aras_visual_servo_controller.report.report import trace_csv
-from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo.runs.loop import ServoLoop
+from aras_visual_servo_study.report.report import trace_csv
+from aras_visual_servo.scenario.scenario import load_scenario
 
 LIMIT_S = 120.0  # wall time
 FILES = ("run.bag", "summary.json", "trace.csv", "figure.png", "figure.pdf", "report.html", "roslaunch.log")

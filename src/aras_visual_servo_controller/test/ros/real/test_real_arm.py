@@ -11,7 +11,7 @@ from geometry_msgs.msg import PoseStamped
 from std_msgs.msg import Bool, Float64MultiArray, String
 from trajectory_msgs.msg import JointTrajectory
 
-from aras_visual_servo_controller.ground.types import Status
+from aras_visual_servo.ground.types import Status
 from aras_visual_servo_msgs.msg import InputTiming, ServoState
 from wiring import Watcher, call, wait_until
 

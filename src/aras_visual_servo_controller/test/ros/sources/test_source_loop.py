@@ -10,8 +10,8 @@ import rospy
 from test_closed_loop import ClosedLoop
 
 from aras_visual_servo_controller.bags.replay import NOT_COMPARED, same
-from aras_visual_servo_controller.features import FeatureSet, source_named
-from aras_visual_servo_controller.scenario.scenario import load_scenario
+from aras_visual_servo.features import FeatureSet, source_named
+from aras_visual_servo.scenario.scenario import load_scenario
 
 
 class SourceLoop(ClosedLoop):

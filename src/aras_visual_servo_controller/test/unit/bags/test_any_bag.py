@@ -9,7 +9,7 @@ from std_msgs.msg import String
 from synthetic import make_record
 
 from aras_visual_servo_controller.bags.bag import BagError, read_bag
-from aras_visual_servo_controller.ground.errors import ArasError
+from aras_visual_servo.ground.errors import ArasError
 
 NUMBERS = st.floats() | st.sampled_from([0.0, -1.0, 1e308, float("nan"), float("inf")])
 LISTS = st.lists(NUMBERS, max_size=4)

@@ -14,9 +14,9 @@ from std_msgs.msg import String
 from synthetic import SETTINGS, blob, make_record
 
 from aras_visual_servo_controller.bags.bag import BagError, decode, read_bag
-from aras_visual_servo_controller.cli.run import report_main
-from aras_visual_servo_controller.features import base as features, styles
-from aras_visual_servo_controller.run.judge import judge
+from aras_visual_servo.cli.run import report_main
+from aras_visual_servo.features import base as features, styles
+from aras_visual_servo.runs.judge import judge
 
 SERVO_IMAGES = 30
 # Through a unit quaternion and back: a few eps.
@@ -93,7 +93,7 @@ def test_rows_without_a_true_pose_are_kept_and_noted(tmp_path, original):
 
 
 def test_images_after_the_end_do_not_change_the_trace(tmp_path, original):
-    from aras_visual_servo_controller.report.report import trace_csv
+    from aras_visual_servo_study.report.report import trace_csv
     messages = list(messages_of(original))
     topic, last, stamp = [entry for entry in messages if entry[0] == "servo_state"][-1]
     late = rospy.Time(stamp.secs, stamp.nsecs + 1000)
@@ -147,14 +147,14 @@ def with_plugin(original, name):
 
 def test_features_of_a_plugin_are_shown_as_in_the_run(tmp_path, original, monkeypatch):
     (tmp_path / "plugin_of_a_bag.py").write_text(
-        "from aras_visual_servo_controller.features import Feature, register_feature\n"
+        "from aras_visual_servo.features import Feature, register_feature\n"
         "register_feature('bent')(type('Bent', (Feature,), {'unit': '1/m'}))\n")
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
     record = read_bag(write(tmp_path / "run.bag", with_plugin(original, "plugin_of_a_bag")))
     assert styles(["bent"])[0].unit == "1/m" and record.notes == ()
     sys.modules.pop("plugin_of_a_bag")
-    features._FEATURES.pop("bent")
+    features.FEATURES.pop("bent")
 
 
 def test_a_plugin_that_is_not_here_is_noted(tmp_path, original):

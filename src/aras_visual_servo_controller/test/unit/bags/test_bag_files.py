@@ -9,7 +9,7 @@ from messages import NAMESPACE, messages_of
 
 from aras_visual_servo_controller.bags.bag import read_bag  # noqa: E402
 from aras_visual_servo_controller.bags.files import BagError, find_bags  # noqa: E402
-from aras_visual_servo_controller.report.report import trace_csv  # noqa: E402
+from aras_visual_servo_study.report.report import trace_csv  # noqa: E402
 
 PARTS = 3
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from aras_visual_servo_controller.ground.errors import ParameterError
+from aras_visual_servo.ground.errors import ParameterError
 from aras_visual_servo_controller.bags.record_groups import (GROUPS, group_of, is_chosen, lacking,
                                                              parse_groups)
 

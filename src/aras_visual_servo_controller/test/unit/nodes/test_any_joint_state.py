@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from sensor_msgs.msg import JointState
 
-from aras_visual_servo_controller.ground.errors import ShapeError
+from aras_visual_servo.ground.errors import ShapeError
 from aras_visual_servo_controller.nodes.conversions import JointReader
 
 NAMES = st.sampled_from(["a", "b", "c", "other", ""])

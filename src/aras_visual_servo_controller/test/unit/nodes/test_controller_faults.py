@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from toy_plant import GOAL, arm
 
-from aras_visual_servo_controller.ground.types import Features, ServoRecord, Status
+from aras_visual_servo.ground.types import Features, ServoRecord, Status
 from aras_visual_servo_controller.nodes import controller
-from aras_visual_servo_controller.run.session import Session
+from aras_visual_servo.runs.session import Session
 
 STAMP_NS = 40_000_000
 

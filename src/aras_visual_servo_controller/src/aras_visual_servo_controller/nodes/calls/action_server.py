@@ -1,5 +1,7 @@
 """An action server for time that goes back: after sim/reset, a restored state, or a bag that is played again."""
 
+from typing import Any
+
 import actionlib
 import rospy
 from actionlib_msgs.msg import GoalStatus
@@ -13,7 +15,7 @@ class ActionServer(actionlib.SimpleActionServer):
         name: of the action.  specification: its message class.
     """
 
-    def __init__(self, name, specification):
+    def __init__(self, name: str, specification: Any):
         super().__init__(name, specification, auto_start=False)
         self._newest = rospy.Time()
         take = self.action_server.internal_goal_callback
@@ -24,7 +26,7 @@ class ActionServer(actionlib.SimpleActionServer):
 
         self.action_server.internal_goal_callback = look_and_take
 
-    def look_at_time(self):
+    def look_at_time(self) -> None:
         """Forget the stamps of earlier goals when time has gone back. To be called regularly."""
         now = rospy.get_rostime()
         with self.action_server.lock, self.lock:
@@ -35,7 +37,7 @@ class ActionServer(actionlib.SimpleActionServer):
                     entry.handle_destruction_time = min(entry.handle_destruction_time, now)
             self._newest = now
 
-    def internal_goal_callback(self, goal):
+    def internal_goal_callback(self, goal: Any) -> None:
         """Called by actionlib with a new goal."""
         with self.lock:
             if not self.is_active() and not self.is_new_goal_available():

@@ -1,13 +1,15 @@
 """Calls a service of another node and says why it was refused."""
+
+from typing import Any
 import rospy
 
-from ...ground.errors import ParameterError
+from aras_visual_servo import ParameterError
 
 #: Wall time within which a service must be offered [s].
 SERVICE_TIMEOUT_S = 5.0
 
 
-def call_service(name, kind, *arguments):
+def call_service(name: str, kind: Any, *arguments: Any) -> Any:
     """Answer of the service `name`, a class `kind`, to a request of these fields.
 
     Raises:

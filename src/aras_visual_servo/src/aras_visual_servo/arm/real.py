@@ -1,0 +1,211 @@
+"""A real arm: section `real` of a scenario, and the forms of commands that its driver takes, ros_control's among them.
+
+    @register_form("mine")
+    class Mine(Form):
+        def messages(self, point): return [Message("/my_arm/command", "my_msgs/Target", {"q": list(point.position)})]
+
+Topics and message types are plain text; this module imports nothing of ROS. The node makes the messages from the
+fields. A simulated arm in lockstep does not read the section.
+"""
+
+from dataclasses import dataclass
+from math import inf
+from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Type, TypeVar
+
+import numpy as np
+
+from ..config.reader import Names, read
+from ..config.settings import setting
+from ..ground.registry import Registry, unknown_name
+from .kinematics import RobotKinematics
+
+FORMS: Registry[Type["Form"]] = Registry("real/command")
+F = TypeVar("F", bound="Form")
+
+
+class SetPoint(NamedTuple):
+    """What the joints are to do from now on.
+
+    Attributes:
+        stamp_ns: ROS time [ns].  joint_names: n names.
+        position: (n,) set-points for a driver that takes positions [m, rad].
+        velocity: (n,) velocities for a driver that takes velocities [m/s, rad/s]; 0 at rest.
+        resting: the arm is to stand still.
+    """
+
+    stamp_ns: int
+    joint_names: Tuple[str, ...]
+    position: Any
+    velocity: Any
+    resting: bool
+
+
+class Message(NamedTuple):
+    """One message to publish: its topic, its type "package/Type", and its fields as plain values.
+
+    A field `header` holds the stamp [ns], a field whose name ends in `_s` of a trajectory point a duration [s].
+    """
+
+    topic: str
+    kind: str
+    fields: Dict[str, Any]
+
+
+def register_form(name: str) -> Callable[[Type[F]], Type[F]]:
+    """Returns a class decorator that makes a form known by name."""
+    return FORMS.register(name, name=name)
+
+
+def make_form(settings: "RealSettings") -> "Form":
+    """Makes the `Form` that the settings name. Raises ParameterError: unknown."""
+    return FORMS.find(settings.command)(settings)
+
+
+class Form:
+    """Base class of the forms."""
+
+    name = ""
+
+    def __init__(self, settings: "RealSettings") -> None:
+        self._settings = settings
+
+    def messages(self, point: SetPoint) -> List[Message]:
+        """Returns the messages for these set-points."""
+        raise NotImplementedError
+
+    def _numbers(self, joint_names: Sequence[str], values: Iterable[float]) -> List[Message]:
+        """Returns one message for all joints if they share a controller, else one for each."""
+        settings = self._settings
+        if settings.controller:
+            data = [float(value) for value in values]
+            return [Message(f"{settings.controller}/command", "std_msgs/Float64MultiArray", {"data": data})]
+        names = [settings.joint_controllers.get(name, f"{name}_controller") for name in joint_names]
+        return [Message(f"{controller}/command", "std_msgs/Float64", {"data": float(value)})
+                for controller, value in zip(names, values)]
+
+
+@register_form("position")
+class Position(Form):
+    """One position per joint [m or rad]: JointPositionController, or JointGroupPositionController for all joints."""
+
+    def messages(self, point: SetPoint) -> List[Message]:
+        return self._numbers(point.joint_names, point.position)
+
+
+@register_form("velocity")
+class Velocity(Form):
+    """One velocity per joint [m/s or rad/s]: JointVelocityController, or JointGroupVelocityController for all joints."""
+
+    def messages(self, point: SetPoint) -> List[Message]:
+        return self._numbers(point.joint_names, point.velocity)
+
+
+@register_form("trajectory")
+class Trajectory(Form):
+    """JointTrajectoryController: one point `ahead_s` from now, replaced by the next message; at rest the set-point."""
+
+    def messages(self, point: SetPoint) -> List[Message]:
+        ahead_s = self._settings.ahead_s
+        velocity = [0.0 if point.resting else float(v) for v in point.velocity]
+        position = [float(q) + v * ahead_s for q, v in zip(point.position, velocity)]
+        # A stamp of 0 tells the driver to begin at once: its clock may differ from ours.
+        fields = {"header": 0, "joint_names": list(point.joint_names),
+                  "points": [{"positions": position, "velocities": velocity, "time_from_start_s": ahead_s}]}
+        return [Message(f"{self._settings.controller}/command", "trajectory_msgs/JointTrajectory", fields)]
+
+
+@dataclass(frozen=True)
+class WorkspaceSettings:
+    """Section `real.workspace`: the box that the camera's optical centre stays in, in the robot's base."""
+
+    lower_m: Tuple[float, ...] = setting(size=3, unit="m", help="Its corner of the smallest x, y and z.")
+    upper_m: Tuple[float, ...] = setting(size=3, unit="m", help="Its corner of the largest x, y and z.")
+
+    def check(self) -> Iterator[str]:
+        """Along every axis the box has a length."""
+        if not all(low < high for low, high in zip(self.lower_m, self.upper_m)):
+            yield f"upper_m: found {list(self.upper_m)}, allowed above lower_m along each axis"
+
+
+@dataclass(frozen=True)
+class RealSettings:
+    """Section `real`: how the controller drives an arm that is no simulator in lockstep."""
+
+    command: str = setting(
+        "trajectory", not_empty=True,
+        help="What the arm's driver takes: `position` or `velocity` (a number per joint), or `trajectory` "
+             "(trajectory_msgs/JointTrajectory with one point ahead).")
+    controller: str = setting(
+        "arm_controller",
+        help="The ros_control controller that takes all joints at once, on CONTROLLER/command. An empty text with "
+             "`position` or `velocity`: every joint has a controller of its own.")
+    joint_controllers: Dict[str, str] = setting(
+        {}, by="joint",
+        help="With an empty `controller`: the controllers of the joints, by joint; without a name here it is "
+             "JOINT_controller.")
+    command_period_s: float = setting(0.008, unit="s", above=0, help="Time between two commands to the arm.")
+    ahead_s: float = setting(
+        0.024, unit="s", above=0,
+        help="With `trajectory`: how far ahead its point lies; some command periods, so that a late message does not "
+             "end the motion.")
+    image_delay_s: float = setting(
+        0.0, unit="s", at_least=0,
+        help="How much later than the exposure the stamps of the images are: drivers of USB cameras stamp an image "
+             "when it has arrived.")
+    max_joint_gap_s: float = setting(
+        0.05, unit="s", above=0,
+        help="Joint states farther apart than this are not interpolated between.")
+    max_extrapolation_s: float = setting(
+        0.01, unit="s", at_least=0,
+        help="An image at most this much later than the newest joint state is answered from the last two joint states; "
+             "a later one waits for the next.")
+    joint_timeout_s: float = setting(0.1, unit="s", above=0, help="Without a joint state for this long the arm rests.")
+    clock_jump_s: float = setting(
+        0.2, unit="s", above=0,
+        help="When ROS time steps ahead by more than this between two commands, or back, the goal ends.")
+    predict: bool = setting(
+        False,
+        help="The features are predicted from the time of the image to the time at which the command acts. Features of "
+             "moments and points only.")
+    command_delay_s: float = setting(
+        0.0, unit="s", at_least=0,
+        help="Time from a command to the motion of the joints; the prediction adds it.")
+    max_prediction_s: float = setting(
+        0.3, unit="s", above=0,
+        help="An image that would have to be predicted over a longer time is refused.")
+    deadman: bool = setting(
+        True,
+        help="The arm moves only while `true` comes on the topic `deadman` (std_msgs/Bool); its end ends the goal.")
+    deadman_timeout_s: float = setting(0.2, unit="s", above=0, help="It has to come again within this time.")
+    speed_part: float = setting(
+        0.2, above=0, at_most=1,
+        help="Part of the URDF's velocity limits that the joints may use; all joints are slowed by one factor.")
+    joint_speed: Dict[str, float] = setting(
+        {}, unit="m/s, rad/s", above=0, by="joint",
+        help="Largest speed of a joint by its name, in the place of speed_part.")
+    joint_acceleration: float = setting(
+        5.0, unit="m/s^2, rad/s^2", above=0,
+        help="Largest acceleration of a joint; stops are at once, and the drives brake as they can.")
+    workspace: Optional[WorkspaceSettings] = setting(
+        None,
+        help="A box that the camera stays in; the arm brakes before it leaves it.")
+
+    def check(self) -> Iterator[str]:
+        """The form is known and has the controllers that it needs."""
+        if self.command not in FORMS:
+            yield unknown_name("command", self.command, FORMS)
+        elif self.command == "trajectory" and not self.controller:
+            yield "controller: found an empty text, allowed with command: trajectory the name of a controller"
+        if self.controller and self.joint_controllers:
+            yield "joint_controllers: found names, allowed with an empty `controller`"
+
+    @classmethod
+    def from_dict(cls, source: Dict[str, Any], joint_names: Sequence[str] = ()) -> "RealSettings":
+        """Reads the section. Raises ParameterError listing every fault."""
+        return read(cls, source, "real", Names(joints=tuple(joint_names)))
+
+    def largest_speed(self, kinematics: RobotKinematics) -> np.ndarray:
+        """Returns the largest speeds of the joints, (n,); inf where neither this section nor the URDF has one."""
+        part = [self.speed_part * float(most) if most < inf else inf for most in kinematics.velocity]
+        return kinematics.vector({name: min(self.joint_speed.get(name, default), float(most)) for name, default, most
+                                  in zip(kinematics.joint_names, part, kinematics.velocity)})

@@ -1,0 +1,289 @@
+"""Image features by name: the values that a law servos on, and how they change when the camera moves.
+
+    features = FeatureSet(("xn", "yn", "an", "sx", "sy", "alpha"))
+    s = features.values(View(moment_features))                  # (k,)
+    L = features.matrix(View(moment_features, plane))           # (k, 6), s_dot = L V_C
+
+A new feature is a subclass with a name. It computes its value and its row of the interaction matrix from a `View`:
+
+    @register_feature("elongation")
+    class Elongation(Feature):
+        order, sees_tilt = 3, True
+        def value(self, view): ...
+        def row(self, view): ...
+
+The measurements of an image come as `MomentFeatures`, with raw and centred moments by name "ij". The plane of the
+target is (A, B, C) of 1/Z = A x + B y + C in the camera frame [1/m] (docs/theory.md T5).
+
+A feature with settings of its own describes them as a frozen dataclass (config/settings.py) and finds them as
+`self.settings`; they are read from the section `servo.NAME` of the scenario:
+
+    @register_feature("elongation", settings=ElongationSettings)
+"""
+
+import re
+from typing import Callable, Dict, Iterable, List, Mapping, Optional, Tuple, Type, TypeVar
+
+import numpy as np
+
+from . import interaction
+from ..config.settings import keys_of, settings_of
+from ..ground.errors import DegenerateFeature, ParameterError
+from ..ground.registry import Registry, unknown_name
+from ..ground.types import FEATURE_NAMES
+
+FEATURES: Registry[Type["Feature"]] = Registry("features", __package__, f"{__package__}.kinds")
+FAMILIES: Registry[Type["Feature"]] = Registry("features", __package__, f"{__package__}.kinds")
+F = TypeVar("F", bound="Feature")
+_NUMBERED = re.compile(r"([a-z]+)([1-9][0-9]?)")
+
+
+def register_feature(name: str, settings: Optional[type] = None) -> Callable[[Type[F]], Type[F]]:
+    """Returns a class decorator that makes a feature known by name.
+
+    Args: settings: settings class of the feature's own section `servo.NAME`, or None.
+    Raises ParameterError: `settings` is not a frozen dataclass whose fields are made by `setting`.
+    """
+    if settings is not None:
+        keys_of(settings)
+    return FEATURES.register(name, name=name, section=name, settings_class=settings)
+
+
+def register_family(prefix: str, settings: Optional[type] = None) -> Callable[[Type[F]], Type[F]]:
+    """Returns a class decorator for a family of features: `prefix` and a number from 1 to 99, as in x1, x2, ...
+
+    The class finds the number as `self.number`.
+    Args: settings: as of `register_feature`; all members of the family share the section `servo.PREFIX`.
+    """
+    if settings is not None:
+        keys_of(settings)
+    return FAMILIES.register(prefix, section=prefix, settings_class=settings)
+
+
+def feature_settings() -> Dict[str, type]:
+    """Returns section -> settings class of the features and families that have settings of their own, sorted."""
+    found = {feature.section: feature.settings_class for feature in [*FEATURES.values(), *FAMILIES.values()]}
+    return {name: found[name] for name in sorted(found) if found[name] is not None}
+
+
+def feature_class(name: str) -> Optional[Type["Feature"]]:
+    """Returns the class registered under that name, or made for that member of a family; None when there is none."""
+    match = _NUMBERED.fullmatch(name)
+    if name in FEATURES or match is None or match[1] not in FAMILIES:
+        return FEATURES.get(name)
+    return type(name, (FAMILIES[match[1]],), {"name": name, "number": int(match[2])})
+
+
+def source_of(name: str) -> Optional[str]:
+    """Returns the name of the source that a feature comes from; None when there is no such feature."""
+    feature = feature_class(name)
+    return None if feature is None else feature.source
+
+
+def is_known(name: str) -> bool:
+    """Whether there is a feature of that name."""
+    return feature_class(name) is not None
+
+
+def known_features() -> List[str]:
+    """Returns the names of the registered features, sorted; "xN" stands for x1, x2, ..., x99."""
+    return sorted([*FEATURES, *(f"{prefix}N" for prefix in FAMILIES)])
+
+
+def expand(names: Iterable[str]) -> Tuple[str, ...]:
+    """Returns the names, in which "pointsN" is replaced by x1, y1, ..., xN, yN."""
+    result: List[str] = []
+    for name in names:
+        match = _NUMBERED.fullmatch(str(name))
+        if match is None or match[1] != "points":
+            result.append(name)
+        else:
+            result += [f"{axis}{number}" for number in range(1, int(match[2]) + 1) for axis in "xy"]
+    return tuple(result)
+
+
+def spread(values):
+    """Dict of feature name -> value, from one whose keys may be "pointsN": each of x1, y1, ... gets that value."""
+    return {name: value for key, value in values.items() for name in expand((key,))}
+
+
+def _area_row(view):
+    """L of a = m00 (T8)."""
+    return interaction.area(view.m, view.plane)
+
+
+def _mu_row(view, i, j):
+    """L of mu_ij (T7)."""
+    return interaction.centred_moment(view.m, view.mu, i, j, view.plane)
+
+
+def _normalised_rows(view):
+    """L of (xn, yn, an) (T9)."""
+    return interaction.normalised(view.m, view.plane, view.features.z_star_m, view.features.area_star)
+
+
+class View:
+    """One view of the target. What several features need of it is computed once (`shared`).
+
+    Attributes:
+        features: `Features`, or any object with its attributes.
+        plane: (A, B, C) of the target in the camera frame [1/m], floats; None when only values are asked for.
+        displacement: (6,) of the camera from the goal: p_CgC [m], then theta u of R_CgC [rad]; None: none, the camera
+            is at the goal.
+        inverse_depths: (N,) 1/Z of the followed points [1/m]; None: the plane gives them.
+        reference_point: (x, y, ln(Z/Z*)) of the target's reference point; None: the camera is at the goal.
+    """
+
+    __slots__ = ("features", "plane", "displacement", "inverse_depths", "reference_point", "_m", "_mu", "_known")
+
+    def __init__(self, features, plane=None, displacement=None, inverse_depths=None, reference_point=None):
+        self.features, self.displacement = features, displacement
+        self.plane = plane if plane is None else tuple(map(float, plane))  # arithmetic with numpy's scalars is slower
+        self.inverse_depths, self.reference_point = inverse_depths, reference_point
+        self._m = self._mu = None
+        self._known = {}
+
+    @property
+    def m(self):
+        """Raw moments by name "ij"."""
+        if self._m is None:
+            self._m = dict(zip(self.features.moment_names, self.features.m))
+        return self._m
+
+    @property
+    def mu(self):
+        """Centred moments by name "ij"."""
+        if self._mu is None:
+            self._mu = dict(zip(self.features.moment_names, self.features.mu))
+        return self._mu
+
+    def shared(self, make, *arguments):
+        """The value of make(view, *arguments), which is computed once per view and kept."""
+        key = (make, arguments)
+        if key not in self._known:
+            self._known[key] = make(self, *arguments)
+        return self._known[key]
+
+    def L_area(self):
+        """L of a = m00, (6,)."""
+        return self.shared(_area_row)
+
+    def L_mu(self, i, j):
+        """L of mu_ij, (6,)."""
+        return self.shared(_mu_row, i, j)
+
+    def L_normalised(self):
+        """L of (xn, yn, an), (3, 6)."""
+        return self.shared(_normalised_rows)
+
+
+class Feature:
+    """Base class of the features.
+
+    Attributes:
+        name: under which the feature is registered.  number: that of a member of a family.
+        order: up to this order i + j its value and row need moments.
+        angle: True if the value is an angle. Its errors are then taken modulo 2 pi, or modulo pi for a symmetric object
+            unless the angle is `directed`.
+        sees_tilt: True if it changes differently with a tilt of the camera than with a translation, so that a law can
+            control the tilt by it.
+        source: name of the `Source` that it comes from.
+        also_from: names of other sources that make what it needs; `servo.source` chooses one of them.
+        settings_class, settings: its own settings, class and instance; None for a feature without.
+        section: name of the section of these settings.
+        overlay: how it is drawn into the camera's image, a file of `report.overlays`; "" for not at all.
+        unit: of its value: "m", "rad", "1/m", "grey" (grey levels), ..., "-" for none.
+        symbol: plain text with the subscript after the first underscore ("x_n", "α"); "" stands for the name.
+        label: what it is, in a few words; "" stands for the name.
+        colour: of its curves, "#rrggbb"; "" leaves the choice to `styles`. A family gives a range of hues (from, to)
+            [deg] here, from which each member gets a shade of its own (`palette.shade`).
+    In symbol and label of a family, "{number}" stands for the number.
+    """
+
+    name, number, order, angle, directed, sees_tilt = "", 0, 2, False, False, False
+    source, also_from, section, settings_class, settings = "moments", (), "", None, None
+    overlay = "moments"
+    unit, symbol, label, colour = "-", "", "", ""
+
+    def value(self, view):
+        """The feature in this view, a float in its unit. Raises DegenerateFeature: it does not exist in this view."""
+        raise NotImplementedError
+
+    def row(self, view):
+        """Its row of the interaction matrix, (6,), columns [v; w] in the camera frame; needs view.plane."""
+        raise NotImplementedError
+
+
+class FeatureSet:
+    """The features that are servoed on, in this order.
+
+    Attributes:
+        names: tuple of their names.  order: up to this order they need moments.
+        sees_tilt: whether any of them does.  source: name of the source that all of them come from.
+    """
+
+    def __init__(self, names=FEATURE_NAMES, settings=None, source=""):
+        """Args: names: of features, "pointsN" allowed.  settings: dict of section -> settings of the features that have
+        their own; None takes the defaults.  source: name of the source that makes them; "" takes the features' own.
+
+        Raises ParameterError: a name is unknown (the error lists the known ones) or given twice, there is no name, the
+            features come from different sources, or a setting without a default is missing.
+        """
+        self.names = expand(names)
+        classes = [feature_class(name) for name in self.names]
+        faults = [unknown_name("features", name, known_features())
+                  for name, found in zip(self.names, classes) if found is None]
+        if len(set(self.names)) != len(self.names) or not self.names:
+            faults.append(f"features: found {list(self.names)}, allowed different names, at least one")
+        if faults:
+            raise ParameterError(faults)
+        others = [name for name, found in zip(self.names, classes)
+                  if source not in ("", found.source, *found.also_from)]
+        if others:
+            raise ParameterError(f"source: found '{source}', which does not make {', '.join(others)}, allowed a source "
+                                 "that makes every feature")
+        sources = {source or found.source for found in classes}
+        if len(sources) > 1:
+            raise ParameterError(f"features: found {', '.join(self.names)}, which come from the sources "
+                                 f"{' and '.join(sorted(sources))}, allowed features of one source")
+        self._features, self.source = [found() for found in classes], sources.pop()
+        for feature in self._features:
+            if feature.settings_class is not None:
+                feature.settings = settings_of(feature.section, feature.settings_class, settings or {},
+                                               f"feature '{feature.name}'")
+        self._values = [feature.value for feature in self._features]
+        self._angles = [(feature.angle, not feature.directed) for feature in self._features]
+        self.order = max(feature.order for feature in self._features)
+        self.sees_tilt = any(feature.sees_tilt for feature in self._features)
+
+    def __len__(self):
+        return len(self.names)
+
+    def values(self, view):
+        """s, tuple of k. Raises DegenerateFeature: a feature does not exist in this view or its moments are missing."""
+        try:
+            return tuple([value(view) for value in self._values])
+        except KeyError as error:
+            raise self._missing(error) from None
+
+    def error(self, s, s_star, symmetric):
+        """e = s - s_star, tuple of k. Errors of angles go the short way round, modulo pi if the object is symmetric."""
+        return tuple([wrapped(a - b, symmetric and half_turns) if angle else a - b
+                      for a, b, (angle, half_turns) in zip(s, s_star, self._angles)])
+
+    def matrix(self, view):
+        """L, (k, 6), columns [v; w] in the camera frame. Raises the errors of `values`."""
+        try:
+            return np.array([feature.row(view) for feature in self._features])
+        except KeyError as error:
+            raise self._missing(error) from None
+
+    def _missing(self, error):
+        return DegenerateFeature(f"features {', '.join(self.names)}: moment {error} is missing, set vision.order to "
+                                 f"{self.order} or more")
+
+
+def wrapped(angle, symmetric=False):
+    """The angle in [-pi, pi), or in [-pi/2, pi/2) for an object that is the same after half a turn [rad]."""
+    half = 0.5 * np.pi if symmetric else np.pi
+    return (angle + half) % (2.0 * half) - half

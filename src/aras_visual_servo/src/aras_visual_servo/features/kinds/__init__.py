@@ -1,0 +1,1 @@
+"""More kinds of features, each in a file of its own."""

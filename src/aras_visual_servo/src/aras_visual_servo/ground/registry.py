@@ -1,0 +1,89 @@
+"""Plugins by name: laws, features, sources, overlays, metrics, protocols. Each kind has one `Registry`.
+
+    LAWS = Registry("law", __package__)
+
+    @LAWS.register("mine")
+    class Mine(Law): ...
+
+    LAWS.find("mien")                           # ParameterError: law: found 'mien', did you mean 'mine'?
+"""
+
+import difflib
+import functools
+import importlib
+import pkgutil
+from collections.abc import Collection, Iterator, MutableMapping
+from typing import Any, Callable, Dict, TypeVar
+
+from .errors import ParameterError
+
+T = TypeVar("T")
+C = TypeVar("C")
+MOST_LISTED = 12
+
+
+class Registry(MutableMapping[str, T]):
+    """Plugins of one kind, sorted by name. The modules that register them are imported when the first one is read.
+
+    Args: kind: what an error calls them.  packages: dotted names of packages whose modules register plugins.
+    """
+
+    def __init__(self, kind: str, *packages: str) -> None:
+        self.kind, self._packages = kind, packages
+        self._plugins: Dict[str, T] = {}
+
+    def register(self, name: str, /, **attributes: Any) -> Callable[[C], C]:
+        """Returns a decorator that adds a class or function under this name, after it has set these attributes of it.
+
+        A plugin that has this name already is replaced.
+        """
+        def add(plugin: C) -> C:
+            for attribute, value in attributes.items():
+                setattr(plugin, attribute, value)
+            self[name] = plugin  # type: ignore[assignment]
+            return plugin
+
+        return add
+
+    def find(self, name: str, key: str = "") -> T:
+        """Returns the plugin of that name. Raises ParameterError, which starts with `key`, else with the kind."""
+        if name not in self:
+            raise ParameterError(unknown_name(key or self.kind, name, self))
+        return self[name]
+
+    def __getitem__(self, name: str) -> T:
+        return self._loaded()[name]
+
+    def __setitem__(self, name: str, plugin: T) -> None:
+        self._plugins[name] = plugin
+
+    def __delitem__(self, name: str) -> None:
+        del self._plugins[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(sorted(self._loaded()))
+
+    def __len__(self) -> int:
+        return len(self._loaded())
+
+    def _loaded(self) -> Dict[str, T]:
+        for package in self._packages:
+            load_room(package)
+        return self._plugins
+
+
+@functools.lru_cache(maxsize=None)
+def load_room(package: str) -> None:
+    """Imports every module of a package, so that each registers what it offers. Args: package: dotted name."""
+    for module in pkgutil.iter_modules(importlib.import_module(package).__path__):
+        importlib.import_module(f"{package}.{module.name}")
+
+
+def unknown_name(key: str, found: object, known: Collection[str]) -> str:
+    """Returns the text of a fault: the nearest known name if one is near, else the known ones, at most MOST_LISTED."""
+    near = difflib.get_close_matches(str(found), known, n=1)
+    if near:
+        return f"{key}: found '{found}', did you mean '{near[0]}'?"
+    names = sorted(known)
+    more = f" and {len(names) - MOST_LISTED} more" if len(names) > MOST_LISTED else ""
+    return f"{key}: found '{found}', allowed {', '.join(names[:MOST_LISTED])}{more}"

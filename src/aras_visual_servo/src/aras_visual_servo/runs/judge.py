@@ -1,0 +1,191 @@
+"""Judge a run by the true camera pose, not by the features that the servo saw. Needs numpy only.
+
+`judge(record)` is a pure function of the record. `run(scenario)` makes such a record without ROS.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..features.base import spread
+from ..ground.errors import ArasError
+from ..spatial import inverse, rotation_angle
+from ..ground.types import FEATURE_NAMES, Status
+
+# A decay is fitted while the error is above this share of its largest value ...
+FIT_FLOOR_SHARE = 0.05
+# ... and above this many times its stop threshold. Below that, the error is shaped by the pixels and not by the law.
+FIT_FLOOR_THRESHOLDS = 3.0
+FIT_MIN_ROWS = 8
+
+
+class NothingToJudge(ArasError):
+    """The run has no taught view or no servo phase; the text says how it ended."""
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What came out of a run.
+
+    Attributes:
+        converged: features, tilt and pose were within their thresholds.  reason: the last status in words.
+        stopped_by_rule: the published stop rule was met, which the scenario asks for in place of converging.
+        passed: one of both, and the true final error is within the scenario's `experiment.judge`.
+        faults: why the run did not pass, one line each.
+        duration_s: simulated seconds from the first servo image to the one that ended it.
+        final_error: x_mm, y_mm, z_mm of p_CgC in the goal camera frame Cg and the total angle_deg of R_CgC; eye-to-hand
+            of the target in the camera against the taught one, see `true_error`.
+        initial_error: the same at the first servo image.
+        final_feature_error: feature name -> e at the end, in its unit (features.styles).
+        gains_per_s: feature name -> gain lambda of the scenario, at which its error decays (`fit_decay`); {} if the law
+            promises no exponential decay.
+        limits: the scenario's judge thresholds, {} if it has none.
+        images: number of servo images.
+    """
+
+    converged: bool
+    reason: str
+    passed: bool
+    faults: tuple
+    duration_s: float
+    final_error: dict
+    initial_error: dict
+    final_feature_error: dict
+    gains_per_s: dict
+    limits: dict
+    images: int
+    stopped_by_rule: bool = False
+
+
+def run(scenario, progress=None, keep_images=False):
+    """Run a scenario without ROS: simulator, moments and sequence in this process.
+
+    Args:
+        scenario: a `Scenario`.  progress: called with each row's (t_s, phase), or None.
+        keep_images: keep every image of the servo phase in the record, for a video.
+    Returns:
+        RunRecord.
+    """
+    from .loop import ServoLoop  # needs the C++ modules, so it is imported only when a scenario is run
+    return ServoLoop(scenario).run(progress=progress, keep_images=keep_images)
+
+
+def judge(record):
+    """Judge a run.
+
+    Args:
+        record: RunRecord; needs a `teach` row and servo rows with true camera poses.
+    Returns:
+        Judgement.
+    Raises:
+        NothingToJudge: the record has no taught view or no servo row.
+    """
+    rows = record.servo_rows
+    if not len(rows) or not len(record.rows("teach")):
+        have = ", ".join(dict.fromkeys(record.phase.tolist())) or "none"
+        end = f"; it ended with: {record.status_text[-1] or Status(record.status[-1]).name}" if len(record) else ""
+        raise NothingToJudge(f"run '{record.scenario}': no taught view or no servo image, phases found: {have}{end}")
+    first, last = rows[0], rows[-1]
+    converged = bool(record.status[last] == Status.CONVERGED)
+    stopped_by_rule = bool(record.status[last] == Status.STOPPED_BY_RULE)
+    final_error = true_error(record, last)
+    limits = dict(record.settings.get("experiment", {}).get("judge", {}))
+    reason = str(record.status_text[last]) or Status(record.status[last]).name
+    faults = [] if converged or stopped_by_rule else [f"not converged: {reason}"]
+    for key, limit in limits.items():
+        if not abs(final_error[key]) <= limit:
+            faults.append(f"{key}: found {final_error[key]:.4g}, allowed +-{limit:g}")
+    return Judgement(
+        converged=converged, reason=reason, passed=not faults, faults=tuple(faults),
+        duration_s=float((record.stamp_ns[last] - record.stamp_ns[first]) * 1e-9),
+        final_error=final_error, initial_error=true_error(record, first),
+        final_feature_error=dict(zip(record.feature_names, record.e[_last_finite(record.e, rows)].tolist())),
+        gains_per_s=_promised_rates(record), limits=limits, images=len(rows), stopped_by_rule=stopped_by_rule)
+
+
+def taught_pose(record):
+    """X_WCg, (4, 4): the true camera pose at the image that stands for the taught view."""
+    return record.X_WC[record.taught_row]
+
+
+def goal_pose(record, row):
+    """X_WCg, (4, 4), at an image: the camera's taught pose relative to the target, for the target's pose at that
+    image."""
+    X_WCg = taught_pose(record)
+    if record.target_poses is None:
+        return X_WCg
+    then, now = record.target_poses[record.taught_row], record.target_poses[row]
+    return X_WCg if np.array_equal(then, now) else now @ np.linalg.solve(then, X_WCg)
+
+
+def true_error(record, row):
+    """True error at an image, a dict as of `pose_error`.
+
+    With the camera in the hand that of the camera against its goal, relative to the target. Eye-to-hand that of the
+    target in the camera against the taught one: p_CT - p_CTg in the axes of the camera, and the angle of R_TgT.
+    """
+    if not record.eye_to_hand or record.target_poses is None:
+        return pose_error(goal_pose(record, row), record.X_WC[row])
+    goal, here = (inverse(record.X_WC[at]) @ record.target_poses[at] for at in (record.taught_row, row))
+    x_mm, y_mm, z_mm = (1e3 * (here[:3, 3] - goal[:3, 3])).tolist()
+    return {"x_mm": x_mm, "y_mm": y_mm, "z_mm": z_mm,
+            "angle_deg": math.degrees(rotation_angle(goal[:3, :3].T @ here[:3, :3]))}
+
+
+def tracking(record):
+    """How well a moving goal was followed: root mean squares over the second half of the servo images.
+
+    Returns:
+        dict e (feature name -> rms of e), position_mm and angle_deg (of the true X_CgC, Cg moving with the target).
+    """
+    rows = record.servo_rows
+    rows = rows[len(rows) // 2:-1]  # the last one is the stop
+    errors = [true_error(record, row) for row in rows]
+    squares = [[sum(error[axis]**2 for axis in ("x_mm", "y_mm", "z_mm")), error["angle_deg"]**2] for error in errors]
+    position_mm, angle_deg = np.sqrt(np.mean(squares, axis=0)).tolist() if len(rows) else (math.nan, math.nan)
+    e = np.sqrt(np.nanmean(np.square(record.e[rows]), axis=0)).tolist() if len(rows) else []
+    return {"e": dict(zip(record.feature_names, e)), "position_mm": position_mm, "angle_deg": angle_deg}
+
+
+def pose_error(X_WCg, X_WC):
+    """Error of a camera pose C against the goal Cg, X_CgC.
+
+    Returns:
+        dict x_mm, y_mm, z_mm (p_CgC in the goal camera frame) and angle_deg (rotation angle of R_CgC, >= 0).
+    """
+    X_CgC = np.linalg.solve(X_WCg, X_WC) if np.all(np.isfinite(X_WCg)) else np.full((4, 4), np.nan)
+    x_mm, y_mm, z_mm = (1e3 * X_CgC[:3, 3]).tolist()
+    return {"x_mm": x_mm, "y_mm": y_mm, "z_mm": z_mm, "angle_deg": math.degrees(rotation_angle(X_CgC[:3, :3]))}
+
+
+def fit_decay(record):
+    """Rates of the exponentials through |e|, by a straight line through ln |e| over the servo images [1/s].
+
+    Returns:
+        dict feature name -> rate, NaN if fewer than FIT_MIN_ROWS images stand above the floor.
+    """
+    rows = record.servo_rows
+    t_s, thresholds = record.t_s[rows], spread(record.settings.get("servo", {}).get("thresholds", {}))
+    rates = {}
+    for column, name in enumerate(record.feature_names):
+        size = np.abs(record.e[rows, column])
+        floor = max(FIT_FLOOR_SHARE * np.nanmax(size, initial=0.0),
+                    FIT_FLOOR_THRESHOLDS * thresholds.get(name, 0.0))
+        below = np.flatnonzero(~(size > floor))
+        end = below[0] if len(below) else len(size)
+        fits = end >= FIT_MIN_ROWS
+        rates[name] = float(-np.polyfit(t_s[:end], np.log(size[:end]), 1)[0]) if fits else math.nan
+    return rates
+
+
+def _promised_rates(record):
+    servo = record.settings.get("servo", {})
+    if servo.get("mode") != "continuous" or servo.get("law") != "decoupled":
+        return {}
+    return {name: float(servo["gains_per_s"][name]) for name in FEATURE_NAMES if name in servo["gains_per_s"]}
+
+
+def _last_finite(e, rows):
+    finite = rows[np.isfinite(e[rows]).all(axis=1)]
+    return finite[-1] if len(finite) else rows[-1]

@@ -1,0 +1,82 @@
+"""The schema of a scenario: sections of this package, of the simulator and of the camera, put together."""
+
+import functools
+from dataclasses import dataclass
+from typing import Optional
+
+from ..arm.settings import HandEyeSettings
+from ..config.files import package_path
+from ..config.schema import schema_of, yaml_section
+from ..config.settings import setting
+from ..config.tables import part_of
+from ..arm.real import RealSettings
+from ..runs.settings import ExperimentSettings
+from ..servo.settings import own_sections, servo_schema
+from .sweep import Perturbations, SweepSection
+
+#: Sections that other packages read and describe: name -> package.
+ELSEWHERE = {"sim": "aras_visual_servo_sim", "time": "aras_visual_servo_sim", "vision": "aras_visual_servo_camera"}
+REQUIRED = ("name", "robot", "sim", "vision", "servo", "experiment")
+#: The name of a folder, and never that of the folder above.
+NAME = r"^(?!\.+$)[A-Za-z0-9_.-]+$"
+
+
+@dataclass(frozen=True)
+class RobotSettings:
+    """Section `robot`: the arm. Files are `package://PACKAGE/PATH`, absolute, or relative to the scenario."""
+
+    urdf: str = setting(not_empty=True, help="File of the robot's URDF.")
+    controllers: str = setting(not_empty=True, help="File of its joint controllers, in ros_control's layout.")
+    base_link: str = setting(
+        not_empty=True, help="Link where the chain begins that carries the camera, or the target.")
+    tip_link: str = setting(
+        not_empty=True, help="Optical frame of the camera, where the chain ends if the arm carries the camera.")
+    target_link: Optional[str] = setting(
+        None, not_empty=True,
+        help="Eye-to-hand: the link that carries the target before a camera that stands still. Poses of the camera, as "
+             "in experiment.goal.camera, are then in the frame of this link. Left out: the arm carries the camera.")
+    hand_eye: Optional[HandEyeSettings] = setting(
+        None,
+        help="Where a calibration found the camera on the arm, or beside it; the controller then goes by this and "
+             "not by tip_link.")
+
+
+def sources():
+    """What the schema is made of: sections of laws and features, folders of packages. The same sources, the same
+    schema."""
+    return tuple(own_sections().items()), tuple(package_path(package) for package in ELSEWHERE.values())
+
+
+def scenario_schema():
+    """JSON Schema (draft 7) of a scenario, dict; laws, features and plugins registered so far have their sections.
+
+    Raises ParameterError: a section is missing, or two describe the same.
+    """
+    return _schema(sources())
+
+
+def default_of(name, schema=None):
+    """Default of a key, e.g. of "sim.cameras.rate_hz". KeyError: it has no default."""
+    return part_of((schema or scenario_schema())["properties"], name)["default"]
+
+
+@functools.lru_cache(maxsize=4)
+def _schema(made_of):
+    properties = {
+        "name": {"type": "string", "pattern": NAME, "description": "Name of the scenario, and of the folder "
+                 "of its results: letters, digits, _ . -, not only dots."},
+        "description": {"type": "string", "description": "What it is, in a line."},
+        "robot": schema_of(RobotSettings),
+        **{name: yaml_section(package, name) for name, package in ELSEWHERE.items()},
+        "servo": servo_schema(dict(made_of[0])),
+        "experiment": schema_of(ExperimentSettings),
+        "sweep": schema_of(SweepSection),
+        "real": schema_of(RealSettings),
+    }
+    return {"$schema": "http://json-schema.org/draft-07/schema#", "title": "ARAS Visual Servo scenario",
+            "type": "object", "additionalProperties": False, "required": list(REQUIRED), "properties": properties}
+
+
+def described_sections():
+    """Every section that has a table in some page: name -> schema. Names with a dot are parts of a section."""
+    return {**scenario_schema()["properties"], "sweep.perturb": schema_of(Perturbations)}

@@ -1,0 +1,214 @@
+"""What the arm does while the target is not seen: hold still, go back along the path it came, or search.
+
+The arm moves only in answer to an image that came in time. Without an image it holds still, whatever is configured
+here.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+from math import atan2, ceil, cos, pi, sin
+from typing import NamedTuple, Optional
+
+import numpy as np
+
+from ..config.settings import setting
+from ..spatial import exponential, inverse, rotation_vector
+
+ACTIONS = ("hold", "back_off", "search")
+#: Images whose joint positions are kept for the way back: ten minutes at 30 Hz.
+PATH_LENGTH = 18000
+#: Directions of one ring of the search.
+DIRECTIONS = 8
+#: A place of the search counts as reached at a distance of NEAR_PART of a step. The search goes on to the next place
+#: after PATIENT times the time that the way takes at full speed, plus WHILE_S: an arm may be slow, or may not get there
+#: at all.
+NEAR_PART, PATIENT, WHILE_S = 0.1, 2.0, 0.3
+#: Near a place of the search the arm slows down, so that the rest of the way takes at least this many periods: joints
+#: follow their commands with a delay.
+EASE_PERIODS = 5.0
+
+
+@dataclass(frozen=True)
+class LostTargetSettings:
+    """Section `servo.lost_target`: how the arm backs off or searches, where `on_lost` says so."""
+
+    patience_s: float = setting(
+        0.1, unit="s", at_least=0,
+        help="The arm holds still for this long first: something may have passed by.")
+    speed: float = setting(0.5, unit="m/s, rad/s", above=0, help="Speed of the fastest joint.")
+    confirm_s: float = setting(
+        0.2, unit="s", at_least=0,
+        help="The target has to be seen for this long before the law takes over again.")
+    slow_down: float = setting(
+        0.5, above=0, at_most=1,
+        help="The twist of the law is multiplied by this after each recovery, so that what overshot does not do so "
+             "again.")
+    attempts: int = setting(5, at_least=1, help="Recoveries of one run; lost once more, the servo ends as `STOPPED`.")
+    time_limit_s: float = setting(
+        10.0, unit="s", above=0,
+        help="Lost for this long, the servo ends as `STOPPED`; its own time limit holds as well.")
+    pattern: str = setting(
+        "translate", choices=("translate", "tilt"),
+        help="Of a search: the camera moves along its own x and y, or turns about them.")
+    step_m: float = setting(
+        0.04, unit="m", above=0,
+        help="Distance between the rings of a search with `pattern: translate`; each ring has eight places, the first "
+             "where the target was seen last.")
+    step_rad: float = setting(0.08, unit="rad", above=0, help="The same with `pattern: tilt`.")
+    rings: int = setting(3, at_least=1, help="Number of rings of a search.")
+    speed_m_s: float = setting(0.1, unit="m/s", above=0, help="Speed of the camera in a search.")
+    turn_rad_s: float = setting(0.3, unit="rad/s", above=0, help="Turn of the camera in a search.")
+
+
+class Recovery(NamedTuple):
+    """Answer to an image without the target. q_dot: (n,).  twist: (6,).  gave_up: the servo is to stop."""
+
+    q_dot: np.ndarray
+    twist: np.ndarray
+    text: str
+    gave_up: bool = False
+
+
+def search_places(config, first_angle):
+    """Displacements of the camera from where it saw the target last, (6,) each: [translation m; rotation vector rad].
+
+    Rings of `DIRECTIONS` places, beginning in the direction in which the target was seen last.
+    Args: config: `LostTargetSettings`. first_angle: of that direction in the image [rad].
+    """
+    places = []
+    for ring in range(1, config.rings + 1):
+        for k in range(DIRECTIONS):
+            c, s = cos(first_angle + 2.0 * pi * k / DIRECTIONS), sin(first_angle + 2.0 * pi * k / DIRECTIONS)
+            if config.pattern == "translate":
+                places.append(ring * config.step_m * np.array([c, s, 0.0, 0.0, 0.0, 0.0]))
+            else:  # turned about (-s, c, 0) the optical axis moves towards (c, s)
+                places.append(ring * config.step_rad * np.array([0.0, 0.0, 0.0, -s, c, 0.0]))
+    return places
+
+
+class LostTarget:
+    """Follows the servo, and takes over while the target is lost.
+
+    Attributes:
+        recoveries: how often the arm moved until the target was found again, since `clear`.
+    """
+
+    def __init__(self, kinematics, arm, action, config):
+        """Args: kinematics: `Kinematics`. arm: `ArmMotion`. action: one of ACTIONS. config: `LostTargetSettings`."""
+        self._kinematics, self._arm, self._action, self._config = kinematics, arm, action, config
+        self._speed = np.minimum(kinematics.velocity, config.speed)
+        self.clear()
+
+    def clear(self):
+        """Forget the past."""
+        self._path, self.recoveries = deque(maxlen=PATH_LENGTH), 0
+        self._direction = 0.0
+        self._found()
+
+    def _found(self):
+        self._lost_ns = self._seen_ns = self._here = self._places = None
+        self._moved = False
+
+    @property
+    def factor(self):
+        """Factor on the twist of the law: it becomes smaller with each recovery."""
+        return self._config.slow_down**self.recoveries
+
+    def found(self, stamp_ns):
+        """Whether the servo may go on with this image, in which the target is seen."""
+        if not self._moved:
+            return True
+        self._seen_ns = stamp_ns if self._seen_ns is None else self._seen_ns
+        return stamp_ns - self._seen_ns >= 1e9 * self._config.confirm_s
+
+    def servoed(self, q, features):
+        """Call this when the law has answered an image of the target, taken at joint positions q, (n,)."""
+        if self._action == "hold":
+            return
+        if self._lost_ns is not None:
+            self.recoveries += self._moved
+            self._found()
+        self._path.append(q)
+        self._direction = atan2(getattr(features, "yg", 0.0), getattr(features, "xg", 0.0))
+
+    def step(self, stamp_ns, q, dt_s, visible) -> Optional[Recovery]:
+        """Answer to an image without the target, or to one that shows it (visible) but not for long enough yet.
+
+        None: hold still.
+
+        Args: q: (n,) measured at stamp_ns.  dt_s: time the answer holds, > 0 [s].
+        """
+        config = self._config
+        if self._action == "hold":
+            return None
+        zeros, twist = np.zeros_like(q), np.zeros(6)
+        if self._lost_ns is None:
+            self._lost_ns = stamp_ns
+            if self.recoveries >= config.attempts:
+                return Recovery(zeros, twist, f"target lost once more after {self.recoveries} recoveries", True)
+        if not visible:
+            self._seen_ns = None
+        lost_s = 1e-9 * (stamp_ns - self._lost_ns)
+        if lost_s >= config.time_limit_s:
+            return Recovery(zeros, twist, f"target lost for {config.time_limit_s:g} s", True)
+        if not self._path:
+            return Recovery(zeros, twist, "target not in view, never seen")
+        if not self._moved and lost_s < config.patience_s:
+            return Recovery(zeros, twist, "target not in view, waiting")
+        self._moved = True
+        state = "in view again" if visible else "target not in view"
+        if self._action == "back_off":
+            q_dot = self._back(q, dt_s)
+            text = f"{state}, backing off: {len(self._path)} images of the path left"
+            return Recovery(q_dot, self._kinematics.jacobian(q) @ q_dot, text)
+        if visible:  # stay where it is seen
+            return Recovery(zeros, twist, f"{state}, search ends")
+        q_dot, twist, place = self._look_around(stamp_ns, q, dt_s)
+        return Recovery(q_dot, twist, f"{state}, searching: {place}")
+
+    def _back(self, q, dt_s):
+        """Joint velocities that go back along the path for dt_s, at the speed limit; zeros at its end."""
+        if self._here is None:
+            self._here = q
+        begin, left = self._here, 1.0  # left: part of this period that is not used up yet
+        while self._path and left > 0.0:
+            way = self._kinematics.way(self._here, self._path[-1])
+            needed = float(np.max(np.abs(way) / self._speed)) / dt_s  # periods
+            if needed > left:
+                self._here, left = self._kinematics.moved(self._here, way, left / needed), 0.0
+            else:
+                self._here, left = self._path.pop(), left - needed
+        if not self._path:
+            self._path.append(self._here)  # the arm waits where the path began
+        return self._kinematics.way(begin, self._here) / dt_s
+
+    def _look_around(self, stamp_ns, q, dt_s):
+        """Joint velocities towards the present place of the search, the twist, and which place it is."""
+        if self._places is None:
+            X_BH = self._kinematics.pose(self._path[-1])
+            places = search_places(self._config, self._direction)
+            self._places, self._place, self._until_ns = [X_BH @ exponential(place) for place in places], -1, stamp_ns
+        way = None if self._place < 0 else self._way(q)
+        if way is None or stamp_ns >= self._until_ns or self._size(way) < NEAR_PART:
+            # Go on to the next place of the search, and from the last place to the first one.
+            self._place = (self._place + 1) % len(self._places)
+            way = self._way(q)
+            self._until_ns = stamp_ns + ceil(1e9 * (PATIENT * self._time_s(way) + WHILE_S))
+        twist = way / max(self._time_s(way), EASE_PERIODS * dt_s)
+        motion = self._arm.joint_velocity(q, twist, *self._arm.at(q), dt_s)
+        from ..arm.limits import velocity_factor  # C++: not needed to describe the settings of this file
+        factor = velocity_factor(motion.q_dot, self._speed)
+        return motion.q_dot * factor, motion.twist * factor, f"place {self._place + 1} of {len(self._places)}"
+
+    def _time_s(self, way):
+        """Time that a way takes at full speed of the camera [s]."""
+        return max(np.linalg.norm(way[:3]) / self._config.speed_m_s, np.linalg.norm(way[3:]) / self._config.turn_rad_s)
+
+    def _way(self, q):
+        """Twist [v; w] in C that, held for 1 s, brings the camera from q to the present place (to first order)."""
+        X_CP = inverse(self._kinematics.pose(q)) @ self._places[self._place]
+        return np.concatenate([X_CP[:3, 3], rotation_vector(X_CP[:3, :3])])
+
+    def _size(self, way):
+        """Length of a way in steps of the pattern."""
+        return max(np.linalg.norm(way[:3]) / self._config.step_m, np.linalg.norm(way[3:]) / self._config.step_rad)

@@ -1,0 +1,113 @@
+#include "arrival.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <aras_visual_servo_common/errors.hpp>
+#include <cmath>
+#include <string>
+
+namespace aras_visual_servo {
+namespace {
+
+using Vector6 = Arrival::Vector6;
+
+/** Below this cosine the sine of the angle is too small to find the axis from it. */
+constexpr double kNearHalfTurn = -0.9;
+constexpr double kNoTurn = 1e-9;
+
+double positionOf(const Vector6& pose) { return std::sqrt(pose[0] * pose[0] + pose[1] * pose[1] + pose[2] * pose[2]); }
+double rotationOf(const Vector6& pose) { return std::sqrt(pose[3] * pose[3] + pose[4] * pose[4] + pose[5] * pose[5]); }
+
+}  // namespace
+
+Vector6 between(const PoseRef& X_A, const PoseRef& X_B) {
+  Eigen::Vector3d p;
+  Eigen::Matrix3d R;  // written out: Eigen's own sums depend on the width of the processor's registers
+  for (int i = 0; i < 3; ++i) {
+    p[i] = 0.0;
+    for (int k = 0; k < 3; ++k) p[i] += X_A(k, i) * (X_B(k, 3) - X_A(k, 3));
+    for (int j = 0; j < 3; ++j) R(i, j) = X_A(0, i) * X_B(0, j) + X_A(1, i) * X_B(1, j) + X_A(2, i) * X_B(2, j);
+  }
+  Vector6 result;
+  result << p, 0.5 * (R(2, 1) - R(1, 2)), 0.5 * (R(0, 2) - R(2, 0)), 0.5 * (R(1, 0) - R(0, 1));
+  const double cosine = 0.5 * (R(0, 0) + R(1, 1) + R(2, 2) - 1.0), sine = rotationOf(result);
+  if (cosine < kNearHalfTurn) {
+    const Eigen::AngleAxisd turn(R);  // by way of the quaternion
+    result.tail<3>() = turn.angle() * turn.axis();
+  } else if (sine >= kNoTurn) {
+    result.tail<3>() *= std::atan2(sine, cosine) / sine;
+  }
+  return result;
+}
+
+Arrival::Arrival(const Numbers& thresholds, std::int64_t hold_ns, std::int64_t kept_ns, const Limits& limits,
+                 double sure, int taught_images)
+    : thresholds_(thresholds),
+      hold_ns_(hold_ns),
+      kept_ns_(kept_ns),
+      limits_(limits),
+      sure_(sure),
+      taught_images_(taught_images) {}
+
+void Arrival::clear() {
+  errors_.clear();
+  seen_.clear();
+}
+
+std::pair<Arrival::Numbers, double> Arrival::features(std::int64_t stamp_ns, const Numbers& e, double tilt_rad) {
+  if (e.size() != thresholds_.size()) {
+    throw aras_visual_servo_common::ShapeError("e: " + std::to_string(e.size()) + " values, expected " +
+                                               std::to_string(thresholds_.size()));
+  }
+  errors_.push_back({stamp_ns, e, tilt_rad});
+  while (stamp_ns - errors_.front().stamp_ns > hold_ns_) errors_.pop_front();
+  Numbers parts(e.size(), 0.0);
+  double most = errors_.front().tilt_rad;
+  for (const Errors& errors : errors_) {
+    for (std::size_t i = 0; i < parts.size(); ++i) parts[i] += errors.e[i];
+    most = std::max(most, errors.tilt_rad);
+  }
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    parts[i] = std::abs(parts[i] / static_cast<double>(errors_.size())) / thresholds_[i];
+  }
+  return {parts, most / limits_.tilt_rad};
+}
+
+Arrival::Place Arrival::place(std::int64_t stamp_ns, const Eigen::Ref<const Vector6>& moved,
+                              const Eigen::Ref<const Vector6>& pose) {
+  seen_.push_back({stamp_ns, moved, pose - moved});
+  while (stamp_ns - seen_.front().stamp_ns > kept_ns_) seen_.pop_front();
+
+  // The mean of the images from whose place the camera has hardly moved, and its variance.
+  const auto isNear = [&](const Seen& seen) {
+    const Vector6 way = seen.moved - moved;
+    return positionOf(way) < limits_.position_m && rotationOf(way) < limits_.rotation_rad;
+  };
+  std::vector<const Seen*> near;
+  Vector6 mean = Vector6::Zero(), variance = Vector6::Zero();
+  for (const Seen& seen : seen_) {
+    if (!isNear(seen)) continue;
+    near.push_back(&seen);
+    mean += seen.off;
+  }
+  const auto count = static_cast<double>(near.size());
+  mean /= count;
+  for (const Seen* seen : near) variance += (seen->off - mean).cwiseAbs2();
+  const Vector6 unsure = sure_ * sure_ * (1.0 / count + 1.0 / taught_images_) * (variance / count);
+
+  Place place{0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+  for (const Seen& seen : seen_) {
+    if (seen.stamp_ns < stamp_ns - hold_ns_) continue;
+    const Vector6 where = mean + seen.moved, way = seen.moved - moved;
+    place.off = std::max({place.off, positionOf(where) / limits_.position_m, rotationOf(where) / limits_.rotation_rad});
+    place.moved = std::max({place.moved, positionOf(way) / limits_.position_m, rotationOf(way) / limits_.rotation_rad});
+    const Vector6 farthest = (where.cwiseAbs2() + unsure).cwiseSqrt();
+    place.position_m = positionOf(farthest);
+    place.rotation_rad = rotationOf(farthest);
+    place.position = std::max(place.position, place.position_m / limits_.position_m);
+    place.turn = std::max(place.turn, place.rotation_rad / limits_.rotation_rad);
+  }
+  return place;
+}
+
+}  // namespace aras_visual_servo

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <deque>
+#include <utility>
+#include <vector>
+
+namespace aras_visual_servo {
+
+using PoseRef = Eigen::Ref<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>;
+
+/** Displacement from one pose to another, in the frame of the first: [p; theta u], theta in [0, pi] [m; rad]. */
+Eigen::Matrix<double, 6, 1> between(const PoseRef& X_A, const PoseRef& X_B);
+
+/** What the images of the last seconds say of the features and of the camera's distance from the goal (docs/theory.md
+ *  T60, T61). servo/stop_rule.py decides by it whether the servo has arrived. */
+class Arrival {
+ public:
+  using Numbers = std::vector<double>;
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+  struct Limits {
+    double position_m, rotation_rad, tilt_rad;
+  };
+  /** All but the two last are parts of the limits, 1 where a limit is met. */
+  struct Place {
+    double off;                       ///< farthest that the mean place was from the goal in the last hold_ns
+    double moved;                     ///< farthest that the camera was in that time from where it is now
+    double position, turn;            ///< as `off`, the uncertainty of the mean counted as distance
+    double position_m, rotation_rad;  ///< of now, likewise
+  };
+
+  /** @param thresholds  of the features.  @param hold_ns  for which the servo has to be at the goal
+   *  @param kept_ns  for which images tell the place.  @param sure  standard errors of a mean that count as distance
+   *  @param taught_images  whose mean is the goal */
+  Arrival(const Numbers& thresholds, std::int64_t hold_ns, std::int64_t kept_ns, const Limits& limits, double sure,
+          int taught_images);
+
+  void clear();
+
+  /** Takes the errors of one image in.
+   *  @param e  one per threshold.  @param tilt_rad  NaN: not known
+   *  @return the mean errors, and the largest tilt, of the last hold_ns, as parts of their limits
+   *  @throws ShapeError */
+  std::pair<Numbers, double> features(std::int64_t stamp_ns, const Numbers& e, double tilt_rad);
+
+  /** Takes the pose of one image in.
+   *  @param moved  of the camera by the joints, since any fixed instant.  @param pose  by the image, from the goal */
+  Place place(std::int64_t stamp_ns, const Eigen::Ref<const Vector6>& moved, const Eigen::Ref<const Vector6>& pose);
+
+ private:
+  struct Errors {
+    std::int64_t stamp_ns;
+    Numbers e;
+    double tilt_rad;
+  };
+  struct Seen {
+    std::int64_t stamp_ns;
+    Vector6 moved, off;  // off: the pose by the image less the motion
+  };
+
+  Numbers thresholds_;
+  std::int64_t hold_ns_, kept_ns_;
+  Limits limits_;
+  double sure_;
+  int taught_images_;
+  std::deque<Errors> errors_;
+  std::deque<Seen> seen_;
+};
+
+}  // namespace aras_visual_servo

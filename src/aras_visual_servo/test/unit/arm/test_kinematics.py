@@ -1,0 +1,156 @@
+"""Kinematics: known poses, Jacobian against differences, the determinant of the arm, bad models."""
+
+import numpy as np
+import pytest
+from toy_plant import GOAL, URDF, arm
+
+from aras_visual_servo.ground.errors import ModelError, NotFiniteError, ParameterError, ShapeError
+from aras_visual_servo.arm.kinematics import Kinematics
+from aras_visual_servo.arm.limits import velocity_factor
+from aras_visual_servo.arm.redundancy import TwistInverse
+
+STEP = 1e-6  # of central differences [m, rad]
+#: Truncation STEP^2 / 6 = 2e-13, rounding eps / STEP = 2e-10 on lengths near 1.6 m, times ten.
+DIFFERENCE = 4e-9
+ROUNDING = 1e-12  # of a product of nine transforms with entries near 1
+SEEDS = range(5)
+
+
+def random_joints(kinematics, seed):
+    return np.random.default_rng(seed).uniform(-1.5, 1.5, len(kinematics.joint_names))
+
+
+def test_joints_are_sorted_by_name():
+    assert arm().joint_names == ("J1", "J2", "J3", "J5", "J6", "gantry")
+
+
+def test_limits_come_from_the_urdf_and_continuous_joints_have_none():
+    kinematics = arm()
+    np.testing.assert_array_equal(kinematics.lower, [-2.0943] * 4 + [-np.inf, -1.5])
+    np.testing.assert_array_equal(kinematics.upper, [2.0943] * 4 + [np.inf, 1.5])
+    np.testing.assert_array_equal(kinematics.velocity, [5.0] * 6)
+
+
+def test_camera_hangs_straight_down_when_all_joints_are_zero():
+    height = 1.6263 - 0.02888 - 0.168 - 0.132 - 0.25 - 0.16 - 0.0718 - 0.0334
+    X = np.diag([1.0, -1.0, -1.0, 1.0])
+    X[2, 3] = height
+    np.testing.assert_allclose(arm().pose(np.zeros(6)), X, atol=ROUNDING)
+
+
+def test_camera_pose_at_the_published_goal():
+    kinematics = arm()
+    X = kinematics.pose(kinematics.vector(GOAL))
+    x = -0.25 * np.sin(0.09) - 0.16 * np.sin(0.045)
+    z = 1.6263 - 0.02888 - 0.168 - 0.132 - 0.25 * np.cos(0.09) - 0.16 * np.cos(0.045) - 0.0718 - 0.0334
+    np.testing.assert_allclose(X[:3, 3], [x, 0.05, z], atol=ROUNDING)
+    np.testing.assert_allclose(X[:3, :3], np.diag([1.0, -1.0, -1.0]), atol=ROUNDING)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_jacobian_is_the_derivative_of_the_pose_in_the_camera_frame(seed):
+    kinematics = arm()
+    q = random_joints(kinematics, seed)
+    R = kinematics.pose(q)[:3, :3]
+    J = kinematics.jacobian(q)
+    for i, step in enumerate(np.eye(6) * STEP):
+        dX = (kinematics.pose(q + step) - kinematics.pose(q - step)) / (2.0 * STEP)
+        spin = R.T @ dX[:3, :3]
+        twist = np.r_[R.T @ dX[:3, 3], spin[2, 1], spin[0, 2], spin[1, 0]]
+        np.testing.assert_allclose(J[:, i], twist, atol=DIFFERENCE)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_determinant_of_the_jacobian_is_the_known_product(seed):
+    kinematics = arm()
+    q = random_joints(kinematics, seed)
+    q1, q2, q3, q5 = q[:4]
+    expected = 0.25 * 0.16 * np.sin(q3) * np.cos(q1) * np.sin(q2 + q3 + q5)
+    found = np.linalg.det(kinematics.jacobian(q))
+    assert abs(found) == pytest.approx(abs(expected), abs=ROUNDING)
+
+
+@pytest.mark.parametrize("speed", [0.2, 20.0])
+@pytest.mark.parametrize("seed", SEEDS)
+def test_held_velocities_are_slowed_and_then_corrected_bit_for_bit(seed, speed):
+    kinematics = arm()
+    q, wanted = random_joints(kinematics, seed), speed * random_joints(kinematics, seed + 100)
+    J = kinematics.jacobian(q)
+    inverse = TwistInverse((1.0,) * 6, 0.05, 0.02, 0.02)(J)
+    found, factor = kinematics.held(inverse, J, q, wanted, 0.1, 0.25)
+    assert factor == velocity_factor(wanted, kinematics.velocity) and (factor < 1.0) == (speed > 1.0)
+    slowed = wanted * factor if factor < 1.0 else wanted
+    added = inverse.turning(J, kinematics.jacobian(kinematics.moved(q, slowed, 0.05)), slowed, 0.25)
+    np.testing.assert_array_equal(found, slowed + added)
+    assert np.abs(added).max() > 1e-3
+    with pytest.raises(ShapeError, match="q_dot: 5 values, expected 6"):
+        kinematics.held(inverse, J, q, wanted[:5], 0.1, 0.25)
+
+
+def test_determinant_keeps_one_sign_convention():
+    kinematics = arm()
+    signs = set()
+    for seed in SEEDS:
+        q = random_joints(kinematics, seed)
+        product = np.sin(q[2]) * np.cos(q[0]) * np.sin(q[1] + q[2] + q[3])
+        signs.add(np.sign(np.linalg.det(kinematics.jacobian(q)) * product))
+    assert len(signs) == 1
+
+
+def test_vector_takes_joints_by_name_in_any_order_and_ignores_others():
+    kinematics = arm()
+    q = kinematics.vector({"gripper": 7.0, "gantry": 6.0, "J6": 5.0, "J5": 4.0, "J3": 3.0, "J2": 2.0, "J1": 1.0})
+    np.testing.assert_array_equal(q, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
+
+
+def test_vector_names_the_missing_joint():
+    with pytest.raises(ParameterError, match=r"missing \['J5'\]"):
+        arm().vector({"gantry": 6.0, "J6": 5.0, "J3": 3.0, "J2": 2.0, "J1": 1.0})
+
+
+def test_wrong_number_of_joints_is_a_shape_error():
+    with pytest.raises(ShapeError, match="5 values, expected 6"):
+        arm().pose(np.zeros(5))
+
+
+@pytest.mark.parametrize("call", ["pose", "jacobian"])
+def test_joint_position_that_is_not_finite_is_refused(call):
+    with pytest.raises(NotFiniteError):
+        getattr(arm(), call)(np.array([0, 0, np.nan, 0, 0, 0]))
+
+
+@pytest.mark.parametrize(
+    "old, new, cause",
+    [
+        ("</robot>", "", "URDF"),
+        ('<child link="link3"/>', '<child link="link9"/>', "URDF"),
+        ('type="continuous"', 'type="floating"', "joint 'J6': type"),
+        ('lower="-1.5" upper="1.5"', 'lower="1.5" upper="-1.5"', "joint 'gantry': limits"),
+    ],
+)
+def test_bad_model_is_refused_with_its_cause(old, new, cause):
+    assert old in URDF
+    with pytest.raises(ModelError, match=cause):
+        Kinematics(URDF.replace(old, new, 1), "world", "camera_optical_frame")
+
+
+def test_unknown_link_lists_the_known_ones():
+    with pytest.raises(ModelError, match="no link 'tool'.*camera_optical_frame"):
+        Kinematics(URDF, "world", "tool")
+
+
+def test_tip_must_be_below_the_base():
+    with pytest.raises(ModelError, match="not below"):
+        Kinematics(URDF, "camera_optical_frame", "world")
+
+
+def test_chain_without_moving_joint_is_refused():
+    with pytest.raises(ModelError, match="no moving joint"):
+        Kinematics(URDF, "slider", "link0")
+
+
+def test_vector_is_not_shared_with_the_caller():
+    kinematics, q = arm(), np.zeros(6)
+    vector = kinematics.vector(q)
+    q[0] = 1.0
+    assert vector[0] == 0.0

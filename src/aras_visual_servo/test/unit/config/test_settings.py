@@ -1,0 +1,167 @@
+"""Settings classes: read and checked, put into schema and tables, all from one description of each key."""
+
+import random
+from dataclasses import dataclass, fields, make_dataclass
+from typing import Dict, Optional, Tuple
+
+import jsonschema
+import pytest
+
+from aras_visual_servo.config.reader import Names, read
+from aras_visual_servo.config.schema import schema_of
+from aras_visual_servo.config.settings import keys_of, setting
+from aras_visual_servo.config.tables import table_of
+from aras_visual_servo.ground.errors import ParameterError
+
+
+@dataclass(frozen=True)
+class Inner:
+    """A section in the section."""
+
+    weight: float = setting(above=0, help="Of the inner thing.")
+    name: str = setting("x", choices=("x", "y"), help="What it is called.")
+
+
+@dataclass(frozen=True)
+class Everything:
+    """A key of every kind."""
+
+    gain_per_s: float = setting(unit="1/s", above=0, at_most=10, help="A number that has to be there.")
+    boundary: Tuple[float, ...] = setting(above=0, by="feature", not_empty=True, help="A number per feature.")
+    count: int = setting(3, at_least=1, help="A whole number.")
+    open: bool = setting(False, help="True or false.")
+    file: str = setting("", not_empty=True, help="A text.")
+    normal: Tuple[float, ...] = setting((0.0, 0.0, 1.0), size=3, help="Three numbers.")
+    names: Tuple[str, ...] = setting((), help="Texts.")
+    weights: Dict[str, float] = setting({}, at_least=0, by="joint", help="A number per joint.")
+    ranges: Dict[str, Tuple[float, ...]] = setting({}, size=2, help="Two numbers per name.")
+    inner: Inner = setting(Inner(1.0), help="A section.")
+    maybe: Optional[Inner] = setting(None, help="A section that may be left out.")
+    anything: object = setting(None, help="Anything.")
+    made_of_it: object = None  # no key
+
+    def check(self):
+        """More than one key."""
+        if self.count > 5 and self.open:
+            yield f"count: found {self.count}, allowed <= 5 with open: true"
+
+
+GOOD = {"gain_per_s": 2, "boundary": {"pair": 0.1}}
+NAMES = Names(("a", "b"), ("J1", "J2"), expand=lambda names: [n for name in names for n in
+                                                              (("a", "b") if name == "pair" else (name,))])
+
+
+def without(cls, *names):
+    """The same class with keys taken out of it."""
+    kept = [entry for entry in fields(cls) if entry.name not in names]
+    return make_dataclass(cls.__name__, [(entry.name, entry.type, entry) for entry in kept], frozen=True)
+
+
+def test_values_come_typed_and_what_is_missing_has_its_default():
+    settings = read(Everything, {**GOOD, "count": 4.0, "normal": [1, 0, 0], "names": ["n"], "weights": {"J2": 0},
+                                 "ranges": {"x": [0, 1]}, "maybe": {"weight": 2}}, "here", NAMES)
+    assert settings == Everything(2.0, (0.1, 0.1), 4, normal=(1.0, 0.0, 0.0), names=("n",), weights={"J2": 0.0},
+                                  ranges={"x": (0.0, 1.0)}, maybe=Inner(2.0))
+    assert isinstance(settings.gain_per_s, float) and isinstance(settings.count, int)
+
+
+@pytest.mark.parametrize("change, fault", [
+    ({"gain_per_s": 11}, "gain_per_s: found 11, allowed a finite number > 0 and <= 10"),
+    ({"gain_per_s": True}, "gain_per_s: found True, allowed a finite number"),
+    ({"gain_per_s": float("nan")}, "gain_per_s: found nan, allowed a finite number"),
+    ({"count": 2.5}, "count: found 2.5, allowed a whole number >= 1"),
+    ({"open": 1}, "open: found 1, allowed true, false"),
+    ({"normal": [0, 1]}, "normal: found [0, 1], allowed 3 finite numbers"),
+    ({"names": "n"}, "names: found n, allowed a list of names"),
+    ({"weights": {"J3": 1}}, "weights/J3: unknown joint, allowed J1, J2"),
+    ({"weights": {"J1": -1}}, "weights/J1: found -1, allowed a finite number >= 0"),
+    ({"ranges": {"x": [0]}}, "ranges/x: found [0], allowed 2 finite numbers"),
+    ({"boundary": {"a": 1}}, "boundary/b: found nothing, allowed a finite number > 0"),
+    ({"boundary": {"pair": 1, "c": 1}}, "boundary/c: unknown key, allowed a, b"),
+    ({"boundary": 1}, "boundary: found 1, allowed a table of keys"),
+    ({"inner": {"name": "z", "weight": 1}}, "inner/name: found z, allowed x, y"),
+    ({"maybe": {}}, "maybe/weight: found nothing, allowed a finite number > 0"),
+    ({"inner": []}, "inner: found [], allowed a table of keys"),
+    ({"more": 1}, "more: unknown key, allowed anything, boundary, count"),
+    ({"made_of_it": 1}, "made_of_it: unknown key"),
+    ({"count": 6, "open": True}, "count: found 6, allowed <= 5 with open: true")])
+def test_a_fault_names_place_value_and_what_is_allowed(change, fault):
+    with pytest.raises(ParameterError) as caught:
+        read(Everything, {**GOOD, **change}, "here", NAMES)
+    assert len(caught.value.faults) == 1 and caught.value.faults[0].startswith("here/" + fault), str(caught.value)
+
+
+def test_every_fault_is_listed():
+    with pytest.raises(ParameterError) as caught:
+        read(Everything, {"count": 0, "inner": {"weight": 0, "extra": 1}, "normal": 3, "boundary": {}}, "here", NAMES)
+    assert [fault.split(":")[0] for fault in caught.value.faults] == [
+        "here/gain_per_s", "here/boundary", "here/count", "here/normal", "here/inner/weight", "here/inner/extra"]
+
+
+def test_positions_of_joints_keep_their_limits():
+    @dataclass(frozen=True)
+    class Place:
+        joints: Dict[str, float] = setting(by="joint_position", help="Where.")
+
+    names = Names(joints=("J1", "J2"), limits={"J1": (-1.0, 1.0)})
+    assert read(Place, {"joints": {"J1": 1, "J2": 9}}, "place", names).joints == {"J1": 1.0, "J2": 9.0}
+    with pytest.raises(ParameterError, match="place/joints/J1: found 2, allowed a finite number >= -1.0 and <= 1.0"):
+        read(Place, {"joints": {"J1": 2}}, "place", names)
+
+
+def test_reader_and_schema_take_and_refuse_the_same():
+    """Random documents; what only the reader knows (names of joints, `check`) is kept out of them."""
+    rng = random.Random(0)
+    values = [0, 1, -1, 2.5, 3.0, 11, True, "x", "", "z", None, [], [1, 2, 3], [1, 2], ["n"], {}, {"weight": 1},
+              {"weight": 0}, {"weight": 1, "name": "y"}, {"weight": 1, "more": 1}, {"x": [0, 1]}, {"J1": 1}, {"J1": -1}]
+    keys = [key.name for key in keys_of(Everything) if key.name != "boundary"]
+    validator, taken = jsonschema.Draft7Validator(schema_of(Everything)), 0
+    for _ in range(3000):
+        document = {**GOOD, "boundary": {"a": 1, "b": 2}}
+        for _ in range(rng.choice([1, 1, 2])):
+            document[rng.choice(keys)] = rng.choice(values)
+        faults = []
+        read(Everything, document, "here", Names(("a", "b")), faults=faults)
+        accepted = not [fault for fault in faults if "with open" not in fault]
+        assert accepted == validator.is_valid(document), (document, faults)
+        taken += accepted
+    assert 300 < taken < 2700
+
+
+def test_a_key_taken_out_of_its_class_is_lost_to_reader_schema_and_table():
+    smaller = without(Everything, "count")
+    document = {**GOOD, "count": 4}
+    assert read(Everything, document, "here", NAMES).count == 4
+    with pytest.raises(ParameterError, match="here/count: unknown key"):
+        read(smaller, document, "here", NAMES)
+    for cls, there in ((Everything, True), (smaller, False)):
+        assert ("count" in schema_of(cls)["properties"]) == there
+        assert any("`count`" in row for row in table_of(schema_of(cls))) == there
+
+
+def test_the_table_says_unit_default_range_and_meaning():
+    rows = table_of(schema_of(Everything))
+    assert "| `gain_per_s` | 1/s | required | > 0, <= 10 | A number that has to be there. |" in rows
+    assert "| `count` |  | 3 | whole >= 1 | A whole number. |" in rows
+    assert "| `boundary` |  | required | > 0 by name | A number per feature. |" in rows
+    assert "| `inner.name` |  | `x` | `x`, `y` | What it is called. |" in rows
+    assert "| `maybe` |  | off |  | A section that may be left out. |" in rows
+    assert not any("`inner.name`" in row for row in table_of(schema_of(Everything), ["inner"]))
+
+
+def test_a_class_that_does_not_describe_its_keys_is_refused():
+    @dataclass(frozen=True)
+    class NoHelp:
+        speed: float = setting(1.0, help="")
+
+    @dataclass(frozen=True)
+    class NoType:
+        speed: set = setting(1.0, help="How fast.")
+
+    @dataclass
+    class NotFrozen:
+        speed: float = setting(1.0, help="How fast.")
+
+    for cls in (NoHelp, NoType, NotFrozen, int):
+        with pytest.raises(ParameterError, match=f"settings {cls.__name__}"):
+            keys_of(cls)

@@ -1,0 +1,135 @@
+"""The scenario's schema: put together from the sections of three packages, each key described once."""
+
+import os
+import shutil
+from dataclasses import dataclass
+
+import jsonschema
+import pytest
+import yaml
+
+from aras_visual_servo.config.files import package_path
+from aras_visual_servo.config.schema import yaml_section
+from aras_visual_servo.config.settings import setting
+from aras_visual_servo.config.tables import part_of, table_of
+from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo.laws import base as laws
+from aras_visual_servo.laws.base import Law, register_law
+from aras_visual_servo.scenario.check import check
+from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo.scenario.schema import described_sections, scenario_schema
+
+DESCRIBED = ("robot", "sim", "time", "vision", "servo", "experiment", "sweep")
+#: Endings of names and the unit they stand for; the longer ones first.
+UNITS = {"_per_s": "/s", "_m_s2": "m/s^2", "_rad_s2": "rad/s^2", "_m_s": "m/s", "_rad_s": "rad/s", "_hz": "Hz",
+         "_px": "px", "_rad": "rad", "_deg": "deg", "_mm": "mm", "_m": "m", "_s": "s"}
+
+
+@pytest.fixture
+def document():
+    return load_scenario("experiment_1").as_dict()
+
+
+def keys_in(schema, before=""):
+    """(dotted name, what is said of it, whether it is required) of each key of a section and of those in it."""
+    for kind in [schema, *schema.get("oneOf", ()), *schema.get("anyOf", ())]:
+        for key, found in kind.get("properties", {}).items():
+            yield before + key, found, key in kind.get("required", ())
+            yield from keys_in(found, f"{before}{key}.")
+            yield from keys_in(found.get("items", {}), f"{before}{key}[].")
+
+
+@pytest.mark.parametrize("name", DESCRIBED)
+def test_every_key_has_a_line_of_meaning_a_unit_if_its_name_says_so_and_a_default_or_none(name):
+    for key, found, required in keys_in(described_sections()[name], f"{name}."):
+        assert found.get("description", "").strip(), key
+        assert "\n" not in found["description"] and not (required and "default" in found), key
+        ending = next((unit for end, unit in UNITS.items() if key.endswith(end)), None)
+        if ending and found.get("type") != "object":
+            assert found.get("unit", "").endswith(ending), (key, found.get("unit"))
+
+
+def test_the_whole_is_a_json_schema():
+    jsonschema.Draft7Validator.check_schema(scenario_schema())
+    with pytest.raises(jsonschema.SchemaError):
+        jsonschema.Draft7Validator.check_schema({"properties": {"a": {"minimum": "none"}}})
+
+
+def test_defaults_are_values_that_are_allowed(document):
+    """A scenario that writes every default down is accepted."""
+    for name in DESCRIBED:
+        section = document.setdefault(name, {})
+        for key, found in scenario_schema()["properties"][name]["properties"].items():
+            if "default" in found and found["default"] not in ({}, "", []):
+                section.setdefault(key, found["default"])
+    assert check(document) == []
+
+
+def test_five_faults_in_five_sections_are_all_listed(document):
+    document["robot"]["wheels"] = 4
+    document["sim"]["period_s"] = 0
+    document["vision"]["order"] = 2
+    document["servo"]["inverse"]["damping"] = "some"
+    del document["experiment"]["goal"]
+    assert check(document) == [
+        "experiment.goal: missing",
+        "robot.wheels: unknown key, known are base_link, controllers, hand_eye, target_link, "
+        "tip_link, urdf",
+        "servo.inverse.damping: found 'some', allowed a finite number",
+        "sim.period_s: found 0, allowed >= 1e-06",
+        "vision.order: found 2, allowed >= 3"]
+
+
+def test_a_key_taken_out_of_a_yaml_section_is_lost_to_schema_check_and_table(document, tmp_path, monkeypatch):
+    document["sim"]["cameras"][0]["latency_s"] = 0.01
+    assert check(document) == []
+    shutil.copytree(package_path("aras_visual_servo_sim"), tmp_path / "aras_visual_servo_sim",
+                    ignore=lambda folder, names: {name for name in names if name in ("src", "test", "build")})
+    for path in (tmp_path / "aras_visual_servo_sim" / "schema").glob("*.yaml"):
+        content = yaml.safe_load(path.read_text())
+        take_out(content, "latency_s")
+        path.write_text(yaml.safe_dump(content))
+    assert row_of("latency_s")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", f"{tmp_path}{os.pathsep}{os.environ.get('ROS_PACKAGE_PATH', '')}")
+    assert [fault.split(",")[0] for fault in check(document)] == ["sim.cameras[0].latency_s: unknown key"]
+    assert not row_of("latency_s") and row_of("width")
+
+
+def take_out(node, key):
+    for inner in node.values() if isinstance(node, dict) else node if isinstance(node, list) else ():
+        take_out(inner, key)
+    if isinstance(node, dict):
+        node.get("properties", {}).pop(key, None)
+
+
+def row_of(key):
+    return [row for row in table_of(part_of(described_sections(), "sim.cameras")) if row.startswith(f"| `{key}`")]
+
+
+def test_a_file_named_by_ref_stands_in_its_place_and_what_stands_beside_it_goes_first(tmp_path, monkeypatch):
+    folder = tmp_path / "some_package"
+    (folder / "schema").mkdir(parents=True)
+    (folder / "package.xml").write_text("<package/>")
+    (folder / "schema" / "a.yaml").write_text("type: object\nproperties: {b: {$ref: b, description: Mine.}}\n")
+    (folder / "schema" / "b.yaml").write_text("{type: number, minimum: 2, description: Its own.}\n")
+    (folder / "schema" / "c.yaml").write_text("properties: {c: {$ref: c}}\n")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
+    assert yaml_section("some_package", "a")["properties"]["b"] == {"type": "number", "minimum": 2,
+                                                                    "description": "Mine."}
+    for name, fault in (("c", "leads in a circle"), ("d", "no such file")):
+        with pytest.raises(ParameterError, match=fault):
+            yaml_section("some_package", name)
+
+
+def test_a_law_whose_section_is_a_key_of_the_servo_is_refused(document):
+    @dataclass(frozen=True)
+    class Settings:
+        size: float = setting(1.0, help="Any.")
+
+    try:
+        register_law("limits", settings=Settings)(type("Mine", (Law,), {}))
+        assert check(document) == ["servo/limits: found a law or feature of this name with settings, allowed a name "
+                                   "that no other section and no key has"]
+    finally:
+        laws.LAWS.pop("limits")
+    assert check(document) == []

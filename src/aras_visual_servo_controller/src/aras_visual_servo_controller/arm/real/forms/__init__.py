@@ -1,1 +1,0 @@
-"""Forms of commands, one per file: what the driver of an arm takes."""

@@ -1,0 +1,125 @@
+"""Where the camera is on the arm, from views of a board that rests while the arm moves.
+
+A first guess solves A X = X B (OpenCV's calibrateHandEye, after Park and Martin, IEEE T-RA 10(5), 1994). Then the
+pixels of all views are fitted at once. Unknown are the pose of the camera on its link, X_FC, that of the board in the
+base, X_BO, and the camera's intrinsics within what their own calibration leaves open: an error of the focal length
+looks like a camera that sits elsewhere. The fit also tells how well X_FC is known.
+"""
+
+from dataclasses import dataclass
+from math import hypot
+from typing import Any, Dict, Sequence, Tuple
+
+import numpy as np
+
+from aras_visual_servo import ParameterError
+from aras_visual_servo.spatial import exponential, inverse, rotation_vector, rpy_of
+from .boards import Board
+from .camera import CameraCalibration
+
+LEAST_VIEWS = 4
+#: The arm must turn about axes that differ, or the translation along the one axis stays unknown [rad].
+LEAST_TURN_RAD = 0.1
+
+
+@dataclass(frozen=True)
+class HandEye:
+    """Attributes:
+        X_FC: (4, 4) camera in the frame of its link.  X_BO: (4, 4) board in the base.
+        residual_px: root mean square over all points.  view_residuals_px: of each view.
+        stddev_m, stddev_rad: of position and attitude of X_FC, from the residual: of their worst directions.
+    """
+
+    X_FC: np.ndarray
+    X_BO: np.ndarray
+    residual_px: float
+    view_residuals_px: Tuple[float, ...]
+    stddev_m: float
+    stddev_rad: float
+
+    @property
+    def rpy_rad(self) -> Tuple[float, float, float]:
+        """Roll, pitch and yaw of X_FC, as `robot.hand_eye` has them."""
+        return rpy_of(self.X_FC[:3, :3])
+
+    def cost(self, z_star_m: float) -> Dict[str, float]:
+        """What the error costs at the goal, dict of texts -> mm (one standard deviation).
+
+        A taught goal is the same posture before the same picture. A goal given as a pose of the camera in the base is
+        off by the error itself, and what the camera then sees at the depth of the target by its turn as well.
+        """
+        return {"taught goal": 0.0, "goal as a camera pose": 1e3 * self.stddev_m,
+                "goal as a camera pose, at the target": 1e3 * hypot(self.stddev_m, z_star_m * self.stddev_rad)}
+
+
+def calibrate_hand_eye(poses: Sequence[np.ndarray],
+                       views: Sequence[np.ndarray], board: Board, camera: CameraCalibration) -> HandEye:
+    """`HandEye`.
+
+    Args:
+        poses: list of X_BF, (4, 4), of the link that carries the camera.  views: list of (n, 2) pixels of the board.
+        camera: `CameraCalibration`.
+    Raises: ParameterError: too few views, or an arm that did not turn about two axes.
+    """
+    import cv2
+    if len(views) < LEAST_VIEWS or len(views) != len(poses):
+        raise ParameterError(f"views of the board: found {len(views)} with {len(poses)} poses of the arm, allowed >= "
+                             f"{LEAST_VIEWS}, one pose each")
+    _check_turns(poses)
+    boards = [board_pose(view, board, camera) for view in views]
+    R, t = cv2.calibrateHandEye([X[:3, :3] for X in poses], [X[:3, 3] for X in poses], [X[:3, :3] for X in boards],
+                                [X[:3, 3] for X in boards], method=cv2.CALIB_HAND_EYE_PARK)
+    X_FC = np.eye(4)
+    X_FC[:3, :3], X_FC[:3, 3] = R, t.ravel()
+    X_BO = poses[0] @ X_FC @ boards[0]
+    return _fitted(poses, views, board, camera, X_FC, X_BO)
+
+
+def board_pose(view: np.ndarray, board: Board, camera: CameraCalibration) -> np.ndarray:
+    """X_CO, (4, 4), of a board from its pixels (n, 2)."""
+    import cv2
+    _, turn, place = cv2.solvePnP(board.points_m, np.asarray(view, dtype=float), camera.K, camera.distortion)
+    X = np.eye(4)
+    X[:3, :3], X[:3, 3] = cv2.Rodrigues(turn)[0], place.ravel()
+    return X
+
+
+def projected(X_CO: np.ndarray, board: Board, camera: CameraCalibration, intrinsics: Any = None) -> np.ndarray:
+    """(n, 2) pixels of the board's points. Args: intrinsics: (9,), see `CameraCalibration`; None: the camera's."""
+    import cv2
+    fx, fy, cx, cy, *distortion = camera.intrinsics if intrinsics is None else intrinsics
+    K = np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
+    turn, _ = cv2.Rodrigues(np.ascontiguousarray(X_CO[:3, :3]))
+    return cv2.projectPoints(board.points_m, turn, X_CO[:3, 3], K, np.array(distortion))[0].reshape(-1, 2)
+
+
+def _fitted(poses, views, board, camera, X_FC, X_BO):
+    from scipy.optimize import least_squares
+    taken = camera.intrinsics
+    free = bool(np.isfinite(camera.stddev).all() and (camera.stddev > 0.0).all())
+    pixel = camera.residual_px / np.sqrt(2.0) if camera.residual_px > 0.0 else 1.0  # of one coordinate
+
+    def residuals(step):
+        at, to = X_FC @ exponential(step[:6]), X_BO @ exponential(step[6:12])
+        intrinsics = taken + camera.stddev * step[12:] if free else taken
+        left = [(projected(inverse(X_BF @ at) @ to, board, camera, intrinsics) - view).ravel() / pixel
+                for X_BF, view in zip(poses, views)]
+        return np.concatenate([*left, step[12:]])
+
+    found = least_squares(residuals, np.zeros(12 + 9 * free), x_scale="jac", method="lm")
+    left = pixel * found.fun[:2 * sum(map(len, views))].reshape(len(views), -1)
+    variance = max(1.0 if free else 0.0, float(found.fun @ found.fun) / max(1, left.size - 12))
+    covariance = variance * np.linalg.pinv(found.jac.T @ found.jac)
+    worst = [float(np.sqrt(np.linalg.eigvalsh(covariance[k:k + 3, k:k + 3])[-1])) for k in (0, 3)]
+    rms = [float(np.sqrt(2.0 * np.mean(each**2))) for each in left]
+    return HandEye(X_FC @ exponential(found.x[:6]), X_BO @ exponential(found.x[6:12]),
+                   float(np.sqrt(2.0 * np.mean(left**2))), tuple(rms), *worst)
+
+
+def _check_turns(poses):
+    """Raises ParameterError unless the arm turned about axes that differ."""
+    turns = np.array([rotation_vector(poses[0][:3, :3].T @ X[:3, :3]) for X in poses[1:]])
+    second = float(np.linalg.svd(turns, compute_uv=False)[1])
+    if second < LEAST_TURN_RAD:
+        raise ParameterError(f"poses of the arm: found turns about one axis (about others {second:.3f} rad), allowed "
+                             f"turns about two axes by {LEAST_TURN_RAD:g} rad or more")

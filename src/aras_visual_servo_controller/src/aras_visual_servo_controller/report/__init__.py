@@ -1,1 +1,0 @@
-"""Makes figures, pages, videos and tables of a run."""

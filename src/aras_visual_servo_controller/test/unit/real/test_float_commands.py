@@ -1,0 +1,67 @@
+"""Set-points for plain ros_control targets: velocities integrated, limits kept, nothing moves on its own."""
+
+import numpy as np
+import pytest
+
+from aras_visual_servo_controller.real.float_commands import SetPointIntegrator
+from aras_visual_servo.ground.types import Command
+
+SECOND_NS = 1_000_000_000
+ROUNDING = 1e-12  # a hundred additions of numbers near 1
+
+
+def integrator(timeout_s=10.0):
+    return SetPointIntegrator(("a", "b"), np.array([-1.0, -np.inf]), np.array([1.0, np.inf]), int(timeout_s * 1e9))
+
+
+def test_sends_nothing_before_the_first_command():
+    assert integrator().advance(0) == {}
+
+
+def test_integrates_a_velocity_from_the_measured_position():
+    points = integrator()
+    points.advance(0)
+    points.command(Command(0, velocity={"a": 0.5}), [0.1, 0.2])
+    for tick in range(1, 101):
+        result = points.advance(tick * SECOND_NS // 100)
+    assert result["a"] == pytest.approx(0.6, abs=ROUNDING)
+    assert result["b"] == 0.2
+
+
+def test_a_position_is_taken_at_once_and_clamped_to_the_limits():
+    points = integrator()
+    points.command(Command(0, position={"a": 5.0, "b": 5.0}), [0.0, 0.0])
+    assert points.advance(0) == {"a": 1.0, "b": 5.0}
+
+
+def test_integration_stops_at_the_limit_and_does_not_wind_up():
+    points = integrator()
+    points.advance(0)
+    points.command(Command(0, velocity={"a": 1.0}), [0.9, 0.0])
+    assert points.advance(SECOND_NS)["a"] == 1.0
+    points.command(Command(SECOND_NS, velocity={"a": -1.0}), [0.9, 0.0])
+    assert points.advance(3 * SECOND_NS // 2)["a"] == pytest.approx(0.5, abs=ROUNDING)
+
+
+def test_a_velocity_without_successor_stops_after_the_timeout():
+    points = integrator(timeout_s=0.2)
+    points.advance(0)
+    points.command(Command(0, velocity={"b": 1.0}), [0.0, 0.0])
+    points.advance(SECOND_NS)
+    assert points.advance(2 * SECOND_NS)["b"] == pytest.approx(0.2, abs=ROUNDING)
+
+
+def test_a_joint_that_is_not_commanded_any_more_stops():
+    points = integrator()
+    points.advance(0)
+    points.command(Command(0, velocity={"b": 1.0}), [0.0, 0.0])
+    points.advance(SECOND_NS)
+    points.command(Command(SECOND_NS), [0.0, 0.0])
+    assert points.advance(2 * SECOND_NS)["b"] == pytest.approx(1.0, abs=ROUNDING)
+
+
+def test_reset_forgets_everything():
+    points = integrator()
+    points.command(Command(0, position={"a": 0.5}), [0.0, 0.0])
+    points.reset()
+    assert points.advance(0) == {}

@@ -1,0 +1,82 @@
+"""Joint positions at the time of an image: interpolated, extrapolated within bounds, or refused with a reason."""
+
+import numpy as np
+import pytest
+
+from aras_visual_servo_controller.real.joint_history import JointHistory
+from aras_visual_servo_controller.real.latency import Latency
+
+MS = 1_000_000
+#: Positions on a straight line are interpolated exactly but for rounding: some eps.
+ROUNDING = 1e-12
+
+
+def history(*stamps_ms, speed=2.0):
+    """Two joints that move along straight lines, seen at these times."""
+    found = JointHistory(max_gap_s=0.05, max_extrapolation_s=0.01)
+    for stamp in stamps_ms:
+        assert found.add(stamp * MS, line(stamp, speed))
+    return found
+
+
+def line(t_ms, speed=2.0):
+    return np.array([speed * t_ms * 1e-3, 1.0 - t_ms * 1e-3])
+
+
+@pytest.mark.parametrize("t_ms", [101, 110, 119.5])
+def test_between_two_joint_states_it_is_their_line(t_ms):
+    then = history(80, 100, 120).at(round(t_ms * MS))
+    assert then.q == pytest.approx(line(t_ms), abs=ROUNDING)
+    assert (then.gap_s, then.extrapolation_s, then.refusal) == (pytest.approx(0.02), 0.0, "")
+
+
+def test_a_joint_state_of_that_very_stamp_is_taken_as_it_is():
+    assert (history(80, 100).at(100 * MS).q == line(100)).all()
+
+
+def test_a_little_beyond_the_newest_the_line_goes_on():
+    then = history(80, 100).at(108 * MS)
+    assert then.q == pytest.approx(line(108), abs=ROUNDING) and then.extrapolation_s == pytest.approx(0.008)
+
+
+def test_further_beyond_it_waits_and_says_how_far():
+    then = history(80, 100).at(111 * MS)
+    assert then.q is None and then.wait and "0.011 s older than the image, allowed 0.01" in then.refusal
+
+
+def test_joint_states_too_far_apart_are_refused_for_good():
+    then = history(80, 140).at(100 * MS)
+    assert then.q is None and not then.wait and "0.060 s apart, allowed 0.05 s" in then.refusal
+
+
+def test_an_image_older_than_every_joint_state_is_refused_for_good():
+    then = history(80, 100).at(70 * MS)
+    assert then.q is None and not then.wait and "later than the image" in then.refusal
+
+
+@pytest.mark.parametrize("stamps", [(), (100,)])
+def test_with_too_few_joint_states_it_waits(stamps):
+    assert history(*stamps).at(101 * MS).wait
+
+
+def test_a_stamp_that_is_not_newer_is_left_out():
+    found = history(80, 100)
+    assert not found.add(100 * MS, line(7)) and not found.add(90 * MS, line(7))
+    assert found.at(90 * MS).q == pytest.approx(line(90), abs=ROUNDING)
+
+
+def test_old_joint_states_are_forgotten():
+    found = JointHistory(0.05, 0.01, kept_s=0.1)
+    for stamp in range(0, 400, 20):
+        found.add(stamp * MS, line(stamp))
+    assert found.at(200 * MS).q is None and found.at(300 * MS).q is not None
+
+
+def test_latency_is_that_of_the_last_messages():
+    latency = Latency(count=3)
+    assert np.isnan(latency.summary().mean_s)
+    for age_s in (9.0, 0.02, 0.04, 0.06):
+        latency.add(age_s)
+    summary = latency.summary()
+    assert (summary.mean_s, summary.least_s, summary.most_s) == (pytest.approx(0.04), 0.02, 0.06)
+    assert "40.0 ms old" in summary.text("images")

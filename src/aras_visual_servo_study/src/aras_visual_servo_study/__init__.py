@@ -1,0 +1,1 @@
+"""Studies of visual servoing: sweeps, comparisons, benchmarks, reports and the live page."""

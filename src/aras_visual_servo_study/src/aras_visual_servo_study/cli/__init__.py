@@ -1,0 +1,1 @@
+"""Verbs of `aras-servo` that need this package."""

@@ -1,0 +1,165 @@
+"""Compares several laws on the same tasks of one scenario: reads the comparison file and runs it. No ROS.
+
+A comparison file names a base scenario, tasks (where the camera starts) and laws (what each of them changes in the
+scenario). The result of a run depends on law and task alone: it is the same on any core and in any order.
+"""
+
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any, Dict, List, Optional, Tuple
+
+import numpy as np
+
+from aras_visual_servo import (Feasibility, Outline, ParameterError, Track, kinematics_of, load_scenario,
+                               load_yaml, processes, reach, read, track_of)
+from ..files import share_dir
+from ..sweep.plan import Start
+from ..sweep.run import SweepRunner, placed
+from ..sweep.space import pose_of, tilted_goal
+from .file import ComparisonFile
+
+FOLDER = "comparisons"
+#: (task, law, row with the COLUMNS of sweep.judge, `Track` or None), task by task.
+Results = List[Tuple[str, str, Dict[str, Any], Optional[Track]]]
+
+
+@dataclass(frozen=True)
+class Task:
+    """One start.  name, title.  X_CgC: (4, 4) pose of the camera in that of the goal."""
+
+    name: str
+    title: str
+    X_CgC: np.ndarray
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The content of a comparison file that was found valid.
+
+    Attributes:
+        name, description.  scenarios: law -> `Scenario`.  tasks: tuple of `Task`.
+    """
+
+    name: str
+    description: str
+    scenarios: dict
+    tasks: tuple
+
+
+def load_comparison(name_or_path, laws=(), tasks=(), overrides=None, scenario=None):
+    """Load a comparison.
+
+    Args:
+        name_or_path: name of a file of config/comparisons, or path of a YAML file.
+        laws, tasks: the names to compare, in this order; () takes all of the file.  A law may be NAME:INTERACTION.
+        overrides: dotted path -> value, put into the scenario of every law, see `load_scenario`.
+        scenario: name or path of a scenario to take in place of the file's, for example another robot.
+    Raises:
+        ParameterError: it lists every fault, and for unknown names the known ones.
+    """
+    file = read(ComparisonFile, load_yaml(_find(name_or_path)), str(name_or_path))
+    base = load_scenario(scenario or file.scenario, overrides)
+    faults, scenarios = [], {}
+    for wanted in laws or file.laws:
+        law, _, interaction = wanted.partition(":")
+        if law not in file.laws:
+            faults.append(f"--laws: found {law}, allowed {', '.join(file.laws)}")
+            continue
+        changes = dict(file.laws[law].overrides(), **({"servo.interaction": interaction} if interaction else {}))
+        try:
+            scenarios[wanted] = base.with_overrides(changes)
+        except ParameterError as error:
+            faults += [f"law {wanted}: {fault}" for fault in error.faults]
+    faults += [f"--tasks: found {task}, allowed {', '.join(file.tasks)}" for task in tasks if task not in file.tasks]
+    if faults:
+        raise ParameterError(faults)
+    t_C, made = _target(base), []
+    for name in tasks or file.tasks:
+        task = file.tasks[name]
+        X = pose_of(task.offset) if task.offset else tilted_goal(task.tilt, t_C, (0.0, 0.0, 1.0))[0]
+        made.append(Task(name, task.title or name, X))
+    name = f"{file.name}_{base.name}" if scenario else file.name
+    return Comparison(name, file.description, scenarios, tuple(made))
+
+
+def run_comparison(comparison, workers=1, progress=None):
+    """Run every law on every task.
+
+    Args:
+        comparison: `Comparison`.  workers: number of processes; 0 runs in this one.
+        progress: called with (laws done, all laws), or None.
+    Returns:
+        list of (task name, law name, row, `Track` or None), task by task; a row has the COLUMNS of sweep.judge.
+    """
+    jobs = [(law, scenario, comparison.tasks) for law, scenario in comparison.scenarios.items()]
+    total, done, by_law = len(jobs), 0, {}
+    if workers:
+        with ProcessPoolExecutor(min(workers, total), get_context("spawn"), processes.end_with_parent) as pool:
+            futures = [pool.submit(_run_law, job) for job in jobs]
+            try:
+                for law, future in zip(comparison.scenarios, futures):
+                    by_law[law], done = future.result(), done + 1
+                    if progress is not None:
+                        progress(done, total)
+            except KeyboardInterrupt:
+                for process in pool._processes.values():  # nobody waits for what they are doing
+                    process.kill()
+                raise
+    else:
+        for job in jobs:
+            by_law[job[0]], done = _run_law(job), done + 1
+            if progress is not None:
+                progress(done, total)
+    return [(task.name, law, *by_law[law][i]) for i, task in enumerate(comparison.tasks) for law in by_law]
+
+
+def _run_law(job):
+    """Run all tasks of one law. Returns a list of (row, Track or None)."""
+    _, scenario, tasks = job
+    bench, results = SweepRunner(scenario, images=False), []
+    for start in starts_of(scenario, tasks):
+        row, record = bench.run(start)
+        results.append((row, record and track_of(record, Outline.of(placed(scenario, start)))))
+    return results
+
+
+def starts_of(scenario, tasks):
+    """One `Start` for each `Task`, or the reason why the robot cannot begin there. Ids count from 1."""
+    kinematics = kinematics_of(scenario.urdf_xml(), scenario.robot, calibrated=False)
+    goal, starts = scenario.goal_posture(kinematics), []
+    feasibility = Feasibility(scenario, kinematics)
+    for number, task in enumerate(tasks):
+        joints, refusal = reach(kinematics, goal, kinematics.pose(goal) @ task.X_CgC)
+        refusal = refusal or feasibility.refusal(goal, kinematics.vector(joints))
+        starts.append(Start(number + 1, joints, refusal=refusal))
+    return starts
+
+
+def known_comparisons():
+    """Names of the comparisons that come with the package, sorted."""
+    return sorted(path.stem for path in (share_dir() / "config" / FOLDER).glob("*.yaml"))
+
+
+def _find(name_or_path):
+    path = Path(name_or_path).expanduser()
+    if path.suffix in (".yaml", ".yml"):
+        if not path.is_file():
+            raise ParameterError(f"comparison '{path}': no such file")
+        return path
+    path = share_dir() / "config" / FOLDER / f"{name_or_path}.yaml"
+    if not path.is_file():
+        raise ParameterError(f"comparison '{name_or_path}': not found, known are {', '.join(known_comparisons())} "
+                             "(or give a path)")
+    return path
+
+
+def _target(scenario):
+    """Position of the target in the goal camera, (3,) [m]. ParameterError if the scenario does not tell its outline."""
+    outline = Outline.of(scenario)
+    if outline is None:
+        raise ParameterError(f"scenario '{scenario.name}': a task with tilt needs a flat target of known outline")
+    kinematics = kinematics_of(scenario.urdf_xml(), scenario.robot, calibrated=False)
+    goal = scenario.goal_posture(kinematics)
+    return np.linalg.solve(kinematics.pose(goal), outline.X_WT)[:3, 3]

@@ -1,0 +1,91 @@
+"""Runs a protocol: each case is a sweep of its own, so that a benchmark is resumed, spread over the cores and rerun as
+a sweep is. Then the table: successes with Wilson's interval beside what is published."""
+
+import csv
+import hashlib
+import io
+import math
+
+from ...sweep.engine import open_sweep, run_pending
+from ...sweep.statistics import wilson
+
+HEADINGS = ("starts", "success", "95 % interval", "published", "whose", "median error [mm]", "[deg]", "broke off",
+            "hash")
+
+
+def run_case(protocol, case, folder, command="", versions=None, workers=None, scheduler=None):
+    """Does the pending runs of a case. Returns its rows, list of dicts. Raises the errors of `run_pending`."""
+    settings = {"protocol": protocol.name, "case": case.name, "starts": len(case.starts), "method": protocol.name,
+                "space": "joint", "seed": 0, "drive_to_start": False, "ranges": {}, "goal": {}, "perturb": {}}
+    with open_sweep(folder / case.name, case.scenario, case.starts, settings, command, versions) as store:
+        run_pending(store, store.meta["setup"], workers, scheduler)
+        return store.rows()
+
+
+def table(protocol, results):
+    """Rows of the table, lists of text, the headings first.
+
+    A start that could not be tried, because nothing was recognised in its first view, counts as a failure: the protocol
+    has no other word for it.
+    Args: results: list of (Case, rows).
+    """
+    parts = [(case, columns, chosen) for case, rows in results for columns, chosen in protocol.lines(case, rows)]
+    extra = list(dict.fromkeys(name for _, columns, _ in parts for name in columns))
+    lines = [[*(extra or ["case"]), *HEADINGS]]
+    for case, columns, rows in parts:
+        won = [row for row in rows if row[protocol.metric] == 1]
+        low, high = wilson(len(won), len(rows))
+        rate, whose = ("", "") if case.published is None else (_percent(case.published[0]), case.published[1])
+        lines.append([*([columns.get(name, "") for name in extra] or [case.name]), str(len(rows)),
+                      _percent(len(won) / len(rows)) if rows else "", f"{_percent(low)} to {_percent(high)}", rate,
+                      whose, _median(won, "error_mm"), _median(won, "angle_deg"), _broken(rows), digest(rows)[:16]])
+    return lines
+
+
+def digest(rows):
+    """SHA-256 over the traces of all runs, hexadecimal: equal for benchmarks that are equal bit for bit."""
+    text = "\n".join(f"{row['id']} {row['outcome']} {row['trace_hash']}" for row in rows)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def total(lines):
+    """SHA-256 over the hashes of all lines of a table with what they are of, hexadecimal: that of the whole benchmark.
+
+    Args: lines: of `table`.
+    """
+    extra = len(lines[0]) - len(HEADINGS)
+    text = "\n".join(" ".join([*line[:extra], line[-1]]) for line in lines[1:])
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def as_markdown(protocol, lines):
+    """The table and its source as text."""
+    body = [lines[0], ["---"] * len(lines[0]), *lines[1:]]
+    return "\n".join([f"# {protocol.title}", "", *("| " + " | ".join(line) + " |" for line in body), "",
+                      f"Success as metric `{protocol.metric}` has it. Source: {protocol.source}.", "",
+                      f"Hash of the whole table: {total(lines)[:16]}"]) + "\n"
+
+
+def save_table(protocol, lines, folder):
+    """Write benchmark.md and benchmark.csv. Returns the path of the first."""
+    stream = io.StringIO()
+    csv.writer(stream, lineterminator="\n").writerows(lines)
+    (folder / "benchmark.csv").write_text(stream.getvalue(), encoding="utf-8")
+    path = folder / "benchmark.md"
+    path.write_text(as_markdown(protocol, lines), encoding="utf-8")
+    return path
+
+
+def _broken(rows):
+    """How many runs ended with an error of the program, and the first of these errors; "" for none."""
+    errors = [f"{row['reason']}: {row['detail']}" for row in rows if row["outcome"] == "error"]
+    return f"{len(errors)}: {errors[0]}" if errors else ""
+
+
+def _percent(rate):
+    return f"{100.0 * rate:.1f} %"
+
+
+def _median(rows, column):
+    values = sorted(row[column] for row in rows)
+    return f"{0.5 * (values[(len(values) - 1) // 2] + values[len(values) // 2]):.3g}" if values else f"{math.nan}"

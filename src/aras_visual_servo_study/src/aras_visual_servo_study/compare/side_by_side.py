@@ -1,0 +1,167 @@
+"""Puts two or more runs side by side on one page: path, errors, joints between their limits, and differing settings.
+
+    page = save_side_by_side([read_run("naive_inverse"), read_run("redundant")], folder, command)
+"""
+
+import base64
+import io
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d import Axes3D
+
+import aras_visual_servo as avs
+from aras_visual_servo import (Outline, judge, kinematics_of, load_scenario, measures, palette, scenario_from_dict,
+                               track_of)
+from ..report.figure import STYLE, draw_panel
+from .laws_figure import COLOURS, FLOOR_DEG, FLOOR_MM
+from .laws_report import TABLE, cells
+from ..report.page import flat_settings
+from ..report.template import render
+from ..report.report import ResultFolderError
+from ..sweep.judge import judge_row
+
+
+@dataclass
+class Run:
+    """One run.  label.  record: RunRecord.  lower, upper: (m,) limits of its joints.  outline: `Outline` or None."""
+
+    label: str
+    record: object
+    lower: np.ndarray
+    upper: np.ndarray
+    outline: object = None
+
+
+def read_run(source):
+    """Read or make a run that is to be compared.
+
+    Args:
+        source: name of a scenario or path of its YAML file, which is run in this process; or path of a bag, or of a
+            folder of bags.
+    Raises:
+        ParameterError: there is no such scenario.  BagError: the bags hold no run.
+    """
+    path = Path(source)
+    if path.suffix == ".bag" or path.is_dir():
+        from aras_visual_servo_controller import read_bag  # needs rosbag
+        record = read_bag(str(path))
+        scenario = scenario_from_dict(dict(record.settings), source=str(path))
+        label = f"{record.scenario} ({path.parent.name if path.suffix == '.bag' else path.name})"
+    else:
+        scenario = load_scenario(source)
+        record, label = avs.run(scenario), scenario.name
+    kinematics = kinematics_of(scenario.urdf_xml(), scenario.robot, calibrated=False)
+    limits = [dict(zip(kinematics.joint_names, ends)) for ends in (kinematics.lower, kinematics.upper)]
+    lower, upper = (np.array([ends.get(name, sign * np.inf) for name in record.joint_names])
+                    for ends, sign in zip(limits, (-1.0, 1.0)))
+    return Run(label, record, lower, upper, Outline.of(scenario))
+
+
+def rows_of(run):
+    """Result of a run: a row of sweep.judge with its MEASURES filled in."""
+    return dict(judge_row(run.record), **measures(run.record, run.lower, run.upper, run.outline))
+
+
+def differing(runs):
+    """(setting, its value in each run as text) of every setting that is not the same in all runs."""
+    tables = [dict(flat_settings(run.record)) for run in runs]
+    keys = list(dict.fromkeys(key for table in tables for key in table))
+    return [(key, [table.get(key, "") for table in tables]) for key in keys
+            if len({table.get(key, "") for table in tables}) > 1]
+
+
+def make_figure(runs):
+    """Figure with a column per run: path, errors, distance and angle to the goal, joints. A row shares its axes."""
+    rows = 4
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(max(4.2 * len(runs), 6.0), 11.5))
+        grid = figure.add_gridspec(rows, len(runs), left=0.09, right=0.98, top=0.955, bottom=0.045, hspace=0.3,
+                                   wspace=0.22, height_ratios=(1.25, 1.0, 1.0, 1.2))
+        panels = [[figure.add_subplot(grid[row, column], projection=Axes3D.name if row == 0 else None)
+                   for column in range(len(runs))] for row in range(rows)]
+        for column, run in enumerate(runs):
+            path, errors, left, joints = (panels[row][column] for row in range(rows))
+            draw_panel(run.record, "path", path, title=False)
+            path.set_title(run.label, fontweight="bold")
+            draw_panel(run.record, "errors", errors, title=False)
+            _draw_left(run, left)
+            _draw_joints(run, joints)
+        for row in panels[1:]:
+            _same_axes(row)
+        _same_box(panels[0])
+    return figure
+
+
+def save_side_by_side(runs, folder, command):
+    """Write runs.png, runs.pdf and runs.html into a folder. Returns the path of the page. Raises ResultFolderError."""
+    figure, stream = make_figure(runs), io.BytesIO()
+    results = [rows_of(run) for run in runs]
+    table = [("ended with", [judge(run.record).reason for run in runs])]
+    columns = zip(*(cells(row) for row in results))
+    table += [(title if title != "[deg]" else "error [deg]", texts) for (_, title, _), texts in zip(TABLE, columns)]
+    try:
+        with matplotlib.rc_context(STYLE):
+            figure.savefig(stream, format="png", dpi=110, metadata={"Software": None})
+            figure.savefig(folder / "runs.pdf", metadata={"CreationDate": None})
+        (folder / "runs.png").write_bytes(stream.getvalue())
+        path = folder / "runs.html"
+        path.write_text(render("runs.html.j2", labels=[run.label for run in runs], table=table,
+                               settings=differing(runs), command=command,
+                               picture=base64.b64encode(stream.getvalue()).decode("ascii")), encoding="utf-8")
+    except OSError as error:
+        raise ResultFolderError(f"{folder}: cannot be written: {error}") from error
+    return path
+
+
+def format_runs(runs):
+    """The table of the runs as text for the terminal."""
+    width = max(14, *(len(run.label) + 2 for run in runs))
+    results = [cells(rows_of(run)) for run in runs]
+    lines = ["".ljust(16) + "".join(run.label.rjust(width) for run in runs)]
+    for i, (_, title, _) in enumerate(TABLE):
+        lines.append((title if title != "[deg]" else "error [deg]").ljust(16)
+                     + "".join(result[i].rjust(width) for result in results))
+    lines += [f"{run.label}: {judge(run.record).reason}" for run in runs]
+    return "\n".join(lines)
+
+
+def _draw_left(run, axes):
+    track = track_of(run.record)
+    axes.plot(track.t_s, np.maximum(track.distance_mm, FLOOR_MM), color=COLOURS[0], label="distance [mm]")
+    axes.plot(track.t_s, np.maximum(track.angle_deg, FLOOR_DEG), color=COLOURS[1], label="angle [deg]")
+    axes.set(yscale="log", xlabel="time since the servo started [s]", ylabel="distance to the goal, true pose")
+    axes.legend(loc="best")
+
+
+def _draw_joints(run, axes):
+    """Draw where each joint is between its limits, -1 to 1. Joints without limits are left out."""
+    rows = run.record.servo_rows
+    t_s = run.record.t_s[rows] - run.record.t_s[rows[0]]
+    limited = np.flatnonzero(np.isfinite(run.lower) & np.isfinite(run.upper))
+    for place, joint in enumerate(limited):
+        lower, upper = run.lower[joint], run.upper[joint]
+        part = (2.0 * run.record.q[rows, joint] - lower - upper) / (upper - lower)
+        axes.plot(t_s, part, color=COLOURS[place % len(COLOURS)], label=run.record.joint_names[joint])
+    for end in (-1.0, 1.0):
+        axes.axhline(end, color=palette.GREY, linewidth=1.5)
+    axes.set(ylim=(-1.08, 1.08), xlabel="time since the servo started [s]", ylabel="joints between their limits")
+    if len(limited):
+        axes.legend(loc="best", ncol=2)
+
+
+def _same_axes(row):
+    for get, put in (("get_xlim", "set_xlim"), ("get_ylim", "set_ylim")):
+        ends = [getattr(axes, get)() for axes in row]
+        for axes in row:
+            getattr(axes, put)(min(end[0] for end in ends), max(end[1] for end in ends))
+
+
+def _same_box(row):
+    for name in "xyz":
+        ends = [getattr(axes, f"get_{name}lim")() for axes in row]
+        for axes in row:
+            getattr(axes, f"set_{name}lim")(min(end[0] for end in ends), max(end[1] for end in ends))

@@ -1,0 +1,194 @@
+"""A run as pages see and change it. `run.LiveRun` is the backend in this process, `over_ros.RosRun` that over ROS."""
+
+import math
+from typing import Any, Dict, List, Optional, Sequence, Set, Tuple
+
+import numpy as np
+import yaml
+
+from aras_visual_servo import (TWIST_NAMES, Features, Kinematics, ParameterError, Scenario, Servo, ServoRecord, Status,
+                               known_features, known_laws, scenario_schema, spatial, styles)
+from .following import Following
+from .hand import Hand
+from .settings import AT_ONCE, changed
+from .view.projection import project
+from .view.scene import drawn, pose_numbers
+
+QUIET = ("idle", "done")
+
+
+class PageRun:
+    """Base class of the backends: what is told to pages, and the checks of what they ask for.
+
+    A backend calls `renew` and keeps the attributes below up to date. It implements `advance`, `time_ns`, `frame`,
+    `joints`, `camera_pose`, `target_pose`, `command`, `teach`, `place_target`, `move_target`, and the requests
+    do_start, do_stop, do_reset and do_set.
+
+    Attributes:
+        scenario: as it stands now.  target: name of the target, or None.  watched: whether a page is ready for news.
+        record: of the last image, or None.  X_WC: (4, 4) of the camera then.  image, features: the newest ones or None.
+        goal: (image, marks, pose numbers) of the taught view, or None.
+        version: grows whenever `about` would say something else.  images: how many came so far.
+    """
+
+    at_once: Sequence[str] = AT_ONCE
+    asks_nodes, ready = False, True
+
+    def __init__(self, scenario: Scenario):
+        self.scenario, self.version, self.images, self.watched = scenario, 0, 0, False
+        # A target that the arm carries moves with every motion of the arm: nobody has to follow it.
+        self.follow = scenario.robot.get("target_link") is None
+
+    def renew(self, kinematics: Kinematics, servo: Servo, camera_info: Dict[str, Any], target: Optional[str]) -> None:
+        """Begins anew, with nothing seen and nothing taught."""
+        self.kinematics, self.servo, self.camera_info, self.target = kinematics, servo, camera_info, target
+        self.hand, self.following = Hand(kinematics), Following()
+        self.record: Optional[ServoRecord] = None
+        self.image: Optional[np.ndarray] = None
+        self.features: Optional[Features] = None
+        self.goal: Optional[Tuple[np.ndarray, Dict[str, Any], List[float]]] = None
+        self.X_WC, self.taught, self._marked, self._marks = np.eye(4), False, None, {}
+        self.waiting: Set[str] = set()
+        self.version += 1
+
+    @property
+    def phase(self) -> str:
+        """Returns the phase of the run, one of `ServoRecord.phase`."""
+        return "idle" if self.record is None else self.record.phase
+
+    # --- what pages are told --------------------------------------------------------------------------------------
+
+    def about(self) -> Dict[str, Any]:
+        """Returns, for JSON, what a page has to know before anything moves, and again when `version` has grown."""
+        features = [{"name": style.name, "symbol": style.symbol, "label": style.label, "unit": style.unit,
+                     "factor": style.factor, "read_unit": style.read_unit, "colour": style.colour,
+                     "threshold": threshold}
+                    for style, threshold in zip(styles(self.servo.feature_names), self.servo.config.thresholds)]
+        rows = ["t", *(f"e.{name}" for name in self.servo.feature_names), *(f"v.{name}" for name in TWIST_NAMES),
+                *(f"q.{name}" for name in self.kinematics.joint_names), "condition", "manipulability",
+                "real_time_factor", "x", "y", "z", "u", "v"]
+        return {
+            **drawn(self.scenario, self.kinematics, self.camera_info, self.camera_pose()[:3, 3], self.target_pose(),
+                    self.target),
+            "features": features, "scenario": self.scenario.name, "description": self.scenario.description,
+            "rows": rows, "schema": scenario_schema()["properties"], "at_once": list(self.at_once),
+            "choices": {"servo.law": known_laws(), "servo.features": known_features()}, "version": self.version,
+            **self.standing()}
+
+    def standing(self) -> Dict[str, Any]:
+        """Returns the part of `about` that changes with every setting: values, and which wait for a reset."""
+        return {"values": self.scenario.as_dict(), "waiting": sorted(self.waiting)}
+
+    def row(self, real_time_factor: float) -> List[Optional[float]]:
+        """Returns the numbers of the last image that curves show (`rows` of `about`), None where one does not exist."""
+        record = self.record
+        numbers = [record.stamp_ns * 1e-9, *record.e, *record.twist, *record.q, record.cond_l, record.manipulability,
+                   real_time_factor, *self.X_WC[:3, 3]]
+        return [rounded(x) for x in numbers] + list(self.marks()["centre"] or (None, None))
+
+    def state(self) -> Dict[str, Any]:
+        """Returns what moves, for JSON."""
+        record = self.record
+        return {"t": round(self.time_ns * 1e-9, 4), "q": [rounded(x) for x in self.joints()],
+                "camera": pose_numbers(self.camera_pose()), "target": pose_numbers(self.target_pose()),
+                "status": (record.status if record else Status.IDLE).name,
+                "text": record.status_text if record else "", "phase": self.phase, "taught": self.taught,
+                "frame": self.frame, "follow": self.follow}
+
+    def marks(self) -> Dict[str, Any]:
+        """Returns what is drawn into the last image, see `marks_of`."""
+        if self._marked != (self.images, id(self.features)):
+            self._marked, self._marks = (self.images, id(self.features)), marks_of(self.features, self.camera_info)
+        return self._marks
+
+    # --- what backends tell ---------------------------------------------------------------------------------------
+
+    def keep_goal(self, X_WC: np.ndarray) -> None:
+        """Keeps the last image, taken from X_WC, (4, 4), as the taught one."""
+        self.taught = True
+        if self.image is not None:
+            self.goal = np.array(self.image), self.marks(), pose_numbers(X_WC)
+
+    def begin_again(self, record: ServoRecord, X_WT: Optional[np.ndarray], follow: bool) -> bool:
+        """Returns whether the servo is to begin again, because the target has moved since it ended.
+
+        Args: X_WT: (4, 4), of the target at the image of the record; None: not known.
+        """
+        return X_WT is not None and self.following.answered(record.phase, record.status, X_WT, follow)
+
+    def drive_by_hand(self, stamp_ns: int) -> None:
+        """Moves the joints that are driven by hand a little farther."""
+        positions = self.hand.walk(stamp_ns)
+        if positions:
+            self.command(positions, stamp_ns)
+
+    # --- what pages ask for ---------------------------------------------------------------------------------------
+
+    def do(self, request: Any) -> Dict[str, Any]:
+        """Answers a request of live/messages.py: dict for the page, {} if there is no more to say than that it is done.
+
+        Raises: ArasError: it cannot be done; nothing has changed.
+        """
+        return getattr(self, "do_" + request.do)(request) or {}
+
+    def _quiet(self, do: str) -> None:
+        if self.phase not in QUIET:
+            raise ParameterError(f"{do}: found the run in phase {self.phase}, allowed when it is stopped")
+
+    def do_teach(self, request: Any) -> Optional[Dict[str, Any]]:
+        self._quiet("teach")
+        answer = self.teach(request.z_star_m)
+        self.following.taught()
+        return answer
+
+    def do_follow(self, request: Any) -> None:
+        self.follow = request.follow
+
+    def do_place_target(self, request: Any) -> None:
+        length = math.sqrt(sum(x * x for x in request.q_xyzw))
+        if self.target is None:
+            raise ParameterError("place_target: the scene has no target")
+        if not 0.99 < length < 1.01:
+            raise ParameterError(f"place_target.q_xyzw: found a length of {length:.4g}, allowed 1")
+        self.place_target(list(request.position_m), [x / length for x in request.q_xyzw])
+
+    def do_move_target(self, request: Any) -> None:
+        if self.target is None:
+            raise ParameterError("move_target: the scene has no target")
+        self.move_target(request.motion)
+
+    def do_joint(self, request: Any) -> None:
+        self._quiet("joint")
+        self.hand.hold(request.name, request.position, self.joints())
+
+    def do_save(self, request: Any) -> Dict[str, Any]:
+        """Answers with the scenario file: the target where it is and, if asked for, the start where the arm is."""
+        scenario, X_WT, values = self.scenario, self.target_pose(), {"name": request.name}
+        for key, path in (("urdf", scenario.urdf_path), ("controllers", scenario.controllers_path)):
+            given = scenario.robot[key]
+            values[f"robot.{key}"] = given if given.startswith("package://") else str(path.resolve())
+        for i, model in enumerate(scenario.sim.get("scene", {}).get("models", []) if X_WT is not None else ()):
+            if model["name"] == self.target and {"motion", "attached_to"}.isdisjoint(model):
+                values[f"sim.scene.models.{i}.position_m"] = [round(float(x), 6) for x in X_WT[:3, 3]]
+                values[f"sim.scene.models.{i}.rpy_rad"] = [round(x, 7) for x in spatial.rpy_of(X_WT[:3, :3])]
+        if request.start_here:
+            values["experiment.start"] = {"joints": {
+                name: round(float(x), 7) for name, x in zip(self.kinematics.joint_names, self.joints())}}
+        content = changed(scenario, values).as_dict()
+        return {"yaml": f"# Saved from the live page, from the scenario {scenario.name}.\n" + yaml.safe_dump(
+            content, sort_keys=False, allow_unicode=True, default_flow_style=None)}
+
+
+def marks_of(features: Optional[Features], camera_info: Dict[str, Any]) -> Dict[str, Any]:
+    """Returns what is drawn into an image [px]: centre [u, v] or None, axis [rad] or None, points [[u, v], ...]."""
+    if features is None or not features.target_visible:
+        return {"centre": None, "axis": None, "points": []}
+    xy = [(features.xg, features.yg), *zip(features.point_x, features.point_y)]
+    pixels = [[round(float(u), 2), round(float(v), 2)] if math.isfinite(u) and math.isfinite(v) else None
+              for u, v in project(np.array(xy, dtype=float), camera_info)]
+    return {"centre": pixels[0], "axis": rounded(features.alpha), "points": [p for p in pixels[1:] if p]}
+
+
+def rounded(value: float) -> Optional[float]:
+    """Returns the value with the six digits that a screen shows; None if it is not finite, as JSON has no NaN."""
+    return float(f"{value:.6g}") if math.isfinite(value) else None

@@ -1,0 +1,173 @@
+"""A run that is changed while it goes on: simulator, camera and servo in this process, one image at a time.
+
+    run = LiveRun(load_scenario("experiment_1"))
+    run.do(Start())                  # what a page asks for, live/messages.py
+    while True:
+        run.advance(16_000_000)      # to the next image, or 16 ms of simulated time, whatever comes first
+
+No threads and no wall time: live/runner.py lets it go on at the speed that somebody wants.
+"""
+
+import copy
+from typing import Any, Dict, List, Optional
+
+import numpy as np
+
+from aras_visual_servo import ExperimentSequence, ParameterError, Scenario, ServoLoop
+from .page_run import QUIET, PageRun
+from .settings import acts_at_once, changed, put
+
+
+class LiveRun(PageRun):
+    """The backend in this process.
+
+    Attributes: loop: `ServoLoop` in use.  The image is valid until the next one.
+    Raises: ParameterError and the errors of `ServoLoop`.
+    """
+
+    def __init__(self, scenario: Scenario):
+        super().__init__(scenario)
+        self._build(None)
+
+    def _build(self, sim: Any) -> None:
+        self.loop = loop = ServoLoop(self.scenario, sim=sim)
+        self.renew(loop.kinematics, loop.servo, loop.camera_info, loop._target)
+        self._built_sim = self.scenario.sim
+
+    # --- what stands there --------------------------------------------------------------------------------------
+
+    @property
+    def time_ns(self) -> int:
+        """Returns the simulated time [ns]."""
+        return self.loop.sim.time_ns
+
+    @property
+    def phase(self) -> str:
+        return self.loop.sequence.phase
+
+    @property
+    def frame(self) -> int:
+        """Returns the index of the last image."""
+        return self.loop.frame
+
+    def joints(self) -> np.ndarray:
+        """Returns the joint positions now, (n,), in the order of the kinematics."""
+        q, order = self.loop.sim.joint_positions, self.loop._order
+        return q if order is None else q[order]
+
+    def camera_pose(self) -> np.ndarray:
+        """Returns X_WC, (4, 4), now."""
+        return self.loop.sim.camera_pose(self.loop.camera)
+
+    def target_pose(self) -> Optional[np.ndarray]:
+        """Returns X_WT, (4, 4), now; None in a scene without target."""
+        return self.loop.target_pose()
+
+    def advance(self, most_ns: int) -> bool:
+        """Goes on to the next image and answers it, or for about `most_ns` of simulated time if that is shorter.
+
+        Returns: whether an image was answered.
+        """
+        loop, sim = self.loop, self.loop.sim
+        due_ns = sim.next_image_ns(loop.camera) - sim.time_ns
+        if due_ns > most_ns + sim.period_ns:
+            sim.step(max(1, most_ns // sim.period_ns))
+            return False
+        self.record, self.features, self.image = loop.step()
+        self.X_WC = loop.camera_pose()
+        self.images += 1
+        if self.record.phase == "teach" or loop.sequence.teach_stamp_ns == self.record.stamp_ns:
+            self.keep_goal(self.X_WC)
+        if self.phase in QUIET:
+            self.drive_by_hand(self.record.stamp_ns)
+        if self.begin_again(self.record, loop.seen_target_pose(), self.follow and self.goal is not None):
+            self._begin(True)
+        return True
+
+    def _begin(self, servo_only: bool) -> None:
+        self.hand.let_go()
+        self.loop.start(servo_only=servo_only)
+
+    def command(self, positions: Dict[str, float], stamp_ns: int) -> None:
+        """Gives joints set-points by name [m or rad]."""
+        self.loop.sim.set_command(position=positions, velocity=dict.fromkeys(positions, 0.0), stamp_ns=stamp_ns)
+
+    # --- what a page asks for -----------------------------------------------------------------------------------
+
+    def do_start(self, request: Any) -> None:
+        if request.reference == "taught" and self.servo.reference is None:
+            raise ParameterError("start: found the reference taught, but nothing was taught yet; teach this view first")
+        if request.reference == "experiment":
+            self.loop.sequence = self._sequence(self.servo, self.scenario)
+        self._begin(request.reference == "taught")
+
+    def do_stop(self, _request) -> None:
+        self.hand.let_go()
+        if self.phase not in QUIET:
+            command, _ = self.loop.sequence.stop(self.time_ns, "stopped from the page")
+            self.loop.sim.set_command(position=command.position, velocity=command.velocity)
+
+    def teach(self, z_star_m: Optional[float]) -> Dict[str, float]:
+        """Makes the view of the last image the goal. Args: z_star_m: depth of the target; None: the true one."""
+        if self.features is None:
+            raise ParameterError("teach: no image has come yet")
+        z_star_m = z_star_m or self._depth()
+        self.loop.teach_here(z_star_m)
+        self.keep_goal(self.X_WC)
+        return {"z_star_m": z_star_m}
+
+    def _depth(self) -> float:
+        """Depth along the optical axis of the target's plane; the experiment's where the two do not meet [m]."""
+        X_WT = self.target_pose()
+        if X_WT is not None:
+            normal = X_WT[:3, 2]
+            along = float(normal @ self.X_WC[:3, 2])
+            depth = float(normal @ (X_WT[:3, 3] - self.X_WC[:3, 3])) / along if abs(along) > 1e-3 else 0.0
+            if depth > 0.0:
+                return depth
+        return float(self.scenario.experiment["z_star_m"])
+
+    def do_reset(self, _request) -> None:
+        self._build(self.loop.sim if self._built_sim == self.scenario.sim else None)
+
+    def do_set(self, request: Any) -> Dict[str, Any]:
+        scenario, loop, servo = changed(self.scenario, request.values), self.loop, None
+        if scenario.servo != self.scenario.servo:
+            servo = self.servo.retuned(scenario.servo)
+        at_once = {path for path in request.values if acts_at_once(path)}
+        if any(path.startswith("experiment.") for path in at_once) and self.phase in QUIET:
+            self._sequence(servo or self.servo, scenario)  # refuses what no arm can do
+        seen = {path for path in at_once if path.startswith("sim.")}
+        if seen:
+            self._see(seen, request.values)
+        self.scenario = scenario
+        if servo is not None:
+            self.servo = servo
+            loop.use(servo)
+        self.waiting |= set(request.values) - at_once
+        if {"servo.features", "servo.law"} & set(request.values):
+            self.version += 1
+        return {"waiting": sorted(set(request.values) - at_once)}
+
+    def _sequence(self, servo, scenario):
+        return ExperimentSequence(self.kinematics, servo, scenario.experiment, self.loop._teach_camera)
+
+    def _see(self, paths, values):
+        """Give the simulator these settings of its cameras and lights; what waits for a reset goes on waiting."""
+        built = copy.deepcopy(self._built_sim)
+        document = {"sim": built}
+        for path in paths:
+            put(document, path, copy.deepcopy(values[path]))
+        if any(path.startswith("sim.cameras.") for path in paths):
+            self.loop.sim.set_cameras(built)
+        if any(path.startswith("sim.scene.") for path in paths):
+            self.loop.sim.set_lighting(built)
+        self._built_sim = built
+
+    def place_target(self, position_m: List[float], q_xyzw: List[float]) -> None:
+        """Puts the target somewhere in the world [m]; q_xyzw is a unit quaternion."""
+        self.loop.sim.set_model_pose(self.target, position_m, q_xyzw)
+
+    def move_target(self, motion: Optional[Dict[str, Any]]) -> None:
+        """Gives the target a motion, as in a scenario; None: it stays."""
+        self.loop.sim.set_model_motion(self.target, motion)

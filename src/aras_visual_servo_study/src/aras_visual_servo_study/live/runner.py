@@ -1,0 +1,215 @@
+"""Lets a `LiveRun` go on, in a thread of its own, at the speed somebody wants; pages only ever look at it from outside.
+
+Requests wait in a queue until the thread is between two images. What a page sees is a `Sample`, which the thread makes
+no more often than pages can show it, and only while somebody watches: without a viewer a run costs what it costs alone.
+"""
+
+import collections
+import logging
+import queue
+import threading
+import time
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any, Dict, Optional
+
+import numpy as np
+
+from aras_visual_servo import ArasError
+from .page_run import PageRun
+
+#: Wall time between two samples, and between two images [s].
+STATE_S, IMAGE_S = 1.0 / 60.0, 1.0 / 30.0
+#: Wall time after which the real-time factor is measured anew [s].
+MEASURED_S = 0.5
+#: Rows kept for a page that comes later: ten minutes of them.
+MOST_ROWS = 18_000
+#: A run that has fallen this far behind its speed does not catch up [s].
+BEHIND_S = 0.1
+#: Longest that a run sleeps without looking for requests [s].
+NAP_S = 0.02
+
+
+@dataclass(frozen=True)
+class Sample:
+    """What a page is shown at one moment. Nobody changes it any more.
+
+    Attributes:
+        number: grows by one.  state: dict for JSON.  image: uint8 copy of the last image, or None before the first.
+        image_number, marks: of that image.  goal: (number, image, marks, pose) or None.  version: of `about`.
+    """
+
+    number: int
+    state: dict
+    image: Optional[np.ndarray]
+    image_number: int
+    marks: Optional[dict]
+    goal: Any
+    version: int
+
+
+class Runner:
+    """The thread. A run whose answers wait for other nodes (`asks_nodes`) gets requests in a second one.
+
+    Args: speed: simulated time per wall time, 0 as fast as possible.
+        on_first_viewer: request that is done when the first page looks, or None.
+    Attributes:
+        sample: the newest `Sample`, None before the first.  rows: (index, row) of the images, the newest last.
+        watched: whether somebody looks.  about: of the run, made in its thread.
+    """
+
+    def __init__(self, run: PageRun, speed: float = 1.0, on_first_viewer: Any = None):
+        self._run, self._speed, self._on_first_viewer = run, speed, on_first_viewer
+        self._queue, self._pool = queue.SimpleQueue(), ThreadPoolExecutor(1) if run.asks_nodes else None
+        self._paused, self._steps, self._closed = False, 0, False
+        self._factor, self._measured = 0.0, None
+        self._anchor = None  # (wall [s], simulated [ns]) from which the speed counts
+        self._state_s = self._image_s = -1.0
+        self._trouble = ""
+        self._image, self._image_number, self._marks, self._goal = None, 0, None, None
+        self._row_at_s, self._row_count = -1.0, 0
+        self.rows = collections.deque(maxlen=MOST_ROWS)
+        self.sample, self.watched, self.about = None, False, run.about()
+        self._thread = threading.Thread(target=self._work, name="live run", daemon=True)
+
+    def start(self) -> None:
+        """Begins."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Ends the thread and waits for it."""
+        self._closed = True
+        self._thread.join()
+
+    def submit(self, request: Any) -> Future:
+        """Returns the future of the answer to a request: dict, or the ArasError that refused it."""
+        if self._pool is not None:
+            return self._pool.submit(self._do, request)
+        answer: Future = Future()
+        self._queue.put((request, answer))
+        return answer
+
+    # --- the thread ---------------------------------------------------------------------------------------------
+
+    def _work(self):
+        while not self._closed:
+            try:
+                self._run.watched = self.watched
+                self._answer_all()
+                if self.watched and self._on_first_viewer is not None and self._run.ready:
+                    first, self._on_first_viewer = self._on_first_viewer, None
+                    self._run.do(first)
+                self._go_on()
+            except Exception as error:  # the page has to be told, and the arm must not go on by itself
+                logging.getLogger(__name__).exception("the run stopped: %s", error)
+                self._paused = True
+                self._trouble = f"{type(error).__name__}: {error}"
+
+    def _answer_all(self):
+        while True:
+            try:
+                request, answer = self._queue.get_nowait()
+            except queue.Empty:
+                return
+            try:
+                answer.set_result(self._do(request))
+            except RuntimeError as error:  # ours and the simulator's: it names what is wrong
+                answer.set_exception(error)
+            except Exception as error:
+                logging.getLogger(__name__).exception("request %s", request)
+                answer.set_exception(ArasError(f"{request.do}: {type(error).__name__}: {error}"))
+
+    def _do(self, request):
+        ours = hasattr(self, "do_" + request.do) and not hasattr(self._run, "do_" + request.do)
+        result = getattr(self, "do_" + request.do)(request) if ours else self._run.do(request)
+        if self.about["version"] != self._run.version:
+            names = self.about["rows"]
+            self.about = self._run.about()
+            if self.about["rows"] != names or request.do == "reset":
+                self.rows.clear()
+        elif request.do == "set":
+            self.about = {**self.about, **self._run.standing()}
+        if request.do in ("reset", "start"):
+            self._trouble = ""
+        self._state_s = -1.0  # a page sees what came of it at once
+        return result or {}
+
+    def do_pause(self, request: Any) -> None:
+        """Lets simulated time stand still, or go on."""
+        self._paused, self._anchor, self._measured = request.paused, None, None
+
+    def do_step(self, request: Any) -> None:
+        """Lets a paused run go on for some images."""
+        if not self._paused:
+            raise ArasError("step: found a run that goes on, allowed one that is paused")
+        self._steps += request.images
+
+    def do_speed(self, request: Any) -> None:
+        """Sets simulated time per wall time."""
+        self._speed, self._anchor = request.factor, None
+
+    def _go_on(self):
+        if self._paused and not self._steps:
+            self._show()
+            time.sleep(NAP_S)
+            return
+        sim_ns = self._run.time_ns
+        wall_s = time.perf_counter()
+        if self._anchor is None:
+            self._anchor = wall_s, sim_ns
+        if self._speed > 0.0 and not self._paused:
+            ahead_s = 1e-9 * (sim_ns - self._anchor[1]) / self._speed - (wall_s - self._anchor[0])
+            if ahead_s > 1e-4:
+                time.sleep(min(ahead_s, NAP_S))
+                if ahead_s > NAP_S:
+                    return
+            elif ahead_s < -BEHIND_S:
+                self._anchor = wall_s, sim_ns
+        most_ns = round(1e9 * STATE_S * self._speed) if 0.0 < self._speed else 10**12
+        seen = self._run.advance(most_ns)
+        if seen:
+            self._steps = max(0, self._steps - 1)
+            self._note_row()
+        self._measure()
+        self._show()
+
+    def _measure(self):
+        now = time.perf_counter(), self._run.time_ns
+        if self._measured is not None and now[1] < self._measured[1]:
+            self.rows.clear()  # the simulator was reset
+            self._measured = None
+        if self._measured is None:
+            self._measured = now
+        elif now[0] - self._measured[0] > MEASURED_S:
+            self._factor = 1e-9 * (now[1] - self._measured[1]) / (now[0] - self._measured[0])
+            self._measured = now
+
+    def _note_row(self):
+        wall_s = time.perf_counter()
+        if wall_s - self._row_at_s >= 0.9 * IMAGE_S or self._paused:
+            self._row_at_s = wall_s
+            self.rows.append((self._row_count, self._run.row(self._factor)))
+            self._row_count += 1
+
+    def _show(self):
+        """Make a new sample if somebody looks and it is time for one."""
+        run, wall_s = self._run, time.perf_counter()
+        if not self.watched or wall_s - self._state_s < 0.9 * STATE_S or run.joints() is None:
+            return
+        standing = self._paused and not self._steps
+        if standing and self._state_s > 0.0 and wall_s - self._state_s < 0.5:
+            return  # nothing has moved
+        self._state_s = wall_s
+        if run.image is not None and run.images != self._image_number and wall_s - self._image_s >= 0.9 * IMAGE_S:
+            self._image_s = wall_s
+            self._image, self._marks, self._image_number = np.array(run.image), run.marks(), run.images
+        if run.goal is None:
+            self._goal = None
+        elif self._goal is None or self._goal[1] is not run.goal[0]:
+            self._goal = (self._image_number, *run.goal)
+        state: Dict[str, Any] = {"paused": self._paused, "speed": self._speed, "factor": round(self._factor, 3),
+                                 **run.state()}
+        if self._trouble:
+            state.update(status="FAULT", text=self._trouble)
+        number = 0 if self.sample is None else self.sample.number + 1
+        self.sample = Sample(number, state, self._image, self._image_number, self._marks, self._goal, run.version)

@@ -1,0 +1,212 @@
+"""The six panels of the paper's figure, drawn from a RunRecord with matplotlib, without pyplot and a display.
+
+(a) desired image  (b) initial image  (c) difference, final - desired  (d) feature errors  (e) camera velocity
+(f) path of the camera in the world, circle at the start, star at the goal.
+"""
+
+import contextlib
+import io
+from pathlib import Path
+from typing import List, Optional, Tuple
+
+import matplotlib
+import numpy as np
+from fontTools import subset
+from matplotlib.axes import Axes
+from matplotlib.backends import _backend_pdf_ps
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from mpl_toolkits.mplot3d import Axes3D
+
+from aras_visual_servo import RunRecord, palette, styles
+from .pictures import PANELS, image_of, panel_title
+
+TWIST_LABELS = ("$v_x$", "$v_y$", "$v_z$", r"$\omega_x$", r"$\omega_y$", r"$\omega_z$")
+TWIST_STYLES = tuple((color, style) for style in ("-", (0, (4, 1.5)))
+                     for color in (palette.BLUE, palette.VERMILION, palette.GREEN))
+
+STYLE = {
+    "font.family": "DejaVu Sans", "mathtext.fontset": "dejavusans", "font.size": 9.0, "axes.titlesize": 9.5,
+    "axes.labelsize": 9.0, "legend.fontsize": 8.5, "xtick.labelsize": 8.5, "ytick.labelsize": 8.5,
+    "axes.spines.top": False, "axes.spines.right": False, "axes.edgecolor": "#444444", "axes.linewidth": 0.8,
+    "axes.grid": True, "grid.color": "#e4e4e4", "grid.linewidth": 0.7, "axes.axisbelow": True,
+    "lines.linewidth": 1.5, "legend.frameon": False, "pdf.fonttype": 42, "svg.hashsalt": "aras_visual_servo",
+}
+
+
+def _letters_of(fontfile, characters):
+    """A font with these characters alone, for the PDF: a stream. It is what matplotlib makes, but without the tables by
+    which a text is set (ligatures, kerning): no reader of a PDF looks at them, and to reduce them takes longer than to
+    draw the figure."""
+    options = subset.Options(glyph_names=True, recommended_glyphs=True)
+    options.drop_tables += ["FFTM", "PfEd", "BDF", "GDEF", "GPOS", "GSUB"]
+    if fontfile.endswith(".ttc"):
+        options.font_number = 0
+    with subset.load_font(fontfile, options) as font:
+        subsetter = subset.Subsetter(options=options)
+        subsetter.populate(text=characters)
+        subsetter.subset(font)
+        stream = io.BytesIO()
+        font.save(stream, reorderTables=False)
+        return stream
+
+
+@contextlib.contextmanager
+def _lean_fonts():
+    """Within it a PDF has the fonts of `_letters_of`. Which function matplotlib calls for them is not promised: a
+    version that calls another one goes on with its own."""
+    before = getattr(_backend_pdf_ps, "get_glyphs_subset", None)
+    _backend_pdf_ps.get_glyphs_subset = _letters_of
+    try:
+        yield
+    finally:
+        _backend_pdf_ps.get_glyphs_subset = before
+
+
+def save_figure(record: RunRecord, png_path: Optional[Path] = None, pdf_path: Optional[Path] = None,
+                dpi: int = 160) -> None:
+    """Write the six panels as one picture, 3 x 2.
+
+    Args:
+        record: RunRecord.  png_path, pdf_path: files to write; None: not this one.
+    """
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(11.0, 6.4))
+        grid = figure.add_gridspec(2, 3, height_ratios=(1.0, 1.08), left=0.07, right=0.98, top=0.95, bottom=0.075,
+                                   wspace=0.27, hspace=0.2)
+        for index, panel in enumerate(PANELS):
+            axes = figure.add_subplot(grid[divmod(index, 3)], projection=Axes3D.name if panel == "path" else None)
+            if panel == "path":  # the names of its axes stand right of it
+                left, bottom, width, height = axes.get_position().bounds
+                axes.set_position((left - 0.03, bottom - 0.01, width, height + 0.02))
+            draw_panel(record, panel, axes, letter="abcdef"[index])
+        # Without a creation date the same run gives the same bytes.
+        if png_path is not None:
+            figure.savefig(png_path, dpi=dpi, metadata={"Software": None})
+        if pdf_path is not None:
+            with _lean_fonts():
+                figure.savefig(pdf_path, metadata={"CreationDate": None})
+
+
+def save_panels(record: RunRecord, folder: Path, size_in: Tuple[float, float] = (3.5, 2.7)) -> List[Path]:
+    """Write each of the six panels as FOLDER/panel_NAME.pdf, of the width of a column of a paper, without title.
+
+    Returns:
+        list of the paths.
+    """
+    paths = []
+    with matplotlib.rc_context(STYLE):
+        for panel in PANELS:
+            figure = Figure(figsize=size_in, constrained_layout=panel != "path")
+            axes = figure.add_subplot(projection=Axes3D.name if panel == "path" else None)
+            draw_panel(record, panel, axes, title=False)
+            if panel == "path":
+                figure.subplots_adjust(left=0.0, right=0.9, bottom=0.08, top=1.0)
+            paths.append(folder / f"panel_{panel}.pdf")
+            figure.savefig(paths[-1], metadata={"CreationDate": None})
+    return paths
+
+
+def draw_panel(record: RunRecord, panel: str, axes: Axes, letter: str = "", title: bool = True) -> None:
+    """Draw one of PANELS, or "start" (see `image_of`), on matplotlib axes; "path" needs a 3-D projection."""
+    if title:
+        # With a place given, matplotlib does not measure every label to find one: a third of the time of drawing.
+        axes.set_title((f"({letter}) " if letter else "") + panel_title(record, panel), pad=5.0,
+                       y=None if panel == "path" else 1.0)
+    if panel in ("desired", "initial", "difference", "start"):
+        _draw_image(axes, image_of(record, panel))
+    elif panel == "errors":
+        _draw_errors(record, axes)
+    elif panel == "velocity":
+        _draw_velocity(record, axes)
+    elif panel == "path":
+        _draw_path(record, axes)
+    else:
+        raise ValueError(f"panel '{panel}': allowed are {', '.join(PANELS)}, start")
+
+
+def _draw_image(axes, image):
+    axes.grid(False)
+    axes.set_xticks([])
+    axes.set_yticks([])
+    for spine in axes.spines.values():
+        spine.set_visible(True)
+    if image is None:
+        _say(axes, "no image in this record")
+        return
+    axes.imshow(image, cmap="gray", vmin=0, vmax=255, interpolation="nearest")
+    height, width = image.shape[:2]
+    # Faint lines through the middle of the image show how far the object is from it. White and black dashes take turns,
+    # so that the lines are seen on any background.
+    axes.axhline((height - 1) / 2, color="#ffffff", alpha=0.45, linewidth=0.6, linestyle=(0, (6, 4)))
+    axes.axvline((width - 1) / 2, color="#ffffff", alpha=0.45, linewidth=0.6, linestyle=(0, (6, 4)))
+    axes.axhline((height - 1) / 2, color="#000000", alpha=0.25, linewidth=0.6, linestyle=(5, (6, 4)))
+    axes.axvline((width - 1) / 2, color="#000000", alpha=0.25, linewidth=0.6, linestyle=(5, (6, 4)))
+
+
+def _draw_errors(record, axes):
+    rows = record.servo_rows
+    t_s = _servo_time(record, rows)
+    axes.axhline(0.0, color=palette.GREY, linewidth=0.8)
+    for style, column in zip(styles(record.feature_names), record.e[rows].T):
+        axes.plot(t_s, column, color=style.colour, label=style.mathtext)
+    _finish_time_axes(axes, t_s, r"$\mathbf{e} = \mathbf{s} - \mathbf{s}^*$",
+                      columns=2 if len(record.feature_names) <= 8 else 4)
+
+
+def _draw_velocity(record, axes):
+    rows = record.servo_rows
+    t_s = _servo_time(record, rows)
+    axes.axhline(0.0, color=palette.GREY, linewidth=0.8)
+    for column, (label, (color, style)) in enumerate(zip(TWIST_LABELS, TWIST_STYLES)):
+        axes.plot(t_s, record.twist[rows, column], color=color, linestyle=style, label=label)
+    _finish_time_axes(axes, t_s, r"$\mathbf{v}$ [m/s], $\mathbf{\omega}$ [rad/s]", columns=2)
+
+
+def _draw_path(record, axes):
+    rows = record.servo_rows
+    p = record.X_WM[rows, :3, 3]
+    p = p[np.all(np.isfinite(p), axis=1)]
+    taught = record.rows("teach")
+    goal = record.X_WM[taught[-1], :3, 3] if len(taught) else np.full(3, np.nan)
+    if len(p):
+        axes.plot(*p.T, color=palette.BLUE)
+        axes.plot(*p[:1].T, linestyle="", marker="o", markersize=7, markerfacecolor="none", markeredgewidth=1.6,
+                  color=palette.VERMILION, label="start")
+    if np.all(np.isfinite(goal)):
+        axes.plot(*goal[:, None], linestyle="", marker="*", markersize=11, color=palette.GREEN, label="goal (taught)")
+    points = np.vstack([p, goal[None]])
+    points = points[np.all(np.isfinite(points), axis=1)]
+    if len(points):
+        centre = (points.max(axis=0) + points.min(axis=0)) / 2
+        half = max((points.max(axis=0) - points.min(axis=0)).max() / 2 * 1.08, 1e-3)
+        for set_limits, middle in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), centre):
+            set_limits(middle - half, middle + half)
+    axes.set_box_aspect((1, 1, 1), zoom=1.06)
+    axes.view_init(elev=22, azim=-57)
+    for axis, name in zip((axes.xaxis, axes.yaxis, axes.zaxis), "xyz"):
+        axis.set_major_locator(MaxNLocator(4))
+        axis.set_pane_color((0.97, 0.97, 0.97, 1.0))
+        axis.set_tick_params(pad=1.0 if name == "z" else -1.0)
+        axis.set_label_text(f"${name}_W$ [m]")
+        axis.labelpad = 3.0 if name == "z" else 1.0
+    if len(points):
+        axes.legend(loc="upper left", handletextpad=0.2, borderaxespad=0.0)
+
+
+def _servo_time(record, rows):
+    return (record.stamp_ns[rows] - record.stamp_ns[rows[0]]) * 1e-9 if len(rows) else np.empty(0)
+
+
+def _finish_time_axes(axes, t_s, label, columns):
+    axes.set_xlabel("time since the servo started [s]")
+    axes.set_ylabel(label)
+    if len(t_s) > 1:
+        axes.set_xlim(0.0, t_s[-1])
+        axes.legend(loc="best", ncol=columns, handlelength=1.6, columnspacing=1.2)
+    else:
+        _say(axes, "no servo phase in this record")
+
+
+def _say(axes, text):
+    axes.text(0.5, 0.5, text, ha="center", va="center", color=palette.GREY, transform=axes.transAxes)

@@ -1,0 +1,48 @@
+"""Plot of the joints between their limits, for the page. A joint without limits is drawn in half turns from zero."""
+
+import math
+from typing import Any, Dict, Optional
+
+import numpy as np
+
+from aras_visual_servo import ArasError, RunRecord, kinematics_of, palette, scenario_from_dict
+from .plots import series_of, time_plot
+
+DASH = "6 3"  # of a joint without limits
+
+
+def joint_plot(record: RunRecord) -> Optional[Dict[str, Any]]:
+    """The plot, a dict as `plots` describes it; None for a record whose robot is not known here.
+
+    A curve is -1 at the lower limit and 1 at the upper one. What is read off is the joint's position.
+    """
+    rows = record.servo_rows
+    try:
+        scenario = scenario_from_dict(record.settings)
+        kinematics = kinematics_of(scenario.urdf_xml(), scenario.robot, calibrated=False)
+    except (ArasError, RuntimeError, KeyError, TypeError, AttributeError):  # a record of another place
+        return None
+    if not len(rows) or not set(kinematics.joint_names) <= set(record.joint_names):
+        return None
+    slides = _sliding(scenario.urdf_xml())
+    series = []
+    for place, (name, low, high) in enumerate(zip(kinematics.joint_names, kinematics.lower, kinematics.upper)):
+        limited = math.isfinite(low) and math.isfinite(high)
+        half, middle = (0.5 * (high - low), 0.5 * (high + low)) if limited else \
+            (1.0 if name in slides else math.pi, 0.0)
+        factor, unit = (1e3, "mm") if name in slides else (180.0 / math.pi, "deg")
+        q = record.q[rows, record.joint_names.index(name)]
+        colour = palette.PALETTE[place % len(palette.PALETTE)]
+        one = series_of((name, "", colour, "" if limited else DASH, factor * half, unit), (q - middle) / half)
+        series.append(dict(one, offset=factor * middle))
+    t_s = (record.stamp_ns[rows] - record.stamp_ns[rows[0]]) * 1e-9
+    free = [one["name"] for one in series if one["dash"]]
+    title = "joints between their limits" + (f" ({', '.join(free)}: no limits, in half turns)" if free else "")
+    return time_plot("joints", title, np.asarray(t_s), series, "−1: lower limit, 1: upper limit", ends=[-1.0, 1.0])
+
+
+def _sliding(urdf_xml):
+    """Names of the prismatic joints."""
+    import xml.etree.ElementTree as tree
+    joints = tree.fromstring(urdf_xml).findall("joint")
+    return {joint.get("name") for joint in joints if joint.get("type") == "prismatic"}

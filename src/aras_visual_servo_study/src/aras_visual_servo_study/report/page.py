@@ -1,0 +1,123 @@
+"""report.html of a run: one self-contained page, readable on a phone and on paper, and complete without JavaScript."""
+
+import base64
+import json
+import math
+import struct
+import zlib
+
+import numpy as np
+import yaml
+
+from . import pictures, plots
+from .image_plot import image_plot
+from .joint_plot import joint_plot
+from .replay import ReplayError, replay_of
+from .rows import comparison_rows, is_number, stop_rows
+from aras_visual_servo import styles
+from .template import render, source
+
+# A larger video is not put into the page but stays a file beside it: mail programs and phones refuse larger pages.
+EMBEDDED_VIDEO_BYTES = 8_000_000
+
+
+def report_html(record, summary, command=None, film=None):
+    """The report as one page, str: pictures, plots, their script and a small video inside.
+
+    Args:
+        record: RunRecord.  summary: `report.summarise(record)`.  command: how to repeat the run, None: in process.
+        film: `video.Film` of the run, or None.
+    """
+    drawn = plots.plots_of(record, pictures.panel_title(record, "velocity"))
+    drawn[3:3] = [plot for plot in (joint_plot(record), image_plot(record)) if plot] if drawn else []
+    for plot in drawn:
+        # A "<" in the numbers or names could end the script element that contains them.
+        plot["json"] = json.dumps(plot.pop("data"), ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
+    try:
+        shown_again, why_not = replay_of(record), ""
+    except ReplayError as error:
+        shown_again, why_not = None, str(error)
+    scenario = yaml.safe_dump(record.settings, sort_keys=False, allow_unicode=True) if record.settings else ""
+    return render(
+        "report.html.j2", summary=summary, images=_images(record), plots=drawn, film=film and _film(film),
+        replay=shown_again, no_replay=why_not, script=source("report.js") if drawn else "",
+        rows=comparison_rows(summary), stop=stop_rows(summary), features=_feature_rows(summary),
+        settings=flat_settings(record), eye_to_hand=record.eye_to_hand,
+        recorded=[(topic, f"{count['in_bag']} of {count['published']} messages published")
+                  for topic, count in record.recorded.items()],
+        scenario=scenario, scenario_src=data_uri(scenario.encode(), "text/yaml"),
+        command=command or f"rosrun aras_visual_servo_controller run {summary['scenario']} --in-process")
+
+
+def data_uri(content, kind):
+    """A data: address that contains these bytes, str."""
+    return f"data:{kind};base64," + base64.b64encode(content).decode("ascii")
+
+
+def png_bytes(image):
+    """The bytes of a PNG file of a uint8 image (h, w) or (h, w, 3) rgb. The same pixels always give the same bytes."""
+    height, width = image.shape[:2]
+    colour = 2 if image.ndim == 3 else 0
+    rows = np.ascontiguousarray(image, dtype=np.uint8).reshape(height, -1)
+    # Each row begins with the number of its filter, 0 for none.
+    raw = np.concatenate([np.zeros((height, 1), np.uint8), rows], axis=1).tobytes()
+
+    def chunk(name, content):
+        return struct.pack(">I", len(content)) + name + content + struct.pack(">I", zlib.crc32(name + content))
+
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, colour, 0, 0, 0))
+            + chunk(b"IDAT", zlib.compress(raw, 9)) + chunk(b"IEND", b""))
+
+
+def _images(record):
+    """Title and data address of each picture, in the camera's own pixels; address None if the record lacks it."""
+    shown = []
+    for letter, panel in (("a", "desired"), ("b", "initial"), ("c", "difference"), ("", "start")):
+        image = pictures.image_of(record, panel)
+        if panel == "start" and image is None:
+            continue
+        title = (f"({letter}) " if letter else "") + pictures.panel_title(record, panel).replace("$-$", "−")
+        shown.append({"panel": panel, "title": title,
+                      "src": None if image is None else data_uri(png_bytes(image), "image/png")})
+    return shown
+
+
+def _film(film):
+    small = film.path.stat().st_size <= EMBEDDED_VIDEO_BYTES
+    return {"src": data_uri(film.path.read_bytes(), "video/mp4") if small else film.path.name,
+            "poster": data_uri(png_bytes(film.poster), "image/png"), "beside": not small,
+            "width": film.poster.shape[1], "height": film.poster.shape[0], "speed": film.speed}
+
+
+def _feature_rows(summary):
+    rows, errors = [], summary["final_feature_error"]
+    for style, value in zip(styles(errors), errors.values()):
+        threshold, gain = summary["thresholds"].get(style.name), summary["gains_per_s"].get(style.name)
+        rate = summary["measured_decay_per_s"].get(style.name)
+        # Three digits of the threshold, so that an error can be held against it.
+        digits = max(4, 2 - math.floor(math.log10(threshold * style.factor))) if threshold else 4
+        rows.append({"style": style, "value": f"{value * style.factor:+.{digits}f}" if is_number(value) else "unknown",
+                     "threshold": f"{threshold * style.factor:.4g}" if threshold is not None else "",
+                     "gain": f"{gain:g}" if gain is not None else "",
+                     "rate": f"{rate:.2f}" if is_number(rate) else ""})
+    return rows
+
+
+def flat_settings(record):
+    """Rows (dotted key, value as text): every setting of the record's scenario that influences the result."""
+    rows = []
+    for section in ("robot", "sim", "vision", "servo", "experiment"):
+        rows += _flatten(section, record.settings.get(section, {}))
+    return rows
+
+
+def _flatten(prefix, value):
+    if isinstance(value, dict) and any(isinstance(v, (dict, list)) for v in value.values()):
+        return [row for key, item in value.items() for row in _flatten(f"{prefix}.{key}", item)]
+    if isinstance(value, dict) and len(prefix.split(".")) < 2:
+        return [row for key, item in value.items() for row in _flatten(f"{prefix}.{key}", item)]
+    if isinstance(value, list) and any(isinstance(v, dict) for v in value):
+        return [row for i, item in enumerate(value) for row in _flatten(f"{prefix}[{i}]", item)]
+    if isinstance(value, dict):
+        return [(prefix, ", ".join(f"{key} {item}" for key, item in value.items()))] if value else []
+    return [(prefix, ", ".join(map(str, value)) if isinstance(value, list) else str(value))]

@@ -1,0 +1,43 @@
+"""Pages from the templates of config/templates, all made by one Jinja environment."""
+
+import contextlib
+import functools
+import os
+from pathlib import Path
+from typing import Any
+
+from ..files import share_dir
+
+
+def render(template: str, /, **values: Any) -> str:
+    """The page of config/templates/TEMPLATE with these values, str; a name in it that nobody gives is an error."""
+    return _environment().get_template(template).render(**values)
+
+
+def source(name: str) -> str:
+    """Text of a file of config/templates as it stands there, for example a script."""
+    environment = _environment()
+    return environment.loader.get_source(environment, name)[0]
+
+
+@functools.lru_cache(maxsize=None)
+def _environment():
+    import jinja2  # slow to import
+
+    class Compiled(jinja2.FileSystemBytecodeCache):
+        """Templates are compiled once, as Python's modules are: in a folder of this user, by a hash of their text."""
+
+        def dump_bytecode(self, bucket):
+            with contextlib.suppress(OSError):  # a full disk: the next process compiles again
+                super().dump_bytecode(bucket)
+
+    compiled = None
+    with contextlib.suppress(OSError, RuntimeError):  # there is no home, or nobody may write there
+        folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "aras_visual_servo"
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        about = folder.stat()
+        if about.st_uid == os.getuid() and not about.st_mode & 0o022:  # what stands there is run
+            compiled = Compiled(str(folder), f"{jinja2.__version__}_%s")
+    return jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined,
+                              bytecode_cache=compiled,
+                              loader=jinja2.FileSystemLoader(str(share_dir() / "config" / "templates")))

@@ -1,0 +1,61 @@
+"""Versions of the programs and libraries that a result depends on, read from the installed files without ROS."""
+
+import fnmatch
+import functools
+import glob
+import os
+import platform
+import re
+import xml.etree.ElementTree
+from importlib import metadata
+from pathlib import Path
+from typing import Dict
+
+from aras_visual_servo import share_dir
+
+# Shared libraries of Debian's packages. The version is part of the file name.
+_LIBRARIES = {"visp": "libvisp_core.so.*", "bullet": "libBulletDynamics*.so.*",
+              "kdl": "liborocos-kdl.so.*", "opencv": "libopencv_core.so.*"}
+_FOLDERS = ("/usr/lib/*-linux-gnu", "/usr/lib", "/usr/local/lib")
+
+
+@functools.lru_cache(maxsize=None)
+def _installed():
+    versions = {"aras_visual_servo": package_version(share_dir() / "package.xml")}
+    files = [file for folder in _FOLDERS for path in glob.glob(folder) for file in os.listdir(path) if ".so." in file]
+    for name, pattern in _LIBRARIES.items():
+        found = fnmatch.filter(files, pattern)
+        numbers = [match.group(1) for match in (re.search(r"\.so\.([0-9.]+)$", file) for file in found) if match]
+        if numbers:
+            versions[name] = max(numbers, key=lambda number: (number.count("."), number))
+    for name in ("numpy", "matplotlib"):
+        try:
+            versions[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            versions[name] = "unknown"
+    versions["python"] = platform.python_version()
+    versions["system"] = _system()
+    return versions
+
+
+def installed_versions() -> Dict[str, str]:
+    """Dict of name -> version: this package, ViSP, Bullet, KDL, OpenCV, numpy, matplotlib, Python, system."""
+    return dict(_installed())
+
+
+def package_version(path: Path) -> str:
+    """The <version> of a package.xml, "unknown" if there is none."""
+    try:
+        version = xml.etree.ElementTree.parse(path).findtext("version")
+    except (OSError, xml.etree.ElementTree.ParseError):
+        version = None
+    return version.strip() if version else "unknown"
+
+
+def _system():
+    try:
+        with open("/etc/os-release", encoding="utf-8") as stream:
+            names = dict(line.rstrip().split("=", 1) for line in stream if "=" in line)
+        return f"{names.get('PRETTY_NAME', '').strip(chr(34))}, {platform.machine()}"
+    except OSError:
+        return f"{platform.system()}, {platform.machine()}"

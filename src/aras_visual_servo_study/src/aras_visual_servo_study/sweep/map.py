@@ -1,0 +1,91 @@
+"""What the maps of a page need to know of a sweep: a dot for each start, its result, and the command
+that repeats it.
+
+The script config/templates/map.js draws them.
+"""
+
+import json
+from typing import Any, Dict, List, Optional, Tuple
+
+from aras_visual_servo import palette
+from .figure import LABELS, known_axes
+from .statistics import every_run_succeeds
+
+#: Looks of the outcomes of a run.
+OUTCOMES = {"success": {"label": "success", "color": palette.BLUE},
+            "failure": {"label": "failure", "color": palette.VERMILION},
+            "error": {"label": "error", "color": "#7a1f1f"},
+            "infeasible": {"label": "start refused", "color": palette.GREY, "cross": True}}
+#: (column, label, unit, digits) of a run's result.
+RESULTS = (("duration_s", "time", "s", 3), ("error_mm", "final error", "mm", 4), ("angle_deg", "final angle", "deg", 4),
+           ("path_mm", "length of the path", "mm", 1), ("border_px", "nearest to the image border", "px", 1),
+           ("joint_room", "room of the joints", "", 2))
+#: Digits of a number in the page: more than a map can show.
+SIGNIFICANT = 7
+
+
+def sweep_maps(rows, axes, folder=None):
+    """The data of a sweep's maps, as JSON that may stand in a page.
+
+    Args:
+        rows: of `SweepStore.rows`.  axes: the two columns to begin with.
+        folder: of the sweep, for the command that repeats a run; None: where the page is.
+    """
+    success = {"title": "result", "key": "outcome", "kind": "classes", "classes": OUTCOMES}
+    time = {"title": "time to the end [s], where it succeeded", "key": "succeeded_s", "kind": "scale"}
+    error = {"title": "final error [mm]", "key": "error_mm", "kind": "scale"}
+    rows = [dict(row, succeeded_s=row["duration_s"] if row["success"] else None) for row in rows]
+    facts = [fact("outcome", "result", short=True), fact("reason", "reason", short=True), fact("detail", "in words"),
+             *(fact(key, label, unit, digits, short=key in ("duration_s", "error_mm"))
+               for key, label, unit, digits in RESULTS), *start_facts(rows)]
+    command = {"label": "Run it again, with its full report:", "folder": folder,
+               "text": "rosrun aras_visual_servo_controller rerun {id} --sweep {folder}"}
+    maps = [time, error] if every_run_succeeds(rows) else [success, time, error]
+    return page_data(rows, axes, maps, facts, [command], {"key": "outcome", "value": "infeasible"})
+
+
+def fact(key: str, label: str, unit: str = "", digits: Optional[int] = None, short: bool = False) -> Dict[str, Any]:
+    """What a page tells of a run. short: also where the pointer only passes."""
+    return {"key": key, "label": label, "unit": unit, "digits": digits, "short": short}
+
+
+def start_facts(rows: List[Dict[str, Any]]) -> List[Dict[str, Any]]:
+    """Facts of where a run begins: its place against the goal, then the joints and whatever else was varied."""
+    found = [fact(axis, plain_label(axis).partition(" [")[0], unit, digits, axis in ("distance0_mm", "angle0_deg"))
+             for axis, unit, digits in (("distance0_mm", "mm", 1), ("angle0_deg", "deg", 2), ("x0_mm", "mm", 2),
+                                        ("y0_mm", "mm", 2), ("z0_mm", "mm", 2))]
+    varied = [name for name in (rows[0] if rows else ()) if name.startswith(("start_", "offset_", "goal_", "p_"))]
+    return found + [fact(name, name.replace("start_", "start, ", 1).replace("p_", "", 1) if name[0] in "sp" else name,
+                         digits=4 if all(isinstance(row[name], (float, type(None))) for row in rows) else None)
+                    for name in varied]
+
+
+def page_data(rows: List[Dict[str, Any]], axes: Tuple[str, str], maps: List[Dict[str, Any]],
+              facts: List[Dict[str, Any]], commands: List[Dict[str, Any]], crosses: Optional[Dict[str, str]]) -> str:
+    """JSON of rows (dicts), maps, facts and commands. A text that many rows share stands there once.
+
+    crosses: {key, value} of rows that a map shows as crosses where it has no value for them.
+    """
+    keys = list(dict.fromkeys([*(axis for axis in known_axes(rows)), *(one["key"] for one in maps), "id",
+                               *(one["key"] for one in facts)]))
+    keys = [key for key in keys if rows and key in rows[0]]
+    texts = {key: list(dict.fromkeys(row[key] for row in rows if isinstance(row[key], str))) for key in keys}
+    texts = {key: found for key, found in texts.items() if found}
+    place = {key: {text: i for i, text in enumerate(found)} for key, found in texts.items()}
+
+    def cell(row, key):
+        value = row[key]
+        if key in place:
+            return place[key].get(value)
+        return float(f"{value:.{SIGNIFICANT}g}") if isinstance(value, float) else value
+
+    data = {"columns": keys, "rows": [[cell(row, key) for key in keys] for row in rows], "texts": texts,
+            "axes": [{"key": axis, "label": plain_label(axis)} for axis in known_axes(rows)], "x": axes[0],
+            "y": axes[1], "maps": maps, "facts": [one for one in facts if one["key"] in keys], "commands": commands,
+            "crosses": crosses}
+    return json.dumps(data, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def plain_label(axis: str) -> str:
+    """Name of an axis without mathtext."""
+    return LABELS.get(axis, axis).replace("$", "")

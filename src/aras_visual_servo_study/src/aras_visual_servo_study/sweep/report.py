@@ -1,0 +1,126 @@
+"""Report of a sweep: runs.csv, {map,curve,reasons}.{png,pdf}, sweep.html. It reads nothing but the store.
+
+The same runs give the same bytes, on whatever machine and in whatever order they were done.
+"""
+
+import base64
+import math
+from pathlib import Path
+from typing import Any, Dict, List, Optional, Sequence, Tuple
+
+from ..report.report import ResultFolderError
+from ..report.template import render, source
+from .figure import DEFAULT_AXES, save_figures
+from .map import sweep_maps
+from .metrics import known_metrics
+from .statistics import aggregate, every_run_succeeds, reasons
+from ..report.drawing import Drawing
+from .store import SweepStore
+
+CAPTIONS = {"map": "Result, time to the end and final error over two axes.",
+            "curve": "Success against the initial distance, with 95 % Wilson intervals.",
+            "reasons": "Why runs did not succeed."}
+
+
+def save_csv(store: SweepStore) -> Path:
+    """Write runs.csv. Returns its path."""
+    path = store.folder / "runs.csv"
+    _write(path, store.csv().encode())
+    return path
+
+
+def save_report(store: SweepStore, axes: Tuple[str, str] = DEFAULT_AXES, drawing: Optional[Drawing] = None) -> Path:
+    """Write runs.csv, the figures and sweep.html.
+
+    Args:
+        store: `SweepStore` with at least one run.  axes: two columns, see `figure.known_axes`.
+        drawing: `Drawing` that draws the figures; None: processes of this one draw them.
+    Returns:
+        Path of sweep.html.
+    Raises:
+        ResultFolderError: a file cannot be written.
+    """
+    save_csv(store)
+    rows = store.rows()
+    try:
+        pictures = save_figures(rows, store.folder, axes, drawing)
+    except OSError as error:
+        raise ResultFolderError(f"{store.folder}: a figure cannot be written: {error}") from error
+    path = store.folder / "sweep.html"
+    _write(path, report_html(store, rows, pictures, axes).encode())
+    return path
+
+
+def report_html(store: SweepStore, rows: List[Dict[str, Any]], pictures: Dict[str, bytes],
+                axes: Tuple[str, str] = DEFAULT_AXES) -> str:
+    """The report as one self-contained page, str."""
+    numbers = aggregate(rows)
+    shown = {name for name in ("curve", "reasons") if name == "curve" or not every_run_succeeds(rows)}
+    planned = len(store.starts())
+    return render(
+        "sweep.html.j2", name=store.meta["setup"]["scenario"]["name"], numbers=numbers, planned=planned,
+        missing=planned - len(rows),
+        rates=[(label, f"{100 * numbers[key]:.2f}\u00a0%", f"{100 * numbers[key + '_low']:.2f} to "
+                                                           f"{100 * numbers[key + '_high']:.2f}\u00a0%", source)
+               for label, key, source in rate_labels() if not math.isnan(numbers[key])],
+        spreads=[(label, *(_number(numbers[f"{name}_{part}_{unit}"], form) for part in ("median", "p95", "max")))
+                 for label, name, unit, form in (("time [s]", "time", "s", "{:.2f}"),
+                                                 ("position error [mm]", "error", "mm", "{:.4f}"),
+                                                 ("angle [deg]", "angle", "deg", "{:.5f}"))],
+        reasons=reasons(rows),
+        maps=sweep_maps(rows, axes), script=source("map.js"), map=base64.b64encode(pictures["map"]).decode(),
+        map_caption=CAPTIONS["map"], one_colour=every_run_succeeds(rows),
+        pictures=[(CAPTIONS[name], base64.b64encode(png).decode()) for name, png in pictures.items() if name in shown],
+        settings=setting_rows(store.meta), command=store.meta["command"],
+        driven=store.meta["setup"]["drive_to_start"], versions=store.meta["versions"])
+
+
+def rate_labels() -> Sequence[Tuple[str, str, str]]:
+    """(label, name in `aggregate`, source) of all ways to succeed."""
+    return (*((f"{metric.label}: {metric.threshold}", metric.name, metric.source) for metric in known_metrics()),
+            ("the law's own stop rule was met", "converged", ""))
+
+
+def setting_rows(meta: Dict[str, Any]) -> List[Tuple[str, str]]:
+    """(name, value) of everything that the sweep varied."""
+    settings = meta["settings"]
+    rows = [(key, str(settings[key])) for key in ("starts", "method", "space", "seed")]
+    rows += [(f"range of {name}", f"{low:g} to {high:g}") for name, (low, high) in settings["ranges"].items()]
+    rows += [(f"goal, range of {name}", f"{low:g} to {high:g}") for name, (low, high) in settings["goal"].items()]
+    return rows + [(f"perturbed: {name}", text) for name, text in settings["perturb"].items()]
+
+
+def format_summary(store: SweepStore) -> str:
+    """The sweep as a few lines for the terminal, str."""
+    return format_rows(store.meta["setup"]["scenario"]["name"], store.rows())
+
+
+def format_rows(scenario: str, rows: List[Dict[str, Any]]) -> str:
+    """The runs of a scenario, by its name, as a few lines, str."""
+    numbers = aggregate(rows)
+    lines = [f"{scenario}: {numbers['runs']} runs, {numbers['feasible']} feasible, "
+             f"{numbers['infeasible']} starts refused, {numbers['errors']} errors"]
+    for label, key in (*((metric.label, metric.name) for metric in known_metrics()), ("converged", "converged")):
+        if not math.isnan(numbers[key]):
+            lines.append(f"{label:<20}{100 * numbers[key]:.2f} %   (95 %: {100 * numbers[key + '_low']:.2f} to "
+                         f"{100 * numbers[key + '_high']:.2f} %)")
+    if not math.isnan(numbers["time_median_s"]):
+        lines.append(f"{'time, median':<20}{numbers['time_median_s']:.2f} s simulated, 95 % below "
+                     f"{numbers['time_p95_s']:.2f} s")
+        lines.append(f"{'error, median':<20}{numbers['error_median_mm']:.4f} mm, 95 % below "
+                     f"{numbers['error_p95_mm']:.4f} mm")
+    lines += [f"{count:>6} {outcome:<11} {reason}" for outcome, reason, count in reasons(rows)]
+    return "\n".join(lines)
+
+
+def _number(value, form):
+    return "" if math.isnan(value) else form.format(value)
+
+
+def _write(path, data):
+    partial = path.with_name(path.name + ".part")
+    try:
+        partial.write_bytes(data)
+        partial.replace(path)
+    except OSError as error:
+        raise ResultFolderError(f"{path}: cannot be written: {error.strerror}") from error

@@ -1,0 +1,287 @@
+"""The live run without a page: what is asked for acts on the next image, or is refused and changes nothing."""
+
+import numpy as np
+import pytest
+import yaml
+
+from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo.ground.types import Status
+from aras_visual_servo_study.live import messages as ask
+from aras_visual_servo_study.live.run import LiveRun
+from aras_visual_servo_study.live.settings import acts_at_once
+from aras_visual_servo.spatial import rotation_rpy, rpy_of
+from aras_visual_servo.scenario.scenario import load_scenario
+
+WHOLE_NS = 10**12       # to the next image, however far
+SLICE_NS = 16_000_000   # as a page at real time asks for
+#: The arm is driven from goal to start in some three simulated seconds, and the servo takes three more.
+DRIVE_IMAGES, SERVO_IMAGES = 150, 200
+
+
+def images(run, count, until=lambda run: False):
+    for _ in range(count):
+        run.advance(WHOLE_NS)
+        if until(run):
+            return True
+    return False
+
+
+def servoing(run):
+    return run.loop.sequence.phase == "servo"
+
+
+def ended(run):
+    return run.loop.sequence.done
+
+
+def begun():
+    run = LiveRun(load_scenario("experiment_1"))
+    run.do(ask.Start())
+    assert images(run, DRIVE_IMAGES, servoing)
+    return run
+
+
+@pytest.fixture
+def run():
+    return begun()
+
+
+def error_of(run):
+    return abs(run.record.e[0])
+
+
+def test_the_run_converges_as_a_run_in_process_does(run):
+    assert images(run, SERVO_IMAGES, ended)
+    assert run.record.status == Status.CONVERGED and run.goal is not None
+    assert run.state()["status"] == "CONVERGED"
+
+
+def test_slices_of_time_change_no_byte_of_the_run():
+    hashes = set()
+    for most_ns in (WHOLE_NS, SLICE_NS):
+        run = LiveRun(load_scenario("experiment_1"))
+        run.do(ask.Start())
+        while run.images < 60:
+            run.advance(most_ns)
+        hashes.add(run.loop.sim.run_hash)
+    assert len(hashes) == 1
+
+
+def rate(run, count=6):
+    """1/s, of the decay of the first error over some images."""
+    before, t_ns = error_of(run), run.record.stamp_ns
+    assert not images(run, count, ended)
+    return np.log(before / error_of(run)) / (1e-9 * (run.record.stamp_ns - t_ns))
+
+
+def test_a_gain_that_is_moved_acts_from_the_next_image_on(run):
+    images(run, 2)
+    assert rate(run) == pytest.approx(3.0, abs=0.5)
+    run.do(ask.Set({"servo.gains_per_s.xn": 0.5}))
+    images(run, 3)  # the joints come to their new velocities
+    assert rate(run) == pytest.approx(0.5, abs=0.35)  # of the camera, tilt and friction included
+    assert run.loop.sequence.phase == "servo" and run.goal is not None
+
+
+def test_the_law_and_its_own_settings_can_be_changed_while_it_servoes(run):
+    version = run.version
+    run.do(ask.Set({"servo.law": "ibvs", "servo.interaction": "current"}))
+    assert run.loop.servo.config.law == "ibvs" and run.version > version
+    assert images(run, SERVO_IMAGES, ended) and run.record.status == Status.CONVERGED
+
+
+def test_other_features_of_the_same_view_get_gains_and_thresholds(run):
+    run.do(ask.Set({"servo.law": "ibvs", "servo.features": ["xn", "yn", "an"]}))
+    assert run.loop.servo.feature_names == ("xn", "yn", "an")
+    images(run, 3)
+    assert len(run.record.e) == 3 and run.about()["rows"][1:4] == ["e.xn", "e.yn", "e.an"]
+    assert set(run.scenario.servo["gains_per_s"]) == {"xn", "yn", "an"}
+    run.do(ask.Set({"servo.features": ["xn", "yn", "an", "alpha"]}))
+    images(run, 2)
+    assert np.isfinite(run.record.e).all() and set(run.scenario.servo["thresholds"]) == {"xn", "yn", "an", "alpha"}
+
+
+@pytest.mark.parametrize("values, said", [
+    ({"servo.gains_per_s.xn": -1.0}, "servo.gains_per_s.xn: found -1.0, allowed > 0"),
+    ({"servo.law": "magic"}, "found magic"), ({"servo.nothing": 1}, "unknown key"), ({}, "allowed an object"),
+    ({"sim.cameras.7.noise_stddev": 1.0}, "leads nowhere"), ([1], "allowed an object"),
+    ({"servo.features": ["photometric"]}, "vision.photometric")])
+def test_what_is_not_allowed_is_refused_and_changes_nothing(run, values, said):
+    before, servo = run.scenario, run.loop.servo
+    with pytest.raises(ParameterError, match=said):
+        run.do(ask.Set(values))
+    assert run.scenario is before and run.loop.servo is servo
+    assert images(run, 1) is False and servoing(run)
+
+
+def test_noise_begins_without_disturbing_the_arm(run):
+    images(run, 3)
+    q, t_ns = run.loop.sim.joint_positions, run.time_ns
+    calm = np.array(run.image, dtype=int)
+    assert run.do(ask.Set({"sim.cameras.0.noise_stddev": 8.0}))["waiting"] == []
+    assert run.time_ns == t_ns and np.array_equal(run.loop.sim.joint_positions, q)
+    images(run, 1)
+    background = np.array(run.image, dtype=int)[:40, :40]
+    assert servoing(run) and calm[:40, :40].std() == 0.0 and background.std() == pytest.approx(8.0, rel=0.2)
+
+
+def test_a_camera_is_late_at_once_and_after_a_reset(run):
+    images(run, 3)
+    assert run.do(ask.Set({"sim.cameras.0.latency_s": 0.05}))["waiting"] == []
+    images(run, 3)
+    assert servoing(run) and run.time_ns - run.record.stamp_ns >= 50_000_000
+    run.do(ask.Reset())
+    images(run, 3)
+    assert run.time_ns - run.record.stamp_ns >= 50_000_000
+
+
+def test_light_changes_at_once_and_what_waits_goes_on_waiting(run):
+    images(run, 3)
+    assert run.do(ask.Set({"sim.period_s": 0.002}))["waiting"] == ["sim.period_s"]
+    run.do(ask.Set({"sim.scene.background_rgb": [10, 20, 30]}))
+    images(run, 1)
+    assert tuple(run.image[0, 0]) == (10, 20, 30) and run.loop.sim.period_ns == 1_000_000
+    assert run.about()["waiting"] == ["sim.period_s"]
+    run.do(ask.Reset())
+    images(run, 1)
+    assert tuple(run.image[0, 0]) == (10, 20, 30) and run.loop.sim.period_ns == 2_000_000
+
+
+def test_what_waits_for_a_reset_is_told_and_acts_then(run):
+    assert not acts_at_once("sim.period_s")
+    assert run.do(ask.Set({"sim.period_s": 0.002}))["waiting"] == ["sim.period_s"]
+    assert run.loop.sim.period_ns == 1_000_000 and run.about()["waiting"] == ["sim.period_s"]
+    run.do(ask.Reset())
+    assert run.loop.sim.period_ns == 2_000_000 and run.about()["waiting"] == [] and run.time_ns == 0
+
+
+def move_target(run, dy):
+    """Along the gantry; a little along x the arm hangs straight, which is singular."""
+    p = run.loop.target_pose()[:3, 3]
+    run.do(ask.PlaceTarget((p[0], p[1] + dy, p[2]), (0.0, 0.0, 2 ** -0.5, 2 ** -0.5)))
+
+
+def test_the_arm_follows_a_target_that_is_dragged(run):
+    assert images(run, SERVO_IMAGES, ended)
+    before = run.loop.camera_pose()[:3, 3]
+    move_target(run, 0.05)
+    assert images(run, 3, servoing) and images(run, SERVO_IMAGES, ended)
+    assert run.loop.camera_pose()[:3, 3] - before == pytest.approx([0.0, 0.05, 0.0], abs=1e-3)
+
+
+def test_a_target_that_is_dragged_until_the_time_is_up_is_followed_to_its_end(run):
+    assert images(run, SERVO_IMAGES, ended)
+    before = run.loop.camera_pose()[:3, 3]
+    run.do(ask.Set({"servo.time_limit_s": 2.0}))
+    move_target(run, 0.03)
+    assert images(run, 3, servoing) and not images(run, 45, ended)
+    move_target(run, 0.02)  # half a second before the end
+    assert images(run, 30, lambda run: run.record.status == Status.TIMED_OUT)
+    assert images(run, 3, servoing) and images(run, SERVO_IMAGES, ended) and run.record.status == Status.CONVERGED
+    assert run.loop.camera_pose()[:3, 3] - before == pytest.approx([0.0, 0.05, 0.0], abs=1e-3)
+
+
+def test_a_servo_whose_time_was_up_is_not_begun_again_for_a_target_at_rest(run):
+    run.do(ask.Set({"servo.time_limit_s": 0.5}))
+    assert images(run, SERVO_IMAGES, ended) and run.record.status == Status.TIMED_OUT
+    assert not images(run, 10, servoing)
+
+
+def test_a_target_that_moves_after_the_last_image_was_taken_is_followed(run):
+    late = {"sim.cameras.0.latency_s": 0.05}  # the image that ends the servo was taken before the one before it came
+    run.do(ask.Set(late))
+    assert images(run, SERVO_IMAGES, ended) and run.record.status == Status.CONVERGED
+    count, before = run.images, run.loop.camera_pose()[:3, 3]
+    again = begun()
+    again.do(ask.Set(late))
+    assert not images(again, count - 1 - again.images, ended)
+    move_target(again, 0.03)
+    assert images(again, 1, ended) and again.record.status == Status.CONVERGED
+    assert images(again, 5, servoing) and images(again, SERVO_IMAGES, ended)
+    assert again.loop.camera_pose()[:3, 3] - before == pytest.approx([0.0, 0.03, 0.0], abs=1e-3)
+
+
+def test_without_follow_it_stays(run):
+    run.do(ask.Follow(False))
+    assert images(run, SERVO_IMAGES, ended)
+    move_target(run, 0.05)
+    assert not images(run, 10, servoing)
+
+
+def test_stop_stops_and_servo_goes_on_from_there(run):
+    images(run, 3)
+    run.do(ask.Stop())
+    images(run, 10)
+    q = run.loop.sim.joint_positions
+    images(run, 10)
+    assert ended(run) and run.loop.sim.joint_positions == pytest.approx(q, abs=1e-3)
+    run.do(ask.Start("taught"))
+    assert images(run, SERVO_IMAGES, ended) and run.record.status == Status.CONVERGED
+
+
+def test_teach_makes_this_view_the_goal(run):
+    with pytest.raises(ParameterError, match="phase servo, allowed when it is stopped"):
+        run.do(ask.Teach())
+    run.do(ask.Stop())
+    images(run, 20)
+    answer = run.do(ask.Teach())
+    X_WC = run.loop.camera_pose()
+    assert answer["z_star_m"] == pytest.approx((X_WC[2, 3] - 0.193394) / -X_WC[2, 2], rel=1e-6)
+    run.do(ask.Start("taught"))
+    images(run, 2)
+    assert np.abs(run.record.e).max() < 2e-3  # the arm only settles a little
+
+
+def test_a_joint_goes_where_the_slider_is(run):
+    with pytest.raises(ParameterError, match="joint: found the run in phase servo"):
+        run.do(ask.Joint("J1", 0.1))
+    run.do(ask.Stop())
+    with pytest.raises(ParameterError, match="allowed J1, J2"):
+        run.do(ask.Joint("J9", 0.1))
+    with pytest.raises(ParameterError, match="J1: found 3, allowed -2.09"):
+        run.do(ask.Joint("J1", 3.0))
+    images(run, 5)
+    names, begin = list(run.loop.sim.joint_names), run.time_ns
+    run.do(ask.Joint("J1", 0.4))
+    images(run, 5)
+    assert abs(run.loop.sim.joint_positions[names.index("J1")]) < 0.2  # no jump
+    images(run, 60)
+    assert run.loop.sim.joint_positions[names.index("J1")] == pytest.approx(0.4, abs=0.01) and run.time_ns > begin
+
+
+def test_the_target_gets_a_motion_and_rests_again(run):
+    with pytest.raises(RuntimeError, match="radius_m"):
+        run.do(ask.MoveTarget({"type": "circle"}))
+    run.do(ask.MoveTarget({"type": "constant_velocity", "linear_m_per_s": [0.03, 0.0, 0.0]}))
+    before = run.loop.target_pose()[0, 3]
+    images(run, 30)
+    assert run.loop.target_pose()[0, 3] - before == pytest.approx(0.03, abs=0.002)
+    run.do(ask.MoveTarget(None))
+    rest = run.loop.target_pose()[0, 3]
+    images(run, 5)
+    assert run.loop.target_pose()[0, 3] == rest
+
+
+def test_what_stands_there_is_a_scenario_that_loads(run, tmp_path):
+    run.do(ask.Set({"servo.gains_per_s.xn": 1.25}))
+    run.do(ask.PlaceTarget((0.05, 0.06, 0.2), (0.0, 0.0, 0.6, 0.8)))
+    path = tmp_path / "mine.yaml"
+    path.write_text(run.do(ask.Save("mine", True))["yaml"])
+    saved = load_scenario(str(path))
+    assert saved.name == "mine" and saved.servo["gains_per_s"]["xn"] == 1.25
+    again = LiveRun(saved)
+    assert again.loop.target_pose() == pytest.approx(run.loop.target_pose(), abs=1e-5)
+    start = yaml.safe_load(path.read_text())["experiment"]["start"]["joints"]
+    assert list(start.values()) == pytest.approx(run.state()["q"], abs=1e-5)
+
+
+def test_a_target_that_does_not_exist_cannot_be_moved():
+    run = LiveRun(load_scenario("experiment_1"))
+    with pytest.raises(ParameterError, match="q_xyzw: found a length of 2"):
+        run.do(ask.PlaceTarget((0.0, 0.0, 0.2), (0.0, 0.0, 0.0, 2.0)))
+
+
+@pytest.mark.parametrize("rpy", [(0.1, 0.2, 0.3), (3.0, -0.4, -2.0), (0.0, np.pi / 2, 0.5), (0.3, -np.pi / 2, 0.0)])
+def test_angles_of_a_rotation_give_it_back(rpy):
+    R = rotation_rpy(rpy)
+    assert rotation_rpy(rpy_of(R)) == pytest.approx(R, abs=1e-6)

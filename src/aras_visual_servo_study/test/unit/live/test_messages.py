@@ -1,0 +1,47 @@
+"""What a page may ask: every request is checked, nonsense is answered in words, and each is described in the docs."""
+
+import json
+import pathlib
+
+import pytest
+
+from aras_visual_servo.config.settings import keys_of
+from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo_study.live.messages import MOST_BYTES, REQUESTS, Set, Speed, parse
+
+DOCS = pathlib.Path(__file__).resolve().parents[5] / "docs" / "live_page.md"
+
+
+def test_a_request_is_read_with_its_number():
+    number, request = parse(json.dumps({"do": "speed", "factor": 2, "id": 7}))
+    assert number == 7 and request == Speed(2)
+
+
+@pytest.mark.parametrize("text, said", [
+    ("{", "allowed JSON"), ("[1]", "found \\[1\\], allowed an object"), ("12.5", "allowed an object"),
+    ('{"do": "explode"}', "found do 'explode', allowed .*start"), ('{"do": ["start"]}', "found do"),
+    ('{"do": "speed", "factor": "fast"}', "speed/factor: found fast, allowed a finite number"),
+    ('{"do": "speed", "factor": -1}', "speed/factor: found -1"), ('{"do": "speed", "factor": NaN}', "speed/factor"),
+    ('{"do": "speed"}', "speed/factor"), ('{"do": "stop", "now": true}', "stop/now: unknown key"),
+    ('{"do": "place_target", "position_m": [1, 2], "q_xyzw": [0, 0, 0, 1]}', "place_target/position_m"),
+    ('{"do": "start", "id": "x"}', "id 'x'"), ("x" * (MOST_BYTES + 1), "bytes, allowed <="),
+    ('{"do": "step", "images": 1e9}', "step/images"), ("\x00", "allowed JSON")])
+def test_nonsense_is_refused_by_name(text, said):
+    with pytest.raises(ParameterError, match=said):
+        parse(text)
+
+
+def test_the_number_of_a_refused_request_is_known():
+    with pytest.raises(ParameterError) as caught:
+        parse('{"do": "explode", "id": 3}')
+    assert caught.value.id == 3
+
+
+def test_every_request_and_field_stands_in_the_docs():
+    text = DOCS.read_text()
+    for name, cls in REQUESTS.items():
+        assert f"| `{name}` |" in text, name
+        for key in keys_of(cls):
+            assert f"`{key.name}`" in text, (name, key.name)
+    assert set(REQUESTS) >= {"start", "stop", "teach", "reset", "pause", "step", "speed", "set", "joint", "save"}
+    assert Set.do == "set"

@@ -1,0 +1,88 @@
+"""Numbers of a run as text: what the stop rule judged, the table of the terminal, settings, versions."""
+import dataclasses
+from importlib import metadata
+
+import numpy as np
+import pytest
+from synthetic import SETTINGS, make_record
+
+from aras_visual_servo_study.report import page, report, versions
+from aras_visual_servo_study.report.rows import stop_rows
+
+
+def with_stop(values, rule="pose"):
+    """A record whose stop rule knew these values at its last images: rows of STOP_NAMES."""
+    settings = dict(SETTINGS, servo=dict(SETTINGS["servo"], stop={"rule": rule, "tilt_rad": 0.002, "position_m": 0.001,
+                                                                  "rotation_rad": 0.004}))
+    record = make_record(settings=settings)
+    stop = np.full((len(record), 4), np.nan)
+    stop[record.servo_rows[-len(values):]] = values
+    return dataclasses.replace(record, stop=stop)
+
+
+def test_of_what_the_stop_rule_judged_the_last_known_value_is_told():
+    summary = report.summarise(with_stop([[0.1, 0.2, 0.3, 4.0], [0.5, 0.6, 0.7, 8.0], [0.001, 0.0005, np.nan, 9.0],
+                                          [np.nan, np.nan, np.nan, np.nan]]))
+    assert summary["stop"] == {"rule": "pose", "cond_l": 9.0, "tilt_rad": {"found": 0.001, "allowed": 0.002},
+                               "position_m": {"found": 0.0005, "allowed": 0.001},
+                               "rotation_rad": {"found": 0.7, "allowed": 0.004}}
+    assert report.summarise(make_record())["stop"]["tilt_rad"]["found"] is None
+
+
+@pytest.mark.parametrize("rule, allowed", [("pose", ["2 mrad", "1 mm", "4 mrad"]), ("features", ["any"] * 3)])
+def test_only_the_rule_of_the_pose_allows_no_more_than_its_bounds(rule, allowed):
+    summary = {"stop": {"rule": rule, "cond_l": 1.0, "tilt_rad": {"found": 0.0011, "allowed": 0.002},
+                        "position_m": {"found": 0.0005, "allowed": 0.001},
+                        "rotation_rad": {"found": 0.0123, "allowed": 0.004}}}
+    rows = stop_rows(summary)
+    assert [row["found"] for row in rows] == ["1.1 mrad", "0.5 mm", "12.3 mrad"]
+    assert [row["allowed"] for row in rows] == allowed
+    assert [row["label"] for row in rows] == ["tilt", "distance from the goal", "angle from the goal"]
+    assert stop_rows({"stop": None}) == stop_rows({"stop": {"rule": rule, "tilt_rad": {"found": None}}}) == []
+
+
+def test_numbers_of_the_table_stand_below_their_names():
+    header, *rows = report.format_summary(report.summarise(make_record())).splitlines()[2:7]
+    ends = [header.index(name) + len(name) for name in ("x [mm]", "y [mm]", "z [mm]", "angle [deg]")]
+    assert header.startswith("final pose error") and len(rows) == 4 and rows[0].startswith("this run")
+    for row in rows:
+        assert len(row) == len(header) == ends[-1]
+        assert all(row[end - 1] != " " and row[end:end + 1] in (" ", "") for end in ends)
+
+
+@pytest.mark.parametrize("settings, rows", [
+    ({"servo": {"law": "pbvs", "hold_s": 0.2}}, [("servo.law", "pbvs"), ("servo.hold_s", "0.2")]),
+    ({"servo": {"gains": {"xn": 1.0, "yn": 2.0}}}, [("servo.gains", "xn 1.0, yn 2.0")]),
+    ({"servo": {"gains": {}}}, []),
+    ({"sim": {"cameras": [{"name": "a", "width": 3}, {"name": "b"}]}},
+     [("sim.cameras[0]", "name a, width 3"), ("sim.cameras[1]", "name b")]),
+    ({"sim": {"scene": {"models": [{"name": "a", "pose": {"x": 1}}]}}},
+     [("sim.scene.models[0].name", "a"), ("sim.scene.models[0].pose", "x 1")]),
+    ({"vision": {"grey": [1, 2]}}, [("vision.grey", "1, 2")]), ({"name": "elsewhere", "time": {"a": 1}}, [])])
+def test_every_setting_that_influences_a_result_is_a_row(settings, rows):
+    assert page.flat_settings(dataclasses.replace(make_record(), settings=settings)) == rows
+
+
+@pytest.mark.parametrize("text, version", [("<package><version> 1.2.3 </version></package>", "1.2.3"),
+                                           ("<package/>", "unknown"), ("<package>", "unknown"), (None, "unknown")])
+def test_the_version_of_a_package_is_that_of_its_file(tmp_path, text, version):
+    if text is not None:
+        (tmp_path / "package.xml").write_text(text)
+    assert versions.package_version(tmp_path / "package.xml") == version
+
+
+def test_the_version_of_a_library_is_the_longest_that_its_files_name(tmp_path, monkeypatch):
+    for name in ("libvisp_core.so.3.5", "libvisp_core.so.3.5.0", "libvisp_core.so.3", "libkdl.so.9",
+                 "libBulletDynamics.so.3.24", "libBulletDynamics-float64.so.3.24", "libopencv_core.so.406",
+                 "libopencv_core.so.4.6.0", "liborocos-kdl.so.1.5.x"):
+        (tmp_path / name).touch()
+
+    def missing(name):
+        raise metadata.PackageNotFoundError(name)
+
+    monkeypatch.setattr(versions, "_FOLDERS", (str(tmp_path), str(tmp_path / "missing")))
+    monkeypatch.setattr(versions.metadata, "version", missing)
+    found = versions._installed.__wrapped__()
+    assert {name: found.get(name) for name in versions._LIBRARIES} == {
+        "visp": "3.5.0", "bullet": "3.24", "opencv": "4.6.0", "kdl": None}
+    assert found["numpy"] == found["matplotlib"] == "unknown"
