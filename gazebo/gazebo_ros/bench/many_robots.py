@@ -79,14 +79,13 @@ def run(world, seconds, camera):
     """Steps as the server does, with a stop for the clock and at every image."""
     end_ns = world.time_ns + round(1e9 * seconds)
     while world.time_ns < end_ns:
-        due_ns = [model.begun_ns + model.simulation.next_image_ns("eye") for model in world.models.values() if camera]
+        due_ns = [world.core.next_image_ns(name + "::eye") for name in world.models if camera]
         stop_ns = min([(world.time_ns // 10000000 + 1) * 10000000, end_ns, *due_ns])
         world.step(max(1, -(-(stop_ns - world.time_ns) // world.period_ns)))
-        for model, due in zip(world.models.values(), due_ns):
+        for name, due in zip(world.models, due_ns):
             if due == world.time_ns:
-                model.simulation.step_to_image("eye")
-                world.look(model)
-                model.simulation.render("eye")
+                world.core.step_to_image(name + "::eye")
+                world.core.render(name + "::eye")
 
 
 def cpu_s(work, *arguments):

@@ -52,15 +52,14 @@ def test_a_realsense_has_the_topics_of_its_plugin():
 def test_a_realsense_sees_color_and_depth_and_has_the_camera_info_of_the_plugin():
     world = World()
     model = world.spawn("r", REALSENSE % "10.0", pose=at(x=-1.0, z=1.0))
-    simulation = model.simulation
-    assert set(simulation.camera_names) == {"camcolor", "camdepth", "camired1"}
-    info = simulation.camera_info("camcolor")
+    core = world.core
+    assert set(core.camera_names) == {"r::camcolor", "r::camdepth", "r::camired1"}
+    info = core.camera_info("r::camcolor")
     assert info["frame_id"] == "color_frame" and (info["K"][2], info["K"][5]) == (20.0, 15.0)
     assert info["K"][0] == pytest.approx(20.0 / numpy.tan(0.5))
-    assert simulation.camera_encoding("camired1") == "mono8" and simulation.camera_encoding("camcolor") == "rgb8"
+    assert core.camera_encoding("r::camired1") == "mono8" and core.camera_encoding("r::camcolor") == "rgb8"
     world.step(100)
-    world.look(model)
-    depth_m = simulation.render_depth("camdepth")
+    depth_m = core.render_depth("r::camdepth")
     below = depth_m[25, 20]  # looks along x, a metre above the ground
     assert below == pytest.approx(info["K"][0] / (25 - 14.5), rel=1e-3)
     values = model.description.cameras["camdepth"].depth.values(depth_m)
@@ -76,8 +75,8 @@ def test_a_kinect_has_image_depth_and_points_of_one_sensor(kind, farthest):
     assert topics.depth.points == "/kinect/points" and topics.depth.range_m == (0.5, farthest)
     assert not topics.depth.millimetres and not any("plugin" in each or "sensor" in each for each in found.warnings)
     world = World()
-    model = world.spawn("k", KINECT % kind, pose=at(z=1.0))
-    assert list(model.simulation.camera_names) == ["kinect"]
+    world.spawn("k", KINECT % kind, pose=at(z=1.0))
+    assert list(world.core.camera_names) == ["k::kinect"]
 
 
 def test_values_out_of_range_are_nothing():

@@ -122,9 +122,11 @@ TILT = matrix_of((0, 0, 0), (0.3, 0.1, -0.2, 0.9273618495495703), "test")  # of 
 
 
 def swinging():
-    model = World().spawn("arm", SENSORS, pose=TILT)
+    """A world with the arm, and the arm."""
+    world = World()
+    model = world.spawn("arm", SENSORS, pose=TILT)
     model.set_joints({"swing": 0.4})
-    return model
+    return world, model
 
 
 def test_devices_of_sensors_have_full_names():
@@ -134,11 +136,11 @@ def test_devices_of_sensors_have_full_names():
 
 
 def test_a_link_accelerates_as_its_velocity_changes():
-    model = swinging()
+    world, model = swinging()
     simulation = model.simulation
-    model.step(300)
+    world.step(300)
     before = model.link_twist("tool")
-    model.step(1)
+    world.step(1)
     change = (model.link_twist("tool") - before) / 1e-3
     pose = model.link_pose("tool")
     measured = simulation.link_acceleration("tool")
@@ -148,9 +150,9 @@ def test_a_link_accelerates_as_its_velocity_changes():
 
 def test_a_joint_feels_the_momentum_of_what_it_carries():
     """Newton: force on the tool is its mass times its acceleration less gravity; the parent feels the opposite."""
-    model = swinging()
+    world, model = swinging()
     for _ in range(3):
-        model.step(100)
+        world.step(100)
         acceleration = model.simulation.link_acceleration("tool")
         gravity = model.link_pose("tool")[:3, :3].T @ (0.0, 0.0, -9.8)
         wrench = model.simulation.joint_wrench("flange")
@@ -162,43 +164,43 @@ def test_a_joint_feels_the_momentum_of_what_it_carries():
 
 
 def test_a_push_on_a_link_is_felt_by_the_joints_that_carry_it_and_ends_with_a_reset():
-    model = swinging()
+    world, model = swinging()
     simulation = model.simulation
     axis = model.link_pose("arm")[:3, :3] @ (0.0, 1.0, 0.0)
     arm = model.link_pose("tool")[:3, 3] - model.link_pose("arm")[:3, 3]
     force = numpy.array([3.0, -1.0, 2.0])
-    free = swinging()
-    free.step(1)
+    free_world, free = swinging()
+    free_world.step(1)
     simulation.push({"tool": [*force, 0.0, 0.0, 0.0]}, {})
-    model.step(1)
+    world.step(1)
     torque = axis @ numpy.cross(arm, force)  # the tool's centre of mass is at its origin
     inertia = 0.03 + 0.002 + 0.7 * 0.5 ** 2
     assert simulation.joint_velocities[0] - free.simulation.joint_velocities[0] == pytest.approx(
         1e-3 * torque / inertia, rel=1e-3)
     simulation.push({}, {"swing": 2.0})
-    again = swinging()
-    again.step(1)
+    again_world, again = swinging()
+    again_world.step(1)
     model.set_joints({"swing": 0.4})
-    model.step(1)
+    world.step(1)
     assert simulation.joint_velocities[0] - again.simulation.joint_velocities[0] == pytest.approx(
         1e-3 * 2.0 / inertia, rel=1e-3)
-    simulation.reset()
+    world.reset_simulation()
     model.set_joints({"swing": 0.4})
-    model.step(1)
+    world.step(1)
     assert simulation.joint_velocities[0] == again.simulation.joint_velocities[0]
 
 
 def test_a_saved_state_has_what_pushes_in_it():
-    model = swinging()
+    world, model = swinging()
     model.simulation.push({"tool": [1.0, 2.0, 3.0, 0.1, 0.2, 0.3]}, {"swing": 0.5})
-    model.step(10)
-    state = model.simulation.save_state()
-    model.step(50)
-    end = model.simulation.save_state()
-    other = swinging()
-    other.simulation.restore_state(state)
+    world.step(10)
+    state = world.core.save_state()
+    world.step(50)
+    end = world.core.save_state()
+    other, _ = swinging()
+    other.core.restore_state(state)
     other.step(50)
-    assert other.simulation.save_state() == end
+    assert other.core.save_state() == end
 
 
 def test_wheels_slip_on_links_of_little_friction():

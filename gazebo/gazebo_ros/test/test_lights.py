@@ -3,10 +3,11 @@ import numpy
 import pytest
 
 from gazebo_ros.world.errors import BadValueError, SpawnError, UnknownEntityError
-from gazebo_ros.world.lights import MOST
 from gazebo_ros.world.poses import matrix_of
 from gazebo_ros.world.settings import WorldSettings
 from gazebo_ros.world.world import World
+
+MOST = 8  #: lights of a world
 
 FLOOR = """<robot name='floor'><link name='slab'><inertial><mass value='1'/>
   <inertia ixx='0.01' iyy='0.01' izz='0.01' ixy='0' ixz='0' iyz='0'/></inertial>
@@ -39,9 +40,7 @@ def a_floor_and_a_camera():
 
 
 def grey(world):
-    camera = world.models["camera"]
-    world.look(camera)
-    return int(camera.simulation.render("eye")[15, 20, 0])
+    return int(world.core.render("camera::eye")[15, 20, 0])
 
 
 def lit(*diffuse):

@@ -18,9 +18,8 @@ PLATE = """<robot name='plate'><link name='world'/>
 
 def seen(extra=""):
     world = World()
-    model = world.spawn("plate", PLATE % extra, pose=matrix_of((0, 0, 1.0), (0, 0, 0, 1), "test"))
-    world.look(model)
-    return model.simulation.render("eye")
+    world.spawn("plate", PLATE % extra, pose=matrix_of((0, 0, 1.0), (0, 0, 0, 1), "test"))
+    return world.core.render("plate::eye")
 
 
 def test_a_plate_under_the_sun_is_white_whatever_colour_the_urdf_gives_it():

@@ -76,11 +76,10 @@ def own(tmp_path):
 def shown(folders, name):
     """Image of the board from the front, and the board."""
     world = World(folders=folders)
-    eye = world.spawn("eye", EYE, pose=matrix_of((4, 0, 1), (0, 0, 1, 0), "test"))  # on the side of the sun
+    world.spawn("eye", EYE, pose=matrix_of((4, 0, 1), (0, 0, 1, 0), "test"))  # on the side of the sun
     board = world.spawn_sdf("board", BOARD % name, pose=matrix_of((2, 0, 1), (0, 0, 0, 1), "test"))
-    eye.simulation.step_to_image("eye")
-    world.look(eye)
-    return numpy.asarray(eye.simulation.render("eye"), float), board
+    world.core.step_to_image("eye::eye")
+    return numpy.asarray(world.core.render("eye::eye"), float), board
 
 
 def test_colours_and_the_picture_of_the_first_pass_are_read():

@@ -144,8 +144,7 @@ def test_physics_gravity_and_light_are_the_worlds():
     world.step(500)
     fallen_m = 1.0 - world.models["box"].pose()[2, 3]
     assert fallen_m == pytest.approx(0.5 * 1.6 * 1.0 ** 2, rel=2.5e-3)  # first order in the step of 2 ms
-    watcher = world.models["watcher"].simulation
-    assert watcher.render("eye")[2, 2].tolist() == [0, 0, 255]
+    assert world.core.render("watcher::eye")[2, 2].tolist() == [0, 0, 255]
 
 
 def test_the_state_of_a_saved_world_places_its_models():
@@ -162,8 +161,7 @@ def test_visuals_have_the_colours_that_sdf_gives_them():
         red = "<material><script><name>Gazebo/Red</name></script></material>"
         world, _ = filled("<include><uri>model://sun</uri></include>" + CAMERA +
                           BOX.replace(red, material).replace("0 0 1 0 0 0", "2 0 0 0 0 0"))
-        world.look(world.models["watcher"])
-        assert right(*world.models["watcher"].simulation.render("eye")[15, 20].tolist()), inside
+        assert right(*world.core.render("watcher::eye")[15, 20].tolist()), inside
 
 
 def test_what_is_not_simulated_is_ignored_by_name():

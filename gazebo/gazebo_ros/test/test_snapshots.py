@@ -45,8 +45,7 @@ def worked(world, ticks=600):
     for name, goal in (("left", 0.4), ("right", -0.6)):
         world.models[name].simulation.pursue_trajectory("arm", ["a"], [(0.5, [goal], [0.0], [])])
     world.step(ticks // 2)
-    world.look(world.models["left"])
-    world.models["left"].simulation.step_to_image("eye")
+    world.core.step_to_image("left::eye")
     world.step(ticks // 2)
     return world
 

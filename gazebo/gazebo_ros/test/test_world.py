@@ -94,7 +94,7 @@ def test_a_reset_puts_models_back_and_controllers_go_on():
     world.reset_world()
     assert simulation.joint_positions[0] == 0.0 and world.time_ns == 700000000
     world.reset_simulation()
-    assert world.time_ns == 0 and world.models["one"].time_s(0) == 0.0
+    assert world.time_ns == 0 and world.core_s(0) == 0.0
     assert [each["state"] for each in simulation.loaded_controllers()] == ["running"]
     simulation.pursue_trajectory("arm", ["swing"], [(0.5, [0.2], [0.0], [])])
     world.step(600)
@@ -107,8 +107,7 @@ def test_a_camera_that_is_placed_shows_the_new_view_and_other_models():
     ground_and_sky = 147 - 5, 178 + 5  # grey levels of Gazebo's, and what edges between them and rounding leave
 
     def sees_something():
-        world.look(camera)
-        image = camera.simulation.render("eye").astype(int)
+        image = world.core.render("camera::eye").astype(int)
         return image.min() < ground_and_sky[0] or image.max() > ground_and_sky[1]
     assert not sees_something()
     world.spawn("pendulum", PENDULUM)

@@ -45,7 +45,7 @@ void command(Simulation& simulation, FuzzedDataProvider& bytes) {
 }
 
 void follow(Simulation& simulation, FuzzedDataProvider& bytes) {
-  auto& controller = dynamic_cast<TrajectoryController&>(simulation.runningController("follow"));
+  auto& controller = dynamic_cast<TrajectoryController&>(simulation.body().runningController("follow"));
   Trajectory way;
   for (int k = bytes.ConsumeIntegralInRange(0, 3); k > 0; --k) way.joints.push_back(joint(bytes));
   if (bytes.ConsumeBool()) way.start_s = number(bytes);
@@ -57,7 +57,7 @@ void follow(Simulation& simulation, FuzzedDataProvider& bytes) {
   for (int k = bytes.ConsumeIntegralInRange(0, 3); k > 0; --k) {
     way.points.push_back({numbers(), numbers(), numbers(), number(bytes)});
   }
-  const auto joints = simulation.world().jointsOf(controller);
+  const auto joints = simulation.body().jointsOf(controller);
   if (bytes.ConsumeBool()) {
     controller.follow(way, simulation.timeS(), joints);
     return;
@@ -76,8 +76,8 @@ void tell(Simulation& simulation, FuzzedDataProvider& bytes) {
     case 1:
       return simulation.setControllerCommand(joint(bytes), number(bytes));
     case 2:
-      return simulation.setGains(joint(bytes), {number(bytes), number(bytes), number(bytes), number(bytes),
-                                                number(bytes), bytes.ConsumeBool()});
+      return simulation.body().setGains(joint(bytes), {number(bytes), number(bytes), number(bytes), number(bytes),
+                                                       number(bytes), bytes.ConsumeBool()});
     case 3:
       return simulation.setJointPositions({{joint(bytes), number(bytes)}});
     case 4:
@@ -85,7 +85,8 @@ void tell(Simulation& simulation, FuzzedDataProvider& bytes) {
     case 5: {
       const bool trajectory = bytes.ConsumeBool();
       const std::vector<std::string> some{"follow"}, others{"slide", "turn"};
-      return simulation.switchControllers(trajectory ? some : others, trajectory ? others : some, bytes.ConsumeBool());
+      return simulation.body().switchControllers(trajectory ? some : others, trajectory ? others : some,
+                                                 bytes.ConsumeBool());
     }
     case 6:
       return follow(simulation, bytes);
@@ -104,8 +105,9 @@ void tell(Simulation& simulation, FuzzedDataProvider& bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const std::unique_ptr<Simulation> kSimulation = fuzz::smallSimulation();
   static const std::string kStart = [] {
-    kSimulation->loadController("follow", YAML::Load("{type: effort_controllers/JointTrajectoryController, joints: "
-                                                     "[slide, turn], gains: {slide: {p: 100, d: 20}, turn: {p: 9}}}"));
+    kSimulation->body().loadController("follow",
+                                       YAML::Load("{type: effort_controllers/JointTrajectoryController, joints: "
+                                                  "[slide, turn], gains: {slide: {p: 100, d: 20}, turn: {p: 9}}}"));
     kSimulation->step(3);
     return kSimulation->saveState();
   }();

@@ -54,7 +54,7 @@ turn: {type: velocity_controllers/JointVelocityController, joint: turn}
 
 /** Whether the joints and the crate are somewhere. */
 inline bool finite(const Simulation& simulation) {
-  const MultibodyWorld& world = simulation.world();
+  const MultibodyWorld& world = simulation.body();
   return world.jointPositions().allFinite() && world.jointVelocities().allFinite() &&
          world.obstaclePose("crate").p.allFinite() && world.obstacleTwist("crate").allFinite();
 }

@@ -4,6 +4,9 @@
 >>> stamp_ns = sim.step_to_image("camera")
 >>> image = sim.render("camera")
 
+A :class:`World` holds many robots, which see and touch each other; a :class:`Simulation` is a world that is its one
+:class:`Robot`.
+
 Everything is in SI units; twists are stacked [v; w]; joints are named, vectors are in the order of
 ``sim.joint_names`` (sorted by name). Errors derive from :class:`ArasError`, a ``RuntimeError``.
 """
@@ -13,12 +16,13 @@ from ._sim import (
     ModelError,
     NotFiniteError,
     ParameterError,
-    RayCaster,
     RenderError,
+    Robot,
     ShapeError,
     Simulation,
     StateError,
     UnknownNameError,
+    World,
     light_entry,
     mesh_triangles,
     opengl_description,
@@ -32,12 +36,13 @@ __all__ = [
     "ModelError",
     "NotFiniteError",
     "ParameterError",
-    "RayCaster",
     "RenderError",
+    "Robot",
     "ShapeError",
     "Simulation",
     "StateError",
     "UnknownNameError",
+    "World",
     "light_entry",
     "mesh_triangles",
     "opengl_description",

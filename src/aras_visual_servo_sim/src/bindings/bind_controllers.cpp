@@ -1,9 +1,3 @@
-#include "bind_controllers.hpp"
-
-#include <pybind11/eigen.h>
-#include <pybind11/stl.h>
-
-#include <aras_visual_servo_common/python/yaml_from_python.hpp>
 #include <map>
 #include <optional>
 #include <string>
@@ -14,8 +8,7 @@
 #include "aras_visual_servo_sim/physics/managed/gripper_controller.hpp"
 #include "aras_visual_servo_sim/physics/managed/joint_state_controller.hpp"
 #include "aras_visual_servo_sim/physics/managed/trajectory_controller.hpp"
-
-namespace py = pybind11;
+#include "bindings.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -37,16 +30,16 @@ Kind& as(Controller& controller) {
 
 /** A loaded controller, running or not. */
 template <typename Kind>
-Kind& loaded(const Simulation& simulation, const std::string& name) {
-  for (const auto& entry : simulation.world().controllers().entries()) {
+Kind& loaded(const Robot& robot, const std::string& name) {
+  for (const auto& entry : robot.body().controllers().entries()) {
     if (entry.controller->name() == name) return as<Kind>(*entry.controller);
   }
   throw UnknownNameError("controller '" + name + "' is not loaded");
 }
 
-py::list loadedControllers(const Simulation& simulation) {
+py::list loadedControllers(const Robot& robot) {
   py::list list;
-  for (const auto& entry : simulation.world().controllers().entries()) {
+  for (const auto& entry : robot.body().controllers().entries()) {
     Names joints;
     for (const ControllerConfig& drive : entry.controller->drives()) joints.push_back(drive.joint);
     py::dict one;
@@ -60,9 +53,8 @@ py::list loadedControllers(const Simulation& simulation) {
   return list;
 }
 
-void setGains(Simulation& simulation, const std::string& name, double p, double i, double d, double i_clamp,
-              bool antiwindup) {
-  simulation.setGains(name, PidGains{p, i, d, -i_clamp, i_clamp, antiwindup});
+void setGains(Robot& robot, const std::string& name, double p, double i, double d, double i_clamp, bool antiwindup) {
+  robot.body().setGains(name, PidGains{p, i, d, -i_clamp, i_clamp, antiwindup});
 }
 
 std::map<std::string, Tolerance> tolerances(const Limits& limits) {
@@ -81,26 +73,24 @@ Trajectory trajectory(const Names& joints, const std::vector<Point>& points, std
   return result;
 }
 
-std::string follow(Simulation& simulation, const std::string& name, const Names& joints,
-                   const std::vector<Point>& points, std::optional<double> start_s) {
-  auto& controller = as<TrajectoryController>(simulation.runningController(name));
-  return controller.follow(trajectory(joints, points, start_s), simulation.timeS(),
-                           simulation.world().jointsOf(controller));
+std::string follow(Robot& robot, const std::string& name, const Names& joints, const std::vector<Point>& points,
+                   std::optional<double> start_s) {
+  auto& controller = as<TrajectoryController>(robot.body().runningController(name));
+  return controller.follow(trajectory(joints, points, start_s), robot.nowS(), robot.body().jointsOf(controller));
 }
 
-std::string pursue(Simulation& simulation, const std::string& name, const Names& joints,
-                   const std::vector<Point>& points, std::optional<double> start_s, const Limits& path,
-                   const Limits& goal, double goal_time_s) {
-  auto& controller = as<TrajectoryController>(simulation.runningController(name));
+std::string pursue(Robot& robot, const std::string& name, const Names& joints, const std::vector<Point>& points,
+                   std::optional<double> start_s, const Limits& path, const Limits& goal, double goal_time_s) {
+  auto& controller = as<TrajectoryController>(robot.body().runningController(name));
   return controller.pursue(trajectory(joints, points, start_s), {tolerances(path), tolerances(goal), goal_time_s},
-                           simulation.timeS(), simulation.world().jointsOf(controller));
+                           robot.nowS(), robot.body().jointsOf(controller));
 }
 
-void cancelGoal(Simulation& simulation, const std::string& name) {
-  Controller& controller = simulation.runningController(name);
-  const std::vector<JointNow> joints = simulation.world().jointsOf(controller);
+void cancelGoal(Robot& robot, const std::string& name) {
+  Controller& controller = robot.body().runningController(name);
+  const std::vector<JointNow> joints = robot.body().jointsOf(controller);
   if (auto* gripper = dynamic_cast<GripperController*>(&controller)) return gripper->cancel(joints.front());
-  as<TrajectoryController>(controller).cancel(simulation.timeS(), joints);
+  as<TrajectoryController>(controller).cancel(robot.nowS(), joints);
 }
 
 const char* word(GoalState state) {
@@ -145,8 +135,8 @@ Eigen::MatrixX3d rows(const std::vector<TrajectoryState>& states) {
   return matrix;
 }
 
-py::dict trajectoryReport(const Simulation& simulation, const std::string& name) {
-  const auto& controller = loaded<TrajectoryController>(simulation, name);
+py::dict trajectoryReport(const Robot& robot, const std::string& name) {
+  const auto& controller = loaded<TrajectoryController>(robot, name);
   std::vector<TrajectoryState> desired, actual, error;
   for (const auto& joint : controller.report()) {
     desired.push_back(joint.desired);
@@ -167,8 +157,8 @@ py::dict trajectoryReport(const Simulation& simulation, const std::string& name)
   return report;
 }
 
-py::dict gripperReport(const Simulation& simulation, const std::string& name) {
-  const auto& controller = loaded<GripperController>(simulation, name);
+py::dict gripperReport(const Robot& robot, const std::string& name) {
+  const auto& controller = loaded<GripperController>(robot, name);
   py::dict report;
   report["goal"] = word(controller.state());
   report["goals"] = controller.goals();
@@ -178,8 +168,8 @@ py::dict gripperReport(const Simulation& simulation, const std::string& name) {
   return report;
 }
 
-py::dict jointStateSettings(const Simulation& simulation, const std::string& name) {
-  const JointStateConfig& config = loaded<JointStateController>(simulation, name).config();
+py::dict jointStateSettings(const Robot& robot, const std::string& name) {
+  const JointStateConfig& config = loaded<JointStateController>(robot, name).config();
   py::list extra;
   for (const ExtraJoint& joint : config.extra_joints) {
     extra.append(py::make_tuple(joint.name, joint.position, joint.velocity, joint.effort));
@@ -192,36 +182,46 @@ py::dict jointStateSettings(const Simulation& simulation, const std::string& nam
 
 }  // namespace
 
-void bindControllers(py::class_<Simulation>& type) {
+void bindControllers(RobotClass& type) {
   type.def(
           "load_controller",
-          [](Simulation& self, const std::string& name, const py::object& parameters) {
-            return self.loadController(name, aras_visual_servo_common::yamlFromPython(parameters, name));
+          [](Robot& self, const std::string& name, const py::object& parameters) {
+            return self.body().loadController(name, yamlFromPython(parameters, name));
           },
           py::arg("name"), py::arg("parameters"),
           "Makes a controller, which does not run yet.\n\nArgs:\n"
           "    parameters: dict in ros_control's layout, with `type`.\n"
           "Returns:\n    what was ignored, a list of lines.\n"
           "Raises:\n    ParameterError: the name is taken, or what is wrong with the parameters.")
-      .def("unload_controller", &Simulation::unloadController, py::arg("name"),
-           "Forgets a controller.\n\nRaises:\n    UnknownNameError; ParameterError: it is running.")
-      .def("switch_controllers", &Simulation::switchControllers, py::arg("start") = Names(), py::arg("stop") = Names(),
-           py::arg("strict") = true,
-           "Stops and starts controllers before the next period.\n\nArgs:\n"
-           "    strict: all of them or none; False: those that are there and not in that state already.\n"
-           "Raises:\n    UnknownNameError, ParameterError (two controllers on one joint); nothing changes then.")
+      .def(
+          "unload_controller", [](Robot& self, const std::string& name) { self.body().unloadController(name); },
+          py::arg("name"), "Forgets a controller.\n\nRaises:\n    UnknownNameError; ParameterError: it is running.")
+      .def(
+          "switch_controllers",
+          [](Robot& self, const Names& start, const Names& stop, bool strict) {
+            self.body().switchControllers(start, stop, strict);
+          },
+          py::arg("start") = Names(), py::arg("stop") = Names(), py::arg("strict") = true,
+          "Stops and starts controllers before the next period.\n\nArgs:\n"
+          "    strict: all of them or none; False: those that are there and not in that state already.\n"
+          "Raises:\n    UnknownNameError, ParameterError (two controllers on one joint); nothing changes then.")
       .def("loaded_controllers", &loadedControllers,
            "list of dict: name, type, state (initialized, running, stopped), hardware_interface, joints.")
       .def_static("controller_types", &controllerTypes, "Types that load_controller knows.")
-      .def("set_controller_command", &Simulation::setControllerCommand, py::arg("controller"), py::arg("value"),
+      .def("set_controller_command", &Robot::setControllerCommand, py::arg("controller"), py::arg("value"),
            "A number on the command topic of a running controller of one joint.\n\nRaises:\n    UnknownNameError, "
            "NotFiniteError.")
       .def("set_gains", &setGains, py::arg("controller"), py::arg("p"), py::arg("i"), py::arg("d"), py::arg("i_clamp"),
            py::arg("antiwindup"),
            "Gains of a running controller of one joint.\n\nRaises:\n    UnknownNameError, ParameterError.")
-      .def("set_group_command", &Simulation::setGroupCommand, py::arg("controller"), py::arg("values"),
-           "Sets all joints of a running group, in its order.\n\nRaises:\n    UnknownNameError, NotFiniteError; "
-           "ParameterError: wrong size, not running.")
+      .def(
+          "set_group_command",
+          [](Robot& self, const std::string& name, const Numbers& values) {
+            self.body().setGroupCommand(name, values);
+          },
+          py::arg("controller"), py::arg("values"),
+          "Sets all joints of a running group, in its order.\n\nRaises:\n    UnknownNameError, NotFiniteError; "
+          "ParameterError: wrong size, not running.")
       .def("follow_trajectory", &follow, py::arg("controller"), py::arg("joints"), py::arg("points"),
            py::arg("start_s") = py::none(),
            "Lets joints follow a trajectory; the goal before it, if any, is preempted.\n\nArgs:\n"
@@ -243,7 +243,7 @@ void bindControllers(py::class_<Simulation>& type) {
            "goals (how many so far); state_rate_hz, monitor_rate_hz, partial_joints.")
       .def(
           "trajectory_at",
-          [](const Simulation& self, const std::string& name, double time_s) {
+          [](const Robot& self, const std::string& name, double time_s) {
             return rows(loaded<TrajectoryController>(self, name).at(time_s));
           },
           py::arg("controller"), py::arg("time_s"),
@@ -251,8 +251,8 @@ void bindControllers(py::class_<Simulation>& type) {
           "tick.")
       .def(
           "pursue_grip",
-          [](Simulation& self, const std::string& name, double position, double max_effort) {
-            as<GripperController>(self.runningController(name)).pursue(position, max_effort, self.timeS());
+          [](Robot& self, const std::string& name, double position, double max_effort) {
+            as<GripperController>(self.body().runningController(name)).pursue(position, max_effort, self.nowS());
           },
           py::arg("controller"), py::arg("position"), py::arg("max_effort"),
           "Moves a gripper to a position [m or rad] with at most this effort [N or N m].")

@@ -1,14 +1,8 @@
-#include "bind_frames.hpp"
-
-#include <pybind11/eigen.h>
-#include <pybind11/numpy.h>
-#include <pybind11/stl.h>
-
 #include <string>
 #include <utility>
 #include <vector>
 
-namespace py = pybind11;
+#include "bindings.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -19,30 +13,30 @@ struct PythonFrame {
   FrameState state;
 };
 
-/** Read-only array over the camera's own image; keeps the simulation alive. */
-py::array viewOf(const Image& image, const py::object& simulation) {
+/** Read-only array over the camera's own image; keeps the world alive. */
+py::array viewOf(const Image& image, const py::object& world) {
   std::vector<py::ssize_t> shape = {image.height, image.width};
   if (image.channels() > 1) shape.push_back(image.channels());
   const py::dtype type = isDeep(image.encoding) ? py::dtype::of<std::uint16_t>() : py::dtype::of<std::uint8_t>();
-  py::array view(type, shape, image.data.data(), simulation);
+  py::array view(type, shape, image.data.data(), world);
   py::detail::array_proxy(view.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
   return view;
 }
 
-const Image& drawn(Simulation& simulation, int camera) {
+const Image& drawn(World& world, int camera) {
   const py::gil_scoped_release release;
-  return simulation.render(camera);
+  return world.render(camera);
 }
 
 py::array render(const py::object& self, const std::string& camera) {
-  auto& simulation = self.cast<Simulation&>();
-  return viewOf(drawn(simulation, simulation.cameras().index(camera)), self);
+  auto& world = self.cast<World&>();
+  return viewOf(drawn(world, world.cameras().index(camera)), self);
 }
 
 PythonFrame frame(const py::object& self, const std::string& camera) {
-  auto& simulation = self.cast<Simulation&>();
-  const int index = simulation.cameras().index(camera);
-  return {viewOf(drawn(simulation, index), self), simulation.frameState(index)};
+  auto& world = self.cast<World&>();
+  const int index = world.cameras().index(camera);
+  return {viewOf(drawn(world, index), self), world.frameState(index)};
 }
 
 py::dict modelPoses(const FrameState& state) {
@@ -51,8 +45,8 @@ py::dict modelPoses(const FrameState& state) {
   return poses;
 }
 
-py::dict frameState(const Simulation& simulation, const std::string& camera) {
-  const FrameState state = simulation.frameState(simulation.cameras().index(camera));
+py::dict frameState(const World& world, const std::string& camera) {
+  const FrameState state = world.frameState(world.cameras().index(camera));
   py::dict result;
   result["stamp_ns"] = state.stamp_ns;
   result["joint_positions"] = state.q;
@@ -61,6 +55,16 @@ py::dict frameState(const Simulation& simulation, const std::string& camera) {
   result["camera_twist"] = state.V_WC_C;
   result["model_poses"] = modelPoses(state);
   return result;
+}
+
+const GeometryImage& geometryOf(World& world, const std::string& camera, Distance distance = Distance::kDepth) {
+  const py::gil_scoped_release release;
+  return world.renderGeometry(world.cameras().index(camera), distance);
+}
+
+template <typename T>
+py::array_t<T> copied(const GeometryImage& image, const std::vector<T>& values) {
+  return py::array_t<T>({py::ssize_t(image.height), py::ssize_t(image.width)}, values.data());
 }
 
 void bindFrame(py::module_& module) {
@@ -92,18 +96,15 @@ void bindFrame(py::module_& module) {
 
 }  // namespace
 
-void bindFrames(py::module_& module, py::class_<Simulation>& type) {
+void bindFrames(py::module_& module, WorldClass& type) {
   bindFrame(module);
   type.def(
           "camera_encoding",
-          [](const Simulation& self, const std::string& camera) {
+          [](const World& self, const std::string& camera) {
             return self.cameras()[self.cameras().index(camera)].model().config().encoding;
           },
           py::arg("camera") = "camera", "One of those that the key `encoding` may be, as \"mono8\".")
-      .def(
-          "trigger", [](Simulation& self, const std::string& camera) { self.trigger(self.cameras().index(camera)); },
-          py::arg("camera") = "camera", "Asks a triggered camera for one frame, the next of its schedule.");
-  type.def("frame", &frame, py::arg("camera") = "camera",
+      .def("frame", &frame, py::arg("camera") = "camera",
            "Renders as render does, and returns the image with what was true when it was exposed.\n\n"
            "Raises:\n    UnknownNameError, RenderError.")
       .def("frame_state", &frameState, py::arg("camera") = "camera",
@@ -119,6 +120,45 @@ void bindFrames(py::module_& module, py::class_<Simulation>& type) {
            "mono16, else\n"
            "    uint8; a read-only view without a copy, its content valid until the next render of this camera.\n"
            "Raises:\n    UnknownNameError, RenderError.");
+  type.def(
+          "render_depth",
+          [](World& self, const std::string& camera) {
+            const GeometryImage& image = geometryOf(self, camera);
+            return copied(image, image.depth_m);
+          },
+          py::arg("camera") = "camera",
+          "Depth of what the centre of each pixel sees now.\n\nReturns:\n    float32 array (h, w): Z along the "
+          "optical\n"
+          "    axis [m], top row first, NaN where there is nothing, or where a fisheye sees what lies beside or\n"
+          "    behind the camera (Z <= 0).\nRaises:\n    UnknownNameError.")
+      .def(
+          "render_range",
+          [](World& self, const std::string& camera) {
+            const GeometryImage& image = geometryOf(self, camera, Distance::kRange);
+            return copied(image, image.depth_m);
+          },
+          py::arg("camera") = "camera",
+          "Distance of what the centre of each pixel sees now, in any direction.\n\nReturns:\n    float32 array (h, w) "
+          "[m],\n    top row first, NaN where there is nothing.\nRaises:\n    UnknownNameError.")
+      .def(
+          "render_segmentation",
+          [](World& self, const std::string& camera) {
+            const GeometryImage& image = geometryOf(self, camera);
+            return copied(image, image.ids);
+          },
+          py::arg("camera") = "camera",
+          "Which thing the centre of each pixel sees now.\n\nReturns:\n    uint16 array (h, w) of the numbers in\n"
+          "    segmentation_ids, 0 where there is nothing.\nRaises:\n    UnknownNameError.")
+      .def(
+          "trigger", [](World& self, const std::string& camera) { self.trigger(self.cameras().index(camera)); },
+          py::arg("camera") = "camera",
+          "Asks a camera with `triggered: true` for one frame, the next of its schedule after now.")
+      .def_property_readonly(
+          "dropped_frames", [](const World& self) { return self.cameras().droppedFrames(); },
+          "Frames passed over because of drop_probability since the last reset, of all cameras.")
+      .def_property_readonly(
+          "segmentation_ids", [](const World& self) { return segmentationIds(self.scene()); },
+          "dict name -> number of every planar model, solid and link in render_segmentation.");
 }
 
 }  // namespace aras_visual_servo_sim

@@ -1,13 +1,7 @@
-#include "bind_lights.hpp"
-
-#include <pybind11/stl.h>
-
-#include <aras_visual_servo_common/python/yaml_from_python.hpp>
 #include <string>
 
 #include "aras_visual_servo_sim/scene/light_entry.hpp"
-
-namespace py = pybind11;
+#include "bindings.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -35,23 +29,23 @@ py::dict entryOf(const Light& light) {
   return entry;
 }
 
-py::dict lights(const Simulation& simulation) {
+py::dict lights(const World& world) {
   py::dict all;
-  for (const Light& light : simulation.lights()) all[py::str(light.name)] = entryOf(light);
+  for (const Light& light : world.lights()) all[py::str(light.name)] = entryOf(light);
   return all;
 }
 
-void setLight(Simulation& simulation, const py::object& light) {
+void setLight(World& world, const py::object& light) {
   if (py::isinstance<py::str>(light)) {
-    simulation.setLight(lightFromText(light.cast<std::string>()));
+    world.setLight(lightFromText(light.cast<std::string>()));
   } else {
-    simulation.setLight(lightFromYaml(aras_visual_servo_common::yamlFromPython(light, "light")));
+    world.setLight(lightFromYaml(yamlFromPython(light, "light")));
   }
 }
 
 }  // namespace
 
-void bindLights(py::module_& module, py::class_<Simulation>& type) {
+void bindLights(py::module_& module, WorldClass& type) {
   type.def_property_readonly("lights", &lights,
                              "dict of name -> dict as sim.scene.lighting.lights[] of a scenario, of the lights there "
                              "are.")
@@ -60,7 +54,7 @@ void bindLights(py::module_& module, py::class_<Simulation>& type) {
            "    light: dict as sim.scene.lighting.lights[] of a scenario, see the README; or str, a <light> of SDF.\n"
            "Raises:\n    ParameterError (also: attached to what is not there, too many), ModelError; nothing changes "
            "then.")
-      .def("delete_light", &Simulation::deleteLight, py::arg("name"),
+      .def("delete_light", &World::deleteLight, py::arg("name"),
            "Removes a light; one of the configuration is back after a reset.\n\nRaises:\n    UnknownNameError.");
   module.def(
       "light_entry", [](const std::string& text) { return entryOf(lightFromText(text)); }, py::arg("text"),

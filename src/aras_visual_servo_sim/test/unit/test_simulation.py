@@ -105,16 +105,6 @@ def test_model_pose_round_trip():
     np.testing.assert_allclose(sim.model_pose("target"), expected, atol=ROUNDING)
 
 
-def test_models_follow_links_of_another_simulation():
-    sim, other = make(), make()
-    other.set_joint_positions({other.joint_names[0]: 0.1})
-    sim.follow_links(other, {"target": "head"})
-    np.testing.assert_allclose(sim.model_pose("target"), other.link_pose("head"), atol=ROUNDING)
-    assert not np.allclose(sim.link_pose("head"), other.link_pose("head"), atol=1e-3)
-    with pytest.raises(UnknownNameError, match="nowhere"):
-        sim.follow_links(other, {"target": "nowhere"})
-
-
 def test_saved_state_restores_the_run():
     sim = make()
     sim.set_command(position={"lift": 0.1})
@@ -308,22 +298,3 @@ def test_a_driven_base_is_reset_and_restored_to_the_bit():
     assert sim.run_hash == start and fly(sim, 60) == end
     sim.reset()
     assert fly(sim, 5) == start and fly(driven(), 65) == end
-
-
-def test_simulations_that_touch_nothing_step_together_as_alone_with_their_cameras():
-    def moving(rate_hz):
-        camera = {"name": "camera", "frame": "eye_optical_frame", "width": 8, "height": 6, "horizontal_fov_rad": 1.0,
-                  "rate_hz": rate_hz, "latency_s": 0.013}
-        sim = make(cameras=[camera])
-        sim.set_command(position={"pan": 0.3, "lift": 0.1})
-        return sim
-
-    together, alone = [moving(30.0), moving(50.0)], [moving(30.0), moving(50.0)]
-    for n in (1, 40, 200):
-        Simulation.step_together(together, n)
-        for sim in alone:
-            sim.step(n)
-    for one, other in zip(together, alone):
-        assert one.run_hash == other.run_hash and one.save_state() == other.save_state() and one.ticks == 241
-    with pytest.raises(ParameterError, match="found periods of"):
-        Simulation.step_together([together[0], make(period_s=0.002)])

@@ -66,7 +66,7 @@ class SinglePid(Single):
         if not self.running or not self._beat.due(now_ns) or not self._states.get_num_connections():
             return
         state = self.simulation.controller_state(self.name)
-        message = JointControllerState(time_step=1e-9 * self.simulation.period_ns,
+        message = JointControllerState(time_step=1e-9 * self.world.period_ns,
                                        **state)
         message.header.stamp = stamp(now_ns)
         self._states.publish(message)

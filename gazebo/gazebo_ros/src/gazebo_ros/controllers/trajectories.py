@@ -54,7 +54,7 @@ class TrajectoryFollower(ActionAdapter):
 
     def _start_s(self, header):
         """When a trajectory begins; None: now."""
-        return None if header.stamp.is_zero() else self.model.time_s(header.stamp.to_nsec())
+        return None if header.stamp.is_zero() else self.world.core_s(header.stamp.to_nsec())
 
     def _command(self, message):
         note = self.simulation.follow_trajectory(self.name, list(message.joint_names), points_of(message),
@@ -91,7 +91,7 @@ class TrajectoryFollower(ActionAdapter):
     def _query(self, request):
         if not self.running:
             raise rospy.ServiceException("Can't sample trajectory. Controller is not running.")
-        rows = self.simulation.trajectory_at(self.name, self.model.time_s(request.time.to_nsec()))
+        rows = self.simulation.trajectory_at(self.name, self.world.core_s(request.time.to_nsec()))
         return QueryTrajectoryStateResponse(list(self.joints), *(list(map(float, rows[:, k])) for k in range(3)))
 
     # --- what goes out

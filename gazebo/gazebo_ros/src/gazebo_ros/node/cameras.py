@@ -33,7 +33,7 @@ class Cameras:
         self._world, self._model = world, model
         self._topics, self._subscribers, self.sent_ns = {}, [], -1
         for name, topics in model.description.cameras.items():
-            if name not in model.simulation.camera_names:
+            if self._full(name) not in world.core.camera_names:
                 continue
             depth = topics.depth
             self._topics[name] = {
@@ -43,24 +43,30 @@ class Cameras:
                                              ("depth_info", depth and depth.info, CameraInfo),
                                              ("points", depth and depth.points, PointCloud2)) if topic}
             self._subscribers.append(rospy.Subscriber(topics.trigger, Empty, lambda _, camera=name: work.post(
-                lambda: self._model.simulation.trigger(camera))))
+                lambda: self._world.core.trigger(self._full(camera)))))
+
+    def _full(self, name):
+        """What the simulator calls a camera of this model."""
+        return "%s::%s" % (self._model.name, name)
+
+    def _due_ns(self, name):
+        due_ns = self._world.core.next_image_ns(self._full(name))
+        return self._world.epoch_ns + due_ns if due_ns < NEVER_NS else NEVER_NS
 
     @property
     def next_ns(self):
-        times = [self._model.simulation.next_image_ns(name) for name in self._topics]
-        return min((self._model.begun_ns + time for time in times if time < NEVER_NS), default=NEVER_NS)
+        return min(map(self._due_ns, self._topics), default=NEVER_NS)
 
     def publish(self, now_ns):
         """To be called at every stop of the world."""
-        simulation = self._model.simulation
         for name, publishers in self._topics.items():
-            if self._model.begun_ns + min(simulation.next_image_ns(name), NEVER_NS) != now_ns:
+            if self._due_ns(name) != now_ns:
                 continue
-            simulation.step_to_image(name)  # takes the frame of this very tick
+            self._world.core.step_to_image(self._full(name))  # takes the frame of this very tick
             wanted = {kind: publisher for kind, publisher in publishers.items() if publisher.get_num_connections()}
             if not wanted:
                 continue
-            info = simulation.camera_info(name)
+            info = self._world.core.camera_info(self._full(name))
             message = CameraInfo(width=info["width"], height=info["height"], D=info["D"], K=info["K"], R=info["R"],
                                  P=info["P"], distortion_model=info["distortion_model"])
             message.header.stamp, message.header.frame_id = stamp(now_ns), info["frame_id"]
@@ -71,22 +77,23 @@ class Cameras:
     def _send(self, name, wanted, header):
         if not {"image", "depth", "points"} & set(wanted):
             return
-        self._world.look(self._model)
-        simulation, depth = self._model.simulation, self._model.description.cameras[name].depth
+        core, depth = self._world.core, self._model.description.cameras[name].depth
+        camera = self._full(name)
         try:
             image = None
             if "image" in wanted:
-                image = simulation.render(name)
-                wanted["image"].publish(image_message(header, image, simulation.camera_encoding(name)))
+                image = core.render(camera)
+                wanted["image"].publish(image_message(header, image, core.camera_encoding(camera)))
             if depth is not None and {"depth", "points"} & set(wanted):
-                depth_m = simulation.render_depth(name)
+                depth_m = core.render_depth(camera)
                 if "depth" in wanted:
                     values = depth.values(depth_m)
                     wanted["depth"].publish(image_message(header, values, "16UC1" if depth.millimetres else "32FC1"))
                 if "points" in wanted:
-                    colors = image if image is not None and depth.colors == name else simulation.render(depth.colors)
-                    colors = colors[..., ::-1] if simulation.camera_encoding(depth.colors) == "bgr8" else colors
-                    points = depth.cloud(depth_m, simulation.camera_info(name)["K"], colors)
+                    colored = self._full(depth.colors)
+                    colors = image if image is not None and colored == camera else core.render(colored)
+                    colors = colors[..., ::-1] if core.camera_encoding(colored) == "bgr8" else colors
+                    points = depth.cloud(depth_m, core.camera_info(camera)["K"], colors)
                     wanted["points"].publish(cloud_message(header, points))
         except ArasError as error:
             rospy.logerr_throttle(10.0, "camera '%s' of model '%s': %s" % (name, self._model.name, error))

@@ -1,6 +1,4 @@
-"""The lights of the world, which shine in the scene of every model that has cameras."""
-import json
-
+"""The lights of the world, besides those of links."""
 import numpy
 
 from aras_visual_servo_sim import ArasError, light_entry
@@ -10,7 +8,6 @@ from .errors import BadValueError, SpawnError, UnknownEntityError
 #: The light of a world that names none, model://sun: what the simulator has with `compatibility: gazebo`.
 SUN = {"name": "sun", "type": "directional", "direction": [-0.5, 0.5, -1.0], "color_rgb": [204.0] * 3,
        "specular_rgb": [25.5] * 3, "casts_shadows": True}
-MOST = 8  #: of one scene, as the simulator has it
 
 
 class Lights:
@@ -62,73 +59,44 @@ class Lights:
             entry["direction"] = [float(x) for x in pose[:3, :3] @ entry["direction"]]
         return entry
 
-    def take(self, lights, simulations):
+    def take(self, lights, core):
         """These in place of those there are; the first ones, if there are too many.
 
         Args:
-            lights: text of <light> by name.
+            lights: text of <light> by name.  core: aras_visual_servo_sim.World.
         Returns:
             a line for each that is left out.
         """
-        before, self._entries, warnings = self._entries, {}, []
+        for name in self.names():
+            self.delete(name, core)
+        warnings = []
         for name, xml in lights.items():
             try:
-                entry = self.spawned(name, xml, numpy.eye(4))
-                light_entry(json.dumps(entry))
-            except (ArasError, SpawnError) as error:
+                self.set(self.spawned(name, xml, numpy.eye(4)), core)
+            except (BadValueError, SpawnError) as error:
                 warnings.append("light '%s': %s: ignored" % (name, error))
-                continue
-            if len(self._entries) == MOST:
-                warnings.append("light '%s': allowed are up to %d lights: ignored" % (name, MOST))
-                continue
-            self._entries[name] = entry
-        after, self._entries = self._entries, before
-        self._change(before, after, simulations)
         return warnings
 
-    def set(self, entry, simulations):
+    def set(self, entry, core):
         """Adds a light, or changes the one of its name. Raises: BadValueError; nothing changes then."""
         try:
-            light_entry(json.dumps(entry))  # also where there is no camera whose simulation would refuse it
+            core.set_light(entry if self._shadows else {**entry, "casts_shadows": False})
         except ArasError as error:
             raise BadValueError(str(error)) from error
-        before, after = self._entries, {**self._entries, entry["name"]: entry}
-        if len(after) > MOST:
-            raise BadValueError("lights: found %d, allowed up to %d" % (len(after), MOST))
-        self._change(before, after, simulations)
+        self._entries[entry["name"]] = entry
 
-    def delete(self, name, simulations):
+    def delete(self, name, core):
         """Raises: UnknownEntityError."""
         self.entry(name)
-        after = {key: entry for key, entry in self._entries.items() if key != name}
-        self._change(self._entries, after, simulations)
+        core.delete_light(name)
+        del self._entries[name]
 
-    def _change(self, before, after, simulations):
-        self._entries = after
-        try:
-            for simulation in simulations:
-                self.apply(simulation, before)
-        except ArasError as error:
-            self._entries = before
-            for simulation in simulations:
-                self.apply(simulation, after)
-            raise BadValueError(str(error)) from error
-
-    def apply(self, simulation, before=("sun",)):
-        """Makes these the lights of a simulation, besides those of its links.
-
-        Args:
-            before: names of those that it has of the world.
-        """
-        there = simulation.lights
-        for name in before:
-            if name in there and name not in self._entries:
-                simulation.delete_light(name)
-        for name, entry in self._entries.items():
-            if not self._shadows:
-                entry = {**entry, "casts_shadows": False}
-            if there.get(name) != entry:
-                simulation.set_light(entry)
+    def apply(self, core):
+        """Makes these the lights of a world that has the one of its start, the sun."""
+        if "sun" not in self._entries and "sun" in core.lights:
+            core.delete_light("sun")
+        for entry in self.entries():
+            self.set(entry, core)
 
 
 def turned(direction, rotation):

@@ -8,24 +8,11 @@ from aras_visual_servo_sim import ArasError, Simulation
 from .description import mass_of, read_description
 from .devices import DiffDrive
 from .errors import BadValueError, SpawnError, UnknownEntityError
-from .lights import SUN
-from .poses import IDENTITY, quaternion_of, rotated, rpy_of
+from .poses import IDENTITY, rotated, rpy_of
 from ..urdf.self_contacts import overlapping, self_pairs
 from ..sdf.model import JOINT_FRAME
-from .settings import WorldSettings
-from .solids import solid_of
-from .things import described
+from .settings import GROUND_FRICTION
 
-
-#: What cameras see of Gazebo's ground plane: 100 m wide, of its material Gazebo/Grey, which casts no shadow.
-GROUND_PLANE = {"name": "ground_plane", "box_m": [100.0, 100.0, 0.01], "position_m": [0.0, 0.0, -0.005],
-                "color_rgb": [178.5] * 3,
-                "material": {"ambient_share": 0.3 / 0.7, "specular_rgb": [2.55] * 3, "shininess": 1.5,
-                             "casts_shadows": False}}
-
-
-#: Coulomb's coefficient of a link that states none, as in Gazebo; of two that touch, the smaller one counts.
-GROUND_FRICTION = 1.0
 #: Ends what the simulator says of any model that has shapes to collide with: here they do.
 OF_COLLISIONS = "<collision> shapes count only for what sim/contacts names"
 
@@ -36,50 +23,44 @@ def wheel_motor(joint):
 
 
 class Model:
-    """A model and its simulation, whose time begins when it is spawned.
+    """A model and its robot in the simulator's world.
 
     Attributes:
         name, description: as spawned.
         namespace: of its topics.
-        simulation: aras_visual_servo_sim.Simulation.
-        begun_ns: time of the world at the simulation's tick 0, int [ns].
+        simulation: aras_visual_servo_sim.Robot.
         links: names, in the order of the URDF.
-        settings: WorldSettings that it was made with.
         loaded: parameters and kind of the controllers that are loaded, by name.
     """
 
-    def __init__(self, name, xml, namespace, pose, settings, begun_ns, X_MR=IDENTITY, warnings=()):
+    def __init__(self, core, name, xml, namespace, pose, gravity_m_s2, X_MR=IDENTITY, warnings=()):
         """
         Args:
+            core: aras_visual_servo_sim.World, which gets the model.
             pose: X_WM, (4, 4).  X_MR: root link in the model's frame, (4, 4).
-            settings: WorldSettings.
             warnings: lines of what was ignored before.
         Raises:
             SpawnError: everything that is wrong with the URDF.
         """
-        self.name, self.namespace, self.begun_ns, self._X_MR = name, namespace, begun_ns, X_MR
+        self.name, self.namespace, self._X_MR = name, namespace, X_MR
         self.spawned = (name, xml, namespace, pose, X_MR, tuple(warnings))  #: how to spawn it again
-        self.description = read_description(xml, namespace, name)
-        self._said = []             #: warnings of its own
-        self.simulation = self._made(settings, pose @ X_MR)
-        robot = self._tree = ElementTree.fromstring(self.description.urdf)
-        self.links = [link.get("name") for link in robot.findall("link")
-                      if link.get("name") != "world" and not link.get("name").endswith(JOINT_FRAME)]
-        self.guests = {}            #: models of which this one has links -> {link: whether it is touched}
-        free = not (self.description.fixed or self.description.jointed or self.description.cameras or
-                    self.description.devices or self.description.weightless)
-        self.thing = described(robot, name) if free else None  #: what it is as a solid of its host
-        self.alone = False          #: it has none, and is to have none
-        self.host = None            #: name of the model that simulates this one
-        self._places = {}           #: of links: bytes of a pose, and what place_of makes of it
-        self.settings, self._lifts, self.loaded = settings, {}, {}
-        self.placed = lambda thrown: None  #: called when the model was put somewhere else, at rest or not
+        self._said, self.loaded = [], {}
+        self._describe(xml, gravity_m_s2)
+        self.simulation = self._spawned(core, pose @ X_MR)
         said = (*warnings, *self.description.warnings, *self._said, *self.simulation.warnings)
         self.warnings = [each for each in dict.fromkeys(said) if not each.endswith(OF_COLLISIONS)]
         for device in self.description.devices:
             if isinstance(device, DiffDrive):
                 self._start_wheels(device)
         self._lift()
+
+    def _describe(self, xml, gravity_m_s2):
+        self.description = read_description(xml, self.namespace, self.name)
+        self._tree = ElementTree.fromstring(self.description.urdf)
+        self.links = [link.get("name") for link in self._tree.findall("link")
+                      if link.get("name") != "world" and not link.get("name").endswith(JOINT_FRAME)]
+        self._gravity = numpy.array((0.0, 0.0, 0.0) if self.description.weightless else gravity_m_s2)
+        self._lifts = {}
 
     def _lift(self):
         """Lets what holds the links up that gravity does not act on act from now on."""
@@ -93,69 +74,51 @@ class Model:
         lifts = {link: numpy.asarray(lift) + links.get(link, 0.0) for link, lift in self._lifts.items()}
         self.simulation.push({**links, **lifts}, joints)
 
-    def remade(self, xml, settings):
-        """A model like this one of another document of the same links and joints, in the same state.
+    def renew(self, core, xml, gravity_m_s2):
+        """Gives the model another document of the same links and joints, and gravity; its state stays.
 
         Raises:
             SpawnError: what is wrong with the document.  BadValueError: it cannot be in this state.
         """
-        name, _, namespace, pose, X_MR, warnings = self.spawned
-        made = Model(name, xml, namespace, pose, settings, self.begun_ns, X_MR, warnings)
-        if not settings.ground and GROUND_PLANE["name"] in self.simulation.model_names:
-            self.simulation.delete_model(GROUND_PLANE["name"])
+        before = dict(vars(self))
         try:
-            made.simulation.restore_state(self.simulation.save_state())
-        except ArasError as error:
-            raise BadValueError("model '%s' cannot be changed as it is now: %s" % (name, error)) from error
-        seen = made.simulation.camera_names and settings.ground
-        if seen and GROUND_PLANE["name"] not in made.simulation.model_names:  # it came back
-            made.simulation.spawn_model(GROUND_PLANE)
-        made._lift()
-        return made
+            self._describe(xml, gravity_m_s2)
+            core.renew(self.name, self.description.urdf, self._gravity)
+        except (SpawnError, ArasError) as error:
+            vars(self).update(before)
+            if isinstance(error, SpawnError):
+                raise
+            raise BadValueError("model '%s' cannot be changed as it is now: %s" % (self.name, error)) from error
+        self.spawned = (self.name, xml, *self.spawned[2:])
+        self._lift()
 
-    def become(self, made):
-        """Takes over what a model that was made of this one is; all who know this one know it from now on."""
-        for key in ("spawned", "description", "simulation", "links", "thing", "_tree", "_gravity", "settings",
-                    "_lifts"):
-            setattr(self, key, getattr(made, key))
-        self._places.clear()
-
-    def _made(self, settings, pose):
+    def _spawned(self, core, pose):
         base = "floating"
         if self.description.fixed:
             base = "fixed" if self.description.jointed else "driven"  # one without joints can be placed anew
-        gravity = (0.0, 0.0, 0.0) if self.description.weightless else settings.gravity_m_s2
-        self._gravity = numpy.array(gravity)
         config = {"base": base, "idle_joints": "hold",
-                  "compatibility": "gazebo", "period_s": settings.period_s, "command_timeout_s": 0.0,
-                  "gravity_m_s2": list(gravity),
+                  "compatibility": "gazebo", "period_s": 1e-9 * core.period_ns, "command_timeout_s": 0.0,
+                  "gravity_m_s2": self._gravity.tolist(),
                   "base_pose": {"position_m": [float(each) for each in pose[:3, 3]],
                                 "rpy_rad": [float(each) for each in rpy_of(pose)]}}
-        floor_m = 0.0 if settings.ground else settings.floor_m
-        if self.description.collides and self.moves:
+        if self.description.collides:
             config["contacts"] = {"friction": GROUND_FRICTION, "frictions": self.description.frictions,
                                   "neighbours": True}
-            if floor_m is not None:
-                config["contacts"]["ground_plane"] = {"z_m": floor_m, "friction": GROUND_FRICTION}
-        if self.description.cameras:
-            config["scene"] = scene_of(settings)
         try:
-            return self._made_with_self_contacts(config) or Simulation(self.description.urdf, config, {})
+            pairs = self_pairs(self._tree, self.description.self_collides)
+            if pairs and "contacts" in config:
+                config["contacts"]["pairs"] = self._apart(config, pairs)
+            return core.spawn(self.name, self.description.urdf, config)
         except ArasError as error:
             raise SpawnError("SpawnModel: model '%s' cannot be simulated: %s" % (self.name, error)) from error
 
-    def _made_with_self_contacts(self, config):
-        """The simulation if some links touch each other, else None."""
-        pairs = self_pairs(ElementTree.fromstring(self.description.urdf), self.description.self_collides)
-        if not pairs or "contacts" not in config:
-            return None
+    def _apart(self, config, pairs):
+        """The pairs of links that touch each other, without those that are in each other where the model begins."""
         tried = {**config, "contacts": {**config["contacts"], "pairs": pairs}}
-        tried.pop("scene", None)
         without = overlapping(Simulation(self.description.urdf, tried, {}), pairs)
         self._said += ["links %s and %s are in each other where the model begins: they do not touch each other" %
                        tuple(pair) for pair in without]
-        config["contacts"]["pairs"] = [pair for pair in pairs if pair not in without]
-        return Simulation(self.description.urdf, config, {})
+        return [pair for pair in pairs if pair not in without]
 
     def load_controller(self, name, parameters, kind=""):
         """Loads a controller, which is called one of this kind. Returns lines of what is ignored. Raises: ArasError."""
@@ -168,26 +131,21 @@ class Model:
         self.simulation.unload_controller(name)
         self.loaded.pop(name, None)
 
-    def begin_anew(self, settings, now_ns):
-        """A new simulation with other settings, in which the joints rest where they are and the base goes on; the
+    def begin_anew(self, core, gravity_m_s2):
+        """Goes on in another world of the simulator: the joints rest where they are and the base goes on; the
         controllers that were loaded and running are so again."""
-        before, running = self.simulation, [each["name"] for each in self.simulation.loaded_controllers()
-                                            if each["state"] == "running"]
-        name, xml, namespace, pose, X_MR, warnings = self.spawned
-        made = Model(name, xml, namespace, pose, settings, now_ns, X_MR, warnings)
+        before, loaded = self.simulation, self.loaded
+        running = [each["name"] for each in before.loaded_controllers() if each["state"] == "running"]
+        twist = numpy.zeros(6) if self.description.fixed else self.twist()
+        self.__init__(core, *self.spawned[:4], gravity_m_s2, *self.spawned[4:])
         if not self.description.fixed or not self.description.jointed:
-            free = not self.description.fixed
-            made.simulation.set_base(before.base_pose, rotated(self.link_pose(self.root), before.link_twist(self.root))
-                                     if free and self.links else numpy.zeros(6))
+            self.simulation.set_base(before.base_pose, twist)
         if self.description.jointed:
-            made.simulation.set_joint_positions(dict(zip(before.joint_names, before.joint_positions)))
-        there = {each["name"] for each in made.simulation.loaded_controllers()}
-        for controller, (parameters, _) in self.loaded.items():
-            made.simulation.load_controller(controller, parameters)
-        made.simulation.switch_controllers([each for each in running if each in self.loaded and each not in there], [],
-                                           True)
-        self.begun_ns = now_ns
-        self.become(made)
+            self.simulation.set_joint_positions(dict(zip(before.joint_names, before.joint_positions)))
+        there = {each["name"] for each in self.simulation.loaded_controllers()}
+        for controller, (parameters, kind) in loaded.items():
+            self.load_controller(controller, parameters, kind)
+        self.simulation.switch_controllers([each for each in running if each in loaded and each not in there])
 
     def _start_wheels(self, drive):
         """Lets motors turn the wheels of a drive from now on, with no speed at first."""
@@ -246,7 +204,6 @@ class Model:
             self.simulation.set_base(pose @ self._X_MR, twist)
         except ArasError as error:
             raise BadValueError("model '%s': %s" % (self.name, error)) from error
-        self.placed(bool(numpy.any(twist)))
 
     def set_joints(self, positions):
         """Places joints, dict of name -> [m or rad], at rest. Raises: BadValueError, UnknownEntityError."""
@@ -254,30 +211,6 @@ class Model:
             self.simulation.set_joint_positions(positions)
         except ArasError as error:
             raise BadValueError(str(error)) from error
-
-    def touches(self, other):
-        """Whether this model moves and comes to rest on another one, which is fixed."""
-        return self.moves and self.description.collides and other.description.collides and not other.moves
-
-    @property
-    def moves(self):
-        return not self.description.fixed or self.description.jointed
-
-    def solid(self, link, seen, touched):
-        """A link of this model as a solid of another one's simulation, None if there is nothing of it to be had.
-
-        Args:
-            seen, touched: what the other one has of it.
-        """
-        return solid_of(self._tree, link, "%s::%s" % (self.name, link), seen, touched)
-
-    def place_of(self, link):
-        """Position (3,) and quaternion (4,) of a link. Many cameras ask for it at the same time."""
-        pose = self.simulation.link_pose(link)
-        known = self._places.get(link)
-        if known is None or known[0] != pose.tobytes():
-            known = self._places[link] = pose.tobytes(), pose[:3, 3], quaternion_of(pose)
-        return known[1:]
 
     # --- what stands in the description
 
@@ -306,32 +239,3 @@ class Model:
         """[N s/m or N m s/rad]."""
         dynamics = self._tree.find("joint[@name='%s']/dynamics" % joint)
         return 0.0 if dynamics is None else float(dynamics.get("damping", 0.0))
-
-    # --- time
-
-    def step(self, ticks):
-        self.simulation.step(ticks)
-
-    def time_s(self, world_ns):
-        """The simulation's own time at a time of the world [s]."""
-        return 1e-9 * (world_ns - self.begun_ns)
-
-    def reset(self, world_ns, to_start):
-        """Everything back to where it was spawned; `to_start`: its time too."""
-        if to_start:
-            self.begun_ns = 0
-            self.simulation.reset()
-        else:
-            self.simulation.reset_world()
-        if self._lifts:
-            self.push({}, {})
-
-
-def scene_of(settings):
-    """Section sim/scene of a model with cameras: the ground, the sky and the light from everywhere."""
-    scene, known = {"solids": [GROUND_PLANE]} if settings.ground else {}, WorldSettings()
-    if settings.background_rgb != known.background_rgb:
-        scene["background_rgb"] = list(settings.background_rgb)
-    if settings.ambient_rgb != known.ambient_rgb:
-        scene["lighting"] = {"ambient_rgb": list(settings.ambient_rgb), "lights": [SUN]}
-    return scene

@@ -1,6 +1,18 @@
-"""Settings of the world."""
+"""Settings of the world, and the simulator's world that is made of them."""
 import dataclasses
 import typing
+
+from aras_visual_servo_sim import World
+
+from .lights import SUN
+
+#: What cameras see of Gazebo's ground plane: 100 m wide, of its material Gazebo/Grey, which casts no shadow.
+GROUND_PLANE = {"name": "ground_plane", "box_m": [100.0, 100.0, 0.01], "position_m": [0.0, 0.0, -0.005],
+                "color_rgb": [178.5] * 3,
+                "material": {"ambient_share": 0.3 / 0.7, "specular_rgb": [2.55] * 3, "shininess": 1.5,
+                             "casts_shadows": False}}
+#: Coulomb's coefficient of a link that states none, as in Gazebo; of two that touch, the smaller one counts.
+GROUND_FRICTION = 1.0
 
 
 @dataclasses.dataclass
@@ -13,3 +25,21 @@ class WorldSettings:
     ambient_rgb: tuple = (102.0, 102.0, 102.0)
     background_rgb: tuple = (178.5, 178.5, 178.5)
     shadows: bool = True  #: False: no light of the world casts any
+
+    @property
+    def plane_m(self) -> typing.Optional[float]:
+        """Height of the plane that can be touched, None for none."""
+        return 0.0 if self.ground else self.floor_m
+
+
+def world_of(settings: WorldSettings) -> World:
+    """Returns a world of the simulator with these settings and no robots."""
+    known = WorldSettings()
+    scene = {"solids": [GROUND_PLANE]} if settings.ground else {}
+    if settings.background_rgb != known.background_rgb:
+        scene["background_rgb"] = list(settings.background_rgb)
+    if settings.ambient_rgb != known.ambient_rgb:
+        scene["lighting"] = {"ambient_rgb": list(settings.ambient_rgb), "lights": [SUN]}
+    world = World({"compatibility": "gazebo", "period_s": settings.period_s, "scene": scene})
+    world.set_ground(settings.plane_m, GROUND_FRICTION)
+    return world

@@ -9,9 +9,9 @@ from aras_visual_servo_sim import ArasError
 
 from .errors import BadValueError
 from .model import Model
-from .settings import WorldSettings
+from .settings import WorldSettings, world_of
 
-FORMAT = "state of a world, 2"
+FORMAT = "state of a world, 3"
 
 
 def listed(spawned):
@@ -23,13 +23,11 @@ def listed(spawned):
 def saved(world):
     """bytes; the same of two worlds to which the same was done."""
     return json.dumps({
-        "format": FORMAT, "epoch_ns": world.epoch_ns, "ticks": world.ticks,
+        "format": FORMAT, "epoch_ns": world.epoch_ns, "state": base64.b64encode(world.core.save_state()).decode(),
         "settings": vars(world.settings), "lights": world.lights.entries(),
         "pushes": world.pushes.entries(),
-        "models": [{"spawned": listed(model.spawned), "begun_ns": model.begun_ns, "guests": model.guests,
-                    "host": model.host, "alone": model.alone, "loaded": model.loaded,
-                    "state": base64.b64encode(model.simulation.save_state()).decode()}
-                   for model in world.models.values()]}).encode()
+        "models": [{"spawned": listed(model.spawned), "loaded": model.loaded} for model in world.models.values()]
+    }).encode()
 
 
 def digest(world):
@@ -52,22 +50,24 @@ def restore(world, state):
                             ) from error
     settings = WorldSettings(**{key: tuple(value) if isinstance(value, list) else value
                                 for key, value in record["settings"].items()})
-    models = {}
-    for entry in record["models"]:
-        name, xml, namespace, pose, X_MR, warnings = entry["spawned"]
-        present = world.models.get(name)
-        if present is None or listed(present.spawned) != entry["spawned"] or present.settings != settings:
-            present = Model(name, xml, namespace, numpy.array(pose), settings, 0, numpy.array(X_MR), warnings)
-        models[name] = present
-    before = saved(world)
+    there = {model.name: listed(model.spawned) for model in world.models.values()}
+    names = [entry["spawned"][0] for entry in record["models"]]
+    core, models = world.core, {name: world.models.get(name) for name in names}
+    # The simulator gets its state back in a world of the same robots and settings.
+    if settings != world.settings or list(there.values()) != [entry["spawned"] for entry in record["models"]]:
+        core = world_of(settings)
+        for entry in record["models"]:
+            name, xml, namespace, pose, X_MR, warnings = entry["spawned"]
+            models[name] = Model(core, name, xml, namespace, numpy.array(pose), settings.gravity_m_s2,
+                                 numpy.array(X_MR), warnings)
     try:
-        for entry, model in zip(record["models"], models.values()):
-            model.simulation.restore_state(base64.b64decode(entry["state"]))
+        core.restore_state(base64.b64decode(record["state"]))
     except ArasError as error:
-        for entry, model in zip(json.loads(before)["models"], world.models.values()):
-            model.simulation.restore_state(base64.b64decode(entry["state"]))
         raise BadValueError("restore_state: %s" % error) from error
-    for entry, model in zip(record["models"], models.values()):
-        for key in ("begun_ns", "guests", "host", "alone", "loaded"):
-            setattr(model, key, entry[key])
-    world.take(record["epoch_ns"], record["ticks"], settings, models, record["lights"], record["pushes"])
+    for entry in record["models"]:
+        name = entry["spawned"][0]
+        if there.get(name) == entry["spawned"] and models[name] is not world.models[name]:
+            vars(world.models[name]).update(vars(models[name]))  # who knows the model goes on knowing it
+            models[name] = world.models[name]
+        models[name].loaded = entry["loaded"]
+    world.take(core, record["epoch_ns"], settings, models, record["lights"], record["pushes"])

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,8 +33,8 @@ struct ContactConfig {
   /** Names of links and obstacles; `robot` stands for every link, in either place. */
   std::vector<std::pair<std::string, std::string>> pairs;
   std::optional<GroundPlane> ground;
-  bool neighbours;                            ///< whether what can move touches that of other worlds, see WorldGroup
-  double friction;                            ///< Coulomb's coefficient of the pairs
+  bool neighbours;  ///< whether links and obstacles touch those of other robots of the worldGroup
+  double friction;  ///< Coulomb's coefficient of the pairs
   std::map<std::string, double> frictions;    ///< of links and solids by name; the smallest of a contact counts
   double stiffness_n_per_m;                   ///< normal force per depth at each point of contact
   double damping_n_s_per_m;                   ///< normal force per speed of approach
@@ -41,8 +42,11 @@ struct ContactConfig {
   std::vector<Obstacle> obstacles;            ///< the solids of the scene, filled in by Contacts (simulation)
   /** Points of the mesh files that collision shapes name, unscaled [m]; their convex hull is what touches. */
   std::map<std::string, std::vector<Eigen::Vector3d>> mesh_points;
+  std::set<std::string> hollow_meshes;  ///< files whose hull is not touched where the base is driven, as of a house
 
-  bool any() const { return ground || neighbours || !pairs.empty(); }
+  bool any() const { return pushes() || neighbours; }
+  /** Whether the robot touches anything besides other robots. */
+  bool pushes() const { return ground || !pairs.empty(); }
 };
 
 /** Reads section `contacts`. Null: none. @throws ParameterError listing every fault */

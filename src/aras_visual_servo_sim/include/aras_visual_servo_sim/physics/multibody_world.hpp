@@ -80,6 +80,8 @@ class MultibodyWorld {
   /** Sets which bodies touch each other from now on. Obstacles that were there before keep their pose and velocity.
    *  @throws ParameterError, ModelError; nothing changes then. */
   void setContacts(const ContactConfig& config);
+  /** Takes over poses and velocities of those obstacles that another world has too, by name. */
+  void takeObstacles(MultibodyWorld& other);
   /** Places an obstacle, at rest. @throws UnknownNameError, NotFiniteError */
   void setObstaclePose(const std::string& obstacle, const Pose& X_WO);
 
@@ -99,6 +101,8 @@ class MultibodyWorld {
   void step(int n = 1);
 
   std::int64_t ticks() const;
+  /** Lets this be the present tick, of a world that has not stepped yet. */
+  void beginAt(std::int64_t tick);
 
   const Eigen::VectorXd& jointPositions() const;
   const Eigen::VectorXd& jointVelocities() const;
@@ -174,7 +178,7 @@ class MultibodyWorld {
   void restoreState(const std::string& state);
 
  private:
-  friend class WorldGroup;
+  friend class TouchingRobots;
   class Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -107,6 +107,9 @@ struct LightTag {
   std::string link, sdf;
 };
 
+/** Returns ROBOT::NAME, the name of a link or a camera in a world of several robots; NAME if the robot has no name. */
+std::string scoped(const std::string& robot, const std::string& name);
+
 /** The contents of a URDF after checking; constant after loading. Parents stand before their children in `links`. */
 struct RobotModel {
   std::string name;

@@ -41,7 +41,7 @@ std::vector<Collision> collisionsFromUrdf(const std::string& name, const std::st
                                           const PackagePaths& packages);
 
 /** Adds one body for each link of the robot that has visuals, named as the link, and the lights of its links.
- *  @throws ModelError */
-void addRobotBodies(const RobotModel& robot, const PackagePaths& packages, Scene& scene);
+ *  @param name  of the robot in its world, see scoped @throws ModelError */
+void addRobotBodies(const RobotModel& robot, const PackagePaths& packages, Scene& scene, const std::string& name = "");
 
 }  // namespace aras_visual_servo_sim

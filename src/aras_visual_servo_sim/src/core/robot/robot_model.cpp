@@ -6,6 +6,10 @@
 
 namespace aras_visual_servo_sim {
 
+std::string scoped(const std::string& robot, const std::string& name) {
+  return robot.empty() ? name : robot + "::" + name;
+}
+
 int RobotModel::jointIndex(const std::string& joint_name) const {
   const auto found = std::lower_bound(joint_names.begin(), joint_names.end(), joint_name);
   if (found != joint_names.end() && *found == joint_name) return static_cast<int>(found - joint_names.begin());

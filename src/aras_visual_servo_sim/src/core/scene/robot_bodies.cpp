@@ -57,15 +57,15 @@ void addShapes(const Visual& visual, MeshCache& meshes, Body& body) {
 
 }  // namespace
 
-void addRobotBodies(const RobotModel& robot, const PackagePaths& packages, Scene& scene) {
+void addRobotBodies(const RobotModel& robot, const PackagePaths& packages, Scene& scene, const std::string& name) {
   MeshCache meshes(packages);
   for (const Link& link : robot.links) {
     if (link.visuals.empty()) continue;
-    if (scene.findBody(link.name)) {
+    if (scene.findBody(scoped(name, link.name))) {
       throw ModelError("link '" + link.name + "': a solid of the scene has the same name (" + robot.source_name + ")");
     }
     Body body;
-    body.name = link.name;
+    body.name = scoped(name, link.name);
     for (const Visual& visual : link.visuals) {
       try {
         addShapes(visual, meshes, body);
@@ -77,7 +77,8 @@ void addRobotBodies(const RobotModel& robot, const PackagePaths& packages, Scene
   }
   for (const LightTag& tag : robot.lights) {
     Light light = lightFromSdf(tag.sdf, robot.source_name + ": light of link '" + tag.link + "'");
-    light.attached_to = tag.link;
+    light.name = scoped(name, light.name);
+    light.attached_to = scoped(name, tag.link);
     scene.lighting.lights.push_back(std::move(light));
   }
 }

@@ -52,10 +52,10 @@ CommandInputs::CommandInputs(ros::NodeHandle& node, Simulation& simulation, Lock
     : simulation_(simulation), gate_(gate), time_(time) {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   joint_command_ = node.subscribe("joint_command", kCommandQueue, &CommandInputs::onJointCommand, this, hints);
-  if (simulation.world().drivenBase()) {
+  if (simulation.body().drivenBase()) {
     twist_command_ = node.subscribe("twist_command", kCommandQueue, &CommandInputs::onTwistCommand, this, hints);
   }
-  for (const std::string& controller : simulation.world().controllerNames()) {
+  for (const std::string& controller : simulation.body().controllerNames()) {
     const boost::function<void(const std_msgs::Float64::ConstPtr&)> callback =
         [this, controller](const std_msgs::Float64::ConstPtr& message) { onControllerCommand(controller, message); };
     controller_commands_.push_back(node.subscribe<std_msgs::Float64>(controller + "/command", kCommandQueue, callback,
@@ -76,7 +76,7 @@ void CommandInputs::onTwistCommand(const ros::MessageEvent<const geometry_msgs::
   try {
     const Twist twist = (Twist() << v.x, v.y, v.z, w.x, w.y, w.z).finished();
     if (!twist.allFinite()) throw NotFiniteError("twist_command: found a value that is not finite");
-    for (const auto& [name, value] : simulation_.world().twistCommand(twist, from.header.frame_id).velocity) {
+    for (const auto& [name, value] : simulation_.body().twistCommand(twist, from.header.frame_id).velocity) {
       message->name.push_back(name);
       message->velocity.push_back(value);
     }

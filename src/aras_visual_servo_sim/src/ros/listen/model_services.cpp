@@ -66,7 +66,7 @@ bool ModelServices::answer(Response& response, const Action& action) {
 Pose ModelServices::frame(const std::string& name) const {
   if (name.empty() || name == kWorldFrame) return Pose();
   for (const Link& link : simulation_.model().links) {
-    if (link.name == name) return simulation_.world().linkPose(name);
+    if (link.name == name) return simulation_.body().linkPose(name);
   }
   return simulation_.models().pose(name);
 }

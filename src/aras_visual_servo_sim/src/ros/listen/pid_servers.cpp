@@ -25,7 +25,7 @@ PidGains gainsFrom(const PidConfig& config) {
 }  // namespace
 
 PidServers::PidServers(const ros::NodeHandle& node, Simulation& simulation) : simulation_(simulation) {
-  for (const ControllerConfig& controller : simulation.config().world.controllers) {
+  for (const ControllerConfig& controller : simulation.body().config().controllers) {
     if (!hasPid(controller)) continue;
     auto entry = std::make_unique<Entry>();
     entry->controller = controller.name;
@@ -40,7 +40,7 @@ PidServers::PidServers(const ros::NodeHandle& node, Simulation& simulation) : si
         return;
       }
       try {
-        simulation_.setGains(name, gainsFrom(config));
+        simulation_.body().setGains(name, gainsFrom(config));
       } catch (const ArasError& error) {
         ROS_WARN("gains refused: %s", error.what());
         config = present(name);
@@ -55,7 +55,7 @@ void PidServers::refresh() {
 }
 
 PidConfig PidServers::present(const std::string& controller) const {
-  const PidGains gains = simulation_.world().controllerState(controller).gains;
+  const PidGains gains = simulation_.body().controllerState(controller).gains;
   PidConfig config;
   config.p = gains.p;
   config.i = gains.i;

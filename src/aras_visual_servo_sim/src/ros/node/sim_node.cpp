@@ -190,7 +190,7 @@ void SimNode::publishStatus() {
   status.ticks = static_cast<std::uint64_t>(simulation_.ticks());
   status.frames = states_.frames();
   status.dropped_frames = states_.droppedFrames() + unanswered_;
-  status.unsettled_steps = simulation_.world().unsettledSteps();
+  status.unsettled_steps = simulation_.body().unsettledSteps();
   status.refused_commands = simulation_.commands().refused();
   status.last_refusal = simulation_.commands().lastRefusal();
   status.opengl = simulation_.openGl();

@@ -30,9 +30,9 @@ RobotFrames::RobotFrames(ros::NodeHandle& node, const Simulation& simulation, bo
 void RobotFrames::addBase() {
   const RobotModel& model = simulation_.model();
   const std::string& root = model.links.front().name;
-  const bool free = simulation_.world().floatingBase();
+  const bool free = simulation_.body().floatingBase();
   const Joint* floating = model.floatingJoint();
-  const Pose X_WR = simulation_.world().linkPose(0);
+  const Pose X_WR = simulation_.body().linkPose(0);
   if (root != kWorldFrame) {
     edges_.push_back({kWorldFrame, root, -1, 0, free && !floating ? Kind::kBase : Kind::kFixed});
   } else if (free && !floating) {
@@ -70,7 +70,7 @@ void RobotFrames::publish(const ros::Time& stamp, bool of_image) {
 
 void RobotFrames::send(ros::Publisher& publisher, const std::vector<Kind>& kinds, const ros::Time& stamp) const {
   tf2_msgs::TFMessage message;
-  const MultibodyWorld& world = simulation_.world();
+  const MultibodyWorld& world = simulation_.body();
   for (const Edge& edge : edges_) {
     if (std::count(kinds.begin(), kinds.end(), edge.kind) == 0) continue;
     const Pose X_WP = edge.parent_link < 0 ? Pose{} : world.linkPose(edge.parent_link);

@@ -56,10 +56,10 @@ StatePublisher::StatePublisher(const ros::NodeHandle& node, Simulation& simulati
   target_twist_ = {node_, recording, "ground_truth/target_twist", kSmallQueue};
   path_ = node_.advertise<nav_msgs::Path>("camera_path", 1);
   path_message_.header.frame_id = kWorldFrame;
-  joint_message_.name = simulation.world().jointNames();
+  joint_message_.name = simulation.body().jointNames();
   for (const ExtraJoint& joint : extra_joints_) joint_message_.name.push_back(joint.name);
   for (std::size_t k = 0; k < topics.size(); ++k) advertiseCamera(static_cast<int>(k), topics[k]);
-  for (const ControllerConfig& controller : simulation.config().world.controllers) {
+  for (const ControllerConfig& controller : simulation.body().config().controllers) {
     controllers_.push_back(
         {controller.name, controller.publish_state,
          node_.advertise<aras_visual_servo_msgs::JointControllerState>(controller.name + "/state", kSmallQueue)});
@@ -147,7 +147,7 @@ void StatePublisher::reset() {
 }
 
 void StatePublisher::publishPresentJoints(bool of_image) {
-  const MultibodyWorld& world = simulation_.world();
+  const MultibodyWorld& world = simulation_.body();
   publishJoints(time_.now(), world.jointPositions(), world.jointVelocities(), world.jointEfforts(), of_image);
   robot_frames_.publish(time_.now(), of_image);
 }
@@ -170,7 +170,7 @@ void StatePublisher::publishJoints(const ros::Time& stamp, const Eigen::VectorXd
 void StatePublisher::publishControllers(const ros::Time& stamp) {
   for (const ControllerOutput& output : controllers_) {
     if (!output.always && output.state.getNumSubscribers() == 0) continue;
-    const ControllerState state = simulation_.world().controllerState(output.name);
+    const ControllerState state = simulation_.body().controllerState(output.name);
     aras_visual_servo_msgs::JointControllerState message;
     message.header.stamp = stamp;
     message.set_point = state.set_point;

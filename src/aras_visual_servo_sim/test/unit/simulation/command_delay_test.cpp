@@ -19,7 +19,7 @@ JointCommand velocity(double value) {
   return command;
 }
 
-double setPoint(const Simulation& simulation) { return simulation.world().controllerState("pan_controller").set_point; }
+double setPoint(const Simulation& simulation) { return simulation.body().controllerState("pan_controller").set_point; }
 
 TEST(CommandDelay, ACommandActsAfterItsDelayAndForItsWholeTime) {
   Simulation simulation = fixture::panLift(kDelayed);

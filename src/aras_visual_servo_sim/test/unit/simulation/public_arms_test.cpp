@@ -25,12 +25,12 @@ void holdsAndSees(const std::string& file, int axes, const std::string& position
   for (const std::string& warning : simulation.model().warnings) {
     EXPECT_EQ(warning.find("ignored"), std::string::npos) << warning;
   }
-  const Eigen::VectorXd start = simulation.world().jointPositions();
+  const Eigen::VectorXd start = simulation.body().jointPositions();
   simulation.setControllerCommand("gripper", 0.03);
   simulation.step(1000);
   const auto& names = simulation.model().joint_names;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const double q = simulation.world().jointPositions()[static_cast<int>(i)];
+    const double q = simulation.body().jointPositions()[static_cast<int>(i)];
     if (names[i].find("finger") != std::string::npos) {
       EXPECT_NEAR(q, 0.03, 1e-4) << names[i];  // both: the right one mimics
     } else {

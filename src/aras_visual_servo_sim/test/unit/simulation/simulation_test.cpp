@@ -118,9 +118,9 @@ TEST(Simulation, NonFiniteCommandIsRefusedCountedAndTheArmHolds) {
   EXPECT_THROW(simulation.setCommand(velocity("pan", kNan)), NotFiniteError);
   EXPECT_EQ(simulation.commands().refused(), 1U);
   EXPECT_NE(simulation.commands().lastRefusal().find("pan"), std::string::npos);
-  const double set_point = simulation.world().controllerState("pan_controller").set_point;
+  const double set_point = simulation.body().controllerState("pan_controller").set_point;
   simulation.step(50);
-  EXPECT_EQ(simulation.world().controllerState("pan_controller").set_point, set_point);
+  EXPECT_EQ(simulation.body().controllerState("pan_controller").set_point, set_point);
 }
 
 TEST(Simulation, VelocityCommandStopsActingAfterItsTimeout) {
@@ -128,7 +128,7 @@ TEST(Simulation, VelocityCommandStopsActingAfterItsTimeout) {
   simulation.setCommand(velocity("pan", 0.5));
   simulation.step(1000);
   // 0.1 s at 0.5 rad/s; one period more or less decides what the last step counts
-  EXPECT_NEAR(simulation.world().controllerState("pan_controller").set_point, 0.05, 0.5 * 0.001 + 1e-12);
+  EXPECT_NEAR(simulation.body().controllerState("pan_controller").set_point, 0.05, 0.5 * 0.001 + 1e-12);
 }
 
 TEST(Simulation, CommandedPositionIsReachedAndSeenByTheCamera) {

@@ -37,7 +37,7 @@ class LaserOutlet(Outlet):
 
 def scan(world, model, device, directions):
     """What a laser measures now, without noise: ranges, infinite where there is nothing, and intensities."""
-    ranges, retros = world.rays.cast(model.link_pose(device.link) @ device.X_LS, directions, device.range_min_m,
+    ranges, retros = world.cast_rays(model.link_pose(device.link) @ device.X_LS, directions, device.range_min_m,
                                      device.range_max_m, device.sees_visuals)
     ranges = resampled(numpy.minimum(ranges, device.range_max_m), device.horizontal, device.vertical)
     ranges[ranges >= device.range_max_m] = numpy.inf

@@ -25,14 +25,16 @@ namespace aras_visual_servo_sim {
  *  tick is missed. `now` is the present tick. */
 class Camera {
  public:
-  /** @param index  among the cameras, keeps their noise and their drops apart  @param seed  of the simulation
-   *  @param link  that carries it  @throws ParameterError for a rate beyond that of the ticks */
-  Camera(CameraModel model, int link, int index, std::uint64_t seed, std::int64_t period_ns);
+  /** @param robot  number of the robot that carries it, at this link
+   *  @param index  among the robot's cameras, keeps their noise and their drops apart  @param seed  of the simulation
+   *  @throws ParameterError for a rate beyond that of the ticks */
+  Camera(CameraModel model, int robot, int link, int index, std::uint64_t seed, std::int64_t period_ns);
 
   const CameraModel& model() const { return model_; }
+  int robot() const { return robot_; }                  ///< its number
   std::int64_t periodNs() const { return period_ns_; }  ///< of a tick
-  Pose pose(const MultibodyWorld& world) const;         ///< X_WC
-  Twist twist(const MultibodyWorld& world) const;       ///< V_WC_C
+  Pose pose(const MultibodyWorld& robot) const;         ///< X_WC
+  Twist twist(const MultibodyWorld& robot) const;       ///< V_WC_C
 
   // --- which frames
   bool late() const { return flight_.late(); }
@@ -55,7 +57,7 @@ class Camera {
   void takeFrame() { unhashed_frame_ = plan_.pass(); }
   void missFrame() { plan_.pass(); }
   /** Exposes the frame of this tick, of a camera with latency. @param present  of this tick */
-  void expose(Moment present, const MultibodyWorld& world);
+  void expose(Moment present, const MultibodyWorld& robot);
   /** Takes the frame that is delivered now. @return its tick */
   std::int64_t takeDelivered();
   /** The frame taken at the present tick of a camera with latency; null if there is none, or no latency. */
@@ -68,6 +70,9 @@ class Camera {
   void passTo(std::int64_t now) { flight_.passTo(now); }
   void keepModels(const std::shared_ptr<ModelSet>& models) { flight_.keepModels(models); }
   bool hasFramesInFlight() const { return !flight_.empty(); }
+  void loseFrames() { flight_.clear(); }
+  /** Lets the first frame be the first of the schedule at or after this tick, of a camera that has no frame yet. */
+  void beginAt(std::int64_t tick) { plan_.setState({plan_.indexFrom(tick)}); }
 
   // --- the shutter
   bool blurs() const { return exposure_.blurs(); }
@@ -125,7 +130,7 @@ class Camera {
 
  private:
   CameraModel model_;
-  int link_;
+  int robot_, link_;
   std::int64_t period_ns_;
   std::uint64_t noise_seed_;
   FramePlan plan_;

@@ -9,12 +9,17 @@
 
 namespace aras_visual_servo_sim {
 
-/** The cameras of a simulation, in the order in which they are configured. */
+/** The cameras of a world, in the order in which they are configured. */
 class Cameras {
  public:
-  /** @param seed  of the simulation @throws ParameterError naming the camera: its name is taken, there is no such link,
-   *          a value is out of range */
-  void add(const CameraConfig& config, const RobotModel& robot, std::uint64_t seed, std::int64_t period_ns);
+  /** @param robot  of this name and number in its world  @param seed  of the simulation
+   *  @throws ParameterError naming the camera: its name is taken, there is no such link, a value is out of range */
+  void add(const CameraConfig& config, const RobotModel& robot, std::uint64_t seed, std::int64_t period_ns,
+           const std::string& name = "", int number = 0);
+  /** Adds the cameras of one more robot, whose first frames are those at or after a tick. */
+  void add(Cameras others, std::int64_t tick);
+  /** Removes the cameras of a robot. */
+  void remove(int robot);
 
   const std::vector<std::string>& names() const { return names_; }
   /** @throws UnknownNameError naming the cameras there are */
@@ -43,9 +48,13 @@ class Cameras {
   void keepModels(const ModelSet& models);
   /** To be called when a joint or model was placed elsewhere: exposures begin anew. */
   void forgetPast();
+  /** To be called when a robot comes or goes: frames on their way are lost. */
+  void loseFrames();
   void reset();
 
  private:
+  void findLongestLatency();
+
   std::vector<std::string> names_;
   std::vector<Camera> cameras_;
   std::int64_t longest_latency_ = 0;

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <map>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -35,10 +37,10 @@ class Contacts {
   void change(const ModelSet& set, MultibodyWorld& world);
   /** The same, for a world that is made afterwards. */
   void change(const ModelSet& set) { present_ = among(set); }
+  /** Sets the ground plane; nothing: there is none. */
+  void setGround(const std::optional<GroundPlane>& ground, MultibodyWorld& world);
   /** Tells the world where a model was put. */
   void place(const std::string& model, const Models& models, MultibodyWorld& world) const;
-  /** Advances n periods. */
-  void step(std::int64_t n, std::int64_t period_ns, Models& models, MultibodyWorld& world) const;
   /** Before a period: places models with a motion. */
   void beforePeriod(std::int64_t period_ns, Models& models, MultibodyWorld& world) const;
   /** After it: moves solids that were pushed. */
@@ -55,6 +57,7 @@ class Contacts {
   std::vector<std::string> solids_;                                  ///< of the configuration, in its order
   std::map<std::string, Pose> built_starts_;                         ///< the models as constructed
   std::map<std::string, std::vector<Eigen::Vector3d>> mesh_points_;  ///< of the files read so far
+  std::set<std::string> hollow_meshes_;                              ///< of these, see ContactConfig
 };
 
 }  // namespace aras_visual_servo_sim

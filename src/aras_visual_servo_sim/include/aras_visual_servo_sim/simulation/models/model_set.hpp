@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -9,6 +10,19 @@
 #include "aras_visual_servo_sim/scene/scene.hpp"
 
 namespace aras_visual_servo_sim {
+
+/** The link that a body of the scene shows. */
+struct BodyLink {
+  int robot = -1, link = -1;  ///< number of the robot in its world, -1: the body is a solid; index of the link
+
+  bool isSolid() const { return robot < 0; }
+};
+
+/** X_WL of the links of all robots. */
+struct LinkPoses {
+  std::function<Pose(const BodyLink&)> shown;       ///< of one that is no solid
+  std::function<Pose(const std::string&)> of_name;  ///< as the world names it, see scoped
+};
 
 /** A solid as something that can be touched. */
 struct TouchableSolid {
@@ -23,10 +37,10 @@ struct SavedModel {
   Pose X_AM, X_AM0;         ///< where it is, where it started, see ModelSet::anchored
 };
 
-/** The models that are present. The scene holds the robot's links among its bodies too. */
+/** The models that are present. The scene holds the links of the robots among its bodies too. */
 struct ModelSet {
   Scene scene;
-  std::vector<int> body_links;         ///< link of each body of the scene, -1 for solids
+  std::vector<BodyLink> body_links;    ///< of each body of the scene
   std::map<std::string, Pose> starts;  ///< of each model, see anchored
   std::map<std::string, TouchableSolid> solids;
   std::map<std::string, std::string> spawned;  ///< entry, as YAML, of each model that was spawned
@@ -39,14 +53,17 @@ struct ModelSet {
   /** X_AM of a model in its anchor A, to be read or set: the link that carries it, else the world. @throws as place */
   Pose& anchored(const std::string& model);
   const Pose& anchored(const std::string& model) const;
-  /** The link of the robot that carries a model, empty if none does. @throws as place */
+  /** The link that carries a model, empty if none does. @throws as place */
   const std::string& carrier(const std::string& model) const;
-  /** @throws ParameterError naming a model whose carrier is no link of the robot, and the links */
-  void checkCarriers(const RobotModel& robot) const;
+  /** @param links  of all robots @throws ParameterError naming a model whose carrier is none of these, and the links */
+  void checkCarriers(const std::vector<std::string>& links) const;
   /** X_WM of every model by name. */
   std::map<std::string, Pose> poses() const;
   /** Removes a model, and the lights that it carries. */
   void remove(const std::string& model);
+  /** Removes the bodies of a robot, and the lights and models that its links carry.
+   *  @param number  of the robot @param links  its links */
+  void removeRobot(int number, const std::vector<std::string>& links);
   /** Everything that is needed to make this set again from the one that was constructed. */
   std::vector<SavedModel> saved() const;
 };

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "aras_visual_servo_sim/config/package_paths.hpp"
-#include "aras_visual_servo_sim/physics/multibody_world.hpp"
 #include "aras_visual_servo_sim/scene/scene_config.hpp"
 #include "aras_visual_servo_sim/simulation/models/model_set.hpp"
 
@@ -27,9 +26,13 @@ class Models {
  public:
   /** No model at all. */
   Models() = default;
-  /** The models of a configuration, each where it starts, and the robot's bodies.
+  /** The models of a configuration, each where it starts.
    *  @throws ParameterError listing every fault of the files they are made of */
-  Models(const SceneConfig& config, const RobotModel& robot, const PackagePaths& packages);
+  Models(const SceneConfig& config, const PackagePaths& packages);
+  /** Adds the bodies and lights of a robot, also to the set as constructed. @throws ModelError; nothing changes then */
+  void addRobot(const RobotModel& robot, const std::string& name, int number);
+  /** As ModelSet::removeRobot, also of the set as constructed. */
+  void removeRobot(int number, const std::vector<std::string>& links);
 
   const ModelSet& set() const { return set_; }
   const Scene& scene() const { return set_.scene; }
@@ -39,7 +42,7 @@ class Models {
   /** X_WM. @throws UnknownNameError naming the models there are */
   const Pose& pose(const std::string& model) const { return set_.place(model); }
   const std::map<std::string, MotionRun>& motions() const { return motions_; }
-  /** The link of the robot that carries a model, empty if none does. @throws as pose */
+  /** The link that carries a model, empty if none does. @throws as pose */
   const std::string& carrier(const std::string& model) const { return set_.carrier(model); }
   bool anyCarried() const;
   bool hasMotion(const std::string& model) const { return motions_.count(model) > 0; }
@@ -53,10 +56,10 @@ class Models {
   /** Puts the models that move where they are now. */
   void move(std::int64_t now_ns);
   /** Puts the models that links carry where these are. */
-  void carry(const MultibodyWorld& world);
-  /** The same, and the robot's bodies where its links are, and the lights where their carriers are. */
-  void follow(const MultibodyWorld& world);
-  /** Places a model in what carries it: a link of the robot, else the world. A motion that it has goes on.
+  void carry(const LinkPoses& links);
+  /** The same, and the bodies of the robots where their links are, and the lights where their carriers are. */
+  void follow(const LinkPoses& links);
+  /** Places a model in what carries it: a link, else the world. A motion that it has goes on.
    *  @throws UnknownNameError */
   void place(const std::string& model, const Pose& X_AM) { set_.anchored(model) = X_AM; }
   /** Moves a model from now and from where it is; nothing: it stays where it is.
@@ -78,7 +81,7 @@ class Models {
   void become(ModelSet next, std::map<std::string, MotionRun> motions);
   /** Changes background and lights, of the present set and of that as constructed: the lights that `before` names
    * become those of `next`, all others stay. @throws as checkLights; nothing changes then */
-  void setLighting(const SceneConfig& before, const SceneConfig& next, const RobotModel& robot);
+  void setLighting(const SceneConfig& before, const SceneConfig& next, const std::vector<std::string>& links);
   /** The set as constructed. */
   const ModelSet& built() const { return built_ ? *built_ : set_; }
   /** Back to the set as constructed; start() puts each model where it began. */

@@ -26,7 +26,7 @@ Matrix3d rotationAbout(const Vector3d& axis, double angle_rad) {
 
 ArticulatedBody::ArticulatedBody(const RobotModel& model, const Vector3d& gravity_m_s2, bool floating, const Pose& X_WB,
                                  bool driven)
-    : gravity_m_s2_(gravity_m_s2), floating_(floating) {
+    : gravity_m_s2_(gravity_m_s2), floating_(floating), driven_(driven) {
   addBodies(model, X_WB);
   frames_.resize(bodies_.size());
   composites_.resize(bodies_.size());

@@ -53,6 +53,8 @@ class ArticulatedBody {
   /** Acceleration of a link's origin and of its axes, [a; dw/dt] in world axes.
    *  @param v, a  velocities and accelerations of the joints  @param base_a  of a free base, as its velocity() */
   Twist linkAcceleration(int link, const Eigen::VectorXd& v, const Eigen::VectorXd& a, const Twist& base_a) const;
+  /** Whether no force moves the base. */
+  bool driven() const { return driven_; }
   /** Whether a link can move at all. */
   bool moves(int link) const { return link_body_[link] >= 0 || (base_ && link_body_[link] != kOnWorld); }
   /** Whether two links are carried by one body, or by two with one joint between them. */
@@ -102,7 +104,7 @@ class ArticulatedBody {
   std::vector<int> link_body_;  // kOnBase, kOnWorld, or of bodies_
   std::vector<Pose> X_body_link_;
   Eigen::Vector3d gravity_m_s2_;
-  bool floating_;
+  bool floating_, driven_;
   Body base_body_;  // inertia of the free base
   std::unique_ptr<FloatingBase> base_;
   Eigen::Matrix3d R_base_principal_ = Eigen::Matrix3d::Identity();

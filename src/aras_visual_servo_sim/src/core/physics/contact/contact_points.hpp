@@ -13,7 +13,7 @@ struct ContactPoint {
   double friction = 0.0;
 
   static constexpr int kGround = -1;     ///< the plane
-  static constexpr int kElsewhere = -2;  ///< a body of another world, see WorldGroup
+  static constexpr int kElsewhere = -2;  ///< a body of another robot, see TouchingRobots
 };
 
 /** Of the points from `first` on, all of one contact, leaves those that are corners of their outline in the plane

@@ -68,14 +68,17 @@ WorldContacts::WorldContacts(const RobotModel& model, const ContactConfig& confi
   addObstacles();
   watchPairs(body);
   for (int id = 0; id < static_cast<int>(model_.links.size() + config_.obstacles.size()); ++id) {
-    const bool link = id < static_cast<int>(model_.links.size());
-    if (config_.neighbours && shapes_.has(id) && (link || freeBodyOf(id) >= 0)) shared_.push_back(id);
+    const auto touched = [&](const auto& pair) { return pair.first == nameOf(id) || pair.second == nameOf(id); };
+    const bool takes_part = id < static_cast<int>(model_.links.size()) || freeBodyOf(id) >= 0 ||
+                            std::any_of(config_.pairs.begin(), config_.pairs.end(), touched);
+    if (config_.neighbours && shapes_.has(id) && takes_part) shared_.push_back(id);
   }
 }
 
 void WorldContacts::addLinks(const ArticulatedBody& body) {
   for (std::size_t link = 0; link < model_.links.size(); ++link) {
     for (const Collision& collision : model_.links[link].collisions) {
+      if (body.driven() && config_.hollow_meshes.count(collision.geometry.filename) > 0) continue;
       shapes_.add(static_cast<int>(link), collision.geometry, collision.X_link_collision);
     }
     shapes_.place(static_cast<int>(link), body.linkPose(static_cast<int>(link)));
@@ -125,7 +128,7 @@ double WorldContacts::frictionOf(int id) const {
 
 bool WorldContacts::moves(int id, const ArticulatedBody& body) const {
   const int links = static_cast<int>(model_.links.size());
-  return id < links ? body.moves(id) : freeBodyOf(id) >= 0;
+  return id < links ? body.moves(id) && !body.driven() : freeBodyOf(id) >= 0;
 }
 
 int WorldContacts::freeBodyOf(int id) const {

@@ -29,18 +29,19 @@ class WorldContacts {
   void solve(const std::vector<double>& M, const Eigen::VectorXd& v_free, const std::vector<JointGraph>& graphs,
              JointSolver& joints, Eigen::VectorXd& v, Eigen::VectorXd& effort);
 
-  // --- of several worlds whose bodies touch each other, see WorldGroup
+  // --- of several robots that touch each other, see TouchingRobots
   ContactShapes& shapes() { return shapes_; }
   const ContactConfig& config() const { return config_; }
-  /** Bodies that those of other worlds touch: the links with shapes, and what moves freely. */
+  /** Bodies that those of other robots touch: the links with shapes, and the obstacles that touch anything. */
   const std::vector<int>& sharedBodies() const { return shared_; }
+  /** Whether contacts can move a body; they do not move a driven base. */
   bool moves(int id, const ArticulatedBody& body) const;
-  /** Coulomb's coefficient of a body against those of other worlds. */
+  /** Coulomb's coefficient of a body against those of other robots. */
   double frictionBeyond(int id) const { return std::min(config_.friction, frictionOf(id)); }
-  /** These points in the place of those that were found; the worlds they are of have the same in the same order. */
+  /** These points in the place of those that were found; the robots they are of have the same in the same order. */
   void share(std::vector<ContactPoint> points) { points_ = std::move(points); }
   const ContactRows& rows() const { return rows_; }
-  /** The impulses at these points, as they were found for all worlds. */
+  /** The impulses at these points, as they were found for all robots. */
   void take(const Eigen::VectorXd& lambda) { lambda_ = lambda; }
 
   /** Lets the impulses act on the base, and moves the free bodies. */

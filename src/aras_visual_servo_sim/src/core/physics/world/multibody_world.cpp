@@ -17,6 +17,7 @@ const std::vector<std::string>& MultibodyWorld::jointNames() const {
   return aras_visual_servo_sim::jointNames(impl_->model, impl_->config);
 }
 std::int64_t MultibodyWorld::ticks() const { return impl_->ticks; }
+void MultibodyWorld::beginAt(std::int64_t tick) { impl_->ticks = tick; }
 const Eigen::VectorXd& MultibodyWorld::jointPositions() const { return impl_->q; }
 const Eigen::VectorXd& MultibodyWorld::jointVelocities() const { return impl_->v; }
 const Eigen::VectorXd& MultibodyWorld::jointEfforts() const { return impl_->effort; }
@@ -114,8 +115,12 @@ Twist MultibodyWorld::obstacleTwist(const std::string& obstacle) const {
 }
 
 void MultibodyWorld::setContacts(const ContactConfig& config) {
-  if (impl_->driven && config.any()) throw ParameterError("base: found driven with contacts, allowed no contacts");
+  if (impl_->driven && config.pushes()) throw ParameterError("base: found driven with contacts, allowed no contacts");
   impl_->setContacts(config);
+}
+
+void MultibodyWorld::takeObstacles(MultibodyWorld& other) {
+  if (impl_->contacts && other.impl_->contacts) impl_->contacts->takeOver(*other.impl_->contacts);
 }
 
 bool MultibodyWorld::floatingBase() const { return impl_->body.base() != nullptr; }

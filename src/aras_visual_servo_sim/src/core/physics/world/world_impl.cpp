@@ -63,13 +63,13 @@ MultibodyWorld::Impl::Impl(const RobotModel& the_model, const WorldConfig& the_c
   start();
 }
 
-/** Nothing but the base of a driven robot moves, and nothing can push it. */
+/** Nothing but the base of a driven robot moves, and nothing can push it. Other robots may touch it. */
 void MultibodyWorld::Impl::checkDriven() const {
   FaultList faults;
   if (model.dofs() > 0) {
     faults.add("base", "driven with the moving joint '" + model.joint_names.front() + "'", "a robot without any");
   }
-  if (config.contacts.any()) faults.add("base", "driven with contacts", "no contacts: it has no inertia");
+  if (config.contacts.pushes()) faults.add("base", "driven with contacts", "no contacts: it has no inertia");
   faults.throwIfAny();
 }
 

@@ -38,8 +38,9 @@ Sensor sensorOf(const CameraModel& model, int index, std::uint64_t seed) {
 
 }  // namespace
 
-Camera::Camera(CameraModel model, int link, int index, std::uint64_t seed, std::int64_t period_ns)
+Camera::Camera(CameraModel model, int robot, int link, int index, std::uint64_t seed, std::int64_t period_ns)
     : model_(std::move(model)),
+      robot_(robot),
       link_(link),
       period_ns_(period_ns),
       noise_seed_(seed + kSeedStride * static_cast<std::uint64_t>(index)),
@@ -52,14 +53,14 @@ Camera::Camera(CameraModel model, int link, int index, std::uint64_t seed, std::
   for (int v = 0; sensor->row_time_s > 0.0 && v < model_.height(); ++v) rows_.push_back(model_.row(v));
 }
 
-Pose Camera::pose(const MultibodyWorld& world) const {
-  const Pose X_WM = world.linkPose(link_);
+Pose Camera::pose(const MultibodyWorld& robot) const {
+  const Pose X_WM = robot.linkPose(link_);
   const CameraConfig& config = model_.config();
   return config.mount.empty() ? X_WM : X_WM * config.X_MC;
 }
 
-Twist Camera::twist(const MultibodyWorld& world) const {
-  const Twist V_WM_M = world.linkTwist(link_);
+Twist Camera::twist(const MultibodyWorld& robot) const {
+  const Twist V_WM_M = robot.linkTwist(link_);
   const CameraConfig& config = model_.config();
   if (config.mount.empty()) return V_WM_M;
   const Eigen::Vector3d v = V_WM_M.head<3>(), w = V_WM_M.tail<3>();
@@ -77,12 +78,12 @@ std::int64_t Camera::nextFrameTick() const {
 
 bool Camera::frameTaken(std::int64_t now) const { return late() ? takenFrame() != nullptr : plan_.passedAt(now); }
 
-void Camera::expose(Moment present, const MultibodyWorld& world) {
+void Camera::expose(Moment present, const MultibodyWorld& robot) {
   ExposedFrame frame;
-  frame.q = world.jointPositions();
-  frame.v = world.jointVelocities();
-  frame.efforts = world.jointEfforts();
-  frame.V_WC_C = twist(world);
+  frame.q = robot.jointPositions();
+  frame.v = robot.jointVelocities();
+  frame.efforts = robot.jointEfforts();
+  frame.V_WC_C = twist(robot);
   frame.present = std::move(present);
   if (blurs()) {
     for (const Exposure::Sample& sample : samplesOf(frame.present)) {

@@ -9,9 +9,11 @@
 
 namespace aras_visual_servo_sim {
 
-void Cameras::add(const CameraConfig& config, const RobotModel& robot, std::uint64_t seed, std::int64_t period_ns) {
+void Cameras::add(const CameraConfig& config, const RobotModel& robot, std::uint64_t seed, std::int64_t period_ns,
+                  const std::string& name, int number) {
   const std::string where = "camera '" + config.name + "': ";
-  if (std::find(names_.begin(), names_.end(), config.name) != names_.end()) {
+  const std::string full = scoped(name, config.name);
+  if (std::find(names_.begin(), names_.end(), full) != names_.end()) {
     throw ParameterError(where + "found twice, allowed once");
   }
   CameraModel model(config);  // names the camera in its faults
@@ -19,12 +21,35 @@ void Cameras::add(const CameraConfig& config, const RobotModel& robot, std::uint
   faults.collect(
       [&] {
         const int link = robot.linkIndex(config.mount.empty() ? config.frame : config.mount);
-        cameras_.emplace_back(std::move(model), link, static_cast<int>(size()), seed, period_ns);
+        cameras_.emplace_back(std::move(model), number, link, static_cast<int>(size()), seed, period_ns);
       },
       where);
   faults.throwIfAny();
-  names_.push_back(config.name);
-  longest_latency_ = std::max(longest_latency_, cameras_.back().latencyTicks());
+  names_.push_back(full);
+  findLongestLatency();
+}
+
+void Cameras::findLongestLatency() {
+  longest_latency_ = 0;
+  for (const Camera& camera : cameras_) longest_latency_ = std::max(longest_latency_, camera.latencyTicks());
+}
+
+void Cameras::add(Cameras others, std::int64_t tick) {
+  for (std::size_t k = 0; k < others.size(); ++k) {
+    names_.push_back(others.names_[k]);
+    cameras_.push_back(std::move(others.cameras_[k]));
+    cameras_.back().beginAt(tick);
+  }
+  findLongestLatency();
+}
+
+void Cameras::remove(int robot) {
+  for (std::size_t k = size(); k-- > 0;) {
+    if (cameras_[k].robot() != robot) continue;
+    names_.erase(names_.begin() + static_cast<std::ptrdiff_t>(k));
+    cameras_.erase(cameras_.begin() + static_cast<std::ptrdiff_t>(k));
+  }
+  findLongestLatency();
 }
 
 int Cameras::index(const std::string& camera) const {
@@ -99,6 +124,10 @@ void Cameras::keepModels(const ModelSet& models) {
 
 void Cameras::forgetPast() {
   for (Camera& camera : cameras_) camera.forgetPast();
+}
+
+void Cameras::loseFrames() {
+  for (Camera& camera : cameras_) camera.loseFrames();
 }
 
 void Cameras::reset() {

@@ -25,7 +25,7 @@ std::map<std::string, Pose> modelPoses(const Moment& moment, const ModelSet& set
   std::map<std::string, Pose> poses;
   for (std::size_t k = 0; k < moment.models.size(); ++k) poses[set.scene.models[k].name()] = moment.models[k];
   for (std::size_t k = 0; k < moment.bodies.size(); ++k) {
-    if (set.body_links[k] < 0) poses[set.scene.bodies[k].name] = moment.bodies[k];
+    if (set.body_links[k].isSolid()) poses[set.scene.bodies[k].name] = moment.bodies[k];
   }
   return poses;
 }

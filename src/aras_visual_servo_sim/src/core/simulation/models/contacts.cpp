@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/physics/hollow_mesh.hpp"
 #include "aras_visual_servo_sim/scene/mesh_loader.hpp"
 
 namespace aras_visual_servo_sim {
@@ -92,7 +93,7 @@ ContactConfig Contacts::among(const ModelSet& set) {
     }
   }
   for (std::size_t k = 0; k < set.body_links.size(); ++k) {
-    if (set.body_links[k] < 0 && set.spawned.count(set.scene.bodies[k].name) > 0) add(set.scene.bodies[k].name);
+    if (set.body_links[k].isSolid() && set.spawned.count(set.scene.bodies[k].name) > 0) add(set.scene.bodies[k].name);
   }
   // Leave out pairs with models that were deleted. Names that never existed were refused when the world was built.
   const auto isGone = [&](const std::string& name) { return built_starts_.count(name) > 0 && !isThere(name, set); };
@@ -111,8 +112,10 @@ void Contacts::addMeshPoints(ContactConfig& contacts) {
       const MeshPtr mesh = loadMesh(packages_.resolve(geometry.filename), Eigen::Vector3d::Ones(), packages_);
       known = mesh_points_.emplace(geometry.filename, std::vector<Eigen::Vector3d>()).first;
       for (const Eigen::Vector3f& point : mesh->points) known->second.push_back(point.cast<double>());
+      if (!config_.pushes() && isHollow(known->second, mesh->triangles)) hollow_meshes_.insert(geometry.filename);
     }
     contacts.mesh_points.insert(*known);
+    if (hollow_meshes_.count(geometry.filename) > 0) contacts.hollow_meshes.insert(geometry.filename);
   };
   for (const Obstacle& obstacle : contacts.obstacles) add(obstacle.geometry);
   for (const Link& link : robot_.links) {
@@ -127,16 +130,13 @@ void Contacts::change(const ModelSet& set, MultibodyWorld& world) {
   present_ = std::move(next);
 }
 
-void Contacts::place(const std::string& model, const Models& models, MultibodyWorld& world) const {
-  if (has(model)) world.setObstaclePose(model, models.pose(model));
+void Contacts::setGround(const std::optional<GroundPlane>& ground, MultibodyWorld& world) {
+  config_.ground = present_.ground = ground;
+  world.setContacts(present_);
 }
 
-void Contacts::step(std::int64_t n, std::int64_t period_ns, Models& models, MultibodyWorld& world) const {
-  for (std::int64_t k = 0; k < n; ++k) {
-    beforePeriod(period_ns, models, world);
-    world.step();
-    afterPeriod(models, world);
-  }
+void Contacts::place(const std::string& model, const Models& models, MultibodyWorld& world) const {
+  if (has(model)) world.setObstaclePose(model, models.pose(model));
 }
 
 void Contacts::beforePeriod(std::int64_t period_ns, Models& models, MultibodyWorld& world) const {

@@ -9,25 +9,24 @@ namespace aras_visual_servo_sim {
 namespace {
 
 /** @throws ParameterError unless it is a link or a model */
-void checkCarrier(const Light& light, const ModelSet& set, const RobotModel& robot) {
-  const auto isCarrier = [&](const Link& link) { return link.name == light.attached_to; };
+void checkCarrier(const Light& light, const ModelSet& set, const std::vector<std::string>& links) {
   if (light.attached_to.empty() || set.starts.count(light.attached_to) > 0 ||
-      std::any_of(robot.links.begin(), robot.links.end(), isCarrier)) {
+      std::find(links.begin(), links.end(), light.attached_to) != links.end()) {
     return;
   }
   std::string known;
-  for (const Link& link : robot.links) known += (known.empty() ? "" : ", ") + link.name;
+  for (const std::string& link : links) known += (known.empty() ? "" : ", ") + link;
   for (const std::string& model : set.names()) known += (known.empty() ? "" : ", ") + model;
   throw ParameterError("light '" + light.name + "': attached_to: found " + light.attached_to + ", allowed " + known);
 }
 
 }  // namespace
 
-void checkLights(const ModelSet& set, const RobotModel& robot) {
+void checkLights(const ModelSet& set, const std::vector<std::string>& links) {
   const std::vector<Light>& lights = set.scene.lighting.lights;
   std::set<std::string> names;
   for (const Light& light : lights) {
-    checkCarrier(light, set, robot);
+    checkCarrier(light, set, links);
     if (!names.insert(light.name).second) {
       throw ParameterError("light '" + light.name + "': found two of this name, allowed distinct names");
     }
@@ -38,7 +37,7 @@ void checkLights(const ModelSet& set, const RobotModel& robot) {
   }
 }
 
-ModelSet withLight(const ModelSet& set, const Light& light, const RobotModel& robot) {
+ModelSet withLight(const ModelSet& set, const Light& light, const std::vector<std::string>& links) {
   ModelSet next = set;
   std::vector<Light>& lights = next.scene.lighting.lights;
   if (const auto found = next.scene.lighting.find(light.name)) {
@@ -46,7 +45,7 @@ ModelSet withLight(const ModelSet& set, const Light& light, const RobotModel& ro
   } else {
     lights.push_back(light);
   }
-  checkLights(next, robot);
+  checkLights(next, links);
   return next;
 }
 

@@ -10,7 +10,7 @@ std::vector<std::string> ModelSet::names() const {
   std::vector<std::string> names;
   for (const PlanarModel& model : scene.models) names.push_back(model.name());
   for (std::size_t k = 0; k < body_links.size(); ++k) {
-    if (body_links[k] < 0) names.push_back(scene.bodies[k].name);
+    if (body_links[k].isSolid()) names.push_back(scene.bodies[k].name);
   }
   return names;
 }
@@ -20,7 +20,7 @@ const Pose& ModelSet::place(const std::string& model) const {
     if (planar.name() == model) return planar.X_WM;
   }
   for (std::size_t k = 0; k < body_links.size(); ++k) {
-    if (body_links[k] < 0 && scene.bodies[k].name == model) return scene.bodies[k].X_WB;
+    if (body_links[k].isSolid() && scene.bodies[k].name == model) return scene.bodies[k].X_WB;
   }
   std::string known;
   for (const std::string& name : names()) known += (known.empty() ? "" : ", ") + name;
@@ -51,12 +51,11 @@ const std::string& ModelSet::carrier(const std::string& model) const {
   return kNone;
 }
 
-void ModelSet::checkCarriers(const RobotModel& robot) const {
+void ModelSet::checkCarriers(const std::vector<std::string>& links) const {
   std::string known;
-  for (const Link& link : robot.links) known += (known.empty() ? "" : ", ") + link.name;
+  for (const std::string& link : links) known += (known.empty() ? "" : ", ") + link;
   for (const PlanarModel& model : scene.models) {
-    const auto carries = [&](const Link& link) { return link.name == model.carrier; };
-    if (model.carrier.empty() || std::any_of(robot.links.begin(), robot.links.end(), carries)) continue;
+    if (model.carrier.empty() || std::find(links.begin(), links.end(), model.carrier) != links.end()) continue;
     throw ParameterError("model '" + model.name() + "': attached_to: found " + model.carrier + ", allowed " + known);
   }
 }
@@ -65,7 +64,7 @@ std::map<std::string, Pose> ModelSet::poses() const {
   std::map<std::string, Pose> poses;
   for (const PlanarModel& model : scene.models) poses[model.name()] = model.X_WM;
   for (std::size_t k = 0; k < body_links.size(); ++k) {
-    if (body_links[k] < 0) poses[scene.bodies[k].name] = scene.bodies[k].X_WB;
+    if (body_links[k].isSolid()) poses[scene.bodies[k].name] = scene.bodies[k].X_WB;
   }
   return poses;
 }
@@ -75,7 +74,7 @@ void ModelSet::remove(const std::string& model) {
   planar.erase(std::remove_if(planar.begin(), planar.end(), [&](const auto& m) { return m.name() == model; }),
                planar.end());
   for (std::size_t k = 0; k < body_links.size(); ++k) {
-    if (body_links[k] >= 0 || scene.bodies[k].name != model) continue;
+    if (!body_links[k].isSolid() || scene.bodies[k].name != model) continue;
     scene.bodies.erase(scene.bodies.begin() + static_cast<std::ptrdiff_t>(k));
     body_links.erase(body_links.begin() + static_cast<std::ptrdiff_t>(k));
     break;
@@ -87,6 +86,23 @@ void ModelSet::remove(const std::string& model) {
   starts.erase(model);
   solids.erase(model);
   spawned.erase(model);
+}
+
+void ModelSet::removeRobot(int number, const std::vector<std::string>& links) {
+  for (std::size_t k = body_links.size(); k-- > 0;) {
+    if (body_links[k].robot != number) continue;
+    scene.bodies.erase(scene.bodies.begin() + static_cast<std::ptrdiff_t>(k));
+    body_links.erase(body_links.begin() + static_cast<std::ptrdiff_t>(k));
+  }
+  const auto carries = [&](const std::string& name) {
+    return std::find(links.begin(), links.end(), name) != links.end();
+  };
+  auto& lights = scene.lighting.lights;
+  lights.erase(std::remove_if(lights.begin(), lights.end(), [&](const Light& l) { return carries(l.attached_to); }),
+               lights.end());
+  for (const std::string& model : names()) {
+    if (carries(carrier(model))) remove(model);
+  }
 }
 
 std::vector<SavedModel> ModelSet::saved() const {

@@ -29,19 +29,36 @@ YAML::Node descriptionOf(const SavedModel& model) {
 
 }  // namespace
 
-Models::Models(const SceneConfig& config, const RobotModel& robot, const PackagePaths& packages) : packages_(packages) {
-  FaultList faults;
-  faults.collect([&] {
-    set_.scene = loadScene(config, packages);
-    for (const SolidEntry& solid : config.solids) set_.solids[solid.name] = touchable(solid, packages);
-  });
-  set_.body_links.assign(set_.scene.bodies.size(), -1);
-  faults.collect([&] { addRobotBodies(robot, packages, set_.scene); });
-  faults.throwIfAny();
-  for (std::size_t k = set_.body_links.size(); k < set_.scene.bodies.size(); ++k) {
-    set_.body_links.push_back(robot.linkIndex(set_.scene.bodies[k].name));
-  }
+Models::Models(const SceneConfig& config, const PackagePaths& packages) : packages_(packages) {
+  set_.scene = loadScene(config, packages);
+  for (const SolidEntry& solid : config.solids) set_.solids[solid.name] = touchable(solid, packages);
+  set_.body_links.resize(set_.scene.bodies.size());
   for (const std::string& name : set_.names()) set_.starts[name] = set_.anchored(name);
+}
+
+void Models::addRobot(const RobotModel& robot, const std::string& name, int number) {
+  const auto with = [&](ModelSet set) {
+    const std::size_t first = set.scene.bodies.size();
+    addRobotBodies(robot, packages_, set.scene, name);
+    int link = 0;
+    for (std::size_t k = first; k < set.scene.bodies.size(); ++k) {
+      while (scoped(name, robot.links[link].name) != set.scene.bodies[k].name) ++link;
+      set.body_links.push_back({number, link});
+    }
+    return set;
+  };
+  ModelSet next = with(set_);
+  if (built_) built_ = std::make_shared<const ModelSet>(with(*built_));
+  set_ = std::move(next);
+}
+
+void Models::removeRobot(int number, const std::vector<std::string>& links) {
+  const auto without = [&](ModelSet set) {
+    set.removeRobot(number, links);
+    return set;
+  };
+  if (built_) built_ = std::make_shared<const ModelSet>(without(*built_));
+  set_ = without(std::move(set_));
 }
 
 void Models::start(std::int64_t now_ns) {
@@ -63,7 +80,8 @@ void Models::move(std::int64_t now_ns) {
 namespace {
 
 /** The set with background and lights of `next` in the place of those of `before`. @throws as checkLights */
-ModelSet relit(ModelSet set, const SceneConfig& before, const SceneConfig& next, const RobotModel& robot) {
+ModelSet relit(ModelSet set, const SceneConfig& before, const SceneConfig& next,
+               const std::vector<std::string>& links) {
   std::vector<Light> lights = next.lighting.lights;
   for (const Light& light : set.scene.lighting.lights) {
     if (!before.lighting.find(light.name) && !next.lighting.find(light.name)) lights.push_back(light);
@@ -72,15 +90,15 @@ ModelSet relit(ModelSet set, const SceneConfig& before, const SceneConfig& next,
   set.scene.light_direction_W = next.light_direction_W;
   set.scene.lighting = next.lighting;
   set.scene.lighting.lights = std::move(lights);
-  checkLights(set, robot);
+  checkLights(set, links);
   return set;
 }
 
 }  // namespace
 
-void Models::setLighting(const SceneConfig& before, const SceneConfig& next, const RobotModel& robot) {
-  ModelSet present = relit(set_, before, next, robot);
-  if (built_) built_ = std::make_shared<const ModelSet>(relit(*built_, before, next, robot));
+void Models::setLighting(const SceneConfig& before, const SceneConfig& next, const std::vector<std::string>& links) {
+  ModelSet present = relit(set_, before, next, links);
+  if (built_) built_ = std::make_shared<const ModelSet>(relit(*built_, before, next, links));
   set_ = std::move(present);
 }
 
@@ -89,21 +107,22 @@ bool Models::anyCarried() const {
   return std::any_of(models.begin(), models.end(), [](const PlanarModel& model) { return !model.carrier.empty(); });
 }
 
-void Models::carry(const MultibodyWorld& world) {
+void Models::carry(const LinkPoses& links) {
   for (PlanarModel& model : set_.scene.models) {
-    if (!model.carrier.empty()) model.X_WM = world.linkPose(model.carrier) * model.X_LM;
+    if (!model.carrier.empty()) model.X_WM = links.of_name(model.carrier) * model.X_LM;
   }
 }
 
-void Models::follow(const MultibodyWorld& world) {
-  carry(world);
+void Models::follow(const LinkPoses& links) {
+  carry(links);
   for (std::size_t k = 0; k < set_.body_links.size(); ++k) {
-    if (set_.body_links[k] >= 0) set_.scene.bodies[k].X_WB = world.linkPose(set_.body_links[k]);
+    const BodyLink& shown = set_.body_links[k];
+    if (!shown.isSolid()) set_.scene.bodies[k].X_WB = links.shown(shown);
   }
   for (Light& light : set_.scene.lighting.lights) {
     if (light.attached_to.empty()) continue;
     const bool on_model = set_.starts.count(light.attached_to) > 0;
-    light.carry(on_model ? set_.place(light.attached_to) : world.linkPose(light.attached_to));
+    light.carry(on_model ? set_.place(light.attached_to) : links.of_name(light.attached_to));
   }
 }
 
@@ -123,7 +142,7 @@ void Models::setMotion(const std::string& model, const std::optional<ModelMotion
 void Models::add(ModelSet& set, const SceneEntry& entry, const std::string& yaml) const {
   loadSceneEntry(entry, packages_, set.scene);
   if (const auto* solid = std::get_if<SolidEntry>(&entry)) {
-    set.body_links.push_back(-1);
+    set.body_links.emplace_back();
     set.solids[solid->name] = touchable(*solid, packages_);
   }
   set.spawned[nameOf(entry)] = yaml;

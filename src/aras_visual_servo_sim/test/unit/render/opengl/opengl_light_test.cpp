@@ -161,7 +161,7 @@ TEST(OpenGlGazebo, MaterialsOfARobotHaveGazebosGreys) {
     Simulation sim(loadRobotModel(urdf, "test"), SimulationConfig::fromYaml(node), YAML::Node());
     Scene scene = sim.scene();
     for (Body& body : scene.bodies) {
-      body.X_WB = sim.world().linkPose(body.name);
+      body.X_WB = sim.body().linkPose(body.name);
       body.casts_shadows = body.name != "grey";
     }
     return greySeen(scene, from, to);

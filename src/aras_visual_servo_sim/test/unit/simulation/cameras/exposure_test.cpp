@@ -102,7 +102,7 @@ TEST(Exposure, ImageIsTheMeanOfSharpOnesRoundedOnce) {
   EXPECT_EQ(frameOne(blurred), mean);
   sharp.step(kFrameTick - sharp.ticks());
   EXPECT_NE(sharp.render(0).data, mean);
-  EXPECT_EQ(blurred.world().jointPositions(), sharp.world().jointPositions());
+  EXPECT_EQ(blurred.body().jointPositions(), sharp.body().jointPositions());
   EXPECT_EQ(blurred.cameraPose(0).matrix(), sharp.cameraPose(0).matrix());
   EXPECT_EQ(blurred.models().pose("target").matrix(), sharp.models().pose("target").matrix());
 

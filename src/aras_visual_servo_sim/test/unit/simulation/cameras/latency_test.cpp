@@ -45,7 +45,7 @@ Taken next(Simulation& simulation, const std::string& camera = "camera") {
   const int index = simulation.cameras().index(camera);
   taken.image = simulation.render(index).data;
   const ExposedFrame* late = simulation.cameras()[index].takenFrame();
-  taken.q = late ? late->q : simulation.world().jointPositions();
+  taken.q = late ? late->q : simulation.body().jointPositions();
   taken.X_WC = late ? late->present.X_WC.matrix() : simulation.cameraPose(index).matrix();
   for (const auto& [name, X_WM] : simulation.frameState(index).models) {
     if (name == "target") taken.X_WT = X_WM.matrix();

@@ -27,7 +27,7 @@ std::string carried(const std::string& more = "") {
 Pose onTheHead() { return {{0.3, 0.1, -0.2}, quaternionFromRpy({0.1, 0.2, 0.3})}; }
 
 void expectCarried(const Simulation& simulation, const Pose& X_LM, const std::string& link = "head") {
-  const Pose expected = simulation.world().linkPose(link) * X_LM;
+  const Pose expected = simulation.body().linkPose(link) * X_LM;
   const Pose& found = simulation.models().pose("target");
   EXPECT_NEAR((found.p - expected.p).norm(), 0.0, kRounding);
   EXPECT_NEAR((found.q.coeffs() - expected.q.coeffs()).norm(), 0.0, kRounding);
@@ -82,7 +82,7 @@ TEST(CarriedModels, PlacedAnewStayThereOnTheLinkUntilAReset) {
   Simulation simulation = fixture::panLift(carried());
   const Pose X_WM{{0.5, 0.1, 0.2}, quaternionFromRpy({0.0, 0.3, 0.0})};
   simulation.setModelPose("target", X_WM);
-  const Pose X_LM = simulation.world().linkPose("head").inverse() * X_WM;
+  const Pose X_LM = simulation.body().linkPose("head").inverse() * X_WM;
   expectCarried(simulation, X_LM);
   simulation.setJointPositions({{"pan", 0.7}});
   expectCarried(simulation, X_LM);
@@ -112,7 +112,7 @@ TEST(CarriedModels, CanBeSpawnedWhereTheyAreInTheWorld) {
   simulation.deleteModel("target");
   simulation.spawnModel(YAML::Load("{name: target, attached_to: head, " + std::string(kOutline) + "}"), X_WM);
   EXPECT_NEAR((simulation.models().pose("target").p - X_WM.p).norm(), 0.0, kRounding);
-  const Pose X_LM = simulation.world().linkPose("head").inverse() * X_WM;
+  const Pose X_LM = simulation.body().linkPose("head").inverse() * X_WM;
   simulation.setJointPositions({{"pan", -0.4}, {"lift", 0.1}});
   expectCarried(simulation, X_LM);
 }

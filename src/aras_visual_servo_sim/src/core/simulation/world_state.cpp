@@ -1,10 +1,10 @@
-// Saving and restoring a Simulation, one magic word first.
+// Saving and restoring a World, one magic word first.
 #include <deque>
 #include <string>
 #include <utility>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
-#include "aras_visual_servo_sim/simulation/simulation.hpp"
+#include "aras_visual_servo_sim/simulation/world.hpp"
 #include "simulation/state/state_record.hpp"
 
 namespace aras_visual_servo_sim {
@@ -54,15 +54,24 @@ std::deque<Commands::Held> getCommands(StateReader& in) {
   return held;
 }
 
+void checkTick(std::int64_t tick, std::int64_t period_ns) {
+  if (tick >= 0 && tick <= kLatestNs / period_ns) return;
+  throw StateError("saved state: found period " + std::to_string(tick) + ", allowed 0 to " +
+                   std::to_string(kLatestNs / period_ns));
+}
+
 }  // namespace
 
-std::string Simulation::saveState() const {
+std::string World::saveState() const {
   StateWriter out;
   out.put(kMagic);
-  out.putText(world_->saveState());
+  if (robots_.size() != 1) out.put(ticks());
+  for (const auto& robot : robots_) out.putText(robot->body().saveState());
   out.put(run_hash_.state());
-  out.put(commands_.refused());
-  out.putText(commands_.lastRefusal());
+  for (const auto& robot : robots_) {
+    out.put(robot->commands().refused());
+    out.putText(robot->commands().lastRefusal());
+  }
   out.put<std::uint64_t>(cameras_.size());
   for (const Camera& camera : cameras_) {
     const FramePlan::State& plan = camera.plan();
@@ -82,44 +91,60 @@ std::string Simulation::saveState() const {
   for (const Camera& camera : cameras_) {
     if (camera.sensor() && camera.sensor()->setsItself()) out.putSensor(camera.sensor()->state());
   }
-  if (commands_.delays()) putCommands(commands_.held(), out);
+  for (const auto& robot : robots_) {
+    if (robot->commands().delays()) putCommands(robot->commands().held(), out);
+  }
   return out.take();
 }
 
-/** Restores the world's state, with the contacts of this set of models, if the cameras can be in theirs at its time.
- *  @throws StateError; nothing changes then */
-void Simulation::restoreWorld(const std::string& state, const ModelSet& models,
-                              const std::vector<Camera::State>& cameras) {
+/** Restores the states of the robots, with the contacts of this set of models, if the cameras can be in theirs at their
+ *  time. @throws StateError; nothing changes then */
+void World::restoreRobots(const std::vector<std::string>& states, const ModelSet& models,
+                          const std::vector<Camera::State>& cameras) {
   const ModelSet& now = models_.set();
   const bool changed = !models.spawned.empty() || !now.spawned.empty() || models.starts.size() != now.starts.size();
-  const std::string before = world_->saveState();
-  if (changed) contacts_.change(models, *world_);
+  const auto changeContacts = [&](const ModelSet& set) {
+    if (changed && keeper_) keeper_->contacts_.change(set, *keeper_->body_);
+  };
+  const auto restore = [&](const std::vector<std::string>& all) {
+    for (std::size_t k = 0; k < robots_.size(); ++k) robots_[k]->body_->restoreState(all[k]);
+  };
+  std::vector<std::string> before;
+  for (const auto& robot : robots_) before.push_back(robot->body().saveState());
+  changeContacts(models);
   try {
-    world_->restoreState(state);
+    restore(states);
     checkTime(cameras);
   } catch (const ArasError&) {
-    if (changed) contacts_.change(now, *world_);
-    world_->restoreState(before);
+    changeContacts(now);
+    restore(before);
     throw;
   }
 }
 
 /** @throws StateError  the time of the world is none, or cameras cannot be in these states then */
-void Simulation::checkTime(const std::vector<Camera::State>& cameras) const {
-  if (ticks() < 0 || ticks() > kLatestNs / periodNs())
-    throw StateError("saved state: found period " + std::to_string(ticks()) + ", allowed 0 to " +
-                     std::to_string(kLatestNs / periodNs()));
+void World::checkTime(const std::vector<Camera::State>& cameras) const {
+  checkTick(ticks(), periodNs());
+  for (const auto& robot : robots_) {
+    if (robot->body().ticks() != ticks()) throw StateError("saved state: found robots at different times");
+  }
   for (std::size_t k = 0; k < cameras.size(); ++k) cameras_[static_cast<int>(k)].check(cameras[k], ticks());
 }
 
-void Simulation::restoreState(const std::string& state) {
+void World::restoreState(const std::string& state) {
   StateReader in(state);
   if (in.get<std::uint64_t>() != kMagic)
     throw StateError("saved state: found one of another version, allowed one of this");
-  const std::string world = in.getText();
+  const std::int64_t tick = robots_.size() == 1 ? 0 : in.get<std::int64_t>();
+  checkTick(tick, periodNs());
+  std::vector<std::string> robots(robots_.size());
+  for (std::string& robot : robots) robot = in.getText();
   const auto hash = in.get<std::uint64_t>();
-  const auto refused = in.get<std::uint64_t>();
-  const std::string refusal = in.getText();
+  std::vector<std::pair<std::uint64_t, std::string>> refusals(robots_.size());
+  for (auto& [refused, last] : refusals) {
+    refused = in.get<std::uint64_t>();
+    last = in.getText();
+  }
   if (const auto count = in.get<std::uint64_t>(); count != cameras_.size()) {
     throw StateError("saved state: found " + std::to_string(count) + " cameras, allowed " +
                      std::to_string(cameras_.size()) + " as in this simulation");
@@ -132,31 +157,38 @@ void Simulation::restoreState(const std::string& state) {
   }
   const auto compose = [this](const std::vector<SavedModel>& saved) { return models_.composed(saved); };
   ModelSet models = in.getSet(compose);
-  models.checkCarriers(model_);
+  models.checkCarriers(linkNames());
   std::map<std::string, MotionRun> motions = in.getMotions(models);
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     if (!cameras_[static_cast<int>(k)].blurs()) continue;
     for (auto left = in.get<std::uint64_t>(); left > 0; --left) cameras[k].past.push_back(in.getMoment(models.scene));
   }
   for (std::size_t k = 0; k < cameras.size(); ++k) {
-    if (cameras_[static_cast<int>(k)].late())
-      in.getFrames(static_cast<int>(world_->jointNames().size()), models.scene, compose, cameras[k]);
+    const int camera = static_cast<int>(k);
+    if (!cameras_[camera].late()) continue;
+    in.getFrames(static_cast<int>(bodyOf(camera).jointNames().size()), models.scene, compose, cameras[k]);
   }
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     const Sensor* sensor = cameras_[static_cast<int>(k)].sensor();
     if (sensor && sensor->setsItself()) cameras[k].sensor = in.getSensor();
   }
-  std::deque<Commands::Held> held;
-  if (commands_.delays()) held = getCommands(in);
+  std::vector<std::deque<Commands::Held>> held(robots_.size());
+  for (std::size_t k = 0; k < robots_.size(); ++k) {
+    if (robots_[k]->commands().delays()) held[k] = getCommands(in);
+  }
   if (!in.atEnd()) throw StateError("saved state: found bytes after its end, allowed a state of this simulation");
 
-  restoreWorld(world, models, cameras);  // throws before anything else changed
+  restoreRobots(robots, models, cameras);  // throws before anything else changed
+  ticks_ = tick;
   run_hash_.setState(hash);
-  commands_.restore(refused, refusal);
-  commands_.restoreHeld(std::move(held));
+  for (std::size_t k = 0; k < robots_.size(); ++k) {
+    robots_[k]->commands_.restore(refusals[k].first, refusals[k].second);
+    robots_[k]->commands_.restoreHeld(std::move(held[k]));
+  }
   for (std::size_t k = 0; k < cameras.size(); ++k) cameras_[static_cast<int>(k)].restore(std::move(cameras[k]));
   models_.become(std::move(models), std::move(motions));
-  models_.carry(*world_);
+  models_.carry(link_poses_);
+  rays_ = {};
 }
 
 }  // namespace aras_visual_servo_sim
