@@ -119,14 +119,14 @@ def test_the_empty_world_has_the_ground_and_the_sun():
     assert file.settings == World().settings and not file.models and not file.warnings
     world = World(file.settings)
     world.take_lights(file.lights)
-    assert {**World().lights.entry("sun"), "intensity": 1.0} == world.lights.entry("sun")
+    assert {**World().lights["sun"], "intensity": 1.0} == world.lights["sun"]
 
 
 def test_the_ground_and_the_sun_of_a_database_are_known_without_it():
     place = "https://fuel.gazebosim.org/1.0/OpenRobotics/models/"
     world, warnings = filled("<include><uri>%sSun</uri></include><include><uri>%sGround Plane</uri></include>"
                              "<include><uri>%sCoke</uri></include>" % (place, place, place))
-    assert world.settings.ground and world.lights.names() == ["sun"] and "Coke" in warnings
+    assert world.settings.ground and list(world.lights) == ["sun"] and "Coke" in warnings
 
 
 def test_what_is_used_is_not_said_to_be_ignored():
@@ -140,7 +140,7 @@ def test_physics_gravity_and_light_are_the_worlds():
         <scene><ambient>1 1 1 1</ambient><background>0 0 1 1</background><shadows>0</shadows></scene>
         <light name='lamp' type='point'><pose>0 0 3 0 0 0</pose></light>""" + BOX + CAMERA)
     assert world.settings.period_s == 0.002 and not world.settings.ground and not world.settings.shadows
-    assert world.lights.names() == ["lamp"]
+    assert list(world.lights) == ["lamp"]
     world.step(500)
     fallen_m = 1.0 - world.models["box"].pose()[2, 3]
     assert fallen_m == pytest.approx(0.5 * 1.6 * 1.0 ** 2, rel=2.5e-3)  # first order in the step of 2 ms

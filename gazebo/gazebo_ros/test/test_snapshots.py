@@ -88,7 +88,7 @@ def test_models_that_have_come_and_gone_are_as_they_were():
     world.spawn("other", TABLE)
     world.delete_light("sun")
     restore(world, state)
-    assert list(world.models) == ["table", "box"] and world.lights.names() == ["sun"]
+    assert list(world.models) == ["table", "box"] and list(world.lights) == ["sun"]
     world.step(1500)
     assert saved(world) == there
 

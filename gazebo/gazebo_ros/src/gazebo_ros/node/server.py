@@ -13,7 +13,9 @@ from .cameras import Cameras
 from .controller_manager import ControllerManager
 from .convert import stamp
 from .devices import outlet_of
-from .services.gazebo_services import GazeboServices
+from .services.part_services import PartServices
+from .services.state_services import StateServices
+from .services.world_services import WorldServices
 from .notes import summed_up
 from .state_topics import StateTopics
 from .work import Work
@@ -45,7 +47,9 @@ class Server:
         self._asked_s = None  #: wall time at which an image was sent that is not answered yet
         self._clock = rospy.Publisher("/clock", Clock, queue_size=10)
         self._slice_ns = round(1e9 / clock_rate_hz)
-        self._states = StateTopics(self, GazeboServices(self))
+        PartServices(self)
+        StateServices(self)
+        self._states = StateTopics(self, WorldServices(self))
         self._pushes = PushesOutlet(self.world)
         self._restart_pace()
 

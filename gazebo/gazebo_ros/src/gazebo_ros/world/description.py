@@ -143,25 +143,6 @@ def is_static(robot):
     return static
 
 
-@dataclasses.dataclass(frozen=True)
-class Mass:
-    """Mass, centre of mass, and ixx ixy ixz iyy iyz izz about it, in the axes of the <inertial>."""
-    mass_kg: float = 0.0
-    com_m: tuple = (0.0, 0.0, 0.0)
-    inertia_kg_m2: tuple = (0.0,) * 6
-
-
-def mass_of(link):
-    """Mass of the element of a link."""
-    inertial = link.find("inertial")
-    if inertial is None:
-        return Mass()
-    origin, inertia = inertial.find("origin"), inertial.find("inertia")
-    com = (0.0, 0.0, 0.0) if origin is None else tuple(map(float, origin.get("xyz", "0 0 0").split()))
-    return Mass(float(inertial.find("mass").get("value")), com,
-                tuple(float(inertia.get(key, 0.0)) for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")))
-
-
 def ends_of(robot, end):
     """dict of joint -> link at one of its ends, "parent" or "child"."""
     return {joint.get("name"): joint.find(end).get("link") for joint in robot.findall("joint")

@@ -5,10 +5,11 @@ import numpy
 
 from aras_visual_servo_sim import ArasError, Simulation
 
-from .description import mass_of, read_description
+from .description import read_description
 from .devices import DiffDrive
 from .errors import BadValueError, SpawnError, UnknownEntityError
 from .poses import IDENTITY, rotated, rpy_of
+from ..urdf.properties import named, properties_of
 from ..urdf.self_contacts import overlapping, self_pairs
 from ..sdf.model import JOINT_FRAME
 from .settings import GROUND_FRICTION
@@ -64,7 +65,7 @@ class Model:
 
     def _lift(self):
         """Lets what holds the links up that gravity does not act on act from now on."""
-        self._lifts = {link: (*(-self.mass_of(link).mass_kg * self._gravity), 0.0, 0.0, 0.0)
+        self._lifts = {link: (*(-self.properties_of(link).mass_kg * self._gravity), 0.0, 0.0, 0.0)
                        for link in self.links if link in self.description.lifted}
         if self._lifts:
             self.push({}, {})
@@ -168,10 +169,6 @@ class Model:
         """(3,), as it acts on the model."""
         return self._gravity
 
-    def gravity_acts_on(self, link):
-        """Whether it would fall, were there any gravity."""
-        return not self.description.weightless and link not in self.description.lifted
-
     @property
     def root(self):
         """Name of the link whose pose is the model's."""
@@ -214,18 +211,14 @@ class Model:
 
     # --- what stands in the description
 
-    def element_of(self, link):
-        """The <link> of a name. Raises: UnknownEntityError."""
-        self.link_pose(link)
-        return next(each for each in self._tree.findall("link") if each.get("name") == link)
-
-    def mass_of(self, link):
-        """Mass of a link. Raises: UnknownEntityError."""
-        return mass_of(self.element_of(link))
+    def properties_of(self, link):
+        """LinkProperties of a link."""
+        gravity = not self.description.weightless and link not in self.description.lifted
+        return properties_of(named(self._tree, "link", link), gravity)
 
     def centre_of_mass(self, link):
         """(3,), in the world."""
-        return (self.link_pose(link) @ (*self.mass_of(link).com_m, 1.0))[:3]
+        return (self.link_pose(link) @ (*self.properties_of(link).com_m, 1.0))[:3]
 
     def radius_of(self, link):
         """Of the cylinder or sphere that the link collides with; None: it is no such thing."""

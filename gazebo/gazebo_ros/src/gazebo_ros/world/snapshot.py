@@ -11,7 +11,7 @@ from .errors import BadValueError
 from .model import Model
 from .settings import WorldSettings, world_of
 
-FORMAT = "state of a world, 3"
+FORMAT = "state of a world, 4"
 
 
 def listed(spawned):
@@ -24,8 +24,7 @@ def saved(world):
     """bytes; the same of two worlds to which the same was done."""
     return json.dumps({
         "format": FORMAT, "epoch_ns": world.epoch_ns, "state": base64.b64encode(world.core.save_state()).decode(),
-        "settings": vars(world.settings), "lights": world.lights.entries(),
-        "pushes": world.pushes.entries(),
+        "settings": vars(world.settings), "pushes": world.pushes.entries(),
         "models": [{"spawned": listed(model.spawned), "loaded": model.loaded} for model in world.models.values()]
     }).encode()
 
@@ -70,4 +69,4 @@ def restore(world, state):
             vars(world.models[name]).update(vars(models[name]))  # who knows the model goes on knowing it
             models[name] = world.models[name]
         models[name].loaded = entry["loaded"]
-    world.take(core, record["epoch_ns"], settings, models, record["lights"], record["pushes"])
+    world.take(core, record["epoch_ns"], settings, models, record["pushes"])

@@ -4,9 +4,10 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 
+from aras_visual_servo_sim import ArasError
+
 from .description import located
 from .errors import BadValueError, SpawnError, UnknownEntityError
-from .lights import Lights
 from .model import Model
 from .poses import IDENTITY
 from .pushes import Pushes
@@ -15,7 +16,7 @@ from ..sdf.materials import resolve_scripts
 from ..sdf.model import model_of
 from ..sdf.world import GROUND, height_of
 from ..urdf.properties import with_joint, with_link
-from .settings import GROUND_FRICTION, GROUND_PLANE, WorldSettings, world_of
+from .settings import GROUND_FRICTION, GROUND_PLANE, WorldSettings, light_of, world_of
 
 #: Names of a frame that is none of a model.
 WORLD_FRAMES = ("", "world", "map")
@@ -28,7 +29,6 @@ class World:
         settings: WorldSettings.
         core: aras_visual_servo_sim.World, whose robots are the models.
         models: dict of name -> Model, in the order in which they were spawned.
-        lights: Lights.
         pushes: Pushes, wrenches and efforts from outside.
     """
 
@@ -39,8 +39,6 @@ class World:
         """
         self.settings = settings or WorldSettings()
         self.core, self.models = world_of(self.settings), {}
-        self.lights = Lights(shadows=self.settings.shadows)
-        self.lights.apply(self.core)
         self.pushes = Pushes(self.models)
         self._folders = folders
         self.epoch_ns = 0  #: time of tick 0: when the period became what it is, int [ns]
@@ -100,7 +98,7 @@ class World:
         self._renew(model, with_link(model.spawned[1], link, properties))
 
     def change_joint(self, name, joint, properties):
-        """Gives a joint other limits. Args: properties: JointProperties. Raises: as Model.renew."""
+        """Gives a joint other damping, friction or limits. Args: properties: dict of them. Raises: as Model.renew."""
         model = self.model(name)
         self._renew(model, with_joint(model.spawned[1], joint, properties))
 
@@ -111,8 +109,8 @@ class World:
     def _change_period(self, period_s):
         self.epoch_ns = self.time_ns
         self.settings = dataclasses.replace(self.settings, period_s=period_s)
-        self.core = world_of(self.settings)
-        self.lights.apply(self.core)
+        lights, self.core = self.lights, world_of(self.settings)
+        self._restore_lights(lights)
         for model in self.models.values():
             model.begin_anew(self.core, self.settings.gravity_m_s2)
         self.pushes.act(self.time_ns)
@@ -246,28 +244,65 @@ class World:
 
     # --- lights
 
+    @property
+    def lights(self):
+        """Entries of sim.scene.lighting.lights by name, besides the lights that links carry."""
+        return {name: entry for name, entry in self.core.lights.items() if "attached_to" not in entry}
+
+    def light(self, name):
+        """A copy of the entry of a light, to be changed and given to set_light(). Raises: UnknownEntityError."""
+        try:
+            return self.lights[name]
+        except KeyError:
+            raise UnknownEntityError("Requested light %s not found!" % name) from None
+
     def spawn_light(self, name, xml, pose=IDENTITY, frame=""):
         """Adds a light.
 
         Args:
             xml: a <light> of SDF.  pose: (4, 4), in the frame.  frame: as in spawn(); the light does not follow it.
         Raises:
-            SpawnError, UnknownEntityError, BadValueError.
+            SpawnError: the name is taken, what is wrong with the text.  UnknownEntityError, BadValueError.
         """
-        self.set_light(self.lights.spawned(name, xml, self.frame(frame)[0] @ pose))
+        if name in self.lights:
+            raise SpawnError("SpawnModel: Failure - entity already exists.")
+        self.set_light(light_of(name, xml, self.frame(frame)[0] @ pose))
 
     def take_lights(self, lights):
-        """These in place of those there are; text of <light> by name. Returns a line for each that is left out."""
-        return self.lights.take(lights, self.core)
+        """Puts these in the place of those there are; the first ones, if there are too many.
+
+        Args: lights: text of <light> by name.
+        Returns: a line for each that is left out.
+        """
+        for name in self.lights:
+            self.core.delete_light(name)
+        warnings = []
+        for name, xml in lights.items():
+            try:
+                self.spawn_light(name, xml)
+            except (BadValueError, SpawnError) as error:
+                warnings.append("light '%s': %s: ignored" % (name, error))
+        return warnings
 
     def set_light(self, entry):
-        """Adds a light, or changes the one of its name; a dict as sim.scene.lighting.lights[]. Raises: BadValueError.
-        """
-        self.lights.set(entry, self.core)
+        """Adds a light, or changes the one of its name. Raises: BadValueError; nothing changes then."""
+        try:
+            self.core.set_light(entry if self.settings.shadows else {**entry, "casts_shadows": False})
+        except ArasError as error:
+            raise BadValueError(str(error)) from error
 
     def delete_light(self, name):
         """Raises: UnknownEntityError."""
-        self.lights.delete(name, self.core)
+        self.light(name)
+        self.core.delete_light(name)
+
+    def _restore_lights(self, lights):
+        """Gives a world of the simulator that is at its start the lights that there were before."""
+        for name in set(self.lights) - set(lights):
+            self.core.delete_light(name)
+        for name, entry in lights.items():
+            if self.lights.get(name) != entry:
+                self.set_light(entry)
 
     # --- rays
 
@@ -286,12 +321,11 @@ class World:
 
     # --- the whole state
 
-    def take(self, core, epoch_ns, settings, models, lights, pushes):
+    def take(self, core, epoch_ns, settings, models, pushes):
         """Makes this the world of another time; for snapshots."""
         self.core, self.epoch_ns, self.settings = core, epoch_ns, settings
         self.models.clear()
         self.models.update(models)
-        self.lights.become(lights)
         self.pushes.become(pushes, self.time_ns)
 
     # --- starting again
@@ -304,14 +338,14 @@ class World:
 
     def reset_simulation(self):
         """Time back to 0, models back to where they were spawned. Controllers that run begin anew."""
-        self.epoch_ns = 0
+        self.epoch_ns, lights = 0, self.lights
         self.pushes.forget()
         self.core.reset()
         if GROUND_PLANE["name"] in self.core.model_names and not self.settings.ground:
             self.core.delete_model(GROUND_PLANE["name"])
         elif GROUND_PLANE["name"] not in self.core.model_names and self.settings.ground:
             self.core.spawn_model(GROUND_PLANE)
-        self.lights.apply(self.core)
+        self._restore_lights(lights)
         self._lift()
 
     def _lift(self):
