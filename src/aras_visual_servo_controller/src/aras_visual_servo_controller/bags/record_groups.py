@@ -47,7 +47,7 @@ def parse_groups(value: str) -> Tuple[str, ...]:
     Raises:
         ParameterError: a name is unknown (the known ones are listed), or names with and without a minus are mixed.
     """
-    names = [str(name).strip() for name in (value.split(",") if isinstance(value, str) else value)]
+    names = [str(name).strip() for name in (value if isinstance(value, (list, tuple)) else str(value).split(","))]
     names = [name for name in names if name]
     known = ", ".join((*GROUPS, *ON_DEMAND))
     faults = [f"record_groups: found '{name}', allowed all | {known}, or -NAME to leave one out"

@@ -28,7 +28,7 @@ from aras_visual_servo_msgs.msg import (SimStatus, VisualServoActionFeedback, Vi
 from aras_visual_servo_msgs.srv import Step
 from ..bags.bag import read_bag
 from ..bags.record_groups import COMPRESSIONS, is_chosen, lacking, parse_groups
-from .calls.goal_sender import GoalSender
+from .calls import GoalSender
 from .graph import Graph
 from .parameters import Parameters
 from .recording import Recording
@@ -61,18 +61,11 @@ class ExperimentNode:
         self._split_mb = parameters.value("~record_split_mb", 0, minimum=0)
         self._compression = parameters.choice("~record_compression", "lz4", COMPRESSIONS)
         self._video = parameters.value("~video", False)
-        self._groups = ()
-        try:
-            self._groups = parse_groups(rospy.get_param("~record_groups", "all"))
-        except (ParameterError, TypeError) as error:
-            parameters.add(error)
+        self._groups = parameters.build(parse_groups, rospy.get_param("~record_groups", "all"))
         self._startup_timeout_s = parameters.value("~startup_timeout_s", 60.0, minimum=1.0)
         self._stall_timeout_s = parameters.value("~stall_timeout_s", 60.0, minimum=1.0)
         parameters.known(PRIVATE_PARAMETERS)
-        try:
-            self._scenario = scenario_from_dict(rospy.get_param("scenario", {}), source="scenario")
-        except ParameterError as error:
-            parameters.add(error)
+        self._scenario = parameters.build(scenario_from_dict, rospy.get_param("scenario", {}), "scenario")
         parameters.check()
         self._graph = Graph(rospy.get_name(), os.environ["ROS_MASTER_URI"])
         self._recording = None

@@ -24,27 +24,23 @@ class Parameters:
     def __init__(self) -> None:
         self.faults = []
 
-    def section(self, name: str) -> Dict[str, Any]:
+    def section(self, name: str, required: bool = True) -> Dict[str, Any]:
         """A section of the scenario: private parameter `~name`, else `scenario/name` in the node's namespace.
 
         Returns:
-            dict; {} if it is missing or no mapping, which is a fault.
+            dict; {} if it is no mapping, or if it is missing and required, which are faults.
         """
-        for key in ("~" + name, "scenario/" + name):
-            if rospy.has_param(key):
-                value = rospy.get_param(key)
-                if isinstance(value, dict):
-                    return value
-                self.faults.append(f"{rospy.resolve_name(key)}: found {value!r}, allowed a mapping of keys")
-                return {}
-        self.faults.append(f"{name}: missing, allowed {rospy.resolve_name('~' + name)} or "
-                           f"{rospy.resolve_name('scenario/' + name)}")
+        keys = ("~" + name, "scenario/" + name)
+        found = next((key for key in keys if rospy.has_param(key)), None)
+        if found is None:
+            if required:
+                self.faults.append(f"{name}: missing, allowed {' or '.join(map(rospy.resolve_name, keys))}")
+            return {}
+        value = rospy.get_param(found)
+        if isinstance(value, dict):
+            return value
+        self.faults.append(f"{name}: found {value!r} at {rospy.resolve_name(found)}, allowed a mapping of keys")
         return {}
-
-    def optional_section(self, name: str) -> Dict[str, Any]:
-        """As `section`, {} without a fault if it is missing."""
-        found = rospy.has_param("~" + name) or rospy.has_param("scenario/" + name)
-        return self.section(name) if found else {}
 
     def searched(self, name: str) -> Any:
         """Text of a parameter in this node's namespace or one above; "" if it is missing, which is a fault."""
@@ -77,16 +73,12 @@ class Parameters:
             return default
         return value
 
-    def add(self, error: Exception) -> None:
-        """Add the faults of an error that a core class raised."""
-        self.faults.extend(getattr(error, "faults", None) or [str(error)])
-
     def build(self, factory: Callable[..., Any], *arguments: Any) -> Any:
         """The result of factory(*arguments), or None if it raises an ArasError, whose faults are then added."""
         try:
             return factory(*arguments)
         except ArasError as error:
-            self.add(error)
+            self.faults.extend(getattr(error, "faults", None) or [str(error)])
             return None
 
     def known(self, names: Sequence[str], prefix: str = "~") -> None:

@@ -20,7 +20,7 @@ from visualization_msgs.msg import InteractiveMarker, InteractiveMarkerControl, 
 from aras_visual_servo import ParameterError
 from aras_visual_servo_msgs.msg import ServoState, VisualServoActionGoal
 from . import conversions as convert
-from .calls.services import SERVICE_TIMEOUT_S, call_service
+from .calls import SERVICE_TIMEOUT_S, call_service
 from .error_plot import ErrorPlot
 from .parameters import ControllerSetup
 

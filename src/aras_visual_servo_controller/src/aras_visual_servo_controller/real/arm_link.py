@@ -17,8 +17,7 @@ from typing import Any, Callable, List, NamedTuple, Optional
 import numpy as np
 
 from aras_visual_servo import Command, DegenerateFeature, RealSettings, SetPoint
-from .joint_history import JointHistory
-from .latency import Latency
+from .joint_history import JointHistory, Latency
 from .motion_guard import MotionGuard
 from .watchdog import Unfit, Watchdog
 
@@ -125,11 +124,6 @@ class ArmLink:
     def deadman(self, held: bool, now_ns: int) -> None:
         """A message of the dead-man's switch."""
         self._watchdog.deadman(held, now_ns)
-
-    @property
-    def deadman_held(self) -> bool:
-        """Whether the dead-man's switch was held when it was heard last."""
-        return self._watchdog.held
 
     def unfit(self, now_ns: int) -> Optional[Unfit]:
         """`Unfit` if the arm must rest now, else None."""

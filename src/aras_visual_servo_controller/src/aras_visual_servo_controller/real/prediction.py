@@ -32,7 +32,7 @@ def predicted(features: Any, plane_C: np.ndarray, X_C0C1: np.ndarray) -> Feature
     """
     found = Features.from_object(features)
     if len(found.kernel_x) or len(found.kernel_y):
-        raise ParameterError("real/predict: found kernel projections, allowed features of moments and points")
+        raise ParameterError("real.predict: found kernel projections, allowed features of moments and points")
     H = X_C0C1[:3, :3].T @ (np.eye(3) - np.outer(X_C0C1[:3, 3], plane_C))
     if len(found.point_x):
         x, y = np.array([_moved(H, x, y)[:2] for x, y in zip(found.point_x, found.point_y)]).T
