@@ -2,8 +2,8 @@
 import numpy
 import pytest
 
-from gazebo_ros.node.devices.laser import scan
 from gazebo_ros.node.devices.outlet import Noise
+from gazebo_ros.node.devices.sensors import scan
 from gazebo_ros.world import snapshot
 from gazebo_ros.world.description import read_description
 from gazebo_ros.world.errors import SpawnError

@@ -8,7 +8,6 @@ from ..world import snapshot
 from ..world.errors import GazeboError
 from ..sdf.world import GROUND
 from ..world.world import World
-from .beat import NEVER_NS
 from .cameras import Cameras
 from .controller_manager import ControllerManager
 from .convert import stamp
@@ -17,6 +16,7 @@ from .services.part_services import PartServices
 from .services.state_services import StateServices
 from .services.world_services import WorldServices
 from .notes import summed_up
+from .outlet import NEVER_NS, Outlet
 from .state_topics import StateTopics
 from .work import Work
 
@@ -50,7 +50,7 @@ class Server:
         PartServices(self)
         StateServices(self)
         self._states = StateTopics(self, WorldServices(self))
-        self._pushes = PushesOutlet(self.world)
+        self._pushes = PushesOutlet(self.world, None, self.work)
         self._restart_pace()
 
     # --- what the services ask for, in the world's thread
@@ -126,7 +126,7 @@ class Server:
         self.world.set_physics(period_s, gravity_m_s2)
         self.update_rate_hz = update_rate_hz
         if self.world.epoch_ns != before:
-            self._tell_time(self.world.time_ns)
+            self._tell_time()
         self._restart_pace()
 
     def restore(self, state):
@@ -143,25 +143,20 @@ class Server:
             for interface in self._interfaces[name]:
                 if isinstance(interface, ControllerManager):
                     interface.find_loaded()
-        self._states.time_reset(self.world.time_ns)
-        self._tell_time(self.world.time_ns)
+        self._tell_time()
         self._restart_pace()
 
-    def _tell_time(self, now_ns):
+    def _tell_time(self):
         """Lets all that publishes at a rate begin anew."""
-        for interfaces in self._interfaces.values():
-            for interface in interfaces:
-                if hasattr(interface, "time_reset"):
-                    interface.time_reset(now_ns)
+        for outlet in self._outlets():
+            outlet.time_reset(self.world.time_ns)
 
     def reset(self, time_too):
         if time_too:
             self.world.reset_simulation()
-            self._states.time_reset(0)
+            self._tell_time()
         else:
             self.world.reset_world()
-        if time_too:
-            self._tell_time(0)
         self._restart_pace()
 
     def model_names(self):
@@ -233,16 +228,13 @@ class Server:
                    for each in self._interfaces.get(self._lockstep, ()))
 
 
-class PushesOutlet:
+class PushesOutlet(Outlet):
     """Lets forces from outside begin and end when they are due."""
-
-    def __init__(self, world):
-        self._world = world
 
     @property
     def next_ns(self):
-        return self._world.pushes.next_ns
+        return self.world.pushes.next_ns
 
     def publish(self, now_ns):
         if self.next_ns <= now_ns:
-            self._world.pushes.act(now_ns)
+            self.world.pushes.act(now_ns)

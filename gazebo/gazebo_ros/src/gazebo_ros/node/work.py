@@ -18,14 +18,14 @@ class Work:
         self._queue = queue.Queue()
         self._closed = threading.Event()
 
-    def post(self, action):
-        """Lets action() be called soon; whatever it returns is lost."""
-        self._queue.put((action, None))
+    def post(self, action, name=""):
+        """Lets action() be called soon; what it returns is lost, and what it raises is logged under this name."""
+        self._queue.put((action, None, name))
 
     def call(self, action):
         """Calls action() in the world's thread and waits. Returns what it returns, raises what it raises."""
         answer = queue.Queue(1)
-        self._queue.put((action, answer))
+        self._queue.put((action, answer, ""))
         for _ in range(int(10 * LIMIT_S)):
             try:
                 value, error = answer.get(timeout=0.1)
@@ -49,7 +49,7 @@ class Work:
             pass
 
     @staticmethod
-    def _do(action, answer):
+    def _do(action, answer, name):
         value, error = None, None
         try:
             value = action()
@@ -58,7 +58,7 @@ class Work:
         if answer is not None:
             answer.put((value, error))
         elif error is not None:
-            rospy.logerr("%s: %s" % (type(error).__name__, error))
+            rospy.logerr("%s: %s" % (name or type(error).__name__, error))
 
     def close(self):
         self._closed.set()

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy
 
-NEVER_NS = 2 ** 62
+NEVER_NS = 2 ** 62  #: a time that never comes
 
 
 @dataclasses.dataclass(frozen=True)
