@@ -25,8 +25,7 @@ def cloud_message(header, points):
 class Cameras(Outlet):
     """Sends each image when it is due, while somebody listens.
 
-    Attributes:
-        sent_ns: time of the last image that somebody listened to, int [ns]; -1: there was none.
+    Attributes: sent_ns: time of the last image that somebody listened to, int [ns]; -1: there was none.
     """
 
     def open(self):

@@ -30,16 +30,10 @@ UPDATE_RATE_HZ = 1000.0
 
 
 class Server:
-    """
-    Attributes:
-        world: World.  work: Work, calls for the world's thread.  paused, update_rate_hz: as set.
-    """
+    """Attributes: world: World.  work: Work, calls for the world's thread.  paused, update_rate_hz: as set."""
 
     def __init__(self, settings, folders, paused=False, clock_rate_hz=CLOCK_RATE_HZ):
-        """
-        Args:
-            settings: WorldSettings.  folders: Folders.
-        """
+        """Args: settings: WorldSettings.  folders: Folders."""
         self.world, self.work, self.paused = World(settings, folders), Work(), paused
         self.update_rate_hz = UPDATE_RATE_HZ
         self._interfaces = {}
@@ -67,11 +61,7 @@ class Server:
             self._welcome(model)
 
     def fill(self, file):
-        """Puts what a .world file has into the world; what cannot be is warned about.
-
-        Args:
-            file: WorldFile.
-        """
+        """Puts what a .world file has into the world; what cannot be is warned about. Args: file: WorldFile."""
         self.update_rate_hz = file.update_rate_hz
         warnings = [*file.warnings, *self.world.take_lights(file.lights)]
         for model, X_WM in file.models:

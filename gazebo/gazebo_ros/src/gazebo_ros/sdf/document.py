@@ -17,12 +17,9 @@ SECONDS = re.compile(r"(<(sim_time|real_time|wall_time)>\s*\d+)(\s*</\2>)")
 def expanded(source, is_path, folders):
     """A document in the newest version of SDF, everything that it includes in its place.
 
-    Args:
-        source: a path, or the document.  folders: as World has them.
-    Returns:
-        its root element, a list of lines that say what was left out.
-    Raises:
-        SpawnError: no SDF.
+    Args: source: a path, or the document.  folders: as World has them.
+    Returns: its root element, a list of lines that say what was left out.
+    Raises: SpawnError: no SDF.
     """
     source, is_path = with_nanoseconds(source, is_path)
     try:

@@ -37,12 +37,7 @@ class WorldFile:
 
 
 def read_world(source, is_path, folders):
-    """
-    Args:
-        source: a path, or the document.
-    Raises:
-        SpawnError: no SDF, or no world.
-    """
+    """Args: source: a path, or the document. Raises: SpawnError: no SDF, or no world."""
     root, warnings = expanded(source, is_path, folders)
     world = root.find("world")
     if world is None:

@@ -2,11 +2,8 @@
 
 
 def self_pairs(robot, links):
-    """
-    Args:
-        robot: root element of a URDF.  links: names of those that collide with the model itself.
-    Returns:
-        list of [a, b], links with <collision>s that are not on one body nor on two with one joint between them.
+    """Args: robot: root element of a URDF.  links: names of those that collide with the model itself.
+    Returns: list of [a, b], links with <collision>s that are not on one body nor on two with one joint between them.
     """
     body = {link.get("name"): link.get("name") for link in robot.findall("link")}
 
@@ -32,8 +29,7 @@ def self_pairs(robot, links):
 def overlapping(simulation, pairs):
     """Those of the pairs that are in each other where the model is spawned: its shapes are rougher than its links.
 
-    Args:
-        simulation: in which they touch; is stepped once.
+    Args: simulation: in which they touch; is stepped once.
     """
     simulation.step(1)
     touching = {frozenset((each["a"], each["b"])) for each in simulation.contacts}

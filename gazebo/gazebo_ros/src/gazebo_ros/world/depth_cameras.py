@@ -10,7 +10,7 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 
-from .devices import joined, number, text
+from .devices import flag, joined, number, text
 
 REALSENSE = "librealsense_gazebo_plugin.so"
 KINECT = "libgazebo_ros_openni_kinect.so", "libgazebo_ros_depth_camera.so"
@@ -114,7 +114,7 @@ def read_realsense(robot, plugin, warnings):
         warnings.append("plugin %s: there is no sensor '%s%s'" % (REALSENSE, prefix, DEPTH))
         return cameras
     image = joined(place, text(plugin, "depthTopicName", "depth/image_raw"))
-    points = text(plugin, "pointCloud").lower() in ("true", "1")
+    points = flag(plugin, "pointCloud")
     cameras[prefix + DEPTH] = ("", "", Depth(
         image=image, info=sibling(image, "camera_info"), millimetres=True,
         points=joined(place, text(plugin, "pointCloudTopicName", "points")) if points else "",
@@ -155,7 +155,7 @@ def read_kinects(robot, namespace):
             nearest, farthest = finite(plugin, "pointCloudCutoff", 0.4), finite(plugin, "pointCloudCutoffMax", 5.0)
             if plugin.get("filename", "").endswith(KINECT[1]):  # has no farthest depth
                 farthest = math.inf
-            short = text(plugin, "useDepth16UC1Format").lower() in ("true", "1")
+            short = flag(plugin, "useDepth16UC1Format")
             depth = Depth(image=joined(place, text(plugin, "depthImageTopicName", "depth/image_raw")),
                           info=joined(place, text(plugin, "depthImageCameraInfoTopicName", "depth/camera_info")),
                           points=joined(place, text(plugin, "pointCloudTopicName", "points")), millimetres=short,

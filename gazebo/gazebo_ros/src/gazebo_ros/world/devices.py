@@ -8,6 +8,8 @@ import numpy
 from .errors import SpawnError
 from .poses import IDENTITY, matrix_of_rpy
 
+TRUE = ("true", "1")  #: how a tag says yes, in lower case
+
 _READERS = {}
 
 
@@ -25,8 +27,7 @@ def read_device(robot, plugin, sensor, link, namespace, warnings):
         robot: element of the URDF.  plugin: its element.  sensor: element that it stands in, None for none.
         link: that the element refers to.  namespace: full name, of the device's topics.
         warnings: gets a line when a device is not made.
-    Returns:
-        A device, or None: no plugin of this kind, or one that names joints or links that are not there.
+    Returns: A device, or None: no plugin of this kind, or one that names joints or links that are not there.
     """
     reader = _READERS.get(plugin.get("filename", "").rpartition("/")[2])
     if reader is None:
@@ -155,8 +156,8 @@ def number(element, key, otherwise):
         raise ValueError("<%s>: found %s, allowed is a number" % (key, found)) from None
 
 
-def flag(element, key, otherwise):
-    return text(element, key, str(otherwise)).lower() in ("true", "1")
+def flag(element, key, otherwise=False):
+    return text(element, key, str(otherwise)).lower() in TRUE
 
 
 def named(namespace, topic):

@@ -40,8 +40,7 @@ class Model:
             core: aras_visual_servo_sim.World, which gets the model.
             pose: X_WM, (4, 4).  X_MR: root link in the model's frame, (4, 4).
             warnings: lines of what was ignored before.
-        Raises:
-            SpawnError: everything that is wrong with the URDF.
+        Raises: SpawnError: everything that is wrong with the URDF.
         """
         self.name, self.namespace, self._X_MR = name, namespace, X_MR
         self.spawned = (name, xml, namespace, pose, X_MR, tuple(warnings))  #: how to spawn it again
@@ -78,8 +77,7 @@ class Model:
     def renew(self, core, xml, gravity_m_s2):
         """Gives the model another document of the same links and joints, and gravity; its state stays.
 
-        Raises:
-            SpawnError: what is wrong with the document.  BadValueError: it cannot be in this state.
+        Raises: SpawnError: what is wrong with the document.  BadValueError: it cannot be in this state.
         """
         before = dict(vars(self))
         try:

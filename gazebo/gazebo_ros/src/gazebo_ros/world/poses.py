@@ -9,8 +9,7 @@ IDENTITY = numpy.eye(4)
 def matrix_of(position, quaternion, what):
     """X, (4, 4). A quaternion of zeros is none at all, as Gazebo has it.
 
-    Raises:
-        BadValueError: a number that is not finite.
+    Raises: BadValueError: a number that is not finite.
     """
     position, quaternion = numpy.asarray(position, float), numpy.asarray(quaternion, float)
     if not (numpy.isfinite(position).all() and numpy.isfinite(quaternion).all()):

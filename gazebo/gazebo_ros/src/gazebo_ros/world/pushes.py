@@ -23,10 +23,7 @@ class Pushes:
     """All of a world. Those that act at the same time on one link or joint add up."""
 
     def __init__(self, models):
-        """
-        Args:
-            models: dict of name -> Model, of the world.
-        """
+        """Args: models: dict of name -> Model, of the world."""
         self._models, self._pushes = models, []
         self._pushed = set()
 

@@ -37,8 +37,7 @@ def digest(world):
 def restore(world, state):
     """Makes a world what it was, controllers of its models included. Models that are not there are spawned anew.
 
-    Raises:
-        BadValueError: no such state; nothing changes then.  SpawnError: files that are gone.
+    Raises: BadValueError: no such state; nothing changes then.  SpawnError: files that are gone.
     """
     try:
         record = json.loads(state)

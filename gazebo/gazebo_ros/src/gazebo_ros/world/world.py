@@ -33,10 +33,7 @@ class World:
     """
 
     def __init__(self, settings=None, folders=NoFolders()):
-        """
-        Args:
-            folders: where packages, models and resources are, as NoFolders has it.
-        """
+        """Args: folders: where packages, models and resources are, as NoFolders has it."""
         self.settings = settings or WorldSettings()
         self.core, self.models = world_of(self.settings), {}
         self.pushes = Pushes(self.models)
@@ -70,8 +67,7 @@ class World:
     def set_physics(self, period_s, gravity_m_s2):
         """From now on. Another period lets the joints rest where they are, and their controllers begin anew.
 
-        Raises:
-            BadValueError: the period cannot be; nothing changes then.
+        Raises: BadValueError: the period cannot be; nothing changes then.
         """
         if not 1e-6 <= period_s <= 0.1:
             raise BadValueError("time_step: found %g s, allowed is 0.000001 to 0.1 s" % period_s)
@@ -123,10 +119,8 @@ class World:
         Args:
             xml: a URDF document.  namespace: of its plugins.  pose: (4, 4), in the frame.
             frame: "" or world, or MODEL or MODEL::LINK.
-        Returns:
-            Model
-        Raises:
-            SpawnError: the name is empty or taken, what is wrong with the URDF.  UnknownEntityError: no such frame.
+        Returns: Model
+        Raises: SpawnError: the name is empty or taken, what is wrong with the URDF.  UnknownEntityError: no such frame.
         """
         X_WM = self._free_place(name, frame) @ pose
         xml, warnings = painted(xml, self._folders)
@@ -138,10 +132,8 @@ class World:
         Args:
             name: in place of the document's own.  pose: (4, 4), of the frame that the document's pose is given in.
             transmissions: a URDF whose <transmission>s tell which joints controllers may have.
-        Returns:
-            Model, None for a light.
-        Raises:
-            as spawn().
+        Returns: Model, None for a light.
+        Raises: as spawn().
         """
         X_WF = self._free_place(name, frame)
         bare = xml.lstrip().startswith(("<model", "<light"))
@@ -165,12 +157,9 @@ class World:
     def place_sdf(self, name, model, X_WM, namespace="", transmissions="", warnings=()):
         """Adds a model as it was read.
 
-        Args:
-            model: SdfModel.  X_WM: (4, 4).
-        Returns:
-            Model
-        Raises:
-            SpawnError: the name is taken, what cannot be simulated.
+        Args: model: SdfModel.  X_WM: (4, 4).
+        Returns: Model
+        Raises: SpawnError: the name is taken, what cannot be simulated.
         """
         self._free_place(name, "")
         urdf, said = painted(with_transmissions(model.urdf, transmissions), self._folders)
@@ -259,10 +248,8 @@ class World:
     def spawn_light(self, name, xml, pose=IDENTITY, frame=""):
         """Adds a light.
 
-        Args:
-            xml: a <light> of SDF.  pose: (4, 4), in the frame.  frame: as in spawn(); the light does not follow it.
-        Raises:
-            SpawnError: the name is taken, what is wrong with the text.  UnknownEntityError, BadValueError.
+        Args: xml: a <light> of SDF.  pose: (4, 4), in the frame.  frame: as in spawn(); the light does not follow it.
+        Raises: SpawnError: the name is taken, what is wrong with the text.  UnknownEntityError, BadValueError.
         """
         if name in self.lights:
             raise SpawnError("SpawnModel: Failure - entity already exists.")
@@ -311,8 +298,7 @@ class World:
         Args:
             X_WS: (4, 4), of the sensor.  directions: (n, 3), unit vectors in its axes.
             visuals: whether the rays meet <visual>s, only from outside; else <collision>s, from inside too.
-        Returns:
-            distances (n,) [m], infinite where nothing is met, and laser_retro of what is met, (n,).
+        Returns: distances (n,) [m], infinite where nothing is met, and laser_retro of what is met, (n,).
         """
         distances, links = self.core.cast_rays(X_WS[:3, 3], directions @ X_WS[:3, :3].T, nearest_m, farthest_m, visuals)
         retros = [self.models[model].description.retros.get(link, 0.0)
