@@ -44,8 +44,7 @@ class ServoEnv(gymnasium.Env):  # type: ignore[name-defined]
         max_steps: after so many steps an episode is truncated.
         success: (m, rad): within both of the goal an episode terminates.
         render_mode: "rgb_array": the arm from beside; "camera": what the camera sees.
-    Raises:
-        ParameterError: an argument or the scenario is not allowed.
+    Raises: ParameterError: an argument or the scenario is not allowed.
     """
 
     metadata = {"render_modes": list(RENDER_MODES), "render_fps": 30}

@@ -51,12 +51,9 @@ class Replay:
 def replay(paths: Any, namespace: Optional[str] = None, scenario: Optional[Scenario] = None) -> Replay:
     """Process the images of a bag again, with the camera and the vision settings of the run.
 
-    Args:
-        paths, namespace, scenario: see `bag.read_bag`.
-    Returns:
-        Replay.
-    Raises:
-        BagError: images, features or camera_info were not recorded, or the settings are unknown.
+    Args: paths, namespace, scenario: see `bag.read_bag`.
+    Returns: Replay.
+    Raises: BagError: images, features or camera_info were not recorded, or the settings are unknown.
     """
     with BagFiles(paths) as bags:
         topics = find_topics(bags, namespace)

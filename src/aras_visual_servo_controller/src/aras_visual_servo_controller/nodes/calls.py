@@ -20,8 +20,7 @@ class ActionServer(actionlib.SimpleActionServer):
     actionlib's SimpleActionServer refuses goals with an older stamp than the last one; this server takes such a goal
     if the last one has ended.
 
-    Args:
-        name: of the action.  specification: its message class.
+    Args: name: of the action.  specification: its message class.
     """
 
     def __init__(self, name: str, specification: Any) -> None:
@@ -68,10 +67,8 @@ class GoalSender:
     A goal that is published once can be lost, because rospy connects a subscriber slightly before it hands messages to
     it. Sending the goal again does no harm, since an action server takes each goal id once.
 
-    Args:
-        publish: called with the goal message.
-    Attributes:
-        goal_id: of the goal that was sent last, "" before.  taken: whether it was taken.
+    Args: publish: called with the goal message.
+    Attributes: goal_id: of the goal that was sent last, "" before.  taken: whether it was taken.
     """
 
     def __init__(self, publish: Callable[[Any], None]) -> None:

@@ -334,8 +334,7 @@ class ControllerNode:
     def _teach_camera(self, stamp_ns, z_star_m):
         """Make the image of this stamp the camera node's reference, however many have come since.
 
-        Raises:
-            ParameterError: the camera node refused.  rospy.ROSException, ServiceException: it does not answer.
+        Raises: ParameterError: the camera node refused.  rospy.ROSException, ServiceException: it does not answer.
         """
         if stamp_ns == 0:
             raise ParameterError("camera/set_reference: the image of time 0 cannot be asked for (a stamp of 0 means "

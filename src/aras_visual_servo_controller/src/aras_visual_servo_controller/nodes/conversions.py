@@ -90,8 +90,7 @@ def command_message(command: Command) -> JointState:
 
     NaN stands for a position or velocity that the command does not give for a joint. A command without any is an
     acknowledgement.
-    Raises:
-        NotFiniteError: a position or velocity of the command is NaN or infinite; no part of it may be sent then.
+    Raises: NotFiniteError: a position or velocity of the command is NaN or infinite; no part of it may be sent then.
     """
     message = JointState()
     message.header.stamp = to_time(command.stamp_ns)

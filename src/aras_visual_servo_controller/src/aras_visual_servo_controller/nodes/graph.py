@@ -32,8 +32,7 @@ def _server(uri):
 class Graph:
     """Reads the present state of the ROS graph.
 
-    Args:
-        caller_id: name of this node.  master_uri: as in ROS_MASTER_URI.
+    Args: caller_id: name of this node.  master_uri: as in ROS_MASTER_URI.
     """
 
     def __init__(self, caller_id: str, master_uri: Optional[str]) -> None:

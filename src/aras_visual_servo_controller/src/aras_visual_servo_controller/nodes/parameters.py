@@ -27,8 +27,7 @@ class Parameters:
     def section(self, name: str, required: bool = True) -> Dict[str, Any]:
         """A section of the scenario: private parameter `~name`, else `scenario/name` in the node's namespace.
 
-        Returns:
-            dict; {} if it is no mapping, or if it is missing and required, which are faults.
+        Returns: dict; {} if it is no mapping, or if it is missing and required, which are faults.
         """
         keys = ("~" + name, "scenario/" + name)
         found = next((key for key in keys if rospy.has_param(key)), None)
@@ -96,10 +95,8 @@ class Parameters:
 class ControllerSetup:
     """Reads the controller node's parameters and makes the objects of the core from them.
 
-    Args:
-        teach_camera: function that makes an image the camera's reference, see `ExperimentSequence`.
-    Raises:
-        ParameterError: lists every fault.
+    Args: teach_camera: function that makes an image the camera's reference, see `ExperimentSequence`.
+    Raises: ParameterError: lists every fault.
 
     Attributes:
         kinematics, servo, sequence: the objects of the core.

@@ -26,8 +26,7 @@ class Recording:
     Args:
         bag: path of the bag, must not exist.  topics: resolved names.  compression: one of COMPRESSIONS.
         split_mb: size after which a new bag begins, NAME_0.bag, NAME_1.bag, ... [MiB]; 0 writes one bag.
-    Raises:
-        RecordingError: it cannot start.
+    Raises: RecordingError: it cannot start.
     """
 
     def __init__(self, bag: Path, topics: Any, compression: str = "lz4", split_mb: int = 0) -> None:
@@ -75,8 +74,7 @@ class Recording:
     def stop(self) -> None:
         """End the recording and wait until the bag is closed. Does no harm if it has ended already.
 
-        Raises:
-            RecordingError: the bag is not whole.
+        Raises: RecordingError: the bag is not whole.
         """
         if not self._running:
             return

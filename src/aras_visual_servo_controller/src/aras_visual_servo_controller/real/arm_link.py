@@ -79,8 +79,7 @@ class ArmLink:
     Args:
         kinematics: `Kinematics`.  settings: `RealSettings`.
         command_timeout_s: a velocity that no newer command replaces ends after this time.
-    Attributes:
-        image_latency, joint_latency: `Latency` of what came.
+    Attributes: image_latency, joint_latency: `Latency` of what came.
     """
 
     def __init__(self, kinematics: Any, settings: RealSettings, command_timeout_s: float) -> None:

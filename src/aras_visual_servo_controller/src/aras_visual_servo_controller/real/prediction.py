@@ -24,8 +24,7 @@ def predicted(features: Any, plane_C: np.ndarray, X_C0C1: np.ndarray) -> Feature
     Args:
         features: `Features`, or an object with its attributes, valid.  plane_C: (3,) (A, B, C) of the target's plane
         in the first camera frame [1/m].  X_C0C1: (4, 4) pose of the later camera in the first.
-    Returns:
-        `Features`; what is relative to a reference is so still.
+    Returns: `Features`; what is relative to a reference is so still.
     Raises:
         DegenerateFeature: the target would be behind the camera.
         ParameterError: features that cannot be predicted (kernel projections).
