@@ -10,8 +10,7 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 import numpy as np
 import yaml
 
-from aras_visual_servo import (FEATURE_NAMES, RecordBuilder, RunRecord, STOP_NAMES, Scenario, ShapeError, image_of,
-                               load_plugins)
+from aras_visual_servo import FEATURE_NAMES, RecordBuilder, RunRecord, STOP_NAMES, Scenario, image_of, load_plugins
 from aras_visual_servo.spatial import pose_from_quaternion
 from .files import BagError, BagFiles
 from .record_groups import SOURCE_TOPICS, lacking
@@ -164,18 +163,10 @@ def _images(bags, topic, stamps):
     for _, message in bags.messages([topic]):
         stamp_ns = message.header.stamp.to_nsec()
         if stamp_ns in stamps:
-            images[stamp_ns] = decode(message)
+            images[stamp_ns] = image_of(message)
             if len(images) == len(stamps):
                 break
     return images
-
-
-def decode(message: Any) -> np.ndarray:
-    """The image of a sensor_msgs/Image, as `image_of` gives it. Raises: BagError: another encoding."""
-    try:
-        return image_of(message)
-    except ShapeError as error:
-        raise BagError(str(error)) from None
 
 
 def decode_depth(message: Any) -> np.ndarray:

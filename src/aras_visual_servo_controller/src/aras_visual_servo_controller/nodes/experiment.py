@@ -59,7 +59,7 @@ class ExperimentNode:
         self._results = Path(os.path.expanduser(parameters.value("~results_dir", "results")))
         self._record = parameters.value("~record", True)
         self._split_mb = parameters.value("~record_split_mb", 0, minimum=0)
-        self._compression = parameters.choice("~record_compression", "lz4", COMPRESSIONS)
+        self._compression = parameters.value("~record_compression", "lz4", allowed=COMPRESSIONS)
         self._video = parameters.value("~video", False)
         self._groups = parameters.build(parse_groups, rospy.get_param("~record_groups", "all"))
         self._startup_timeout_s = parameters.value("~startup_timeout_s", 60.0, minimum=1.0)

@@ -17,7 +17,7 @@ class Parameters:
 
     >>> parameters = Parameters()
     >>> servo = parameters.section("servo")
-    >>> interface = parameters.choice("~command_interface", "joint_command", ("joint_command", "float64"))
+    >>> interface = parameters.value("~command_interface", "joint_command", allowed=("joint_command", "float64"))
     >>> parameters.check()
     """
 
@@ -51,26 +51,24 @@ class Parameters:
             return ""
         return value
 
-    def value(self, key: str, default: Any, minimum: Optional[float] = None) -> Any:
-        """Value of a parameter, which has to have the type of its default; a number may have a minimum."""
+    def value(self, key: str, default: Any, minimum: Optional[float] = None, allowed: Sequence[str] = ()) -> Any:
+        """Value of a parameter, which has to have the type of its default.
+
+        Args: minimum: of a number.  allowed: texts, unless it is empty.
+        """
         value, kind = rospy.get_param(key, default), type(default)
         if kind is float and isinstance(value, int) and not isinstance(value, bool):
             value = float(value)
         if not isinstance(value, kind) or (kind is not bool and isinstance(value, bool)):
-            self.faults.append(f"{key}: found {value!r}, allowed {_TYPES[kind]}")
-            return default
-        if minimum is not None and not value >= minimum:
-            self.faults.append(f"{key}: found {value!r}, allowed >= {minimum}")
-            return default
-        return value
-
-    def choice(self, key: str, default: str, allowed: Sequence[str]) -> str:
-        """Text of a parameter that has to be one of `allowed`."""
-        value = self.value(key, default)
-        if value not in allowed:
-            self.faults.append(f"{key}: found {value!r}, allowed {' | '.join(allowed)}")
-            return default
-        return value
+            fault = _TYPES[kind]
+        elif minimum is not None and not value >= minimum:
+            fault = f">= {minimum}"
+        elif allowed and value not in allowed:
+            fault = " | ".join(allowed)
+        else:
+            return value
+        self.faults.append(f"{key}: found {value!r}, allowed {fault}")
+        return default
 
     def build(self, factory: Callable[..., Any], *arguments: Any) -> Any:
         """The result of factory(*arguments), or None if it raises an ArasError, whose faults are then added."""
@@ -109,7 +107,7 @@ class ControllerSetup:
         robot, servo = parameters.section("robot"), parameters.section("servo")
         experiment = parameters.section("experiment")
         urdf = parameters.searched("robot_description")
-        interface = parameters.choice("~command_interface", "joint_command", ("joint_command", "float64"))
+        interface = parameters.value("~command_interface", "joint_command", allowed=("joint_command", "float64"))
         self.feedback_rate_hz = parameters.value("~feedback_rate_hz", 10.0, minimum=0.1)
         parameters.known(CONTROLLER_PARAMETERS)
         if robot:

@@ -45,9 +45,8 @@ class Recording:
 
     def bags(self) -> List[Path]:
         """Paths of the bags so far in order, the closed ones and the one that is being written."""
-        names = [f"{self.bag.stem}_*.bag", f"{self.bag.stem}_*.bag.active"] if self._split else \
-            [self.bag.name, f"{self.bag.name}.active"]
-        found = [path for name in names for path in self.bag.parent.glob(name)]
+        name = f"{self.bag.stem}_*.bag" if self._split else self.bag.name
+        found = [path for ending in ("", ".active") for path in self.bag.parent.glob(name + ending)]
         return sorted(found, key=lambda path: (len(path.name.partition(".")[0]), path.name))
 
     def settle(self) -> None:
