@@ -2,7 +2,8 @@
 import numpy
 import pytest
 
-from gazebo_ros.world.errors import BadValueError, SpawnError, UnknownEntityError
+from aras_visual_servo_sim import ModelError, ParameterError, UnknownNameError
+
 from gazebo_ros.world.poses import matrix_of
 from gazebo_ros.world.settings import WorldSettings
 from gazebo_ros.world.world import World
@@ -55,7 +56,7 @@ def test_the_world_has_the_sun_at_first_and_is_dark_without_it(world):
     assert grey(world) == pytest.approx(lit(SUN_SHARE), abs=ROUNDING)
     world.delete_light("sun")
     assert grey(world) == pytest.approx(lit(), abs=ROUNDING)
-    with pytest.raises(UnknownEntityError, match="Requested light sun not found!"):
+    with pytest.raises(UnknownNameError, match="Requested light sun not found!"):
         world.delete_light("sun")
 
 
@@ -122,15 +123,15 @@ def test_what_cannot_be_is_refused_and_changes_nothing(world):
                             ("lamp", "<light name='a' type='laser'/>", "laser"),
                             ("lamp", "<light name='a' type='directional'><direction>0 0 0</direction></light>", "zero"),
                             ("lamp", "<light", "format is invalid")):
-        with pytest.raises(SpawnError, match=text):
+        with pytest.raises(ModelError, match=text):
             world.spawn_light(name, xml)
     for place in (world, World()):
-        with pytest.raises(BadValueError, match="color_rgb"):
+        with pytest.raises(ParameterError, match="color_rgb"):
             place.set_light(dict(place.lights["sun"], color_rgb=[-1.0, 0.0, 0.0]))
-        with pytest.raises(BadValueError, match="zero of light 'sun'"):
+        with pytest.raises(ParameterError, match="zero of light 'sun'"):
             place.set_light(dict(place.lights["sun"], direction=[0.0, 0.0, 0.0]))
     assert list(world.lights) == ["sun"] and grey(world) == before
     for k in range(MOST - 1):
         world.spawn_light("lamp%d" % k, ABOVE % 0)
-    with pytest.raises(BadValueError, match="found 9, allowed up to 8"):
+    with pytest.raises(ParameterError, match="found 9, allowed up to 8"):
         world.spawn_light("one_more", ABOVE % 0)

@@ -4,7 +4,8 @@ import os
 import numpy
 import pytest
 
-from gazebo_ros.world.errors import SpawnError
+from aras_visual_servo_sim import ModelError
+
 from gazebo_ros.world.poses import matrix_of
 from gazebo_ros.sdf.document import NoFolders, expanded
 from gazebo_ros.sdf.model import model_of
@@ -203,9 +204,9 @@ def test_what_is_no_sdf_is_refused_and_the_world_goes_on():
                                 ("two", sdf(""), "neither <model> nor <light>"),
                                 ("two", sdf(BOX.replace("0.4 0.4 0.4", "0.4 nan 0.4")), "three|3 finite|valid"),
                                 ("two", sdf("<include><uri>model://none</uri></include>"), "model://none")):
-        with pytest.raises(SpawnError, match=message):
+        with pytest.raises(ModelError, match=message):
             world.spawn_sdf(name, text)
-    with pytest.raises(SpawnError, match="found no <world>"):
+    with pytest.raises(ModelError, match="found no <world>"):
         read_world(sdf(BOX), False, NoFolders())
     assert list(world.models) == ["one"]
     world.step(10)

@@ -4,7 +4,8 @@ import sys
 
 import rospy
 
-from ..world.errors import GazeboError
+from aras_visual_servo_sim import ArasError
+
 from ..sdf.world import EMPTY_WORLD, read_world
 from .folders import Folders
 from .server import CLOCK_RATE_HZ, Server
@@ -39,7 +40,7 @@ def main():
     folders = Folders()
     try:
         file = world_of(world, folders)
-    except (OSError, GazeboError) as error:
+    except (OSError, ArasError) as error:
         rospy.logfatal("gzserver: %s" % error)
         return NOT_THERE
     rate_hz = rospy.get_param("/gazebo/pub_clock_frequency", CLOCK_RATE_HZ)
@@ -50,7 +51,7 @@ def main():
 
 
 def world_of(name, folders):
-    """WorldFile of a name. Raises: OSError, SpawnError."""
+    """WorldFile of a name. Raises: OSError, ModelError."""
     path = folders.resource(name)
     if path is not None:
         return read_world(path, True, folders)

@@ -4,8 +4,9 @@ import time
 import rospy
 from rosgraph_msgs.msg import Clock
 
+from aras_visual_servo_sim import ArasError
+
 from ..world import snapshot
-from ..world.errors import GazeboError
 from ..sdf.world import GROUND
 from ..world.world import World
 from .cameras import Cameras
@@ -50,11 +51,11 @@ class Server:
     # --- what the services ask for, in the world's thread
 
     def spawn(self, name, xml, namespace, pose, frame):
-        """Raises: SpawnError."""
+        """Raises: ModelError."""
         self._welcome(self.world.spawn(name, xml, namespace, pose, frame))
 
     def spawn_sdf(self, name, xml, namespace, pose, frame):
-        """Raises: GazeboError."""
+        """Raises: ArasError."""
         described = rospy.get_param((namespace.rstrip("/") or "") + "/robot_description", "")
         model = self.world.spawn_sdf(name, xml, namespace, pose, frame, described)
         if model is not None:
@@ -67,7 +68,7 @@ class Server:
         for model, X_WM in file.models:
             try:
                 self._welcome(self.world.place_sdf(model.name, model, X_WM))
-            except GazeboError as error:
+            except ArasError as error:
                 warnings.append("model '%s': %s" % (model.name, error))
         for warning in warnings:
             rospy.logwarn("world: %s" % warning)
@@ -110,7 +111,7 @@ class Server:
         return False
 
     def set_physics(self, period_s, gravity_m_s2, update_rate_hz):
-        """Args: update_rate_hz: steps per second of wall time at most; 0: as many as there can be. Raises: GazeboError.
+        """Args: update_rate_hz: steps per second of wall time at most; 0: as many as there can be. Raises: ArasError.
         """
         before = self.world.epoch_ns
         self.world.set_physics(period_s, gravity_m_s2)
@@ -120,7 +121,7 @@ class Server:
         self._restart_pace()
 
     def restore(self, state):
-        """Makes the world what it was when the state was saved. Raises: GazeboError; nothing changes then."""
+        """Makes the world what it was when the state was saved. Raises: ArasError; nothing changes then."""
         before = dict(self.world.models)
         snapshot.restore(self.world, state)
         for name, model in before.items():

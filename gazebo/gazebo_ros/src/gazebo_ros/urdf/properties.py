@@ -2,7 +2,8 @@
 import dataclasses
 import xml.etree.ElementTree as ElementTree
 
-from ..world.errors import BadValueError, UnknownEntityError
+from aras_visual_servo_sim import ParameterError, UnknownNameError
+
 
 GRAVITY_TAGS = ("turnGravityOff", "gravity")
 INERTIA_KEYS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
@@ -31,7 +32,7 @@ def properties_of(link, gravity):
 
 
 def with_link(xml, link, properties):
-    """The document with other LinkProperties of a link. Raises: UnknownEntityError."""
+    """The document with other LinkProperties of a link. Raises: UnknownNameError."""
     robot = ElementTree.fromstring(xml)
     inertial = child(named(robot, "link", link), "inertial")
     child(inertial, "origin").set("xyz", " ".join(repr(float(each)) for each in properties.com_m))
@@ -50,23 +51,23 @@ def with_link(xml, link, properties):
 
 
 def with_joint(xml, joint, properties):
-    """The document with other properties of a joint, a dict. Raises: UnknownEntityError, BadValueError."""
+    """The document with other properties of a joint, a dict. Raises: UnknownNameError, ParameterError."""
     robot = ElementTree.fromstring(xml)
     element = named(robot, "joint", joint)
     for key, value in properties.items():
         part = child(element, "dynamics") if key in DYNAMICS else element.find("limit")
         if key in LIMITS and (part is None or element.get("type") == "continuous"):
-            raise BadValueError("joint '%s' has no limits of position, and cannot be given any" % joint)
+            raise ParameterError("joint '%s' has no limits of position, and cannot be given any" % joint)
         part.set(key, repr(float(value)))
     return ElementTree.tostring(robot, encoding="unicode")
 
 
 def named(robot, tag, name):
-    """Raises: UnknownEntityError."""
+    """Raises: UnknownNameError."""
     for element in robot.findall(tag):
         if element.get("name") == name:
             return element
-    raise UnknownEntityError("%s '%s' does not exist" % (tag, name))
+    raise UnknownNameError("%s '%s' does not exist" % (tag, name))
 
 
 def child(element, tag):

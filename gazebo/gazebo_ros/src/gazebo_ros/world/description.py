@@ -3,9 +3,10 @@ import dataclasses
 import re
 import xml.etree.ElementTree as ElementTree
 
+from aras_visual_servo_sim import ModelError
+
 from .depth_cameras import is_realsense, read_kinects, read_realsense, sibling
 from .devices import TRUE, DiffDrive, joined, motorize, read_device, text
-from .errors import SpawnError
 from .looks import drop_missing_meshes, paint_as_gazebo
 
 #: Plugins that are part of the simulator, by a piece of their file name.
@@ -69,14 +70,14 @@ def read_description(xml, namespace, model):
         namespace: of plugins that name none of their own; "" for none.
         model: name of the model, the namespace of a controller plugin that has none at all.
     Returns: Description
-    Raises: SpawnError: no URDF.
+    Raises: ModelError: no URDF.
     """
     try:
         robot = ElementTree.fromstring(xml)
     except ElementTree.ParseError as error:
-        raise SpawnError("SpawnModel: Failure - entity format is invalid: %s" % error) from error
+        raise ModelError("SpawnModel: Failure - entity format is invalid: %s" % error) from error
     if robot.tag != "robot":
-        raise SpawnError("SpawnModel: Failure - entity format is invalid: found <%s>, allowed is <robot>" % robot.tag)
+        raise ModelError("SpawnModel: Failure - entity format is invalid: found <%s>, allowed is <robot>" % robot.tag)
     warnings = drop_strangers(robot) + drop_missing_meshes(robot)
     free_followers(robot, warnings)
     paint_as_gazebo(robot)
@@ -154,7 +155,7 @@ def deep_cameras_of(robot, namespace, warnings):
         for plugin in filter(is_realsense, robot.findall("gazebo/plugin")):
             found.update(read_realsense(robot, plugin, warnings))
     except ValueError as error:
-        raise SpawnError("SpawnModel: plugin of a depth camera: %s" % error) from error
+        raise ModelError("SpawnModel: plugin of a depth camera: %s" % error) from error
     return {name: CameraTopics(image, info, sibling(info or depth.info, "image_trigger"), depth)
             for name, (image, info, depth) in found.items()}
 

@@ -5,7 +5,8 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 
-from .errors import SpawnError
+from aras_visual_servo_sim import ModelError
+
 from .poses import IDENTITY, matrix_of_rpy
 
 TRUE = ("true", "1")  #: how a tag says yes, in lower case
@@ -35,7 +36,7 @@ def read_device(robot, plugin, sensor, link, namespace, warnings):
     try:
         device = reader(plugin, sensor, link, namespace)
     except ValueError as error:
-        raise SpawnError("SpawnModel: plugin %s: %s" % (plugin.get("filename"), error)) from error
+        raise ModelError("SpawnModel: plugin %s: %s" % (plugin.get("filename"), error)) from error
     for tag, names in (("joint", device.joints()), ("link", device.links())):
         known = {each.get("name") for each in robot.findall(tag)}
         strangers = [name for name in names if name not in known]
@@ -279,3 +280,24 @@ def motorize(robot, drive):
 
 
 FASTEST_RAD_S = 1000.0  #: of a wheel: no limit
+
+
+def directions_of(horizontal, vertical):
+    """(n, 3) unit vectors of two Scans: x ahead, y to the left, z up; those of one height follow each other."""
+    heights, turns = numpy.meshgrid(vertical.angles(), horizontal.angles(), indexing="ij")
+    return numpy.stack((numpy.cos(heights) * numpy.cos(turns), numpy.cos(heights) * numpy.sin(turns),
+                        numpy.sin(heights)), axis=-1).reshape(-1, 3)
+
+
+def resampled(values, horizontal, vertical):
+    """What is measured along the rays of two Scans, (n,), as as many numbers as these say, linearly between them."""
+    rows = values.reshape(vertical.samples, horizontal.samples)
+    if (vertical.count, horizontal.count) == rows.shape:
+        return values
+    for axis, count in ((0, vertical.count), (1, horizontal.count)):
+        at = numpy.linspace(0.0, rows.shape[axis] - 1.0, count)
+        below = numpy.minimum(at.astype(int), max(0, rows.shape[axis] - 2))
+        above = numpy.minimum(below + 1, rows.shape[axis] - 1)
+        share = (at - below).reshape((-1, 1) if axis == 0 else (1, -1))
+        rows = (1.0 - share) * rows.take(below, axis) + share * rows.take(above, axis)
+    return rows.reshape(-1)

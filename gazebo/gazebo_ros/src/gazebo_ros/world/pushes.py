@@ -52,11 +52,6 @@ class Pushes:
         return min((time for push in self._pushes for time in (push.begin_ns, push.end_ns) if time > self._acted_ns),
                    default=NEVER_NS)
 
-    @property
-    def pushed(self):
-        """Names of the models that are pushed now."""
-        return self._pushed
-
     def entries(self):
         """All there are, as JSON has them."""
         return [dict(vars(push), value=numpy.asarray(push.value, float).tolist()) for push in self._pushes]

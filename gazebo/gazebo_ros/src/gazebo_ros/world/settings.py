@@ -2,9 +2,8 @@
 import dataclasses
 import typing
 
-from aras_visual_servo_sim import ArasError, World, light_entry
+from aras_visual_servo_sim import ArasError, ModelError, World, light_entry
 
-from .errors import SpawnError
 
 #: The light of a world that names none, model://sun: what the simulator has with `compatibility: gazebo`.
 SUN = {"name": "sun", "type": "directional", "direction": [-0.5, 0.5, -1.0], "color_rgb": [204.0] * 3,
@@ -53,12 +52,12 @@ def light_of(name, xml, pose):
     """Entry of the simulator's sim.scene.lighting.lights.
 
     Args: xml: <light> of SDF.  pose: (4, 4), of the frame that the element stands in.
-    Raises: SpawnError: what is wrong with the text.
+    Raises: ModelError: what is wrong with the text.
     """
     try:
         entry = {**light_entry(xml), "name": name}
     except ArasError as error:
-        raise SpawnError("SpawnModel: Failure - entity format is invalid: %s" % error) from error
+        raise ModelError("SpawnModel: Failure - entity format is invalid: %s" % error) from error
     if "position_m" in entry:
         entry["position_m"] = (pose @ (*entry["position_m"], 1.0))[:3].tolist()
     if "direction" in entry:

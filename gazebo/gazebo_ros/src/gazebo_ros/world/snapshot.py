@@ -5,9 +5,8 @@ import json
 
 import numpy
 
-from aras_visual_servo_sim import ArasError
+from aras_visual_servo_sim import ArasError, ParameterError
 
-from .errors import BadValueError
 from .model import Model
 from .settings import WorldSettings, world_of
 
@@ -37,15 +36,15 @@ def digest(world):
 def restore(world, state):
     """Makes a world what it was, controllers of its models included. Models that are not there are spawned anew.
 
-    Raises: BadValueError: no such state; nothing changes then.  SpawnError: files that are gone.
+    Raises: ParameterError: no such state; nothing changes then.  ModelError: files that are gone.
     """
     try:
         record = json.loads(state)
         if record["format"] != FORMAT:
             raise ValueError
     except (ValueError, KeyError, TypeError) as error:
-        raise BadValueError("restore_state: found bytes that are no state of a world, allowed are those of save_state"
-                            ) from error
+        raise ParameterError("restore_state: found bytes that are no state of a world, allowed are those of "
+                             "save_state") from error
     settings = WorldSettings(**{key: tuple(value) if isinstance(value, list) else value
                                 for key, value in record["settings"].items()})
     there = {model.name: listed(model.spawned) for model in world.models.values()}
@@ -61,7 +60,7 @@ def restore(world, state):
     try:
         core.restore_state(base64.b64decode(record["state"]))
     except ArasError as error:
-        raise BadValueError("restore_state: %s" % error) from error
+        raise ParameterError("restore_state: %s" % error) from error
     for entry in record["models"]:
         name = entry["spawned"][0]
         if there.get(name) == entry["spawned"] and models[name] is not world.models[name]:

@@ -4,10 +4,9 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 
-from aras_visual_servo_sim import ArasError
+from aras_visual_servo_sim import ArasError, ModelError, ParameterError, UnknownNameError
 
 from .description import located
-from .errors import BadValueError, SpawnError, UnknownEntityError
 from .model import Model
 from .poses import IDENTITY
 from .pushes import Pushes
@@ -59,18 +58,18 @@ class World:
         return 1e-9 * (time_ns - self.epoch_ns)
 
     def step(self, ticks=1):
-        """Advances time by periods. Raises: BadValueError."""
+        """Advances time by periods. Raises: ParameterError."""
         if ticks < 0:
-            raise BadValueError("step: found %d periods, allowed >= 0" % ticks)
+            raise ParameterError("step: found %d periods, allowed >= 0" % ticks)
         self.core.step(ticks)
 
     def set_physics(self, period_s, gravity_m_s2):
         """From now on. Another period lets the joints rest where they are, and their controllers begin anew.
 
-        Raises: BadValueError: the period cannot be; nothing changes then.
+        Raises: ParameterError: the period cannot be; nothing changes then.
         """
         if not 1e-6 <= period_s <= 0.1:
-            raise BadValueError("time_step: found %g s, allowed is 0.000001 to 0.1 s" % period_s)
+            raise ParameterError("time_step: found %g s, allowed is 0.000001 to 0.1 s" % period_s)
         self.settings = dataclasses.replace(self.settings, gravity_m_s2=tuple(gravity_m_s2))
         for model in self.models.values():
             self._renew(model, model.spawned[1])
@@ -78,9 +77,9 @@ class World:
             self._change_period(period_s)
 
     def remove_ground(self):
-        """Takes the ground plane out. Raises: UnknownEntityError: there is none."""
+        """Takes the ground plane out. Raises: UnknownNameError: there is none."""
         if not self.settings.ground:
-            raise UnknownEntityError("DeleteModel: model does not exist")
+            raise UnknownNameError("DeleteModel: model does not exist")
         self.core.delete_model(GROUND_PLANE["name"])
         self._change_ground(ground=False)
 
@@ -120,7 +119,7 @@ class World:
             xml: a URDF document.  namespace: of its plugins.  pose: (4, 4), in the frame.
             frame: "" or world, or MODEL or MODEL::LINK.
         Returns: Model
-        Raises: SpawnError: the name is empty or taken, what is wrong with the URDF.  UnknownEntityError: no such frame.
+        Raises: ModelError: the name is empty or taken, what is wrong with the URDF.  UnknownNameError: no such frame.
         """
         X_WM = self._free_place(name, frame) @ pose
         xml, warnings = painted(xml, self._folders)
@@ -144,7 +143,7 @@ class World:
             self.spawn_light(name, ElementTree.tostring(light, encoding="unicode"), pose, frame)
             return None
         if element is None:
-            raise SpawnError("SpawnModel: Failure - entity format is invalid: %s" %
+            raise ModelError("SpawnModel: Failure - entity format is invalid: %s" %
                              ("; ".join(warnings) or "found neither <model> nor <light>"))
         model = model_of(element, self._folders)
         planes = [height_of(X_WF @ pose @ model.pose @ plane) for plane in model.planes]
@@ -159,7 +158,7 @@ class World:
 
         Args: model: SdfModel.  X_WM: (4, 4).
         Returns: Model
-        Raises: SpawnError: the name is taken, what cannot be simulated.
+        Raises: ModelError: the name is taken, what cannot be simulated.
         """
         self._free_place(name, "")
         urdf, said = painted(with_transmissions(model.urdf, transmissions), self._folders)
@@ -172,15 +171,15 @@ class World:
                          (*warnings, *model.warnings))
 
     def _free_place(self, name, frame):
-        """X_WF of a new model. Raises: SpawnError: the name cannot be, no such frame."""
+        """X_WF of a new model. Raises: ModelError: the name cannot be, no such frame."""
         if not name or "::" in name:
-            raise SpawnError("SpawnModel: Failure - found the name '%s', allowed is a name without ::" % name)
+            raise ModelError("SpawnModel: Failure - found the name '%s', allowed is a name without ::" % name)
         if name in self.models or name == GROUND and self.settings.ground:
-            raise SpawnError("SpawnModel: Failure - entity already exists.")
+            raise ModelError("SpawnModel: Failure - entity already exists.")
         try:
             return self.frame(frame)[0]
-        except UnknownEntityError as error:
-            raise SpawnError("SpawnModel: reference reference_frame not found, did you forget to scope the link by "
+        except UnknownNameError as error:
+            raise ModelError("SpawnModel: reference reference_frame not found, did you forget to scope the link by "
                              "model name?") from error
 
     def _add(self, name, xml, namespace, X_WM, X_MR=IDENTITY, warnings=()):
@@ -189,24 +188,24 @@ class World:
         return model
 
     def delete(self, name):
-        """Removes a model. Raises: UnknownEntityError."""
+        """Removes a model. Raises: UnknownNameError."""
         self.model(name)
         self.core.delete(name)
         del self.models[name]
         self.pushes.forget(name)
 
     def model(self, name):
-        """Raises: UnknownEntityError."""
+        """Raises: UnknownNameError."""
         try:
             return self.models[name]
         except KeyError:
-            raise UnknownEntityError("model '%s' does not exist, models are: %s" %
-                                     (name, ", ".join(self.models) or "none")) from None
+            raise UnknownNameError("model '%s' does not exist, models are: %s" %
+                                   (name, ", ".join(self.models) or "none")) from None
 
     def frame(self, name):
         """X_WF (4, 4) and twist (6,) [v; w] in world axes of the world, a MODEL, a MODEL::LINK, or a LINK.
 
-        Raises: UnknownEntityError.
+        Raises: UnknownNameError.
         """
         if name in WORLD_FRAMES:
             return IDENTITY, numpy.zeros(6)
@@ -216,20 +215,20 @@ class World:
         return model.link_pose(link), model.link_twist(link)
 
     def scoped(self, name):
-        """Model and link of MODEL::LINK, or of the name of a link that one model alone has. Raises: UnknownEntityError.
+        """Model and link of MODEL::LINK, or of the name of a link that one model alone has. Raises: UnknownNameError.
         """
         model, _, link = name.partition("::") if name.partition("::")[0] in self.models else name.rpartition("::")
         owners = [self.model(model)] if model else [each for each in self.models.values() if link in each.links]
         if not link or not owners or link not in owners[0].links:
-            raise UnknownEntityError("link '%s' does not exist" % name)
+            raise UnknownNameError("link '%s' does not exist" % name)
         return owners[0], link
 
     def joint_owner(self, joint):
-        """The model that has a joint. Raises: UnknownEntityError."""
+        """The model that has a joint. Raises: UnknownNameError."""
         for model in self.models.values():
             if joint in model.simulation.joint_names:
                 return model
-        raise UnknownEntityError("joint '%s' does not exist" % joint)
+        raise UnknownNameError("joint '%s' does not exist" % joint)
 
     # --- lights
 
@@ -239,20 +238,20 @@ class World:
         return {name: entry for name, entry in self.core.lights.items() if "attached_to" not in entry}
 
     def light(self, name):
-        """A copy of the entry of a light, to be changed and given to set_light(). Raises: UnknownEntityError."""
+        """A copy of the entry of a light, to be changed and given to set_light(). Raises: UnknownNameError."""
         try:
             return self.lights[name]
         except KeyError:
-            raise UnknownEntityError("Requested light %s not found!" % name) from None
+            raise UnknownNameError("Requested light %s not found!" % name) from None
 
     def spawn_light(self, name, xml, pose=IDENTITY, frame=""):
         """Adds a light.
 
         Args: xml: a <light> of SDF.  pose: (4, 4), in the frame.  frame: as in spawn(); the light does not follow it.
-        Raises: SpawnError: the name is taken, what is wrong with the text.  UnknownEntityError, BadValueError.
+        Raises: ModelError: the name is taken, what is wrong with the text.  UnknownNameError, ParameterError.
         """
         if name in self.lights:
-            raise SpawnError("SpawnModel: Failure - entity already exists.")
+            raise ModelError("SpawnModel: Failure - entity already exists.")
         self.set_light(light_of(name, xml, self.frame(frame)[0] @ pose))
 
     def take_lights(self, lights):
@@ -267,19 +266,16 @@ class World:
         for name, xml in lights.items():
             try:
                 self.spawn_light(name, xml)
-            except (BadValueError, SpawnError) as error:
+            except ArasError as error:
                 warnings.append("light '%s': %s: ignored" % (name, error))
         return warnings
 
     def set_light(self, entry):
-        """Adds a light, or changes the one of its name. Raises: BadValueError; nothing changes then."""
-        try:
-            self.core.set_light(entry if self.settings.shadows else {**entry, "casts_shadows": False})
-        except ArasError as error:
-            raise BadValueError(str(error)) from error
+        """Adds a light, or changes the one of its name. Raises: ArasError; nothing changes then."""
+        self.core.set_light(entry if self.settings.shadows else {**entry, "casts_shadows": False})
 
     def delete_light(self, name):
-        """Raises: UnknownEntityError."""
+        """Raises: UnknownNameError."""
         self.light(name)
         self.core.delete_light(name)
 

@@ -6,9 +6,8 @@ from sensor_msgs.msg import Imu as ImuMessage
 from sensor_msgs.msg import LaserScan
 from std_srvs.srv import Empty, EmptyResponse
 
-from ...world.devices import ForceTorque, Imu, Laser
+from ...world.devices import ForceTorque, Imu, Laser, directions_of, resampled
 from ...world.poses import quaternion_of
-from ...world.rays import directions_of, resampled
 from ..convert import stamped
 from .outlet import DeviceOutlet, Noise, serves
 

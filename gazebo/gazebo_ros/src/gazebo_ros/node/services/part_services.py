@@ -5,8 +5,9 @@ import rospy
 from gazebo_msgs.msg import LinkState
 from geometry_msgs.msg import Point, Pose, Quaternion
 
+from aras_visual_servo_sim import ArasError, ParameterError
+
 from ...urdf.properties import INERTIA_KEYS, LinkProperties
-from ...world.errors import BadValueError, GazeboError
 from ...world.poses import rotated
 from ...world.world import WORLD_FRAMES
 from ..convert import pose_message, pose_of, twist_message, twist_of
@@ -53,8 +54,8 @@ class PartServices(Services):
         state = request.link_state
         model, link = found(self.world.scoped, state.link_name, "SetLinkState: link does not exist")
         if link != model.root:
-            raise GazeboError("SetLinkState: found link '%s', which joints hold, allowed is the root link '%s' (joints "
-                              "are placed by set_model_configuration)" % (link, model.root))
+            raise ArasError("SetLinkState: found link '%s', which joints hold, allowed is the root link '%s' (joints "
+                            "are placed by set_model_configuration)" % (link, model.root))
         X_WF, _ = found(self.world.frame, state.reference_frame, "SetLinkState: failed")
         model.place(X_WF @ pose_of(state.pose, "SetLinkState: pose"),
                     rotated(X_WF, numpy.asarray(twist_of(state.twist))))
@@ -105,8 +106,8 @@ class PartServices(Services):
         for key in config.__slots__:
             require_finite("SetJointProperties: " + key, *getattr(config, key))
         if any(config.vel):
-            raise BadValueError("SetJointProperties: vel: found %g, allowed is 0: a controller moves a joint" %
-                                config.vel[0])
+            raise ParameterError("SetJointProperties: vel: found %g, allowed is 0: a controller moves a joint" %
+                                 config.vel[0])
         without = [key for key in OF_ODE if getattr(config, key)]
         if without:
             rospy.logwarn("set_joint_properties: %s: there is no ODE whose numbers these are: no effect" %

@@ -3,9 +3,8 @@ import math
 
 import rospy
 
-from aras_visual_servo_sim import ArasError
+from aras_visual_servo_sim import ArasError, ParameterError, UnknownNameError
 
-from ...world.errors import BadValueError, GazeboError, UnknownEntityError
 from ..convert import stamp
 
 
@@ -33,7 +32,7 @@ class Services:
         def respond(request):
             try:
                 made = response(True, done, answer(request) or {})
-            except (GazeboError, ArasError, OSError) as error:
+            except (ArasError, OSError) as error:
                 rospy.logerr("%s: %s" % (name, error))
                 made = response(False, str(error), {})
             if hasattr(made, "stamp"):
@@ -43,14 +42,14 @@ class Services:
 
 
 def found(find, name, answer):
-    """find(name). Raises: UnknownEntityError with this answer, in Gazebo's own words."""
+    """find(name). Raises: UnknownNameError with this answer, in Gazebo's own words."""
     try:
         return find(name)
-    except UnknownEntityError as error:
-        raise UnknownEntityError(answer) from error
+    except UnknownNameError as error:
+        raise UnknownNameError(answer) from error
 
 
 def require_finite(what, *values):
-    """Raises: BadValueError unless all are finite numbers."""
+    """Raises: ParameterError unless all are finite numbers."""
     if not all(map(math.isfinite, values)):
-        raise BadValueError("%s: found a number that is not finite, allowed are finite numbers" % what)
+        raise ParameterError("%s: found a number that is not finite, allowed are finite numbers" % what)

@@ -5,8 +5,9 @@ import pathlib
 
 from aras_visual_servo_msgs.srv import RestoreState, SaveState
 
+from aras_visual_servo_sim import ParameterError
+
 from ...world import snapshot
-from ...world.errors import BadValueError
 from .serve import Services
 
 MOST = 100  #: states that are kept
@@ -21,21 +22,21 @@ class StateServices(Services):
     def _save(self, request):
         name, state = request.name or "state_%d" % next(self._numbers), snapshot.saved(self.world)
         if name not in self._kept and len(self._kept) >= MOST:
-            raise BadValueError("save_state: found %d states that are kept, allowed are up to %d" %
-                                (len(self._kept), MOST))
+            raise ParameterError("save_state: found %d states that are kept, allowed are up to %d" %
+                                 (len(self._kept), MOST))
         if request.file:
             pathlib.Path(request.file).write_bytes(state)
         self._kept[name] = state
         return {"message": "state of %.3f s" % (1e-9 * self.world.time_ns), "name": name}
 
     def _found(self, request):
-        """bytes. Raises: BadValueError, OSError."""
+        """bytes. Raises: ParameterError, OSError."""
         if bool(request.name) == bool(request.file):
-            raise BadValueError("restore_state: found %s of name and file, allowed one of them" %
-                                ("both" if request.name else "neither"))
+            raise ParameterError("restore_state: found %s of name and file, allowed one of them" %
+                                 ("both" if request.name else "neither"))
         if request.file:
             return pathlib.Path(request.file).read_bytes()
         if request.name not in self._kept:
-            raise BadValueError("restore_state: found name '%s', allowed: %s" %
-                                (request.name, ", ".join(self._kept) or "none was saved"))
+            raise ParameterError("restore_state: found name '%s', allowed: %s" %
+                                 (request.name, ", ".join(self._kept) or "none was saved"))
         return self._kept[request.name]

@@ -7,8 +7,9 @@ from geometry_msgs.msg import Vector3
 from std_msgs.msg import ColorRGBA, Header
 from std_srvs.srv import Empty
 
+from aras_visual_servo_sim import ArasError
+
 from ...sdf.world import GROUND
-from ...world.errors import GazeboError
 from ...world.poses import rotated
 from ..convert import pose_message, pose_of, stamp, twist_message, twist_of
 from .serve import Services, found, require_finite
@@ -67,7 +68,7 @@ class WorldServices(Services):
         return {"header": header, "pose": pose_message(X_FW @ X_WM), "twist": twist_message(rotated(X_FW, twist))}
 
     def place(self, state):
-        """What the topic set_model_state does too. Raises: GazeboError."""
+        """What the topic set_model_state does too. Raises: ArasError."""
         model = found(self.world.model, state.model_name, "SetModelState: model does not exist")
         X_WF, _ = found(self.world.frame, state.reference_frame,
                         "SetModelState: specified reference frame entity does not exist")
@@ -78,7 +79,7 @@ class WorldServices(Services):
     def _configure(self, request):
         model = found(self.world.model, request.model_name, "SetModelConfiguration: model does not exist")
         if len(request.joint_names) != len(request.joint_positions):
-            raise GazeboError("SetModelConfiguration: joint name and position list have different lengths")
+            raise ArasError("SetModelConfiguration: joint name and position list have different lengths")
         model.set_joints(dict(zip(request.joint_names, request.joint_positions)))
 
     def _model(self, request):
