@@ -328,24 +328,18 @@ def main() -> int:
             with study("report").Drawing(at_once=False) as drawing:
                 rospy.init_node("experiment", disable_signals=True)  # rospy would not end what runs in the main thread
                 path = rospy.get_param("~exit_code_file", "")
-                code = _run(drawing)
+                code = ExperimentNode(drawing).run()
         except Interrupted as interrupt:
             rospy.logfatal("%s", interrupt)
             code = interrupt.exit_code
+        except ParameterError as error:
+            rospy.logfatal("bad parameters:\n%s", error)
+            code = EXIT_PARAMETERS
+        except (ArasError, rospy.ROSException, rospy.ServiceException) as error:
+            rospy.logfatal("%s", error)
         if path:
             Path(path).write_text(f"{code}\n", encoding="ascii")
         return code
-
-
-def _run(drawing):
-    try:
-        return ExperimentNode(drawing).run()
-    except ParameterError as error:
-        rospy.logfatal("bad parameters:\n%s", error)
-        return EXIT_PARAMETERS
-    except (ArasError, rospy.ROSException, rospy.ServiceException) as error:
-        rospy.logfatal("%s", error)
-        return EXIT_BROKEN
 
 
 if __name__ == "__main__":
