@@ -1,34 +1,16 @@
 """What the adapters of all types of controllers share: a controller's place in the world and in the ROS graph."""
 from ..node.outlet import Outlet
 
-_ADAPTERS = {}
-_STAND_INS = {}
+#: Class that serves each type of controller.
+ADAPTERS = {}
 
 
-def register(*types, stand_in=None):
-    """Decorator: the class serves these types of controllers. stand_in(parameters) gives those of a controller that the
-    simulator has in the place of these types."""
+def register(*types):
+    """Decorator: the class serves these types of controllers."""
     def note(adapter):
-        _ADAPTERS.update((each, adapter) for each in types)
-        _STAND_INS.update((each, stand_in) for each in types if stand_in)
+        ADAPTERS.update(dict.fromkeys(types, adapter))
         return adapter
     return note
-
-
-def adapter_of(kind):
-    """Class that serves a type of controller."""
-    return _ADAPTERS[kind]
-
-
-def parameters_of(parameters):
-    """What the simulator is to load for the parameters of a controller. Raises: ArasError."""
-    translate = _STAND_INS.get(parameters.get("type") if isinstance(parameters, dict) else None)
-    return parameters if translate is None else translate(parameters)
-
-
-def types_of_adapters():
-    """Types that are known here and not to the simulator."""
-    return list(_STAND_INS)
 
 
 class Adapter(Outlet):
@@ -43,6 +25,11 @@ class Adapter(Outlet):
         self.name, self.place, self.space, self.joints = name, place, space, joints
         self.running = False
         super().__init__(world, model, work)
+
+    @staticmethod
+    def stand_in(parameters):
+        """What the simulator is to load for the parameters of such a controller. Raises: ArasError."""
+        return parameters
 
     def topic(self, name):
         return self.place + "/" + name

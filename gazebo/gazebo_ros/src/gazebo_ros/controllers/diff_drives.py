@@ -31,12 +31,6 @@ def sides(parameters):
     return names
 
 
-def as_group(parameters):
-    """The simulator turns its wheels as a group of joints with one list of velocities."""
-    left, right = sides(parameters)
-    return {"type": "velocity_controllers/JointGroupVelocityController", "joints": left + right}
-
-
 class Limit:
     """Bounds of a speed and of its change, parameters linear/x or angular/z."""
 
@@ -61,8 +55,14 @@ class Limit:
         return min(max(wanted, before + lower * dt_s), before + upper * dt_s)
 
 
-@register("diff_drive_controller/DiffDriveController", stand_in=as_group)
+@register("diff_drive_controller/DiffDriveController")
 class DiffDriveController(Adapter):
+    @staticmethod
+    def stand_in(parameters):
+        """The simulator turns its wheels as a group of joints with one list of velocities."""
+        left, right = sides(parameters)
+        return {"type": "velocity_controllers/JointGroupVelocityController", "joints": left + right}
+
     def open(self):
         self._parameters = {**DEFAULTS, **(rospy.get_param(self.place, None) or {})}
         self._left, self._right = sides(self._parameters)
@@ -91,8 +91,7 @@ class DiffDriveController(Adapter):
         if given is None:
             given = self.model.radius_of(self.model.description.children[self._left[0]])
         if given is None:
-            raise ParameterError("wheel_radius: is missing, must be there where a wheel is no cylinder or "
-                                 "sphere")
+            raise ParameterError("wheel_radius: is missing, must be there where a wheel is no cylinder or sphere")
         return float(given)
 
     def _command(self, message):

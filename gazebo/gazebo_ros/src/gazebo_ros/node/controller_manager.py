@@ -5,9 +5,9 @@ from controller_manager_msgs.srv import (ListControllers, ListControllerTypes, L
                                          ReloadControllerLibraries, SwitchController, SwitchControllerRequest,
                                          UnloadController)
 
-from aras_visual_servo_sim import ArasError, Simulation
+from aras_visual_servo_sim import ArasError
 
-from ..controllers import adapter_of, parameters_of, types_of_adapters
+from ..controllers import ADAPTERS, Adapter
 from ..world.devices import joined
 from .outlet import NEVER_NS, Outlet
 
@@ -53,7 +53,8 @@ class ControllerManager(Outlet):
         try:
             asked = rospy.get_param(joined(self._space, request.name), None) or {}
             kind = asked.get("type", "") if isinstance(asked, dict) else ""
-            for warning in self.model.load_controller(request.name, parameters_of(asked), kind):
+            stand_in = ADAPTERS.get(kind, Adapter).stand_in
+            for warning in self.model.load_controller(request.name, stand_in(asked), kind):
                 rospy.logwarn("%s: %s" % (self._space, warning))
             try:
                 self._adapt(request.name, kind, self.simulation.loaded_controllers()[-1]["joints"])
@@ -67,8 +68,8 @@ class ControllerManager(Outlet):
 
     def _adapt(self, name, kind, joints):
         """Gives topics to a controller that is loaded."""
-        self._adapters[name] = adapter_of(kind)(name, joined(self._space, name), self._space, self.model, joints,
-                                                self.work, self.world)
+        self._adapters[name] = ADAPTERS[kind](name, joined(self._space, name), self._space, self.model, joints,
+                                              self.work, self.world)
         self._types_asked[name] = kind
 
     def _unload(self, request):
@@ -116,7 +117,7 @@ class ControllerManager(Outlet):
 
     @staticmethod
     def _types(_request):
-        types = sorted(Simulation.controller_types() + types_of_adapters())
+        types = sorted(ADAPTERS)
         return types, [BASE_CLASS] * len(types)
 
     def _reload(self, request):

@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ElementTree
 
 from aras_visual_servo_sim import ModelError
 
-from .depth_cameras import is_realsense, read_kinects, read_realsense, sibling
+from .depth_cameras import CameraTopics, is_realsense, read_kinects, read_realsense
 from .devices import TRUE, DiffDrive, joined, motorize, read_device, text
 from .looks import drop_missing_meshes, paint_as_gazebo
 
@@ -15,15 +15,6 @@ CONTROL, CAMERA = "gazebo_ros_control", "camera"
 NEEDLESS = ("mimic_joint",)
 NAMED = re.compile(r"(['\">]\s*)(?:package|model)://([^/'\"<]+)")
 MOVING = {"revolute": 0, "continuous": 1, "prismatic": 2}
-
-
-@dataclasses.dataclass(frozen=True)
-class CameraTopics:
-    """Topics of one camera, full names. image and info are "" of a camera that only sees depth."""
-    image: str
-    info: str
-    trigger: str
-    depth: object = None    #: Depth of world/depth_cameras.py, None of a camera that does not see it
 
 
 @dataclasses.dataclass(frozen=True)
@@ -156,8 +147,7 @@ def deep_cameras_of(robot, namespace, warnings):
             found.update(read_realsense(robot, plugin, warnings))
     except ValueError as error:
         raise ModelError("SpawnModel: plugin of a depth camera: %s" % error) from error
-    return {name: CameraTopics(image, info, sibling(info or depth.info, "image_trigger"), depth)
-            for name, (image, info, depth) in found.items()}
+    return found
 
 
 def ends_of(robot, end):
