@@ -7,7 +7,6 @@ already hold its lock when they are called, so they only put work into the worke
 """
 
 import queue
-import sys
 import threading
 import time
 import traceback
@@ -398,7 +397,3 @@ def main(make: Callable[[], Any] = ControllerNode) -> int:
         return EXIT_PARAMETERS
     node.spin()
     return EXIT_STOPPED
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -9,7 +9,6 @@ The node waits on wall time, because simulated time stands still while the simul
 
 import dataclasses
 import os
-import sys
 import threading
 import time
 from pathlib import Path
@@ -340,7 +339,3 @@ def main() -> int:
         if path:
             Path(path).write_text(f"{code}\n", encoding="ascii")
         return code
-
-
-if __name__ == "__main__":
-    sys.exit(main())

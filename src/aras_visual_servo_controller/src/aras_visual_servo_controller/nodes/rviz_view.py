@@ -5,7 +5,6 @@ sees (`camera_frustum`), and buttons in the 3-D view (`buttons`): run again, ser
 It listens only, but for what a button asks for.
 """
 
-import sys
 import time
 from collections import OrderedDict
 from typing import Any
@@ -168,7 +167,3 @@ def main() -> int:
         return EXIT_PARAMETERS
     rospy.spin()
     return EXIT_STOPPED
-
-
-if __name__ == "__main__":
-    sys.exit(main())
