@@ -1,6 +1,5 @@
 """The programs gzserver and gazebo: the node `gazebo` with the command line of Gazebo's server."""
 import argparse
-import sys
 
 import rospy
 
@@ -58,7 +57,3 @@ def world_of(name, folders):
     if name in EMPTY:
         return read_world(EMPTY_WORLD, False, folders)
     raise FileNotFoundError("Could not open file[%s]" % name)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

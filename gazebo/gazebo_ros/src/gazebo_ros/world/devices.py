@@ -7,7 +7,7 @@ import numpy
 
 from aras_visual_servo_sim import ModelError
 
-from .poses import IDENTITY, matrix_of_rpy
+from ..sdf.document import pose_of
 
 TRUE = ("true", "1")  #: how a tag says yes, in lower case
 
@@ -242,22 +242,8 @@ def laser(plugin, sensor, link, namespace):
         link=link, topic=named(namespace, text(plugin, "topicName", "/world")),
         frame=text(plugin, "frameName", "/world").lstrip("/"), rate_hz=number(sensor, "update_rate", 0.0),
         horizontal=horizontal, vertical=vertical, range_min_m=nearest, range_max_m=farthest,
-        noise_mean=number(noise, "mean", 0.0), noise=number(noise, "stddev", 0.0), X_LS=sensor_pose(sensor),
+        noise_mean=number(noise, "mean", 0.0), noise=number(noise, "stddev", 0.0), X_LS=pose_of(sensor, "sensor"),
         sees_visuals=sensor.get("type") in ("gpu_ray", "gpu_lidar"))
-
-
-def sensor_pose(sensor):
-    """(4, 4) of a sensor's <pose>. Raises: ValueError."""
-    words = text(sensor, "pose").split()
-    if not words:
-        return IDENTITY
-    try:
-        values = [float(word) for word in words]
-    except ValueError:
-        values = []
-    if len(values) != 6 or not numpy.isfinite(values).all():
-        raise ValueError("<pose>: found %s, allowed are 6 finite numbers" % " ".join(words))
-    return matrix_of_rpy(values[:3], values[3:])
 
 
 def motorize(robot, drive):

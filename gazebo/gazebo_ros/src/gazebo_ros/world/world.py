@@ -11,7 +11,7 @@ from .model import Model
 from .poses import IDENTITY
 from .pushes import Pushes
 from ..sdf.document import NoFolders, expanded
-from ..sdf.materials import resolve_scripts
+from ..sdf.materials import painted, with_transmissions
 from ..sdf.model import model_of
 from ..sdf.world import GROUND, height_of
 from ..urdf.properties import with_joint, with_link
@@ -42,11 +42,6 @@ class World:
     @property
     def period_ns(self):
         return self.core.period_ns
-
-    @property
-    def ticks(self):
-        """Periods since the start, the last reset, or the last change of the period."""
-        return self.core.ticks
 
     @property
     def time_ns(self):
@@ -333,30 +328,3 @@ class World:
     def _lift(self):
         for model in self.models.values():
             model.push({}, {})
-
-
-def painted(xml, folders):
-    """A URDF with what scripts of materials say in their place, and a list of what is ignored of them."""
-    if "<script" not in xml:
-        return xml, []
-    try:
-        robot = ElementTree.fromstring(xml)
-    except ElementTree.ParseError:
-        return xml, []  # who reads it says what is wrong
-    warnings = []
-    resolve_scripts(robot, folders, warnings)
-    return ElementTree.tostring(robot, encoding="unicode"), warnings
-
-
-def with_transmissions(urdf, described):
-    """A URDF with the <transmission>s that another one has of its joints."""
-    if not described:
-        return urdf
-    robot = ElementTree.fromstring(urdf)
-    joints = {joint.get("name") for joint in robot.findall("joint")}
-    try:
-        robot.extend(each for each in ElementTree.fromstring(described).findall("transmission")
-                     if joints.issuperset(end.get("name") for end in each.findall("joint")))
-    except ElementTree.ParseError:
-        return urdf  # no URDF: then it has none
-    return ElementTree.tostring(robot, encoding="unicode")
